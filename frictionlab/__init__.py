@@ -1,0 +1,84 @@
+"""Friction-induced vibration: models, an exact event-driven solver, stability, figures.
+
+>>> import frictionlab as fl
+>>> model = fl.SliderOnBelt(mu_k=1.4)
+>>> run = fl.simulate(model, 1.0)
+
+Names are loaded when they are first used, so that the import itself costs nothing.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+from frictionlab._version import __version__
+
+if TYPE_CHECKING:
+    from frictionlab.analysis.simulate import load, simulate
+    from frictionlab.automaton import Event, HybridAutomaton, Mode, Reset
+    from frictionlab.components import (
+        ContactLaw,
+        Coulomb,
+        CubicContact,
+        FixedLoad,
+        FrictionLaw,
+        ImpactLaw,
+        LinearContact,
+        MovingLoad,
+        PlasticImpact,
+        RestitutionImpact,
+        SlidingOnly,
+        SlidingSeparation,
+        StickSlip,
+        StickSlipSeparation,
+        parameter,
+    )
+    from frictionlab.hybrid.rk4 import RK4
+    from frictionlab.hybrid.scipy_methods import Scipy
+    from frictionlab.hybrid.solve import solve
+    from frictionlab.hybrid.status import Status
+    from frictionlab.hybrid.taylor import Taylor
+    from frictionlab.hybrid.trajectory import Trajectory
+    from frictionlab.models import SliderOnBelt
+    from frictionlab.plotting import plot_run
+    from frictionlab.stability import eigenvalues, equilibria, equilibrium
+
+# Public name -> module that holds it.
+_HOMES = {
+    "analysis.simulate": "simulate load",
+    "automaton": "HybridAutomaton Mode Event Reset",
+    "components": "ContactLaw CubicContact LinearContact FrictionLaw Coulomb MovingLoad FixedLoad ImpactLaw "
+    "PlasticImpact RestitutionImpact StickSlipSeparation StickSlip SlidingSeparation SlidingOnly parameter",
+    "hybrid.rk4": "RK4",
+    "hybrid.scipy_methods": "Scipy",
+    "hybrid.solve": "solve",
+    "hybrid.status": "Status",
+    "hybrid.taylor": "Taylor",
+    "hybrid.trajectory": "Trajectory",
+    "models": "SliderOnBelt",
+    "plotting": "plot_run",
+    "stability": "equilibria equilibrium eigenvalues",
+}
+_HOME = {name: module for module, names in _HOMES.items() for name in names.split()}
+
+__all__ = [  # static tools read the imports above
+    "__version__",
+    *_HOME,
+]
+
+
+def __getattr__(name: str) -> Any:
+    if name in _HOME:
+        value = getattr(import_module(f"frictionlab.{_HOME[name]}"), name)
+        globals()[name] = value
+        return value
+    from difflib import get_close_matches
+
+    close = get_close_matches(name.lower(), [n.lower() for n in __all__], n=1)
+    hint = [f": did you mean {n!r}?" for n in __all__ if [n.lower()] == close][:1]
+    raise AttributeError(f"module 'frictionlab' has no attribute {name!r}{''.join(hint)}")
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

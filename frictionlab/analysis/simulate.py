@@ -1,0 +1,115 @@
+"""`fl.simulate`: run a model; `fl.load`: a saved run."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from frictionlab.hybrid.choice import method_of
+from frictionlab.hybrid.methods import Method
+from frictionlab.hybrid.solve import solve
+from frictionlab.hybrid.storage import read
+from frictionlab.hybrid.trajectory import Trajectory
+from frictionlab.hybrid.validation import check_choice
+from frictionlab.models import Model, SliderOnBelt
+from frictionlab.stability import equilibrium
+
+NEAR = 1.01  # "near": the equilibrium displaced by one percent
+
+
+def simulate(
+    model: Any,
+    t_end: float,
+    *,
+    x0: Any = "rest",
+    method: str | Method = "taylor",
+    t_eval: Any = None,
+    sections: Mapping[str, Any] | None = None,
+    quadratures: Mapping[str, Any] | None = None,
+    progress: bool = True,
+) -> Trajectory:
+    """Run a model from 0 to `t_end`.
+
+    Parameters
+    ----------
+    model : SliderOnBelt
+    t_end : float
+        End time in seconds, positive.
+    x0 : "rest", "near" or array_like (2n,)
+        "rest": coordinates and velocities zero.  "near": the sliding equilibrium with its coordinates
+        displaced by one percent, velocities zero.  An array holds coordinates, then velocities.
+    method : "taylor", Taylor(...), "rk4", RK4(...), Scipy(...), or the name of a scipy method
+        "taylor" is exact to rounding; RK4 is the paper's algorithm.
+    t_eval : array_like or None
+        Ascending times of the samples; None samples every step.
+    sections, quadratures : mapping or None
+        See :func:`frictionlab.solve`.
+    progress : bool
+        Show a progress bar on runs of more than a second.
+
+    Returns
+    -------
+    Trajectory
+        Also where the run ended early, interrupted by ctrl-C included: see ``run.status``.
+
+    Raises
+    ------
+    ValueError
+        For bad arguments, or ``x0="near"`` where there is no equilibrium; before any work is done.
+
+    Examples
+    --------
+    >>> import frictionlab as fl
+    >>> run = fl.simulate(fl.SliderOnBelt(mu_k=1.4), 0.05)
+    >>> run.events.target.tolist()
+    ['stick']
+    """
+    if not isinstance(model, Model):
+        raise TypeError(
+            f"model must be a model such as SliderOnBelt, got {model!r}: use fl.solve for an automaton"
+        )
+    method_of(method)
+    options: dict[str, Any] = {"sections": sections, "quadratures": quadratures, "progress": progress}
+    start = initial_state(model, x0)
+    run = solve(model.automaton(), t_end, x0=start, method=method, t_eval=t_eval, source=model, **options)
+    run.description["model"] = model.to_dict()
+    return run
+
+
+def initial_state(model: Any, x0: Any) -> Any:
+    """The state (2n,) that a name stands for; anything else is returned as it is."""
+    if not isinstance(x0, str):
+        return x0
+    check_choice("x0", x0, ("rest", "near"))
+    n = len(model.coordinates)
+    start = np.zeros(2 * n)
+    if x0 == "near":
+        start[:n] = NEAR * equilibrium(model).q
+    return start
+
+
+def load(path: str | Path, model: Any = None) -> Trajectory:
+    """A run that :meth:`Trajectory.save` wrote.
+
+    Parameters
+    ----------
+    path : path
+    model : model or automaton, optional
+        What ran, where the file cannot tell: needed for automata of :func:`frictionlab.solve`, and for
+        laws of your own that are not defined in this session.
+
+    Raises
+    ------
+    ValueError
+        Where the file is no saved run, or its model cannot be made.
+    """
+    stored = read(path)
+    if model is None and "model" in stored.description:
+        model = SliderOnBelt.from_dict(stored.description["model"])
+    if model is None:
+        raise ValueError(f"{path} holds a run of an automaton: give it as load(path, model=automaton)")
+    automaton = model.automaton() if isinstance(model, Model) else model
+    return stored.trajectory(automaton, source=model if isinstance(model, Model) else None)

@@ -1,0 +1,115 @@
+"""A hybrid automaton as plain data: modes with a flow, event functions that guard them, resets.
+
+This module is the common language of the models, which write automata, and of the solver, which runs
+them.  It knows nothing of friction and does no work: expressions are sympy expressions in the state and
+parameter symbols, and :mod:`frictionlab.hybrid` turns them into numbers.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import Any
+
+# sympy's types, named without importing sympy: this module only carries them.
+Expr = Any
+Symbol = Any
+
+NOTHING: Mapping[Any, Any] = MappingProxyType({})
+
+
+@dataclass(frozen=True, eq=False)
+class Reset:
+    """What jumps at an event.
+
+    Parameters
+    ----------
+    jump : mapping of Symbol to Expr
+        New values of the states that jump, in terms of the states just before; the others stay.
+    vanishing : mapping of Expr to int
+        Functions of the state that are zero right after the event *by construction*, with the number
+        of their leading Taylor coefficients (value, rate, ...) that vanish.  Those coefficients count
+        as zero, not as the rounding error they would be computed to.  The function that triggered the
+        event and the constraints of the mode it left need not be listed.
+    """
+
+    jump: Mapping[Symbol, Expr] = field(default_factory=dict)
+    vanishing: Mapping[Expr, int] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, eq=False)
+class Event:
+    """A guard: `function` is positive while its mode lasts; where it reaches zero the event happens.
+
+    Parameters
+    ----------
+    name : str
+        What the run's event table calls it, e.g. ``"gap"``.
+    function : Expr
+        The event function.
+    targets : tuple of str
+        Modes to try first, in this order; the automaton's other modes follow in its own order.
+    reset : Reset
+        What happens to the state.
+    accumulation : Reset or None
+        Used instead of `reset` when these events pile up in finite time (chatter).
+    """
+
+    name: str
+    function: Expr
+    targets: tuple[str, ...] = ()
+    reset: Reset = field(default_factory=Reset)
+    accumulation: Reset | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Mode:
+    """A smooth regime: x' = flow(x) while every event function is positive.
+
+    Parameters
+    ----------
+    name : str
+    flow : tuple of Expr
+        Time derivative of every state, in the automaton's order.
+    events : tuple of Event
+    constraints : tuple of Expr
+        Functions that are zero throughout the mode (v_r in stick): a state where they are not cannot
+        enter it.
+    outputs : mapping of str to Expr
+        Named quantities that the trajectory offers as ``run.<name>``; every mode has the same names.
+    """
+
+    name: str
+    flow: tuple[Expr, ...]
+    events: tuple[Event, ...] = ()
+    constraints: tuple[Expr, ...] = ()
+    outputs: Mapping[str, Expr] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, eq=False)
+class HybridAutomaton:
+    """Modes over one state space, and the numbers they need.
+
+    Parameters
+    ----------
+    states : tuple of Symbol
+        Coordinates first, then their velocities, then anything else.
+    modes : tuple of Mode
+        In the order in which they are tried where no event says otherwise, the start included.
+        What is derived from them is remembered per Mode object: build them once, vary `parameters`.
+    parameters : mapping of Symbol to float
+        Every symbol of the expressions that is not a state.
+    coordinates : int
+        How many of the states are coordinates; as many velocities follow them.
+    """
+
+    states: tuple[Symbol, ...]
+    modes: tuple[Mode, ...]
+    parameters: Mapping[Symbol, float] = field(default_factory=dict)
+    coordinates: int = 0
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the modes, in order."""
+        return tuple(mode.name for mode in self.modes)

@@ -1,0 +1,67 @@
+"""Geometries: the coordinates, the gap between slider and belt, and where the contact forces act."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from .component import Component
+
+
+@dataclass(frozen=True, repr=False)
+class Geometry(Component):
+    """Base of the geometries.
+
+    The contact forces enter the equations of motion as W_N F_N + W_T F_T.
+    """
+
+    coordinates: ClassVar[tuple[str, ...]]
+
+    def gap(self, *q: Any) -> Any:
+        """Compression of the contact (m) at the coordinates `q`; negative in flight."""
+        raise NotImplementedError(f"{type(self).__name__} must define gap(...)")
+
+    def normal(self, *q: Any) -> tuple[Any, ...]:
+        """W_N: where the normal force enters."""
+        raise NotImplementedError(f"{type(self).__name__} must define normal(...)")
+
+    def tangent(self, *q: Any) -> tuple[Any, ...]:
+        """W_T: where the friction force enters, the factors of F_T in Eq. (1)."""
+        return (1, 0, -1, 0, 0)[: len(q)]
+
+
+@dataclass(frozen=True, repr=False)
+class MovingLoad(Geometry):
+    """The slider travels along a belt that may tilt by phi: the geometrical nonlinearity of Eqs. (1), (2).
+
+    gap = y2 - (x1 - x2) phi - y1 and W_N = (0, 1, 0, -1, x1 - x2).  As in the paper the normal force acts
+    vertically, so W_N is not the gradient of the gap.
+    """
+
+    coordinates: ClassVar[tuple[str, ...]] = ("x1", "y1", "x2", "y2", "phi")
+
+    def gap(self, x1: Any, y1: Any, x2: Any, y2: Any, phi: Any) -> Any:
+        """Compression (m), the bracket of Eq. (2); lengths in m, `phi` in rad."""
+        return y2 - (x1 - x2) * phi - y1
+
+    def normal(self, x1: Any, y1: Any, x2: Any, y2: Any, phi: Any) -> tuple[Any, ...]:
+        """W_N, the factors of F_N in Eq. (1); the last is a lever (m)."""
+        return (0, 1, 0, -1, x1 - x2)
+
+
+@dataclass(frozen=True, repr=False)
+class FixedLoad(Geometry):
+    """The belt does not rotate: Eqs. (1), (2) with phi = 0 and without its equation.
+
+    gap = y2 - y1 and W_N = (0, 1, 0, -1).
+    """
+
+    coordinates: ClassVar[tuple[str, ...]] = ("x1", "y1", "x2", "y2")
+
+    def gap(self, x1: Any, y1: Any, x2: Any, y2: Any) -> Any:
+        """Compression (m)."""
+        return y2 - y1
+
+    def normal(self, x1: Any, y1: Any, x2: Any, y2: Any) -> tuple[Any, ...]:
+        """W_N, the factors of F_N in Eq. (1)."""
+        return (0, 1, 0, -1)

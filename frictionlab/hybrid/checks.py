@@ -1,0 +1,61 @@
+"""Is an automaton well formed?  One clear error before any work is done."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import sympy as sp
+
+from frictionlab.automaton import Mode
+
+
+def check_structure(
+    states: Sequence[sp.Symbol],
+    modes: Sequence[Mode],
+    parameters: Sequence[sp.Symbol],
+    coordinates: int,
+) -> None:
+    """Raise ValueError with what was got, what was expected and the cure."""
+    names = [mode.name for mode in modes]
+    if not modes:
+        raise ValueError("an automaton needs at least one mode, got none: add a frictionlab.Mode")
+    if len(set(names)) < len(names):
+        raise ValueError(f"mode names must differ, got {names}: rename one")
+    if not 0 <= 2 * coordinates <= len(states):
+        raise ValueError(
+            f"coordinates must leave room for as many velocities among the {len(states)} states, "
+            f"got {coordinates}: list the coordinates first, then their velocities"
+        )
+    for mode in modes:
+        _check_mode(mode, names, set(states), set(parameters))
+
+
+def _check_mode(mode: Mode, names: list[str], states: set, parameters: set) -> None:
+    if len(mode.flow) != len(states):
+        raise ValueError(
+            f"the flow of mode {mode.name!r} must have one expression per state ({len(states)}), "
+            f"got {len(mode.flow)}: give each state its time derivative"
+        )
+    for event in mode.events:
+        if unknown := [name for name in event.targets if name not in names]:
+            raise ValueError(
+                f"event {event.name!r} of mode {mode.name!r} leads to {unknown}, "
+                f"but the modes are {names}: correct its targets"
+            )
+    known = states | parameters
+    for what, expr in _expressions(mode):
+        if strange := sp.sympify(expr).free_symbols - known:
+            raise ValueError(
+                f"{what} of mode {mode.name!r} uses {sorted(map(str, strange))}, which is neither a state "
+                "nor a parameter: add it to the automaton's parameters"
+            )
+
+
+def _expressions(mode: Mode):
+    yield from (("the flow", expr) for expr in mode.flow)
+    yield from (("a constraint", expr) for expr in mode.constraints)
+    yield from ((f"output {name!r}", expr) for name, expr in mode.outputs.items())
+    for event in mode.events:
+        yield f"event {event.name!r}", event.function
+        for reset in filter(None, (event.reset, event.accumulation)):
+            yield from ((f"the reset of event {event.name!r}", expr) for expr in reset.jump.values())

@@ -1,0 +1,76 @@
+"""One decorator for every numerical kernel: compiled and cached where numba exists, plain Python where not.
+
+The compiled code is kept in a folder of the user, named by a digest of all kernel sources and the
+versions, because numba's own cache neither survives a read-only installation nor notices that a
+function *called* by a cached one, in another file, has changed.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import sys
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+SWITCH = "FRICTIONLAB_DISABLE_NUMBA"
+
+
+def _numba() -> Any:
+    if os.environ.get(SWITCH, "0") not in ("", "0"):
+        return None
+    try:
+        import numba
+    except ImportError:  # Pyodide, or a platform without llvmlite
+        return None
+    return numba
+
+
+def _digest(numba: Any) -> str:
+    sources = (path.read_bytes() for path in sorted(Path(__file__).parent.glob("*.py")))
+    text = b"".join(source for source in sources if b"@kernel" in source)
+    versions = f"{numba.__version__} {sys.version}".encode()
+    return hashlib.sha256(text + versions).hexdigest()[:16]
+
+
+def _user_cache() -> Path:
+    if chosen := os.environ.get("FRICTIONLAB_CACHE_DIR"):
+        return Path(chosen)
+    if sys.platform == "win32":
+        return Path(os.environ.get("LOCALAPPDATA") or Path.home() / "AppData" / "Local") / "frictionlab"
+    if sys.platform == "darwin":
+        return Path.home() / "Library" / "Caches" / "frictionlab"
+    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "frictionlab"
+
+
+def cache_folder(numba: Any) -> str:
+    """First writable folder for compiled code: the user's cache, else the temporary folder."""
+    private = f"frictionlab-{os.environ.get('USER') or os.environ.get('USERNAME') or 'user'}"
+    for base in (_user_cache, lambda: Path(tempfile.gettempdir()) / private):
+        try:
+            folder = base() / _digest(numba)
+            folder.mkdir(parents=True, exist_ok=True)
+            with tempfile.TemporaryFile(dir=folder):
+                return str(folder)
+        except (OSError, RuntimeError):  # read-only, no home folder
+            continue
+    return ""
+
+
+NUMBA = _numba()
+_FOLDER = cache_folder(NUMBA) if NUMBA else ""
+
+
+def kernel(function: Callable) -> Callable:
+    """Compile `function` on its first call, once per machine; without numba return it as it is."""
+    if NUMBA is None:
+        return function
+    before = NUMBA.config.CACHE_DIR
+    NUMBA.config.CACHE_DIR = _FOLDER or before
+    try:
+        options = {"nogil": True, "error_model": "numpy", "boundscheck": False}
+        return NUMBA.njit(cache=bool(_FOLDER), **options)(function)
+    finally:
+        NUMBA.config.CACHE_DIR = before

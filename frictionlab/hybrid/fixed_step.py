@@ -1,0 +1,158 @@
+"""Kernels of the paper's algorithm (its Fig. 19): fixed steps, conditions looked at when a step is over."""
+
+from __future__ import annotations
+
+from frictionlab.hybrid.compiled import kernel
+from frictionlab.hybrid.guards import NOISE
+from frictionlab.hybrid.jets import copy, majorant, mode_jets
+from frictionlab.hybrid.stepping import (
+    END,
+    ENTERED,
+    EVENTS,
+    FINISHED,
+    MODE,
+    NO_ADMISSIBLE_MODE,
+    NOT_FINITE,
+    NOW,
+    RUNNING,
+    STEPS,
+)
+from frictionlab.hybrid.transitions import NO_MODE, apply_reset
+
+HALVINGS = 50
+
+
+@kernel
+def field(code, numbers, mode, z, J, dz):
+    """Time derivative of the states; leaves the values of all slots in column 0 of `J`."""
+    mode_jets(code, numbers, mode, 0, z, J)
+    for i in range(z.shape[0]):
+        dz[i] = J[code.flow[mode, i], 0]
+
+
+@kernel
+def rk4_step(code, numbers, mode, z, h, J, stages, new):
+    """Classical Runge-Kutta step from `z`; `stages` (5, states) is scratch."""
+    shifted = stages[4]
+    field(code, numbers, mode, z, J, stages[0])
+    for s in range(1, 4):
+        share = h if s == 3 else 0.5 * h
+        for i in range(z.shape[0]):
+            shifted[i] = z[i] + share * stages[s - 1, i]
+        field(code, numbers, mode, shifted, J, stages[s])
+    for i in range(z.shape[0]):
+        new[i] = z[i] + h / 6.0 * (stages[0, i] + 2.0 * (stages[1, i] + stages[2, i]) + stages[3, i])
+
+
+@kernel
+def failed_guard(code, numbers, mode, z, J):
+    """First guard of the mode that is negative at `z`; -1 where all hold, -2 where one is no number."""
+    mode_jets(code, numbers, mode, 0, z, J)
+    for i in range(z.shape[0]):
+        if not abs(z[i]) < 1e300:
+            return -2
+    for g in range(code.mode_guards[mode], code.mode_guards[mode + 1]):
+        if J[code.function_slots[g], 0] < 0.0:
+            return g
+    return -1
+
+
+@kernel
+def bisect(code, numbers, mode, z, h, J, stages, new):
+    """Shortest step after which a guard fails, given that one fails after `h`; (step, guard)."""
+    lo = 0.0
+    hi = h
+    for _ in range(HALVINGS):
+        middle = 0.5 * (lo + hi)
+        rk4_step(code, numbers, mode, z, middle, J, stages, new)
+        if failed_guard(code, numbers, mode, new, J) == -1:
+            lo = middle
+        else:
+            hi = middle
+    rk4_step(code, numbers, mode, z, hi, J, stages, new)
+    return hi, failed_guard(code, numbers, mode, new, J)
+
+
+@kernel
+def enter_by_values(code, numbers, absolute, guard, z, work):
+    """First target whose conditions hold by their values alone; what the event made zero holds.
+
+    So slip is entered after a re-contact whatever the gap rate.
+    """
+    J = work.jets
+    declared = code.declared[guard, 0]
+    for mode in code.targets[guard]:
+        mode_jets(code, numbers, mode, 0, z, J)
+        majorant(code, absolute, mode, 0, z, work.bounds)
+        fits = True
+        for g in range(code.mode_guards[mode], code.mode_guards[mode + 1]):
+            if declared[g] == 0 and J[code.function_slots[g], 0] < 0.0:
+                fits = False
+        for f in range(code.mode_constraints[mode], code.mode_constraints[mode + 1]):
+            slot = code.function_slots[f]
+            if declared[f] == 0 and abs(J[slot, 0]) > NOISE * work.bounds[slot, 0]:
+                fits = False
+        if fits:
+            return mode
+    return NO_MODE
+
+
+@kernel
+def change_mode(code, numbers, absolute, guard, cursor, record, work):
+    """Record the event, reset, enter the next mode."""
+    counts = cursor.counts
+    row = counts[EVENTS]
+    record.event_times[row] = cursor.times[NOW]
+    copy(cursor.state, record.event_states[row, 0])
+    apply_reset(code, numbers, code.resets[guard, 0], cursor.state, work.jets)
+    mode = enter_by_values(code, numbers, absolute, guard, cursor.state, work)
+    copy(cursor.state, record.event_states[row, 1])
+    record.event_codes[row, 0] = guard
+    record.event_codes[row, 1] = mode
+    record.event_codes[row, 2] = 0
+    counts[EVENTS] += 1
+    cursor.times[ENTERED] = cursor.times[NOW]
+    if mode == NO_MODE:
+        return NO_ADMISSIBLE_MODE
+    counts[MODE] = mode
+    return RUNNING
+
+
+@kernel
+def fixed_step(code, numbers, absolute, step, cursor, record, work, stages, new):
+    """One step of `step` or what is left, or the part of it up to an event."""
+    times, counts, J = cursor.times, cursor.counts, work.jets
+    mode = counts[MODE]
+    left = times[END] - times[NOW]
+    h = min(step, left)
+    last = h == left
+    rk4_step(code, numbers, mode, cursor.state, h, J, stages, new)
+    guard = failed_guard(code, numbers, mode, new, J)
+    if guard == -2:
+        return NOT_FINITE
+    if guard >= 0:
+        h, guard = bisect(code, numbers, mode, cursor.state, h, J, stages, new)
+    row = counts[STEPS]
+    record.step_times[row, 0] = times[NOW]
+    record.step_times[row, 1] = h
+    record.step_modes[row] = mode
+    copy(cursor.state, record.step_states[row])
+    counts[STEPS] += 1
+    copy(new, cursor.state)
+    times[NOW] = times[END] if last and guard < 0 else times[NOW] + h
+    if guard < 0:
+        return RUNNING
+    return change_mode(code, numbers, absolute, guard, cursor, record, work)
+
+
+@kernel
+def advance_fixed(code, numbers, absolute, step, cursor, record, work, stages, new):
+    """Run until the end, an error, or until a buffer is full (RUNNING)."""
+    times, counts = cursor.times, cursor.counts
+    while times[NOW] < times[END]:
+        if counts[STEPS] == record.step_modes.shape[0] or counts[EVENTS] == record.event_times.shape[0]:
+            return RUNNING
+        status = fixed_step(code, numbers, absolute, step, cursor, record, work, stages, new)
+        if status != RUNNING:
+            return status
+    return FINISHED

@@ -1,0 +1,100 @@
+"""Event functions along a step: do they last, and where is the first that reaches zero?"""
+
+from __future__ import annotations
+
+from frictionlab.hybrid.compiled import kernel
+from frictionlab.hybrid.jets import majorant
+from frictionlab.hybrid.roots import isolate
+
+# Rounding errors are taken to be below this many ulps of the majorant.
+NOISE = 64 * 2.220446049250313e-16
+LOW = 3  # orders that nearly always decide, looked at first
+SUSPECT = 1e-9  # below this share of its terms, a leading coefficient is compared with its rounding error
+NO_GUARD = -1
+
+
+@kernel
+def leading(c, bound, declared, order):
+    """First Taylor coefficient that is not zero; `order + 1` where all are.
+
+    The first `declared` coefficients are zero by construction, others where rounding explains them.
+    """
+    for k in range(declared, order + 1):
+        if abs(c[k]) > NOISE * bound[k]:
+            return k
+    return order + 1
+
+
+@kernel
+def leading_at(code, absolute, mode, slot, declared, z, order, J, bounds):
+    """:func:`leading` of a slot; computes as much of the majorant `bounds` as it needs."""
+    low = min(order, max(LOW, declared))
+    majorant(code, absolute, mode, low, z, bounds)
+    k = leading(J[slot], bounds[slot], declared, low)
+    if k > low and low < order:
+        majorant(code, absolute, mode, order, z, bounds)
+        k = leading(J[slot], bounds[slot], declared, order)
+    return k
+
+
+@kernel
+def smallest(c, m, n, h):
+    """Lower bound of c[m] + c[m+1] s + ... + c[n] s^(n-m) on [0, h]."""
+    total = c[m]
+    power = 1.0
+    for k in range(m + 1, n + 1):
+        power *= h
+        if c[k] < 0.0:
+            total += c[k] * power
+    return total
+
+
+@kernel
+def magnitude(c, m, n, h):
+    """Sum of the absolute terms of c[m] + c[m+1] s + ... at s = h."""
+    total = 0.0
+    power = 1.0
+    for k in range(m, n + 1):
+        total += abs(c[k]) * power
+        power *= h
+    return total
+
+
+@kernel
+def scaled(c, m, n, h, a):
+    """Write the coefficients of c[m] + c[m+1] s + ... in s/h into `a`; return their number minus one."""
+    power = 1.0
+    for k in range(m, n + 1):
+        a[k - m] = c[k] * power
+        power *= h
+    return n - m
+
+
+@kernel
+def first_event(code, absolute, mode, z, order, J, zeros, h, work):
+    """First zero of the mode's guards in [0, h].
+
+    ``zeros[g]`` leading coefficients of guard g count as zero at the start.  Returns the time, the guard
+    (or NO_GUARD and `h`) and the multiplicity of the zero.
+    """
+    first = code.mode_guards[mode]
+    hit = NO_GUARD
+    order_of_hit = 1
+    for g in range(first, code.mode_guards[mode + 1]):
+        slot = code.function_slots[g]
+        c = J[slot]
+        m = zeros[g - first]
+        if m > order or smallest(c, m, order, h) > 0.0:
+            continue
+        if c[m] <= SUSPECT * magnitude(c, m, order, h):
+            m = leading_at(code, absolute, mode, slot, m, z, order, J, work.bounds)
+            if m > order:
+                continue
+            if c[m] < 0.0:
+                return 0.0, g, 1
+        n = scaled(c, m, order, h, work.scaled)
+        if isolate(work.scaled, n, 1, work.stack, work.intervals, work.roots, work.multiplicity):
+            h *= work.roots[0]
+            hit = g
+            order_of_hit = work.multiplicity[0]
+    return h, hit, order_of_hit

@@ -1,0 +1,102 @@
+"""Taylor coefficients through a tape: the inner loop of everything.
+
+A jet array J has one row per slot and one column per order: slot(t + s) = sum_k J[slot, k] s^k.
+Recurrences: Jorba & Zou, Experimental Mathematics 14 (2005), proposition 2.1.
+"""
+
+from __future__ import annotations
+
+from frictionlab.hybrid.compiled import kernel
+
+# Kernels know the operations by these numbers, in the order of tape.NAMES.
+AFFINE, PRODUCT, SQUARE, QUOTIENT = 0, 1, 2, 3
+
+
+@kernel
+def run_tape(code, numbers, first, last, order, flow, sign, J):
+    """Coefficients 0 to `order` of the slots that the operations [first, last) write.
+
+    ``flow[i]`` is the slot that holds the derivative of state i, whose column 0 is given.  `sign` is -1;
+    with +1, and absolute values for numbers and states, the recurrences give a majorant of the jets,
+    which times the machine epsilon bounds their rounding errors.
+    """
+    ops, slots, constants, terms = code.ops, code.term_slots, numbers.constants, numbers.terms
+    inputs = code.inputs
+    for k in range(order + 1):
+        for i in range(first, last):
+            kind = ops[i, 0]
+            a = ops[i, 1]
+            b = ops[i, 2]
+            out = inputs + i - first
+            total = 0.0
+            if kind == AFFINE:
+                if k == 0:
+                    total = constants[i]
+                for j in range(a, b):
+                    total += terms[j] * J[slots[j], k]
+            elif kind == PRODUCT:
+                for j in range(k + 1):
+                    total += J[a, j] * J[b, k - j]
+            elif kind == SQUARE:
+                for j in range((k + 1) // 2):
+                    total += J[a, j] * J[a, k - j]
+                total *= 2.0
+                if k % 2 == 0:
+                    total += J[a, k // 2] * J[a, k // 2]
+            else:
+                total = J[a, k]
+                for j in range(1, k + 1):
+                    total += sign * J[b, j] * J[out, k - j]
+                total /= J[b, 0]
+            J[out, k] = total
+        if k < order:
+            for i in range(inputs):
+                J[i, k + 1] = J[flow[i], k] / (k + 1)
+
+
+@kernel
+def mode_jets(code, numbers, mode, order, z, J):
+    """Taylor coefficients up to `order` of all slots of a mode, at the state `z`."""
+    for i in range(z.shape[0]):
+        J[i, 0] = z[i]
+    run_tape(code, numbers, code.mode_ops[mode], code.mode_ops[mode + 1], order, code.flow[mode], -1.0, J)
+
+
+@kernel
+def majorant(code, absolute, mode, order, z, J):
+    """Majorant of the jets at `z`; `absolute` are the absolute values of the tape's numbers."""
+    for i in range(z.shape[0]):
+        J[i, 0] = abs(z[i])
+    run_tape(code, absolute, code.mode_ops[mode], code.mode_ops[mode + 1], order, code.flow[mode], 1.0, J)
+
+
+@kernel
+def reset_values(code, numbers, reset, z, J):
+    """Values, in column 0 of `J`, of the slots of a reset at the state `z`."""
+    for i in range(z.shape[0]):
+        J[i, 0] = z[i]
+    first, last = code.reset_ops[reset], code.reset_ops[reset + 1]
+    run_tape(code, numbers, first, last, 0, code.reset_out[reset], -1.0, J)
+
+
+@kernel
+def polynomial(c, n, s):
+    """Value at `s` of the polynomial with coefficients c[0..n]."""
+    total = c[n]
+    for k in range(n - 1, -1, -1):
+        total = total * s + c[k]
+    return total
+
+
+@kernel
+def states_at(J, order, s, z):
+    """Write the states at time `s` after the expansion point into `z`."""
+    for i in range(z.shape[0]):
+        z[i] = polynomial(J[i], order, s)
+
+
+@kernel
+def copy(source, target):
+    """Copy a vector; numba compiles a loop much faster than an assignment to a slice."""
+    for i in range(source.shape[0]):
+        target[i] = source[i]

@@ -1,0 +1,121 @@
+"""What the methods share: settings that end a run, and the loop that feeds buffers to `advance`.
+
+A method is one frozen dataclass; to add one, give it ``name``, ``degree`` and :meth:`Method.advance`.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import asdict, dataclass, fields
+from typing import Any, ClassVar
+
+import numpy as np
+
+from frictionlab.hybrid import stepping
+from frictionlab.hybrid.buffers import Pieces, new_record, new_work
+from frictionlab.hybrid.problem import Problem, Raw
+from frictionlab.hybrid.program import Numbers
+from frictionlab.hybrid.progress import Progress
+from frictionlab.hybrid.start import start
+from frictionlab.hybrid.status import Status
+from frictionlab.hybrid.validation import check_number
+
+CHUNK = 2048  # steps between two looks at the progress bar and ctrl-C
+MAX_STEPS = 10_000_000
+MAX_EVENTS = 1_000_000
+
+_ENDS = {
+    stepping.RUNNING: Status.RUNNING,
+    stepping.FINISHED: Status.FINISHED,
+    stepping.NO_ADMISSIBLE_MODE: Status.NO_ADMISSIBLE_MODE,
+    stepping.STALLED: Status.STALLED,
+    stepping.ACCUMULATED: Status.ACCUMULATED,
+    stepping.NOT_FINITE: Status.NOT_FINITE,
+}
+_COUNTED = [stepping.STEPS, stepping.EVENTS, stepping.POINTS]
+
+
+@dataclass(frozen=True)
+class Run:
+    """A problem under way: its arrays, as the kernels take them."""
+
+    problem: Problem
+    absolute: Numbers
+    cursor: stepping.Cursor
+    work: stepping.Work
+
+
+@dataclass(frozen=True)
+class Method(ABC):
+    """Base of all methods; owns the bookkeeping."""
+
+    name: ClassVar[str]
+    riders: ClassVar[bool] = False  # whether sections and quadratures can ride along
+    parts: ClassVar[int] = 1  # samples a step is cut into where no t_eval is given
+    dwell: ClassVar[float] = 0.0
+    raises: ClassVar[bool] = False
+
+    @property
+    @abstractmethod
+    def degree(self) -> int:
+        """Order of the Taylor series that choose modes and give the dense output."""
+
+    @abstractmethod
+    def advance(self, run: Run, record: stepping.Record) -> int:
+        """Fill `record` until it is full (stepping.RUNNING) or the run ends."""
+
+    def describe(self) -> dict[str, Any]:
+        """Name and settings, for the record."""
+        return {"name": self.name, **asdict(self)}
+
+    def cap(self, name: str) -> int:
+        """`max_steps` or `max_events`, as set or by default."""
+        default = {"max_steps": MAX_STEPS, "max_events": MAX_EVENTS}[name]
+        return getattr(self, name, default)
+
+    def check_caps(self) -> None:
+        """Check the caps a method has among its fields."""
+        for name in {field.name for field in fields(self)} & {"max_steps", "max_events"}:
+            check_number(
+                name, getattr(self, name), integer=True, least=1, cure="leave it out for the default"
+            )
+
+    def integrate(self, problem: Problem, progress: Progress) -> Raw:
+        """Run the problem to its end, or as far as it goes."""
+        run, pieces, status = self._begin(problem), Pieces(), Status.RUNNING
+        counts, times = run.cursor.counts, run.cursor.times
+        if counts[stepping.MODE] < 0:
+            status = Status.NO_ADMISSIBLE_MODE
+        with np.errstate(all="ignore"):
+            while status is Status.RUNNING:
+                record = self._record(run, pieces)
+                counts[_COUNTED] = 0
+                end = self.advance(run, record)
+                pieces.add(record, *counts[_COUNTED])
+                status = self._status(_ENDS[end], pieces)
+                if progress.update(times[stepping.NOW]) and status is Status.RUNNING:
+                    status = Status.INTERRUPTED
+        mode = int(counts[stepping.MODE])
+        return pieces.raw(problem.program.code, times[stepping.NOW], run.cursor.state, mode, status)
+
+    def _begin(self, problem: Problem) -> Run:
+        absolute = Numbers(*map(np.abs, problem.numbers))
+        work = new_work(problem.program.slots, problem.program.code, self.degree)
+        mode = start(problem, self.degree, absolute, work)
+        cursor = stepping.new_cursor(problem.x0, mode, problem.t_end, self.dwell, self.raises)
+        cursor = cursor._replace(signs=np.zeros(problem.program.code.sections.shape[1], dtype=np.int64))
+        return Run(problem, absolute, cursor, work)
+
+    def _record(self, run: Run, pieces: Pieces) -> stepping.Record:
+        code = run.problem.program.code
+        steps = min(CHUNK, self.cap("max_steps") - pieces.steps)
+        events = min(CHUNK, self.cap("max_events") - pieces.events)
+        points = (self.degree + 2) * code.sections.shape[1]
+        return new_record(code, steps, events, points + (CHUNK if points else 0))
+
+    def _status(self, status: Status, pieces: Pieces) -> Status:
+        if status is not Status.RUNNING:
+            return status
+        if pieces.steps >= self.cap("max_steps"):
+            return Status.STEP_CAP
+        return Status.EVENT_CAP if pieces.events >= self.cap("max_events") else status

@@ -1,0 +1,64 @@
+"""Sections: zero crossings that are recorded along a step but change no mode."""
+
+from __future__ import annotations
+
+from frictionlab.hybrid.compiled import kernel
+from frictionlab.hybrid.guards import magnitude, scaled
+from frictionlab.hybrid.jets import polynomial, states_at
+from frictionlab.hybrid.roots import isolate
+
+NOW = 0  # places in Cursor.times and Cursor.counts, see stepping
+POINTS = 3
+ROUNDING = 1e-14  # a value below this share of its terms has no sign
+
+
+@kernel
+def sign_of(value, size):
+    """Sign of a value; 0 where it is not above the rounding error of terms of this `size`."""
+    if abs(value) <= ROUNDING * size:
+        return 0
+    return 1 if value > 0.0 else -1
+
+
+@kernel
+def add_point(section, s, order, cursor, record, work):
+    """Record the state at `s` after the start of the step."""
+    row = cursor.counts[POINTS]
+    record.point_times[row] = cursor.times[NOW] + s
+    record.point_sections[row] = section
+    states_at(work.jets, order, s, record.point_states[row])
+    cursor.counts[POINTS] += 1
+
+
+@kernel
+def record_sections(code, order, mode, h, cursor, record, work):
+    """Record every crossing in (0, h]; a crossing between two steps, by a jump, belongs to the later."""
+    for section in range(code.sections.shape[1]):
+        c = work.jets[code.sections[mode, section]]
+        size = magnitude(c, 0, order, h)
+        start = sign_of(c[0], size)
+        if start != 0:
+            if cursor.signs[section] == -start and code.directions[section] != -start:
+                add_point(section, 0.0, order, cursor, record, work)
+            cursor.signs[section] = start
+        crossings_inside(code, section, 1 if start == 0 else 0, mode, order, h, cursor, record, work)
+        end = sign_of(polynomial(c, order, h), size)
+        if end != 0:
+            cursor.signs[section] = end
+
+
+@kernel
+def crossings_inside(code, section, skipped, mode, order, h, cursor, record, work):
+    """Record the sign changes in (0, h], the first `skipped` coefficients counted as zero."""
+    c = work.jets[code.sections[mode, section]]
+    n = scaled(c, skipped, order, h, work.scaled)
+    sign = cursor.signs[section]
+    if sign == 0:
+        sign = sign_of(work.scaled[0], 1.0)
+    count = isolate(work.scaled, n, n + 1, work.stack, work.intervals, work.roots, work.multiplicity)
+    for i in range(count):
+        if work.multiplicity[i] % 2 == 1:
+            sign = -sign
+            if sign != 0 and code.directions[section] != -sign:
+                add_point(section, work.roots[i] * h, order, cursor, record, work)
+    cursor.signs[section] = sign

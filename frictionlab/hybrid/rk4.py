@@ -1,0 +1,50 @@
+"""The paper's algorithm as a method."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from frictionlab.hybrid import stepping
+from frictionlab.hybrid.fixed_step import advance_fixed
+from frictionlab.hybrid.methods import MAX_EVENTS, Method, Run
+from frictionlab.hybrid.validation import check_number
+
+
+@dataclass(frozen=True)
+class RK4(Method):
+    """The algorithm of the paper's Fig. 19: classical Runge-Kutta with fixed steps.
+
+    The conditions of a state are looked at only at the end of a step; where one fails, bisection finds
+    the instant within the step.  After a re-contact slip is entered.  What happens and ends within a step
+    is not seen, so the results depend on `step`; use it to compare with the paper.
+
+    Parameters
+    ----------
+    step : float
+        Length of a step in seconds.
+    max_steps, max_events : int
+        A run that reaches one ends with a status and keeps what it has.
+    """
+
+    name: ClassVar[str] = "rk4"
+
+    step: float = 2e-4
+    max_steps: int = 100_000_000
+    max_events: int = MAX_EVENTS
+
+    def __post_init__(self) -> None:
+        check_number("step", self.step, above=0.0, cure="2e-4 s reproduces the paper")
+        self.check_caps()
+
+    @property
+    def degree(self) -> int:
+        return 8
+
+    def advance(self, run: Run, record: stepping.Record) -> int:
+        problem, states = run.problem, len(run.cursor.state)
+        arrays = problem.program.code, problem.numbers, run.absolute
+        scratch = np.empty((5, states)), np.empty(states)
+        return advance_fixed(*arrays, self.step, run.cursor, record, run.work, *scratch)

@@ -1,0 +1,137 @@
+"""scipy's integrators on the same automaton, for cross-checks."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+
+from frictionlab.hybrid import stepping
+from frictionlab.hybrid.fixed_step import field
+from frictionlab.hybrid.methods import MAX_EVENTS, MAX_STEPS, Method, Run
+from frictionlab.hybrid.validation import check_choice, check_number
+
+NAMES = ("RK23", "RK45", "DOP853", "Radau", "BDF", "LSODA")
+
+
+@dataclass(frozen=True)
+class Scipy(Method):
+    """One of scipy's integrators, stopped at every event.
+
+    An event is seen where a guard changes its sign between the ends of a step, as in
+    :func:`scipy.integrate.solve_ivp`; two zeros within one step are missed.
+
+    Parameters
+    ----------
+    integrator : str
+        RK23, RK45, DOP853, Radau, BDF or LSODA.
+    rtol, atol : float
+        Relative and absolute tolerance.
+    max_steps, max_events : int
+        A run that reaches one ends with a status and keeps what it has.
+    """
+
+    name: ClassVar[str] = "scipy"
+    parts: ClassVar[int] = 4
+
+    integrator: str = "DOP853"
+    rtol: float = 1e-10
+    atol: float = 1e-13
+    max_steps: int = MAX_STEPS
+    max_events: int = MAX_EVENTS
+
+    def __post_init__(self) -> None:
+        check_choice("integrator", self.integrator, NAMES)
+        check_number("rtol", self.rtol, least=3e-14, below=1.0, cure="1e-10 is the default")
+        check_number("atol", self.atol, least=0.0, cure="1e-13 is the default")
+        self.check_caps()
+
+    @property
+    def degree(self) -> int:
+        return 20
+
+    def advance(self, run: Run, record: stepping.Record) -> int:
+        """Run up to the next event, the end, or a full buffer."""
+        cursor = run.cursor
+        solver = self._solver(run)
+        guards = _Guards(run)
+        while solver.status == "running" and cursor.counts[stepping.STEPS] < len(record.step_modes):
+            solver.step()
+            if solver.status == "failed" or not np.isfinite(solver.y).all():
+                return stepping.NOT_FINITE
+            length, guard = guards.first(solver)
+            if length > 0.0:
+                _record_step(cursor, record, length)
+            cursor.times[stepping.NOW] += length
+            cursor.state[:] = solver.y if guard < 0 else solver.dense_output()(cursor.times[stepping.NOW])
+            if guard >= 0:
+                return _event(run, record, guard, self.degree)
+        if solver.status == "running":
+            return stepping.RUNNING
+        cursor.times[stepping.NOW] = cursor.times[stepping.END]
+        return stepping.FINISHED
+
+    def _solver(self, run: Run) -> Any:
+        from scipy import integrate
+
+        problem, cursor = run.problem, run.cursor
+        code, mode = problem.program.code, int(cursor.counts[stepping.MODE])
+
+        def rates(t: float, z: np.ndarray) -> np.ndarray:
+            out = np.empty_like(z)
+            field(code, problem.numbers, mode, z, run.work.jets, out)
+            return out
+
+        start, end = cursor.times[stepping.NOW], cursor.times[stepping.END]
+        solver = getattr(integrate, self.integrator)
+        return solver(rates, start, cursor.state.copy(), end, rtol=self.rtol, atol=self.atol)
+
+
+class _Guards:
+    """Values of the current mode's guards along scipy's steps."""
+
+    def __init__(self, run: Run) -> None:
+        self._run = run
+        code, self._mode = run.problem.program.code, int(run.cursor.counts[stepping.MODE])
+        self._guards = range(code.mode_guards[self._mode], code.mode_guards[self._mode + 1])
+
+    def _values(self, z: np.ndarray) -> np.ndarray:
+        run, code = self._run, self._run.problem.program.code
+        field(code, run.problem.numbers, self._mode, np.ascontiguousarray(z), run.work.jets, np.empty_like(z))
+        return run.work.jets[code.function_slots[self._guards.start : self._guards.stop], 0].copy()
+
+    def first(self, solver: Any) -> tuple[float, int]:
+        """Length of the step up to the first guard that fails at its end, and the guard (-1: none)."""
+        start, end = self._run.cursor.times[stepping.NOW], solver.t
+        failing = np.flatnonzero(self._values(solver.y) < 0.0)
+        if not failing.size:
+            return end - start, -1
+        dense = solver.dense_output()
+        places = [self._root(lambda t, i=i: self._values(dense(t))[i], start, end) for i in failing]
+        first = int(np.argmin(places))
+        return places[first] - start, self._guards.start + int(failing[first])
+
+    def _root(self, function: Any, start: float, end: float) -> float:
+        """Zero between the start, where the guard holds, and the end, where it does not."""
+        from scipy.optimize import brentq
+
+        left = start
+        if function(start) <= 0.0:  # zero there by construction: find where it is positive
+            parts = start + (end - start) * 0.5 ** np.arange(1, 40)
+            left = next((t for t in parts if function(t) > 0.0), end)
+        return start if left == end else float(brentq(function, left, end, xtol=1e-15, rtol=1e-15))
+
+
+def _record_step(cursor: stepping.Cursor, record: stepping.Record, length: float) -> None:
+    row = cursor.counts[stepping.STEPS]
+    record.step_times[row] = cursor.times[stepping.NOW], length
+    record.step_modes[row] = cursor.counts[stepping.MODE]
+    record.step_states[row] = cursor.state
+    cursor.counts[stepping.STEPS] += 1
+
+
+def _event(run: Run, record: stepping.Record, guard: int, order: int) -> int:
+    problem = run.problem
+    arrays = problem.program.code, problem.numbers, run.absolute
+    return stepping.handle_event(*arrays, guard, 1, order, run.cursor, record, run.work)

@@ -1,0 +1,131 @@
+"""`fl.solve`: run any hybrid automaton."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from frictionlab.automaton import HybridAutomaton
+from frictionlab.hybrid.choice import method_of
+from frictionlab.hybrid.methods import Method
+from frictionlab.hybrid.problem import Problem
+from frictionlab.hybrid.program import Section, program_of
+from frictionlab.hybrid.progress import Progress
+from frictionlab.hybrid.trajectory import Samples, Trajectory
+from frictionlab.hybrid.validation import check_number, suggestion
+
+
+def solve(
+    automaton: HybridAutomaton,
+    t_end: float,
+    *,
+    x0: Any,
+    mode: str | None = None,
+    method: str | Method = "taylor",
+    t_eval: Any = None,
+    sections: Mapping[str, Any] | None = None,
+    quadratures: Mapping[str, Any] | None = None,
+    progress: bool = True,
+    source: Any = None,
+) -> Trajectory:
+    """Run an automaton from 0 to `t_end`.
+
+    Parameters
+    ----------
+    automaton : HybridAutomaton
+    t_end : float
+        End time in seconds, positive.
+    x0 : array_like
+        Initial values of all states.
+    mode : str or None
+        Mode to start in; None takes the first admissible one, by the rule that follows every event.
+    method : "taylor", Taylor, RK4, Scipy, or the name of a scipy method
+    t_eval : array_like or None
+        Ascending times of the samples; None samples every step.
+    sections : mapping of name to expression or (expression, direction)
+        Zero crossings to record; they change nothing.  An expression of the states, or an output's name;
+        direction +1 rising, -1 falling, 0 both.  Method "taylor" only, like `quadratures`.
+    quadratures : mapping of name to expression
+        Integrands whose integral over the run is wanted.
+    progress : bool
+        Show a progress bar on runs of more than a second.
+    source : object
+        Kept as ``run.source``.
+
+    Returns
+    -------
+    Trajectory
+        Also where the run ended early, interrupted by ctrl-C included: see ``run.status``.
+
+    Raises
+    ------
+    ValueError
+        For bad arguments, before any work is done.
+    """
+    chosen = method_of(method)
+    check_number("t_end", t_end, above=0.0, cure="give the length of the run in seconds")
+    state, times = _states(automaton, x0), _times(t_eval, t_end)
+    asked = _sections(sections), dict(quadratures or {})
+    if any(asked) and not chosen.riders:
+        raise ValueError(f"sections and quadratures need method='taylor', got {method!r}: change the method")
+    program, numbers = program_of(automaton, *asked)
+    with_integrals = np.concatenate([state, np.zeros(len(asked[1]))])
+    problem = Problem(program, numbers, with_integrals, float(t_end), _mode(automaton, mode))
+    begin = time.perf_counter()
+    with Progress(t_end, progress) as bar:
+        raw = chosen.integrate(problem, bar)
+    wall_time = time.perf_counter() - begin
+    integrals = dict(zip(asked[1], raw.state[len(state) :].tolist(), strict=True))
+    problem = Problem(*program_of(automaton), state, float(t_end), problem.mode)
+    return Trajectory(
+        automaton,
+        problem,
+        raw.cut(len(state)),
+        Samples(chosen.degree, chosen.parts, times),
+        sections=tuple(asked[0]),
+        quadratures=integrals,
+        description={"method": chosen.describe(), "t_end": float(t_end)},
+        source=source,
+        wall_time=wall_time,
+    )
+
+
+def _states(automaton: HybridAutomaton, x0: Any) -> np.ndarray:
+    names = ", ".join(map(str, automaton.states))
+    try:
+        state = np.array(x0, dtype=float)
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"x0 must hold numbers for the states ({names}), got {x0!r}") from error
+    if state.shape != (len(automaton.states),):
+        raise ValueError(f"x0 must hold one number per state ({names}), got shape {state.shape}")
+    if not np.isfinite(state).all():
+        raise ValueError(f"x0 must be finite, got {state.tolist()}: give every state ({names}) a value")
+    return state
+
+
+def _times(t_eval: Any, t_end: float) -> np.ndarray | None:
+    if t_eval is None:
+        return None
+    times = np.array(t_eval, dtype=float)
+    if times.ndim != 1 or not ((np.diff(times) >= 0).all() and (times >= 0).all() and (times <= t_end).all()):
+        raise ValueError(f"t_eval must be ascending times within 0 and t_end ({t_end:g}): sort or cut it")
+    return times
+
+
+def _sections(sections: Mapping[str, Any] | None) -> dict[str, Section]:
+    found = {name: s if isinstance(s, tuple) else (s, 0) for name, s in (sections or {}).items()}
+    for name, (_, direction) in found.items():
+        check_number(f"the direction of section {name!r}", direction, integer=True, least=-1, most=1)
+    return {name: Section(*s) for name, s in found.items()}
+
+
+def _mode(automaton: HybridAutomaton, mode: str | None) -> int | None:
+    if mode is None:
+        return None
+    if mode not in automaton.names:
+        names = ", ".join(map(repr, automaton.names))
+        raise ValueError(f"mode must be one of {names}, got {mode!r}{suggestion(mode, automaton.names)}")
+    return automaton.names.index(mode)

@@ -1,0 +1,202 @@
+"""The solver's loop: step by Taylor polynomial, event, reset, next mode; all in one kernel.
+
+It runs until the end, an end that is an error, or a full buffer, after which it can be called again.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from frictionlab.hybrid.compiled import kernel
+from frictionlab.hybrid.guards import NO_GUARD, first_event
+from frictionlab.hybrid.jets import copy, mode_jets, states_at
+from frictionlab.hybrid.riders import record_sections
+from frictionlab.hybrid.transitions import NO_MODE, apply_reset, enter
+
+RUNNING, FINISHED, NO_ADMISSIBLE_MODE, STALLED, ACCUMULATED, NOT_FINITE = range(6)
+REPEATS = 50  # events without advance of time after which the run is called stalled
+
+
+class Work(NamedTuple):
+    """Scratch arrays of a run."""
+
+    jets: np.ndarray
+    bounds: np.ndarray
+    stack: np.ndarray
+    intervals: np.ndarray
+    scaled: np.ndarray
+    roots: np.ndarray
+    multiplicity: np.ndarray
+    declared: np.ndarray
+    zeros: np.ndarray
+
+
+class Cursor(NamedTuple):
+    """Where a run stands.  ``times``: now, end, entry into the mode, limit of the dwell time;
+    ``counts``: mode, steps, events, section points, short dwells in a row, accumulations closed, events
+    without advance, whether the jets are at hand, whether an accumulation ends the run."""
+
+    state: np.ndarray
+    times: np.ndarray
+    counts: np.ndarray
+    signs: np.ndarray
+
+
+NOW, END, ENTERED, DWELL = range(4)
+MODE, STEPS, EVENTS, POINTS, SHORT, CLOSED, REPEATED, READY, RAISES = range(9)
+
+
+class Record(NamedTuple):
+    """Buffers of what a run leaves: steps, events and section points."""
+
+    step_times: np.ndarray  # (capacity, 2) start and length
+    step_modes: np.ndarray
+    step_states: np.ndarray
+    event_times: np.ndarray
+    event_codes: np.ndarray  # (capacity, 3) guard, mode entered (-1: none), whether an accumulation closed
+    event_states: np.ndarray  # (capacity, 2, states) before and after
+    point_times: np.ndarray
+    point_sections: np.ndarray
+    point_states: np.ndarray
+
+
+@kernel
+def largest(J, first, last, k):
+    """Largest Taylor coefficient number `k` of the states [first, last); infinite where one is no number."""
+    size = 0.0
+    for i in range(first, last):
+        c = abs(J[i, k])
+        if not c <= size:
+            size = c if c == c else math.inf
+    return size
+
+
+@kernel
+def step_length(code, order, tol, J):
+    """Longest step for which the last two terms stay below `tol` times the size of their group of states.
+
+    Jorba & Zou (2005), section 3.2.  The size of a group is the largest of its first three terms at the
+    end of the step, so that no absolute tolerance is needed: a step h will do if, for one m of 0, 1, 2,
+    |c_p| h^p <= tol |c_m| h^m.  Zero where a coefficient is no number.
+    """
+    best = math.inf
+    for group in range(3):
+        first, last = code.groups[group], code.groups[group + 1]
+        for p in range(order - 1, order + 1):
+            end = largest(J, first, last, p)
+            if not end < math.inf:
+                return 0.0
+            if end > 0.0:
+                longest = -math.inf
+                for m in range(3):
+                    size = largest(J, first, last, m)
+                    if size > 0.0:
+                        longest = max(longest, math.log(tol * size / end) / (p - m))
+                best = min(best, longest)
+    return math.exp(best) if best < 700.0 else math.inf
+
+
+@kernel
+def close_event(code, numbers, absolute, guard, multiplicity, order, cursor, work):
+    """Reset the state after the guard's event and enter the next mode; returns (mode, closed)."""
+    times, counts = cursor.times, cursor.counts
+    closing = 0
+    if times[NOW] - times[ENTERED] >= max(times[DWELL], 1e-15 * abs(times[NOW])):
+        counts[SHORT] = 0
+    elif code.resets[guard, 1] != code.resets[guard, 0]:
+        counts[SHORT] += 1
+        if counts[SHORT] > 1:
+            closing = 1
+            counts[SHORT] = 0
+    apply_reset(code, numbers, code.resets[guard, closing], cursor.state, work.jets)
+    copy(code.declared[guard, closing], work.declared)
+    if code.resets[guard, closing] < 0:
+        work.declared[guard] = max(work.declared[guard], multiplicity)
+    candidates, z = code.targets[guard], cursor.state
+    mode = enter(
+        code, numbers, absolute, candidates, z, order, work.declared, work.zeros, work.jets, work.bounds
+    )
+    return mode, closing
+
+
+@kernel
+def handle_event(code, numbers, absolute, guard, multiplicity, order, cursor, record, work):
+    """Record the event, change the mode; returns how the run goes on."""
+    times, counts = cursor.times, cursor.counts
+    row = counts[EVENTS]
+    record.event_times[row] = times[NOW]
+    copy(cursor.state, record.event_states[row, 0])
+    mode, closed = close_event(code, numbers, absolute, guard, multiplicity, order, cursor, work)
+    record.event_codes[row, 0] = guard
+    record.event_codes[row, 1] = mode
+    record.event_codes[row, 2] = closed
+    copy(cursor.state, record.event_states[row, 1])
+    counts[EVENTS] += 1
+    counts[CLOSED] += closed
+    counts[REPEATED] = 0 if times[NOW] > times[ENTERED] else counts[REPEATED] + 1
+    times[ENTERED] = times[NOW]
+    if mode == NO_MODE:
+        return NO_ADMISSIBLE_MODE
+    counts[MODE] = mode
+    counts[READY] = 1
+    if closed and counts[RAISES]:
+        return ACCUMULATED
+    return STALLED if counts[REPEATED] > REPEATS else RUNNING
+
+
+@kernel
+def take_step(code, numbers, absolute, order, tol, cursor, record, work):
+    """One step, up to an event if there is one; returns how the run goes on."""
+    times, counts, J = cursor.times, cursor.counts, work.jets
+    mode = counts[MODE]
+    if counts[READY] == 0:
+        mode_jets(code, numbers, mode, order, cursor.state, J)
+        for g in range(work.zeros.shape[0]):
+            work.zeros[g] = 0
+    counts[READY] = 0
+    left = times[END] - times[NOW]
+    h = step_length(code, order, tol, J)
+    if not h > 0.0:
+        return NOT_FINITE
+    h = min(h, left)
+    before = times[NOW]
+    h, guard, multiplicity = first_event(code, absolute, mode, cursor.state, order, J, work.zeros, h, work)
+    if h > 0.0:
+        row = counts[STEPS]
+        record.step_times[row, 0] = times[NOW]
+        record.step_times[row, 1] = h
+        record.step_modes[row] = mode
+        copy(cursor.state, record.step_states[row])
+        counts[STEPS] += 1
+        if code.sections.shape[1]:
+            record_sections(code, order, mode, h, cursor, record, work)
+        states_at(J, order, h, cursor.state)
+        times[NOW] = times[END] if guard == NO_GUARD and h == left else before + h
+    if guard == NO_GUARD:
+        return RUNNING if times[NOW] > before else STALLED
+    return handle_event(code, numbers, absolute, guard, multiplicity, order, cursor, record, work)
+
+
+@kernel
+def advance(code, numbers, absolute, order, tol, cursor, record, work):
+    """Run until the end, an error, or until a buffer may be full (RUNNING)."""
+    times, counts = cursor.times, cursor.counts
+    room = record.point_times.shape[0] - (order + 2) * code.sections.shape[1]
+    while times[NOW] < times[END]:
+        full = counts[STEPS] == record.step_modes.shape[0] or counts[EVENTS] == record.event_times.shape[0]
+        if full or counts[POINTS] > room:
+            return RUNNING
+        status = take_step(code, numbers, absolute, order, tol, cursor, record, work)
+        if status != RUNNING:
+            return status
+    return FINISHED
+
+
+def new_cursor(state: np.ndarray, mode: int, t_end: float, dwell: float, raises: bool) -> Cursor:
+    """Cursor at time 0 in `mode`, whose jets are at hand; without sections."""
+    counts = np.zeros(9, dtype=np.int64)
+    counts[MODE], counts[READY], counts[RAISES] = mode, 1, raises
+    return Cursor(state.copy(), np.array([0.0, t_end, 0.0, dwell]), counts, np.zeros(0, dtype=np.int64))

@@ -1,0 +1,106 @@
+"""Runs on disk: one npz file of arrays, with the description as JSON among them."""
+
+from __future__ import annotations
+
+import json
+import zipfile
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from frictionlab._version import __version__
+from frictionlab.automaton import HybridAutomaton
+from frictionlab.hybrid.problem import Problem, Raw
+from frictionlab.hybrid.program import program_of
+from frictionlab.hybrid.status import Status
+from frictionlab.hybrid.trajectory import Samples, Trajectory
+
+FORMAT = 1
+ARRAYS = Raw._fields[:9]
+
+
+def write(run: Trajectory, path: str | Path) -> Path:
+    """Write a run; the suffix .npz is added where it is missing."""
+    path = Path(path)
+    path = path if path.suffix == ".npz" else path.with_name(path.name + ".npz")
+    raw = run.raw
+    about = {
+        "format": FORMAT,
+        "version": __version__,
+        "states": run.names,
+        "parameters": {str(k): v for k, v in run.automaton.parameters.items()},
+        "t": raw.t,
+        "mode": int(raw.mode),
+        "status": raw.status.name,
+        "samples": {"order": run.samples.order, "parts": run.samples.parts},
+        "sections": run.section_names,
+        "quadratures": dict(run.quadratures),
+        "wall_time": run.stats["wall_time"],
+        "description": run.description,
+    }
+    arrays = {name: getattr(raw, name) for name in (*ARRAYS, "state")}
+    if run.samples.t_eval is not None:
+        arrays["t_eval"] = run.samples.t_eval
+    np.savez_compressed(path, about=np.array(json.dumps(about)), **arrays)
+    return path
+
+
+@dataclass(frozen=True)
+class Stored:
+    """The content of a file."""
+
+    about: dict[str, Any]
+    arrays: dict[str, np.ndarray]
+
+    @property
+    def description(self) -> dict[str, Any]:
+        """What the run was described by."""
+        return self.about["description"]
+
+    def trajectory(self, automaton: HybridAutomaton, source: Any = None) -> Trajectory:
+        """The run, on the automaton that made it."""
+        names = [str(state) for state in automaton.states]
+        if names != self.about["states"]:
+            raise ValueError(
+                f"the run has the states {self.about['states']}, the model {names}: give the right model"
+            )
+        program, numbers = program_of(automaton)
+        about, arrays = self.about, self.arrays
+        status = Status[about["status"]]
+        raw = Raw(*(arrays[k] for k in ARRAYS), about["t"], arrays["state"], about["mode"], status)
+        samples = Samples(**about["samples"], t_eval=arrays.get("t_eval"))
+        problem = Problem(program, numbers, raw.state, about["t"])
+        return Trajectory(
+            automaton,
+            problem,
+            raw,
+            samples,
+            sections=tuple(about["sections"]),
+            quadratures=about["quadratures"],
+            description=self.description,
+            source=source,
+            wall_time=about["wall_time"],
+        )
+
+
+def read(path: str | Path) -> Stored:
+    """Read a file that :func:`write` wrote.
+
+    Raises
+    ------
+    ValueError
+        Where it is none.
+    """
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            arrays = {name: file[name] for name in file.files}
+        about = json.loads(str(arrays.pop("about")))
+    except (zipfile.BadZipFile, ValueError, KeyError, AttributeError) as error:
+        raise ValueError(f"{path} is no saved run: write one with run.save(path)") from error
+    if about.get("format") != FORMAT:
+        raise ValueError(
+            f"{path} has format {about.get('format')}, this version reads {FORMAT}: update frictionlab"
+        )
+    return Stored(about, arrays)

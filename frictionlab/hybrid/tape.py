@@ -1,0 +1,158 @@
+"""Sympy expressions lowered to a tape: a list of operations on numbered slots.
+
+The first slots are the states, every operation writes one more.  There are few operations, each with a
+recurrence for Taylor coefficients (:mod:`frictionlab.hybrid.jets`), and the numbers in them (the
+coefficients of affine combinations) are expressions of the parameters alone.  So a tape depends on the
+structure of a model; its parameter values fill in afterwards.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import sympy as sp
+
+AFFINE, PRODUCT, SQUARE, QUOTIENT = range(4)
+NAMES = ("affine", "product", "square", "quotient")
+
+CONSTANT = -1  # the key of the constant term in an affine combination {slot: coefficient}
+Affine = dict[int, sp.Expr]
+
+
+class TapeError(ValueError):
+    """An expression that the tape has no operation for."""
+
+
+@dataclass
+class Tape:
+    """Operations in the order of their execution.
+
+    ``ops`` holds (kind, a, b): two slots, or for an affine combination the range [a, b) of ``terms``;
+    its constant is ``constants[i]``.  Operation i writes slot ``inputs + i``.
+    """
+
+    inputs: int
+    ops: list[tuple[int, int, int]] = field(default_factory=list)
+    constants: list[sp.Expr] = field(default_factory=list)
+    terms: list[tuple[int, sp.Expr]] = field(default_factory=list)
+
+    @property
+    def slots(self) -> int:
+        """Number of slots in use."""
+        return self.inputs + len(self.ops)
+
+    def emit(self, kind: int, a: int, b: int, constant: sp.Expr = sp.S.Zero) -> int:
+        """Append an operation, return the slot it writes."""
+        self.ops.append((kind, a, b))
+        self.constants.append(constant)
+        return self.slots - 1
+
+    def counts(self) -> dict[str, int]:
+        """Number of operations by name."""
+        kinds = [op[0] for op in self.ops]
+        return {name: kinds.count(kind) for kind, name in enumerate(NAMES)}
+
+
+class TapeBuilder:
+    """Lowers expressions onto one tape; equal subexpressions share a slot."""
+
+    def __init__(self, states: Sequence[sp.Symbol]) -> None:
+        self.tape = Tape(len(states))
+        self._states = {state: i for i, state in enumerate(states)}
+        self._affine: dict[sp.Expr, Affine] = {}
+        self._slots: dict[object, int] = {}
+
+    def slot(self, expr: sp.Expr) -> int:
+        """Slot that holds `expr`, emitting what is missing."""
+        return self._materialise(self._lower(sp.sympify(expr)))
+
+    def constant(self, expr: sp.Expr) -> bool:
+        """Whether `expr` depends on the parameters alone."""
+        return self._states.keys().isdisjoint(expr.free_symbols)
+
+    def _lower(self, expr: sp.Expr) -> Affine:
+        if expr not in self._affine:
+            self._affine[expr] = self._lower_new(expr)
+        return self._affine[expr]
+
+    def _lower_new(self, expr: sp.Expr) -> Affine:
+        if self.constant(expr):
+            return {CONSTANT: expr} if expr != 0 else {}
+        if expr in self._states:
+            return {self._states[expr]: sp.S.One}
+        if expr.is_Add:
+            return _total([self._term(arg) for arg in expr.args])
+        if expr.is_Mul:
+            return self._mul(expr)
+        if expr.is_Pow and expr.exp.is_Integer:
+            return {self._power(expr.base, int(expr.exp)): sp.S.One}
+        raise TapeError(f"the tape has no operation for {expr}: write it with +, -, *, / and integer powers")
+
+    def _term(self, expr: sp.Expr) -> Affine:
+        """A summand: a multiple of a non-linear sum refers to its slot instead of copying its terms."""
+        factor, rest = expr.as_independent(*self._states, as_Add=False)
+        if rest.is_Add and factor != 1 and not self._linear(rest):
+            return {self.slot(rest): factor}
+        return self._lower(expr)
+
+    def _linear(self, expr: sp.Expr) -> bool:
+        return all(slot < self.tape.inputs for slot in self._lower(expr))
+
+    def _mul(self, expr: sp.Expr) -> Affine:
+        factor, rest = expr.as_independent(*self._states, as_Add=False)
+        factors = sp.Mul.make_args(rest)
+        if len(factors) == 1:
+            return {slot: factor * value for slot, value in self._lower(rest).items()}
+        below = [f for f in factors if f.is_Pow and f.exp.is_Integer and f.exp < 0]
+        above = [f for f in factors if f not in below]
+        slot = self._product(above) if above else self.slot(sp.S.One)
+        if below:
+            slot = self._binary(QUOTIENT, slot, self._product([1 / f for f in below]))
+        return {slot: factor}
+
+    def _product(self, factors: Sequence[sp.Expr]) -> int:
+        slots = [self.slot(f) for f in factors]
+        result = slots[0]
+        for other in slots[1:]:
+            result = self._binary(PRODUCT, *sorted((result, other)))
+        return result
+
+    def _power(self, base: sp.Expr, exponent: int) -> int:
+        if exponent < 0:
+            return self._binary(QUOTIENT, self.slot(sp.S.One), self._power(base, -exponent))
+        if exponent == 1:
+            return self.slot(base)
+        half = self._power(base, exponent // 2)
+        square = self._binary(SQUARE, half, half)
+        return square if exponent % 2 == 0 else self._binary(PRODUCT, *sorted((self.slot(base), square)))
+
+    def _binary(self, kind: int, a: int, b: int) -> int:
+        if a == b and kind == PRODUCT:
+            kind = SQUARE
+        key = (kind, a, b)
+        if key not in self._slots:
+            self._slots[key] = self.tape.emit(kind, a, b)
+        return self._slots[key]
+
+    def _materialise(self, combination: Affine) -> int:
+        if len(combination) == 1:
+            ((slot, factor),) = combination.items()
+            if slot != CONSTANT and factor == 1:
+                return slot
+        key = frozenset(combination.items())
+        if key not in self._slots:
+            terms = self.tape.terms
+            first = len(terms)
+            terms.extend((slot, value) for slot, value in combination.items() if slot != CONSTANT)
+            constant = combination.get(CONSTANT, sp.S.Zero)
+            self._slots[key] = self.tape.emit(AFFINE, first, len(terms), constant)
+        return self._slots[key]
+
+
+def _total(parts: Sequence[Affine]) -> Affine:
+    total: Affine = {}
+    for part in parts:
+        for slot, value in part.items():
+            total[slot] = total.get(slot, sp.S.Zero) + value
+    return {slot: value for slot, value in total.items() if value != 0}

@@ -1,0 +1,235 @@
+"""The result of a run: samples, events, dense output, named quantities."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import cached_property
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from frictionlab.automaton import HybridAutomaton
+from frictionlab.hybrid.events import Events
+from frictionlab.hybrid.outputs import evaluate
+from frictionlab.hybrid.problem import Problem, Raw
+from frictionlab.hybrid.sampling import sample, subdivide
+from frictionlab.hybrid.validation import suggestion
+
+
+class Points(NamedTuple):
+    """Crossings of a section: times (P,) and states (P, states)."""
+
+    t: np.ndarray
+    state: np.ndarray
+
+
+class Samples(NamedTuple):
+    """How a run is sampled: order of the dense output, parts of a step, or the times asked for."""
+
+    order: int
+    parts: int
+    t_eval: np.ndarray | None = None
+
+
+class Trajectory:
+    """What a run computed.
+
+    Samples are computed from the stored steps when they are first asked for.  ``run(t)`` gives the states
+    at any times of the run; at an event, those after it.
+
+    Attributes
+    ----------
+    t : (N,) times: `t_eval` where it was given, else every step cut into eight
+    q, v : (N, n) coordinates and velocities;  states : (N, 2n) both
+    mode : (N,) names of the modes
+    events : Events
+    final_state : (2n,) state at the end
+    status : Status;  str(status) is a sentence
+    stats : mapping: steps, events, accumulations closed, wall time in seconds
+    sections : mapping of name to Points;  quadratures : mapping of name to the integral up to the end
+    automaton : the automaton that ran;  source : the model it came from, if any
+    description : mapping that :meth:`save` writes beside the arrays
+    """
+
+    def __init__(
+        self,
+        automaton: HybridAutomaton,
+        problem: Problem,
+        raw: Raw,
+        samples: Samples,
+        *,
+        sections: tuple[str, ...] = (),
+        quadratures: Mapping[str, float] | None = None,
+        description: Mapping[str, Any] | None = None,
+        source: Any = None,
+        wall_time: float = 0.0,
+    ) -> None:
+        self.automaton, self.source = automaton, source
+        self.raw, self.status, self.samples = raw, raw.status, samples
+        self.quadratures = MappingProxyType(dict(quadratures or {}))
+        self.description = dict(description or {})
+        self.section_names = sections
+        self._problem, self._wall_time = problem, wall_time
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the states."""
+        return tuple(str(state) for state in self.automaton.states)
+
+    @cached_property
+    def _samples(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        raw = self.raw
+        if self.samples.t_eval is not None:
+            t = self.samples.t_eval[self.samples.t_eval <= raw.t]
+            steps = self._step_of(t)
+            return t, self._dense(t, steps), self._modes_of(t, steps)
+        t, steps = subdivide(raw.step_times, self.samples.parts)
+        t, steps = np.append(t, raw.t), np.append(steps, len(raw.step_modes))
+        return t, self._dense(t, steps), self._modes_of(t, steps)
+
+    def _step_of(self, t: np.ndarray) -> np.ndarray:
+        """Step that holds each time; one past the last step stands for the final state."""
+        steps = np.searchsorted(self.raw.step_times[:, 0], t, side="right") - 1
+        return np.where(t >= self.raw.t, len(self.raw.step_modes), steps)
+
+    def _dense(self, t: np.ndarray, steps: np.ndarray) -> np.ndarray:
+        raw, program, order = self.raw, self._problem.program, self.samples.order
+        out = np.empty((len(t), raw.state.size))
+        inside = steps < len(raw.step_modes)
+        part = np.empty((int(inside.sum()), raw.state.size))
+        J = np.zeros((program.slots, order + 1))
+        stored = raw.step_times, raw.step_modes, raw.step_states
+        sample(program.code, self._problem.numbers, order, *stored, steps[inside], t[inside], part, J)
+        out[inside], out[~inside] = part, raw.state
+        return out
+
+    def _modes_of(self, t: np.ndarray, steps: np.ndarray) -> np.ndarray:
+        return np.append(self.raw.step_modes, self.raw.mode)[steps]
+
+    def __call__(self, t: Any) -> np.ndarray:
+        """States at times `t`: (states,) for one time, (N, states) for an array.
+
+        Raises
+        ------
+        ValueError
+            Outside the run.
+        """
+        times = np.atleast_1d(np.asarray(t, dtype=float))
+        if times.size and not (times.min() >= 0.0 and times.max() <= self.raw.t):
+            raise ValueError(
+                f"t must lie within the run, 0 to {self.raw.t:g} s, got {times.min():g} to {times.max():g}: "
+                "simulate longer"
+            )
+        order = np.argsort(times, kind="stable")
+        states = np.empty((len(times), self.raw.state.size))
+        states[order] = self._dense(times[order], self._step_of(times[order]))
+        return states if np.ndim(t) else states[0]
+
+    @property
+    def t(self) -> np.ndarray:
+        return self._samples[0]
+
+    @property
+    def states(self) -> np.ndarray:
+        return self._samples[1]
+
+    @property
+    def q(self) -> np.ndarray:
+        return self.states[:, : self.automaton.coordinates]
+
+    @property
+    def v(self) -> np.ndarray:
+        n = self.automaton.coordinates
+        return self.states[:, n : 2 * n]
+
+    @cached_property
+    def mode(self) -> np.ndarray:
+        return self._mode_names(self._samples[2])
+
+    def _mode_names(self, codes: np.ndarray) -> np.ndarray:
+        return np.array([*self.automaton.names, ""])[codes]
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        """A state by name, e.g. ``run["x1'"]``, or an output, e.g. ``run["gap"]``; sampled as `t`."""
+        if name in self.names:
+            return self.states[:, self.names.index(name)]
+        if name in self.automaton.modes[0].outputs:
+            return self.output(name)
+        known = [*self.names, *self.automaton.modes[0].outputs]
+        raise KeyError(f"the run has no {name!r}{suggestion(name, known)}; it has {', '.join(known)}")
+
+    def __getattr__(self, name: str) -> np.ndarray:
+        automaton = self.__dict__.get("automaton")
+        if automaton is None or name not in automaton.modes[0].outputs:
+            known = [*dir(type(self)), *(automaton.modes[0].outputs if automaton else ())]
+            raise AttributeError(f"a Trajectory has no attribute {name!r}{suggestion(name, known)}")
+        return self.output(name)
+
+    def __dir__(self) -> list[str]:
+        return [*super().__dir__(), *self.automaton.modes[0].outputs]
+
+    def output(self, name: str, t: np.ndarray | None = None) -> np.ndarray:
+        """A named quantity of the model at the samples, or at times `t`."""
+        if t is None:
+            return evaluate(self.automaton, name, self.states, self._samples[2])
+        times = np.asarray(t, dtype=float)
+        return evaluate(self.automaton, name, self(times), self._modes_of(times, self._step_of(times)))
+
+    @cached_property
+    def events(self) -> Events:
+        raw, program = self.raw, self._problem.program
+        guards = raw.event_codes[:, 0]
+        return Events(
+            t=raw.event_times,
+            source=self._mode_names(program.guard_modes[guards] if len(guards) else guards),
+            target=self._mode_names(raw.event_codes[:, 1]),
+            guard=np.array([*program.guards, ""])[guards],
+            state=raw.event_states[:, 1],
+            before=raw.event_states[:, 0],
+            closed=raw.event_codes[:, 2].astype(bool),
+        )
+
+    @property
+    def final_state(self) -> np.ndarray:
+        return self.raw.state.copy()
+
+    @cached_property
+    def time_in_mode(self) -> Mapping[str, float]:
+        """Seconds spent in each mode."""
+        names = self.automaton.names
+        total = np.bincount(self.raw.step_modes, weights=self.raw.step_times[:, 1], minlength=len(names))
+        return MappingProxyType(dict(zip(names, total.tolist(), strict=True)))
+
+    @cached_property
+    def stats(self) -> Mapping[str, float]:
+        closed = int(self.raw.event_codes[:, 2].sum())
+        counts = {"steps": len(self.raw.step_modes), "events": len(self.raw.event_times)}
+        return MappingProxyType(counts | {"accumulations": closed, "wall_time": self._wall_time})
+
+    @cached_property
+    def sections(self) -> Mapping[str, Points]:
+        raw = self.raw
+        chosen = {name: raw.point_sections == i for i, name in enumerate(self.section_names)}
+        points = {k: Points(raw.point_times[m], raw.point_states[m]) for k, m in chosen.items()}
+        return MappingProxyType(points)
+
+    def save(self, path: str | Path) -> Path:
+        """Write the run to an npz file, which :func:`frictionlab.load` reads; returns its path."""
+        from frictionlab.hybrid.storage import write
+
+        return write(self, path)
+
+    def to_dataframe(self) -> Any:
+        """The samples as a pandas DataFrame, indexed by time (needs ``pip install pandas``)."""
+        try:
+            import pandas as pd
+        except ImportError as error:
+            raise ImportError("to_dataframe needs pandas: pip install pandas") from error
+        columns = {name: self[name] for name in (*self.names, *self.automaton.modes[0].outputs)}
+        return pd.DataFrame({**columns, "mode": self.mode}, index=pd.Index(self.t, name="t"))
+
+    def __repr__(self) -> str:
+        end = f"0 to {self.raw.t:g} s, {len(self.raw.step_modes)} steps, {len(self.events)} events"
+        return f"Trajectory({end}, {self.status.name.lower()})"

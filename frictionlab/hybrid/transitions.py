@@ -1,0 +1,64 @@
+"""What follows an event: the reset, then the first admissible mode."""
+
+from __future__ import annotations
+
+from frictionlab.hybrid.compiled import kernel
+from frictionlab.hybrid.guards import LOW, leading
+from frictionlab.hybrid.jets import majorant, mode_jets, reset_values
+
+NO_MODE = -1
+REFUSED, UNDECIDED, ADMITTED = 0, 1, 2
+
+
+@kernel
+def apply_reset(code, numbers, reset, z, J):
+    """Overwrite the state by its values after the reset number `reset`; none for -1."""
+    if reset >= 0:
+        reset_values(code, numbers, reset, z, J)
+        for i in range(z.shape[0]):
+            z[i] = J[code.reset_out[reset, i], 0]
+
+
+@kernel
+def admission(code, numbers, absolute, mode, z, order, declared, zeros, J, bounds):
+    """Whether a mode can be entered at `z`, judged by Taylor coefficients up to `order`.
+
+    Its constraints must be met up to rounding, and the first non-zero coefficient of every guard must be
+    positive; where a guard has none up to `order` the matter is undecided.  Writes how many leading
+    coefficients of each guard are zero.
+    """
+    mode_jets(code, numbers, mode, order, z, J)
+    majorant(code, absolute, mode, order, z, bounds)
+    for f in range(code.mode_constraints[mode], code.mode_constraints[mode + 1]):
+        slot = code.function_slots[f]
+        if declared[f] == 0 and leading(J[slot], bounds[slot], 0, order) == 0:
+            return REFUSED
+    verdict = ADMITTED
+    first = code.mode_guards[mode]
+    for g in range(first, code.mode_guards[mode + 1]):
+        slot = code.function_slots[g]
+        k = leading(J[slot], bounds[slot], declared[g], order)
+        zeros[g - first] = k
+        if k > order:
+            verdict = UNDECIDED
+        elif J[slot, k] < 0.0:
+            return REFUSED
+    return verdict
+
+
+@kernel
+def enter(code, numbers, absolute, candidates, z, order, declared, zeros, J, bounds):
+    """First admissible mode of `candidates` at `z`, or NO_MODE; leaves its jets in `J`.
+
+    A guard that vanishes identically stays zero, so it does not end the mode.
+    """
+    low = min(LOW, order)
+    for mode in candidates:
+        verdict = admission(code, numbers, absolute, mode, z, low, declared, zeros, J, bounds)
+        if verdict == UNDECIDED:
+            verdict = admission(code, numbers, absolute, mode, z, order, declared, zeros, J, bounds)
+        elif verdict == ADMITTED:
+            mode_jets(code, numbers, mode, order, z, J)
+        if verdict != REFUSED:
+            return mode
+    return NO_MODE

@@ -1,0 +1,68 @@
+"""A model's parameters as a table, in text and in a notebook."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from html import escape
+from typing import Any
+
+from .namespace import about_all, owners
+
+
+@dataclass(frozen=True)
+class Row:
+    """One parameter."""
+
+    name: str
+    symbol: str
+    value: float
+    unit: str
+    meaning: str
+    owner: str
+
+
+@dataclass(frozen=True, repr=False)
+class Description:
+    """Rows of name, symbol (LaTeX), value, unit, meaning and owner; prints as a table."""
+
+    title: str
+    rows: tuple[Row, ...]
+
+    def __iter__(self) -> Iterator[Row]:
+        return iter(self.rows)
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+    def __repr__(self) -> str:
+        lines = [(r.name, f"{r.value:g}", r.unit, r.meaning, r.owner) for r in self.rows]
+        table = [("name", "value", "unit", "meaning", "of"), *lines]
+        widths = [max(map(len, column)) for column in zip(*table, strict=True)]
+        rows = (
+            "  ".join(cell.ljust(w) for cell, w in zip(line, widths, strict=True)).rstrip() for line in table
+        )
+        return "\n".join([self.title, *rows])
+
+    def _repr_html_(self) -> str:
+        head = "".join(f"<th>{h}</th>" for h in ("symbol", "name", "value", "unit", "meaning", "of"))
+        body = "".join(f"<tr>{_cells(row)}</tr>" for row in self.rows)
+        return f"<p>{escape(self.title)}</p><table><tr>{head}</tr>{body}</table>"
+
+
+def describe(model: Any) -> Description:
+    """The table of a model's parameters."""
+    components = model.components
+    about, owner = about_all(type(model), components), owners(type(model), components)
+    names = {"": "structure"} | {role: type(component).__name__ for role, component in components.items()}
+    rows = (
+        Row(name, about[name].symbol, value, about[name].unit, about[name].meaning, names[owner[name]])
+        for name, value in model.parameters.items()
+    )
+    laws = ", ".join(f"{role} {type(component).__name__}" for role, component in components.items())
+    return Description(f"{type(model).__name__}: {laws}", tuple(rows))
+
+
+def _cells(row: Row) -> str:
+    texts = (row.name, f"{row.value:g}", row.unit, row.meaning, row.owner)
+    return f"<td>${escape(row.symbol)}$</td>" + "".join(f"<td>{escape(text)}</td>" for text in texts)

@@ -1,0 +1,96 @@
+"""One namespace for all parameters of a model: its own and those of its components."""
+
+from __future__ import annotations
+
+import dataclasses
+import inspect
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from frictionlab.components.component import Component
+from frictionlab.components.names import did_you_mean
+from frictionlab.components.parameter import Parameter, parameters_of
+
+
+def owners(cls: type, components: Mapping[str, Component]) -> dict[str, str]:
+    """Whose each parameter is: a component's role, or "" for the model's own.
+
+    Raises
+    ------
+    ValueError
+        If two of them share a name.
+    """
+    found = dict.fromkeys(parameters_of(cls), "")
+    taken = {*found, *components}
+    for role, component in components.items():
+        for name in parameters_of(type(component)):
+            if name in taken:
+                raise ValueError(
+                    f"{role} {type(component).__name__} has a parameter {name!r}, but the model has one: rename it"
+                )
+            taken.add(name)
+            found[name] = role
+    return found
+
+
+def refuse_unknown(
+    given: Iterable[str], cls: type, roles: Mapping[str, type], components: Mapping[str, Component]
+) -> None:
+    """Raise TypeError for the first name that is neither a parameter nor a component of the model."""
+    known = [*owners(cls, components), *roles]
+    for name in given:
+        if name not in known:
+            hint = _owned_elsewhere(name, roles, components) or did_you_mean(name, known)
+            raise TypeError(f"{cls.__name__} has no parameter {name!r}: {hint}")
+
+
+def chosen(role: str, base: type, component: object) -> Component:
+    """The component, if it may take that role.
+
+    Raises
+    ------
+    TypeError
+        If it is of another kind, or a class instead of an object.
+    """
+    if isinstance(component, base) and isinstance(component, Component):
+        return component
+    if isinstance(component, type):
+        raise TypeError(
+            f"{role} must be a {base.__name__}, got the class {component.__name__}: write {component.__name__}()"
+        )
+    kinds = ", ".join(f"{kind.__name__}()" for kind in base.__subclasses__())
+    raise TypeError(
+        f"{role} must be a {base.__name__}, got {component!r}: take one of {kinds}, or derive your own from it"
+    )
+
+
+def changed(component: Component, values: Mapping[str, float]) -> Component:
+    """The component with other values."""
+    return dataclasses.replace(component, **values) if values else component
+
+
+def signature(cls: type, components: Mapping[str, Component]) -> inspect.Signature:
+    """All keywords of a model with their defaults, for tab completion and help."""
+    values: dict[str, Any] = {name: about.default for name, about in parameters_of(cls).items()}
+    for component in components.values():
+        values |= {name: getattr(component, name) for name in parameters_of(type(component))}
+    keyword = inspect.Parameter.KEYWORD_ONLY
+    return inspect.Signature(
+        [inspect.Parameter(k, keyword, default=v) for k, v in (values | dict(components)).items()]
+    )
+
+
+def about_all(cls: type, components: Mapping[str, Component]) -> dict[str, Parameter]:
+    """What is known about each parameter of the namespace."""
+    found = dict(parameters_of(cls))
+    for component in components.values():
+        found |= parameters_of(type(component))
+    return found
+
+
+def _owned_elsewhere(name: str, roles: Mapping[str, type], components: Mapping[str, Component]) -> str:
+    for role, base in roles.items():
+        for kind in base.__subclasses__():
+            if name in parameters_of(kind):
+                return f"it belongs to {kind.__name__}, and {role} is {components[role]!r}"
+    return ""

@@ -1,0 +1,54 @@
+"""What jumps at an event: the projection on stick, and the impact of a re-contact."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import sympy
+
+from frictionlab.automaton import Reset
+from frictionlab.components.impact import ImpactLaw, PlasticImpact
+
+from .scene import Scene
+
+RATES = sympy.symbols("material_rate gap_rate compliance", real=True)
+
+
+def projection(scene: Scene) -> Reset:
+    """v_r = 0, keeping the tangential momentum M x1' + m x2': it removes only the rounding of the root."""
+    one, two = scene.tangent.index(1), scene.tangent.index(-1)
+    heavy, light, belt = scene.mass[one], scene.mass[two], scene.model.v
+    together = (heavy * scene.v[one] + light * scene.v[two] + light * belt) / (heavy + light)
+    return Reset({scene.v[one]: together, scene.v[two]: together - belt})
+
+
+def impact(scene: Scene) -> tuple[Reset, Reset]:
+    """The re-contact under the model's impact law, and the one that closes an accumulation of them."""
+    return _jump(scene, scene.model.impact), _jump(scene, PlasticImpact("full"))
+
+
+def velocities_after(scene: Scene, impulse: Any) -> dict[Any, Any]:
+    """M dv = W_N p, Eqs. (10) to (12): the velocities that jump, after the impact."""
+    rows = zip(scene.v, scene.normal, scene.mass, strict=True)
+    return {rate: rate + w * impulse / mass for rate, w, mass in rows if w != 0}
+
+
+def impulse(scene: Scene, law: ImpactLaw) -> Any:
+    """The impulse p (N s) of the re-contact, Eq. (14)."""
+    return law.impulse(scene.material_rate, scene.gap_rate, scene.compliance)
+
+
+def rates_after(scene: Scene, law: ImpactLaw) -> tuple[Any, Any]:
+    """Material and full gap rate after the impact in terms of those before it, as the symbols of RATES."""
+    material, full, compliance = RATES
+    if sympy.expand(scene.material_rate - scene.gap_rate) == 0:
+        material = full
+    change = compliance * law.impulse(material, full, compliance)
+    return sympy.expand(material - change), sympy.expand(full - change)
+
+
+def _jump(scene: Scene, law: ImpactLaw) -> Reset:
+    # The gap is zero where this happens; its rate afterwards only if the law makes it so identically.
+    order = 2 if rates_after(scene, law)[1] == 0 else 1
+    jump = velocities_after(scene, impulse(scene, law))
+    return Reset(jump, {scene.gap: order, -scene.gap: order})

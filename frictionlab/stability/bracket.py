@@ -1,0 +1,30 @@
+"""Roots of a scalar function by their change of sign."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from itertools import pairwise
+
+import numpy as np
+from scipy.optimize import brentq
+
+# Full relative precision however small the root: only RTOL ends the search.
+XTOL, RTOL, STEPS = 1e-300, 8.9e-16, 5000
+
+
+def bracketed(function: Callable[[float], float], low: float, high: float) -> float | None:
+    """A root in [low, high] if the function vanishes at an end or has different signs there, else None."""
+    at_low, at_high = float(function(low)), float(function(high))
+    if at_low == 0.0 or at_high == 0.0:
+        return low if at_low == 0.0 else high
+    if np.sign(at_low) == np.sign(at_high):
+        return None
+    return float(brentq(function, low, high, xtol=XTOL, rtol=RTOL, maxiter=STEPS))
+
+
+def scanned(function: Callable[[float], float], reach: float, points: int = 4001) -> list[float]:
+    """Roots in [-reach, reach] seen as changes of sign on a grid; two that are closer than it are missed."""
+    found = (
+        bracketed(function, low, high) for low, high in pairwise(np.linspace(-reach, reach, points).tolist())
+    )
+    return sorted({root for root in found if root is not None})

@@ -1,0 +1,54 @@
+"""`import frictionlab` is cheap, and every public name is there when asked for."""
+
+import json
+import subprocess
+import sys
+
+import pytest
+
+import frictionlab as fl
+
+HEAVY = ["dask", "ipywidgets", "matplotlib", "numba", "pandas", "scipy.signal", "sympy"]
+
+PUBLIC = """
+    SliderOnBelt CubicContact LinearContact Coulomb
+    StickSlipSeparation SlidingOnly MovingLoad FixedLoad PlasticImpact RestitutionImpact
+    simulate solve load Taylor RK4 equilibria equilibrium eigenvalues
+""".split()
+
+
+def heavy_modules_after(statement: str) -> list[str]:
+    code = f"{statement}\nimport sys, json\nprint(json.dumps([m for m in {HEAVY!r} if m in sys.modules]))"
+    answer = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    return json.loads(answer.stdout)
+
+
+@pytest.mark.parametrize("statement", ["import frictionlab", "import frictionlab as fl; dir(fl)"])
+def test_import_loads_nothing_heavy(statement):
+    assert heavy_modules_after(statement) == []
+
+
+def test_the_probe_sees_what_is_loaded():
+    assert heavy_modules_after("import sympy") == ["sympy"]
+
+
+@pytest.mark.plain_python
+@pytest.mark.parametrize("name", PUBLIC)
+def test_public_name_resolves_and_is_listed(name):
+    assert name in dir(fl)
+    assert getattr(fl, name) is not None
+
+
+@pytest.mark.plain_python
+def test_everything_listed_resolves():
+    assert set(PUBLIC) <= set(fl.__all__) <= set(dir(fl))
+    for name in fl.__all__:
+        getattr(fl, name)
+
+
+@pytest.mark.plain_python
+@pytest.mark.parametrize(("typed", "meant"), [("simulat", "simulate"), ("SliderOnbelt", "SliderOnBelt")])
+def test_unknown_name_is_answered_with_the_nearest(typed, meant):
+    with pytest.raises(AttributeError, match=f"(?i)did you mean.*{meant}"):
+        getattr(fl, typed)
+    assert not hasattr(fl, "qwertyuiop")

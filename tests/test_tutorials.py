@@ -1,0 +1,16 @@
+"""Every notebook in tutorials/ runs from its first to its last cell."""
+
+from pathlib import Path
+
+import nbformat
+import pytest
+from nbclient import NotebookClient
+
+TUTORIALS = Path(__file__).parents[1] / "tutorials"
+
+
+@pytest.mark.parametrize("path", sorted(TUTORIALS.glob("*.ipynb")), ids=lambda path: path.name)
+def test_notebook_runs(path):
+    notebook = nbformat.read(path, as_version=4)
+    resources = {"metadata": {"path": str(TUTORIALS)}}
+    NotebookClient(notebook, timeout=600, kernel_name="python3", resources=resources).execute()
