@@ -6,6 +6,7 @@ import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
+from inspect import get_annotations
 from types import MappingProxyType
 from typing import Any
 
@@ -101,7 +102,7 @@ def _about(field: dataclasses.Field[Any]) -> Parameter | None:
 
 def _refuse_undecorated(component: type) -> None:
     # Without the decorator the annotated fields of the class would silently not be parameters.
-    if component.__dict__.get("__annotations__") and "__dataclass_fields__" not in component.__dict__:
+    if get_annotations(component) and "__dataclass_fields__" not in component.__dict__:
         raise TypeError(
             f"{component.__name__} has fields but is no dataclass: write @dataclass(frozen=True) above it"
         )

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from frictionlab.hybrid.layout import Code
 from frictionlab.hybrid.problem import Raw
-from frictionlab.hybrid.program import Code
 from frictionlab.hybrid.roots import DEPTH
 from frictionlab.hybrid.status import Status
 from frictionlab.hybrid.stepping import Record, Work

@@ -50,8 +50,9 @@ def run_tape(code, numbers, first, last, order, flow, sign, J):
                 total /= J[b, 0]
             J[out, k] = total
         if k < order:
+            share = 1.0 / (k + 1)
             for i in range(inputs):
-                J[i, k + 1] = J[flow[i], k] / (k + 1)
+                J[i, k + 1] = J[flow[i], k] * share
 
 
 @kernel
@@ -89,14 +90,16 @@ def polynomial(c, n, s):
 
 
 @kernel
-def states_at(J, order, s, z):
-    """Write the states at time `s` after the expansion point into `z`."""
-    for i in range(z.shape[0]):
-        z[i] = polynomial(J[i], order, s)
-
-
-@kernel
 def copy(source, target):
     """Copy a vector; numba compiles a loop much faster than an assignment to a slice."""
     for i in range(source.shape[0]):
         target[i] = source[i]
+
+
+@kernel
+def states_at(J, order, s, z):
+    """Write the states at time `s` after the expansion point into `z`."""
+    copy(J[: z.shape[0], order], z)
+    for k in range(order - 1, -1, -1):  # all states together: their chains of operations overlap
+        for i in range(z.shape[0]):
+            z[i] = z[i] * s + J[i, k]

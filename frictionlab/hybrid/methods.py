@@ -13,8 +13,8 @@ import numpy as np
 
 from frictionlab.hybrid import stepping
 from frictionlab.hybrid.buffers import Pieces, new_record, new_work
+from frictionlab.hybrid.layout import Numbers
 from frictionlab.hybrid.problem import Problem, Raw
-from frictionlab.hybrid.program import Numbers
 from frictionlab.hybrid.progress import Progress
 from frictionlab.hybrid.start import start
 from frictionlab.hybrid.status import Status

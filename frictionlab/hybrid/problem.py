@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from frictionlab.hybrid.program import Numbers, Program
+from frictionlab.hybrid.layout import Numbers, Program
 from frictionlab.hybrid.status import Status
 
 

@@ -6,97 +6,24 @@ values, which costs microseconds.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
-from functools import cached_property, lru_cache
-from typing import NamedTuple
+from collections.abc import Mapping, Sequence
+from functools import lru_cache
+from typing import Any, NamedTuple
 
 import numpy as np
 import sympy as sp
 
 from frictionlab.automaton import Event, HybridAutomaton, Mode, Reset
 from frictionlab.hybrid.checks import check_structure
+from frictionlab.hybrid.layout import NONE, Code, Numbers, Program, Section
 from frictionlab.hybrid.tape import Tape, TapeBuilder
-
-NONE = -1  # "no reset" in the arrays
-
-
-class Code(NamedTuple):
-    """The structure of an automaton as integers; the parameter values are in :class:`Numbers`.
-
-    Functions are numbered through all modes: first the event functions (guards), then the constraints.
-    """
-
-    inputs: int  # number of states
-    ops: np.ndarray  # (operations, 3): kind, a, b
-    term_slots: np.ndarray  # (terms,)
-    mode_ops: np.ndarray  # (modes + 1,) range of each mode's operations
-    flow: np.ndarray  # (modes, states) slot that holds a state's derivative
-    mode_guards: np.ndarray  # (modes + 1,)
-    mode_constraints: np.ndarray  # (modes + 1,) numbered after all guards
-    function_slots: np.ndarray  # (guards + constraints,)
-    targets: np.ndarray  # (guards, modes) in the order in which they are tried
-    resets: np.ndarray  # (guards, 2) number of the reset, and of the one that closes an accumulation
-    declared: np.ndarray  # (guards, 2, functions) leading coefficients that vanish after those two
-    reset_ops: np.ndarray  # (resets + 1,)
-    reset_out: np.ndarray  # (resets, states) slot that holds a state's new value
-    sections: np.ndarray  # (modes, sections) slots
-    directions: np.ndarray  # (sections,) +1 rising, -1 falling, 0 both
-    groups: np.ndarray  # (4,) bounds of the coordinates, the velocities, the other states; integrals follow
-
-
-class Numbers(NamedTuple):
-    """The coefficients of the affine operations for one set of parameter values."""
-
-    constants: np.ndarray  # (operations,)
-    terms: np.ndarray  # (terms,)
-
-
-class Section(NamedTuple):
-    """A zero crossing that is recorded but changes no mode; `direction` +1 rising, -1 falling, 0 both."""
-
-    function: sp.Expr
-    direction: int = 0
-
-
-@dataclass(frozen=True, eq=False)
-class Program:
-    """What :func:`lower` makes of an automaton's structure."""
-
-    code: Code
-    tapes: tuple[Tape, ...]
-    resets: tuple[Tape, ...]
-    slots: int
-    modes: tuple[str, ...]
-    guards: tuple[str, ...]
-    guard_modes: np.ndarray
-    _fill: Callable[..., Sequence[float]]
-
-    def numbers(self, values: Sequence[float]) -> Numbers:
-        """Coefficients for parameter values in the order of the automaton's parameters."""
-        filled = np.array(self._fill(*values), dtype=float)
-        split = len(self.code.ops)
-        return Numbers(filled[:split].copy(), filled[split:].copy())
-
-    @cached_property
-    def initial(self) -> np.ndarray:
-        """Modes in the order in which they are tried at the start."""
-        return np.arange(len(self.modes), dtype=np.int64)
-
-    def cost(self) -> dict[str, dict[str, int]]:
-        """What each mode costs: operations by kind, guards, states."""
-        first = self.code.mode_guards
-        return {
-            name: self.tapes[i].counts()
-            | {"guards": int(first[i + 1] - first[i]), "states": self.code.inputs}
-            for i, name in enumerate(self.modes)
-        }
+from frictionlab.hybrid.vanishing import vanishing
 
 
 def program_of(
     automaton: HybridAutomaton,
     sections: Mapping[str, Section] | None = None,
-    quadratures: Mapping[str, sp.Expr] | None = None,
+    quadratures: Mapping[str, Any] | None = None,
 ) -> tuple[Program, Numbers]:
     """Program and numbers of an automaton; the program is remembered per structure.
 
@@ -120,7 +47,7 @@ def lower(
     parameters: tuple[sp.Symbol, ...],
     coordinates: int,
     sections: tuple[Section, ...] = (),
-    quadratures: tuple[tuple[str, sp.Expr], ...] = (),
+    quadratures: tuple[tuple[str, Any], ...] = (),
 ) -> Program:
     """Lower every mode and reset to its tape and pack them."""
     check_structure(states, modes, parameters, coordinates)
@@ -213,30 +140,11 @@ class _Packer:
 
     def _declared(self, mode: Mode, event: Event) -> list[list[int]]:
         resets = (event.reset, event.accumulation or event.reset)
-        return [self._vanishing(mode, event, reset) for reset in resets]
-
-    def _vanishing(self, mode: Mode, event: Event, reset: Reset) -> list[int]:
-        """How many leading coefficients of every function are zero by construction after the event."""
-        zero = dict(reset.vanishing)
-        for function in (event.function, *mode.constraints):
-            if not any(_same(function, known) for known in zero) and _survives(function, reset):
-                zero[function] = 1
-        return [max([n for known, n in zero.items() if _same(f, known)], default=0) for f in self.functions]
+        return [vanishing(mode, event, reset, self.functions) for reset in resets]
 
 
-def _resolve(function: sp.Expr | str, mode: Mode) -> sp.Expr:
+def _resolve(function: Any | str, mode: Mode) -> Any:
     return mode.outputs[function] if isinstance(function, str) else function
-
-
-def _survives(function: sp.Expr, reset: Reset) -> bool:
-    """Whether a function that was zero before the reset is zero after it."""
-    if function.free_symbols.isdisjoint(reset.jump):
-        return True
-    return sp.expand(function.xreplace(dict(reset.jump))) == 0
-
-
-def _same(f: sp.Expr, g: sp.Expr) -> bool:
-    return f == g or f == -g or sp.expand(f - g) == 0 or sp.expand(f + g) == 0
 
 
 def _order(event: Event, names: list[str]) -> list[int]:

@@ -10,9 +10,10 @@ import numpy as np
 
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.hybrid.choice import method_of
+from frictionlab.hybrid.layout import Section
 from frictionlab.hybrid.methods import Method
 from frictionlab.hybrid.problem import Problem
-from frictionlab.hybrid.program import Section, program_of
+from frictionlab.hybrid.program import program_of
 from frictionlab.hybrid.progress import Progress
 from frictionlab.hybrid.trajectory import Samples, Trajectory
 from frictionlab.hybrid.validation import check_number, suggestion

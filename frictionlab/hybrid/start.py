@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from frictionlab.hybrid.layout import Numbers
 from frictionlab.hybrid.problem import Problem
-from frictionlab.hybrid.program import Numbers
 from frictionlab.hybrid.transitions import enter
 
 

@@ -13,7 +13,7 @@ DOTS = {1: r"\dot", 2: r"\ddot"}
 
 
 class MotionPrinter(LatexPrinter):
-    """Prints x1(t) as x_{1} and its derivatives with dots; `letters` holds names that have their own LaTeX."""
+    """Prints x1(t) as x_{1}, its derivatives with dots; `letters` has the names with LaTeX of their own."""
 
     def __init__(self, letters: Mapping[str, str]) -> None:
         super().__init__()

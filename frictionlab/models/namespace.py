@@ -25,8 +25,9 @@ def owners(cls: type, components: Mapping[str, Component]) -> dict[str, str]:
     for role, component in components.items():
         for name in parameters_of(type(component)):
             if name in taken:
+                law = type(component).__name__
                 raise ValueError(
-                    f"{role} {type(component).__name__} has a parameter {name!r}, but the model has one: rename it"
+                    f"parameter {name!r} of {law} must differ from the model's {name!r}: rename it"
                 )
             taken.add(name)
             found[name] = role
@@ -55,13 +56,10 @@ def chosen(role: str, base: type, component: object) -> Component:
     if isinstance(component, base) and isinstance(component, Component):
         return component
     if isinstance(component, type):
-        raise TypeError(
-            f"{role} must be a {base.__name__}, got the class {component.__name__}: write {component.__name__}()"
-        )
+        name = component.__name__
+        raise TypeError(f"{role} must be a {base.__name__}, got the class {name}: write {name}()")
     kinds = ", ".join(f"{kind.__name__}()" for kind in base.__subclasses__())
-    raise TypeError(
-        f"{role} must be a {base.__name__}, got {component!r}: take one of {kinds}, or derive your own from it"
-    )
+    raise TypeError(f"{role} must be a {base.__name__}, got {component!r}: take {kinds} or derive your own")
 
 
 def changed(component: Component, values: Mapping[str, float]) -> Component:

@@ -53,7 +53,7 @@ def _loaded(name: object, base: type) -> type:
         return found[-1]
     module = str(name).partition(":")[0]
     raise ValueError(
-        f"no {base.__name__} {name!r} is loaded: import {module} (or run the cell that defines it) before loading"
+        f"no {base.__name__} {name!r} is loaded: import {module}, or run the cell that defines it, first"
     )
 
 

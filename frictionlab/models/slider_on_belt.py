@@ -146,6 +146,12 @@ class SliderOnBelt(Model):
         """Names of the coordinates: x1, y1 of the slider, x2, y2 and the angle phi of the belt."""
         return self.geometry.coordinates
 
+    def check(self) -> None:
+        """A parameter of an own law must not take a coordinate's name: both become symbols."""
+        for name in self.coordinates:
+            if name in self.parameters:
+                raise ValueError(f"a parameter must not be named like the coordinate {name!r}: rename it")
+
     def without(self, *names: str) -> Self:
         """The model without nonlinearities of the paper.
 

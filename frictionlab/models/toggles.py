@@ -23,9 +23,8 @@ def replacements(model: Any, names: tuple[str, ...]) -> dict[str, Component]:
     """
     for name in names:
         if name not in TOGGLES:
-            raise ValueError(
-                f"a model can be without {', '.join(map(repr, TOGGLES))}, got {name!r}: {did_you_mean(name, TOGGLES)}"
-            )
+            known, hint = ", ".join(map(repr, TOGGLES)), did_you_mean(name, TOGGLES)
+            raise ValueError(f"a model can be without {known}, got {name!r}: {hint}")
     return dict(TOGGLES[name](model) for name in names)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from scipy.optimize import brentq
@@ -19,7 +20,8 @@ def bracketed(function: Callable[[float], float], low: float, high: float) -> fl
         return low if at_low == 0.0 else high
     if np.sign(at_low) == np.sign(at_high):
         return None
-    return float(brentq(function, low, high, xtol=XTOL, rtol=RTOL, maxiter=STEPS))
+    root: Any = brentq(function, low, high, xtol=XTOL, rtol=RTOL, maxiter=STEPS)  # type: ignore[arg-type]
+    return float(root)
 
 
 def scanned(function: Callable[[float], float], reach: float, points: int = 4001) -> list[float]:

@@ -62,10 +62,11 @@ def eigenvalues(model: Any) -> Eigenvalues:
         If there is no sliding equilibrium with F_N > 0, or the belt rests.
     """
     point = equilibrium(model)
-    values, vectors = np.linalg.eig(jacobian(model, point.q))
+    pairs: Any = np.linalg.eig(jacobian(model, point.q))
+    values, vectors = pairs.eigenvalues.astype(complex), pairs.eigenvectors.astype(complex)
     # The two of a conjugate pair agree exactly in |Im| and Re.
     order = np.lexsort((values.imag, values.real, np.abs(values.imag)))
-    return Eigenvalues(values[order].astype(complex), vectors[:, order].astype(complex), point)
+    return Eigenvalues(values[order], vectors[:, order], point)
 
 
 def jacobian(model: Any, q: Array) -> Array:

@@ -44,7 +44,7 @@ class Statics:
         geometry = self.model.geometry
         normal_force = self.model.contact.force(gap)
         friction = self.friction(normal_force)
-        # The lever in W_N depends on coordinates that the moment it makes does not move: two passes are exact.
+        # The lever in W_N depends on coordinates that its moment does not move: two passes are exact.
         q: list[Any] = [0.0] * len(self.load)
         for _ in range(2):
             q = self._deflections(
@@ -106,7 +106,7 @@ def statics(model: Any) -> Statics:
     held = tuple(i for i in range(len(load)) if i != hung)
     block = stiffness[np.ix_(held, held)]
     _refuse_singular(block, [model.coordinates[i] for i in held])
-    return Statics(model, stiffness, load, np.linalg.inv(block), held, hung)
+    return Statics(model, stiffness, load, np.asarray(np.linalg.inv(block), dtype=np.float64), held, hung)
 
 
 def _hung(stiffness: Array, coordinates: Sequence[str]) -> int | None:

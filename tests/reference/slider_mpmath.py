@@ -177,9 +177,8 @@ def transition(mode, guard, state, impact, p):
     if mode == "stick":
         return guard, state, {"v_r": 1}
     held = series(state, "stick", p, 0)
-    if abs(held.F_T[0]) < p.mu_s * held.F_N[0]:
-        return "stick", state, {}
-    return "slip+" if held.F_T[0] > 0 else "slip-", state, {"v_r": 1}
+    F_N, F_T = held.F_N[0], held.F_T[0]
+    return ("stick", state, {}) if abs(F_T) < p.mu_s * F_N else ("slip+" if F_T > 0 else "slip-", state, {"v_r": 1})
 
 
 def integrate(p, impact, n, t_stop, numerics):
@@ -198,7 +197,7 @@ def integrate(p, impact, n, t_stop, numerics):
 
 
 def first_events(n, mu_k="1.4", geometry=True, impact="full", numerics=NUMERICS, **overrides):
-    """First events from rest.
+    """First events from rest, within five seconds.
 
     Parameters
     ----------
@@ -214,14 +213,14 @@ def first_events(n, mu_k="1.4", geometry=True, impact="full", numerics=NUMERICS,
     list of (time, mode before, mode after) : (mpf, str, str)
     """
     with mp.workdps(numerics["dps"]):
-        return integrate(parameters(geometry, {**overrides, "mu_k": mu_k}), impact, n, mp.inf, numerics)[0]
+        return integrate(parameters(geometry, {**overrides, "mu_k": mu_k}), impact, n, mpf(5), numerics)[0]
 
 
 def state_at(t_stop, mu_k="1.4", geometry=True, impact="full", numerics=NUMERICS, **overrides):
     """State [coordinates, velocities] at a time, from rest; without geometry phi is left out."""
     with mp.workdps(numerics["dps"]):
-        p, end = parameters(geometry, {**overrides, "mu_k": mu_k}), mpf(str(t_stop))
-        state = integrate(p, impact, mp.inf, end, numerics)[1]
+        p = parameters(geometry, {**overrides, "mu_k": mu_k})
+        state = integrate(p, impact, mp.inf, mpf(str(t_stop)), numerics)[1]
     return state if geometry else state[:4] + state[5:9]
 
 
@@ -236,5 +235,5 @@ def scene_record(scene, with_state):
 if __name__ == "__main__":
     record = {name: scene_record(scene, with_state=name != "D") for name, scene in SCENES.items()}
     command = "python tests/reference/slider_mpmath.py"
-    text = json.dumps({"command": command, "digits": 30, "scenes": record}, indent=1) + "\n"
-    Path(__file__).with_name("first_events.json").write_text(text)
+    text = json.dumps({"command": command, "digits": 30, "scenes": record}, indent=1)
+    Path(__file__).with_name("first_events.json").write_text(text + "\n")

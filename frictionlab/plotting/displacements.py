@@ -1,0 +1,53 @@
+"""Displacements against time."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+
+from .figure import axes_or_new
+from .palette import ANGLES, label, line_style, unit
+from .shading import shade_modes
+from .windows import LAST, Window, dense_times, limits, window_text
+
+
+def plot_displacements(
+    run: Any, ax: Axes | None = None, *, window: Window = LAST, shade: bool = True
+) -> list[Line2D]:
+    """Draw all coordinates against time, with the modes shaded behind them.
+
+    Parameters
+    ----------
+    run : Trajectory
+    ax : Axes or None
+        None draws into a new figure, ``lines[0].axes.figure``.
+    window : float, (float, float) or None
+        The last so many seconds, from one time to another, or the whole run.
+    shade : bool
+        Whether to shade the modes.
+
+    Returns
+    -------
+    list of Line2D
+        One line for every coordinate, in SI units.
+    """
+    ax = axes_or_new(ax)
+    start, stop = limits(run, window)
+    t = dense_times(start, stop)
+    states, names = run(t), run.names[: run.automaton.coordinates]
+    lines = []
+    for i, name in enumerate(names):
+        text = f"{label(name)} ({unit(name)})"
+        lines += ax.plot(t, states[:, i], label=text, **line_style(i, name))
+    if shade:
+        shade_modes(run, ax, (start, stop))
+    angle = ", angle (rad)" if set(names) & set(ANGLES) else ""
+    ax.set(xlabel="time (s)", ylabel=f"displacement (m){angle}", title=_title(run, start, stop))
+    ax.margins(x=0)
+    return lines
+
+
+def _title(run: Any, start: float, stop: float) -> str:
+    return f"Displacements, {window_text(run, start, stop)}"

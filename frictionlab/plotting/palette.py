@@ -1,0 +1,47 @@
+"""Colours that colour-blind readers can tell apart (Okabe & Ito 2008), and the units of what is drawn."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from types import MappingProxyType
+from typing import Any
+
+BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
+BLUE, VERMILLION, PURPLE, GREY = "#0072B2", "#D55E00", "#CC79A7", "#999999"
+
+LINES = (BLACK, VERMILLION, BLUE, GREEN)
+DASHED = (0, (4, 1.5))
+
+MODES = MappingProxyType(
+    {"stick": ORANGE, "slip+": GREY, "slip": GREY, "slip-": PURPLE, "separation": SKY},
+)
+ANGLES = ("phi",)  # all other coordinates are lengths
+
+
+def mode_colours(names: Sequence[str]) -> dict[str, str]:
+    """A colour for every mode: its own, or for modes of other automata one of the palette in turn."""
+    spare = (GREY, SKY, ORANGE, PURPLE)
+    return {name: MODES.get(name, spare[i % len(spare)]) for i, name in enumerate(names)}
+
+
+def line_style(index: int, name: str) -> dict[str, Any]:
+    """Colour and dashes of a coordinate's line: angles are dashed, as they have a unit of their own."""
+    colour = LINES[index % len(LINES)]
+    dashed = name in ANGLES or index >= len(LINES)
+    return {"color": colour, "linestyle": DASHED if dashed else "-", "linewidth": 1.2}
+
+
+def label(name: str) -> str:
+    """The name as a reader expects it in a legend or at an axis: subscripts, dots, Greek letters."""
+    base = name.rstrip("'")
+    stem = base.rstrip("0123456789")
+    index = base[len(stem) :]
+    letter = r"\varphi" if stem == "phi" else stem
+    letter = rf"\dot{{{letter}}}" if name.endswith("'") else letter
+    return f"${letter}_{{{index}}}$" if index else f"${letter}$"
+
+
+def unit(name: str) -> str:
+    """SI unit of a coordinate or of its rate."""
+    length = "rad" if name.rstrip("'") in ANGLES else "m"
+    return f"{length}/s" if name.endswith("'") else length

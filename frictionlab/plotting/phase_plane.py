@@ -1,0 +1,67 @@
+"""A coordinate against its rate."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+
+from .figure import axes_or_new
+from .palette import label, mode_colours, unit
+from .shading import mode_intervals
+from .windows import Window, dense_times, limits, window_text
+
+LATER = 2.0  # seconds: long enough to tell a cycle that closes from one that does not
+
+
+def plot_phase_plane(
+    run: Any, ax: Axes | None = None, *, name: str = "x1", window: Window = LATER
+) -> list[Line2D]:
+    """Draw a coordinate against its rate, coloured by mode.
+
+    Parameters
+    ----------
+    run : Trajectory
+    ax : Axes or None
+        None draws into a new figure, ``lines[0].axes.figure``.
+    name : str
+        The coordinate.
+    window : float, (float, float) or None
+        The last so many seconds, from one time to another, or the whole run.
+
+    Returns
+    -------
+    list of Line2D
+        One line for every mode that occurs, broken (NaN) where the run is in other modes.
+    """
+    ax = axes_or_new(ax, figsize=(5.0, 4.5))
+    start, stop = limits(run, window)
+    t = dense_times(start, stop, 12001)
+    column, n = run.names.index(name), run.automaton.coordinates
+    states = run(t)[:, [column, column + n]]
+    here = _modes(run, t)
+    lines = []
+    for mode, colour in mode_colours(run.automaton.names).items():
+        x, rate = _only(states, here == mode)
+        if not np.isnan(x).all():
+            lines += ax.plot(x, rate, color=colour, label=mode, linewidth=1.2)
+    title = f"Phase plane of {label(name)}, {window_text(run, start, stop)}"
+    rate_label = f"{label(name + chr(39))} ({unit(name + chr(39))})"
+    ax.set(xlabel=f"{label(name)} ({unit(name)})", ylabel=rate_label, title=title)
+    return lines
+
+
+def _modes(run: Any, t: np.ndarray) -> np.ndarray:
+    """Name of the mode at each time."""
+    edges, names = mode_intervals(run)
+    if not names:
+        return np.full(len(t), "")
+    return np.array(names)[np.clip(np.searchsorted(edges, t, side="right") - 1, 0, len(names) - 1)]
+
+
+def _only(states: np.ndarray, chosen: np.ndarray) -> np.ndarray:
+    """The two columns, NaN outside the chosen samples and the one after each, so that no gap is seen."""
+    kept = chosen | np.append(False, chosen[:-1])
+    return np.where(kept[:, None], states, np.nan).T

@@ -1,0 +1,88 @@
+"""`fl.plot_run`: a run in four panels."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+
+from .displacements import plot_displacements
+from .figure import RunFigure
+from .forces import plot_contact_forces
+from .palette import mode_colours
+from .phase_plane import plot_phase_plane
+from .spectrum import plot_spectrum
+from .windows import LAST, Window
+
+SIZE = (12.0, 7.0)
+SMALL = 9.0
+
+
+def plot_run(run: Any, figure: Figure | None = None, *, window: Window = LAST) -> Figure:
+    """Draw a run: displacements and contact forces against time, phase plane and spectrum of x1.
+
+    Parameters
+    ----------
+    run : Trajectory
+        Of a model with a coordinate x1, normal and friction force.
+    figure : Figure or None
+        Where to draw; None makes a new figure that belongs to no window.
+    window : float, (float, float) or None
+        What the panels over time show: the last so many seconds, from one time to another, or the whole
+        run.
+
+    Returns
+    -------
+    Figure
+        With the axes displacements, phase plane, forces, spectrum, in this order; a notebook shows it.
+
+    Examples
+    --------
+    >>> import frictionlab as fl
+    >>> figure = fl.plot_run(fl.simulate(fl.SliderOnBelt(mu_k=1.4), 0.3))
+    >>> len(figure.axes)
+    4
+    """
+    _refuse_others(run)
+    figure = RunFigure(figsize=SIZE, layout="constrained") if figure is None else figure
+    panels = figure.subplots(2, 2, width_ratios=(1.5, 1))
+    (displacements, phase), (forces, spectrum) = panels
+    coordinates = plot_displacements(run, displacements, window=window)
+    plot_phase_plane(run, phase)
+    contact = plot_contact_forces(run, forces, window=window)
+    plot_spectrum(run, spectrum)
+    _beside(displacements, coordinates)
+    _beside(forces, contact)
+    for ax in panels.flat:
+        ax.title.set_fontsize(SMALL + 1)
+    _title(figure, run)
+    return figure
+
+
+def _refuse_others(run: Any) -> None:
+    has = {*run.names, *run.automaton.modes[0].outputs}
+    missing = sorted({"x1", "x1'", "normal_force", "friction_force"} - has)
+    if missing:
+        raise ValueError(
+            f"plot_run needs a run with x1 and contact forces, this one has no {', '.join(missing)}: "
+            "use the panels of frictionlab.plotting one by one"
+        )
+
+
+def _beside(ax: Axes, lines: list[Line2D]) -> None:
+    """A legend of the lines to the right of the panel, where it covers nothing."""
+    ax.legend(handles=lines, loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False, fontsize=SMALL)
+
+
+def _title(figure: Figure, run: Any) -> None:
+    colours = mode_colours(run.automaton.names)
+    # Thousandths that nobody sees in the picture still count as having been there.
+    modes = [name for name, seconds in run.time_in_mode.items() if seconds > 0]
+    handles = [Patch(facecolor=colours[name], alpha=0.6, label=name) for name in modes]
+    what = "run" if run.source is None else repr(run.source)
+    state = "" if run.status.ok else f" ({run.status.name.lower().replace('_', ' ')})"
+    figure.suptitle(f"{what}, {run.raw.t:.4g} s{state}", fontsize=SMALL + 3)
+    figure.legend(handles=handles, loc="outside lower center", ncols=len(handles) or 1, frameon=False)

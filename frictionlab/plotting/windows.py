@@ -1,0 +1,54 @@
+"""Which part of a run a panel shows, and dense samples of it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Window = float | tuple[float, float] | None
+
+LAST = 0.75  # seconds: some eight oscillations at the 11 Hz of the paper's system
+POINTS = 4001
+
+
+def end_of(run: Any) -> float:
+    """The time that the run reached."""
+    return float(run.raw.t)
+
+
+def limits(run: Any, window: Window = LAST) -> tuple[float, float]:
+    """Start and end of a window: the last `window` seconds, the two times given, or (None) the whole run.
+
+    Raises
+    ------
+    ValueError
+        If the window is empty or lies outside the run.
+    """
+    end = end_of(run)
+    if window is None:
+        return 0.0, end
+    if isinstance(window, (int, float)):
+        start, stop = max(0.0, end - window), end
+    else:
+        start, stop = window
+    if not 0.0 <= start <= stop <= end or (start == stop and end > 0):
+        raise ValueError(f"window must lie within the run, 0 to {end:g} s, got {window!r}: change its times")
+    return float(start), float(stop)
+
+
+def dense_times(start: float, stop: float, points: int = POINTS) -> Array:
+    """Evenly spaced times that never leave the window by rounding."""
+    return np.clip(np.linspace(start, stop, points), start, stop)
+
+
+def window_text(run: Any, start: float, stop: float) -> str:
+    """The window in words, for a title."""
+    end = end_of(run)
+    if (start, stop) == (0.0, end):
+        return f"whole run, {end:.4g} s"
+    if stop == end:
+        return f"last {stop - start:.4g} s of {end:.4g} s"
+    return f"{start:.4g} s to {stop:.4g} s of {end:.4g} s"
