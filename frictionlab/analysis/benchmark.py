@@ -81,10 +81,8 @@ def methods(
     scipy's methods are timed over a twentieth of `t_end` and scaled up.
     """
     shares = [20.0 if isinstance(method, Scipy) else 1.0 for _, method in among]
-    runs = [
-        lambda m=method, s=share: _run(m, t_end / s) for (_, method), share in zip(among, shares, strict=True)
-    ]
-    seconds = interleaved(runs, repeats)
+    timed = [(method, t_end / share) for (_, method), share in zip(among, shares, strict=True)]
+    seconds = interleaved([partial(_run, *arguments) for arguments in timed], repeats)
     return [
         _row(name, method, spent * share)
         for (name, method), spent, share in zip(among, seconds, shares, strict=True)
@@ -93,12 +91,9 @@ def methods(
 
 def switches(t_end: float = 20.0, repeats: int = 5) -> list[Switches]:
     """The eight scenes with nonlinearities left out: size of the tape, and wall time."""
-    left_out = [
-        tuple(n for n, off in zip(SWITCHES, choice, strict=True) if off)
-        for choice in product((0, 1), repeat=3)
-    ]
+    left_out = [tuple(compress(SWITCHES, choice)) for choice in product((0, 1), repeat=3)]
     models = [SCENE.without(*names) for names in left_out]
-    runs = [lambda m=model: simulate(m, t_end, progress=False) for model in models]
+    runs = [partial(simulate, model, t_end, progress=False) for model in models]
     seconds = interleaved(runs, repeats)
     return [_size(n, m, s / t_end) for n, m, s in zip(left_out, models, seconds, strict=True)]
 

@@ -63,4 +63,5 @@ class Pieces:
         """Everything joined."""
         parts = self._parts or [new_record(code, 0, 0, 0)]
         arrays = parts[0] if len(parts) == 1 else map(np.concatenate, zip(*parts, strict=True))
-        return Raw(*arrays, float(t), state, mode, status)
+        joined = dict(zip(Record._fields, arrays))
+        return Raw(**joined, t=float(t), state=state, mode=mode, status=status)

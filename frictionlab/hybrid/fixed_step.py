@@ -6,6 +6,7 @@ from frictionlab.hybrid.compiled import kernel
 from frictionlab.hybrid.guards import NOISE
 from frictionlab.hybrid.jets import copy, majorant, mode_jets
 from frictionlab.hybrid.stepping import (
+    CELL,
     END,
     ENTERED,
     EVENTS,
@@ -83,7 +84,7 @@ def enter_by_values(code, numbers, absolute, guard, z, work):
     declared = code.declared[guard, 0]
     for mode in code.targets[guard]:
         mode_jets(code, numbers, mode, 0, z, J)
-        majorant(code, absolute, mode, 0, z, work.bounds)
+        majorant(code, absolute, mode, 0, z, J, work.bounds)
         fits = True
         for g in range(code.mode_guards[mode], code.mode_guards[mode + 1]):
             if declared[g] == 0 and J[code.function_slots[g], 0] < 0.0:
@@ -120,18 +121,20 @@ def change_mode(code, numbers, absolute, guard, cursor, record, work):
 
 @kernel
 def fixed_step(code, numbers, absolute, step, cursor, record, work, stages, new):
-    """One step of `step` or what is left, or the part of it up to an event."""
+    """To the end of the current cell of the grid, or up to an event within it."""
     times, counts, J = cursor.times, cursor.counts, work.jets
     mode = counts[MODE]
-    left = times[END] - times[NOW]
-    h = min(step, left)
-    last = h == left
+    goal = min((counts[CELL] + 1) * step, times[END])
+    h = max(goal - times[NOW], 0.0)
     rk4_step(code, numbers, mode, cursor.state, h, J, stages, new)
     guard = failed_guard(code, numbers, mode, new, J)
     if guard == -2:
         return NOT_FINITE
     if guard >= 0:
         h, guard = bisect(code, numbers, mode, cursor.state, h, J, stages, new)
+        goal = times[NOW] + h
+    else:
+        counts[CELL] += 1
     row = counts[STEPS]
     record.step_times[row, 0] = times[NOW]
     record.step_times[row, 1] = h
@@ -139,7 +142,7 @@ def fixed_step(code, numbers, absolute, step, cursor, record, work, stages, new)
     copy(cursor.state, record.step_states[row])
     counts[STEPS] += 1
     copy(new, cursor.state)
-    times[NOW] = times[END] if last and guard < 0 else times[NOW] + h
+    times[NOW] = goal
     if guard < 0:
         return RUNNING
     return change_mode(code, numbers, absolute, guard, cursor, record, work)

@@ -29,10 +29,10 @@ def leading(c, bound, declared, order):
 def leading_at(code, absolute, mode, slot, declared, z, order, J, bounds):
     """:func:`leading` of a slot; computes as much of the majorant `bounds` as it needs."""
     low = min(order, max(LOW, declared))
-    majorant(code, absolute, mode, low, z, bounds)
+    majorant(code, absolute, mode, low, z, J, bounds)
     k = leading(J[slot], bounds[slot], declared, low)
     if k > low and low < order:
-        majorant(code, absolute, mode, order, z, bounds)
+        majorant(code, absolute, mode, order, z, J, bounds)
         k = leading(J[slot], bounds[slot], declared, order)
     return k
 

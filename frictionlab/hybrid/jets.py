@@ -13,12 +13,13 @@ AFFINE, PRODUCT, SQUARE, QUOTIENT = 0, 1, 2, 3
 
 
 @kernel
-def run_tape(code, numbers, first, last, order, flow, sign, J):
+def run_tape(code, numbers, first, last, order, flow, sign, values, J):
     """Coefficients 0 to `order` of the slots that the operations [first, last) write.
 
     ``flow[i]`` is the slot that holds the derivative of state i, whose column 0 is given.  `sign` is -1;
-    with +1, and absolute values for numbers and states, the recurrences give a majorant of the jets,
-    which times the machine epsilon bounds their rounding errors.
+    with +1, absolute values for numbers and states and the jets themselves as `values`, the recurrences
+    give a majorant of the jets, which times the machine epsilon bounds their rounding errors.  Otherwise
+    `values` is `J`.
     """
     ops, slots, constants, terms = code.ops, code.term_slots, numbers.constants, numbers.terms
     inputs = code.inputs
@@ -47,7 +48,11 @@ def run_tape(code, numbers, first, last, order, flow, sign, J):
                 total = J[a, k]
                 for j in range(1, k + 1):
                     total += sign * J[b, j] * J[out, k - j]
-                total /= J[b, 0]
+                divisor = values[b, 0]  # the majorant's own would be too large where terms cancel
+                if sign > 0.0:
+                    total += J[b, 0] * abs(values[out, k])  # the divisor's rounding error
+                    divisor = abs(divisor)
+                total /= divisor
             J[out, k] = total
         if k < order:
             share = 1.0 / (k + 1)
@@ -60,15 +65,16 @@ def mode_jets(code, numbers, mode, order, z, J):
     """Taylor coefficients up to `order` of all slots of a mode, at the state `z`."""
     for i in range(z.shape[0]):
         J[i, 0] = z[i]
-    run_tape(code, numbers, code.mode_ops[mode], code.mode_ops[mode + 1], order, code.flow[mode], -1.0, J)
+    run_tape(code, numbers, code.mode_ops[mode], code.mode_ops[mode + 1], order, code.flow[mode], -1.0, J, J)
 
 
 @kernel
-def majorant(code, absolute, mode, order, z, J):
-    """Majorant of the jets at `z`; `absolute` are the absolute values of the tape's numbers."""
+def majorant(code, absolute, mode, order, z, jets, J):
+    """Majorant of the `jets` at `z`; `absolute` are the absolute values of the tape's numbers."""
     for i in range(z.shape[0]):
         J[i, 0] = abs(z[i])
-    run_tape(code, absolute, code.mode_ops[mode], code.mode_ops[mode + 1], order, code.flow[mode], 1.0, J)
+    first, last = code.mode_ops[mode], code.mode_ops[mode + 1]
+    run_tape(code, absolute, first, last, order, code.flow[mode], 1.0, jets, J)
 
 
 @kernel
@@ -77,7 +83,7 @@ def reset_values(code, numbers, reset, z, J):
     for i in range(z.shape[0]):
         J[i, 0] = z[i]
     first, last = code.reset_ops[reset], code.reset_ops[reset + 1]
-    run_tape(code, numbers, first, last, 0, code.reset_out[reset], -1.0, J)
+    run_tape(code, numbers, first, last, 0, code.reset_out[reset], -1.0, J, J)
 
 
 @kernel

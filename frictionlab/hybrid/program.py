@@ -6,8 +6,9 @@ values, which costs microseconds.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import lru_cache
+from itertools import chain
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -94,7 +95,7 @@ class _Packer:
             mode_guards=_ranges([len(mode.events) for mode in self.modes]),
             mode_constraints=_ranges([len(m.constraints) for m in self.modes], start=len(self.events)),
             function_slots=_slots(
-                sum([m.guards for m in lowered], []) + sum([m.constraints for m in lowered], [])
+                [*_joined(m.guards for m in lowered), *_joined(m.constraints for m in lowered)]
             ),
             targets=_ints([_order(event, names) for _, event in self.events], columns=len(names)),
             resets=_ints(resets, columns=2),
@@ -141,6 +142,10 @@ class _Packer:
     def _declared(self, mode: Mode, event: Event) -> list[list[int]]:
         resets = (event.reset, event.accumulation or event.reset)
         return [vanishing(mode, event, reset, self.functions) for reset in resets]
+
+
+def _joined(lists: Iterable[list[int]]) -> Iterable[int]:
+    return chain.from_iterable(lists)
 
 
 def _resolve(function: Any | str, mode: Mode) -> Any:

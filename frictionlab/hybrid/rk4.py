@@ -15,11 +15,12 @@ from frictionlab.hybrid.validation import check_number
 
 @dataclass(frozen=True)
 class RK4(Method):
-    """The algorithm of the paper's Fig. 19: classical Runge-Kutta with fixed steps.
+    """The algorithm of the paper's Fig. 19: classical Runge-Kutta on a fixed time grid.
 
     The conditions of a state are looked at only at the end of a step; where one fails, bisection finds
-    the instant within the step.  After a re-contact slip is entered.  What happens and ends within a step
-    is not seen, so the results depend on `step`; use it to compare with the paper.
+    the instant within the step, the state changes, and the rest of the step follows.  After a re-contact
+    slip is entered.  What happens and ends within a step is not seen, so the results depend on `step`;
+    use it to compare with the paper.
 
     Parameters
     ----------

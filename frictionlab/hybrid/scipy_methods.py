@@ -114,9 +114,12 @@ class _Guards:
 
     def _root(self, function: Any, start: float, end: float) -> float:
         """Zero between the start, where the guard holds, and the end, where it does not."""
-        from scipy.optimize import brentq
+        from scipy import optimize
 
+        brentq: Any = optimize.brentq
         left = start
+        if function(end) >= 0.0:  # the dense output ends a rounding error beside the step
+            return end
         if function(start) <= 0.0:  # zero there by construction: find where it is positive
             parts = start + (end - start) * 0.5 ** np.arange(1, 40)
             left = next((t for t in parts if function(t) > 0.0), end)

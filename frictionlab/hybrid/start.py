@@ -24,7 +24,7 @@ def start(problem: Problem, order: int, absolute: Numbers, work) -> int:
     mode = int(enter(program.code, problem.numbers, absolute, *arguments))
     if mode < 0 and problem.mode is not None:
         raise ValueError(
-            f"the run cannot start in mode {program.modes[problem.mode]!r}: at x0 one of its conditions does not "
-            "hold or fails at once; leave mode=None to have the mode chosen"
+            f"the run cannot start in mode {program.modes[problem.mode]!r}: at x0 one of its conditions "
+            "does not hold or fails at once; leave mode=None to have the mode chosen"
         )
     return mode

@@ -37,7 +37,8 @@ class Work(NamedTuple):
 class Cursor(NamedTuple):
     """Where a run stands.  ``times``: now, end, entry into the mode, limit of the dwell time;
     ``counts``: mode, steps, events, section points, short dwells in a row, accumulations closed, events
-    without advance, whether the jets are at hand, whether an accumulation ends the run."""
+    without advance, whether the jets are at hand, whether an accumulation ends the run, and the number of
+    the current cell of a fixed time grid."""
 
     state: np.ndarray
     times: np.ndarray
@@ -46,7 +47,7 @@ class Cursor(NamedTuple):
 
 
 NOW, END, ENTERED, DWELL = range(4)
-MODE, STEPS, EVENTS, POINTS, SHORT, CLOSED, REPEATED, READY, RAISES = range(9)
+MODE, STEPS, EVENTS, POINTS, SHORT, CLOSED, REPEATED, READY, RAISES, CELL = range(10)
 
 
 class Record(NamedTuple):
@@ -80,7 +81,8 @@ def step_length(code, order, tol, J):
 
     Jorba & Zou (2005), section 3.2.  The size of a group is the largest of its first three terms at the
     end of the step, so that no absolute tolerance is needed: a step h will do if, for one m of 0, 1, 2,
-    |c_p| h^p <= tol |c_m| h^m.  Zero where a coefficient is no number.
+    |c_p| h^p <= tol |c_m| h^m; where those three are zero, for the next that is not.  Zero where a
+    coefficient is no number.
     """
     best = math.inf
     for group in range(3):
@@ -91,11 +93,14 @@ def step_length(code, order, tol, J):
                 return 0.0
             if end > 0.0:
                 longest = -math.inf
-                for m in range(3):
+                for m in range(p):
+                    if m > 2 and longest > -math.inf:
+                        break
                     size = largest(J, first, last, m)
                     if size > 0.0:
                         longest = max(longest, math.log(tol * size / end) / (p - m))
-                best = min(best, longest)
+                if longest > -math.inf:
+                    best = min(best, longest)
     return math.exp(best) if best < 700.0 else math.inf
 
 
@@ -197,6 +202,6 @@ def advance(code, numbers, absolute, order, tol, cursor, record, work):
 
 def new_cursor(state: np.ndarray, mode: int, t_end: float, dwell: float, raises: bool) -> Cursor:
     """Cursor at time 0 in `mode`, whose jets are at hand; without sections."""
-    counts = np.zeros(9, dtype=np.int64)
+    counts = np.zeros(10, dtype=np.int64)
     counts[MODE], counts[READY], counts[RAISES] = mode, 1, raises
     return Cursor(state.copy(), np.array([0.0, t_end, 0.0, dwell]), counts, np.zeros(0, dtype=np.int64))

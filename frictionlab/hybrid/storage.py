@@ -67,10 +67,11 @@ class Stored:
                 f"the run has the states {self.about['states']}, the model {names}: give the right model"
             )
         program, numbers = program_of(automaton)
-        about, arrays = self.about, self.arrays
+        about = self.about
+        arrays = {name: self.arrays[name] for name in (*ARRAYS, "state")}
         status = Status[about["status"]]
-        raw = Raw(*(arrays[k] for k in ARRAYS), about["t"], arrays["state"], about["mode"], status)
-        samples = Samples(**about["samples"], t_eval=arrays.get("t_eval"))
+        raw = Raw(**arrays, t=about["t"], mode=about["mode"], status=status)
+        samples = Samples(**about["samples"], t_eval=self.arrays.get("t_eval"))
         problem = Problem(program, numbers, raw.state, about["t"])
         return Trajectory(
             automaton,

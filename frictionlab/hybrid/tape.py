@@ -10,14 +10,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import sympy as sp
+
+from frictionlab.automaton import Expr
 
 AFFINE, PRODUCT, SQUARE, QUOTIENT = range(4)
 NAMES = ("affine", "product", "square", "quotient")
 
 CONSTANT = -1  # the key of the constant term in an affine combination {slot: coefficient}
-Affine = dict[int, sp.Expr]
+Affine = dict[int, Expr]
 
 
 class TapeError(ValueError):
@@ -34,15 +37,15 @@ class Tape:
 
     inputs: int
     ops: list[tuple[int, int, int]] = field(default_factory=list)
-    constants: list[sp.Expr] = field(default_factory=list)
-    terms: list[tuple[int, sp.Expr]] = field(default_factory=list)
+    constants: list[Expr] = field(default_factory=list)
+    terms: list[tuple[int, Expr]] = field(default_factory=list)
 
     @property
     def slots(self) -> int:
         """Number of slots in use."""
         return self.inputs + len(self.ops)
 
-    def emit(self, kind: int, a: int, b: int, constant: sp.Expr = sp.S.Zero) -> int:
+    def emit(self, kind: int, a: int, b: int, constant: Expr = sp.S.Zero) -> int:
         """Append an operation, return the slot it writes."""
         self.ops.append((kind, a, b))
         self.constants.append(constant)
@@ -57,26 +60,26 @@ class Tape:
 class TapeBuilder:
     """Lowers expressions onto one tape; equal subexpressions share a slot."""
 
-    def __init__(self, states: Sequence[sp.Symbol]) -> None:
+    def __init__(self, states: Sequence[Any]) -> None:
         self.tape = Tape(len(states))
         self._states = {state: i for i, state in enumerate(states)}
-        self._affine: dict[sp.Expr, Affine] = {}
+        self._affine: dict[Expr, Affine] = {}
         self._slots: dict[object, int] = {}
 
-    def slot(self, expr: sp.Expr) -> int:
+    def slot(self, expr: Expr) -> int:
         """Slot that holds `expr`, emitting what is missing."""
         return self._materialise(self._lower(sp.sympify(expr)))
 
-    def constant(self, expr: sp.Expr) -> bool:
+    def constant(self, expr: Expr) -> bool:
         """Whether `expr` depends on the parameters alone."""
         return self._states.keys().isdisjoint(expr.free_symbols)
 
-    def _lower(self, expr: sp.Expr) -> Affine:
+    def _lower(self, expr: Expr) -> Affine:
         if expr not in self._affine:
             self._affine[expr] = self._lower_new(expr)
         return self._affine[expr]
 
-    def _lower_new(self, expr: sp.Expr) -> Affine:
+    def _lower_new(self, expr: Expr) -> Affine:
         if self.constant(expr):
             return {CONSTANT: expr} if expr != 0 else {}
         if expr in self._states:
@@ -89,19 +92,19 @@ class TapeBuilder:
             return {self._power(expr.base, int(expr.exp)): sp.S.One}
         raise TapeError(f"the tape has no operation for {expr}: write it with +, -, *, / and integer powers")
 
-    def _term(self, expr: sp.Expr) -> Affine:
+    def _term(self, expr: Expr) -> Affine:
         """A summand: a multiple of a non-linear sum refers to its slot instead of copying its terms."""
         factor, rest = expr.as_independent(*self._states, as_Add=False)
         if rest.is_Add and factor != 1 and not self._linear(rest):
             return {self.slot(rest): factor}
         return self._lower(expr)
 
-    def _linear(self, expr: sp.Expr) -> bool:
+    def _linear(self, expr: Expr) -> bool:
         return all(slot < self.tape.inputs for slot in self._lower(expr))
 
-    def _mul(self, expr: sp.Expr) -> Affine:
+    def _mul(self, expr: Expr) -> Affine:
         factor, rest = expr.as_independent(*self._states, as_Add=False)
-        factors = sp.Mul.make_args(rest)
+        factors: Sequence[Any] = sp.Mul.make_args(rest)
         if len(factors) == 1:
             return {slot: factor * value for slot, value in self._lower(rest).items()}
         below = [f for f in factors if f.is_Pow and f.exp.is_Integer and f.exp < 0]
@@ -111,14 +114,14 @@ class TapeBuilder:
             slot = self._binary(QUOTIENT, slot, self._product([1 / f for f in below]))
         return {slot: factor}
 
-    def _product(self, factors: Sequence[sp.Expr]) -> int:
+    def _product(self, factors: Sequence[Expr]) -> int:
         slots = [self.slot(f) for f in factors]
         result = slots[0]
         for other in slots[1:]:
             result = self._binary(PRODUCT, *sorted((result, other)))
         return result
 
-    def _power(self, base: sp.Expr, exponent: int) -> int:
+    def _power(self, base: Expr, exponent: int) -> int:
         if exponent < 0:
             return self._binary(QUOTIENT, self.slot(sp.S.One), self._power(base, -exponent))
         if exponent == 1:

@@ -28,7 +28,7 @@ def admission(code, numbers, absolute, mode, z, order, declared, zeros, J, bound
     coefficients of each guard are zero.
     """
     mode_jets(code, numbers, mode, order, z, J)
-    majorant(code, absolute, mode, order, z, bounds)
+    majorant(code, absolute, mode, order, z, J, bounds)
     for f in range(code.mode_constraints[mode], code.mode_constraints[mode + 1]):
         slot = code.function_slots[f]
         if declared[f] == 0 and leading(J[slot], bounds[slot], 0, order) == 0:

@@ -27,7 +27,7 @@ def check_number(
     rules += [f"above {above:g}"] if above > -math.inf else []
     rules += [f"at most {most:g}"] if most < math.inf else []
     rules += [f"below {below:g}"] if below < math.inf else []
-    number = isinstance(value, Real) and not isinstance(value, bool) and math.isfinite(value)
+    number = _is_number(value)
     if (
         not number
         or (integer and value != int(value))
@@ -36,12 +36,15 @@ def check_number(
         raise ValueError(f"{name} must be {', '.join(rules)}, got {value!r}" + (f": {cure}" if cure else ""))
 
 
+def _is_number(value: Any) -> bool:
+    return isinstance(value, Real) and not isinstance(value, bool) and math.isfinite(float(value))
+
+
 def check_choice(name: str, value: Any, choices: Sequence[str]) -> None:
     """Raise unless `value` is one of `choices`; suggests the nearest."""
     if value not in choices:
-        raise ValueError(
-            f"{name} must be one of {', '.join(map(repr, choices))}, got {value!r}{suggestion(value, choices)}"
-        )
+        allowed = ", ".join(map(repr, choices))
+        raise ValueError(f"{name} must be one of {allowed}, got {value!r}{suggestion(value, choices)}")
 
 
 def suggestion(name: Any, known: Sequence[str]) -> str:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -15,7 +14,7 @@ XTOL, RTOL, STEPS = 1e-300, 8.9e-16, 5000
 
 def bracketed(function: Callable[[float], float], low: float, high: float) -> float | None:
     """A root in [low, high] if the function vanishes at an end or has different signs there, else None."""
-    at_low, at_high = float(function(low)), float(function(high))
+    at_low, at_high = function(low), function(high)
     if at_low == 0.0 or at_high == 0.0:
         return low if at_low == 0.0 else high
     if np.sign(at_low) == np.sign(at_high):
@@ -24,9 +23,14 @@ def bracketed(function: Callable[[float], float], low: float, high: float) -> fl
     return float(root)
 
 
-def scanned(function: Callable[[float], float], reach: float, points: int = 4001) -> list[float]:
-    """Roots in [-reach, reach] seen as changes of sign on a grid; two that are closer than it are missed."""
-    found = (
-        bracketed(function, low, high) for low, high in pairwise(np.linspace(-reach, reach, points).tolist())
-    )
+def scanned(function: Callable[[Any], Any], reach: float, points: int = 4001) -> list[float]:
+    """Roots in [-reach, reach] seen as changes of sign on a grid; two that are closer than it are missed.
+
+    `function` takes arrays.
+    """
+    grid = np.linspace(-reach, reach, points)
+    with np.errstate(all="ignore"):  # where a law is not defined there is no root
+        signs = np.sign(np.broadcast_to(function(grid), grid.shape))
+    ends = np.flatnonzero(signs[:-1] * signs[1:] <= 0)
+    found = (bracketed(function, float(grid[i]), float(grid[i + 1])) for i in ends)
     return sorted({root for root in found if root is not None})

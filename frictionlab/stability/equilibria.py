@@ -117,7 +117,7 @@ def _polished(problem: Statics, gap: float, slope: float) -> float:
 
 def _equilibrium(problem: Statics, gap: float) -> Equilibrium:
     q = np.array([float(x) for x in problem.coordinates(gap)])
-    normal = float(problem.model.contact.force(gap))
+    normal = float(problem.force(gap))
     residual = problem.residual(q)
     if not residual < TOLERANCE:
         raise ValueError(

@@ -6,13 +6,14 @@ the gap of that q is the given one.  Numbers and polynomials of the gap go throu
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .laws import contact_force, sliding_force
 from .matrices import stiffness_and_load
 
 Array = NDArray[np.float64]
@@ -21,13 +22,16 @@ SINGULAR = 1e-13
 
 @dataclass(frozen=True, eq=False)
 class Statics:
-    """Static equations of a model.
+    """Static equations of a model: its geometry, the belt's speed, the two laws, K and f.
 
     `held` are the coordinates that the structure holds; `hung` is the one, if any, that only the contact
     holds: the slider's height where k3 = 0.
     """
 
-    model: Any
+    geometry: Any
+    speed: float
+    force: Callable[[Any], Any]
+    kinetic: Callable[[Any, float], Any]
     stiffness: Array
     load: Array
     flexibility: Array
@@ -36,45 +40,40 @@ class Statics:
 
     def friction(self, normal_force: Any) -> Any:
         """F_T (N) while sliding at the belt's speed, Eq. (3)."""
-        speed = self.model.v
-        return float(np.sign(speed)) * self.model.friction.kinetic(normal_force, abs(speed))
+        return float(np.sign(self.speed)) * self.kinetic(normal_force, abs(self.speed))
 
     def coordinates(self, gap: Any) -> list[Any]:
         """q at a gap, from all equations but the one that :meth:`excess` leaves over."""
-        geometry = self.model.geometry
-        normal_force = self.model.contact.force(gap)
+        normal_force = self.force(gap)
         friction = self.friction(normal_force)
         # The lever in W_N depends on coordinates that its moment does not move: two passes are exact.
         q: list[Any] = [0.0] * len(self.load)
         for _ in range(2):
             q = self._deflections(
-                self._loads(geometry.normal(*q), normal_force, geometry.tangent(*q), friction)
+                self._loads(self.geometry.normal(*q), normal_force, self.geometry.tangent(*q), friction)
             )
         if self.hung is not None:
             # The gap is what the slider's height takes from it: slope -1.
-            q[self.hung] = geometry.gap(*q) - gap
+            q[self.hung] = self.geometry.gap(*q) - gap
         return q
 
     def excess(self, gap: Any) -> Any:
         """The scalar equation: zero at the gap of an equilibrium."""
         q = self.coordinates(gap)
         if self.hung is None:
-            return self.model.geometry.gap(*q) - gap
-        return self.load[self.hung] + self.model.geometry.normal(*q)[self.hung] * self.model.contact.force(
-            gap
-        )
+            return self.geometry.gap(*q) - gap
+        return self.load[self.hung] + self.geometry.normal(*q)[self.hung] * self.force(gap)
 
     def unloaded_gap(self) -> float:
         """The gap (m) that the load would make if there were no contact forces."""
         q = self._deflections([float(f) for f in self.load])
-        return float(self.model.geometry.gap(*q))
+        return float(self.geometry.gap(*q))
 
     def residual(self, q: Array) -> float:
         """Largest force left over at `q`, relative to the largest in the equations."""
-        geometry = self.model.geometry
-        normal_force = float(self.model.contact.force(geometry.gap(*q)))
+        normal_force = float(self.force(self.geometry.gap(*q)))
         contact = self._loads(
-            geometry.normal(*q), normal_force, geometry.tangent(*q), self.friction(normal_force)
+            self.geometry.normal(*q), normal_force, self.geometry.tangent(*q), self.friction(normal_force)
         )
         elastic = self.stiffness @ q
         largest = max(np.abs(elastic).max(), np.abs(self.load).max(), abs(normal_force))
@@ -106,7 +105,17 @@ def statics(model: Any) -> Statics:
     held = tuple(i for i in range(len(load)) if i != hung)
     block = stiffness[np.ix_(held, held)]
     _refuse_singular(block, [model.coordinates[i] for i in held])
-    return Statics(model, stiffness, load, np.asarray(np.linalg.inv(block), dtype=np.float64), held, hung)
+    laws = contact_force(model), sliding_force(model)
+    return Statics(
+        model.geometry,
+        model.v,
+        *laws,
+        stiffness,
+        load,
+        np.asarray(np.linalg.inv(block), dtype=np.float64),
+        held,
+        hung,
+    )
 
 
 def _hung(stiffness: Array, coordinates: Sequence[str]) -> int | None:

@@ -91,7 +91,7 @@ def test_an_exact_triple_root_has_odd_multiplicity():
 
 @pytest.mark.parametrize("power", [1, 2, 3])
 def test_a_root_at_the_end_of_the_interval_counts(power):
-    found, multiplicity = find(expand([1] * power + [3]))
+    found, multiplicity = find(expand([1] * power))
     assert found.tolist() == [1.0]
     assert multiplicity.tolist() == [power]
 
@@ -128,15 +128,14 @@ def test_two_close_roots_are_told_apart(distance):
 
 
 def test_two_roots_closer_than_the_resolution_count_as_a_double_one():
-    # (x - 1/3)**2 - tiny: Sterbenz keeps the coefficients to an ulp, so the two may merge or vanish
+    # (x - 1/3)**2 with rounded coefficients: none, two, or one double root
     found, multiplicity = find([1 / 9, -2 / 3, 1.0])
     assert multiplicity.sum() % 2 == 0
     assert np.abs(found - 1 / 3).max(initial=0.0) < 1e-7
 
 
-def test_the_constant_zero_has_a_root_only_at_the_end():
-    found, _ = find([0.0, 0.0, 0.0])
-    assert found.size <= 1
+def test_what_is_zero_throughout_has_no_root():
+    assert find([0.0, 0.0, 0.0])[0].size == 0
 
 
 @given(st.integers(2, 20))
