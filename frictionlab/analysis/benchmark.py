@@ -62,7 +62,7 @@ class Row:
 
 @dataclass(frozen=True)
 class Switches:
-    """A scene of the eight: what is left out, and what the rest costs.  Flow operations are summed over modes."""
+    """A scene of the eight: what is left out, and what the rest costs; operations summed over modes."""
 
     without: tuple[str, ...]
     states: int

@@ -18,6 +18,9 @@ def plot_displacements(
 ) -> list[Line2D]:
     """Draw all coordinates against time, with the modes shaded behind them.
 
+    Lengths belong to the axis on the left; an angle, which has another unit and size, is dashed and
+    belongs to one on the right.
+
     Parameters
     ----------
     run : Trajectory
@@ -37,17 +40,21 @@ def plot_displacements(
     start, stop = limits(run, window)
     t = dense_times(start, stop)
     states, names = run(t), run.names[: run.automaton.coordinates]
+    right = _angle_axis(ax) if set(names) & set(ANGLES) else ax
     lines = []
     for i, name in enumerate(names):
-        text = f"{label(name)} ({unit(name)})"
-        lines += ax.plot(t, states[:, i], label=text, **line_style(i, name))
+        axis, text = right if name in ANGLES else ax, f"{label(name)} ({unit(name)})"
+        lines += axis.plot(t, states[:, i], label=text, **line_style(i, name))
     if shade:
         shade_modes(run, ax, (start, stop))
-    angle = ", angle (rad)" if set(names) & set(ANGLES) else ""
-    ax.set(xlabel="time (s)", ylabel=f"displacement (m){angle}", title=_title(run, start, stop))
+    title = f"Displacements, {window_text(run, start, stop)}"
+    ax.set(xlabel="time (s)", ylabel="displacement (m)", title=title)
     ax.margins(x=0)
     return lines
 
 
-def _title(run: Any, start: float, stop: float) -> str:
-    return f"Displacements, {window_text(run, start, stop)}"
+def _angle_axis(ax: Axes) -> Axes:
+    right = ax.twinx()
+    right.set_ylabel("angle (rad), dashed")
+    right.margins(x=0)
+    return right

@@ -37,14 +37,15 @@ def plot_run(run: Any, figure: Figure | None = None, *, window: Window = LAST) -
     Returns
     -------
     Figure
-        With the axes displacements, phase plane, forces, spectrum, in this order; a notebook shows it.
+        With the axes displacements, phase plane, forces, spectrum, in this order, and last the one of the
+        angle beside the displacements, if there is one; a notebook shows the figure.
 
     Examples
     --------
     >>> import frictionlab as fl
     >>> figure = fl.plot_run(fl.simulate(fl.SliderOnBelt(mu_k=1.4), 0.3))
-    >>> len(figure.axes)
-    4
+    >>> [ax.get_xlabel() for ax in figure.axes[:4]]
+    ['time (s)', '$x_{1}$ (m)', 'time (s)', 'frequency (Hz)']
     """
     _refuse_others(run)
     figure = RunFigure(figsize=SIZE, layout="constrained") if figure is None else figure
@@ -54,8 +55,9 @@ def plot_run(run: Any, figure: Figure | None = None, *, window: Window = LAST) -
     plot_phase_plane(run, phase)
     contact = plot_contact_forces(run, forces, window=window)
     plot_spectrum(run, spectrum)
-    _beside(displacements, coordinates)
-    _beside(forces, contact)
+    angle = displacements.figure.axes[4:]  # its axis takes the room next to the panel
+    _beside(displacements, coordinates, 1.13 if angle else 1.0)
+    _beside(forces, contact, 1.0)
     for ax in panels.flat:
         ax.title.set_fontsize(SMALL + 1)
     _title(figure, run)
@@ -72,9 +74,9 @@ def _refuse_others(run: Any) -> None:
         )
 
 
-def _beside(ax: Axes, lines: list[Line2D]) -> None:
+def _beside(ax: Axes, lines: list[Line2D], x: float) -> None:
     """A legend of the lines to the right of the panel, where it covers nothing."""
-    ax.legend(handles=lines, loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False, fontsize=SMALL)
+    ax.legend(handles=lines, loc="center left", bbox_to_anchor=(x, 0.5), frameon=False, fontsize=SMALL)
 
 
 def _title(figure: Figure, run: Any) -> None:

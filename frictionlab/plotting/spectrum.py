@@ -60,7 +60,8 @@ def amplitude_spectrum(run: Any, name: str = "x1", *, f_max: float = F_MAX) -> S
     t = np.clip(stop - length + np.arange(count) * (length / count), 0.0, stop)
     x = run(t)[:, run.names.index(name)]
     window = 0.5 - 0.5 * np.cos(2 * np.pi * np.arange(count) / count)
-    amplitudes = np.abs(np.fft.rfft((x - x.mean()) * window)) * (2 / window.sum())
+    # Less the mean as the window weighs it, so that nothing of it is left in the first lines.
+    amplitudes = np.abs(np.fft.rfft((x - np.average(x, weights=window)) * window)) * (2 / window.sum())
     frequencies = np.arange(len(amplitudes)) / length
     kept = frequencies <= f_max
     return Spectrum(frequencies[kept], amplitudes[kept], 1 / length, stop - length, stop)
@@ -107,6 +108,6 @@ def _logarithmic(ax: Axes, amplitudes: Array) -> None:
 
 
 def _title(name: str, found: Spectrum) -> str:
-    about = f"Hann window, resolution {found.resolution:.2g} Hz"
     strongest = f"strongest line {found.strongest:.4g} Hz" if found.amplitudes.any() else "at rest"
-    return f"Spectrum of {label(name)}, {found.start:.4g} s to {found.stop:.4g} s: {strongest}\n{about}"
+    part = f"{found.start:.4g} s to {found.stop:.4g} s, Hann window"
+    return f"Spectrum of {label(name)}, {part}\nresolution {found.resolution:.2g} Hz, {strongest}"

@@ -13,27 +13,10 @@ from types import SimpleNamespace
 from mpmath import mp, mpf
 
 BASE = {
-    "M": 1,
-    "m": 1,
-    "J": "0.1",
-    "c1": "0.1",
-    "c2": "0.1",
-    "c4": "0.1",
-    "c5": "0.1",
-    "c6": "0.1",
-    "v": 1,
-    "k1": 10000,
-    "k2": 5000,
-    "k3": 6000,
-    "k4": 10000,
-    "k5": 10000,
-    "k6": 10000,
-    "l1": "0.2",
-    "l2": "0.2",
-    "mu_s": 3,
-    "k_nl": 10000,
-    "F": 200,
-    "mu_k": "1.4",
+    **dict.fromkeys(("M", "m", "v"), 1),
+    **dict.fromkeys(("J", "c1", "c2", "c4", "c5", "c6"), "0.1"),
+    **dict.fromkeys(("k1", "k4", "k5", "k6", "k_nl"), 10000),
+    **{"k2": 5000, "k3": 6000, "l1": "0.2", "l2": "0.2", "mu_s": 3, "mu_k": "1.4", "F": 200},
 }
 NUMERICS = {"dps": 40, "order": 44, "tol": "1e-40", "scale": 1}  # scale shortens the steps
 SCENES = {
@@ -49,6 +32,7 @@ def parameters(geometry, overrides):
         raise TypeError(f"unknown parameters {sorted(set(overrides) - set(BASE))}; known: {sorted(BASE)}")
     p = SimpleNamespace(**{name: mpf(str(value)) for name, value in {**BASE, **overrides}.items()})
     p.geometry, p.inverse_J = geometry, 1 / p.J if geometry else mpf(0)
+    p.inverse_inertia = (1 / p.M, 1 / p.M, 1 / p.m, 1 / p.m, p.inverse_J)
     return p
 
 
@@ -69,13 +53,9 @@ def structure_forces(q, w, k, p):
     wheel_1 = p.c5 * (vy2 + p.l1 * vphi) + p.k5 * (y2 + p.l1 * phi)
     wheel_2 = p.c6 * (vy2 - p.l2 * vphi) + p.k6 * (y2 - p.l2 * phi)
     diagonal, preload = p.k3 / 2 * (x1 - y1), 0 if k else p.F
-    return (
-        p.c1 * vx1 + p.k1 * x1 + diagonal,
-        p.c2 * vy1 - diagonal + preload,
-        p.c4 * vx2 + p.k4 * x2,
-        wheel_1 + wheel_2,
-        p.l1 * wheel_1 - p.l2 * wheel_2,
-    )
+    slider = (p.c1 * vx1 + p.k1 * x1 + diagonal, p.c2 * vy1 - diagonal + preload)
+    belt = (p.c4 * vx2 + p.k4 * x2, wheel_1 + wheel_2, p.l1 * wheel_1 - p.l2 * wheel_2)
+    return slider + belt
 
 
 def append_forces(s, k, mode, r, p):
@@ -96,17 +76,10 @@ def series(state, mode, p, order):
     for k in range(order + 1):
         r = structure_forces(q, w, k, p)
         append_forces(s, k, mode, r, p)
-        F_N, F_T, moment = s.F_N[k], s.F_T[k], product(s.F_N, s.offset, k)
-        acceleration = (
-            (F_T - r[0]) / p.M,
-            (F_N - r[1]) / p.M,
-            (-F_T - r[2]) / p.m,
-            (-F_N - r[3]) / p.m,
-            (moment - r[4]) * p.inverse_J,
-        )
+        contact = (s.F_T[k], s.F_N[k], -s.F_T[k], -s.F_N[k], product(s.F_N, s.offset, k))
         for i in range(5):
             q[i].append(w[i][k] / (k + 1))
-            w[i].append(acceleration[i] / (k + 1))
+            w[i].append((contact[i] - r[i]) * p.inverse_inertia[i] / (k + 1))
     s.v_r = [p.v + w[2][0] - w[0][0]] + [b - a for a, b in zip(w[0][1:], w[2][1:])]
     return s
 
@@ -147,14 +120,8 @@ def first_root(c, h):
                 raise ArithmeticError("a grazing root cannot be decided at this precision")
             stack += [(middle, b), (a, middle)]
         elif value(c, b) <= 0:
-            return mp.findroot(
-                lambda x: value(c, x),
-                (a, b),
-                solver="illinois",
-                tol=mpf(10) ** (-2 * mp.dps),
-                maxsteps=99,
-                verify=False,
-            )
+            options = {"tol": mpf(10) ** (-2 * mp.dps), "maxsteps": 99, "verify": False}
+            return mp.findroot(lambda x: value(c, x), (a, b), solver="illinois", **options)
     return None
 
 
@@ -178,7 +145,9 @@ def transition(mode, guard, state, impact, p):
         return guard, state, {"v_r": 1}
     held = series(state, "stick", p, 0)
     F_N, F_T = held.F_N[0], held.F_T[0]
-    return ("stick", state, {}) if abs(F_T) < p.mu_s * F_N else ("slip+" if F_T > 0 else "slip-", state, {"v_r": 1})
+    if abs(F_T) < p.mu_s * F_N:
+        return "stick", state, {}
+    return "slip+" if F_T > 0 else "slip-", state, {"v_r": 1}
 
 
 def integrate(p, impact, n, t_stop, numerics):
