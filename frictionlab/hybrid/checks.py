@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import sympy as sp
 
-from frictionlab.automaton import Mode
+from frictionlab.automaton import HybridAutomaton, Mode
 
 
 def check_structure(
@@ -28,6 +29,21 @@ def check_structure(
         )
     for mode in modes:
         _check_mode(mode, names, set(states), set(parameters))
+
+
+def check_rider(name: str, function: Any, automaton: HybridAutomaton) -> None:
+    """Raise ValueError where a section or quadrature asks for what the automaton does not have."""
+    outputs = automaton.modes[0].outputs if automaton.modes else {}
+    known = {*automaton.states, *automaton.parameters}
+    if isinstance(function, str):
+        strange = [] if function in outputs else [function]
+    else:
+        strange = sorted(map(str, sp.sympify(function).free_symbols - known))
+    if strange:
+        raise ValueError(
+            f"the section or quadrature {name!r} uses {strange}: write it with the states and parameters "
+            f"({', '.join(sorted(map(str, known)))}), or give an output's name ({', '.join(outputs) or 'none'})"
+        )
 
 
 def _check_mode(mode: Mode, names: list[str], states: set, parameters: set) -> None:

@@ -93,7 +93,8 @@ def first_event(code, absolute, mode, z, order, J, zeros, h, work):
             if c[m] < 0.0:
                 return 0.0, g, 1
         n = scaled(c, m, order, h, work.scaled)
-        if isolate(work.scaled, n, 1, work.stack, work.intervals, work.roots, work.multiplicity):
+        found = isolate(work.scaled, n, 1, work.stack, work.intervals, work.roots, work.multiplicity)
+        if found and (hit == NO_GUARD or work.roots[0] < 1.0):  # of two at once the first in the mode's order
             h *= work.roots[0]
             hit = g
             order_of_hit = work.multiplicity[0]

@@ -21,6 +21,18 @@ def sign_of(value, size):
 
 
 @kernel
+def sign_after(c, order, h, size):
+    """Sign just after the start of a step, and the number of leading terms that are zero."""
+    power = 1.0
+    for k in range(order + 1):
+        sign = sign_of(c[k] * power, size)
+        if sign != 0:
+            return sign, k
+        power *= h
+    return 0, order + 1
+
+
+@kernel
 def add_point(section, s, order, cursor, record, work):
     """Record the state at `s` after the start of the step."""
     row = cursor.counts[POINTS]
@@ -36,12 +48,12 @@ def record_sections(code, order, mode, h, cursor, record, work):
     for section in range(code.sections.shape[1]):
         c = work.jets[code.sections[mode, section]]
         size = magnitude(c, 0, order, h)
-        start = sign_of(c[0], size)
+        start, skipped = sign_after(c, order, h, size)
         if start != 0:
             if cursor.signs[section] == -start and code.directions[section] != -start:
                 add_point(section, 0.0, order, cursor, record, work)
             cursor.signs[section] = start
-        crossings_inside(code, section, 1 if start == 0 else 0, mode, order, h, cursor, record, work)
+            crossings_inside(code, section, skipped, mode, order, h, cursor, record, work)
         end = sign_of(polynomial(c, order, h), size)
         if end != 0:
             cursor.signs[section] = end
@@ -49,12 +61,13 @@ def record_sections(code, order, mode, h, cursor, record, work):
 
 @kernel
 def crossings_inside(code, section, skipped, mode, order, h, cursor, record, work):
-    """Record the sign changes in (0, h], the first `skipped` coefficients counted as zero."""
+    """Record the sign changes in (0, h], the first `skipped` coefficients counted as zero.
+
+    The section's sign just after the start is known.
+    """
     c = work.jets[code.sections[mode, section]]
     n = scaled(c, skipped, order, h, work.scaled)
     sign = cursor.signs[section]
-    if sign == 0:
-        sign = sign_of(work.scaled[0], 1.0)
     count = isolate(work.scaled, n, n + 1, work.stack, work.intervals, work.roots, work.multiplicity)
     for i in range(count):
         if work.multiplicity[i] % 2 == 1:

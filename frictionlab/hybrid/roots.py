@@ -18,13 +18,16 @@ RESOLUTION = 1e-8
 def to_bernstein(a, n, b):
     """Bernstein coefficients `b` on [0, 1] of the polynomial sum a[k] x^k of degree `n`."""
     binomial = 1.0
+    total = a[0]
     b[0] = a[0]
     for k in range(1, n + 1):
+        total += a[k]
         binomial = binomial * (n - k + 1) / k
         b[k] = a[k] / binomial
     for i in range(1, n + 1):
         for j in range(n, i - 1, -1):
             b[j] += b[j - 1]
+    b[n] = total  # the value at 1, without the rounding errors above
 
 
 @kernel

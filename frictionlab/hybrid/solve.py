@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from frictionlab.automaton import HybridAutomaton
+from frictionlab.hybrid.checks import check_rider
 from frictionlab.hybrid.choice import method_of
 from frictionlab.hybrid.layout import Section
 from frictionlab.hybrid.methods import Method
@@ -70,6 +71,8 @@ def solve(
     check_number("t_end", t_end, above=0.0, cure="give the length of the run in seconds")
     state, times = _states(automaton, x0), _times(t_eval, t_end)
     asked = _sections(sections), dict(quadratures or {})
+    for name, rider in [*((name, section.function) for name, section in asked[0].items()), *asked[1].items()]:
+        check_rider(name, rider, automaton)
     if any(asked) and not chosen.riders:
         raise ValueError(f"sections and quadratures need method='taylor', got {method!r}: change the method")
     program, numbers = program_of(automaton, *asked)

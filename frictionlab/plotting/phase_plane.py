@@ -50,6 +50,7 @@ def plot_phase_plane(
     title = f"Phase plane of {label(name)}, {window_text(run, start, stop)}"
     rate_label = f"{label(name + chr(39))} ({unit(name + chr(39))})"
     ax.set(xlabel=f"{label(name)} ({unit(name)})", ylabel=rate_label, title=title)
+    ax.locator_params(axis="x", nbins=6)  # small numbers have long labels
     return lines
 
 

@@ -56,7 +56,7 @@ def plot_run(run: Any, figure: Figure | None = None, *, window: Window = LAST) -
     contact = plot_contact_forces(run, forces, window=window)
     plot_spectrum(run, spectrum)
     angle = displacements.figure.axes[4:]  # its axis takes the room next to the panel
-    _beside(displacements, coordinates, 1.13 if angle else 1.0)
+    _beside(displacements, coordinates, 1.19 if angle else 1.0)
     _beside(forces, contact, 1.0)
     for ax in panels.flat:
         ax.title.set_fontsize(SMALL + 1)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -92,7 +93,9 @@ def plot_spectrum(
     found = amplitude_spectrum(run, name, f_max=f_max)
     if found is None:
         ax.set_title(f"Spectrum of {label(name)}")
-        ax.text(0.5, 0.5, "the run is too short\nfor a spectrum", ha="center", va="center", transform=ax.transAxes)
+        ax.text(
+            0.5, 0.5, "the run is too short\nfor a spectrum", ha="center", va="center", transform=ax.transAxes
+        )
         return []
     lines = ax.plot(found.frequencies, found.amplitudes, color=BLACK, linewidth=1.0)
     _logarithmic(ax, found.amplitudes)
@@ -108,6 +111,7 @@ def _logarithmic(ax: Axes, amplitudes: Array) -> None:
 
 
 def _title(name: str, found: Spectrum) -> str:
-    strongest = f"strongest line {found.strongest:.4g} Hz" if found.amplitudes.any() else "at rest"
+    digits = max(0, math.ceil(-math.log10(found.resolution)))
+    strongest = f"strongest line {found.strongest:.{digits}f} Hz" if found.amplitudes.any() else "at rest"
     part = f"{found.start:.4g} s to {found.stop:.4g} s, Hann window"
     return f"Spectrum of {label(name)}, {part}\nresolution {found.resolution:.2g} Hz, {strongest}"

@@ -1,0 +1,8 @@
+"""`python -m frictionlab`: the same as the command `frictionlab`."""
+
+import sys
+
+from frictionlab.cli import main
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,76 @@
+"""The command `frictionlab`."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from collections.abc import Sequence
+from typing import NoReturn
+
+from frictionlab._version import __version__
+
+from .arguments import normalised, unknown_options
+from .parser import OneLineParser, add_run
+
+INTERRUPTED = 130  # 128 + SIGINT, as shells have it
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command.
+
+    Parameters
+    ----------
+    argv : sequence of str or None
+        Arguments without the program's name; None takes those of the process.
+
+    Returns
+    -------
+    int
+        0: done.  1: the run ended early, or a file could not be written.  130: stopped by ctrl-C.
+
+    Raises
+    ------
+    SystemExit
+        With code 2 for bad arguments, after one line on stderr; with 0 after --help and --version.
+    """
+    parser, run_parser = _parsers()
+    chosen, rest = parser.parse_known_args(normalised(sys.argv[1:] if argv is None else argv))
+    if rest:
+        (run_parser if chosen.command == "run" else parser).error(unknown_options(rest, run_parser))
+    if chosen.command is None:
+        parser.print_help()
+        return 0
+    return _guarded(chosen, run_parser)
+
+
+def _parsers() -> tuple[OneLineParser, OneLineParser]:
+    parser = OneLineParser(
+        prog="frictionlab",
+        description="Friction-induced vibration with sticking, slipping, lifting off and impacts.",
+        epilog="`frictionlab run --help` lists every option of a run.",
+        allow_abbrev=False,
+    )
+    parser.add_argument("--version", action="version", version=f"frictionlab {__version__}")
+    commands = parser.add_subparsers(dest="command", metavar="COMMAND", title="commands")
+    return parser, add_run(commands)
+
+
+def _guarded(chosen: argparse.Namespace, parser: OneLineParser) -> int:
+    from .run import run_command
+
+    try:
+        code = run_command(chosen, parser)
+        sys.stdout.flush()
+        return code
+    except KeyboardInterrupt:  # a second ctrl-C, or one while the solver is compiled or a picture drawn
+        sys.stderr.write(f"{parser.prog}: interrupted\n")
+        return INTERRUPTED
+    except BrokenPipeError:  # the reader, such as `head`, has seen enough
+        _quiet_exit()
+
+
+def _quiet_exit() -> NoReturn:
+    # Python would complain once more when it flushes stdout at its end.
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    sys.exit(1)

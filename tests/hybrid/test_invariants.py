@@ -1,0 +1,106 @@
+"""What holds in every motion: the laws of contact and friction, in every mode, between events and at them."""
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+import frictionlab as fl
+from frictionlab.components import SlidingOnly, SlidingSeparation, StickSlip, StickSlipSeparation
+
+FULL = fl.PlasticImpact("full")
+SIGNS = {"slip+": 1.0, "slip-": -1.0}
+
+
+def floats(low, high):
+    return st.floats(low, high, allow_nan=False, allow_subnormal=False)
+
+
+@st.composite
+def scenes(draw):
+    """A model, an initial state and a length."""
+    mu_k = draw(st.one_of(st.just(0.0), floats(0.0, 3.0)))
+    model = fl.SliderOnBelt(
+        mu_k=mu_k,
+        mu_s=mu_k + draw(st.one_of(st.just(0.0), floats(0.0, 2.0))),
+        F=draw(st.one_of(st.just(0.0), floats(0.0, 1000.0))),
+        v=draw(st.one_of(st.sampled_from([0.0, 1.0, -1.0]), floats(-3.0, 3.0))),
+        k2=draw(st.sampled_from([1e3, 5e3, 1e5])),
+        k_nl=draw(st.sampled_from([0.0, 1e4, 1e7, 1e10])),
+        k1=draw(floats(1e3, 1e5)),
+        k3=draw(floats(0.0, 1e5)),
+        k4=draw(floats(1e3, 1e6)),
+        l1=draw(floats(0.0, 0.5)),
+        m=draw(floats(0.2, 5.0)),
+        J=draw(floats(0.02, 1.0)),
+        c1=draw(st.sampled_from([0.0, 0.1, 10.0])),
+        impact=draw(st.sampled_from([fl.PlasticImpact(), FULL, fl.RestitutionImpact(e=0.5), fl.RestitutionImpact(e=0.0), fl.RestitutionImpact(e=1.0)])),
+        interface=draw(st.sampled_from([StickSlipSeparation()] * 5 + [StickSlip(), SlidingSeparation(), SlidingOnly()])),
+    )  # fmt: skip
+    model = model.without(*draw(st.sets(st.sampled_from(["cubic", "geometry"]))))
+    n = len(model.coordinates)
+    kind = draw(st.sampled_from(["rest", "small", "large"]))
+    size = {"rest": 0.0, "small": 1e-3, "large": 3e-2}[kind]
+    rates = {"rest": 0.0, "small": 0.1, "large": 2.0}[kind]
+    state = [draw(floats(-size, size)) for _ in range(n)] + [draw(floats(-rates, rates)) for _ in range(n)]
+    return model, np.array(state), draw(st.sampled_from([0.2, 0.5]))
+
+
+def violations(model, run):
+    """Name -> worst violation relative to its scale, on a dense grid and just after every event."""
+    t = np.unique(np.concatenate([np.linspace(0.0, run.t[-1], 400), run.t, run.events.t]))
+    mode = run._modes_of(t, run._step_of(t))
+    mode = np.array(run.automaton.names)[mode]
+    z = run(t)
+    names = list(run.names)
+    out = {name: run.output(name, t) for name in ("gap", "normal_force", "friction_force", "relative_velocity")}
+    gap, F_N, F_T, v_r = out.values()
+    assert all(np.isfinite(values).all() for values in (z, *out.values()))
+    length = 1e-6 + np.abs(z[:, : len(model.coordinates)]).max()
+    speed = np.abs(z[:, names.index("x1'")]).max() + np.abs(z[:, names.index("x2'")]).max() + abs(model.v) + 1e-6
+    force = 1e-3 + np.abs(F_N).max() + model.F + np.abs(F_T).max()
+    unilateral = "separation" in model.interface.modes
+    contact, stick = mode != "separation", mode == "stick"
+    worst = {
+        "stick: v_r": (np.abs(v_r[stick]) / speed).max(initial=0.0),
+        "stick: cone": ((np.abs(F_T) - model.mu_s * F_N)[stick] / force).max(initial=0.0),
+        "flight: gap": (gap[~contact] / length).max(initial=0.0),
+        "flight: force": np.abs(F_N[~contact]).max(initial=0.0),
+        "contact: F_N": (-F_N[contact] / force).max(initial=0.0) if unilateral else 0.0,
+        "contact: gap": (-gap[contact] / length).max(initial=0.0) if unilateral else 0.0,
+        "slip: v_r": max((-s * v_r[mode == name] / speed).max(initial=0.0) for name, s in SIGNS.items()),
+        "events: order": -np.diff(run.events.t).min(initial=0.0),
+    }
+    return worst
+
+
+LIMITS = {
+    "stick: v_r": 1e-10,
+    "stick: cone": 1e-9,
+    "flight: gap": 1e-11,
+    "flight: force": 0.0,
+    "contact: F_N": 1e-11,
+    "contact: gap": 1e-11,
+    "slip: v_r": 1e-11,
+    "events: order": 0.0,
+}
+
+
+def check(model, state, t_end):
+    run = fl.simulate(model, t_end, x0=state, progress=False, method=fl.Taylor(max_events=200_000))
+    assert run.status is fl.Status.FINISHED
+    assert run.t[-1] == t_end
+    assert np.isfinite(run.events.state).all()
+    assert np.isfinite(run.events.before).all()
+    assert (np.diff(run.t) >= 0).all()
+    assert (run.events.target != "").all()
+    assert sum(run.time_in_mode.values()) == pytest.approx(t_end, rel=1e-12)
+    worst = violations(model, run)
+    assert {name: value for name, value in worst.items() if value > LIMITS[name]} == {}
+    return run, worst
+
+
+@settings(max_examples=250, suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large])
+@given(scenes())
+def test_every_motion_obeys_its_laws(scene):
+    check(*scene)
