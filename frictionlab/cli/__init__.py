@@ -11,6 +11,7 @@ from typing import NoReturn
 from frictionlab._version import __version__
 
 from .arguments import normalised, unknown_options
+from .bench import add_bench
 from .parser import OneLineParser, add_run
 
 INTERRUPTED = 130  # 128 + SIGINT, as shells have it
@@ -34,17 +35,18 @@ def main(argv: Sequence[str] | None = None) -> int:
     SystemExit
         With code 2 for bad arguments, after one line on stderr; with 0 after --help and --version.
     """
-    parser, run_parser = _parsers()
+    parser, commands = _parsers()
     chosen, rest = parser.parse_known_args(normalised(sys.argv[1:] if argv is None else argv))
+    command = commands.get(chosen.command, parser)
     if rest:
-        (run_parser if chosen.command == "run" else parser).error(unknown_options(rest, run_parser))
+        command.error(unknown_options(rest, command))
     if chosen.command is None:
         parser.print_help()
         return 0
-    return _guarded(chosen, run_parser)
+    return _guarded(chosen, command)
 
 
-def _parsers() -> tuple[OneLineParser, OneLineParser]:
+def _parsers() -> tuple[OneLineParser, dict[str, OneLineParser]]:
     parser = OneLineParser(
         prog="frictionlab",
         description="Friction-induced vibration with sticking, slipping, lifting off and impacts.",
@@ -53,14 +55,15 @@ def _parsers() -> tuple[OneLineParser, OneLineParser]:
     )
     parser.add_argument("--version", action="version", version=f"frictionlab {__version__}")
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", title="commands")
-    return parser, add_run(commands)
+    return parser, {"run": add_run(commands), "bench": add_bench(commands)}
 
 
 def _guarded(chosen: argparse.Namespace, parser: OneLineParser) -> int:
+    from .bench import bench_command
     from .run import run_command
 
     try:
-        code = run_command(chosen, parser)
+        code = {"run": run_command, "bench": bench_command}[chosen.command](chosen, parser)
         sys.stdout.flush()
         return code
     except KeyboardInterrupt:  # a second ctrl-C, or one while the solver is compiled or a picture drawn

@@ -55,9 +55,10 @@ def plot_run(run: Any, figure: Figure | None = None, *, window: Window = LAST) -
     plot_phase_plane(run, phase)
     contact = plot_contact_forces(run, forces, window=window)
     plot_spectrum(run, spectrum)
-    angle = displacements.figure.axes[4:]  # its axis takes the room next to the panel
-    _beside(displacements, coordinates, 1.19 if angle else 1.0)
-    _beside(forces, contact, 1.0)
+    # An angle has its axis next to the panel; the legends stand to the right of it.
+    right = 1.17 if any(line.axes is not displacements for line in coordinates) else 1.0
+    _beside(displacements, coordinates, right)
+    _beside(forces, contact, right)
     for ax in panels.flat:
         ax.title.set_fontsize(SMALL + 1)
     _title(figure, run)
@@ -86,5 +87,7 @@ def _title(figure: Figure, run: Any) -> None:
     handles = [Patch(facecolor=colours[name], alpha=0.6, label=name) for name in modes]
     what = "run" if run.source is None else repr(run.source)
     state = "" if run.status.ok else f" ({run.status.name.lower().replace('_', ' ')})"
-    figure.suptitle(f"{what}, {run.raw.t:.4g} s{state}", fontsize=SMALL + 3)
+    about = run.description.get("method", {})
+    method = about.get("integrator", about.get("name", ""))
+    figure.suptitle(f"{what}, {run.raw.t:.4g} s, {method}{state}", fontsize=SMALL + 3)
     figure.legend(handles=handles, loc="outside lower center", ncols=len(handles) or 1, frameon=False)
