@@ -63,6 +63,13 @@ NUMBA = _numba()
 _FOLDER = cache_folder(NUMBA) if NUMBA else ""
 
 
+def waits_for_compiler(function: Any) -> bool:
+    """Whether the next call of a kernel compiles it: neither loaded nor in the cache folder."""
+    if NUMBA is None or function.signatures:
+        return False
+    return not (_FOLDER and any(Path(_FOLDER).glob(f"*/*.{function.__name__}-*.nbi")))
+
+
 def kernel(function: Callable) -> Callable:
     """Compile `function` on its first call, once per machine; without numba return it as it is."""
     if NUMBA is None:

@@ -51,6 +51,7 @@ class Method(ABC):
 
     name: ClassVar[str]
     riders: ClassVar[bool] = False  # whether sections and quadratures can ride along
+    entry: ClassVar[Any]  # the kernel that takes longest to compile
     parts: ClassVar[int] = 1  # samples a step is cut into where no t_eval is given
     dwell: ClassVar[float] = 0.0
     raises: ClassVar[bool] = False

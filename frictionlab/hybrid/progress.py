@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import signal
+import sys
 import threading
 import time
 from types import TracebackType
@@ -18,8 +19,9 @@ class Progress:
     once.  In a thread other than the main one Python delivers no signals, so nothing is installed there.
     """
 
-    def __init__(self, t_end: float, show: bool = True) -> None:
+    def __init__(self, t_end: float, show: bool = True, compiling: bool = False) -> None:
         self._t_end, self._show = t_end, show
+        self._compiling = compiling
         self._stop = False
         self._since = time.monotonic()
         self._bar: Any = None
@@ -30,6 +32,8 @@ class Progress:
             self._previous = signal.getsignal(signal.SIGINT)
             if callable(self._previous):
                 signal.signal(signal.SIGINT, self._note)
+        if self._show and self._compiling:
+            print("compiling the solver, once on this machine: some 20 s", file=sys.stderr, flush=True)
         return self
 
     def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:

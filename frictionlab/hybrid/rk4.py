@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -31,6 +31,7 @@ class RK4(Method):
     """
 
     name: ClassVar[str] = "rk4"
+    entry: ClassVar[Any] = staticmethod(advance_fixed)
 
     step: float = 2e-4
     max_steps: int = 100_000_000

@@ -33,6 +33,7 @@ class Scipy(Method):
     """
 
     name: ClassVar[str] = "scipy"
+    entry: ClassVar[Any] = staticmethod(stepping.handle_event)
     parts: ClassVar[int] = 4
 
     integrator: str = "DOP853"

@@ -11,6 +11,7 @@ import numpy as np
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.hybrid.checks import check_rider
 from frictionlab.hybrid.choice import method_of
+from frictionlab.hybrid.compiled import waits_for_compiler
 from frictionlab.hybrid.layout import Section
 from frictionlab.hybrid.methods import Method
 from frictionlab.hybrid.problem import Problem
@@ -79,7 +80,7 @@ def solve(
     with_integrals = np.concatenate([state, np.zeros(len(asked[1]))])
     problem = Problem(program, numbers, with_integrals, float(t_end), _mode(automaton, mode))
     begin = time.perf_counter()
-    with Progress(t_end, progress) as bar:
+    with Progress(t_end, progress, waits_for_compiler(chosen.entry)) as bar:
         raw = chosen.integrate(problem, bar)
     wall_time = time.perf_counter() - begin
     integrals = dict(zip(asked[1], raw.state[len(state) :].tolist(), strict=True))

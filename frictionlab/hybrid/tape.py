@@ -104,7 +104,7 @@ class TapeBuilder:
 
     def _mul(self, expr: Expr) -> Affine:
         factor, rest = expr.as_independent(*self._states, as_Add=False)
-        factors: Sequence[Any] = sp.Mul.make_args(rest)
+        factors: Any = sp.Mul.make_args(rest)
         if len(factors) == 1:
             return {slot: factor * value for slot, value in self._lower(rest).items()}
         below = [f for f in factors if f.is_Pow and f.exp.is_Integer and f.exp < 0]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 from frictionlab.hybrid import stepping
 from frictionlab.hybrid.methods import MAX_EVENTS, MAX_STEPS, Method, Run
@@ -31,6 +31,7 @@ class Taylor(Method):
     """
 
     name: ClassVar[str] = "taylor"
+    entry: ClassVar[Any] = staticmethod(stepping.advance)
     riders: ClassVar[bool] = True
     parts: ClassVar[int] = 8
 

@@ -222,11 +222,11 @@ class Trajectory:
         return write(self, path)
 
     def to_dataframe(self) -> Any:
-        """The samples as a pandas DataFrame, indexed by time (needs ``pip install pandas``)."""
+        """The samples as a pandas DataFrame, indexed by time (needs the extra ``data``)."""
         try:
             import pandas as pd
         except ImportError as error:
-            raise ImportError("to_dataframe needs pandas: pip install pandas") from error
+            raise ImportError("to_dataframe needs pandas: pip install 'frictionlab[data]'") from error
         columns = {name: self[name] for name in (*self.names, *self.automaton.modes[0].outputs)}
         return pd.DataFrame({**columns, "mode": self.mode}, index=pd.Index(self.t, name="t"))
 

@@ -41,6 +41,8 @@ def plot_displacements(
     t = dense_times(start, stop)
     states, names = run(t), run.names[: run.automaton.coordinates]
     right = _angle_axis(ax) if set(names) & set(ANGLES) else ax
+    for axis in (ax, right):
+        axis.ticklabel_format(axis="y", scilimits=(-3, 4))  # 1e-4 once rather than 0.00012 at every tick
     lines = []
     for i, name in enumerate(names):
         axis, text = right if name in ANGLES else ax, f"{label(name)} ({unit(name)})"

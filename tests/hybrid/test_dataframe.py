@@ -1,0 +1,34 @@
+"""A run as a table."""
+
+import builtins
+
+import pytest
+
+import frictionlab as fl
+
+
+@pytest.fixture(scope="module")
+def run():
+    return fl.simulate(fl.SliderOnBelt(mu_k=1.4), 0.05)
+
+
+def test_columns_are_states_outputs_and_mode(run):
+    table = run.to_dataframe()
+    assert table.index.name == "t"
+    assert (table.index == run.t).all()
+    assert (table["x1'"] == run["x1'"]).all()
+    assert (table["normal_force"] == run.normal_force).all()
+    assert (table["mode"] == run.mode).all()
+
+
+def test_without_pandas_the_extra_is_named(run, monkeypatch):
+    real = builtins.__import__
+
+    def no_pandas(name, *args, **kwargs):
+        if name == "pandas":
+            raise ImportError(name)
+        return real(name, *args, **kwargs)
+
+    monkeypatch.setattr(builtins, "__import__", no_pandas)
+    with pytest.raises(ImportError, match=r"frictionlab\[data\]"):
+        run.to_dataframe()
