@@ -21,7 +21,7 @@ from frictionlab.hybrid.status import Status
 from frictionlab.hybrid.validation import check_number
 
 CHUNK = 2048  # steps between two looks at the progress bar and ctrl-C
-MAX_STEPS = 10_000_000
+MAX_STEPS = 3_000_000
 MAX_EVENTS = 1_000_000
 
 _ENDS = {

