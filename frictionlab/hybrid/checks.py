@@ -42,7 +42,8 @@ def check_rider(name: str, function: Any, automaton: HybridAutomaton) -> None:
     if strange:
         raise ValueError(
             f"the section or quadrature {name!r} uses {strange}: write it with the states and parameters "
-            f"({', '.join(sorted(map(str, known)))}), or give an output's name ({', '.join(outputs) or 'none'})"
+            f"({', '.join(sorted(map(str, known)))}), or give an output's name "
+            f"({', '.join(outputs) or 'there is none'})"
         )
 
 

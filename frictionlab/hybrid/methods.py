@@ -83,19 +83,22 @@ class Method(ABC):
 
     def integrate(self, problem: Problem, progress: Progress) -> Raw:
         """Run the problem to its end, or as far as it goes."""
+        with np.errstate(all="ignore"):
+            return self._integrate(problem, progress)
+
+    def _integrate(self, problem: Problem, progress: Progress) -> Raw:
         run, pieces, status = self._begin(problem), Pieces(), Status.RUNNING
         counts, times = run.cursor.counts, run.cursor.times
         if counts[stepping.MODE] < 0:
             status = Status.NO_ADMISSIBLE_MODE
-        with np.errstate(all="ignore"):
-            while status is Status.RUNNING:
-                record = self._record(run, pieces)
-                counts[_COUNTED] = 0
-                end = self.advance(run, record)
-                pieces.add(record, *counts[_COUNTED])
-                status = self._status(_ENDS[end], pieces)
-                if progress.update(times[stepping.NOW]) and status is Status.RUNNING:
-                    status = Status.INTERRUPTED
+        while status is Status.RUNNING:
+            record = self._record(run, pieces)
+            counts[_COUNTED] = 0
+            end = self.advance(run, record)
+            pieces.add(record, *counts[_COUNTED])
+            status = self._status(_ENDS[end], pieces)
+            if progress.update(times[stepping.NOW]) and status is Status.RUNNING:
+                status = Status.INTERRUPTED
         mode = int(counts[stepping.MODE])
         return pieces.raw(problem.program.code, times[stepping.NOW], run.cursor.state, mode, status)
 

@@ -95,10 +95,10 @@ def read(path: str | Path) -> Stored:
         Where it is none.
     """
     try:
-        with np.load(path, allow_pickle=False) as file:
+        with open(path, "rb") as stream, np.load(stream, allow_pickle=False) as file:
             arrays = {name: file[name] for name in file.files}
         about = json.loads(str(arrays.pop("about")))
-    except (zipfile.BadZipFile, ValueError, KeyError, AttributeError) as error:
+    except (zipfile.BadZipFile, EOFError, ValueError, TypeError, KeyError, AttributeError) as error:
         raise ValueError(f"{path} is no saved run: write one with run.save(path)") from error
     if about.get("format") != FORMAT:
         raise ValueError(

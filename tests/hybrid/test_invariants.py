@@ -9,6 +9,8 @@ import frictionlab as fl
 from frictionlab.components import SlidingOnly, SlidingSeparation, StickSlip, StickSlipSeparation
 
 FULL = fl.PlasticImpact("full")
+IMPACTS = [fl.PlasticImpact(), FULL, *(fl.RestitutionImpact(e=e) for e in (0.0, 0.5, 1.0))]
+INTERFACES = [StickSlipSeparation()] * 5 + [StickSlip(), SlidingSeparation(), SlidingOnly()]
 SIGNS = {"slip+": 1.0, "slip-": -1.0}
 
 
@@ -34,9 +36,9 @@ def scenes(draw):
         m=draw(floats(0.2, 5.0)),
         J=draw(floats(0.02, 1.0)),
         c1=draw(st.sampled_from([0.0, 0.1, 10.0])),
-        impact=draw(st.sampled_from([fl.PlasticImpact(), FULL, fl.RestitutionImpact(e=0.5), fl.RestitutionImpact(e=0.0), fl.RestitutionImpact(e=1.0)])),
-        interface=draw(st.sampled_from([StickSlipSeparation()] * 5 + [StickSlip(), SlidingSeparation(), SlidingOnly()])),
-    )  # fmt: skip
+        impact=draw(st.sampled_from(IMPACTS)),
+        interface=draw(st.sampled_from(INTERFACES)),
+    )
     model = model.without(*draw(st.sets(st.sampled_from(["cubic", "geometry"]))))
     n = len(model.coordinates)
     kind = draw(st.sampled_from(["rest", "small", "large"]))
@@ -51,8 +53,17 @@ def unilateral(model):
 
 
 def escapes(model, run):
-    """Where bilateral contact lets F_N turn negative, friction feeds the motion; it may grow without bound."""
+    """With F_N of either sign (bilateral contact) friction can feed a motion that grows without bound."""
     return not unilateral(model) and np.abs(run.final_state[: len(model.coordinates)]).max() > 10.0
+
+
+def chatters(run):
+    """Whether the cap was reached in micro-flights, which Eq. (13) brings about where phi is nearly zero.
+
+    Their length, proportional to phi, tends to zero without an accumulation in finite time.
+    """
+    short = run.raw.step_times[-1000:, 1].max() < 1e-4
+    return run.status is fl.Status.STEP_CAP and short and (run.events.source[-1000:] == "separation").all()
 
 
 def violations(model, run):
@@ -62,11 +73,15 @@ def violations(model, run):
     mode = np.array(run.automaton.names)[mode]
     z = run(t)
     names = list(run.names)
-    out = {name: run.output(name, t) for name in ("gap", "normal_force", "friction_force", "relative_velocity")}
+    out = {
+        name: run.output(name, t) for name in ("gap", "normal_force", "friction_force", "relative_velocity")
+    }
     gap, F_N, F_T, v_r = out.values()
     assert all(np.isfinite(values).all() for values in (z, *out.values()))
     length = 1e-6 + np.abs(z[:, : len(model.coordinates)]).max()
-    speed = np.abs(z[:, names.index("x1'")]).max() + np.abs(z[:, names.index("x2'")]).max() + abs(model.v) + 1e-6
+    speed = (
+        np.abs(z[:, names.index("x1'")]).max() + np.abs(z[:, names.index("x2'")]).max() + abs(model.v) + 1e-6
+    )
     force = 1e-3 + np.abs(F_N).max() + model.F + np.abs(F_T).max()
     contact, stick = mode != "separation", mode == "stick"
     worst = {
@@ -95,8 +110,11 @@ LIMITS = {
 
 
 def check(model, state, t_end):
-    method = fl.Taylor(max_events=200_000, max_steps=200_000 if unilateral(model) else 20_000)
-    run = fl.simulate(model, t_end, x0=state, progress=False, method=method)
+    run = fl.simulate(model, t_end, x0=state, progress=False, method=fl.Taylor(max_steps=20_000))
+    if chatters(run):
+        run = fl.simulate(
+            model, t_end, x0=state, progress=False, method=fl.Taylor(max_steps=50_000, dwell=1e-7)
+        )
     if run.status is not fl.Status.FINISHED:
         assert escapes(model, run), run.status
     else:

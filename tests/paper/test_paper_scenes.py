@@ -1,6 +1,6 @@
 """The paper's motion from rest at mu_k = 1.4, against an independent high-precision integrator and scipy.
 
-Scene A is without geometry, B with geometry and the full gap rate in the impact law, D with the paper's Eq. (13).
+Scene A is without geometry, B with geometry and the full gap rate in the impact law, D with Eq. (13).
 """
 
 import json
@@ -55,7 +55,7 @@ def test_state_at_a_fifth_of_a_second_is_that_of_the_reference(scene):
 
 
 def test_the_reference_is_derived_again():
-    """Other parameters than the stored ones, so nothing could have been copied; stick, slip and flight occur."""
+    """With other parameters than the stored ones; stick, slip and flight all occur."""
     expected = first_events(10, mu_k="1.7", geometry=True, impact="full", F=300)
     assert {mode for _, _, mode in expected} >= {"stick", "slip+", "separation"}
     run = fl.simulate(fl.SliderOnBelt(mu_k=1.7, F=300, impact=FULL), 1.0)

@@ -1,0 +1,144 @@
+"""How runs end, and what is refused before they begin."""
+
+import numpy as np
+import pytest
+import sympy as sp
+
+import frictionlab as fl
+from tests.hybrid.textbook import ONCE, V, X, automaton, coulomb, oscillator
+
+
+@ONCE
+def test_the_step_cap_keeps_what_was_computed():
+    run = fl.solve(oscillator(), 1e4, x0=[1.0, 0.0], method=fl.Taylor(max_steps=7))
+    assert run.status is fl.Status.STEP_CAP
+    assert run.stats["steps"] == 7
+    assert 0 < run.t[-1] < 1e4
+    assert run["x"] == pytest.approx(np.cos(run.t), abs=1e-13)
+
+
+@ONCE
+def test_the_event_cap_keeps_what_was_computed():
+    run = fl.solve(coulomb(0.2, 1.0, 0.5), 1e4, x0=[0.0, 0.2], method=fl.Taylor(max_events=3))
+    assert run.status is fl.Status.EVENT_CAP
+    assert len(run.events) == 3
+    assert run.t[-1] == run.events.t[-1]
+
+
+@ONCE
+def test_no_admissible_mode_after_an_event_is_a_status():
+    run = fl.solve(
+        automaton(fl.Mode("only", (sp.Integer(-1),), (fl.Event("x", X),)), states=(X,), coordinates=0),
+        2.0,
+        x0=[1.0],
+    )
+    assert run.status is fl.Status.NO_ADMISSIBLE_MODE
+    assert run.events.t == pytest.approx([1.0])
+    assert run.events.target.tolist() == [""]
+    assert run.t[-1] == pytest.approx(1.0)
+    assert run.final_state == pytest.approx([0.0], abs=1e-15)
+
+
+@ONCE
+def test_no_admissible_mode_at_the_start_is_a_status():
+    run = fl.solve(automaton(fl.Mode("only", (V, -X), (fl.Event("x", X),))), 2.0, x0=[-1.0, 0.0])
+    assert run.status is fl.Status.NO_ADMISSIBLE_MODE
+    assert len(run.events) == 0
+    assert run.final_state.tolist() == [-1.0, 0.0]
+    assert run.t.tolist() == [0.0]
+
+
+@pytest.mark.parametrize("method", ["taylor", "rk4", "DOP853"])
+def test_a_motion_that_escapes_in_finite_time_ends_with_a_status(method):
+    escape = automaton(fl.Mode("only", (X**2,)), states=(X,), coordinates=0)
+    run = fl.solve(escape, 2.0, x0=[1.0], method=method)
+    assert run.status in (fl.Status.NOT_FINITE, fl.Status.STALLED)
+    assert np.isfinite(run.states).all()
+    assert np.isfinite(run.t).all()
+    assert run.t[-1] == pytest.approx(1.0, abs=1e-3)
+
+
+@ONCE
+def test_division_by_zero_ends_with_a_status():
+    run = fl.solve(automaton(fl.Mode("only", (1 / X,)), states=(X,), coordinates=0), 2.0, x0=[0.0])
+    assert run.status is fl.Status.NOT_FINITE
+    assert np.isfinite(run.states).all()
+
+
+@ONCE
+def test_a_motion_from_rest_whose_first_coefficients_vanish():
+    """x'' = sin t from rest: the series of x starts at t^3."""
+    s, c = sp.symbols("s c")
+    forced = automaton(fl.Mode("only", (V, s, c, -s)), states=(X, V, s, c))
+    run = fl.solve(forced, 5.0, x0=[0.0, 0.0, 0.0, 1.0])
+    assert run.status.ok
+    assert run.final_state[:2] == pytest.approx([5 - np.sin(5), 1 - np.cos(5)], abs=1e-13)
+
+
+@ONCE
+def test_nothing_moves_in_a_state_of_rest():
+    run = fl.solve(oscillator(), 1e6, x0=[0.0, 0.0])
+    assert run.status.ok
+    assert run.final_state.tolist() == [0.0, 0.0]
+
+
+@ONCE
+def test_the_first_mode_can_be_chosen():
+    twins = automaton(fl.Mode("a", (V, -X)), fl.Mode("b", (V, -4 * X)))
+    assert fl.solve(twins, 1.0, x0=[1.0, 0.0]).mode[0] == "a"
+    run = fl.solve(twins, 1.0, x0=[1.0, 0.0], mode="b")
+    assert run.mode[0] == "b"
+    assert run.final_state[0] == pytest.approx(np.cos(2), abs=1e-14)
+
+
+@ONCE
+def test_a_mode_that_cannot_be_entered_is_refused():
+    with pytest.raises(ValueError, match="cannot start in mode 'stick'"):
+        fl.solve(coulomb(0.2, 1.0, 0.5), 1.0, x0=[0.0, 0.0], mode="stick")
+    with pytest.raises(ValueError, match="did you mean 'stick'"):
+        fl.solve(coulomb(0.2, 1.0, 0.5), 1.0, x0=[0.0, 0.2], mode="stik")
+
+
+@ONCE
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"x0": [1.0]}, "one number per state"),
+        ({"x0": [1.0, np.nan]}, "finite"),
+        ({"x0": ["a", "b"]}, "numbers for the states"),
+        ({"t_end": 0.0}, "t_end"),
+        ({"t_end": np.inf}, "t_end"),
+        ({"t_end": "1"}, "t_end"),
+        ({"t_eval": [0.5, 0.2]}, "ascending"),
+        ({"t_eval": [0.5, 1.5]}, "ascending"),
+        ({"t_eval": [np.nan]}, "ascending"),
+        ({"t_eval": 0.5}, "ascending"),
+        ({"sections": {"a": (X, 2)}}, "direction of section 'a'"),
+    ],
+)
+def test_bad_arguments_are_refused(arguments, message):
+    with pytest.raises(ValueError, match=message):
+        fl.solve(oscillator(), **{"t_end": 1.0, "x0": [1.0, 0.0], **arguments})
+
+
+@ONCE
+@pytest.mark.parametrize(
+    ("broken", "message"),
+    [
+        (automaton(), "at least one mode"),
+        (automaton(fl.Mode("a", (V, -X)), fl.Mode("a", (V, -X))), "must differ"),
+        (automaton(fl.Mode("a", (V,))), "one expression per state"),
+        (automaton(fl.Mode("a", (V, -X), (fl.Event("e", X, ("b",)),))), r"leads to \['b'\]"),
+        (automaton(fl.Mode("a", (V, -sp.Symbol("k") * X))), r"the flow of mode 'a' uses \['k'\]"),
+        (automaton(fl.Mode("a", (V, -X), (fl.Event("e", X - sp.Symbol("c")),))), "event 'e'"),
+        (
+            automaton(fl.Mode("a", (V, -X), (fl.Event("e", X, (), fl.Reset({V: sp.Symbol("w")})),))),
+            "the reset of event 'e'",
+        ),
+        (automaton(fl.Mode("a", (V, -X), outputs={"energy": sp.Symbol("k") * X})), "output 'energy'"),
+        (automaton(fl.Mode("a", (V, -X)), coordinates=2), "coordinates"),
+    ],
+)
+def test_malformed_automata_are_refused(broken, message):
+    with pytest.raises(ValueError, match=message):
+        fl.solve(broken, 1.0, x0=[1.0, 0.0])
