@@ -22,7 +22,7 @@ def did_you_mean(name: object, known: Iterable[str]) -> str:
         ``"did you mean 'mu_k'?"``, or the list of what is known where nothing is near.
     """
     names = list(known)
-    near = get_close_matches(str(name), names, n=1) or [n for n in names if n.lower() == str(name).lower()]
+    near = [n for n in names if n.lower() == str(name).lower()] or get_close_matches(str(name), names, n=1)
     if near:
         return f"did you mean {near[0]!r}?"
     return f"known are {', '.join(names)}" if names else "there are none"

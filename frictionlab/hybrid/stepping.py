@@ -18,6 +18,7 @@ from frictionlab.hybrid.transitions import NO_MODE, apply_reset, enter
 
 RUNNING, FINISHED, NO_ADMISSIBLE_MODE, STALLED, ACCUMULATED, NOT_FINITE = range(6)
 SLACK = 64.0  # what the tolerance of a function of the states is wider than theirs: the room for rounding
+SHARE = 0.02
 REPEATS = 50  # events without advance of time after which the run is called stalled
 
 
@@ -125,16 +126,18 @@ def resolved(c, order, tol, h):
 def function_step(code, order, tol, mode, h, J):
     """Longest step up to `h` in which the series of guards, sections and integrals hold too.
 
-    The states' series do not tell: a guard x^5 needs a fifth of the step that x does.
+    The states' series do not tell: a guard x^5 needs a fifth of the step that x does.  What would need
+    less than a `SHARE` of their step is rounding error.
     """
     tol *= SLACK
+    shortest = SHARE * h
     for g in range(code.mode_guards[mode], code.mode_guards[mode + 1]):
         h = resolved(J[code.function_slots[g]], order, tol, h)
     for section in range(code.sections.shape[1]):
         h = resolved(J[code.sections[mode, section]], order, tol, h)
     for i in range(code.groups[3], code.inputs):
         h = resolved(J[i], order, tol, h)
-    return h
+    return max(h, shortest)
 
 
 @kernel

@@ -91,5 +91,6 @@ def test_components_are_frozen_and_compare_by_value():
 
 def test_did_you_mean():
     assert did_you_mean("mu_kk", ["mu_k", "k2"]) == "did you mean 'mu_k'?"
+    assert did_you_mean("mu_K", ["mu_s", "mu_k"]) == "did you mean 'mu_k'?"
     assert did_you_mean("f", ["F", "k2"]) == "did you mean 'F'?"
     assert did_you_mean("zzz", ["F", "k2"]) == "known are F, k2"
