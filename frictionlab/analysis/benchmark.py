@@ -7,7 +7,7 @@ slip, separation and 886 events in 20 s.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from itertools import compress, product
@@ -133,21 +133,26 @@ def _size(left_out: tuple[str, ...], model: Any, seconds: float) -> Switches:
 def table(rows: Sequence[Row], against: str = METHODS[0][0]) -> str:
     """The methods as Markdown; times and errors also as multiples of `against`."""
     base = next(row for row in rows if row.name == against)
-    head = "| method | wall time | x | error at 20 s | x | events | steps in 20 s |"
+    head = "method | wall time | x | error at 20 s | x | events | steps in 20 s"
     lines = (
-        f"| {row.name} | {row.seconds:.3g} s | {row.seconds / base.seconds:.1f} | {row.error:.1e} "
-        f"| {row.error / base.error:.1e} | {row.events} | {row.steps} |"
+        f"{row.name} | {row.seconds:.3g} s | {row.seconds / base.seconds:.1f} | {row.error:.1e} "
+        f"| {row.error / base.error:.1e} | {row.events} | {row.steps}"
         for row in rows
     )
-    return "\n".join([head, "|---|---|---|---|---|---|---|", *lines])
+    return _markdown(head, lines)
 
 
 def switch_table(rows: Sequence[Switches]) -> str:
     """The eight scenes as Markdown."""
-    head = "| without | states | modes | guards | products | operations | per simulated second |"
+    head = "without | states | modes | guards | products | operations | per simulated second"
     lines = (
-        f"| {', '.join(row.without) or '-'} | {row.states} | {row.modes} | {row.guards} | {row.products} "
-        f"| {row.operations} | {row.microseconds:.0f} us |"
+        f"{', '.join(row.without) or '-'} | {row.states} | {row.modes} | {row.guards} | {row.products} "
+        f"| {row.operations} | {row.microseconds:.0f} us"
         for row in rows
     )
-    return "\n".join([head, "|---|---|---|---|---|---|---|", *lines])
+    return _markdown(head, lines)
+
+
+def _markdown(head: str, lines: Iterable[str]) -> str:
+    rule = "|".join("---" for _ in head.split("|"))
+    return "\n".join([f"| {head} |", f"|{rule}|", *(f"| {line} |" for line in lines)])

@@ -6,7 +6,7 @@ A method is one frozen dataclass; to add one, give it ``name``, ``degree`` and :
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass, field
 from typing import Any, ClassVar
 
 import numpy as np
@@ -21,8 +21,6 @@ from frictionlab.hybrid.status import Status
 from frictionlab.hybrid.validation import check_number
 
 CHUNK = 2048  # steps between two looks at the progress bar and ctrl-C
-MAX_STEPS = 3_000_000
-MAX_EVENTS = 1_000_000
 
 _ENDS = {
     stepping.RUNNING: Status.RUNNING,
@@ -53,8 +51,19 @@ class Method(ABC):
     riders: ClassVar[bool] = False  # whether sections and quadratures can ride along
     entry: ClassVar[Any]  # the kernel that takes longest to compile
     parts: ClassVar[int] = 1  # samples a step is cut into where no t_eval is given
-    dwell: ClassVar[float] = 0.0
-    raises: ClassVar[bool] = False
+
+    max_steps: int = field(default=3_000_000, kw_only=True)
+    max_events: int = field(default=1_000_000, kw_only=True)
+
+    @property
+    def dwell_limit(self) -> float:
+        """Dwell time in seconds below which impacts in a row count as an accumulation."""
+        return 0.0
+
+    @property
+    def raises(self) -> bool:
+        """Whether an accumulation ends the run."""
+        return False
 
     @property
     @abstractmethod
@@ -69,14 +78,9 @@ class Method(ABC):
         """Name and settings, for the record."""
         return {"name": self.name, **asdict(self)}
 
-    def cap(self, name: str) -> int:
-        """`max_steps` or `max_events`, as set or by default."""
-        default = {"max_steps": MAX_STEPS, "max_events": MAX_EVENTS}[name]
-        return getattr(self, name, default)
-
     def check_caps(self) -> None:
-        """Check the caps a method has among its fields."""
-        for name in {field.name for field in fields(self)} & {"max_steps", "max_events"}:
+        """Raise ValueError unless the caps are positive integers."""
+        for name in ("max_steps", "max_events"):
             check_number(
                 name, getattr(self, name), integer=True, least=1, cure="leave it out for the default"
             )
@@ -106,20 +110,20 @@ class Method(ABC):
         absolute = Numbers(*map(np.abs, problem.numbers))
         work = new_work(problem.program.slots, problem.program.code, self.degree)
         mode = start(problem, self.degree, absolute, work)
-        cursor = stepping.new_cursor(problem.x0, mode, problem.t_end, self.dwell, self.raises)
+        cursor = stepping.new_cursor(problem.x0, mode, problem.t_end, self.dwell_limit, self.raises)
         cursor = cursor._replace(signs=np.zeros(problem.program.code.sections.shape[1], dtype=np.int64))
         return Run(problem, absolute, cursor, work)
 
     def _record(self, run: Run, pieces: Pieces) -> stepping.Record:
         code = run.problem.program.code
-        steps = min(CHUNK, self.cap("max_steps") - pieces.steps)
-        events = min(CHUNK, self.cap("max_events") - pieces.events)
+        steps = min(CHUNK, self.max_steps - pieces.steps)
+        events = min(CHUNK, self.max_events - pieces.events)
         points = (self.degree + 2) * code.sections.shape[1]
         return new_record(code, steps, events, points + (CHUNK if points else 0))
 
     def _status(self, status: Status, pieces: Pieces) -> Status:
         if status is not Status.RUNNING:
             return status
-        if pieces.steps >= self.cap("max_steps"):
+        if pieces.steps >= self.max_steps:
             return Status.STEP_CAP
-        return Status.EVENT_CAP if pieces.events >= self.cap("max_events") else status
+        return Status.EVENT_CAP if pieces.events >= self.max_events else status

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
 import numpy as np
 
 from frictionlab.hybrid import stepping
 from frictionlab.hybrid.fixed_step import advance_fixed
-from frictionlab.hybrid.methods import MAX_EVENTS, Method, Run
+from frictionlab.hybrid.methods import Method, Run
 from frictionlab.hybrid.validation import check_number
 
 
@@ -34,8 +34,7 @@ class RK4(Method):
     entry: ClassVar[Any] = staticmethod(advance_fixed)
 
     step: float = 2e-4
-    max_steps: int = 10_000_000
-    max_events: int = MAX_EVENTS
+    max_steps: int = field(default=10_000_000, kw_only=True)
 
     def __post_init__(self) -> None:
         check_number("step", self.step, above=0.0, cure="2e-4 s reproduces the paper")

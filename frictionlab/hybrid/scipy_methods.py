@@ -9,7 +9,7 @@ import numpy as np
 
 from frictionlab.hybrid import stepping
 from frictionlab.hybrid.fixed_step import field
-from frictionlab.hybrid.methods import MAX_EVENTS, MAX_STEPS, Method, Run
+from frictionlab.hybrid.methods import Method, Run
 from frictionlab.hybrid.validation import check_choice, check_number
 
 NAMES = ("RK23", "RK45", "DOP853", "Radau", "BDF", "LSODA")
@@ -39,8 +39,6 @@ class Scipy(Method):
     integrator: str = "DOP853"
     rtol: float = 1e-10
     atol: float = 1e-13
-    max_steps: int = MAX_STEPS
-    max_events: int = MAX_EVENTS
 
     def __post_init__(self) -> None:
         check_choice("integrator", self.integrator, NAMES)

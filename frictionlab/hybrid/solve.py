@@ -49,10 +49,10 @@ def solve(
     t_eval : array_like or None
         Ascending times of the samples; None samples every step.
     sections : mapping of name to expression or (expression, direction)
-        Zero crossings to record; they change nothing.  An expression of the states, or an output's name;
+        Zero crossings to record; they change no mode.  An expression of the states, or an output's name;
         direction +1 rising, -1 falling, 0 both.  Method "taylor" only, like `quadratures`.
     quadratures : mapping of name to expression
-        Integrands whose integral over the run is wanted.
+        Integrands whose integral over the run is wanted.  Steps heed their accuracy too.
     progress : bool
         Show a progress bar on runs of more than a second.
     source : object

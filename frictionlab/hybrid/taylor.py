@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar, Literal
 
 from frictionlab.hybrid import stepping
-from frictionlab.hybrid.methods import MAX_EVENTS, MAX_STEPS, Method, Run
+from frictionlab.hybrid.methods import Method, Run
 from frictionlab.hybrid.validation import check_choice, check_number
 
 
@@ -37,10 +37,8 @@ class Taylor(Method):
 
     tol: float = 1e-15
     order: int | None = None
-    dwell: float = 1e-12  # type: ignore[misc]  # a setting here, a constant of the other methods
+    dwell: float = 1e-12
     accumulation: Literal["close", "raise"] = "close"
-    max_steps: int = MAX_STEPS
-    max_events: int = MAX_EVENTS
 
     def __post_init__(self) -> None:
         check_number("tol", self.tol, above=0.0, below=0.1, cure="take 1e-15 for full accuracy")
@@ -55,8 +53,11 @@ class Taylor(Method):
         return self.order or max(4, math.ceil(1 - 0.7 * math.log(self.tol)))
 
     @property
+    def dwell_limit(self) -> float:
+        return self.dwell
+
+    @property
     def raises(self) -> bool:
-        """Whether an accumulation ends the run."""
         return self.accumulation == "raise"
 
     def advance(self, run: Run, record: stepping.Record) -> int:

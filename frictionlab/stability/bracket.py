@@ -19,7 +19,8 @@ def bracketed(function: Callable[[float], float], low: float, high: float) -> fl
         return low if at_low == 0.0 else high
     if np.sign(at_low) == np.sign(at_high):
         return None
-    root: Any = brentq(function, low, high, xtol=XTOL, rtol=RTOL, maxiter=STEPS)  # type: ignore[arg-type]
+    solver: Any = brentq  # its stub asks for numpy's floats
+    root = solver(function, low, high, xtol=XTOL, rtol=RTOL, maxiter=STEPS)
     return float(root)
 
 

@@ -86,7 +86,7 @@ def test_components_are_frozen_and_compare_by_value():
     assert hash(Coulomb(0.5, 1.0)) == hash(Coulomb(0.5, 1.0))
     assert LinearContact() != CubicContact()
     with pytest.raises(FrozenInstanceError):
-        Coulomb().mu_k = 1.0  # type: ignore[misc]
+        Coulomb().mu_k = 1.0  # type: ignore[misc]  # what is tested
 
 
 def test_did_you_mean():

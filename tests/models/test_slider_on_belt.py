@@ -61,9 +61,9 @@ def test_every_parameter_is_a_keyword_wherever_it_lives():
 
 def test_parameters_are_read_only():
     with pytest.raises(TypeError):
-        SliderOnBelt().parameters["F"] = 1.0  # type: ignore[index]
+        SliderOnBelt().parameters["F"] = 1.0  # type: ignore[index]  # what is tested
     with pytest.raises(dataclasses.FrozenInstanceError):
-        SliderOnBelt().F = 1.0  # type: ignore[misc]
+        SliderOnBelt().F = 1.0  # type: ignore[misc]  # what is tested
 
 
 def test_models_compare_and_hash_by_value():
