@@ -42,7 +42,15 @@ if TYPE_CHECKING:
     from frictionlab.hybrid.trajectory import Trajectory
     from frictionlab.models import SliderOnBelt
     from frictionlab.plotting import plot_run
-    from frictionlab.stability import eigenvalues, equilibria, equilibrium
+    from frictionlab.stability import (
+        critical_curve,
+        critical_value,
+        eigenvalues,
+        equilibria,
+        equilibrium,
+        root_locus,
+        stability_changes,
+    )
 
 # Public name -> module that holds it.
 _HOMES = {
@@ -58,7 +66,8 @@ _HOMES = {
     "hybrid.trajectory": "Trajectory",
     "models": "SliderOnBelt",
     "plotting": "plot_run",
-    "stability": "equilibria equilibrium eigenvalues",
+    "stability": "equilibria equilibrium eigenvalues root_locus stability_changes critical_value "
+    "critical_curve",
 }
 _HOME = {name: module for module, names in _HOMES.items() for name in names.split()}
 

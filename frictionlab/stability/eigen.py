@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
-import sympy
 from numpy.typing import NDArray
 
-from frictionlab.models.assembly import assemble
-from frictionlab.models.symbols import Structure, numbers, parameter_symbols, structure
-
 from .equilibria import Equilibrium, equilibrium
+from .view import steady
 
 Array = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,8 +29,8 @@ class Eigenvalues:
         Where the system was linearised.
     """
 
-    values: NDArray[np.complex128]
-    vectors: NDArray[np.complex128]
+    values: ComplexArray
+    vectors: ComplexArray
     equilibrium: Equilibrium
 
     @property
@@ -52,9 +48,23 @@ class Eigenvalues:
         """Whether every growth rate is negative."""
         return bool((self.growth_rates < 0).all())
 
+    @property
+    def shapes(self) -> ComplexArray:
+        """Mode shapes (n, 2n) as columns: the coordinates, the largest of them 1."""
+        return shapes(self.vectors, len(self.equilibrium.q))
+
+    @property
+    def participation(self) -> Array:
+        """Share of each coordinate in each mode, (n, 2n); columns sum to 1."""
+        return participation(np.linalg.inv(self.vectors), self.vectors, len(self.equilibrium.q))
+
 
 def eigenvalues(model: Any) -> Eigenvalues:
     """Eigenvalues at the sliding equilibrium, Eq. (19), from sympy's Jacobian of the sliding mode.
+
+    Parameters
+    ----------
+    model : SliderOnBelt or HybridAutomaton
 
     Raises
     ------
@@ -77,26 +87,36 @@ def jacobian(model: Any, q: Array) -> Array:
     ValueError
         If the belt rests and the model has stick: friction has no derivative there.
     """
-    n, mode = len(q), sliding_mode(model)
-    rows = _compiled(structure(model), mode)(*map(float, q), *([0.0] * n), *numbers(model))
-    return np.vstack([np.eye(n, 2 * n, n), np.array(rows, dtype=float)])
-
-
-def sliding_mode(model: Any) -> str:
-    """Name of the mode in which the model slides steadily."""
-    modes = model.interface.modes
-    if "slip" in modes:
-        return "slip"
-    if model.v == 0:
+    view = steady(model)
+    if "stick" in modes_of(model) and model.v == 0:
         raise ValueError("v must not be 0 for steady sliding, got 0.0: give the belt a speed")
-    return "slip+" if model.v > 0 else "slip-"
+    x = np.zeros(len(view.flow.states))
+    x[: len(q)] = q
+    return view.flow.jacobian(x, view.values)
 
 
-@lru_cache(maxsize=256)
-def _compiled(key: Structure, mode: str) -> Callable[..., Any]:
-    """The lower half of the state matrix as a function of state and parameters."""
-    derived = assemble(key)
-    flow = next(m.flow for m in derived.modes if m.name == mode)
-    arguments = parameter_symbols(key)
-    rows = [[sympy.diff(row, x) for x in derived.states] for row in flow[derived.coordinates :]]
-    return sympy.lambdify([*derived.states, *arguments], rows, modules="numpy", cse=True)
+def modes_of(model: Any) -> tuple[str, ...]:
+    """Names of the modes of a model's interface; none for an automaton."""
+    return model.interface.modes if hasattr(model, "interface") else ()
+
+
+def shapes(vectors: ComplexArray, n: int) -> ComplexArray:
+    """The coordinates' part (..., n, m) of vectors (..., m, m), the largest entry of each column 1."""
+    part = vectors[..., :n, :]
+    largest = np.take_along_axis(part, np.abs(part).argmax(axis=-2)[..., None, :], axis=-2)
+    return part / largest
+
+
+def participation(left: ComplexArray, right: ComplexArray, n: int) -> Array:
+    """Participation factors |w v| of left (..., k, m) and right vectors (..., m, k), as (..., n, k).
+
+    A coordinate's is summed with that of its rate.  They do not depend on the units of the coordinates;
+    without damping and friction they are the shares of the mode's kinetic energy.  I. J. Perez-Arriaga,
+    G. C. Verghese, F. C. Schweppe, "Selective modal analysis", IEEE Trans. Power Apparatus and Systems 101
+    (1982) 3117-3125.
+    """
+    factors = np.abs(np.swapaxes(left, -1, -2) * right)
+    coordinates = factors[..., :n, :]
+    if factors.shape[-2] >= 2 * n:
+        coordinates = coordinates + factors[..., n : 2 * n, :]
+    return coordinates / coordinates.sum(axis=-2, keepdims=True)

@@ -1,17 +1,24 @@
-"""Sliding equilibria: all of them, through one scalar polynomial in the gap."""
+"""Sliding equilibria of a model: all of them, through one scalar polynomial in the gap."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.polynomial import Polynomial
+import sympy
 from numpy.typing import NDArray
 
+from frictionlab.automaton import HybridAutomaton
+from frictionlab.models.symbols import numbers, structure
+
+from .automata import residual as left_over
+from .automata import steady_state_of, steady_states, values_of
 from .bracket import scanned
-from .polynomial import real_roots
-from .statics import Statics, statics
+from .pressed import REACH, excess_polynomial, polished, unloaded_gap
+from .real_roots import real_roots
+from .statics import Statics, residual, statics_of
 
 Array = NDArray[np.float64]
 TOLERANCE = 1e-6
@@ -28,7 +35,7 @@ class Equilibrium:
     gap : float
         Compression of the contact, m.
     normal_force, friction_force : float
-        F_N and F_T, N.
+        F_N and F_T, N.  Of an automaton, NaN where its mode has no such output, as for the gap.
     residual : float
         Largest force or moment left over in the static equations, relative to the largest in them.
     """
@@ -51,7 +58,9 @@ def equilibria(model: Any) -> tuple[Equilibrium, ...]:
 
     Parameters
     ----------
-    model : SliderOnBelt
+    model : SliderOnBelt or HybridAutomaton
+        Of an automaton the equilibria inside the guards of a mode, of the first mode that has any, by their
+        distance from the origin; they are searched with Newton's method from several starts.
 
     Returns
     -------
@@ -62,8 +71,11 @@ def equilibria(model: Any) -> tuple[Equilibrium, ...]:
     ValueError
         If the springs do not hold a coordinate (singular stiffness matrix).
     """
-    problem = statics(model)
-    return tuple(_equilibrium(problem, gap) for gap in _gaps(problem))
+    if isinstance(model, HybridAutomaton):
+        return _of_automaton(model)
+    values = numbers(model)
+    statics = statics_of(structure(model), values, model.coordinates)
+    return tuple(_equilibrium(statics, values, gap) for gap in _gaps(statics, values))
 
 
 def equilibrium(model: Any) -> Equilibrium:
@@ -76,6 +88,8 @@ def equilibrium(model: Any) -> Equilibrium:
     ValueError
         If there is none.
     """
+    if isinstance(model, HybridAutomaton):
+        return _of_automaton(steady_state_of(model).model)[0]
     found = equilibria(model)
     pressed = [e for e in found if e.normal_force > 0]
     if pressed:
@@ -87,41 +101,33 @@ def equilibrium(model: Any) -> Equilibrium:
     )
 
 
-def residual_polynomial(problem: Statics) -> Polynomial | None:
-    """gap(q(g)) - g, of degree 9 at most for Eq. (2); None where a law is no polynomial."""
-    try:
-        excess = problem.excess(Polynomial([0.0, 1.0]))
-    except (TypeError, ValueError, AttributeError):  # sqrt, a broken power, exp or a comparison in a law
-        return None
-    return excess if isinstance(excess, Polynomial) else None
+def _of_automaton(automaton: HybridAutomaton) -> tuple[Equilibrium, ...]:
+    mode, flow, points = steady_states(automaton)
+    n, values = automaton.coordinates or len(automaton.states), values_of(automaton)
+    outputs = [mode.outputs.get(name, sympy.nan) for name in ("gap", "normal_force", "friction_force")]
+    evaluated = flow.compiled(outputs)
+    return tuple(
+        Equilibrium(x[:n], *map(float, evaluated(*x, *values)), residual=left_over(flow, x, values))
+        for x in points.T
+    )
 
 
-def _gaps(problem: Statics) -> list[float]:
-    polynomial = residual_polynomial(problem)
-    if polynomial is None:
-        return scanned(problem.excess, 3 * abs(problem.unloaded_gap()) or 1.0)
-    slope = polynomial.deriv()
-    return [_polished(problem, gap, float(slope(gap))) for gap in real_roots(polynomial)]
+def _gaps(statics: Statics, values: Sequence[float]) -> list[float]:
+    excess = excess_polynomial(statics, values)
+    if excess is None:
+        reach = REACH * abs(float(unloaded_gap(statics, values))) or 1.0
+        return scanned(lambda gap: statics.excess(gap, *values), reach)
+    with np.errstate(all="ignore"):  # at a double root the slope vanishes
+        return [float(g) for g in polished(statics, values, np.array(real_roots(excess[:, 0])))]
 
 
-def _polished(problem: Statics, gap: float, slope: float) -> float:
-    """Newton's method on the composed equation, which does not suffer from the polynomial's cancellation."""
-    left = abs(problem.excess(gap))
-    for _ in range(4):
-        trial = gap - problem.excess(gap) / slope if slope else gap
-        if not abs(problem.excess(trial)) < left:
-            break
-        gap, left = trial, abs(problem.excess(trial))
-    return float(gap)
-
-
-def _equilibrium(problem: Statics, gap: float) -> Equilibrium:
-    q = np.array([float(x) for x in problem.coordinates(gap)])
-    normal = float(problem.force(gap))
-    residual = problem.residual(q)
-    if not residual < TOLERANCE:
+def _equilibrium(statics: Statics, values: Sequence[float], gap: float) -> Equilibrium:
+    q = np.array(statics.coordinates(gap, *values), dtype=float)
+    normal, friction = map(float, statics.forces(gap, *values))
+    left = float(residual(statics, q, values))
+    if not left < TOLERANCE:
         raise ValueError(
             f"the equilibrium at a gap of {gap:.6g} m must satisfy the static equations to {TOLERANCE:g}, "
-            f"got {residual:.2g}: the stiffnesses differ by too many orders of magnitude"
+            f"got {left:.2g}: the stiffnesses differ by too many orders of magnitude"
         )
-    return Equilibrium(q, gap, normal, float(problem.friction(normal)), residual)
+    return Equilibrium(q, gap, normal, friction, left)

@@ -1,71 +1,72 @@
-"""All real roots of a polynomial, none missed and none invented.
-
-Between two neighbouring real roots of its derivative a polynomial is monotonic, so it has a root there
-exactly if its signs at the two ends differ.  The derivative's roots come from the same rule, down to the
-constant.  Eigenvalues of a companion matrix would need a threshold on their imaginary parts instead.
-"""
+"""Polynomials in one variable, one for every value of the parameters."""
 
 from __future__ import annotations
 
-from functools import partial
-from itertools import pairwise
+from numbers import Real
+from typing import Any
 
 import numpy as np
-from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
-from .bracket import bracketed
-
 Array = NDArray[np.float64]
-SPREAD = 300.0  # natural logarithm of the ratio of coefficients that can count in one polynomial
 
 
-def real_roots(polynomial: Polynomial) -> list[float]:
-    """Real roots in ascending order, each once.
+class Polynomial:
+    """Coefficients (degree + 1, N), constant first; a column for each of N values of the parameters.
 
-    Raises
-    ------
-    ValueError
-        If the polynomial is zero everywhere.
+    It takes the place of a number in a law: sums, products, quotients by numbers, and integer powers are
+    polynomials again.  Anything else raises TypeError, which tells a law that is no polynomial.
     """
-    coefficients = np.asarray(polynomial.coef, dtype=float)
-    if not coefficients.any():
-        raise ValueError("every number is a root of the zero polynomial")
-    scaled, scale = _scaled(coefficients)
-    return [scale * root for root in _roots(scaled.tolist())]
+
+    __array_ufunc__ = None  # array * polynomial is ours to answer, not numpy's element by element
+
+    def __init__(self, coefficients: Any) -> None:
+        self.coefficients: Array = np.asarray(coefficients, dtype=float)
+
+    def __add__(self, other: Any) -> Polynomial:
+        mine, its = self.coefficients, _coefficients(other)
+        longer, shorter = (mine, its) if len(mine) >= len(its) else (its, mine)
+        count = max(mine.shape[1], its.shape[1])
+        total = np.broadcast_to(longer, (len(longer), count)).copy()
+        total[: len(shorter)] += shorter
+        return Polynomial(total)
+
+    def __mul__(self, other: Any) -> Polynomial:
+        mine, its = self.coefficients, _coefficients(other)
+        longer, shorter = (mine, its) if len(mine) >= len(its) else (its, mine)
+        product = np.zeros((len(mine) + len(its) - 1, max(mine.shape[1], its.shape[1])))
+        for k, row in enumerate(shorter):
+            product[k : k + len(longer)] += row * longer
+        return Polynomial(product)
+
+    def __pow__(self, exponent: Any) -> Polynomial:
+        if not isinstance(exponent, int) or exponent < 1:
+            raise TypeError(f"a polynomial to the power of {exponent!r} is no polynomial")
+        return self if exponent == 1 else self * self ** (exponent - 1)
+
+    def __truediv__(self, other: Any) -> Polynomial:
+        return Polynomial(self.coefficients / _constant(other))
+
+    def __neg__(self) -> Polynomial:
+        return Polynomial(-self.coefficients)
+
+    def __sub__(self, other: Any) -> Polynomial:
+        return self + -other
+
+    def __rsub__(self, other: Any) -> Polynomial:
+        return -self + other
+
+    __radd__, __rmul__ = __add__, __mul__
 
 
-def _scaled(coefficients: Array) -> tuple[Array, float]:
-    """Coefficients in x/scale with the largest 1, and no root beyond 2 (Fujiwara's bound)."""
-    (degrees,) = np.nonzero(coefficients)
-    logs = np.log(np.abs(coefficients[degrees]))
-    gaps = degrees[-1] - degrees[:-1]
-    log_scale = float(np.max((logs[:-1] - logs[-1]) / gaps)) if len(gaps) else 0.0
-    # By logarithms, because powers of the scale may leave the range of floats where coefficients are tiny.
-    logs += degrees * log_scale
-    if np.ptp(logs) > SPREAD:  # a leading coefficient as good as zero, whose root lies at infinity
-        return _scaled(coefficients[: degrees[-1]])
-    scaled = np.zeros(degrees[-1] + 1)
-    scaled[degrees] = np.sign(coefficients[degrees]) * np.exp(logs - logs.max())
-    return np.trim_zeros(scaled, "b"), float(np.exp(log_scale))
+IDENTITY = Polynomial([[0.0], [1.0]])
 
 
-def _roots(coefficients: list[float]) -> list[float]:
-    """Real roots of the polynomial with these coefficients, constant first, the last not zero."""
-    if len(coefficients) < 2:
-        return []
-    if coefficients[0] == 0.0:
-        return sorted({0.0, *_roots(coefficients[1:])})
-    bound = 1.0 + max(abs(c / coefficients[-1]) for c in coefficients[:-1])
-    slope = [k * c for k, c in enumerate(coefficients)][1:]
-    ends = [-bound, *(c for c in _roots(slope) if -bound < c < bound), bound]
-    found = (bracketed(partial(_value, coefficients[::-1]), low, high) for low, high in pairwise(ends))
-    return sorted({root for root in found if root is not None})
+def _coefficients(other: Any) -> Array:
+    return other.coefficients if isinstance(other, Polynomial) else _constant(other)
 
 
-def _value(descending: list[float], x: float) -> float:
-    # Horner's rule in plain floats: numpy's call takes ten times as long for ten coefficients.
-    total = 0.0
-    for coefficient in descending:
-        total = total * x + coefficient
-    return total
+def _constant(number: Any) -> Array:
+    if not isinstance(number, (Real, np.ndarray)):
+        raise TypeError(f"{number!r} is no number")
+    return np.atleast_1d(np.asarray(number, dtype=float))[None]

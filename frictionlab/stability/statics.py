@@ -1,135 +1,169 @@
-"""The static equations of sliding, K q = f + W_N F_N + W_T F_T, solved for q at a given gap.
+"""The static equations of sliding, K q = f + W_N F_N + W_T F_T, solved for q at a given gap by sympy.
 
 The gap determines F_N, that determines F_T, and both determine q.  What remains is one scalar equation:
-the gap of that q is the given one.  Numbers and polynomials of the gap go through the same lines.
+the gap of that q is the given one.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import Any
+from functools import cache
+from typing import Any, NamedTuple
 
 import numpy as np
+import sympy
 from numpy.typing import NDArray
 
-from .laws import contact_force, sliding_force
-from .matrices import stiffness_and_load
+from frictionlab.models.structure import structure_matrices
+from frictionlab.models.symbols import Structure, parameter_symbols, symbol, symbolic
 
 Array = NDArray[np.float64]
+GAP = sympy.Symbol("compression", real=True)
 SINGULAR = 1e-13
 
 
-@dataclass(frozen=True, eq=False)
-class Statics:
-    """Static equations of a model: its geometry, the belt's speed, the two laws, K and f.
+class Statics(NamedTuple):
+    """Functions of the gap and then of all parameters: numbers, arrays or, for some, polynomials.
 
-    `held` are the coordinates that the structure holds; `hung` is the one, if any, that only the contact
-    holds: the slider's height where k3 = 0.
+    Parameters
+    ----------
+    coordinates : callable
+        q, from all equations but the one that `excess` leaves over; a list (n,).
+    excess, slope : callable
+        The scalar equation, zero at the gap of an equilibrium, and its derivative.
+    forces : callable
+        F_N and F_T, N.
+    residual : callable of (*q, *parameters)
+        The static equations (n,), and the terms in them that tell their size.
     """
 
-    geometry: Any
-    speed: float
-    force: Callable[[Any], Any]
-    kinetic: Callable[[Any, float], Any]
-    stiffness: Array
-    load: Array
-    flexibility: Array
-    held: tuple[int, ...]
-    hung: int | None
-
-    def friction(self, normal_force: Any) -> Any:
-        """F_T (N) while sliding at the belt's speed, Eq. (3)."""
-        return float(np.sign(self.speed)) * self.kinetic(normal_force, abs(self.speed))
-
-    def coordinates(self, gap: Any) -> list[Any]:
-        """q at a gap, from all equations but the one that :meth:`excess` leaves over."""
-        normal_force = self.force(gap)
-        friction = self.friction(normal_force)
-        # The lever in W_N depends on coordinates that its moment does not move: two passes are exact.
-        q: list[Any] = [0.0] * len(self.load)
-        for _ in range(2):
-            q = self._deflections(
-                self._loads(self.geometry.normal(*q), normal_force, self.geometry.tangent(*q), friction)
-            )
-        if self.hung is not None:
-            # The gap is what the slider's height takes from it: slope -1.
-            q[self.hung] = self.geometry.gap(*q) - gap
-        return q
-
-    def excess(self, gap: Any) -> Any:
-        """The scalar equation: zero at the gap of an equilibrium."""
-        q = self.coordinates(gap)
-        if self.hung is None:
-            return self.geometry.gap(*q) - gap
-        return self.load[self.hung] + self.geometry.normal(*q)[self.hung] * self.force(gap)
-
-    def unloaded_gap(self) -> float:
-        """The gap (m) that the load would make if there were no contact forces."""
-        q = self._deflections([float(f) for f in self.load])
-        return float(self.geometry.gap(*q))
-
-    def residual(self, q: Array) -> float:
-        """Largest force left over at `q`, relative to the largest in the equations."""
-        normal_force = float(self.force(self.geometry.gap(*q)))
-        contact = self._loads(
-            self.geometry.normal(*q), normal_force, self.geometry.tangent(*q), self.friction(normal_force)
-        )
-        elastic = self.stiffness @ q
-        largest = max(np.abs(elastic).max(), np.abs(self.load).max(), abs(normal_force))
-        return float(np.abs(np.array(contact, dtype=float) - elastic).max() / largest) if largest else 0.0
-
-    def _loads(
-        self, normal: Sequence[Any], normal_force: Any, tangent: Sequence[Any], friction: Any
-    ) -> list[Any]:
-        rows = zip(self.load, normal, tangent, strict=True)
-        return [float(f) + n * normal_force + t * friction for f, n, t in rows]
-
-    def _deflections(self, loads: list[Any]) -> list[Any]:
-        q: list[Any] = [0.0] * len(loads)
-        for row, i in zip(self.flexibility, self.held, strict=True):
-            q[i] = sum(float(a) * loads[j] for a, j in zip(row, self.held, strict=True) if a != 0)
-        return q
+    coordinates: Callable[..., Any]
+    excess: Callable[..., Any]
+    slope: Callable[..., Any]
+    forces: Callable[..., Any]
+    residual: Callable[..., Any]
 
 
-def statics(model: Any) -> Statics:
-    """The static equations of a model.
+@cache
+def derived(key: Structure, hung: bool = False) -> Statics:
+    """The statics of a structure.
+
+    `hung`: only the contact holds the slider's height, since k3 = 0.
+    """
+    copy, p = symbolic(key), parameter_symbols(key)
+    normal, friction = _forces(copy, GAP)
+    q = _deflections(copy, hung, normal, friction)
+    if hung:
+        # The gap is what the slider's height takes from it: slope -1.
+        height = copy.coordinates.index("y1")
+        q[height] = copy.geometry.gap(*q) - GAP
+        excess = _loads(copy, q, normal, friction)[height]
+    else:
+        excess = copy.geometry.gap(*q) - GAP
+    free = [symbol(name) for name in copy.coordinates]
+    arguments = [GAP, *p]
+    return Statics(
+        _compiled(arguments, q),
+        _compiled(arguments, excess),
+        _compiled(arguments, sympy.diff(excess, GAP)),
+        _compiled(arguments, [normal, friction]),
+        _compiled([*free, *p], _balance(copy, free)),
+    )
+
+
+def _forces(copy: Any, gap: Any) -> tuple[Any, Any]:
+    """F_N, Eq. (2), and F_T while sliding at the belt's speed, Eq. (3)."""
+    normal = copy.contact.force(gap)
+    return normal, sympy.sign(copy.v) * copy.friction.kinetic(normal, abs(copy.v))
+
+
+def _deflections(copy: Any, hung: bool, normal: Any, friction: Any) -> list[Any]:
+    flexibility = _flexibility(copy, hung)
+    q = [sympy.S.Zero] * len(copy.coordinates)
+    # The lever in W_N depends on coordinates that its moment does not move: two passes are exact.
+    for _ in range(2):
+        q = list(flexibility * sympy.Matrix(_loads(copy, q, normal, friction)))
+    return q
+
+
+def _loads(copy: Any, q: Sequence[Any], normal: Any, friction: Any) -> list[Any]:
+    load = structure_matrices(copy, copy.coordinates).load
+    rows = zip(load, copy.geometry.normal(*q), copy.geometry.tangent(*q), strict=True)
+    return [f + w * normal + t * friction for f, w, t in rows]
+
+
+def _flexibility(copy: Any, hung: bool) -> Any:
+    """Inverse of K, block by block, with zeros where the contact alone holds."""
+    stiffness = sympy.Matrix(structure_matrices(copy, copy.coordinates).stiffness)
+    inverse = sympy.zeros(*stiffness.shape)
+    for block in sympy.SparseMatrix(stiffness).connected_components():
+        held = [i for i in block if not (hung and copy.coordinates[i] == "y1")]
+        if held:
+            part = stiffness.extract(held, held)
+            inverse_part = part.adjugate() / sympy.factor(part.det())
+            for row, i in enumerate(held):
+                for column, j in enumerate(held):
+                    inverse[i, j] = inverse_part[row, column]
+    return inverse
+
+
+def _balance(copy: Any, q: Sequence[Any]) -> list[Any]:
+    matrices = structure_matrices(copy, copy.coordinates)
+    elastic = list(sympy.Matrix(matrices.stiffness) * sympy.Matrix(q))
+    normal, friction = _forces(copy, copy.geometry.gap(*q))
+    rows = zip(_loads(copy, q, normal, friction), elastic, strict=True)
+    return [*(load - held for load, held in rows), *elastic, *matrices.load, normal]
+
+
+def _compiled(arguments: list[Any], expression: Any) -> Callable[..., Any]:
+    return sympy.lambdify(arguments, expression, modules="numpy", cse=True)
+
+
+def residual(statics: Statics, q: Sequence[Any], values: Sequence[Any]) -> Array:
+    """Largest force left over at `q`, relative to the largest in the equations."""
+    n = len(q)
+    rows = np.abs(np.stack(np.broadcast_arrays(*statics.residual(*q, *values), np.zeros(np.shape(q[0])))))
+    largest = rows[n:].max(axis=0)
+    return rows[:n].max(axis=0) / np.where(largest > 0, largest, 1.0)
+
+
+def statics_of(key: Structure, values: Sequence[Any], coordinates: Sequence[str]) -> Statics:
+    """The statics that fit the values of the parameters, each a number or an array (N,).
 
     Raises
     ------
     ValueError
         If coordinates other than the slider's height are not held by the structure.
     """
-    stiffness, load = stiffness_and_load(model)
-    hung = _hung(stiffness, model.coordinates)
-    held = tuple(i for i in range(len(load)) if i != hung)
-    block = stiffness[np.ix_(held, held)]
-    _refuse_singular(block, [model.coordinates[i] for i in held])
-    laws = contact_force(model), sliding_force(model)
-    return Statics(
-        model.geometry,
-        model.v,
-        *laws,
-        stiffness,
-        load,
-        np.asarray(np.linalg.inv(block), dtype=np.float64),
-        held,
-        hung,
-    )
-
-
-def _hung(stiffness: Array, coordinates: Sequence[str]) -> int | None:
+    stiffness = _stiffness(key, values)
     height = coordinates.index("y1")
-    return None if stiffness[height].any() else height
+    hung = not stiffness[:, height].any()
+    held = [i for i in range(len(coordinates)) if not (hung and i == height)]
+    _refuse_singular(stiffness[np.ix_(range(len(stiffness)), held, held)], [coordinates[i] for i in held])
+    return derived(key, hung)
+
+
+def _stiffness(key: Structure, values: Sequence[Any]) -> Array:
+    """K (N, n, n); N is 1 where no parameter in it is an array."""
+    rows = _compiled_stiffness(key)(*values)
+    entries = np.broadcast_arrays(*(np.atleast_1d(entry) for row in rows for entry in row))
+    return np.stack(entries, axis=-1).reshape(-1, len(rows), len(rows)).astype(float)
+
+
+@cache
+def _compiled_stiffness(key: Structure) -> Callable[..., Any]:
+    copy = symbolic(key)
+    return _compiled(list(parameter_symbols(key)), structure_matrices(copy, copy.coordinates).stiffness)
 
 
 def _refuse_singular(stiffness: Array, names: Sequence[str]) -> None:
-    size = np.sqrt(np.diag(stiffness))
+    size = np.sqrt(np.einsum("...ii->...i", stiffness))
     size[size == 0] = 1.0
-    values, vectors = np.linalg.eigh(stiffness / np.outer(size, size))
-    if values[0] > SINGULAR:
+    values, vectors = np.linalg.eigh(stiffness / (size[:, :, None] * size[:, None, :]))
+    worst = int(np.argmin(values[:, 0]))
+    if values[worst, 0] > SINGULAR:
         return
-    loose = [name for name, part in zip(names, vectors[:, 0], strict=True) if abs(part) > 0.1]
+    loose = [name for name, part in zip(names, vectors[worst, :, 0], strict=True) if abs(part) > 0.1]
     raise ValueError(
         f"no static equilibrium can be computed: the springs do not hold {', '.join(loose)} "
         "(singular stiffness matrix); give the springs there a positive stiffness"

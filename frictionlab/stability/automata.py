@@ -1,0 +1,86 @@
+"""Steady states of an automaton of one's own, through Newton's method."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from frictionlab.automaton import HybridAutomaton, Mode
+
+from .flow import Flow
+from .general import continued, newton_step, rest_points
+from .steady import Steady
+
+Array = NDArray[np.float64]
+
+
+def steady_state_of(automaton: HybridAutomaton) -> Steady:
+    """The steady state of the first mode that has one inside its guards, the nearest to the origin.
+
+    Raises
+    ------
+    ValueError
+        If no mode has one.
+    """
+    _, flow, points = steady_states(automaton)
+    if not points.size:
+        raise ValueError(
+            "the automaton must have a mode with an equilibrium inside its guards, "
+            f"got none in {', '.join(automaton.names)}: change its parameters"
+        )
+    values = values_of(automaton)
+    return Steady(automaton, _names(automaton), flow, values, _follower(flow, points[:, 0], values))
+
+
+def steady_states(automaton: HybridAutomaton) -> tuple[Mode, Flow, Array]:
+    """The first mode with equilibria inside its guards, its flow, and them (m, K); else K is 0."""
+    mode, flow = automaton.modes[0], _flow(automaton, automaton.modes[0])
+    for mode in automaton.modes:
+        flow = _flow(automaton, mode)
+        points = rest_points(flow, values_of(automaton))
+        points = points[:, flow.margin(points, values_of(automaton)) > 0]
+        if points.size:
+            return mode, flow, points
+    return mode, flow, np.zeros((len(automaton.states), 0))
+
+
+def values_of(automaton: HybridAutomaton) -> tuple[float, ...]:
+    """The parameters' values."""
+    return tuple(float(value) for value in automaton.parameters.values())
+
+
+def residual(flow: Flow, x: Array, values: Sequence[float]) -> float:
+    """What Newton's method would still change, relative to the state."""
+    step = np.abs(newton_step(flow, x[:, None], values, 0.0)).max()
+    return float(step / max(np.abs(x).max(), np.finfo(float).tiny)) if step else 0.0
+
+
+def _follower(flow: Flow, x: Array, base: tuple[float, ...]) -> Callable[[Sequence[Any], int], Array]:
+    def solve(values: Sequence[Any], count: int) -> Array:
+        found = continued(flow, x, base, values, count)
+        with np.errstate(invalid="ignore"):
+            found[:, ~(flow.margin(found, values) > 0)] = np.nan
+        return found
+
+    return solve
+
+
+def _flow(automaton: HybridAutomaton, mode: Mode) -> Flow:
+    return flow_of(mode, automaton.states, tuple(automaton.parameters), automaton.coordinates)
+
+
+@lru_cache(maxsize=256)
+def flow_of(mode: Mode, states: tuple[Any, ...], parameters: tuple[Any, ...], coordinates: int) -> Flow:
+    """The flow of a mode, with all that has to stay positive: event functions and normal force."""
+    margins = [event.function for event in mode.events]
+    margins += [mode.outputs["normal_force"]] if "normal_force" in mode.outputs else []
+    return Flow(states, parameters, mode.flow, tuple(margins), coordinates)
+
+
+def _names(automaton: HybridAutomaton) -> tuple[str, ...]:
+    count = automaton.coordinates or len(automaton.states)
+    return tuple(symbol.name for symbol in automaton.states[:count])

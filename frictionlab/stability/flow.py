@@ -1,0 +1,83 @@
+"""The flow of one mode and its derivative as functions of arrays, derived by sympy once."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import sympy
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Flow:
+    """x' = rhs(x) and its Jacobian, for N states and N values of the parameters.
+
+    Parameters
+    ----------
+    states, parameters : tuple of sympy.Symbol
+    expressions : tuple of sympy.Expr
+        The right-hand sides.
+    margins : tuple of sympy.Expr
+        Positive where the mode can last: its event functions, its normal force.
+    coordinates : int
+        How many states are coordinates.
+    """
+
+    states: tuple[Any, ...]
+    parameters: tuple[Any, ...]
+    expressions: tuple[Any, ...]
+    margins: tuple[Any, ...]
+    coordinates: int
+
+    @cached_property
+    def _partial(self) -> dict[tuple[int, int], Any]:
+        rows = enumerate(self.expressions)
+        partial = {(i, j): sympy.diff(row, x) for i, row in rows for j, x in enumerate(self.states)}
+        return {place: entry for place, entry in partial.items() if entry != 0}
+
+    @cached_property
+    def _entries(self) -> Callable[..., Any]:
+        return self.compiled(tuple(self._partial.values()))
+
+    @cached_property
+    def _rhs(self) -> Callable[..., Any]:
+        return self.compiled(self.expressions)
+
+    @cached_property
+    def _margins(self) -> Callable[..., Any]:
+        return self.compiled(self.margins)
+
+    def compiled(self, expressions: Sequence[Any]) -> Callable[..., Any]:
+        """A numpy function of all states, then all parameters."""
+        return sympy.lambdify([*self.states, *self.parameters], list(expressions), modules="numpy", cse=True)
+
+    def rhs(self, x: Any, values: Sequence[Any]) -> Array:
+        """x' (m, ...) at states `x` (m, ...); parameters are numbers or arrays."""
+        return _stacked(self._rhs(*x, *values), np.shape(x[0]))
+
+    def margin(self, x: Any, values: Sequence[Any]) -> Array:
+        """The least of the margins, (...)."""
+        if not self.margins:
+            return np.full(np.shape(x[0]), np.inf)
+        return _stacked(self._margins(*x, *values), np.shape(x[0])).min(axis=0)
+
+    def jacobian(self, x: Any, values: Sequence[Any]) -> Array:
+        """d x'/d x as (..., m, m)."""
+        m = len(self.states)
+        matrix = np.zeros((m, m, *np.shape(x[0])))
+        for place, entry in zip(self._partial, self._entries(*x, *values)):
+            matrix[place] = entry
+        return np.moveaxis(matrix, (0, 1), (-2, -1))
+
+
+def _stacked(parts: Sequence[Any], shape: tuple[int, ...]) -> Array:
+    found = np.empty((len(parts), *shape))
+    for row, part in zip(found, parts):
+        row[...] = part
+    return found

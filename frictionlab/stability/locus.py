@@ -1,0 +1,109 @@
+"""`fl.root_locus`: the eigenvalues of every mode against a parameter."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .eigen import participation, shapes
+from .steady import Steady
+from .tracking import Modes, modes, tracked
+from .view import check_parameter, steady
+
+Array = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
+
+
+@dataclass(frozen=True, eq=False)
+class RootLocus:
+    """Eigenvalues of n modes at N values of a parameter, each mode in one column.
+
+    Parameters
+    ----------
+    model : Model or HybridAutomaton
+    parameter : str
+    at : array (N,)
+        Its values.
+    values : complex array (N, n)
+        1/s, with Im >= 0; NaN where there is no equilibrium.  Of an overdamped mode's two real eigenvalues
+        it is the less stable one.
+    coordinates : tuple of str
+    shapes : complex array (N, n, n)
+        Mode shapes: ``shapes[i, :, j]`` are the coordinates in mode j, the largest of them 1.
+    participation : array (N, n, n)
+        Share of each coordinate in each mode: ``participation[i, :, j]`` sums to 1.
+    """
+
+    model: Any
+    parameter: str
+    at: Array
+    values: ComplexArray
+    coordinates: tuple[str, ...]
+    shapes: ComplexArray
+    participation: Array
+
+    @property
+    def frequencies(self) -> Array:
+        """Im/(2 pi), Hz, (N, n)."""
+        return self.values.imag / (2 * np.pi)
+
+    @property
+    def growth_rates(self) -> Array:
+        """Real parts, 1/s, (N, n)."""
+        return self.values.real
+
+    @property
+    def unstable(self) -> NDArray[np.int_]:
+        """Number of modes that grow, (N,)."""
+        return (self.values.real > 0).sum(axis=1)
+
+
+def root_locus(model: Any, parameter: str, values: Any) -> RootLocus:
+    """Eigenvalues of all modes at the sliding equilibrium, for each value of a parameter.
+
+    The modes are followed by their vectors, not sorted, so that a column is one mode through crossings and
+    veerings.  Where two coalesce exactly, which of the two that leave is which has no meaning.
+
+    Parameters
+    ----------
+    model : SliderOnBelt or HybridAutomaton
+    parameter : str
+    values : array_like (N,)
+        Along a path: neighbours in it are compared.
+
+    Returns
+    -------
+    RootLocus
+
+    Raises
+    ------
+    ValueError
+        For an unknown parameter, or a value that breaks its rule, or where no value has an equilibrium.
+    """
+    view = steady(model)
+    at = np.atleast_1d(np.asarray(values, dtype=float)).ravel()
+    check_parameter(view, parameter, at.tolist())
+
+    def sample(points: Array) -> Modes:
+        return modes(points, view.linearised({parameter: points})[1])
+
+    path = sample(at)
+    _refuse_nothing(path, parameter)
+    path = tracked(path, sample)
+    return RootLocus(model, parameter, at, path.values, view.names, *_described(view, path))
+
+
+def _described(view: Steady, path: Modes) -> tuple[ComplexArray, Array]:
+    n = len(view.names)
+    return shapes(path.right, n), participation(path.left, path.right, n)
+
+
+def _refuse_nothing(path: Modes, parameter: str) -> None:
+    if not np.isfinite(path.values).any():
+        raise ValueError(
+            f"there must be an equilibrium with F_N > 0 at a value of {parameter} at least, "
+            f"got none from {path.at.min():g} to {path.at.max():g}: change the values or the model"
+        )

@@ -1,0 +1,171 @@
+"""Where growth rates change sign along lines of a parameter: brackets, found by halving where it matters.
+
+The growth rates are sorted, the largest first: the k-th is a continuous function of the parameter, and its
+sign changes exactly where the number of growing eigenvalues passes k.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
+Flags = NDArray[np.bool_]
+Evaluate = Callable[[NDArray[np.intp], Array], ComplexArray]
+
+POINTS, HALVINGS = 129, 24
+MOST = 8  # times the pieces of the first grid: two modes with one eigenvalue throughout come close everywhere
+ROUNDING = 1e-9
+NEUTRAL = 1e-10  # growth rates below this share of the largest eigenvalue count as zero: no damping at all
+
+
+class Intervals(NamedTuple):
+    """Pieces of lines: index of the line, ends, and the spectra there, sorted by descending growth rate."""
+
+    line: NDArray[np.intp]
+    low: Array
+    high: Array
+    at_low: ComplexArray
+    at_high: ComplexArray
+
+    def __getitem__(self, chosen: Any) -> Intervals:  # type: ignore[override]
+        return Intervals(*(part[chosen] for part in tuple(self)))
+
+
+class Brackets(NamedTuple):
+    """Intervals in which one growth rate changes its sign: line, ends, and its index among the sorted."""
+
+    line: NDArray[np.intp]
+    low: Array
+    high: Array
+    level: NDArray[np.intp]
+
+
+def brackets(evaluate: Evaluate, low: Array, high: Array) -> Brackets:
+    """All changes of sign on lines from `low` to `high` (L,), by line and ascending parameter.
+
+    `evaluate` takes indices of lines and values of the parameter and gives sorted spectra; NaN where there
+    is no equilibrium.
+    """
+    found: list[Brackets] = []
+    pieces = _grid(evaluate, low, high)
+    most = MOST * len(pieces.line)
+    for _ in range(HALVINGS):
+        middle = 0.5 * (pieces.low + pieces.high)
+        at_middle = evaluate(pieces.line, middle)
+        clear, single = _judged(pieces, at_middle)
+        found.append(_bracket(pieces[single & ~clear]))
+        pieces = _halved(pieces, middle, at_middle, ~clear & ~single)
+        if not pieces.line.size or len(pieces.line) > most:
+            break
+    clusters = _joined(pieces)
+    found.append(_bracket(clusters[_changes(clusters.at_low, clusters.at_high).any(axis=1)]))
+    return _sorted(found)
+
+
+def _grid(evaluate: Evaluate, low: Array, high: Array) -> Intervals:
+    share = np.linspace(0.0, 1.0, POINTS)
+    points = low[:, None] + (high - low)[:, None] * share
+    line = np.repeat(np.arange(len(low)), POINTS)
+    spectra = evaluate(line, points.ravel()).reshape(len(low), POINTS, -1)
+    m = spectra.shape[-1]
+    return Intervals(
+        np.repeat(np.arange(len(low)), POINTS - 1),
+        points[:, :-1].ravel(),
+        points[:, 1:].ravel(),
+        spectra[:, :-1].reshape(-1, m),
+        spectra[:, 1:].reshape(-1, m),
+    )
+
+
+def growth(spectra: ComplexArray) -> Array:
+    """Growth rates; those that are zero but for rounding are a little below zero."""
+    bound = NEUTRAL * np.abs(spectra).max(axis=-1, keepdims=True, initial=0.0)
+    return np.where(np.abs(spectra.real) < bound, -bound, spectra.real)
+
+
+def _judged(pieces: Intervals, at_middle: ComplexArray) -> tuple[Flags, Flags]:
+    """Whether no growth rate changes sign in a piece, and whether exactly one (or one pair's) does."""
+    a, b, c = growth(pieces.at_low), growth(at_middle), growth(pieces.at_high)
+    unknown = np.isnan(a[:, 0]) | np.isnan(b[:, 0]) | np.isnan(c[:, 0])
+    absent = np.isnan(a[:, 0]) & np.isnan(b[:, 0]) & np.isnan(c[:, 0])
+    kept = (np.sign(a) == np.sign(b)) & (np.sign(b) == np.sign(c))
+    # A parabola through the three values dips below the least of them by at most an eighth of this.
+    bend = np.abs(a - 2 * b + c)
+    least = np.minimum(np.minimum(np.abs(a), np.abs(b)), np.abs(c))
+    room = kept & (least > bend)
+    passes = ~kept & (((a <= b) & (b <= c)) | ((a >= b) & (b >= c)))
+    apart = ~_meeting(pieces, at_middle, least)
+    one = _one_mode(passes, pieces.at_low, pieces.at_high)
+    return absent | (~unknown & apart & room.all(axis=1)), ~unknown & apart & one & (room | passes).all(
+        axis=1
+    )
+
+
+def _one_mode(passes: Flags, at_low: ComplexArray, at_high: ComplexArray) -> Flags:
+    """Whether the growth rates that pass zero are those of one mode: a real one, or a conjugate pair."""
+    count, first = passes.sum(axis=1), passes.argmax(axis=1)
+    rows, second = np.arange(len(passes)), np.minimum(first + 1, passes.shape[1] - 1)
+    pair = passes[rows, second]
+    for spectrum in (at_low, at_high):
+        pair = pair & (spectrum[rows, first] == np.conj(spectrum[rows, second]))
+    return (count == 1) | ((count == 2) & pair)
+
+
+def _meeting(pieces: Intervals, at_middle: ComplexArray, least: Array) -> Flags:
+    """Whether two eigenvalues come so close that they may coalesce unseen, and with growth rates near zero.
+
+    Modes that couple weakly are unstable in a window as narrow as their coupling is weak.
+    """
+    moved = np.maximum(_nearest(at_middle, pieces.at_low), _nearest(at_middle, pieces.at_high))
+    between = np.abs(at_middle[:, :, None] - at_middle[:, None, :])
+    between[:, range(moved.shape[1]), range(moved.shape[1])] = np.inf
+    # A pair that is about to become two real eigenvalues has its conjugate for a neighbour: no matter.
+    between[at_middle.imag[:, :, None] * at_middle.imag[:, None, :] < 0] = np.inf
+    moved[moved < ROUNDING * np.abs(at_middle).max(axis=1, keepdims=True)] = 0.0
+    close = between < 2 * (moved[:, :, None] + moved[:, None, :])
+    within_reach = between + moved[:, :, None] > least.min(axis=1)[:, None, None]
+    return (close & within_reach & np.isfinite(between)).any(axis=(1, 2))
+
+
+def _nearest(spectra: ComplexArray, others: ComplexArray) -> Array:
+    """Distance of each eigenvalue to the nearest of the others."""
+    return np.abs(spectra[:, :, None] - others[:, None, :]).min(axis=2)
+
+
+def _halved(pieces: Intervals, middle: Array, at_middle: ComplexArray, chosen: Flags) -> Intervals:
+    first = Intervals(pieces.line, pieces.low, middle, pieces.at_low, at_middle)[chosen]
+    second = Intervals(pieces.line, middle, pieces.high, at_middle, pieces.at_high)[chosen]
+    return Intervals(*(np.concatenate(parts) for parts in zip(tuple(first), tuple(second))))
+
+
+def _joined(pieces: Intervals) -> Intervals:
+    """Neighbours joined into one: what happens in pieces that cannot be told apart happens at once."""
+    if not pieces.line.size:
+        return pieces
+    order = np.lexsort((pieces.low, pieces.line))
+    pieces = pieces[order]
+    new = np.append(True, (pieces.line[1:] != pieces.line[:-1]) | (pieces.low[1:] > pieces.high[:-1]))
+    last = np.append(np.flatnonzero(new)[1:] - 1, len(new) - 1)
+    return Intervals(
+        pieces.line[new], pieces.low[new], pieces.high[last], pieces.at_low[new], pieces.at_high[last]
+    )
+
+
+def _changes(at_low: ComplexArray, at_high: ComplexArray) -> Flags:
+    return (growth(at_low) > 0) != (growth(at_high) > 0)
+
+
+def _bracket(pieces: Intervals) -> Brackets:
+    level = _changes(pieces.at_low, pieces.at_high).argmax(axis=1)
+    return Brackets(pieces.line, pieces.low, pieces.high, level)
+
+
+def _sorted(found: list[Brackets]) -> Brackets:
+    joined = Brackets(*(np.concatenate(parts) for parts in zip(*map(tuple, found))))
+    order = np.lexsort((joined.low, joined.line))
+    return Brackets(*(part[order] for part in joined))
