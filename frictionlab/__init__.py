@@ -15,7 +15,12 @@ from typing import TYPE_CHECKING, Any
 from frictionlab._version import __version__
 
 if TYPE_CHECKING:
+    from frictionlab import paper
+    from frictionlab.analysis.ablation import ablation
+    from frictionlab.analysis.bifurcation import bifurcation, load_bifurcation
     from frictionlab.analysis.simulate import load, simulate
+    from frictionlab.analysis.steady_state import steady_state
+    from frictionlab.analysis.sweep import sweep
     from frictionlab.automaton import Event, HybridAutomaton, Mode, Reset
     from frictionlab.components import (
         ContactLaw,
@@ -48,13 +53,19 @@ if TYPE_CHECKING:
         eigenvalues,
         equilibria,
         equilibrium,
+        hopf,
         root_locus,
         stability_changes,
+        stability_map,
     )
 
 # Public name -> module that holds it.
 _HOMES = {
+    "analysis.ablation": "ablation",
+    "analysis.bifurcation": "bifurcation load_bifurcation",
     "analysis.simulate": "simulate load",
+    "analysis.steady_state": "steady_state",
+    "analysis.sweep": "sweep",
     "automaton": "HybridAutomaton Mode Event Reset",
     "components": "ContactLaw CubicContact LinearContact FrictionLaw Coulomb MovingLoad FixedLoad ImpactLaw "
     "PlasticImpact RestitutionImpact StickSlipSeparation StickSlip SlidingSeparation SlidingOnly parameter",
@@ -67,13 +78,15 @@ _HOMES = {
     "models": "SliderOnBelt",
     "plotting": "plot_run",
     "stability": "equilibria equilibrium eigenvalues root_locus stability_changes critical_value "
-    "critical_curve",
+    "critical_curve stability_map hopf",
 }
 _HOME = {name: module for module, names in _HOMES.items() for name in names.split()}
+_PACKAGES = ("paper",)
 
 __all__ = [  # static tools read the imports above
     "__version__",
     *_HOME,
+    *_PACKAGES,
 ]
 
 
@@ -82,6 +95,8 @@ def __getattr__(name: str) -> Any:
         value = getattr(import_module(f"frictionlab.{_HOME[name]}"), name)
         globals()[name] = value
         return value
+    if name in _PACKAGES:
+        return import_module(f"frictionlab.{name}")
     from difflib import get_close_matches
 
     close = get_close_matches(name.lower(), [n.lower() for n in __all__], n=1)

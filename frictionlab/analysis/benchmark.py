@@ -139,7 +139,7 @@ def table(rows: Sequence[Row], against: str = METHODS[0][0]) -> str:
         f"| {row.error / base.error:.1e} | {row.events} | {row.steps}"
         for row in rows
     )
-    return _markdown(head, lines)
+    return markdown(head, lines)
 
 
 def switch_table(rows: Sequence[Switches]) -> str:
@@ -150,9 +150,10 @@ def switch_table(rows: Sequence[Switches]) -> str:
         f"| {row.operations} | {row.microseconds:.0f} us"
         for row in rows
     )
-    return _markdown(head, lines)
+    return markdown(head, lines)
 
 
-def _markdown(head: str, lines: Iterable[str]) -> str:
+def markdown(head: str, lines: Iterable[str]) -> str:
+    """A table."""
     rule = "|".join("---" for _ in head.split("|"))
     return "\n".join([f"| {head} |", f"|{rule}|", *(f"| {line} |" for line in lines)])

@@ -12,6 +12,7 @@ from frictionlab._version import __version__
 
 from .arguments import normalised, unknown_options
 from .bench import add_bench
+from .figure import add_figure
 from .parser import OneLineParser, add_run
 
 INTERRUPTED = 130  # 128 + SIGINT, as shells have it
@@ -50,20 +51,23 @@ def _parsers() -> tuple[OneLineParser, dict[str, OneLineParser]]:
     parser = OneLineParser(
         prog="frictionlab",
         description="Friction-induced vibration with sticking, slipping, lifting off and impacts.",
-        epilog="`frictionlab run --help` lists every option of a run.",
+        epilog="`frictionlab run --help` lists every option of a run, and so on for the others.",
         allow_abbrev=False,
     )
     parser.add_argument("--version", action="version", version=f"frictionlab {__version__}")
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", title="commands")
-    return parser, {"run": add_run(commands), "bench": add_bench(commands)}
+    added = {"run": add_run, "figure": add_figure, "bench": add_bench}
+    return parser, {name: add(commands) for name, add in added.items()}
 
 
 def _guarded(chosen: argparse.Namespace, parser: OneLineParser) -> int:
     from .bench import bench_command
+    from .figure import figure_command
     from .run import run_command
 
     try:
-        code = {"run": run_command, "bench": bench_command}[chosen.command](chosen, parser)
+        command = {"run": run_command, "figure": figure_command, "bench": bench_command}[chosen.command]
+        code = command(chosen, parser)
         sys.stdout.flush()
         return code
     except KeyboardInterrupt:  # a second ctrl-C, or one while the solver is compiled or a picture drawn

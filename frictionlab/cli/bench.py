@@ -24,11 +24,13 @@ def add_bench(commands: Any) -> OneLineParser:
 
 def bench_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
     """Measure and print; returns the exit status."""
-    from frictionlab.analysis import benchmark
+    from frictionlab.analysis import benchmark, benchmark_stability
 
     t_end, repeats = (20.0, 1) if chosen.quick else (200.0, 3)
     print(f"Methods, wall time of {t_end:g} s of motion\n")
     print(benchmark.table(benchmark.methods(t_end, repeats)), flush=True)
     print("\nScenes, wall time per simulated second\n")
     print(benchmark.switch_table(benchmark.switches(repeats=repeats)))
+    print("\nLinear stability\n")
+    print(benchmark_stability.table(benchmark_stability.eigenproblems(10_000, repeats)))
     return 0

@@ -20,7 +20,8 @@ class Progress:
     """
 
     def __init__(self, t_end: float, show: bool = True, compiling: bool = False) -> None:
-        self._t_end, self._show = t_end, show
+        # In a thread of a sweep, whose own bar counts, a bar for each run would be in the way.
+        self._t_end, self._show = t_end, show and threading.current_thread() is threading.main_thread()
         self._compiling = compiling
         self._stop = False
         self._since = time.monotonic()

@@ -1,26 +1,40 @@
-"""Figures of runs: plain functions that draw into `ax` and return the artists they made.
+"""Figures of runs, of stability and of sweeps: plain functions that draw into `ax` and return the artists they made.
 
 None of them uses pyplot, so a figure is freed with its last reference and no window opens.
 """
 
 from __future__ import annotations
 
+from .ablation import plot_ablation
+from .bifurcation import plot_bifurcation, plot_intensity
+from .critical import plot_critical
 from .displacements import plot_displacements
 from .figure import RunFigure
 from .forces import plot_contact_forces
+from .locus import plot_frequencies, plot_growth_rates
 from .phase_plane import plot_phase_plane
+from .root_locus import plot_root_locus
 from .run import plot_run
 from .shading import shade_modes
 from .spectrum import Spectrum, amplitude_spectrum, plot_spectrum
+from .stability_map import plot_stability_map
 
 __all__ = [
     "RunFigure",
     "Spectrum",
     "amplitude_spectrum",
+    "plot_ablation",
+    "plot_bifurcation",
     "plot_contact_forces",
+    "plot_critical",
     "plot_displacements",
+    "plot_frequencies",
+    "plot_growth_rates",
+    "plot_intensity",
     "plot_phase_plane",
+    "plot_root_locus",
     "plot_run",
     "plot_spectrum",
+    "plot_stability_map",
     "shade_modes",
 ]

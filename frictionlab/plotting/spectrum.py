@@ -3,69 +3,18 @@
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import Any
 
-import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
+from frictionlab.analysis.spectrum import F_MAX, Spectrum, amplitude_spectrum
+
 from .figure import axes_or_new
 from .palette import BLACK, label, unit
-from .windows import Array, end_of
+from .windows import Array
 
-F_MAX = 60.0
-LONGEST = 100.0  # seconds transformed at most: a resolution of 0.01 Hz is more than a picture shows
-OVERSAMPLING = 16  # samples per period of f_max: kinks of the motion must not fold back into view
-FEWEST_LINES = 5
 DECADES = 5
-
-
-class Spectrum(NamedTuple):
-    """Amplitudes (unit of the state) at frequencies (Hz) `resolution` apart, from `start` to `stop` (s)."""
-
-    frequencies: Array
-    amplitudes: Array
-    resolution: float
-    start: float
-    stop: float
-
-    @property
-    def strongest(self) -> float:
-        """Frequency (Hz) of the largest amplitude."""
-        return float(self.frequencies[np.argmax(self.amplitudes)])
-
-
-def amplitude_spectrum(run: Any, name: str = "x1", *, f_max: float = F_MAX) -> Spectrum | None:
-    """Amplitude spectrum of a state over the second half of a run, with a Hann window and without the mean.
-
-    A sine of amplitude a has a line of height a, where its period divides the half.
-
-    Parameters
-    ----------
-    run : Trajectory
-    name : str
-        The state, e.g. "x1" or "x1'".
-    f_max : float
-        Highest frequency kept, Hz.
-
-    Returns
-    -------
-    Spectrum or None
-        None where the half is too short to resolve five lines up to `f_max`.
-    """
-    stop = end_of(run)
-    length = min(stop / 2, LONGEST)
-    if length * f_max < FEWEST_LINES:
-        return None
-    count = int(np.ceil(length * f_max * OVERSAMPLING))
-    t = np.clip(stop - length + np.arange(count) * (length / count), 0.0, stop)
-    x = run(t)[:, run.names.index(name)]
-    window = 0.5 - 0.5 * np.cos(2 * np.pi * np.arange(count) / count)
-    # Less the mean as the window weighs it, so that nothing of it is left in the first lines.
-    amplitudes = np.abs(np.fft.rfft((x - np.average(x, weights=window)) * window)) * (2 / window.sum())
-    frequencies = np.arange(len(amplitudes)) / length
-    kept = frequencies <= f_max
-    return Spectrum(frequencies[kept], amplitudes[kept], 1 / length, stop - length, stop)
 
 
 def plot_spectrum(

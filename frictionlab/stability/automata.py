@@ -7,6 +7,7 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
+import sympy
 from numpy.typing import NDArray
 
 from frictionlab.automaton import HybridAutomaton, Mode
@@ -16,6 +17,7 @@ from .general import continued, newton_step, rest_points
 from .steady import Steady
 
 Array = NDArray[np.float64]
+ROUNDING = 1e-9
 
 
 def steady_state_of(automaton: HybridAutomaton) -> Steady:
@@ -26,14 +28,14 @@ def steady_state_of(automaton: HybridAutomaton) -> Steady:
     ValueError
         If no mode has one.
     """
-    _, flow, points = steady_states(automaton)
+    mode, flow, points = steady_states(automaton)
     if not points.size:
         raise ValueError(
             "the automaton must have a mode with an equilibrium inside its guards, "
             f"got none in {', '.join(automaton.names)}: change its parameters"
         )
     values = values_of(automaton)
-    return Steady(automaton, _names(automaton), flow, values, _follower(flow, points[:, 0], values))
+    return Steady(automaton, _names(automaton), flow, values, _follower(mode, flow, points[:, 0], values))
 
 
 def steady_states(automaton: HybridAutomaton) -> tuple[Mode, Flow, Array]:
@@ -42,7 +44,7 @@ def steady_states(automaton: HybridAutomaton) -> tuple[Mode, Flow, Array]:
     for mode in automaton.modes:
         flow = _flow(automaton, mode)
         points = rest_points(flow, values_of(automaton))
-        points = points[:, flow.margin(points, values_of(automaton)) > 0]
+        points = points[:, _lasts(mode, flow, points, values_of(automaton))]
         if points.size:
             return mode, flow, points
     return mode, flow, np.zeros((len(automaton.states), 0))
@@ -59,14 +61,34 @@ def residual(flow: Flow, x: Array, values: Sequence[float]) -> float:
     return float(step / max(np.abs(x).max(), np.finfo(float).tiny)) if step else 0.0
 
 
-def _follower(flow: Flow, x: Array, base: tuple[float, ...]) -> Callable[[Sequence[Any], int], Array]:
+def _follower(
+    mode: Mode, flow: Flow, x: Array, base: tuple[float, ...]
+) -> Callable[[Sequence[Any], int], Array]:
     def solve(values: Sequence[Any], count: int) -> Array:
         found = continued(flow, x, base, values, count)
-        with np.errstate(invalid="ignore"):
-            found[:, ~(flow.margin(found, values) > 0)] = np.nan
+        found[:, ~_lasts(mode, flow, found, values)] = np.nan
         return found
 
     return solve
+
+
+def _lasts(mode: Mode, flow: Flow, x: Array, values: Sequence[Any]) -> Any:
+    """Where a mode can last at states (m, N): inside its guards, with its constraints kept."""
+    with np.errstate(all="ignore"):
+        lasts = flow.margin(x, values) > 0
+        for held, size in zip(*(functions(*x, *values) for functions in _constraints(mode, flow))):
+            lasts = lasts & (np.abs(held) <= ROUNDING * size)
+    return lasts
+
+
+@lru_cache(maxsize=256)
+def _constraints(mode: Mode, flow: Flow) -> tuple[Callable[..., Any], Callable[..., Any]]:
+    """The constraints of a mode, and the sizes of the terms that have to cancel in each."""
+    at_rest = dict.fromkeys(flow.states, 0)
+    held = [sympy.sympify(c) for c in mode.constraints]
+    terms = [[c.subs(at_rest), *(sympy.diff(c, s) * s for s in flow.states)] for c in held]
+    sizes = [sum(abs(term) for term in some) for some in terms]
+    return flow.compiled(held), flow.compiled(sizes)
 
 
 def _flow(automaton: HybridAutomaton, mode: Mode) -> Flow:

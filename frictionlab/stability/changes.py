@@ -10,13 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize.elementwise import find_root
 
-from .scan import NEUTRAL, Brackets, Evaluate, brackets, growth
+from .scan import NEUTRAL, Brackets, Evaluate, brackets, growth, unstable_pairs
 from .steady import Steady
 from .view import check_bounds, check_parameter, steady
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
-JUMP = 1e-6  # share of the largest eigenvalue: a larger growth rate at a root means that there is none
+JUMP, LEAP = 1e-6, 1e-4  # shares of the largest eigenvalue: most growth at a root, and just inside
+OUTSIDE, INSIDE = 1e-3, 1e-9  # shares of a bracket
+ROUNDING, STEPS = 1e-13, 200
 
 
 @dataclass(frozen=True)
@@ -34,7 +36,8 @@ class StabilityChange:
         eigenvalue passes zero.  Fold: the equilibrium ends and another takes over.
     direction : "loss" or "regain"
     unstable : (int, int)
-        Number of growing modes below and above the value.
+        Number of growing pairs of eigenvalues below and above the value; two real ones count as a pair,
+        one alone too.
     """
 
     value: float
@@ -167,27 +170,41 @@ def on_lines(
 
     low, high = (np.full(count, bound) for bound in bounds)
     found = brackets(evaluate, low, high)
-    changes = _described(evaluate, found, _roots(evaluate, found))
+    changes = _described(evaluate, found, _roots(evaluate, found, bounds))
     return [tuple(c for c, line in zip(changes, found.line, strict=True) if line == i) for i in range(count)]
 
 
-def _roots(evaluate: Evaluate, found: Brackets) -> Array:
+def _roots(evaluate: Evaluate, found: Brackets, bounds: tuple[float, float]) -> Array:
     if not found.line.size:
         return np.zeros(0)
-    shift = np.maximum(_neutral(evaluate, found, found.low), _neutral(evaluate, found, found.high))
+    still, growing = _sides(evaluate, found)
+    outside = np.clip(still + OUTSIDE * (still - growing), *bounds)
+    shift = _shift(evaluate, found, outside)
 
     def rate(at: Array, line: Any, level: Any, shift: Any) -> Array:
         return level_of(evaluate(line.astype(int), at), level.astype(int)).real - shift
 
-    solved = find_root(rate, (found.low, found.high), args=(found.line, found.level, shift))
-    return np.asarray(solved.x, dtype=float)
+    ends = (np.where(shift > 0, still, outside), growing)
+    solved = find_root(rate, ends, args=(found.line, found.level, shift), maxiter=STEPS)
+    # Where there is no root, the equilibrium ends.
+    return np.where(np.isfinite(solved.x), solved.x, 0.5 * (found.low + found.high))
 
 
-def _neutral(evaluate: Evaluate, found: Brackets, at: Array) -> Array:
-    """A rate that tells growth from none where nothing is damped, since zero does not; else zero."""
-    spectra = evaluate(found.line, at)
-    bound = NEUTRAL * np.abs(spectra).max(axis=1)
-    return np.where(np.abs(level_of(spectra, found.level).real) < bound, bound, 0.0)
+def _sides(evaluate: Evaluate, found: Brackets) -> tuple[Array, Array]:
+    """The ends of the brackets at which the mode does not grow, and those at which it does."""
+    before, after = (level_of(evaluate(found.line, end), found.level).real for end in (found.low, found.high))
+    rises = after > before
+    return np.where(rises, found.low, found.high), np.where(rises, found.high, found.low)
+
+
+def _shift(evaluate: Evaluate, found: Brackets, outside: Array) -> Array:
+    """A rate that tells growth from none where nothing is damped, since zero does not; else zero.
+
+    `outside` is a little further out than where the mode does not grow yet: a damped one decays there.
+    """
+    spectra = evaluate(found.line, outside)
+    largest = np.abs(spectra).max(axis=1)
+    return np.where(level_of(spectra, found.level).real < -ROUNDING * largest, 0.0, NEUTRAL * largest)
 
 
 def level_of(spectra: Any, level: Indices) -> Any:
@@ -198,23 +215,28 @@ def level_of(spectra: Any, level: Indices) -> Any:
 def _described(evaluate: Evaluate, found: Brackets, roots: Array) -> list[StabilityChange]:
     if not found.line.size:
         return []
+    _, growing = _sides(evaluate, found)
+    inside = evaluate(found.line, roots + INSIDE * (growing - roots))
     before, at, after = (evaluate(found.line, p) for p in (found.low, roots, found.high))
-    undamped = _neutral(evaluate, found, found.low) + _neutral(evaluate, found, found.high) > 0
-    growing = np.where((before.real.max(axis=1) > after.real.max(axis=1))[:, None], before, after)
-    # Without damping all growth rates are zero at the root: the growing side tells which mode it is.
-    critical = level_of(np.where(undamped[:, None], growing, at), found.level)
-    jumps = ~undamped & (np.abs(critical.real) > JUMP * np.abs(at).max(axis=1))
+    # Just inside: at the root itself all growth rates may be zero, and a real eigenvalue one of a pair.
+    critical = level_of(inside, found.level)
+    jumps = _jumps(level_of(at, found.level), at, JUMP) | _jumps(critical, inside, LEAP)
+    lost = (growth(before) > 0).sum(axis=1) < (growth(after) > 0).sum(axis=1)
+    rows = zip(roots, critical, jumps, lost, unstable_pairs(before), unstable_pairs(after))
     return [
-        StabilityChange(
-            float(root),
-            float(abs(value.imag) / (2 * np.pi)),
-            "fold" if jump else ("flutter" if value.imag else "divergence"),
-            "loss" if a < b else "regain",
-            (a, b),
-        )
-        for root, value, jump, a, b in zip(roots, critical, jumps, _growing(before), _growing(after))
+        _change(float(root), value, bool(jump), bool(loss), a, b) for root, value, jump, loss, a, b in rows
     ]
 
 
-def _growing(spectra: Any) -> list[int]:
-    return ((growth(spectra) > 0) & (spectra.imag >= 0)).sum(axis=1).tolist()
+def _jumps(critical: Any, spectra: Any, most: float) -> Any:
+    """Whether a growth rate is no longer small at a root or next to it, so that there is none."""
+    return ~(np.abs(critical.real) <= most * np.abs(spectra).max(axis=1))
+
+
+def _change(
+    root: float, critical: complex, jump: bool, loss: bool, before: Any, after: Any
+) -> StabilityChange:
+    kind = "fold" if jump else ("flutter" if critical.imag else "divergence")
+    frequency = 0.0 if jump else abs(critical.imag) / (2 * np.pi)
+    direction = "loss" if loss else "regain"
+    return StabilityChange(root, float(frequency), kind, direction, (int(before), int(after)))

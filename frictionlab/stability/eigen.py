@@ -56,7 +56,8 @@ class Eigenvalues:
     @property
     def participation(self) -> Array:
         """Share of each coordinate in each mode, (n, 2n); columns sum to 1."""
-        return participation(np.linalg.inv(self.vectors), self.vectors, len(self.equilibrium.q))
+        left: Any = np.linalg.inv(self.vectors)
+        return participation(left, self.vectors, len(self.equilibrium.q))
 
 
 def eigenvalues(model: Any) -> Eigenvalues:

@@ -16,7 +16,7 @@ from frictionlab.models.symbols import numbers, structure
 from .automata import residual as left_over
 from .automata import steady_state_of, steady_states, values_of
 from .bracket import scanned
-from .pressed import REACH, excess_polynomial, polished, unloaded_gap
+from .pressed import FINEST, excess_polynomial, polished, reach
 from .real_roots import real_roots
 from .statics import Statics, residual, statics_of
 
@@ -115,14 +115,26 @@ def _of_automaton(automaton: HybridAutomaton) -> tuple[Equilibrium, ...]:
 def _gaps(statics: Statics, values: Sequence[float]) -> list[float]:
     excess = excess_polynomial(statics, values)
     if excess is None:
-        reach = REACH * abs(float(unloaded_gap(statics, values))) or 1.0
-        return scanned(lambda gap: statics.excess(gap, *values), reach)
+        return _searched(statics, values)
     with np.errstate(all="ignore"):  # at a double root the slope vanishes
         return [float(g) for g in polished(statics, values, np.array(real_roots(excess[:, 0])))]
 
 
+def _searched(statics: Statics, values: Sequence[float]) -> list[float]:
+    """Gaps at which the equation changes its sign, on a grid that is finer towards zero."""
+    finest = FINEST * float(reach(statics, values))
+
+    def excess(s: Any) -> Any:
+        found = statics.excess(finest * np.sinh(s), *values)
+        return np.where(np.isfinite(found), found, np.nan)  # a law may overflow far from the root
+
+    with np.errstate(all="ignore"):
+        found = scanned(excess, np.arcsinh(1 / FINEST))
+        return [float(finest * np.sinh(s)) for s in found]
+
+
 def _equilibrium(statics: Statics, values: Sequence[float], gap: float) -> Equilibrium:
-    q = np.array(statics.coordinates(gap, *values), dtype=float)
+    q: Any = np.array(statics.coordinates(gap, *values), dtype=float)
     normal, friction = map(float, statics.forces(gap, *values))
     left = float(residual(statics, q, values))
     if not left < TOLERANCE:

@@ -78,6 +78,6 @@ class Flow:
 
 def _stacked(parts: Sequence[Any], shape: tuple[int, ...]) -> Array:
     found = np.empty((len(parts), *shape))
-    for row, part in zip(found, parts):
-        row[...] = part
+    for i, part in enumerate(parts):
+        found[i, ...] = part
     return found

@@ -35,6 +35,8 @@ class RootLocus:
         Mode shapes: ``shapes[i, :, j]`` are the coordinates in mode j, the largest of them 1.
     participation : array (N, n, n)
         Share of each coordinate in each mode: ``participation[i, :, j]`` sums to 1.
+    unstable : int array (N,)
+        Number of growing pairs of eigenvalues; two real ones count as a pair, one alone too.
     """
 
     model: Any
@@ -44,6 +46,7 @@ class RootLocus:
     coordinates: tuple[str, ...]
     shapes: ComplexArray
     participation: Array
+    unstable: NDArray[np.int_]
 
     @property
     def frequencies(self) -> Array:
@@ -54,11 +57,6 @@ class RootLocus:
     def growth_rates(self) -> Array:
         """Real parts, 1/s, (N, n)."""
         return self.values.real
-
-    @property
-    def unstable(self) -> NDArray[np.int_]:
-        """Number of modes that grow, (N,)."""
-        return (self.values.real > 0).sum(axis=1)
 
 
 def root_locus(model: Any, parameter: str, values: Any) -> RootLocus:
@@ -90,15 +88,16 @@ def root_locus(model: Any, parameter: str, values: Any) -> RootLocus:
     def sample(points: Array) -> Modes:
         return modes(points, view.linearised({parameter: points})[1])
 
-    path = sample(at)
+    path: Any = sample(at)
     _refuse_nothing(path, parameter)
     path = tracked(path, sample)
-    return RootLocus(model, parameter, at, path.values, view.names, *_described(view, path))
+    return RootLocus(model, parameter, at, path.values, view.names, *_described(view, path), path.unstable)
 
 
-def _described(view: Steady, path: Modes) -> tuple[ComplexArray, Array]:
+def _described(view: Steady, path: Any) -> tuple[ComplexArray, Array]:
     n = len(view.names)
-    return shapes(path.right, n), participation(path.left, path.right, n)
+    with np.errstate(invalid="ignore"):  # NaN where there is no equilibrium
+        return shapes(path.right, n), participation(path.left, path.right, n)
 
 
 def _refuse_nothing(path: Modes, parameter: str) -> None:

@@ -63,6 +63,8 @@ def polished(statics: Statics, values: Sequence[Any], gaps: Array) -> Array:
 def _roots(coefficients: Array) -> NDArray[np.complex128]:
     """All roots (degree, N).  Their reciprocals are eigenvalues, so a leading coefficient may vanish."""
     degree = len(coefficients) - 1
+    # Without a preload the gap is a factor: divided out, the other roots are left.
+    coefficients = np.where(coefficients[0] == 0, np.roll(coefficients, -1, axis=0), coefficients)
     companion = np.zeros((coefficients.shape[1], degree, degree))
     companion[:, range(1, degree), range(degree - 1)] = 1.0
     with np.errstate(all="ignore"):
@@ -78,8 +80,7 @@ def _roots(coefficients: Array) -> NDArray[np.complex128]:
 
 def _scanned(statics: Statics, values: Sequence[Any], count: int) -> Array:
     """First root (1, count) seen as a change of sign on a grid, for laws that are no polynomials."""
-    reach = np.broadcast_to(REACH * np.abs(unloaded_gap(statics, values)), (count,))
-    grid = np.geomspace(FINEST, 1.0, GRID)[:, None] * reach
+    grid = np.geomspace(FINEST, 1.0, GRID)[:, None] * np.broadcast_to(reach(statics, values), (count,))
     signs = np.sign(np.broadcast_to(statics.excess(grid, *values), grid.shape))
     turns = (signs[:-1] * signs[1:] <= 0) & (statics.forces(grid[1:], *values)[0] > 0)
     first, columns = np.argmax(turns, axis=0), np.arange(count)
@@ -91,6 +92,7 @@ def _scanned(statics: Statics, values: Sequence[Any], count: int) -> Array:
     return np.where(turns.any(axis=0), 0.5 * (low + high), np.nan)[None]
 
 
-def unloaded_gap(statics: Statics, values: Sequence[Any]) -> Any:
-    """A length (m) for the search: the excess where the contact is not compressed."""
-    return statics.excess(0.0, *values)
+def reach(statics: Statics, values: Sequence[Any]) -> Any:
+    """How far gaps are searched (m): some times that of the unloaded contact; 1 m without a preload."""
+    length = REACH * np.abs(statics.excess(0.0, *values))
+    return np.where(length == 0, 1.0, length)

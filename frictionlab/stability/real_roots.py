@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from functools import partial
 from itertools import pairwise
-
 from typing import Any
 
 import numpy as np

@@ -13,13 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
+ComplexArray = NDArray[np.complexfloating[Any, Any]]
 Flags = NDArray[np.bool_]
 Evaluate = Callable[[NDArray[np.intp], Array], ComplexArray]
 
 POINTS, HALVINGS = 129, 24
 MOST = 8  # times the pieces of the first grid: two modes with one eigenvalue throughout come close everywhere
-ROUNDING = 1e-9
+ROUNDING, TWINS = 1e-9, 1e-11  # shares of the largest eigenvalue: no motion, and no distance
 NEUTRAL = 1e-10  # growth rates below this share of the largest eigenvalue count as zero: no damping at all
 
 
@@ -33,7 +33,8 @@ class Intervals(NamedTuple):
     at_high: ComplexArray
 
     def __getitem__(self, chosen: Any) -> Intervals:  # type: ignore[override]
-        return Intervals(*(part[chosen] for part in tuple(self)))
+        parts: Any = tuple(self)  # as such, since indexing it ends here again
+        return Intervals(*(part[chosen] for part in parts))
 
 
 class Brackets(NamedTuple):
@@ -62,7 +63,7 @@ def brackets(evaluate: Evaluate, low: Array, high: Array) -> Brackets:
         pieces = _halved(pieces, middle, at_middle, ~clear & ~single)
         if not pieces.line.size or len(pieces.line) > most:
             break
-    clusters = _joined(pieces)
+    clusters = pieces if len(pieces.line) > most else _joined(pieces)
     found.append(_bracket(clusters[_changes(clusters.at_low, clusters.at_high).any(axis=1)]))
     return _sorted(found)
 
@@ -86,6 +87,11 @@ def growth(spectra: ComplexArray) -> Array:
     """Growth rates; those that are zero but for rounding are a little below zero."""
     bound = NEUTRAL * np.abs(spectra).max(axis=-1, keepdims=True, initial=0.0)
     return np.where(np.abs(spectra.real) < bound, -bound, spectra.real)
+
+
+def unstable_pairs(spectra: ComplexArray) -> NDArray[np.int_]:
+    """Number of growing pairs of eigenvalues; real ones count two as one, and one alone as one."""
+    return ((growth(spectra) > 0).sum(axis=-1) + 1) // 2
 
 
 def _judged(pieces: Intervals, at_middle: ComplexArray) -> tuple[Flags, Flags]:
@@ -121,26 +127,43 @@ def _meeting(pieces: Intervals, at_middle: ComplexArray, least: Array) -> Flags:
 
     Modes that couple weakly are unstable in a window as narrow as their coupling is weak.
     """
-    moved = np.maximum(_nearest(at_middle, pieces.at_low), _nearest(at_middle, pieces.at_high))
-    between = np.abs(at_middle[:, :, None] - at_middle[:, None, :])
+    ends = (pieces.at_low, pieces.at_high)
+    moved = np.maximum(*(_distance(at_middle, end).min(axis=2) for end in ends))
+    between = _distance(at_middle, at_middle)
     between[:, range(moved.shape[1]), range(moved.shape[1])] = np.inf
     # A pair that is about to become two real eigenvalues has its conjugate for a neighbour: no matter.
     between[at_middle.imag[:, :, None] * at_middle.imag[:, None, :] < 0] = np.inf
+    # Nor do modes that have one eigenvalue throughout.
+    between[_twins(at_middle) & _stay(at_middle, *ends)[:, :, None]] = np.inf
     moved[moved < ROUNDING * np.abs(at_middle).max(axis=1, keepdims=True)] = 0.0
     close = between < 2 * (moved[:, :, None] + moved[:, None, :])
     within_reach = between + moved[:, :, None] > least.min(axis=1)[:, None, None]
     return (close & within_reach & np.isfinite(between)).any(axis=(1, 2))
 
 
-def _nearest(spectra: ComplexArray, others: ComplexArray) -> Array:
-    """Distance of each eigenvalue to the nearest of the others."""
-    return np.abs(spectra[:, :, None] - others[:, None, :]).min(axis=2)
+def _distance(spectra: ComplexArray, others: ComplexArray) -> Array:
+    """Distances (N, m, m) of each eigenvalue to each of the others."""
+    return np.abs(spectra[:, :, None] - others[:, None, :])
+
+
+def _twins(spectra: ComplexArray) -> Flags:
+    """Which two eigenvalues (N, m, m) are one but for rounding."""
+    largest = np.abs(spectra).max(axis=1)[:, None, None]
+    return (_distance(spectra, spectra) < TWINS * largest) & ~np.eye(spectra.shape[1], dtype=bool)
+
+
+def _stay(at_middle: ComplexArray, *ends: ComplexArray) -> Flags:
+    """Whether an eigenvalue (N, m) has a twin at both ends as well."""
+    near = (_distance(at_middle, end).argmin(axis=2) for end in ends)
+    stay = [np.take_along_axis(_twins(end).any(axis=2), n, axis=1) for end, n in zip(ends, near)]
+    return stay[0] & stay[1]
 
 
 def _halved(pieces: Intervals, middle: Array, at_middle: ComplexArray, chosen: Flags) -> Intervals:
     first = Intervals(pieces.line, pieces.low, middle, pieces.at_low, at_middle)[chosen]
     second = Intervals(pieces.line, middle, pieces.high, at_middle, pieces.at_high)[chosen]
-    return Intervals(*(np.concatenate(parts) for parts in zip(tuple(first), tuple(second))))
+    both: Any = zip(first, second)
+    return Intervals(*(np.concatenate(parts) for parts in both))
 
 
 def _joined(pieces: Intervals) -> Intervals:
@@ -157,7 +180,9 @@ def _joined(pieces: Intervals) -> Intervals:
 
 
 def _changes(at_low: ComplexArray, at_high: ComplexArray) -> Flags:
-    return (growth(at_low) > 0) != (growth(at_high) > 0)
+    """Which growth rates change sign; none do where the equilibrium itself begins or ends."""
+    known = np.isfinite(at_low) & np.isfinite(at_high)
+    return known & ((growth(at_low) > 0) != (growth(at_high) > 0))
 
 
 def _bracket(pieces: Intervals) -> Brackets:
@@ -166,6 +191,6 @@ def _bracket(pieces: Intervals) -> Brackets:
 
 
 def _sorted(found: list[Brackets]) -> Brackets:
-    joined = Brackets(*(np.concatenate(parts) for parts in zip(*map(tuple, found))))
-    order = np.lexsort((joined.low, joined.line))
-    return Brackets(*(part[order] for part in joined))
+    parts: Any = [np.concatenate(part) for part in zip(*found)]
+    order = np.lexsort((parts[1], parts[0]))
+    return Brackets(*(part[order] for part in parts))

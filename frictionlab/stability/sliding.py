@@ -15,7 +15,7 @@ from frictionlab.models.symbols import Structure, numbers, parameter_symbols, st
 
 from .flow import Flow
 from .pressed import pressed_gap
-from .statics import statics_of
+from .statics import Statics, each_statics
 from .steady import Steady
 
 Array = NDArray[np.float64]
@@ -44,27 +44,21 @@ def sliding_flow(key: Structure) -> Flow:
 
 def _solved(key: Structure, values: Sequence[Any], count: int) -> Array:
     coordinates = symbolic(key).coordinates
-    try:
-        statics = statics_of(key, values, coordinates)
-    except ValueError:
-        if count == 1:
-            raise
-        return np.hstack([_alone(key, values, i) for i in range(count)])
-    gaps = pressed_gap(statics, values, count)
-    x = np.zeros((2 * len(coordinates), count))
-    for row, q in zip(x, statics.coordinates(gaps, *values)):
-        row[:] = q
-    x[:, np.isnan(gaps) | _resting(key, values)] = np.nan
+    x = np.full((2 * len(coordinates), count), np.nan)
+    for statics, chosen in each_statics(key, values, coordinates, count):
+        some = [v if np.ndim(v) == 0 else np.broadcast_to(v, (count,))[chosen] for v in values]
+        x[:, chosen] = _pressed(statics, some, len(x), int(chosen.sum()))
+    x[:, np.broadcast_to(_resting(key, values), (count,))] = np.nan
     return x
 
 
-def _alone(key: Structure, values: Sequence[Any], i: int) -> Array:
-    """The i-th of many: one singular stiffness matrix must not spoil all."""
-    single = [np.ravel(v)[min(i, np.size(v) - 1)] for v in values]
-    try:
-        return _solved(key, single, 1)
-    except ValueError:
-        return np.full((2 * len(symbolic(key).coordinates), 1), np.nan)
+def _pressed(statics: Statics, values: Sequence[Any], rows: int, count: int) -> Array:
+    gaps = pressed_gap(statics, values, count)
+    x = np.zeros((rows, count))
+    for row, q in zip(x, statics.coordinates(gaps, *values)):
+        row[:] = q
+    x[:, np.isnan(gaps)] = np.nan
+    return x
 
 
 def _resting(key: Structure, values: Sequence[Any]) -> Any:

@@ -6,7 +6,7 @@ the gap of that q is the given one.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import cache
 from typing import Any, NamedTuple
 
@@ -52,12 +52,13 @@ def derived(key: Structure, hung: bool = False) -> Statics:
     """
     copy, p = symbolic(key), parameter_symbols(key)
     normal, friction = _forces(copy, GAP)
-    q = _deflections(copy, hung, normal, friction)
+    matrices = structure_matrices(copy, copy.coordinates)
+    q = _deflections(copy, matrices, hung, normal, friction)
     if hung:
         # The gap is what the slider's height takes from it: slope -1.
         height = copy.coordinates.index("y1")
         q[height] = copy.geometry.gap(*q) - GAP
-        excess = _loads(copy, q, normal, friction)[height]
+        excess = _loads(copy, matrices, q, normal, friction)[height]
     else:
         excess = copy.geometry.gap(*q) - GAP
     free = [symbol(name) for name in copy.coordinates]
@@ -67,7 +68,7 @@ def derived(key: Structure, hung: bool = False) -> Statics:
         _compiled(arguments, excess),
         _compiled(arguments, sympy.diff(excess, GAP)),
         _compiled(arguments, [normal, friction]),
-        _compiled([*free, *p], _balance(copy, free)),
+        _compiled([*free, *p], _balance(copy, matrices, free)),
     )
 
 
@@ -77,27 +78,26 @@ def _forces(copy: Any, gap: Any) -> tuple[Any, Any]:
     return normal, sympy.sign(copy.v) * copy.friction.kinetic(normal, abs(copy.v))
 
 
-def _deflections(copy: Any, hung: bool, normal: Any, friction: Any) -> list[Any]:
-    flexibility = _flexibility(copy, hung)
+def _deflections(copy: Any, matrices: Any, hung: bool, normal: Any, friction: Any) -> list[Any]:
+    flexibility = _flexibility(matrices, copy.coordinates.index("y1") if hung else None)
     q = [sympy.S.Zero] * len(copy.coordinates)
     # The lever in W_N depends on coordinates that its moment does not move: two passes are exact.
     for _ in range(2):
-        q = list(flexibility * sympy.Matrix(_loads(copy, q, normal, friction)))
+        q = list(flexibility * sympy.Matrix(_loads(copy, matrices, q, normal, friction)))
     return q
 
 
-def _loads(copy: Any, q: Sequence[Any], normal: Any, friction: Any) -> list[Any]:
-    load = structure_matrices(copy, copy.coordinates).load
-    rows = zip(load, copy.geometry.normal(*q), copy.geometry.tangent(*q), strict=True)
+def _loads(copy: Any, matrices: Any, q: Sequence[Any], normal: Any, friction: Any) -> list[Any]:
+    rows = zip(matrices.load, copy.geometry.normal(*q), copy.geometry.tangent(*q), strict=True)
     return [f + w * normal + t * friction for f, w, t in rows]
 
 
-def _flexibility(copy: Any, hung: bool) -> Any:
-    """Inverse of K, block by block, with zeros where the contact alone holds."""
-    stiffness = sympy.Matrix(structure_matrices(copy, copy.coordinates).stiffness)
+def _flexibility(matrices: Any, hung: int | None) -> Any:
+    """Inverse of K, block by block, with zeros for the coordinate that the contact alone holds."""
+    stiffness = sympy.Matrix(matrices.stiffness)
     inverse = sympy.zeros(*stiffness.shape)
     for block in sympy.SparseMatrix(stiffness).connected_components():
-        held = [i for i in block if not (hung and copy.coordinates[i] == "y1")]
+        held = [i for i in block if i != hung]
         if held:
             part = stiffness.extract(held, held)
             inverse_part = part.adjugate() / sympy.factor(part.det())
@@ -107,11 +107,10 @@ def _flexibility(copy: Any, hung: bool) -> Any:
     return inverse
 
 
-def _balance(copy: Any, q: Sequence[Any]) -> list[Any]:
-    matrices = structure_matrices(copy, copy.coordinates)
+def _balance(copy: Any, matrices: Any, q: Sequence[Any]) -> list[Any]:
     elastic = list(sympy.Matrix(matrices.stiffness) * sympy.Matrix(q))
     normal, friction = _forces(copy, copy.geometry.gap(*q))
-    rows = zip(_loads(copy, q, normal, friction), elastic, strict=True)
+    rows = zip(_loads(copy, matrices, q, normal, friction), elastic, strict=True)
     return [*(load - held for load, held in rows), *elastic, *matrices.load, normal]
 
 
@@ -127,8 +126,8 @@ def residual(statics: Statics, q: Sequence[Any], values: Sequence[Any]) -> Array
     return rows[:n].max(axis=0) / np.where(largest > 0, largest, 1.0)
 
 
-def statics_of(key: Structure, values: Sequence[Any], coordinates: Sequence[str]) -> Statics:
-    """The statics that fit the values of the parameters, each a number or an array (N,).
+def statics_of(key: Structure, values: Sequence[float], coordinates: Sequence[str]) -> Statics:
+    """The statics that fit the values of the parameters.
 
     Raises
     ------
@@ -136,18 +135,44 @@ def statics_of(key: Structure, values: Sequence[Any], coordinates: Sequence[str]
         If coordinates other than the slider's height are not held by the structure.
     """
     stiffness = _stiffness(key, values)
-    height = coordinates.index("y1")
-    hung = not stiffness[:, height].any()
-    held = [i for i in range(len(coordinates)) if not (hung and i == height)]
-    _refuse_singular(stiffness[np.ix_(range(len(stiffness)), held, held)], [coordinates[i] for i in held])
+    hung = not stiffness[:, coordinates.index("y1")].any()
+    held = _held(coordinates, hung)
+    _refuse_singular(stiffness[np.ix_(held, held)], [coordinates[i] for i in held])
     return derived(key, hung)
 
 
+def each_statics(
+    key: Structure, values: Sequence[Any], coordinates: Sequence[str], count: int
+) -> Iterator[tuple[Statics, Any]]:
+    """The statics that fit, and which of `count` values of the parameters; none fit where one is not held.
+
+    Raises
+    ------
+    ValueError
+        If a coordinate is not held whatever the values.
+    """
+    stiffness = _stiffness(key, values)
+    if stiffness.ndim == 2:
+        yield statics_of(key, values, coordinates), np.ones(count, dtype=bool)
+        return
+    without = ~stiffness[:, :, coordinates.index("y1")].any(axis=1)
+    for hung in (False, True):
+        held = _held(coordinates, hung)
+        firm = _weakest(stiffness[:, held][:, :, held])[0] > SINGULAR
+        if (chosen := firm & (without == hung)).any():
+            yield derived(key, hung), chosen
+
+
+def _held(coordinates: Sequence[str], hung: bool) -> list[int]:
+    return [i for i, name in enumerate(coordinates) if not (hung and name == "y1")]
+
+
 def _stiffness(key: Structure, values: Sequence[Any]) -> Array:
-    """K (N, n, n); N is 1 where no parameter in it is an array."""
+    """K (n, n), or (N, n, n) where a parameter in it is an array."""
     rows = _compiled_stiffness(key)(*values)
-    entries = np.broadcast_arrays(*(np.atleast_1d(entry) for row in rows for entry in row))
-    return np.stack(entries, axis=-1).reshape(-1, len(rows), len(rows)).astype(float)
+    entries = np.broadcast_arrays(*(entry for row in rows for entry in row))
+    stacked = np.stack(entries, axis=-1).astype(float)
+    return stacked.reshape(*stacked.shape[:-1], len(rows), len(rows))
 
 
 @cache
@@ -156,14 +181,19 @@ def _compiled_stiffness(key: Structure) -> Callable[..., Any]:
     return _compiled(list(parameter_symbols(key)), structure_matrices(copy, copy.coordinates).stiffness)
 
 
-def _refuse_singular(stiffness: Array, names: Sequence[str]) -> None:
+def _weakest(stiffness: Array) -> tuple[Any, Any]:
+    """Smallest eigenvalue of matrices (..., n, n) whose diagonals are scaled to 1, and its vector."""
     size = np.sqrt(np.einsum("...ii->...i", stiffness))
     size[size == 0] = 1.0
-    values, vectors = np.linalg.eigh(stiffness / (size[:, :, None] * size[:, None, :]))
-    worst = int(np.argmin(values[:, 0]))
-    if values[worst, 0] > SINGULAR:
+    values, vectors = np.linalg.eigh(stiffness / (size[..., :, None] * size[..., None, :]))
+    return values[..., 0], vectors[..., 0]
+
+
+def _refuse_singular(stiffness: Array, names: Sequence[str]) -> None:
+    value, vector = _weakest(stiffness)
+    if value > SINGULAR:
         return
-    loose = [name for name, part in zip(names, vectors[worst, :, 0], strict=True) if abs(part) > 0.1]
+    loose = [name for name, part in zip(names, vector, strict=True) if abs(part) > 0.1]
     raise ValueError(
         f"no static equilibrium can be computed: the springs do not hold {', '.join(loose)} "
         "(singular stiffness matrix); give the springs there a positive stiffness"

@@ -16,7 +16,7 @@ from .flow import Flow
 from .spectra import eigenvalues_of
 
 Array = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
+ComplexArray = NDArray[np.complexfloating[Any, Any]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +61,7 @@ class Steady:
     def spectra(self, changes: Mapping[str, Any]) -> ComplexArray:
         """Eigenvalues (N, m), the largest growth rate first."""
         _, matrices = self.linearised(changes)
-        found = np.full(matrices.shape[:2], np.nan, dtype=complex)
+        found: Any = np.full(matrices.shape[:2], complex(np.nan, np.nan))
         known = np.isfinite(matrices).all(axis=(1, 2))
         found[known] = eigenvalues_of(matrices[known])
         return np.take_along_axis(found, np.argsort(-found.real, axis=1), axis=1)

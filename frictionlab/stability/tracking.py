@@ -16,12 +16,17 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
+from .scan import unstable_pairs
 from .spectra import eigensystem
 
 Array = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
+ComplexArray = NDArray[np.complexfloating[Any, Any]]
 SAME, OTHER = 0.7, 0.4  # products of unit vectors that count as one mode, and as two
-HALVINGS = 24
+ONE = 1e-10  # share of the largest eigenvalue: what rounding may part
+ASIDE = 1e-3  # of a step: where vectors are taken from instead
+HALVINGS, SPARE = 24, 64
+SPLIT = 0.47  # not a half: crossings tend to lie at round values
+NOTHING = complex(np.nan, np.nan)
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,15 +44,19 @@ class Modes:
         Vectors of length 1.
     left : complex array (N, k, m)
         Left vectors, left @ right = 1.
+    unstable : int array (N,)
+        Number of growing pairs among all eigenvalues, those left out here too.
     """
 
     at: Array
     values: ComplexArray
     right: ComplexArray
     left: ComplexArray
+    unstable: NDArray[np.int_]
 
     def __getitem__(self, chosen: Any) -> Modes:
-        return Modes(self.at[chosen], self.values[chosen], self.right[chosen], self.left[chosen])
+        parts: Any = (self.at, self.values, self.right, self.left, self.unstable)
+        return Modes(*(part[chosen] for part in parts))
 
     def permuted(self, order: NDArray[np.intp]) -> Modes:
         """With the modes of each point in another order (N, k)."""
@@ -56,6 +65,7 @@ class Modes:
             np.take_along_axis(self.values, order, axis=1),
             np.take_along_axis(self.right, order[:, None, :], axis=2),
             np.take_along_axis(self.left, order[:, :, None], axis=1),
+            self.unstable,
         )
 
 
@@ -63,9 +73,11 @@ def modes(at: Array, matrices: Array) -> Modes:
     """The modes of state matrices (N, m, m), by ascending frequency; NaN where a matrix is not finite."""
     known = np.isfinite(matrices).all(axis=(1, 2))
     m, k = matrices.shape[1], (matrices.shape[1] + 1) // 2
-    found = Modes(at, *(np.full((len(at), *shape), np.nan, complex) for shape in ((k,), (m, k), (k, m))))
+    empty: Any = (np.full((len(at), *shape), NOTHING) for shape in ((k,), (m, k), (k, m)))
+    found = Modes(at, *empty, unstable=np.zeros(len(at), dtype=int))
     if known.any():
         values, right = eigensystem(matrices[known])
+        found.unstable[known] = unstable_pairs(values)
         order = _upper(values, k)
         found.values[known] = np.take_along_axis(values, order, axis=1)
         found.right[known] = np.take_along_axis(right, order[:, None, :], axis=2)
@@ -74,9 +86,15 @@ def modes(at: Array, matrices: Array) -> Modes:
 
 
 def _upper(values: ComplexArray, k: int) -> NDArray[np.intp]:
-    """Indices (N, k) of Im > 0, then of the largest real ones; by ascending frequency."""
-    kind = np.where(values.imag > 0, 0, np.where(values.imag == 0, 1, 2))
-    chosen = np.lexsort((-values.real, kind), axis=-1)[:, :k]
+    """Indices (N, k) of Im > 0, then of every other real one from the largest; by ascending frequency.
+
+    Two that a pair splits into are neighbours, so that one of them is taken and no other column notices.
+    """
+    kind = np.where(values.imag > 0, 0, np.where(values.imag == 0, 1, 3))
+    order = np.lexsort((-values.real, kind), axis=-1)
+    kind = np.take_along_axis(kind, order, axis=1)
+    kind[(kind == 1) & (np.cumsum(kind == 1, axis=1) % 2 == 0)] = 2
+    chosen = np.take_along_axis(order, np.argsort(kind, axis=1, kind="stable"), axis=1)[:, :k]
     frequency = np.take_along_axis(values.imag, chosen, axis=1)
     return np.take_along_axis(chosen, np.argsort(frequency, axis=1, kind="stable"), axis=1)
 
@@ -91,36 +109,66 @@ def _inverse(vectors: ComplexArray) -> ComplexArray:
 
 def tracked(path: Modes, sample: Callable[[Array], Modes]) -> Modes:
     """The same points with each mode in one column throughout; `sample` gives modes at further points."""
-    steps = _matched(path[:-1], path[1:], sample, HALVINGS)
+    parted = _parted(path, sample)
+    steps = _matched(parted[:-1], parted[1:], sample, HALVINGS, len(path.at) + SPARE)
     order = np.empty(path.values.shape, dtype=np.intp)
     order[:1] = np.arange(path.values.shape[1])
     for before, after, step in zip(order, order[1:], steps):
         after[:] = step[before]
-    return path.permuted(order)
+    return parted.permuted(order)
 
 
-def _matched(a: Modes, b: Modes, sample: Callable[[Array], Modes], depth: int) -> NDArray[np.intp]:
+def _parted(path: Modes, sample: Callable[[Array], Modes]) -> Modes:
+    """With the vectors from nearby where modes have one eigenvalue, as at a crossing: there they can be any."""
+    step = np.diff(path.at, prepend=path.at[1:2])
+    (alike,) = np.nonzero(_alike(path.values).any(axis=(1, 2)) & (step != 0))
+    nearby = sample(path.at[alike] - ASIDE * step[alike])
+    alike_still = _alike(nearby.values).any(axis=(1, 2))
+    for i, j in enumerate(alike):
+        if np.isfinite(nearby.values[i]).all() and not alike_still[i]:
+            path.values[j] = path.values[j][_nearest(nearby.values[i], path.values[j])]
+            path.right[j], path.left[j] = nearby.right[i], nearby.left[i]
+    return path
+
+
+def _alike(values: ComplexArray) -> NDArray[np.bool_]:
+    """Which modes (N, k, k) have one eigenvalue, but for rounding."""
+    apart = np.abs(values[:, :, None] - values[:, None, :])
+    alike = apart <= ONE * np.abs(values).max(axis=1, initial=0.0)[:, None, None]
+    return alike & ~np.eye(values.shape[1], dtype=bool)
+
+
+def _matched(
+    a: Modes, b: Modes, sample: Callable[[Array], Modes], depth: int, most: int
+) -> NDArray[np.intp]:
     """For each mode of `a` the index of the same mode of `b`, (N, k)."""
     overlap = np.abs(a.left @ b.right)
     found = overlap.argmax(axis=2)
-    unclear = ~_clear(overlap, found) & np.isfinite(a.values[:, 0]) & np.isfinite(b.values[:, 0])
     found[np.isnan(overlap[:, 0, 0])] = np.arange(found.shape[1])
-    if unclear.any() and depth:
-        middle = sample(0.5 * (a.at[unclear] + b.at[unclear]))
-        first = _matched(a[unclear], middle, sample, depth - 1)
-        second = _matched(middle, b[unclear], sample, depth - 1)
+    (twice,) = np.nonzero((np.sort(found, axis=1) != np.arange(found.shape[1])).any(axis=1))
+    for i in twice:
+        found[i] = linear_sum_assignment(-overlap[i])[1]
+    unclear = ~_clear(overlap, found, _alike(a.values), _alike(b.values))
+    unclear &= np.isfinite(a.values[:, 0]) & np.isfinite(b.values[:, 0])
+    if unclear.any() and depth and unclear.sum() <= most:
+        middle = sample(a.at[unclear] + SPLIT * (b.at[unclear] - a.at[unclear]))
+        first = _matched(a[unclear], middle, sample, depth - 1, most)
+        second = _matched(middle, b[unclear], sample, depth - 1, most)
         found[unclear] = np.take_along_axis(second, first, axis=1)
     elif unclear.any():  # an exact coalescence: the nearest eigenvalues, since the vectors are one
         found[unclear] = [_nearest(x, y) for x, y in zip(a.values[unclear], b.values[unclear])]
     return found
 
 
-def _clear(overlap: Array, found: NDArray[np.intp]) -> NDArray[np.bool_]:
-    same = np.take_along_axis(overlap, found[:, :, None], axis=2)
-    others = overlap.copy()
-    np.put_along_axis(others, found[:, :, None], 0.0, axis=2)
-    one_each = (np.sort(found, axis=1) == np.arange(found.shape[1])).all(axis=1)
-    return one_each & (same > SAME).all(axis=(1, 2)) & (others < OTHER).all(axis=(1, 2))
+def _clear(overlap: Array, found: NDArray[np.intp], alike_a: Any, alike_b: Any) -> NDArray[np.bool_]:
+    """Whether vectors tell which mode is which; of modes alike on both sides that does not matter."""
+    rows, columns = found[:, :, None], found[:, None, :]
+    overlap = np.take_along_axis(overlap, np.broadcast_to(columns, overlap.shape), axis=2)
+    alike_b = np.take_along_axis(np.take_along_axis(alike_b, rows, axis=1), columns, axis=2)
+    any_way = alike_a & alike_b
+    own = np.eye(found.shape[1], dtype=bool)
+    same = (overlap > SAME) | any_way.any(axis=2, keepdims=True)
+    return np.where(own, same, any_way | (overlap < OTHER)).all(axis=(1, 2))
 
 
 def _nearest(a: ComplexArray, b: ComplexArray) -> NDArray[np.intp]:

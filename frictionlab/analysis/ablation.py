@@ -1,0 +1,86 @@
+"""`fl.ablation`: one study of the eight scenes that three nonlinearities, each on or off, make."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from itertools import compress, product
+from typing import Any
+
+from .tasks import run_tasks
+
+SWITCHES = ("cubic", "nonsmooth", "geometry")
+
+
+@dataclass(frozen=True, eq=False)
+class Ablation:
+    """What a study gave for each of the eight scenes.
+
+    Parameters
+    ----------
+    without : tuple of tuples of str
+        The nonlinearities that each scene lacks; the first lacks none.
+    models : tuple
+    results : tuple
+        What the study returned.
+    """
+
+    without: tuple[tuple[str, ...], ...]
+    models: tuple[Any, ...]
+    results: tuple[Any, ...]
+
+    def __getitem__(self, without: str | tuple[str, ...]) -> Any:
+        """The result without these nonlinearities: ``found["geometry"]``, ``found["cubic", "geometry"]``."""
+        names = {without} if isinstance(without, str) else set(without)
+        for left_out, result in zip(self.without, self.results, strict=True):
+            if set(left_out) == names:
+                return result
+        raise KeyError(f"no scene lacks {sorted(names)}: name some of {', '.join(SWITCHES)}")
+
+    def __iter__(self) -> Iterator[tuple[tuple[str, ...], Any]]:
+        return iter(zip(self.without, self.results, strict=True))
+
+    def __str__(self) -> str:
+        rows = [(f"without {', '.join(names)}" if names else "all three", str(r)) for names, r in self]
+        width = max(len(name) for name, _ in rows)
+        return "\n".join(f"{name:{width}}  {result}" for name, result in rows)
+
+
+def ablation(
+    model: Any, study: Callable[[Any], Any], *, workers: int | None = None, progress: bool = True
+) -> Ablation:
+    """Put the eight scenes with the cubic contact, the non-smooth behaviours and the moving load on or off
+    through a study.
+
+    Parameters
+    ----------
+    model : SliderOnBelt
+        With all three.
+    study : callable
+        Called as ``study(model)``: ``fl.steady_state``, or a function of your own.
+    workers : int or None
+        Threads; None takes one for each processor.
+    progress : bool
+
+    Returns
+    -------
+    Ablation
+
+    Examples
+    --------
+    >>> import frictionlab as fl
+    >>> found = fl.ablation(fl.SliderOnBelt(), lambda m: fl.critical_value(m, "mu_k", (0, 4)))
+    >>> found["geometry"] > found[()]
+    True
+    """
+    left_out = tuple(tuple(compress(SWITCHES, choice)) for choice in product((0, 1), repeat=3))
+    models = tuple(model.without(*names) for names in left_out)
+    results: dict[int, Any] = {}
+    run_tasks(
+        study,
+        [(m,) for m in models],
+        keep=results.__setitem__,
+        workers=workers,
+        progress="ablation" if progress else None,
+    )
+    return Ablation(left_out, models, tuple(results.get(i) for i in range(len(models))))

@@ -1,0 +1,88 @@
+"""Results of a sweep in a file of JSON lines, written as they come, so that a sweep that was cut off goes on.
+
+The first line says what was asked; each further one holds the result of one task.  When all are there the
+lines are put in order, so that the file does not depend on how often the sweep was cut off.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+from typing import Any
+
+
+class Journal:
+    """What is known of a sweep, on disk as well if there is a path."""
+
+    def __init__(self, asked: dict[str, Any], path: str | Path | None = None) -> None:
+        self.results: dict[int, Any] = {}
+        self._asked = asked
+        self._path = None if path is None else Path(path)
+        if self._path is not None:
+            self._open(self._path)
+
+    def _open(self, path: Path) -> None:
+        if path.exists() and path.stat().st_size:
+            found, self.results = read(path)
+            _refuse_another(path, found, self._asked)
+        write(path, self._asked, self.results)
+
+    def keep(self, task: int, result: Any) -> None:
+        """Remember a result; it is on disk when this returns."""
+        self.results[task] = result
+        if self._path is not None:
+            with self._path.open("a", encoding="utf-8") as file:
+                file.write(_line({"task": task, "result": result}))
+
+    def close(self) -> None:
+        """Put the lines in order."""
+        if self._path is not None:
+            write(self._path, self._asked, self.results)
+
+
+def write(path: str | Path, asked: dict[str, Any], results: dict[int, Any]) -> Path:
+    """Write all lines in order, at once: whoever reads the file sees the old or the new one."""
+    path = Path(path)
+    lines = [_line(asked), *(_line({"task": i, "result": results[i]}) for i in sorted(results))]
+    beside = path.with_name(path.name + ".new")
+    beside.write_text("".join(lines), encoding="utf-8")
+    os.replace(beside, path)
+    return path
+
+
+def read(path: str | Path) -> tuple[dict[str, Any], dict[int, Any]]:
+    """What was asked, and the results by index.
+
+    Raises
+    ------
+    ValueError
+        If the file holds no sweep.
+    """
+    head, *lines = _complete_lines(Path(path))
+    if not isinstance(head, dict) or not all(isinstance(line, dict) and "task" in line for line in lines):
+        raise ValueError(f"{path} must be a file of a sweep, and is none: give another path")
+    return head, {line["task"]: line["result"] for line in lines}
+
+
+def _line(content: Any) -> str:
+    return json.dumps(content) + "\n"
+
+
+def _complete_lines(path: Path) -> list[Any]:
+    """The lines of a file, but for a last one that was not written to its end."""
+    text = path.read_text(encoding="utf-8")
+    try:
+        return [json.loads(line) for line in text[: text.rfind("\n") + 1].splitlines()] or [None]
+    except json.JSONDecodeError as error:
+        raise ValueError(f"{path} must be a file of a sweep, and is none: {error}") from error
+
+
+def _refuse_another(path: Path, found: dict[str, Any], asked: dict[str, Any]) -> None:
+    asked = json.loads(json.dumps(asked))
+    differing = [name for name in {**found, **asked} if found.get(name) != asked.get(name)]
+    if differing:
+        raise ValueError(
+            f"resume must be a file of the same sweep, {path} differs in {', '.join(differing)}: "
+            "give another path, or delete it"
+        )

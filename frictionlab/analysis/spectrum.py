@@ -1,0 +1,81 @@
+"""Amplitude spectrum of a state."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+F_MAX = 60.0
+LONGEST = 100.0  # seconds transformed at most: a resolution of 0.01 Hz is more than a picture shows
+OVERSAMPLING = 16  # samples per period of f_max: kinks of the motion must not fold back into view
+FEWEST_LINES = 5
+
+
+class Spectrum(NamedTuple):
+    """Amplitudes (unit of the state) at frequencies (Hz) `resolution` apart, from `start` to `stop` (s)."""
+
+    frequencies: Array
+    amplitudes: Array
+    resolution: float
+    start: float
+    stop: float
+
+    @property
+    def strongest(self) -> float:
+        """Frequency (Hz) of the largest amplitude."""
+        return float(self.frequencies[np.argmax(self.amplitudes)])
+
+    def peaks(self, share: float = 0.05) -> tuple[Array, Array]:
+        """Frequencies (Hz) and amplitudes of the local maxima above a share of the largest, strongest first.
+
+        Between lines by the parabola through the three highest logarithms, right to some hundredths of the
+        resolution for a Hann window.
+        """
+        a = np.maximum(self.amplitudes, np.finfo(float).tiny)
+        i = 1 + np.flatnonzero((a[1:-1] > a[:-2]) & (a[1:-1] >= a[2:]) & (a[1:-1] > share * a.max()))
+        left, middle, right = np.log(a[i - 1]), np.log(a[i]), np.log(a[i + 1])
+        aside = 0.5 * (left - right) / (left - 2 * middle + right)
+        heights = np.exp(middle - 0.25 * (left - right) * aside)
+        order = np.argsort(-heights)
+        return (self.frequencies[i] + aside * self.resolution)[order], heights[order]
+
+
+def amplitude_spectrum(
+    run: Any, name: str = "x1", *, f_max: float = F_MAX, start: float | None = None
+) -> Spectrum | None:
+    """Amplitude spectrum of a state, with a Hann window and without the mean.
+
+    A sine of amplitude a has a line of height a, where its period divides the half.
+
+    Parameters
+    ----------
+    run : Trajectory
+    name : str
+        The state, e.g. "x1" or "x1'".
+    f_max : float
+        Highest frequency kept, Hz.
+    start : float or None
+        Where the part begins that is transformed (s), to the end of the run; None takes the second half, and
+        100 s of it at most.
+
+    Returns
+    -------
+    Spectrum or None
+        None where the part is too short to resolve five lines up to `f_max`.
+    """
+    stop = float(run.raw.t)
+    length = min(stop / 2, LONGEST) if start is None else stop - start
+    if length * f_max < FEWEST_LINES:
+        return None
+    count = int(np.ceil(length * f_max * OVERSAMPLING))
+    t = np.clip(stop - length + np.arange(count) * (length / count), 0.0, stop)
+    x = run(t)[:, run.names.index(name)]
+    window = 0.5 - 0.5 * np.cos(2 * np.pi * np.arange(count) / count)
+    # Less the mean as the window weighs it, so that nothing of it is left in the first lines.
+    amplitudes = np.abs(np.fft.rfft((x - np.average(x, weights=window)) * window)) * (2 / window.sum())
+    frequencies = np.arange(len(amplitudes)) / length
+    kept = frequencies <= f_max
+    return Spectrum(frequencies[kept], amplitudes[kept], 1 / length, stop - length, stop)

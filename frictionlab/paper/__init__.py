@@ -1,0 +1,19 @@
+"""The paper again: its figures and its claims, computed.
+
+N. Liu, H. Ouyang, "Friction-induced vibration considering multiple types of nonlinearities", Nonlinear
+Dynamics (2020).
+
+>>> import frictionlab as fl
+>>> print(fl.paper.figure(6))
+Fig. 6: eigenvalues with and without the geometrical nonlinearity, F = 1000 N, l1 = 0.1 m, l2 = 0.3 m
+with GN: 0 -> 1 at mu_k 0.6897 (12.88 Hz), 1 -> 2 at 1.1943 (17.66 Hz), 2 -> 1 at 2.0890 (13.44 Hz)
+without GN: 0 -> 1 at mu_k 1.8717 (16.48 Hz)
+"""
+
+from __future__ import annotations
+
+from .claims import Claim, Claims, Verdict
+from .registry import claims, figure
+from .result import PaperFigure
+
+__all__ = ["Claim", "Claims", "PaperFigure", "Verdict", "claims", "figure"]

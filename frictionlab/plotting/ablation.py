@@ -1,0 +1,142 @@
+"""Small multiples of an ablation: one study, eight scenes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from functools import partial
+from numbers import Real
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from frictionlab.analysis.ablation import SWITCHES
+from frictionlab.analysis.bifurcation import Bifurcation
+from frictionlab.analysis.spectrum import Spectrum
+from frictionlab.analysis.steady_state import SteadyState
+
+from .bifurcation import SPAN, plot_bifurcation
+from .figure import RunFigure, axes_or_new
+from .palette import BLACK, BLUE, GREY, label, unit
+from .phase_plane import plot_phase_plane
+from .spectrum import DECADES
+
+CYCLES = 3  # periods drawn of a periodic motion
+SECONDS = 2.0  # drawn of others
+
+
+def plot_ablation(ablation: Any, *, name: str = "x1") -> list[Axes]:
+    """Draw what a study gave for each of the eight scenes: eight small panels, or eight bars of numbers.
+
+    Parameters
+    ----------
+    ablation : Ablation
+        With results that are SteadyState (drawn as phase planes), Bifurcation (section points), Spectrum,
+        or numbers (None: no such number).
+    name : str
+        The coordinate to draw.
+
+    Returns
+    -------
+    list of Axes
+        Of a new figure, ``axes[0].figure``: eight, each of its own scale, or one of bars.
+
+    Raises
+    ------
+    TypeError
+        For results that are none of these.
+    """
+    known = [result for result in ablation.results if result is not None]
+    if all(isinstance(result, Real) for result in known):
+        return [_bars(ablation)]
+    draw = _panel_of(known)
+    figure = RunFigure(figsize=(13.0, 6.0), layout="constrained")
+    panels = list(figure.subplots(2, 4).ravel())
+    for ax, (without, result) in zip(panels, ablation, strict=True):
+        if result is None:
+            ax.text(0.5, 0.5, "not done", ha="center", va="center", transform=ax.transAxes)
+        else:
+            draw(result, ax, name)
+        ax.set_title(_scene(without) + _outcome(result), fontsize=9.0)
+    _finish(figure, panels)
+    return panels
+
+
+def _panel_of(results: Iterable[Any]) -> Any:
+    kinds = {type(result) for result in results}
+    panels = {SteadyState: _phase_plane, Bifurcation: _points, Spectrum: _spectrum}
+    if len(kinds) != 1 or not kinds <= panels.keys():
+        got = ", ".join(sorted(kind.__name__ for kind in kinds))
+        raise TypeError(
+            f"results must all be SteadyState, Bifurcation, Spectrum or numbers, got {got}: let the study "
+            "return one of these"
+        )
+    return panels[kinds.pop()]
+
+
+def _finish(figure: RunFigure, panels: list[Axes]) -> None:
+    """Labels at the outer panels only, and one legend for all."""
+    for i, ax in enumerate(panels):
+        ax.tick_params(labelsize=8.0)
+        ax.locator_params(axis="x", nbins=4)
+        if i < 4:
+            ax.set_xlabel("")
+        if i % 4:
+            ax.set_ylabel("")
+    handles = {str(text): h for ax in panels for h, text in zip(*ax.get_legend_handles_labels())}
+    if handles:
+        figure.legend(handles=list(handles.values()), loc="outside right center", frameon=False)
+
+
+def _phase_plane(result: Any, ax: Axes, name: str) -> None:
+    run = result.trajectory
+    if result.kind == "equilibrium":
+        column = run.names.index(name)
+        x, rate = run.final_state[[column, column + run.automaton.coordinates]]
+        ax.plot(x, rate, "+", color=BLACK, markersize=9.0, label="equilibrium")
+        ax.set(ylim=(-1.0, 1.0))
+    else:
+        seconds = CYCLES * result.period if result.kind == "periodic" else SECONDS
+        plot_phase_plane(run, ax, name=name, window=min(seconds, float(run.raw.t)))
+    ax.set(xlabel=_axis(name), ylabel=_axis(f"{name}'"))
+
+
+def _points(result: Any, ax: Axes, name: str) -> None:
+    plot_bifurcation(result, ax, name=name, legend=False)
+
+
+def _spectrum(result: Any, ax: Axes, name: str) -> None:
+    ax.semilogy(result.frequencies, result.amplitudes, color=BLACK, linewidth=0.8)
+    top = float(result.amplitudes.max())
+    ax.set(xlim=(0.0, result.frequencies[-1]), ylim=(top * 10.0**-DECADES, 2 * top) if top > 0 else None)
+    ax.set(xlabel="frequency (Hz)", ylabel=f"amplitude of {_axis(name)}")
+
+
+def _axis(name: str) -> str:
+    return f"{label(name)} ({unit(name)})"
+
+
+def _scene(without: tuple[str, ...]) -> str:
+    if not without:
+        return "all three"
+    left = [name for name in SWITCHES if name not in without]
+    return f"only {left[0]}" if len(left) == 1 else f"without {', '.join(without)}" if left else "none"
+
+
+def _outcome(result: Any) -> str:
+    kind = getattr(result, "kind", "")
+    return f"\n{kind}" if isinstance(kind, str) and kind else ""
+
+
+def _bars(ablation: Any) -> Axes:
+    values = np.array([np.nan if result is None else result for _, result in ablation], dtype=float)
+    ax = axes_or_new(None)
+    bars = ax.barh(range(len(values)), np.nan_to_num(values), color=BLUE)
+    ax.bar_label(bars, ["none" if np.isnan(v) else f"{v:.5g}" for v in values], padding=4)
+    ax.set_yticks(range(len(values)), [_scene(without) for without, _ in ablation])
+    ax.invert_yaxis()
+    if np.nanmin(values) > 0 and np.nanmax(values) > SPAN * np.nanmin(values):
+        ax.set_xscale("log")
+    ax.axvline(0.0, color=GREY, linewidth=0.8)
+    ax.margins(x=0.15)
+    return ax

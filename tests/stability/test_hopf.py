@@ -1,0 +1,340 @@
+"""The Hopf point: closed forms, derivatives by other means, and cycles computed by the solver."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import mpmath
+import numpy as np
+import pytest
+import sympy as sp
+
+import frictionlab as fl
+from frictionlab.models.symbols import numbers, structure
+from frictionlab.stability.hopf import hopf
+from frictionlab.stability.multilinear import Point, along, along_parameter
+from frictionlab.stability.sliding import sliding_flow
+
+X, Y, Z = sp.symbols("x y z", real=True)
+P, A, B, R = sp.symbols("p A B r", real=True)
+STRONG = {"F": 800, "k_nl": 1e7, "k4": 5e6, "k5": 5e6, "k6": 5e6}  # the scene of the paper's Figs. 16 and 17
+
+
+def automaton(flow, states, coordinates=0, events=(), **parameters):
+    values = {sp.Symbol(name, real=True): value for name, value in parameters.items()}
+    return fl.HybridAutomaton(tuple(states), (fl.Mode("only", tuple(flow), events),), values, coordinates)
+
+
+# Closed forms
+
+
+def test_van_der_pol():
+    """x'' - (p - x^2) x' + x = 0: amplitude 2 sqrt(p), and no change of frequency in first order."""
+    point = hopf(automaton((Y, (P - X**2) * Y - X), (X, Y), 1, p=-0.1), "p", (-0.31, 0.5))
+    assert point.value == pytest.approx(0, abs=1e-12)
+    assert point.frequency == pytest.approx(1 / (2 * np.pi))
+    assert point.crossing_speed == pytest.approx(0.5)
+    assert point.first_lyapunov == pytest.approx(-0.25)
+    assert point.criticality == "supercritical"
+    assert point.amplitude(0.01) == pytest.approx([0.2])
+    assert point.cycle_frequency(0.01) == pytest.approx(1 / (2 * np.pi))
+    assert point.amplitude([-0.01, 0.04]) == pytest.approx(np.array([[np.nan], [0.4]]), nan_ok=True)
+    assert point.amplitude(point.value) == 0
+    assert point.valid_until == np.inf
+
+
+@pytest.mark.parametrize(
+    ("cubic", "speed", "coupling"), [(-0.3, 0.5, 0.0), (-0.3, -2.0, 0.9), (-0.3, 2.0, -0.7), (0.3, 0.5, 0.9)]
+)
+def test_a_cycle_that_is_known_in_other_coordinates(cubic, speed, coupling):
+    """r' = speed p r + cubic r^3 - coupling r z, angle' = 3 + 0.4 r^2, z' = -2 z + r^2, in skewed states."""
+    square = X**2 + Y**2
+    growth = speed * P + cubic * square - coupling * Z
+    flow = sp.Matrix(
+        [growth * X - (3 + 0.4 * square) * Y, (3 + 0.4 * square) * X + growth * Y, square - 2 * Z]
+    )
+    skew = sp.Matrix([[2, 1, 0], [-1, 3, 1], [0.5, 0, 1]])
+    back = dict(zip((X, Y, Z), skew.inv() * sp.Matrix([X, Y, Z]), strict=True))
+    point = hopf(automaton(skew * flow.xreplace(back), (X, Y, Z), p=-0.01), "p", (-0.5, 0.6))
+    total = cubic - coupling / 2
+    p = -0.02 * np.sign(total * speed)  # on this side there is the cycle r^2 = -speed p / total
+    radius = np.sqrt(-speed * p / total)
+    plane = np.array(skew, dtype=float)[:, :2]
+    assert point.crossing_speed == pytest.approx(speed)
+    assert point.criticality == ("supercritical" if total < 0 else "subcritical")
+    np.testing.assert_allclose(point.amplitude(p), radius * np.linalg.norm(plane, axis=1))
+    assert np.isnan(point.amplitude(-p)).all()
+    assert point.cycle_frequency(p) == pytest.approx((3 + 0.4 * radius**2) / (2 * np.pi))
+    # w = r/2 times the length of the vector (1, -i) seen in these states.
+    length = np.linalg.norm(plane @ [1, -1j])
+    assert point.first_lyapunov == pytest.approx(4 * total / length**2 / 3)
+
+
+@pytest.mark.parametrize("a", [0.5, 1.0, 2.0])
+def test_the_brusselator(a):
+    """Kuramoto, "Chemical Oscillations, Waves, and Turbulence", Springer, 1984, Appendix B."""
+    flow = (A - (B + 1) * X + X**2 * Y, B * X - X**2 * Y)
+    point = hopf(automaton(flow, (X, Y), A=a, B=1.0), "B", (0.5 * (1 + a**2), 2 * (1 + a**2)))
+    real, imaginary = (2 + a**2) / (2 * a**2), (4 - 7 * a**2 + 4 * a**4) / (6 * a**3)
+    square = 0.01 / 2 / real  # |W|^2 at B = 1 + A^2 + 0.01: its growth rate is half of that
+    assert point.value == pytest.approx(1 + a**2, rel=1e-12)
+    assert point.crossing_speed == pytest.approx(0.5)
+    assert point.criticality == "supercritical"
+    assert point.first_lyapunov == pytest.approx(-real * a**2 / (2 * a**2 + 1) / a)
+    assert point.amplitude(point.value + 0.01)[0] == pytest.approx(2 * np.sqrt(square))
+    assert point.cycle_frequency(point.value + 0.01) == pytest.approx((a - imaginary * square) / (2 * np.pi))
+
+
+def friction_oscillator():
+    """x'' + 0.1 x' + x = 0.5 + 0.5 exp(-2 (v - x')) while it slips on a belt of speed v."""
+    v = sp.Symbol("v", real=True)
+    force = sp.Rational(1, 2) + sp.exp(-2 * (v - Y)) / 2
+    return automaton((Y, force - X - 0.1 * Y), (X, Y), 1, (fl.Event("v_r", v - Y),), v=1.0)
+
+
+def test_friction_that_falls_with_speed():
+    point = hopf(friction_oscillator(), "v", (0.5, 2))
+    assert point.value == pytest.approx(np.log(10) / 2, rel=1e-12)
+    assert point.change.direction == "regain"
+    assert point.crossing_speed == pytest.approx(-0.1)
+    assert point.criticality == "subcritical"
+    assert point.first_lyapunov == pytest.approx(0.05)  # f'''/8 for a vector of length 1, f''' = 0.4
+    assert point.amplitude(point.value + 0.01) == pytest.approx([0.2])
+    assert np.isnan(point.amplitude(point.value - 0.01))
+    # Amplitude and speed of the cycle are 2 sqrt(v - v_c); it reaches the belt's.
+    assert point.valid_until == pytest.approx(point.value + point.value**2 / 4)
+
+
+def lorenz():
+    """The Lorenz system with the origin moved near the equilibrium that turns unstable."""
+    x, y, z = X + 8, Y + 8, Z + 24
+    return automaton((10 * (y - x), x * (R - z) - y, x * y - sp.Rational(8, 3) * z), (X, Y, Z), r=22.0)
+
+
+def test_lorenz():
+    point = hopf(lorenz(), "r", (20, 30))
+    assert point.value == pytest.approx(470 / 19, rel=1e-12)
+    assert 2 * np.pi * point.frequency == pytest.approx(np.sqrt(8 / 3 * (10 + 470 / 19)))
+    assert point.criticality == "subcritical"  # Marsden & McCracken, "The Hopf Bifurcation", 1976
+
+
+@pytest.mark.parametrize("force", [-X - X**3, -X + X**2 - 4 * X**3, -3 * X + X**2])
+def test_a_spring_alone_decides_nothing(force):
+    point = hopf(automaton((Y, P * Y + force), (X, Y), 1, p=-0.1), "p", (-0.31, 0.5))
+    assert point.first_lyapunov == 0
+    assert point.criticality == "degenerate"
+    assert np.isnan([*point.amplitude(0.1), point.cycle_frequency(0.1), point.valid_until]).all()
+
+
+def test_a_linear_scene_decides_nothing():
+    point = hopf(fl.SliderOnBelt().without("cubic", "geometry"), "mu_k", (0, 4))
+    assert point.cubic == 0
+    assert point.criticality == "degenerate"
+
+
+# Derivatives
+
+
+@dataclass(frozen=True)
+class Stribeck(fl.FrictionLaw):
+    """Friction that falls with speed, written with an absolute value."""
+
+    mu_k: float = fl.parameter(0.4)
+    fall: float = fl.parameter(0.3)
+
+    def kinetic(self, normal_force, speed):
+        """Decays to mu_k."""
+        return normal_force * (self.mu_k + self.fall * sp.exp(-abs(speed)))
+
+    def static_limit(self, normal_force):
+        """At zero speed."""
+        return normal_force * (self.mu_k + self.fall)
+
+
+SCENES = [
+    fl.SliderOnBelt(mu_k=1.4, k_nl=1e7),
+    fl.SliderOnBelt(mu_k=1.4, k_nl=1e7).without("geometry"),
+    fl.SliderOnBelt(k_nl=1e6, v=-2.0, friction=Stribeck()),
+]
+
+
+@pytest.mark.parametrize("model", SCENES)
+def test_derivatives_along_directions(model):
+    """Against mpmath's differences of the automaton's flow with many digits."""
+    scene = model.without("nonsmooth").automaton()
+    symbols = [*scene.states, *scene.parameters]
+    flow = sp.lambdify(symbols, scene.modes[0].flow, modules="mpmath")
+    m, rng = len(scene.states), np.random.default_rng(1)
+    start = np.concatenate([0.01 * rng.normal(size=m), list(scene.parameters.values())])
+    directions = rng.normal(size=(3, m)) * np.repeat([0.01, 1.0], m // 2)
+    key = structure(model)
+    at = Point(sliding_flow(key), start[:m], numbers(model))
+
+    def expected(*directions):
+        def moved(i):
+            return lambda *s: flow(*(start + sum(mpmath.mpf(a) * d for a, d in zip(s, directions))))[i]
+
+        with mpmath.workdps(60):
+            zero, once = (0.0,) * len(directions), (1,) * len(directions)
+            return np.array([mpmath.diff(moved(i), zero, once) for i in range(m)], dtype=float)
+
+    padded = np.hstack([directions, np.zeros((3, len(start) - m))])
+    for count in (2, 3):
+        np.testing.assert_allclose(along(at, *directions[:count]), expected(*padded[:count]), rtol=1e-10)
+    parameter = np.zeros(len(start))
+    parameter[symbols.index(sp.Symbol("k2", real=True))] = 1.0
+    np.testing.assert_allclose(along_parameter(at, "k2"), expected(parameter), rtol=1e-10)
+    mixed = along_parameter(at, "k2", directions[0])
+    np.testing.assert_allclose(mixed, expected(parameter, padded[0]), rtol=1e-10)
+
+
+# Cycles of the smooth flow
+
+
+def run(model, parameter, value, x0, t_end, **options):
+    """The solver, at another value of a parameter."""
+    if not isinstance(model, fl.HybridAutomaton):
+        model = model.replace(**{parameter: value})
+        return fl.simulate(model, t_end, x0=x0, progress=False, **options)
+    values = {s: value if s.name == parameter else v for s, v in model.parameters.items()}
+    moved = fl.HybridAutomaton(model.states, model.modes, values, model.coordinates)
+    return fl.solve(moved, t_end, x0=x0, progress=False, **options)
+
+
+def predicted(point, value):
+    """A state on the predicted cycle, where the first coordinate has its maximum."""
+    vector = point.vector * np.exp(-1j * np.angle(point.vector[0]))
+    return point.state + point.amplitude(value)[0] / vector[0].real * vector.real
+
+
+def cycle(point, value):
+    """The periodic orbit near the predicted one: a state and the period, by Newton's method."""
+    guess = predicted(point, value)
+    z = np.append(guess, 1 / point.cycle_frequency(value))
+    scale = np.abs(point.vector) * np.abs(guess - point.state).max()
+    steps = 1e-4 * np.append(np.maximum(scale, 1e-3 * scale.max()), z[-1])
+    pinned = np.abs((point.vector / point.vector[0]).imag).argmax()  # passes its mean at the start
+
+    def miss(z):
+        return run(point.model, point.parameter, value, z[:-1], z[-1]).final_state - z[:-1]
+
+    move = np.ones(1)
+    for _ in range(8):
+        if np.abs(move).max() < 1e-2:
+            return z[:-1], z[-1]
+        columns = [(miss(z + step) - miss(z - step)) / 2 for step in np.diag(steps)]
+        matrix = np.vstack([np.array(columns).T, np.eye(len(z))[pinned]])
+        move = np.linalg.solve(matrix, np.append(-miss(z), 0.0))
+        z = z + move * steps
+    raise AssertionError(f"no periodic orbit at {value}")
+
+
+def errors(point, value):
+    """Relative errors of the predicted amplitudes, as one vector, and of the frequency."""
+    state, period = cycle(point, value)
+    samples = run(point.model, point.parameter, value, state, period, t_eval=np.arange(64) * period / 64)
+    found = np.abs(np.fft.rfft(samples.states[:, : len(point.coordinates)], axis=0)[1]) / 32
+    expected = point.amplitude(value)
+    off = np.linalg.norm(found - expected) / np.linalg.norm(expected)
+    return off, 1 / period / point.cycle_frequency(value) - 1
+
+
+def smooth(*names, **parameters):
+    return fl.SliderOnBelt(**parameters).without("nonsmooth", *names)
+
+
+CYCLES = [
+    (lorenz(), "r", (22, 30), -4e-3),
+    (smooth(), "mu_k", (0, 4), -1.6e-5),
+    (smooth(k_nl=1e7), "mu_k", (0, 0.8), 1.6e-4),
+    (smooth(k_nl=1e7), "F", (200, 600), 4e-2),
+    (smooth("geometry", k_nl=1e7), "mu_k", (0, 4), -1.6e-3),
+    (smooth(**STRONG), "mu_k", (0, 4), -4e-3),
+    (smooth(F=1000, l1=0.1, l2=0.3), "mu_k", (1.5, 3), -4e-4),
+]
+
+
+@pytest.mark.parametrize(("model", "parameter", "bounds", "distance"), CYCLES)
+def test_prediction_and_cycle_meet_at_the_critical_value(model, parameter, bounds, distance):
+    """The error of the amplitude is of first order in the distance, that of the frequency of second."""
+    point = hopf(model, parameter, bounds)
+    (near, slow), (far, fast) = (errors(point, point.value + d) for d in (distance / 4, distance))
+    assert far < 0.01
+    assert far / near == pytest.approx(4, rel=0.05)
+    assert fast / slow == pytest.approx(16, rel=0.05)
+
+
+def test_a_supercritical_cycle_attracts():
+    model = smooth(k_nl=1e7)
+    point = hopf(model, "mu_k", (0, 0.8))
+    value = point.value + 2.5e-3
+    start = point.state + 0.6 * (predicted(point, value) - point.state)
+    times = np.linspace(395, 400, 4000)
+    settled = run(model, "mu_k", value, start, 400, t_eval=times)
+    assert point.criticality == "supercritical"
+    off = np.ptp(settled.q, axis=0) / 2 - point.amplitude(value)
+    assert np.linalg.norm(off) < 0.04 * np.linalg.norm(point.amplitude(value))
+
+
+def test_a_subcritical_cycle_is_the_border_below_the_critical_value():
+    """Claim C24: limit cycles where the equilibrium is stable, far below its critical value of 1.735."""
+    model = smooth(**STRONG)
+    point = hopf(model, "mu_k", (0, 4))
+    assert point.value == pytest.approx(1.735143, abs=1e-6)
+    assert point.criticality == "subcritical"
+    for value in (1.73, 1.6, 1.45):
+        for share, grows in ((0.8, False), (1.1, True)):
+            start = point.state + share * (predicted(point, value) - point.state)
+            after = run(model, "mu_k", value, start, 20.0, t_eval=np.linspace(19, 20, 2000))
+            assert (np.ptp(after["x1"]) / 2 > 1.2 * point.amplitude(value)[0]) == grows
+
+
+def test_the_cycle_ends_where_the_slider_begins_to_stick():
+    point = hopf(fl.SliderOnBelt(**STRONG), "mu_k", (0, 4))
+    cycles = hopf(smooth(**STRONG), "mu_k", (0, 4))
+    assert cycles.valid_until == -np.inf
+    state, period = cycle(cycles, point.valid_until)
+    samples = run(cycles.model, "mu_k", point.valid_until, state, period, t_eval=np.linspace(0, period, 999))
+    assert samples.relative_velocity.min() == pytest.approx(0, abs=0.01)
+
+
+# Other views of the same point
+
+
+@pytest.mark.parametrize(("model", "bounds"), [(fl.SliderOnBelt(k_nl=1e7), (0, 0.8)), (SCENES[2], (0, 4))])
+def test_speed_of_crossing(model, bounds):
+    """Against differences of the eigenvalue; and the same point found along other parameters."""
+    point = hopf(model, "mu_k", bounds)
+    critical = model.replace(mu_k=point.value)
+    for name in ("mu_k", "F", "k2", "k_nl", "l1"):
+        value = critical.parameters[name]
+        same = hopf(critical, name, (0.99 * value, 1.02 * value))
+        locus = fl.root_locus(critical, name, value * (1 + 1e-5 * np.array([-2, -1, 1, 2])))
+        column = np.abs(locus.values[0] - 2j * np.pi * point.frequency).argmin()
+        difference = np.array([1, -8, 8, -1]) @ locus.values[:, column] / (12e-5 * value)
+        assert same.value == pytest.approx(value, rel=1e-10)
+        assert same.slope == pytest.approx(difference, rel=1e-6)
+        assert same.first_lyapunov == pytest.approx(point.first_lyapunov, rel=1e-7)
+
+
+def test_an_absolute_value_in_a_law_does_not_matter():
+    @dataclass(frozen=True)
+    class Plain(Stribeck):
+        def kinetic(self, normal_force, speed):
+            return normal_force * (self.mu_k + self.fall * sp.exp(-speed))
+
+    plain, kinked = (hopf(SCENES[2].replace(friction=law()), "mu_k", (0, 4)) for law in (Plain, Stribeck))
+    assert plain.first_lyapunov == pytest.approx(kinked.first_lyapunov)
+    assert plain.valid_until == pytest.approx(kinked.valid_until)
+
+
+def test_no_such_point():
+    with pytest.raises(
+        ValueError, match=r"bounds of mu_k must enclose .* got no change of stability in \(0, 1\)"
+    ):
+        hopf(fl.SliderOnBelt(), "mu_k", (0, 1))
+    with pytest.raises(ValueError, match=r"got divergence at 0\.25 in"):
+        hopf(automaton((Y, (P - 0.25) * X - Y), (X, Y), 1, p=0.0), "p", (-0.2, 0.7))
+    undamped = dict.fromkeys(("c1", "c2", "c4", "c5", "c6"), 0.0)
+    with pytest.raises(ValueError, match=r"mu_k = 1\.5138.* got two that coalesce.* some damping"):
+        hopf(fl.SliderOnBelt(**undamped), "mu_k", (0, 4))
