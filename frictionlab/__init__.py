@@ -17,10 +17,12 @@ from frictionlab._version import __version__
 if TYPE_CHECKING:
     from frictionlab import paper
     from frictionlab.analysis.ablation import ablation
-    from frictionlab.analysis.bifurcation import bifurcation, load_bifurcation
+    from frictionlab.analysis.bifurcation import bifurcation
+    from frictionlab.analysis.branch import Bifurcation, load_bifurcation
     from frictionlab.analysis.simulate import load, simulate
     from frictionlab.analysis.steady_state import steady_state
     from frictionlab.analysis.sweep import sweep
+    from frictionlab.analysis.window import SteadyState
     from frictionlab.automaton import Event, HybridAutomaton, Mode, Reset
     from frictionlab.components import (
         ContactLaw,
@@ -62,10 +64,12 @@ if TYPE_CHECKING:
 # Public name -> module that holds it.
 _HOMES = {
     "analysis.ablation": "ablation",
-    "analysis.bifurcation": "bifurcation load_bifurcation",
+    "analysis.bifurcation": "bifurcation",
+    "analysis.branch": "Bifurcation load_bifurcation",
     "analysis.simulate": "simulate load",
     "analysis.steady_state": "steady_state",
     "analysis.sweep": "sweep",
+    "analysis.window": "SteadyState",
     "automaton": "HybridAutomaton Mode Event Reset",
     "components": "ContactLaw CubicContact LinearContact FrictionLaw Coulomb MovingLoad FixedLoad ImpactLaw "
     "PlasticImpact RestitutionImpact StickSlipSeparation StickSlip SlidingSeparation SlidingOnly parameter",

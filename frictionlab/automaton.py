@@ -113,3 +113,18 @@ class HybridAutomaton:
     def names(self) -> tuple[str, ...]:
         """Names of the modes, in order."""
         return tuple(mode.name for mode in self.modes)
+
+    def replace(self, **values: float) -> HybridAutomaton:
+        """The automaton with other values of parameters, by their names.
+
+        Raises
+        ------
+        ValueError
+            For an unknown name.
+        """
+        symbols = {symbol.name: symbol for symbol in self.parameters}
+        unknown = [name for name in values if name not in symbols]
+        if unknown:
+            raise ValueError(f"no parameter is called {unknown[0]!r}: known are {', '.join(symbols)}")
+        changed = {symbols[name]: value for name, value in values.items()}
+        return HybridAutomaton(self.states, self.modes, {**self.parameters, **changed}, self.coordinates)

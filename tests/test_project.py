@@ -33,7 +33,8 @@ def test_readme_links_lead_somewhere():
     assert [target for target in targets if not (ROOT / target).exists()] == []
 
 
-def test_readme_python_runs():
+def test_readme_python_runs(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)  # it saves a picture
     exec("\n".join(readme_blocks("python")), {})
 
 

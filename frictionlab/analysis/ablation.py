@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from concurrent.futures import Executor
 from dataclasses import dataclass
 from itertools import compress, product
 from typing import Any
@@ -41,13 +42,22 @@ class Ablation:
         return iter(zip(self.without, self.results, strict=True))
 
     def __str__(self) -> str:
-        rows = [(f"without {', '.join(names)}" if names else "all three", str(r)) for names, r in self]
+        rows = [(_scene(names), str(r)) for names, r in self]
         width = max(len(name) for name, _ in rows)
         return "\n".join(f"{name:{width}}  {result}" for name, result in rows)
 
 
+def _scene(without: tuple[str, ...]) -> str:
+    return f"without {', '.join(without)}" if without else "with all three"
+
+
 def ablation(
-    model: Any, study: Callable[[Any], Any], *, workers: int | None = None, progress: bool = True
+    model: Any,
+    study: Callable[[Any], Any],
+    *,
+    workers: int | None = None,
+    executor: Executor | None = None,
+    progress: bool = True,
 ) -> Ablation:
     """Put the eight scenes with the cubic contact, the non-smooth behaviours and the moving load on or off
     through a study.
@@ -60,11 +70,21 @@ def ablation(
         Called as ``study(model)``: ``fl.steady_state``, or a function of your own.
     workers : int or None
         Threads; None takes one for each processor.
+    executor : concurrent.futures.Executor or None
+        Used instead of threads, as by :func:`bifurcation`.
     progress : bool
 
     Returns
     -------
     Ablation
+        After ctrl-C with None for the scenes that were not done.
+
+    Raises
+    ------
+    ValueError
+        For a model that cannot be without one of the three.
+    RuntimeError
+        Where the study of a scene fails, from its error.
 
     Examples
     --------
@@ -80,7 +100,9 @@ def ablation(
         study,
         [(m,) for m in models],
         keep=results.__setitem__,
+        names=[f"the scene {_scene(names)}" for names in left_out],
         workers=workers,
+        executor=executor,
         progress="ablation" if progress else None,
     )
     return Ablation(left_out, models, tuple(results.get(i) for i in range(len(models))))

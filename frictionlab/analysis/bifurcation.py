@@ -4,125 +4,27 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from frictionlab.hybrid.choice import method_of
 from frictionlab.hybrid.methods import Method
+from frictionlab.hybrid.status import Status
 from frictionlab.hybrid.validation import check_choice
-from frictionlab.models import SliderOnBelt
 
-from .journal import Journal, read, write
+from .branch import Bifurcation, collected, load_bifurcation
+from .interrupts import noted_interrupts
+from .journal import Journal
+from .kinds import ENDED
 from .sections import Section
-from .simulate import initial_state
-from .steady_state import EQUILIBRIUM, steady_state
-from .tasks import run_tasks
+from .steady_state import check_steady, steady_state
+from .tasks import check_workers, run_tasks
 
-Array = NDArray[np.float64]
+__all__ = ["Bifurcation", "bifurcation", "load_bifurcation"]
+STARTS = ("rest", "near", "continue")
 KEPT = 200  # section points that are kept of each value, the last ones
-
-
-@dataclass(frozen=True, eq=False)
-class Bifurcation:
-    """Steady states at N values of a parameter; those not computed (after ctrl-C) have the kind "".
-
-    Parameters
-    ----------
-    parameter : str
-    values : array (N,)
-    kinds : tuple of str (N,)
-        "equilibrium", "periodic", "non-periodic", "not settled yet".
-    periods, intensities : array (N,)
-        s; L_s of Eq. (20).
-    onsets : int array (N,)
-        Transitions from slip to stick in a period.
-    sections : tuple of arrays (K, 2n)
-        States at the last crossings of the section, 200 at most.
-    shares : mapping of str to array (N,)
-        Share of time in each mode.
-    names : tuple of str
-        Names of the states.
-    asked : mapping
-        All that determines the result: model, start, method and so on.
-    results : mapping of int to mapping
-        What was computed, by index.
-    """
-
-    parameter: str
-    values: Array
-    kinds: tuple[str, ...]
-    periods: Array
-    intensities: Array
-    onsets: NDArray[np.int_]
-    sections: tuple[Array, ...]
-    shares: dict[str, Array]
-    names: tuple[str, ...]
-    asked: dict[str, Any]
-    results: dict[int, Any]
-
-    @property
-    def model(self) -> SliderOnBelt:
-        """The model whose parameter was varied."""
-        return SliderOnBelt.from_dict(self.asked["model"])
-
-    def section(self, name: str, *kinds: str) -> tuple[Array, Array]:
-        """Values of the parameter and of a state at all section points, for a scatter plot.
-
-        Parameters
-        ----------
-        name : str
-            The state, e.g. "x1" or "x1'".
-        kinds : str
-            Kinds of motion; none takes all that move.  "equilibrium" gives the states at rest instead.
-
-        Raises
-        ------
-        ValueError
-            For an unknown state.
-        """
-        check_choice("name", name, self.names)
-        column = self.names.index(name)
-        chosen = kinds or tuple({*self.kinds} - {EQUILIBRIUM, ""})
-        found = [self._states(i)[:, column] if kind in chosen else () for i, kind in enumerate(self.kinds)]
-        return np.repeat(self.values, [len(f) for f in found]), np.concatenate([*found, np.zeros(0)])
-
-    def _states(self, i: int) -> Array:
-        if self.kinds[i] == EQUILIBRIUM:
-            return np.array([self.results[i]["final"]])
-        return self.sections[i]
-
-    def to_dataframe(self) -> Any:
-        """One row for each value, as a pandas DataFrame (needs the extra ``data``)."""
-        try:
-            import pandas as pd
-        except ImportError as error:
-            raise ImportError("to_dataframe needs pandas: pip install 'frictionlab[data]'") from error
-        columns = {
-            "kind": self.kinds,
-            "period": self.periods,
-            "onsets": self.onsets,
-            "intensity": self.intensities,
-        }
-        return pd.DataFrame({**columns, **self.shares}, index=pd.Index(self.values, name=self.parameter))
-
-    def save(self, path: str | Path) -> Path:
-        """Write the result as JSON lines: what :func:`load_bifurcation` reads and `resume` continues."""
-        return write(path, self.asked, self.results)
-
-
-def load_bifurcation(path: str | Path) -> Bifurcation:
-    """A result that :meth:`Bifurcation.save`, or `resume`, wrote.
-
-    Raises
-    ------
-    ValueError
-        If the file is none.
-    """
-    return _collected(*read(path))
 
 
 def bifurcation(
@@ -149,8 +51,9 @@ def bifurcation(
     parameter : str
     values : array_like (N,)
     x0 : "rest", "near", "continue" or array_like (2n,)
-        "continue" starts each value from where the one before ended, the first from rest: ascending and
-        descending values show hysteresis.  One after another, so in one thread.
+        "continue" starts each value from where the one before ended, the first from rest, and so does one
+        after a run that ended early.  Values that ascend and then descend show hysteresis.  One after
+        another, so in one thread.
     transient, window, method, section, tolerance
         As :func:`steady_state`.
     workers : int or None
@@ -160,6 +63,7 @@ def bifurcation(
         ``client.get_executor()``.
     resume : path or None
         File in which results are kept as they come; if it is there, what it holds is not computed again.
+        In the end it does not depend on the number of workers, or on how often the sweep was cut off.
     progress : bool
 
     Returns
@@ -169,37 +73,66 @@ def bifurcation(
 
     Raises
     ------
+    TypeError
+        For an unknown parameter.
     ValueError
-        For bad arguments, before any work is done.
+        For other bad arguments, or a file of another sweep; like the others before any work is done.
+    OSError
+        Where the file cannot be written.
+    RuntimeError
+        Where a value fails, from its error; what was done before is in the file.
+
+    Examples
+    --------
+    >>> import frictionlab as fl
+    >>> model = fl.SliderOnBelt().without("geometry")
+    >>> fl.bifurcation(model, "mu_k", [0.2, 1.4], transient=150, window=20, progress=False).kinds
+    ('equilibrium', 'periodic')
     """
-    values = np.asarray(values, dtype=float).ravel()
-    models = [model.replace(**{parameter: float(value)}) for value in values]
+    check_workers(workers)
+    if isinstance(x0, str):
+        check_choice("x0", x0, STARTS)
+    models = _models(model, parameter, values)
     settings = {"transient": transient, "window": window, "section": section, "tolerance": tolerance}
-    asked = _asked(model, parameter, values, x0, method, settings)
-    journal = Journal(asked, resume)
-    todo = [i for i in range(len(values)) if i not in journal.results]
+    for each in models:
+        check_steady(each, "rest" if _continues(x0) else x0, **settings, longest=None)
     options = {**settings, "method": method_of(method)}
-    if isinstance(x0, str) and x0 == "continue":
-        _in_turn(models, options, journal, progress)
+    asked = _asked(model, parameter, models, x0, options)
+    journal = Journal(asked, resume)
+    names = [f"{parameter} = {getattr(m, parameter):g}" for m in models]
+    if _continues(x0):
+        _in_turn(models, names, options, journal, progress)
     else:
-        initial_state(model, x0)
-        tasks = [(models[i], x0, options) for i in todo]
-        bar = f"bifurcation over {parameter}" if progress else None
+        todo = [i for i in range(len(models)) if i not in journal.results]
         run_tasks(
             one,
-            tasks,
-            keep=lambda k, r: journal.keep(todo[k], r),
+            [(models[i], x0, options) for i in todo],
+            keep=lambda k, result: journal.keep(todo[k], result),
+            names=[names[i] for i in todo],
             workers=workers,
             executor=executor,
-            progress=bar,
+            progress=f"bifurcation over {parameter}" if progress else None,
         )
     journal.close()
-    return _collected(asked, journal.results)
+    return collected(asked, journal.results)
+
+
+def _models(model: Any, parameter: str, values: Any) -> list[Any]:
+    values = np.asarray(values, dtype=float).ravel()
+    if not len(values):
+        raise ValueError("values must hold at least one number, got none: give those of the parameter")
+    return [model.replace(**{parameter: float(value)}) for value in values]
+
+
+def _continues(x0: Any) -> bool:
+    return isinstance(x0, str) and x0 == "continue"
 
 
 def one(model: Any, x0: Any, options: dict[str, Any]) -> dict[str, Any]:
     """One task: the steady state as data that JSON can hold."""
     found = steady_state(model, x0, progress=False, **options)
+    if found.trajectory.status is Status.INTERRUPTED:
+        raise KeyboardInterrupt
     period = None if np.isnan(found.period) else found.period
     return {
         "kind": found.kind,
@@ -212,45 +145,32 @@ def one(model: Any, x0: Any, options: dict[str, Any]) -> dict[str, Any]:
     }
 
 
-def _in_turn(models: Sequence[Any], options: dict[str, Any], journal: Journal, progress: bool) -> None:
+def _in_turn(
+    models: Sequence[Any], names: Sequence[str], options: dict[str, Any], journal: Journal, progress: bool
+) -> None:
     """Each from where the one before ended; ctrl-C ends it with what is done."""
     from tqdm.auto import tqdm
 
+    bar = tqdm(models, "bifurcation", delay=1.0, leave=False, disable=not progress)
     start: Any = "rest"
-    try:
-        for i, model in enumerate(tqdm(models, "bifurcation", delay=1.0, leave=False, disable=not progress)):
+    with noted_interrupts() as interrupted:
+        for i, model in enumerate(bar):
             if i not in journal.results:
-                journal.keep(i, one(model, start, options))
-            start = np.array(journal.results[i]["final"])
-    except KeyboardInterrupt:
-        return
+                try:
+                    journal.keep(i, one(model, start, options))
+                except KeyboardInterrupt:
+                    return
+                except Exception as error:
+                    raise RuntimeError(f"{names[i]} failed with {type(error).__name__}: {error}") from error
+            done = journal.results[i]
+            start = "rest" if done["kind"] == ENDED else np.array(done["final"])
+            if interrupted():
+                return
 
 
-def _asked(model: Any, parameter: str, values: Array, x0: Any, method: Any, settings: dict[str, Any]) -> Any:
+def _asked(model: Any, parameter: str, models: Sequence[Any], x0: Any, options: dict[str, Any]) -> Any:
     start = x0 if isinstance(x0, str) else np.asarray(x0, dtype=float).tolist()
-    about = {"model": model.to_dict(), "parameter": parameter, "values": values.tolist(), "x0": start}
-    names = [symbol.name for symbol in model.automaton().states]
-    return {**about, "method": method_of(method).describe(), **settings, "states": names}
-
-
-def _collected(asked: dict[str, Any], results: dict[int, Any]) -> Bifurcation:
-    rows = [results.get(i, {}) for i in range(len(asked["values"]))]
-    names = tuple(asked["states"])
-    modes = next((list(row["shares"]) for row in rows if row), [])
-    return Bifurcation(
-        parameter=asked["parameter"],
-        values=np.array(asked["values"]),
-        kinds=tuple(row.get("kind", "") for row in rows),
-        periods=_column(rows, "period"),
-        intensities=_column(rows, "intensity"),
-        onsets=np.array([row.get("onsets", 0) for row in rows]),
-        sections=tuple(np.array(row.get("section", [])).reshape(-1, len(names)) for row in rows),
-        shares={m: np.array([row.get("shares", {}).get(m, np.nan) for row in rows]) for m in modes},
-        names=names,
-        asked=asked,
-        results=results,
-    )
-
-
-def _column(rows: list[Any], name: str) -> Array:
-    return np.array([np.nan if row.get(name) is None else row[name] for row in rows], dtype=float)
+    values = [getattr(m, parameter) for m in models]
+    states = [symbol.name for symbol in model.automaton().states]
+    about = {"model": model.to_dict(), "parameter": parameter, "values": values, "x0": start}
+    return {**about, **options, "method": options["method"].describe(), "states": states}

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
+import sympy
 from numpy.typing import NDArray
 
+from frictionlab.automaton import HybridAutomaton
+from frictionlab.hybrid.solve import solve
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.stability import equilibrium
 
-from .simulate import simulate
-
 Array = NDArray[np.float64]
-SAMPLES = 100_001
+SQUARE = "square"
+SAMPLES = 100_001  # of runs of methods that integrate nothing beside the states
 
 
 def resting_point(model: Any) -> Array | None:
@@ -24,22 +27,44 @@ def resting_point(model: Any) -> Array | None:
         return None
 
 
-def intensity(run: Trajectory, start: Array | None, period: float) -> float:
-    """L_s, Eq. (20): the mean over a period from the state `start`, or over the whole run where that is None.
+def with_resting_point(automaton: HybridAutomaton, point: Array) -> HybridAutomaton:
+    """The automaton with the equilibrium (n,) as parameters beside its own.
 
-    Runs of the Taylor method integrate along their polynomials.
+    As numbers in the integrand they would make a new program for every value of a parameter.
     """
-    model, point = run.source, resting_point(run.source)
+    resting = {_resting(x): float(e) for x, e in zip(automaton.states, point)}
+    return replace(automaton, parameters={**automaton.parameters, **resting})
+
+
+def squared_distance(automaton: HybridAutomaton) -> dict[str, Any]:
+    """The integrand of Eq. (20), sum of (x_i - x_e,i)^2 over the coordinates, as a quadrature."""
+    pairs = [(x, _resting(x)) for x in automaton.states if _resting(x) in automaton.parameters]
+    return {SQUARE: sum(((x - e) ** 2 for x, e in pairs), sympy.S.Zero)}
+
+
+def _resting(state: sympy.Symbol) -> sympy.Symbol:
+    return sympy.Symbol(f"{state.name} at rest")
+
+
+def intensity(run: Trajectory, period: float) -> float:
+    """L_s, Eq. (20): the mean over the last period of a run, or over all of it where `period` is NaN.
+
+    Runs of the Taylor method integrate along their polynomials, given the integral over all of the run as
+    the quadrature `SQUARE`.  NaN where there is no equilibrium.
+    """
+    point = resting_point(run.source)
     if point is None:
         return float("nan")
-    method = run.description["method"]["name"]
-    if method != "taylor":
-        span = run.raw.t // period * period if start is not None else run.raw.t
-        states = run(np.linspace(run.raw.t - span, run.raw.t, SAMPLES))[:, : len(point)]
-        return float(((states - point) ** 2).mean(axis=0).sum())
-    states = run.automaton.states[: len(point)]
-    square = sum((x - float(e)) ** 2 for x, e in zip(states, point, strict=True))
-    begin = run(0.0) if start is None else start
-    length = run.raw.t if start is None else period
-    again = simulate(model, length, x0=begin, quadratures={"square": square}, progress=False)
-    return again.quadratures["square"] / length
+    if SQUARE not in run.quadratures:
+        return _sampled(run, point, period)
+    if np.isnan(period):
+        return run.quadratures[SQUARE] / run.raw.t
+    start, square = run(run.raw.t - period), squared_distance(run.automaton)
+    again = solve(run.automaton, period, x0=start, quadratures=square, progress=False)
+    return again.quadratures[SQUARE] / period
+
+
+def _sampled(run: Trajectory, point: Array, period: float) -> float:
+    span = run.raw.t if np.isnan(period) else run.raw.t // period * period
+    states = run(np.linspace(run.raw.t - span, run.raw.t, SAMPLES))[:, : len(point)]
+    return float(((states - point) ** 2).mean(axis=0).sum())

@@ -11,6 +11,10 @@ import os
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
+KEYS = {"task", "result"}
+
 
 class Journal:
     """What is known of a sweep, on disk as well if there is a path."""
@@ -23,17 +27,29 @@ class Journal:
             self._open(self._path)
 
     def _open(self, path: Path) -> None:
-        if path.exists() and path.stat().st_size:
-            found, self.results = read(path)
-            _refuse_another(path, found, self._asked)
-        write(path, self._asked, self.results)
+        try:
+            if path.exists() and path.stat().st_size:
+                found, self.results = read(path)
+                _refuse_another(path, found, self._asked)
+            write(path, self._asked, self.results)
+        except OSError as error:
+            raise OSError(f"resume must be a file that can be written, {path} is none: {error}") from error
 
     def keep(self, task: int, result: Any) -> None:
-        """Remember a result; it is on disk when this returns."""
-        self.results[task] = result
-        if self._path is not None:
-            with self._path.open("a", encoding="utf-8") as file:
-                file.write(_line({"task": task, "result": result}))
+        """Remember a result; it is on disk when this returns, and is remembered as the file gives it back.
+
+        Raises
+        ------
+        TypeError
+            For a result that the file cannot hold.
+        """
+        if self._path is None:
+            self.results[task] = result
+            return
+        line = _line({"task": task, "result": result})
+        self.results[task] = json.loads(line)["result"]
+        with self._path.open("a", encoding="utf-8") as file:
+            file.write(line)
 
     def close(self) -> None:
         """Put the lines in order."""
@@ -60,13 +76,25 @@ def read(path: str | Path) -> tuple[dict[str, Any], dict[int, Any]]:
         If the file holds no sweep.
     """
     head, *lines = _complete_lines(Path(path))
-    if not isinstance(head, dict) or not all(isinstance(line, dict) and "task" in line for line in lines):
+    if not all(isinstance(line, dict) for line in [head, *lines]) or any(
+        KEYS - line.keys() for line in lines
+    ):
         raise ValueError(f"{path} must be a file of a sweep, and is none: give another path")
     return head, {line["task"]: line["result"] for line in lines}
 
 
 def _line(content: Any) -> str:
-    return json.dumps(content) + "\n"
+    return json.dumps(content, default=_plain) + "\n"
+
+
+def _plain(value: Any) -> Any:
+    """numpy's numbers and arrays as Python's."""
+    if isinstance(value, (np.generic, np.ndarray)):
+        return value.tolist()
+    raise TypeError(
+        f"results that resume keeps must be numbers, texts, or lists and mappings of such, got {value!r}: "
+        "let the function return these, or leave resume out"
+    )
 
 
 def _complete_lines(path: Path) -> list[Any]:

@@ -9,8 +9,10 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 SHORTEST = 3  # periods that have to be seen at least
+LONGEST = 500  # crossings in a period that are looked for at most
 NEARLY = 1e-3
-SETTLING = 2.0  # a deviation that shrinks so much from the window's first half to its second still settles
+SETTLING = 1.5  # a deviation that shrinks so much from each third of the window to the next still settles
+PARTS = 8  # by chance, eight numbers are in ascending or descending order twice in 40320 times
 
 
 class Recurrence(NamedTuple):
@@ -26,7 +28,8 @@ class Recurrence(NamedTuple):
         Largest difference of the state to that one period before, over the second half of the crossings,
         as a share of the motion's size.
     shrinking : float
-        The same over the first half of them, divided by it: large where the motion still settles.
+        By which factor at least it shrinks from each third of them to the next: large where the motion
+        still settles.
     """
 
     lag: int
@@ -50,9 +53,13 @@ def recurrence(t: Array, states: Array, size: Array, tolerance: float) -> Recurr
     tolerance : float
     """
     scaled = states / np.where(size > 0, size, 1.0)
-    found = [_at_lag(t, scaled, lag) for lag in range(1, len(t) // SHORTEST + 1)]
-    repeating = (r for r in found if repeats(r, tolerance))
-    return next(repeating, min(found, key=lambda r: r.deviation, default=NEVER))
+    lags = range(1, min(len(t) // SHORTEST, LONGEST) + 1)
+    found = [_at_lag(t, scaled, lag) for lag in lags]
+    repeating = next((r for r in found if repeats(r, tolerance)), None)
+    if repeating is None:
+        return min(found, key=lambda r: r.deviation, default=NEVER)
+    # Where the motion spirals inwards a long lag repeats first, but what a shorter one misses dies away too.
+    return next((r for r in found[: repeating.lag] if r.shrinking > SETTLING), repeating)
 
 
 def repeats(found: Recurrence, tolerance: float) -> bool:
@@ -62,12 +69,48 @@ def repeats(found: Recurrence, tolerance: float) -> bool:
 
 def _at_lag(t: Array, states: Array, lag: int) -> Recurrence:
     differences = np.abs(states[lag:] - states[:-lag]).max(axis=1)
-    half, count = len(differences) // 2, (len(t) - 1) // lag
-    early, late = float(differences[:half].max(initial=0.0)), float(differences[half:].max())
+    late, count = float(differences[len(differences) // 2 :].max()), (len(t) - 1) // lag
     period = float(t[-1] - t[-1 - count * lag]) / count
-    return Recurrence(lag, period, late, early / late if late > 0 else np.inf)
+    return Recurrence(lag, period, late, _shrinking(differences))
+
+
+def _shrinking(differences: Array) -> float:
+    first, second, third = (part.max(initial=0.0) for part in np.array_split(differences, 3))
+    if second == 0.0 or third == 0.0:
+        return np.inf
+    return float(min(first / second, second / third))
+
+
+def drifts(states: Array, size: Array) -> bool:
+    """Whether a motion that does not repeat is still on its way: its crossings of a section move, or spread,
+    one way all along.
+
+    Parameters
+    ----------
+    states : array (K, m)
+        Crossings of a section.
+    size : array (m,)
+        Size of the motion in each state.
+    """
+    if len(states) < PARTS * SHORTEST:
+        return False
+    parts = np.array_split(states / np.where(size > 0, size, 1.0), PARTS)
+    course = [[*part.mean(axis=0), part.std(axis=0).sum()] for part in parts]
+    steps: Array = np.asarray(np.diff(np.array(course, dtype=float), axis=0), dtype=float)
+    return bool(((steps > 0).all(axis=0) | (steps < 0).all(axis=0)).any())
+
+
+def swells(states: Array) -> bool:
+    """Whether a motion's size in most states doubles, or halves, between its first and its last quarter."""
+    parts = np.array_split(states, 4)
+    if not len(parts[-1]):
+        return False
+    first, last = sizes(parts[0]), sizes(parts[-1])
+    moving = np.minimum(first, last) > 0
+    return bool(moving.any() and abs(np.log2(np.median(last[moving] / first[moving]))) > 1)
 
 
 def sizes(states: Any) -> Array:
-    """Range of each state over a motion."""
-    return np.ptp(np.asarray(states, dtype=float), axis=0)
+    """Range of each state over a motion; zero where there is none."""
+    states = np.asarray(states, dtype=float)
+    return states.max(axis=0) - states.min(axis=0) if len(states) else np.zeros(states.shape[1])

@@ -10,8 +10,13 @@ import sympy
 
 from frictionlab.components.names import did_you_mean
 from frictionlab.hybrid.trajectory import Points, Trajectory
+from frictionlab.hybrid.validation import check_number
 
 STICK = "stick"
+NAME = re.compile(r"(?<![\w.])[A-Za-z_]\w*'?")
+ARITHMETIC = re.compile(r"(?!.*\.\s*[A-Za-z_])[\w\s.+*/()'-]+")
+BISECTIONS = 40
+NEXT_TO = 1e-9  # seconds to an event that are but rounding
 Section = str | tuple[str, int]
 
 
@@ -22,62 +27,117 @@ def asked(automaton: Any, section: Section) -> dict[str, Any]:
     ----------
     automaton : HybridAutomaton
     section : "stick", str or (str, int)
-        "stick": transitions from slip to stick.  Else an expression of the states ("x1'", "x1 - x2"), and
-        the direction in which it passes zero: 1 rising, -1 falling, 0 both.
+        "stick": transitions from slip to stick.  Else an expression of the states ("x1'", "x1 - x2") or an
+        output's name ("gap"), and the direction in which it passes zero: 1 rising, -1 falling, 0 both.
 
     Raises
     ------
     ValueError
-        For an unknown name in the expression.
+        For an unknown name in the expression, or what is none; for another direction; for "stick" where
+        no mode has that name.
     """
-    if section == STICK:
+    if isinstance(section, str) and section == STICK:
+        if STICK not in automaton.names:
+            modes = ", ".join(automaton.names)
+            raise ValueError(f"section 'stick' needs a mode of that name, got {modes}: leave it out")
         return {}
-    text, direction = (section, 0) if isinstance(section, str) else section
+    text, direction = (section, 0) if isinstance(section, str) else _pair(section)
+    check_number("the section's direction", direction, integer=True, least=-1, most=1, cure="0 takes both")
     return {"section": (expression(automaton, text), direction)}
 
 
+def _pair(section: Any) -> Any:
+    if isinstance(section, (tuple, list)) and len(section) == 2 and isinstance(section[0], str):
+        return section
+    raise ValueError(f'section must be "stick", an expression, or (expression, direction), got {section!r}')
+
+
 def expression(automaton: Any, text: str) -> Any:
-    """The text as an expression of the automaton's states and parameters; x' is the rate of x."""
+    """The text as an expression of the automaton's states and parameters; x' is the rate of x.
+
+    The name of an output is returned as it is.
+    """
+    if text in automaton.modes[0].outputs:
+        return text
     symbols = {_plain(symbol.name): symbol for symbol in (*automaton.states, *automaton.parameters)}
-    words = set(re.findall(r"[A-Za-z_]\w*'?", text))
-    unknown = sorted(word for word in words if _plain(word) not in symbols)
+    unknown = [word for word in NAME.findall(text) if _plain(word) not in symbols]
     if unknown:
         known = [symbol.name for symbol in automaton.states]
-        raise ValueError(
-            f"section {text!r} has the unknown name {unknown[0]!r}: {did_you_mean(unknown[0], known)}"
-        )
-    parse: Any = sympy.sympify
-    return parse(re.sub(r"([A-Za-z_]\w*)'", r"\1_rate", text), locals=symbols)
+        hint = did_you_mean(unknown[0], known)
+        raise ValueError(f"section {text!r} has the unknown name {unknown[0]!r}: {hint}")
+    found = _parsed(text, symbols)
+    if not isinstance(found, sympy.Expr) or not found.free_symbols & {*automaton.states}:
+        raise ValueError(f'section must be an expression of the states such as "x1 - x2", got {text!r}')
+    return found
+
+
+def _parsed(text: str, symbols: dict[str, Any]) -> Any:
+    """What sympy makes of it, None where that is nothing; its parser evaluates, so it sees but arithmetic."""
+    if not ARITHMETIC.fullmatch(text):
+        return None
+    try:
+        return sympy.parse_expr(_plain(text), local_dict=symbols)
+    except Exception:  # a parser's errors are many
+        return None
 
 
 def _plain(name: str) -> str:
     return name.replace("'", "_rate")
 
 
+def turning(automaton: Any) -> tuple[str, int]:
+    """Where the first coordinate is largest; without coordinates, where the first state passes zero."""
+    return (str(automaton.states[automaton.coordinates]), -1)
+
+
 def points(run: Trajectory, section: Section) -> Points:
-    """Crossings of the section in a run: times (K,), states (K, m)."""
+    """Crossings of the section in a run: times (K,), states (K, m).
+
+    At an onset of stick the state after it, at other events that before.
+    """
     if section == STICK:
         chosen = stick_onsets(run)
         return Points(run.events.t[chosen], run.events.state[chosen])
-    if "section" in run.sections:
-        return run.sections["section"]
-    return _searched(run, *asked(run.automaton, section)["section"])
+    found = run.sections.get("section")
+    return _before_events(run, found or _searched(run, *asked(run.automaton, section)["section"]))
+
+
+def _before_events(run: Trajectory, found: Points) -> Points:
+    """The crossings, with the state before an event where one is at an event: either may have been found."""
+    events = run.events
+    if not len(events):
+        return found
+    i = np.clip(np.searchsorted(events.t, found.t - NEXT_TO), 0, len(events) - 1)
+    at_event = np.abs(events.t[i] - found.t) <= NEXT_TO
+    states = np.where(at_event[:, None], events.before[i], found.state)
+    return Points(np.where(at_event, events.t[i], found.t), states)
 
 
 def stick_onsets(run: Trajectory) -> Any:
     """Which events lead from slip to stick."""
-    slipping = np.char.startswith(run.events.source.astype(str), "slip")
-    return slipping & (run.events.target == "stick")
+    events = run.events
+    return (events.target == STICK) & ~np.isin(events.source, (STICK, "separation"))
 
 
 def _searched(run: Trajectory, function: Any, direction: int) -> Points:
-    """For methods that record no sections: changes of sign between samples, and linear interpolation."""
-    symbols = [*run.automaton.states, *run.automaton.parameters]
-    values = list(run.automaton.parameters.values())
-    level = sympy.lambdify(symbols, function, modules="numpy")(*run.states.T, *values)
-    rising = (level[:-1] < 0) & (level[1:] >= 0) & (direction >= 0)
-    falling = (level[:-1] > 0) & (level[1:] <= 0) & (direction <= 0)
+    """For methods that record no sections: changes of sign between samples, found by bisection."""
+    level = _level(run, function)
+    value = level(run.t)
+    rising = (value[:-1] < 0) & (value[1:] >= 0) & (direction >= 0)
+    falling = (value[:-1] > 0) & (value[1:] <= 0) & (direction <= 0)
     i = np.flatnonzero(rising | falling)
-    share = level[i] / (level[i] - level[i + 1])
-    times = run.t[i] + share * (run.t[i + 1] - run.t[i])
-    return Points(times, run(times))
+    low, high, sign = run.t[i], run.t[i + 1], np.sign(value[i])
+    for _ in range(BISECTIONS if len(i) else 0):
+        middle = 0.5 * (low + high)
+        before = np.sign(level(middle)) == sign
+        low, high = np.where(before, middle, low), np.where(before, high, middle)
+    return Points(low, run(low))
+
+
+def _level(run: Trajectory, function: Any) -> Any:
+    """The section's function of times."""
+    if isinstance(function, str):
+        return lambda t: run.output(function, t)
+    parameters = run.automaton.parameters
+    compiled = sympy.lambdify([*run.automaton.states, *parameters], function, modules="numpy")
+    return lambda t: compiled(*run(t).T, *parameters.values())

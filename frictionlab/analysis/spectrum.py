@@ -31,16 +31,17 @@ class Spectrum(NamedTuple):
     def peaks(self, share: float = 0.05) -> tuple[Array, Array]:
         """Frequencies (Hz) and amplitudes of the local maxima above a share of the largest, strongest first.
 
-        Between lines by the parabola through the three highest logarithms, right to some hundredths of the
-        resolution for a Hann window.
+        Between lines by the ratio of the two highest, which the Hann window fixes: right to some hundredths
+        of the resolution, and the amplitudes to some thousandths, where other peaks are several lines away.
         """
-        a = np.maximum(self.amplitudes, np.finfo(float).tiny)
+        a = self.amplitudes
         i = 1 + np.flatnonzero((a[1:-1] > a[:-2]) & (a[1:-1] >= a[2:]) & (a[1:-1] > share * a.max()))
-        left, middle, right = np.log(a[i - 1]), np.log(a[i]), np.log(a[i + 1])
-        aside = 0.5 * (left - right) / (left - 2 * middle + right)
-        heights = np.exp(middle - 0.25 * (left - right) * aside)
+        ratio = np.maximum(a[i - 1], a[i + 1]) / a[i]
+        aside = np.clip((2 * ratio - 1) / (1 + ratio), 0.0, 0.5)
+        heights = a[i] * (1 - aside**2) / np.sinc(aside)
         order = np.argsort(-heights)
-        return (self.frequencies[i] + aside * self.resolution)[order], heights[order]
+        lines = self.frequencies[i] + np.where(a[i + 1] > a[i - 1], aside, -aside) * self.resolution
+        return lines[order], heights[order]
 
 
 def amplitude_spectrum(

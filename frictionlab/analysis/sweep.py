@@ -12,13 +12,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .extras import needed
 from .journal import Journal
-from .tasks import run_tasks
+from .steady_state import check_start
+from .tasks import check_workers, run_tasks
 
 
 @dataclass(frozen=True, eq=False)
 class Sweep:
-    """Results over a grid.
+    """Results over a grid of parameters and initial states.
 
     Parameters
     ----------
@@ -37,6 +39,29 @@ class Sweep:
     def to_array(self) -> NDArray[np.float64]:
         """The results as numbers; NaN for those that are None."""
         return np.vectorize(lambda r: np.nan if r is None else float(r), otypes=[float])(self.results)
+
+    def to_dataframe(self) -> Any:
+        """One row for each point of the grid, as a pandas DataFrame (needs the extra ``data``).
+
+        Mappings have a column for each key, other results one named "result".
+        """
+        pd = needed("pandas", "to_dataframe")
+        axes = {**self.over, **({"x0": self.labels()} if self.x0 else {})}
+        index = pd.MultiIndex.from_product(list(axes.values()), names=list(axes))
+        return pd.DataFrame([_row(result) for result in self.results.ravel()], index=index)
+
+    def to_xarray(self) -> Any:
+        """The table of :meth:`to_dataframe` as an xarray Dataset, a dimension for each parameter (needs the
+        extra ``data``).
+
+        Values of a parameter have to differ.
+        """
+        needed("xarray", "to_xarray")
+        return self.to_dataframe().to_xarray()
+
+    def labels(self) -> list[str]:
+        """What each initial state is called: its name, or its place."""
+        return [start if isinstance(start, str) else f"state {i}" for i, start in enumerate(self.x0)]
 
 
 def sweep(
@@ -60,22 +85,30 @@ def sweep(
     over : mapping of str to array_like
         Parameters and their values.
     x0 : sequence
-        Initial states, as :func:`simulate` takes them.
+        Initial states: names, or arrays (2n,), as :func:`simulate` takes them.
     workers, executor
         As :func:`bifurcation`.
     resume : path or None
-        File in which results are kept as they come; they have to be numbers, texts, or lists and mappings of
-        such.  The function itself is not in it: give every function a file of its own.
+        File in which results are kept as they come; if it is there, what it holds is not computed again.
+        They have to be numbers, texts, or lists and mappings of such.  Of the function the file knows only
+        the name: give every function, and every setting that it has inside, a file of its own.
     progress : bool
 
     Returns
     -------
     Sweep
+        After ctrl-C with what was done.
 
     Raises
     ------
+    TypeError
+        For an unknown parameter.
     ValueError
-        For an unknown parameter or a value that breaks a rule, before any work is done.
+        For a value that breaks a rule or a bad initial state; like the others before any work is done.
+    OSError
+        Where the file cannot be written.
+    RuntimeError
+        Where the function fails, from its error; what was done before is in the file.
 
     Examples
     --------
@@ -84,17 +117,22 @@ def sweep(
     >>> found.to_array().round(2)
     array([ 60.75, 121.54])
     """
-    axes = {name: np.asarray(values, dtype=float).ravel() for name, values in over.items()}
-    models = [model.replace(**dict(zip(axes, map(float, point)))) for point in product(*axes.values())]
-    tasks = [(m, start) for m in models for start in x0] if x0 else [(m,) for m in models]
+    check_workers(workers)
+    axes = _axes(over)
+    points = list(product(*axes.values()))
+    models = [model.replace(**dict(zip(axes, map(float, point)))) for point in points]
     starts = [s if isinstance(s, str) else np.asarray(s, dtype=float).tolist() for s in x0]
-    asked = {"model": model.to_dict(), "over": {k: v.tolist() for k, v in axes.items()}, "x0": starts}
-    journal = Journal(asked, resume)
+    for start in starts:
+        check_start(model, start)
+    asked = {"function": _name(function), "model": model.to_dict(), "x0": starts}
+    journal = Journal({**asked, "over": {k: v.tolist() for k, v in axes.items()}}, resume)
+    tasks = [(m, start) for m in models for start in x0] if starts else [(m,) for m in models]
     todo = [i for i in range(len(tasks)) if i not in journal.results]
     run_tasks(
         function,
         [tasks[i] for i in todo],
         keep=lambda k, result: journal.keep(todo[k], result),
+        names=[_point(axes, points[i // (len(starts) or 1)]) for i in todo],
         workers=workers,
         executor=executor,
         progress="sweep" if progress else None,
@@ -103,5 +141,27 @@ def sweep(
     results = np.empty(len(tasks), dtype=object)
     for i, result in journal.results.items():
         results[i] = result
-    shape = [len(values) for values in axes.values()] + ([len(x0)] if x0 else [])
+    shape = [len(values) for values in axes.values()] + ([len(starts)] if starts else [])
     return Sweep(axes, tuple(x0), results.reshape(shape))
+
+
+def _axes(over: Mapping[str, Any]) -> dict[str, NDArray[np.float64]]:
+    axes = {name: np.asarray(values, dtype=float).ravel() for name, values in over.items()}
+    empty = [name for name, values in axes.items() if not len(values)]
+    if empty or not axes:
+        raise ValueError(f"over must hold values of each parameter, got none of {', '.join(empty) or 'any'}")
+    return axes
+
+
+def _point(axes: Mapping[str, Any], point: tuple[float, ...]) -> str:
+    return ", ".join(f"{name} = {value:g}" for name, value in zip(axes, point))
+
+
+def _name(function: Callable[..., Any]) -> str:
+    return getattr(function, "__qualname__", type(function).__name__)
+
+
+def _row(result: Any) -> Mapping[str, Any]:
+    if result is None:
+        return {}
+    return result if isinstance(result, Mapping) else {"result": result}

@@ -8,7 +8,12 @@ from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExec
 from contextlib import contextmanager
 from typing import Any
 
+from frictionlab.hybrid.validation import check_number
+
+from .interrupts import leave_interrupts_to_parent, noted_interrupts
+
 AHEAD = 2  # tasks handed to each worker at a time, so that ctrl-C does not have to wait for all of them
+LOOK = 0.2  # seconds between two looks at ctrl-C
 
 
 def run_tasks(
@@ -16,6 +21,7 @@ def run_tasks(
     tasks: Sequence[tuple[Any, ...]],
     *,
     keep: Callable[[int, Any], None],
+    names: Sequence[str],
     workers: int | None = None,
     executor: Executor | None = None,
     progress: str | None = None,
@@ -28,7 +34,9 @@ def run_tasks(
         Called as ``function(*task)``.  An executor of processes needs to be able to pickle it.
     tasks : sequence of tuples
     keep : callable of (index, result)
-        Called in this thread only.
+        Called in this thread only, and never interrupted by a first ctrl-C.
+    names : sequence of str
+        What each task is called where it fails, e.g. "mu_k = 1.4".
     workers : int or None
         Threads; None takes one for each processor.  The solver's kernels run at the same time in threads.
     executor : concurrent.futures.Executor or None
@@ -40,33 +48,61 @@ def run_tasks(
     -------
     bool
         Whether all were done; False after ctrl-C, when tasks already begun are still finished and kept.
+
+    Raises
+    ------
+    RuntimeError
+        Where a task fails, from its error, once those already begun are finished and kept.
     """
     from tqdm.auto import tqdm
 
-    bar = tqdm(total=len(tasks), desc=progress, disable=progress is None, delay=1.0, leave=False)
+    check_workers(workers)
     count = workers or os.cpu_count() or 1
     most = AHEAD * count if executor is None else len(tasks)
-    with bar, _executor(executor, count) as pool:
-        todo = iter(enumerate(tasks))
-        running: dict[Future[Any], int] = {}
-        complete = True
-        while True:
-            try:
-                if complete:
-                    _refill(running, todo, most, pool, function)
-                if not running:
-                    return complete
-                done, _ = wait(running, return_when=FIRST_COMPLETED)
-            except KeyboardInterrupt:
-                if not complete:
-                    raise
-                complete = False
-                for future in [f for f in running if f.cancel()]:
-                    del running[future]
-                continue
-            for future in done:
-                keep(running.pop(future), future.result())
-                bar.update()
+    bar = tqdm(total=len(tasks), desc=progress, disable=progress is None, delay=1.0, leave=False)
+    todo, running, failed = iter(enumerate(tasks)), {}, {}
+    with bar, _executor(executor, count) as pool, noted_interrupts() as interrupted:
+        while not failed and not interrupted():
+            _refill(running, todo, most, pool, function)
+            if not running:
+                return True
+            _collect(running, keep, failed, bar)
+        for future in [f for f in running if f.cancel()]:
+            del running[future]
+        while running:
+            _collect(running, keep, failed, bar)
+    if failed and not interrupted():
+        index, error = min(failed.items())
+        raise RuntimeError(f"{names[index]} failed with {type(error).__name__}: {error}") from error
+    return False
+
+
+def check_workers(workers: int | None) -> None:
+    """Raise unless it is None or a positive integer."""
+    if workers is not None:
+        check_number("workers", workers, integer=True, least=1, cure="leave it out for all processors")
+
+
+def _collect(
+    running: dict[Future[Any], int],
+    keep: Callable[[int, Any], None],
+    failed: dict[int, BaseException],
+    bar: Any,
+) -> None:
+    """Keep what has been done, after a wait of a moment at most."""
+    for future in wait(running, timeout=LOOK, return_when=FIRST_COMPLETED).done:
+        index = running.pop(future)
+        error = future.exception()
+        if error is None:
+            keep(index, future.result())
+            bar.update()
+        else:
+            failed[index] = error
+
+
+def _call(function: Callable[..., Any], *task: Any) -> Any:
+    leave_interrupts_to_parent()
+    return function(*task)
 
 
 def _refill(
@@ -80,7 +116,7 @@ def _refill(
         index, task = next(todo, (None, ()))
         if index is None:
             return
-        running[pool.submit(function, *task)] = index
+        running[pool.submit(_call, function, *task)] = index
 
 
 @contextmanager

@@ -1,4 +1,4 @@
-"""Figures of runs, of stability and of sweeps: plain functions that draw into `ax` and return the artists they made.
+"""Figures of runs, stability and sweeps: plain functions that draw into `ax` and return the artists made.
 
 None of them uses pyplot, so a figure is freed with its last reference and no window opens.
 """

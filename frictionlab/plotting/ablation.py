@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from functools import partial
 from numbers import Real
 from typing import Any
 
@@ -13,7 +12,7 @@ from matplotlib.axes import Axes
 from frictionlab.analysis.ablation import SWITCHES
 from frictionlab.analysis.bifurcation import Bifurcation
 from frictionlab.analysis.spectrum import Spectrum
-from frictionlab.analysis.steady_state import SteadyState
+from frictionlab.analysis.window import SteadyState
 
 from .bifurcation import SPAN, plot_bifurcation
 from .figure import RunFigure, axes_or_new
@@ -132,10 +131,13 @@ def _bars(ablation: Any) -> Axes:
     values = np.array([np.nan if result is None else result for _, result in ablation], dtype=float)
     ax = axes_or_new(None)
     bars = ax.barh(range(len(values)), np.nan_to_num(values), color=BLUE)
-    ax.bar_label(bars, ["none" if np.isnan(v) else f"{v:.5g}" for v in values], padding=4)
+    ax.bar_label(bars, ["" if np.isnan(v) else f"{v:.5g}" for v in values], padding=4)
+    for i in np.flatnonzero(np.isnan(values)):
+        ax.text(0.01, float(i), "none", va="center", transform=ax.get_yaxis_transform())
     ax.set_yticks(range(len(values)), [_scene(without) for without, _ in ablation])
     ax.invert_yaxis()
-    if np.nanmin(values) > 0 and np.nanmax(values) > SPAN * np.nanmin(values):
+    known = values[~np.isnan(values)]
+    if len(known) and known.min() > 0 and known.max() > SPAN * known.min():
         ax.set_xscale("log")
     ax.axvline(0.0, color=GREY, linewidth=0.8)
     ax.margins(x=0.15)

@@ -20,6 +20,7 @@ STYLES: dict[str, dict[str, Any]] = {
     "periodic": {"color": BLUE, "marker": ".", "markersize": 4.0},
     "non-periodic": {"color": VERMILLION, "marker": ".", "markersize": 2.0},
     "not settled yet": {"color": GREY, "marker": ".", "markersize": 3.0},
+    "ended early": {"color": GREY, "marker": "x", "markersize": 3.0},
     "equilibrium": {"color": BLACK, "marker": "_", "markersize": 6.0},
 }
 AT_REST = "equilibrium"

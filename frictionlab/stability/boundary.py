@@ -106,8 +106,8 @@ def _described(plane: Plane, curve: Array, level: int) -> list[Boundary]:
 def _sides(plane: Plane, piece: Array) -> tuple[int, int]:
     """Growing pairs on the two sides of the middle of a curve."""
     i = len(piece) // 2
-    step = piece[i] - piece[i - 1]
-    beside = piece[i] - step / 2 + 0.05 * np.array([[-step[1], step[0]], [step[1], -step[0]]])
+    step = piece[min(i + 1, len(piece) - 1)] - piece[i - 1]
+    beside = piece[i] + 0.05 * np.array([[-step[1], step[0]], [step[1], -step[0]]])
     few, many = sorted(unstable_pairs(plane.spectra(beside)).tolist())
     return few, many
 

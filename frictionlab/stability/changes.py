@@ -17,8 +17,9 @@ from .view import check_bounds, check_parameter, steady
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 JUMP, LEAP = 1e-6, 1e-4  # shares of the largest eigenvalue: most growth at a root, and just inside
-OUTSIDE, INSIDE = 1e-3, 1e-9  # shares of a bracket
+OUTSIDE, INSIDE = np.array([0.0, 1e-3, 1.0]), 1e-9  # shares of a bracket
 ROUNDING, STEPS = 1e-13, 200
+NEAREST = 1e-12  # share of a root
 
 
 @dataclass(frozen=True)
@@ -142,12 +143,17 @@ def critical_curve(model: Any, parameter: str, bounds: Any, *, over: tuple[str, 
     Raises
     ------
     ValueError
-        As :func:`stability_changes`, for both parameters.
+        As :func:`stability_changes`, for both parameters; if they are the same, or there are no values.
     """
     view = steady(model)
     low, high = check_bounds(view, parameter, bounds)
     name, at = over[0], np.asarray(over[1], dtype=float).ravel()
     check_parameter(view, name, at.tolist())
+    if name == parameter or not at.size:
+        raise ValueError(
+            f"over must be another parameter than {parameter!r} and at least one value of it, got {over!r}: "
+            'give for example ("F", [100, 200])'
+        )
     losses = map(first_loss, on_lines(view, parameter, (low, high), {name: at}))
     return CriticalCurve(
         model, parameter, name, at, np.array([np.nan if x is None else x for x in losses], dtype=float)
@@ -170,7 +176,7 @@ def on_lines(
 
     low, high = (np.full(count, bound) for bound in bounds)
     found = brackets(evaluate, low, high)
-    changes = _described(evaluate, found, _roots(evaluate, found, bounds))
+    changes = _described(evaluate, found, _roots(evaluate, found, bounds), bounds)
     return [tuple(c for c, line in zip(changes, found.line, strict=True) if line == i) for i in range(count)]
 
 
@@ -178,14 +184,13 @@ def _roots(evaluate: Evaluate, found: Brackets, bounds: tuple[float, float]) -> 
     if not found.line.size:
         return np.zeros(0)
     still, growing = _sides(evaluate, found)
-    outside = np.clip(still + OUTSIDE * (still - growing), *bounds)
-    shift = _shift(evaluate, found, outside)
+    outside = np.clip(still + OUTSIDE[:, None] * (still - growing), *bounds)
+    start, shift = _starts(evaluate, found, still, outside)
 
     def rate(at: Array, line: Any, level: Any, shift: Any) -> Array:
         return level_of(evaluate(line.astype(int), at), level.astype(int)).real - shift
 
-    ends = (np.where(shift > 0, still, outside), growing)
-    solved = find_root(rate, ends, args=(found.line, found.level, shift), maxiter=STEPS)
+    solved = find_root(rate, (start, growing), args=(found.line, found.level, shift), maxiter=STEPS)
     # Where there is no root, the equilibrium ends.
     return np.where(np.isfinite(solved.x), solved.x, 0.5 * (found.low + found.high))
 
@@ -197,14 +202,18 @@ def _sides(evaluate: Evaluate, found: Brackets) -> tuple[Array, Array]:
     return np.where(rises, found.low, found.high), np.where(rises, found.high, found.low)
 
 
-def _shift(evaluate: Evaluate, found: Brackets, outside: Array) -> Array:
-    """A rate that tells growth from none where nothing is damped, since zero does not; else zero.
+def _starts(evaluate: Evaluate, found: Brackets, still: Array, outside: Array) -> tuple[Array, Array]:
+    """Where the mode decays, and zero; without damping `still`, and a rate that tells growth from none.
 
-    `outside` is a little further out than where the mode does not grow yet: a damped one decays there.
+    Near a root the growth rate is as good as zero too, but not a little further out.
     """
-    spectra = evaluate(found.line, outside)
-    largest = np.abs(spectra).max(axis=1)
-    return np.where(level_of(spectra, found.level).real < -ROUNDING * largest, 0.0, NEUTRAL * largest)
+    start, shift = still.copy(), np.full(still.shape, np.nan)
+    for at in outside:
+        spectra = evaluate(found.line, at)
+        largest = np.abs(spectra).max(axis=1)
+        decays = np.isnan(shift) & (level_of(spectra, found.level).real < -ROUNDING * largest)
+        start[decays], shift[decays] = at[decays], 0.0
+    return start, np.where(np.isnan(shift), NEUTRAL * largest, shift)
 
 
 def level_of(spectra: Any, level: Indices) -> Any:
@@ -212,15 +221,24 @@ def level_of(spectra: Any, level: Indices) -> Any:
     return np.take_along_axis(spectra, level[:, None], axis=1)[:, 0]
 
 
-def _described(evaluate: Evaluate, found: Brackets, roots: Array) -> list[StabilityChange]:
+def _described(
+    evaluate: Evaluate, found: Brackets, roots: Array, bounds: tuple[float, float]
+) -> list[StabilityChange]:
     if not found.line.size:
         return []
     _, growing = _sides(evaluate, found)
-    inside = evaluate(found.line, roots + INSIDE * (growing - roots))
+    step = growing - roots
+    # A bracket may be as narrow as rounding is coarse.
+    least = np.minimum(NEAREST * np.abs(roots), np.abs(step))
+    inside = evaluate(found.line, roots + np.copysign(np.maximum(INSIDE * np.abs(step), least), step))
     before, at, after = (evaluate(found.line, p) for p in (found.low, roots, found.high))
     # Just inside: at the root itself all growth rates may be zero, and a real eigenvalue one of a pair.
     critical = level_of(inside, found.level)
-    jumps = _jumps(level_of(at, found.level), at, JUMP) | _jumps(critical, inside, LEAP)
+    far = np.concatenate(
+        [at, *(evaluate(found.line, np.full(len(roots), bound)) for bound in bounds)], axis=1
+    )
+    size = np.nanmax(np.abs(far), axis=1)
+    jumps = _jumps(level_of(at, found.level), size, JUMP) | _jumps(critical, size, LEAP)
     lost = (growth(before) > 0).sum(axis=1) < (growth(after) > 0).sum(axis=1)
     rows = zip(roots, critical, jumps, lost, unstable_pairs(before), unstable_pairs(after))
     return [
@@ -228,9 +246,9 @@ def _described(evaluate: Evaluate, found: Brackets, roots: Array) -> list[Stabil
     ]
 
 
-def _jumps(critical: Any, spectra: Any, most: float) -> Any:
-    """Whether a growth rate is no longer small at a root or next to it, so that there is none."""
-    return ~(np.abs(critical.real) <= most * np.abs(spectra).max(axis=1))
+def _jumps(critical: Any, size: Array, most: float) -> Any:
+    """Whether a growth rate is not small at a root or next to it, so that there is none."""
+    return ~(np.abs(critical.real) <= most * size)
 
 
 def _change(

@@ -90,7 +90,7 @@ def newton_step(flow: Flow, x: Array, values: Sequence[Any], target: Any) -> Arr
     return step
 
 
-def _solution(matrices: Array, right: Array) -> Array:
+def _solution(matrices: Array, right: Array) -> Any:
     try:
         return np.linalg.solve(matrices, right)
     except np.linalg.LinAlgError:  # singular, as at a fold

@@ -17,6 +17,7 @@ ComplexArray = NDArray[np.complexfloating[Any, Any]]
 Flags = NDArray[np.bool_]
 Evaluate = Callable[[NDArray[np.intp], Array], ComplexArray]
 
+TINY = 1e-280  # where all eigenvalues are zero
 POINTS, HALVINGS = 129, 24
 MOST = 8  # times the pieces of the first grid: two modes with one eigenvalue throughout come close everywhere
 ROUNDING, TWINS = 1e-9, 1e-11  # shares of the largest eigenvalue: no motion, and no distance
@@ -85,7 +86,7 @@ def _grid(evaluate: Evaluate, low: Array, high: Array) -> Intervals:
 
 def growth(spectra: ComplexArray) -> Array:
     """Growth rates; those that are zero but for rounding are a little below zero."""
-    bound = NEUTRAL * np.abs(spectra).max(axis=-1, keepdims=True, initial=0.0)
+    bound = NEUTRAL * np.abs(spectra).max(axis=-1, keepdims=True, initial=TINY)
     return np.where(np.abs(spectra.real) < bound, -bound, spectra.real)
 
 

@@ -56,7 +56,9 @@ class Steady:
         """Equilibria (m, N) and state matrices (N, m, m); NaN where there is no equilibrium."""
         values, count = self.at(changes)
         x = self.solve(values, count)
-        return x, self.flow.jacobian(x, values)
+        matrices = self.flow.jacobian(x, values)
+        matrices[np.isnan(x).any(axis=0)] = np.nan  # entries that do not depend on x are still numbers
+        return x, matrices
 
     def spectra(self, changes: Mapping[str, Any]) -> ComplexArray:
         """Eigenvalues (N, m), the largest growth rate first."""

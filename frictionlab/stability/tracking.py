@@ -24,7 +24,10 @@ ComplexArray = NDArray[np.complexfloating[Any, Any]]
 SAME, OTHER = 0.7, 0.4  # products of unit vectors that count as one mode, and as two
 ONE = 1e-10  # share of the largest eigenvalue: what rounding may part
 ASIDE = 1e-3  # of a step: where vectors are taken from instead
-HALVINGS, SPARE = 24, 64
+NEAR, WEAK = 0.5, 0.05  # of the way two modes go past each other; of the distance at which they pass
+UNCOUPLED = 1e-12  # share of the largest eigenvalue
+TIE = 0.1
+FINEST, SPARE = 1e-12, 64  # share of the largest parameter: narrowest step; steps that may be halved at once
 SPLIT = 0.47  # not a half: crossings tend to lie at round values
 NOTHING = complex(np.nan, np.nan)
 
@@ -110,7 +113,8 @@ def _inverse(vectors: ComplexArray) -> ComplexArray:
 def tracked(path: Modes, sample: Callable[[Array], Modes]) -> Modes:
     """The same points with each mode in one column throughout; `sample` gives modes at further points."""
     parted = _parted(path, sample)
-    steps = _matched(parted[:-1], parted[1:], sample, HALVINGS, len(path.at) + SPARE)
+    least = FINEST * float(np.abs(path.at).max(initial=0.0))
+    steps = _matched(parted[:-1], parted[1:], sample, least, len(path.at) + SPARE)
     order = np.empty(path.values.shape, dtype=np.intp)
     order[:1] = np.arange(path.values.shape[1])
     for before, after, step in zip(order, order[1:], steps):
@@ -119,11 +123,11 @@ def tracked(path: Modes, sample: Callable[[Array], Modes]) -> Modes:
 
 
 def _parted(path: Modes, sample: Callable[[Array], Modes]) -> Modes:
-    """With the vectors from nearby where modes have one eigenvalue, as at a crossing: there they can be any."""
+    """With vectors from nearby where modes have one eigenvalue, as at a crossing: there they can be any."""
     step = np.diff(path.at, prepend=path.at[1:2])
     (alike,) = np.nonzero(_alike(path.values).any(axis=(1, 2)) & (step != 0))
     nearby = sample(path.at[alike] - ASIDE * step[alike])
-    alike_still = _alike(nearby.values).any(axis=(1, 2))
+    alike_still: Any = _alike(nearby.values).any(axis=(1, 2))
     for i, j in enumerate(alike):
         if np.isfinite(nearby.values[i]).all() and not alike_still[i]:
             path.values[j] = path.values[j][_nearest(nearby.values[i], path.values[j])]
@@ -139,37 +143,72 @@ def _alike(values: ComplexArray) -> NDArray[np.bool_]:
 
 
 def _matched(
-    a: Modes, b: Modes, sample: Callable[[Array], Modes], depth: int, most: int
+    a: Modes, b: Modes, sample: Callable[[Array], Modes], least: float, most: int
 ) -> NDArray[np.intp]:
-    """For each mode of `a` the index of the same mode of `b`, (N, k)."""
-    overlap = np.abs(a.left @ b.right)
-    found = overlap.argmax(axis=2)
-    found[np.isnan(overlap[:, 0, 0])] = np.arange(found.shape[1])
-    (twice,) = np.nonzero((np.sort(found, axis=1) != np.arange(found.shape[1])).any(axis=1))
-    for i in twice:
-        found[i] = linear_sum_assignment(-overlap[i])[1]
-    unclear = ~_clear(overlap, found, _alike(a.values), _alike(b.values))
-    unclear &= np.isfinite(a.values[:, 0]) & np.isfinite(b.values[:, 0])
-    if unclear.any() and depth and unclear.sum() <= most:
-        middle = sample(a.at[unclear] + SPLIT * (b.at[unclear] - a.at[unclear]))
-        first = _matched(a[unclear], middle, sample, depth - 1, most)
-        second = _matched(middle, b[unclear], sample, depth - 1, most)
-        found[unclear] = np.take_along_axis(second, first, axis=1)
-    elif unclear.any():  # an exact coalescence: the nearest eigenvalues, since the vectors are one
-        found[unclear] = [_nearest(x, y) for x, y in zip(a.values[unclear], b.values[unclear])]
+    """For each mode of `a` the index of the same mode of `b`, (N, k); the same where one has none.
+
+    Unclear steps are halved, down to a width of `least` and as long as there are no more than `most`.
+    """
+    known = np.isfinite(a.values[:, 0]) & np.isfinite(b.values[:, 0])
+    if not known.all():
+        found = np.tile(np.arange(a.values.shape[1]), (len(known), 1))
+        found[known] = _matched(a[known], b[known], sample, least, most)
+        return found
+    found = _assigned(_likeness(a, b))
+    clear, apart = _told(a, b.permuted(found))
+    wide = ~(clear & apart) & (np.abs(b.at - a.at) > least)
+    if wide.any() and (wide.sum() <= most):
+        middle = sample(a.at[wide] + SPLIT * (b.at[wide] - a.at[wide]))
+        first = _matched(a[wide], middle, sample, least, most)
+        second = _matched(middle, b[wide], sample, least, most)
+        found[wide] = np.take_along_axis(second, first, axis=1)
+        clear |= wide
+    for i in np.flatnonzero(~clear):  # an exact coalescence: by eigenvalues, since the vectors are one
+        found[i] = _nearest(a.values[i], b.values[i])
     return found
 
 
-def _clear(overlap: Array, found: NDArray[np.intp], alike_a: Any, alike_b: Any) -> NDArray[np.bool_]:
-    """Whether vectors tell which mode is which; of modes alike on both sides that does not matter."""
-    rows, columns = found[:, :, None], found[:, None, :]
-    overlap = np.take_along_axis(overlap, np.broadcast_to(columns, overlap.shape), axis=2)
-    alike_b = np.take_along_axis(np.take_along_axis(alike_b, rows, axis=1), columns, axis=2)
-    any_way = alike_a & alike_b
-    own = np.eye(found.shape[1], dtype=bool)
-    same = (overlap > SAME) | any_way.any(axis=2, keepdims=True)
-    return np.where(own, same, any_way | (overlap < OTHER)).all(axis=(1, 2))
+def _likeness(a: Modes, b: Modes) -> Array:
+    """How much the modes of `a` and `b` are alike (N, k, k), whatever the lengths of their vectors."""
+    return np.sqrt(np.abs(a.left @ b.right) * np.abs(np.swapaxes(b.left @ a.right, 1, 2)))
+
+
+def _assigned(likeness: Array) -> NDArray[np.intp]:
+    """For each mode the index of the one most like it, each used once."""
+    found, each = likeness.argmax(axis=2), np.arange(likeness.shape[1])
+    (twice,) = np.nonzero((np.sort(found, axis=1) != each).any(axis=1))
+    for i in twice:
+        found[i] = linear_sum_assignment(-likeness[i])[1]
+    return found
+
+
+def _told(a: Modes, b: Modes) -> tuple[Any, Any]:
+    """Whether vectors tell that the columns of `a` and `b` are the same modes, and that none met between."""
+    either = _alike(a.values) & _alike(b.values)  # which of these is which does not matter
+    likeness, own = _likeness(a, b), np.eye(a.values.shape[1], dtype=bool)
+    same = (likeness > SAME) | either.any(axis=2, keepdims=True)
+    clear = np.where(own, same, either | (likeness < OTHER)).all(axis=(1, 2))
+    return clear, ~(_met(a, b) & ~either).any(axis=(1, 2))
+
+
+def _met(a: Modes, b: Modes) -> Any:
+    """Which modes (N, k, k) may have come near each other between `a` and `b`, coupled so that it matters.
+
+    Coupled by c, the vectors of modes whose eigenvalues are d apart mix by c/d, so d and the mixing tell c.
+    """
+    start, end = (v[:, :, None] - v[:, None, :] for v in (a.values, b.values))
+    way = np.maximum(np.abs(end - start), np.finfo(float).tiny)
+    share = np.clip(-((end - start).conj() / way * (start / way)).real, 0.0, 1.0)
+    nearest = np.abs(start + share * (end - start))
+    mixed = a.left @ b.right
+    own = np.einsum("...ii->...i", mixed)
+    mixing = np.abs(mixed * np.swapaxes(mixed, 1, 2) / (own[:, :, None] * own[:, None, :])) ** 0.5
+    coupling = mixing * np.abs(start) * np.abs(end) / way
+    largest = np.abs(a.values).max(axis=1, initial=0.0)[:, None, None]
+    return (nearest < NEAR * way) & (coupling > np.maximum(UNCOUPLED * largest, WEAK * nearest))
 
 
 def _nearest(a: ComplexArray, b: ComplexArray) -> NDArray[np.intp]:
-    return linear_sum_assignment(np.abs(a[:, None] - b[None, :]))[1]
+    """Where four distances are equal, as at a coalescence, higher frequency and larger growth go together."""
+    apart, rank = np.abs(a[:, None] - b[None, :]), np.subtract.outer(a.real + a.imag, b.real + b.imag)
+    return linear_sum_assignment(apart**2 + TIE * rank**2)[1]

@@ -76,3 +76,12 @@ def test_coulomb_oscillator_turns_where_it_should_and_stops():
     ]  # fmt: skip
     assert run.final_state == pytest.approx([-0.3, 0.0], abs=1e-12)
     assert run.status.ok
+
+
+def test_parameters_are_replaced_by_name():
+    belt = coulomb(0.2, 1.0, 0.5)
+    slower = belt.replace(belt=0.1)
+    assert slower.modes is belt.modes  # so that nothing is derived again
+    assert {s.name: v for s, v in slower.parameters.items()} == {"belt": 0.1, "mu_s": 1.0, "mu_k": 0.5}
+    with pytest.raises(ValueError, match="no parameter is called 'speed': known are belt, mu_s, mu_k"):
+        belt.replace(speed=0.1)

@@ -1,0 +1,99 @@
+"""What a window of a motion shows."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from frictionlab.hybrid.trajectory import Points, Trajectory
+
+from .intensity import intensity
+from .kinds import ENDED, EQUILIBRIUM, NON_PERIODIC, PERIODIC, kind_of, onsets_in
+from .recurrence import SHORTEST, recurrence, sizes
+from .sections import STICK, Section, points, stick_onsets, turning
+from .spectrum import F_MAX, Spectrum, amplitude_spectrum
+
+
+@dataclass(frozen=True, eq=False)
+class SteadyState:
+    """What a motion settles to.
+
+    Parameters
+    ----------
+    model : Model or HybridAutomaton
+    kind : "equilibrium", "periodic", "non-periodic", "not settled yet" or "ended early"
+        The last where the solver did not reach the end of the run: ``trajectory.status`` says why.
+    period : float
+        s; NaN where the motion is not periodic.
+    onsets_per_period : int
+        Transitions from slip to stick in a period; 0 where the motion is not periodic.
+    intensity : float
+        L_s, Eq. (20): mean of the squared distance from the sliding equilibrium, the coordinates summed (m^2
+        and rad^2).  Over the last period where there is one, else over the window.  NaN without an
+        equilibrium, or where the run ended early.
+    section : Points
+        Crossings of the section in the window: times (K,), states (K, 2n).
+    deviation : float
+        How far the state is from that one period before, as a share of the motion's size.
+    time_in_mode : mapping
+        Share of the window spent in each mode.
+    trajectory : Trajectory
+        The window; its time starts at zero.
+    transient : float
+        Seconds before the window.
+    """
+
+    model: Any
+    kind: str
+    period: float
+    onsets_per_period: int
+    intensity: float
+    section: Points
+    deviation: float
+    time_in_mode: Mapping[str, float]
+    trajectory: Trajectory
+    transient: float
+
+    @property
+    def settled(self) -> bool:
+        """Whether the transient was long enough to tell."""
+        return self.kind in (EQUILIBRIUM, PERIODIC, NON_PERIODIC)
+
+    def spectrum(self, name: str = "x1", *, f_max: float = F_MAX) -> Spectrum | None:
+        """Amplitude spectrum (the state's unit, over Hz) of the whole window, Hann-weighted; see
+        :func:`frictionlab.analysis.spectrum.amplitude_spectrum`.
+        """
+        return amplitude_spectrum(self.trajectory, name, f_max=f_max, start=0.0)
+
+    def __repr__(self) -> str:
+        if self.kind == ENDED:
+            return f"SteadyState({ENDED}: {self.trajectory.status})"
+        period = f", period {self.period:.6g} s, {self.onsets_per_period} onsets of stick in it"
+        return f"SteadyState({self.kind}{period if self.kind == PERIODIC else ''}, L_s {self.intensity:.5g})"
+
+
+def look(
+    model: Any, run: Trajectory, section: Section | None, tolerance: float, *, passed: float
+) -> SteadyState:
+    """The kind of motion in a run, its period, intensity and so on; arguments as of `steady_state`."""
+    if section is None:
+        section = STICK if stick_onsets(run).sum() >= SHORTEST else turning(run.automaton)
+    crossings = points(run, section)
+    returns = recurrence(crossings.t, crossings.state, sizes(run.raw.step_states), tolerance)
+    kind = kind_of(run, returns, crossings.state, tolerance)
+    period = returns.period if kind == PERIODIC else np.nan
+    return SteadyState(
+        model=model,
+        kind=kind,
+        period=period,
+        onsets_per_period=onsets_in(run, period) if kind == PERIODIC else 0,
+        intensity=np.nan if kind == ENDED else intensity(run, period),
+        section=crossings,
+        deviation=returns.deviation,
+        time_in_mode={name: seconds / (run.raw.t or 1.0) for name, seconds in run.time_in_mode.items()},
+        trajectory=run,
+        transient=passed,
+    )
