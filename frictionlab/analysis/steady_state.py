@@ -83,7 +83,7 @@ def steady_state(
     --------
     >>> import frictionlab as fl
     >>> fl.steady_state(fl.SliderOnBelt(mu_k=1.4).without("geometry"), transient=60, window=10)
-    SteadyState(periodic, period 0.0905161 s, 1 onsets of stick in it, L_s 0.0011701)
+    SteadyState(periodic, period 0.0905161 s, 1 onset of stick in it, L_s 0.0011701)
     """
     chosen = method_of(method)
     check_steady(model, x0, transient, window, longest, section, tolerance)

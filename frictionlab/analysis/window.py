@@ -71,7 +71,8 @@ class SteadyState:
     def __repr__(self) -> str:
         if self.kind == ENDED:
             return f"SteadyState({ENDED}: {self.trajectory.status})"
-        period = f", period {self.period:.6g} s, {self.onsets_per_period} onsets of stick in it"
+        onsets = "onset" if self.onsets_per_period == 1 else "onsets"
+        period = f", period {self.period:.6g} s, {self.onsets_per_period} {onsets} of stick in it"
         return f"SteadyState({self.kind}{period if self.kind == PERIODIC else ''}, L_s {self.intensity:.5g})"
 
 

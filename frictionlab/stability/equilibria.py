@@ -91,7 +91,8 @@ def equilibrium(model: Any) -> Equilibrium:
     if isinstance(model, HybridAutomaton):
         return _of_automaton(steady_state_of(model).model)[0]
     found = equilibria(model)
-    pressed = [e for e in found if e.normal_force > 0]
+    # A law with even powers may press where there is no contact.
+    pressed = [e for e in found if e.normal_force > 0 and e.gap > 0]
     if pressed:
         return min(pressed, key=lambda e: e.gap)
     forces = ", ".join(f"{e.normal_force:.4g} N" for e in found) or "none"

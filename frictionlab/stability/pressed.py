@@ -27,7 +27,7 @@ def pressed_gap(statics: Statics, values: Sequence[Any], count: int) -> Array:
         else:
             gaps = _candidates(statics, values, np.broadcast_to(excess, (len(excess), count)))
         solved = residual(statics, statics.coordinates(gaps, *values), values) < RESIDUAL
-    least = np.where(solved & (statics.forces(gaps, *values)[0] > 0), gaps, np.inf).min(axis=0)
+    least = np.where(solved & (gaps > 0) & (statics.forces(gaps, *values)[0] > 0), gaps, np.inf).min(axis=0)
     return np.where(np.isfinite(least), least, np.nan)
 
 
@@ -44,9 +44,9 @@ def _candidates(statics: Statics, values: Sequence[Any], excess: Array) -> Array
     """Nearly real roots (some, N), made exact by Newton's method on the composed equation."""
     roots = _roots(excess)
     real = np.abs(roots.imag) <= NEARLY_REAL * np.abs(roots.real)
-    pressed = statics.forces(roots.real, *values)[0] > 0
+    pressed = (roots.real > 0) & (statics.forces(roots.real, *values)[0] > 0)
     gaps = np.sort(np.where(real & pressed, roots.real, np.nan), axis=0)
-    gaps = gaps[: max(1, int(np.isfinite(gaps).sum(axis=0).max()))]  # NaN comes last
+    gaps = gaps[: int(np.isfinite(gaps).sum(axis=0).max(initial=1))]  # NaN comes last
     return polished(statics, values, gaps)
 
 

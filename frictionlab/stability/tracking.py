@@ -26,7 +26,7 @@ ONE = 1e-10  # share of the largest eigenvalue: what rounding may part
 ASIDE = 1e-3  # of a step: where vectors are taken from instead
 NEAR, WEAK = 0.5, 0.05  # of the way two modes go past each other; of the distance at which they pass
 UNCOUPLED = 1e-12  # share of the largest eigenvalue
-TIE = 0.1
+TIE, TINY = 0.1, 1e-150
 FINEST, SPARE = 1e-12, 64  # share of the largest parameter: narrowest step; steps that may be halved at once
 SPLIT = 0.47  # not a half: crossings tend to lie at round values
 NOTHING = complex(np.nan, np.nan)
@@ -126,6 +126,8 @@ def _parted(path: Modes, sample: Callable[[Array], Modes]) -> Modes:
     """With vectors from nearby where modes have one eigenvalue, as at a crossing: there they can be any."""
     step = np.diff(path.at, prepend=path.at[1:2])
     (alike,) = np.nonzero(_alike(path.values).any(axis=(1, 2)) & (step != 0))
+    if not alike.size:
+        return path
     nearby = sample(path.at[alike] - ASIDE * step[alike])
     alike_still: Any = _alike(nearby.values).any(axis=(1, 2))
     for i, j in enumerate(alike):
@@ -197,7 +199,7 @@ def _met(a: Modes, b: Modes) -> Any:
     Coupled by c, the vectors of modes whose eigenvalues are d apart mix by c/d, so d and the mixing tell c.
     """
     start, end = (v[:, :, None] - v[:, None, :] for v in (a.values, b.values))
-    way = np.maximum(np.abs(end - start), np.finfo(float).tiny)
+    way = np.maximum(np.abs(end - start), TINY)
     share = np.clip(-((end - start).conj() / way * (start / way)).real, 0.0, 1.0)
     nearest = np.abs(start + share * (end - start))
     mixed = a.left @ b.right

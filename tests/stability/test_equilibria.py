@@ -15,6 +15,7 @@ from frictionlab.components import ContactLaw
 from frictionlab.models import SliderOnBelt
 from frictionlab.stability import equilibria, equilibrium
 from frictionlab.stability.real_roots import real_roots
+from frictionlab.stability.view import steady
 
 # Claims C1 to C3; x1 at mu_k = 1.4 is positive (erratum E1).
 PAPER = {
@@ -176,3 +177,26 @@ def test_a_law_may_be_undefined_for_a_negative_gap():
     point = equilibrium(SliderOnBelt(contact=Hertz()))
     assert point.residual < 1e-12
     assert point.normal_force == pytest.approx(1e5 * point.gap**1.5)
+
+
+@dataclass(frozen=True)
+class Quadratic(ContactLaw):
+    """A law with an even power: F_N > 0 at a gap of -0.7 m too, where there is no contact."""
+
+    k_a: float = 5e3
+    k_b: float = 1e4
+
+    def force(self, gap):
+        """Linear and square."""
+        return self.k_a * gap + self.k_b * gap**2
+
+
+def test_pressed_means_compressed():
+    model = SliderOnBelt(contact=Quadratic())
+    outside, inside = equilibria(model)
+    assert outside.gap < -0.5
+    assert outside.normal_force > 0
+    assert equilibrium(model).gap == inside.gap > 0
+    view = steady(model)
+    x = view.solve(*view.at({"mu_k": [0.3, 0.3]}))
+    np.testing.assert_allclose(x[:5], np.stack([inside.q, inside.q], axis=1), rtol=1e-9)

@@ -103,8 +103,8 @@ def grid(**axes):
 
 
 AXES = {
-    "mu_k": st.floats(0, 3),
-    "F": st.one_of(st.just(0.0), st.floats(-500, 5000)),
+    "mu_k": st.one_of(st.just(0.0), st.floats(1e-6, 3)),
+    "F": st.one_of(st.just(0.0), st.floats(-500, -1e-3), st.floats(1e-3, 5000)),
     "k_nl": st.one_of(st.just(0.0), st.floats(-2, 10).map(lambda e: 10.0**e)),
     "v": st.sampled_from([-2.0, -1e-3, 0.0, 1e-9, 1.0]),
     "k3": st.one_of(st.just(0.0), st.floats(3, 6).map(lambda e: 10.0**e)),
@@ -118,7 +118,7 @@ AXES = {
     data=st.data(),
     names=st.lists(st.sampled_from(sorted(AXES)), min_size=1, max_size=2, unique=True),
     stiffness=st.lists(st.floats(3, 6).map(lambda e: 10.0**e), min_size=4, max_size=4),
-    mu_k=st.floats(0, 3),
+    mu_k=AXES["mu_k"],
     F=st.sampled_from([-5.0, 0.0, 200.0, 3000.0]),
     v=st.sampled_from([-1.0, 1.0]),
     toggles=st.sampled_from([(), ("geometry",), ("nonsmooth",)]),
