@@ -8,7 +8,7 @@ import pytest
 import frictionlab as fl
 from frictionlab import cli
 from frictionlab.cli import choices
-from frictionlab.paper.registry import FIGURES
+from frictionlab.paper.registry import EVERY_FIGURE
 
 
 def failing(argv, capsys):
@@ -38,8 +38,8 @@ def test_without_a_file_the_number_names_it(tmp_path, capsys, monkeypatch):
 
 
 BAD = {
-    "7": "the figure must be one of 2, 3, 4, 5, 6, got 7",
-    "-1": "the figure must be one of 2, 3, 4, 5, 6, got -1",
+    "19": "the figure must be one of 2, 3, 4, 5, 6, 7, 8,",
+    "-1": "17, 18, got -1",
     "two": "argument N: invalid int value: 'two'",
     "": "the following arguments are required: N",
     "2 -o a.xyz": "-o must end in one of .png",
@@ -69,7 +69,7 @@ def test_help_names_the_figures_and_loads_nothing_heavy(capsys):
     with pytest.raises(SystemExit) as ended:
         cli.main(["figure", "--help"])
     assert ended.value.code == 0
-    assert f"the paper's number: {min(FIGURES)} to {max(FIGURES)}" in capsys.readouterr().out
+    assert f"the paper's number: {min(EVERY_FIGURE)} to {max(EVERY_FIGURE)}" in capsys.readouterr().out
     code = (
         "import sys\nfrom frictionlab.cli import main\n"
         "try: main(['figure', '--help'])\nexcept SystemExit: pass\n"

@@ -14,6 +14,7 @@ from .arguments import normalised, unknown_options
 from .bench import add_bench
 from .figure import add_figure
 from .parser import OneLineParser, add_run
+from .reproduce import add_reproduce
 
 INTERRUPTED = 130  # 128 + SIGINT, as shells have it
 
@@ -56,17 +57,20 @@ def _parsers() -> tuple[OneLineParser, dict[str, OneLineParser]]:
     )
     parser.add_argument("--version", action="version", version=f"frictionlab {__version__}")
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", title="commands")
-    added = {"run": add_run, "figure": add_figure, "bench": add_bench}
+    added = {"run": add_run, "figure": add_figure, "reproduce": add_reproduce, "bench": add_bench}
     return parser, {name: add(commands) for name, add in added.items()}
 
 
 def _guarded(chosen: argparse.Namespace, parser: OneLineParser) -> int:
     from .bench import bench_command
     from .figure import figure_command
+    from .reproduce import reproduce_command
     from .run import run_command
 
+    does = {"run": run_command, "figure": figure_command}
+    does |= {"reproduce": reproduce_command, "bench": bench_command}
     try:
-        command = {"run": run_command, "figure": figure_command, "bench": bench_command}[chosen.command]
+        command = does[chosen.command]
         code = command(chosen, parser)
         sys.stdout.flush()
         return code

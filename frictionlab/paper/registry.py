@@ -3,23 +3,67 @@
 from __future__ import annotations
 
 from importlib import import_module
+from pathlib import Path
 
-from .claims import Claims
+from .claims import Claim, Claims
 from .result import PaperFigure
+from .setting import Setting
 
-# Number -> module with `figure(number)`.
+# Number -> module with `figure(number)`: linear stability, which no algorithm and no impact law changes.
 FIGURES = {2: "coalescence", 3: "coalescence", 4: "critical", 5: "critical", 6: "two_pairs"}
+# Number -> module with `figure(number, setting)`: steady states.
+STEADY = {
+    **dict.fromkeys((7, 8), "responses"),
+    **dict.fromkeys(range(9, 15), "branches"),
+    15: "preload",
+    **dict.fromkeys((16, 17), "smoothness"),
+    18: "frequencies",
+}
+EVERY_FIGURE = FIGURES | STEADY
+WITHOUT_GEOMETRY = (13, 14)  # where both impact laws are the same
 # Claim -> module with `CHECKS`, name -> function that gives the Claim.
 CLAIMS: dict[str, str] = {f"C{i}": "linear_claims" for i in range(1, 9)}
+# The same, but the function takes a setting.
+STEADY_CLAIMS = {
+    **dict.fromkeys(("C9", "C10"), "response_claims"),
+    **dict.fromkeys((f"C{i}" for i in range(11, 16)), "contact_claims"),
+    **dict.fromkeys((f"C{i}" for i in range(16, 21)), "geometry_claims"),
+    **dict.fromkeys((f"C{i}" for i in range(21, 26)), "nonsmooth_claims"),
+}
+EVERY_CLAIM = CLAIMS | STEADY_CLAIMS
 
 
-def figure(number: int) -> PaperFigure:
+def figure(
+    number: int,
+    *,
+    algorithm: str = "exact",
+    impact: str = "paper",
+    quick: bool = False,
+    workers: int | None = None,
+    progress: bool = True,
+    resume: str | Path | None = None,
+) -> PaperFigure:
     """Compute a figure of the paper.
+
+    Figures 2 to 6 are of linear stability and take a second; 7 to 18 are of steady states and take up to
+    some minutes, which the last four options are for.
 
     Parameters
     ----------
     number : int
         The paper's.
+    algorithm : "exact" or "paper"
+        The Taylor method, or ``fl.RK4(step=2e-4)``.  Figs 7 to 18.
+    impact : "paper" or "full gap rate"
+        Eq. (13) as printed, or with the gap's full rate.  Figs 7 to 12 and 15 to 18: without the moving
+        load (Figs 13, 14) both are the same.
+    quick : bool
+        A coarser grid of parameters.
+    workers : int or None
+        Threads; None takes one for each processor.
+    progress : bool
+    resume : path or None
+        Folder in which sweeps are kept as they come, and from which they are continued.
 
     Returns
     -------
@@ -29,7 +73,7 @@ def figure(number: int) -> PaperFigure:
     Raises
     ------
     ValueError
-        For a figure that is not computed.
+        For a figure that is not computed, and for an algorithm or impact law that makes no difference to it.
 
     Examples
     --------
@@ -37,23 +81,43 @@ def figure(number: int) -> PaperFigure:
     >>> fl.paper.figure(2).data.changes[1e7][0].value  # doctest: +ELLIPSIS
     1.14842...
     """
-    check_number(number)
-    return import_module(f"{__package__}.{FIGURES[number]}").figure(number)
+    check_figure(number, algorithm, impact)
+    setting = Setting(algorithm, impact, quick, workers, progress, None if resume is None else Path(resume))
+    if number in FIGURES:
+        return import_module(f"{__package__}.{FIGURES[number]}").figure(number)
+    return import_module(f"{__package__}.{STEADY[number]}").figure(number, setting)
 
 
-def check_number(number: int) -> None:
-    """Refuse a number that no module computes, with those that there are."""
-    if number not in list(FIGURES):
-        raise ValueError(f"the figure must be one of {', '.join(map(str, FIGURES))}, got {number!r}")
+def check_figure(number: int, algorithm: str, impact: str) -> None:
+    """Refuse a number that no module computes, and options that make no difference."""
+    if number not in list(EVERY_FIGURE):
+        raise ValueError(f"the figure must be one of {', '.join(map(str, EVERY_FIGURE))}, got {number!r}")
+    Setting(algorithm, impact)
+    if number in FIGURES and algorithm != "exact":
+        raise ValueError(f"algorithm must be 'exact', got {algorithm!r}: Fig. {number} needs no time steps")
+    if number in (*FIGURES, *WITHOUT_GEOMETRY) and impact != "paper":
+        why = "has no impacts" if number in FIGURES else "has no moving load, so both laws are the same"
+        raise ValueError(f"impact must be 'paper', got {impact!r}: Fig. {number} {why}")
 
 
-def claims(*names: str) -> Claims:
+def claims(
+    *names: str,
+    quick: bool = False,
+    workers: int | None = None,
+    progress: bool = True,
+    resume: str | Path | None = None,
+) -> Claims:
     """Check claims of the paper.
+
+    C1 to C8, on equilibria and linear stability, take seconds.  C9 to C25, on steady states, are each
+    computed by the exact solver with both impact laws and by the paper's algorithm, and take minutes.
 
     Parameters
     ----------
     *names : str
-        Such as "C5"; none checks all.
+        Such as "C5"; none checks C1 to C8, "all" checks all 25.
+    quick, workers, progress, resume
+        As :func:`figure`; for C9 to C25.
 
     Returns
     -------
@@ -72,7 +136,15 @@ def claims(*names: str) -> Claims:
     'reproduced'
     """
     for name in names:
-        if name not in CLAIMS:
-            raise ValueError(f"a claim must be one of {', '.join(CLAIMS)}, got {name!r}")
-    chosen = names or tuple(CLAIMS)
-    return Claims(tuple(import_module(f"{__package__}.{CLAIMS[n]}").CHECKS[n]() for n in chosen))
+        if name not in EVERY_CLAIM and name != "all":
+            raise ValueError(f"a claim must be one of {', '.join(EVERY_CLAIM)} or all, got {name!r}")
+    chosen = tuple(EVERY_CLAIM) if "all" in names else names or tuple(CLAIMS)
+    folder = None if resume is None else Path(resume)
+    setting = Setting(quick=quick, workers=workers, progress=progress, resume=folder)
+    return Claims(tuple(check(name, setting) for name in chosen))
+
+
+def check(name: str, setting: Setting) -> Claim:
+    """One claim; the setting's algorithm and impact law are not used."""
+    module = import_module(f"{__package__}.{EVERY_CLAIM[name]}")
+    return module.CHECKS[name]() if name in CLAIMS else module.CHECKS[name](setting)

@@ -23,6 +23,8 @@ class PaperFigure:
         The numbers that matter, a line each.
     draw : callable
         Figure from this result.
+    how : str
+        The solver and the impact law, where it takes a choice of them.
     """
 
     number: int
@@ -30,13 +32,19 @@ class PaperFigure:
     data: Any = field(repr=False)
     summary: tuple[str, ...] = field(repr=False)
     draw: Callable[[PaperFigure], Figure] = field(repr=False)
+    how: str = field(default="", repr=False)
 
     def plot(self) -> Figure:
         """Draw it into a new figure, which belongs to no window."""
         return self.draw(self)
 
+    def heading(self, text: str) -> str:
+        """A title for the picture: number, text and how it was computed."""
+        return f"Fig. {self.number}: {text}" + (f"\n{self.how}" if self.how else "")
+
     def __str__(self) -> str:
-        return "\n".join([f"Fig. {self.number}: {self.caption}", *self.summary])
+        how = f" ({self.how})" if self.how else ""
+        return "\n".join([f"Fig. {self.number}: {self.caption}{how}", *self.summary])
 
     def _repr_png_(self) -> bytes:
         return self.plot()._repr_png_()  # type: ignore[attr-defined]

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from .flow import Flow
 
 Array = NDArray[np.float64]
-STARTS, STEPS, NEWTON, FINISH = 96, 16, 8, 40
-DECADES = 4.0  # by which half of the starts may differ from the linearised flow's zero
+STARTS, STEPS, NEWTON, FINISH = 128, 16, 8, 40
+DECADES = 5.0  # by which half of the starts may differ from the linearised flow's zero
 SHRINK = 0.25
 CLOSE, ROUNDING = 1e-9, 1e-14  # of the state and of its size: what a last step may still change
 ALIKE = 1e3  # times that: zeros so close are one

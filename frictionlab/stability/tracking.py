@@ -27,7 +27,7 @@ ASIDE = 1e-3  # of a step: where vectors are taken from instead
 NEAR, WEAK = 0.5, 0.05  # of the way two modes go past each other; of the distance at which they pass
 UNCOUPLED = 1e-12  # share of the largest eigenvalue
 TIE, TINY = 0.1, 1e-150
-FINEST, SPARE = 1e-12, 64  # share of the largest parameter: narrowest step; steps that may be halved at once
+FINEST, SPARE = 1e-12, 1000  # share of the largest parameter: narrowest step; points for halving steps
 SPLIT = 0.47  # not a half: crossings tend to lie at round values
 NOTHING = complex(np.nan, np.nan)
 
@@ -114,7 +114,7 @@ def tracked(path: Modes, sample: Callable[[Array], Modes]) -> Modes:
     """The same points with each mode in one column throughout; `sample` gives modes at further points."""
     parted = _parted(path, sample)
     least = FINEST * float(np.abs(path.at).max(initial=0.0))
-    steps = _matched(parted[:-1], parted[1:], sample, least, len(path.at) + SPARE)
+    steps = _matched(parted[:-1], parted[1:], sample, least, [len(path.at) + SPARE])
     order = np.empty(path.values.shape, dtype=np.intp)
     order[:1] = np.arange(path.values.shape[1])
     for before, after, step in zip(order, order[1:], steps):
@@ -145,24 +145,26 @@ def _alike(values: ComplexArray) -> NDArray[np.bool_]:
 
 
 def _matched(
-    a: Modes, b: Modes, sample: Callable[[Array], Modes], least: float, most: int
+    a: Modes, b: Modes, sample: Callable[[Array], Modes], least: float, left: list[int]
 ) -> NDArray[np.intp]:
     """For each mode of `a` the index of the same mode of `b`, (N, k); the same where one has none.
 
-    Unclear steps are halved, down to a width of `least` and as long as there are no more than `most`.
+    Unclear steps are halved, down to a width of `least` and as long as any of the points `left` are left:
+    modes that are one throughout are unclear everywhere.
     """
     known = np.isfinite(a.values[:, 0]) & np.isfinite(b.values[:, 0])
     if not known.all():
         found = np.tile(np.arange(a.values.shape[1]), (len(known), 1))
-        found[known] = _matched(a[known], b[known], sample, least, most)
+        found[known] = _matched(a[known], b[known], sample, least, left)
         return found
     found = _assigned(_likeness(a, b))
     clear, apart = _told(a, b.permuted(found))
     wide = ~(clear & apart) & (np.abs(b.at - a.at) > least)
-    if wide.any() and (wide.sum() <= most):
+    if wide.any() and wide.sum() <= left[0]:
+        left[0] -= int(wide.sum())
         middle = sample(a.at[wide] + SPLIT * (b.at[wide] - a.at[wide]))
-        first = _matched(a[wide], middle, sample, least, most)
-        second = _matched(middle, b[wide], sample, least, most)
+        first = _matched(a[wide], middle, sample, least, left)
+        second = _matched(middle, b[wide], sample, least, left)
         found[wide] = np.take_along_axis(second, first, axis=1)
         clear |= wide
     for i in np.flatnonzero(~clear):  # an exact coalescence: by eigenvalues, since the vectors are one

@@ -11,7 +11,7 @@ P = sympy.Symbol("p")
 
 
 def linear(stiffness, damping=0.0, **values):
-    """Of matrices whose entries may contain symbols; a number for C stands for that multiple of the unit matrix.
+    """Of matrices whose entries may contain symbols; a number for C is a multiple of the unit matrix.
 
     `values` are those of the symbols; p is zero if not given.
     """

@@ -20,7 +20,7 @@ def automaton(flow, events=(), states=(X, V), coordinates=1, constraints=(), **v
 
 
 def on_a_belt(**changes):
-    """A unit mass on a belt, held by a spring and a damper, whose friction falls with the speed (Stribeck)."""
+    """A unit mass on a belt, on a spring and a damper, with friction that falls with speed (Stribeck)."""
     values = dict(zip(NAMES, [0.3, 16.0, 2.0, 0.1, 0.3, 0.8, 0.25], strict=True)) | changes
     relative = BELT - V
     friction = (MU_K + (MU_S - MU_K) * sympy.exp(-relative / V_S)) * N
@@ -63,13 +63,15 @@ def test_a_locus_of_a_mass_on_a_belt():
     speeds = np.linspace(3, 0.02, 200)
     locus = fl.root_locus(on_a_belt(), "belt", speeds)
     damping = 0.3 - 2.0 * 0.5 / 0.25 * np.exp(-speeds / 0.25)
-    np.testing.assert_allclose(locus.values[:, 0], -damping / 2 + 1j * np.sqrt(16 - damping**2 / 4), rtol=1e-10)
+    np.testing.assert_allclose(
+        locus.values[:, 0], -damping / 2 + 1j * np.sqrt(16 - damping**2 / 4), rtol=1e-10
+    )
     assert locus.coordinates == ("x",)
     np.testing.assert_allclose(locus.participation, 1)
 
 
 def test_the_slider_as_an_automaton():
-    """Newton's method on the flow, guards and the stick mode's constraint against the polynomial of the model."""
+    """Newton's method, guards and the stick mode's constraint against the polynomial of the model."""
     model = fl.SliderOnBelt(F=1000, l1=0.1, l2=0.3, mu_k=0.9)
     np.testing.assert_allclose(fl.equilibrium(model.automaton()).q, fl.equilibrium(model).q, rtol=1e-10)
     assert fl.equilibrium(model.automaton()).normal_force == pytest.approx(fl.equilibrium(model).normal_force)
@@ -91,9 +93,16 @@ def test_first_order_systems():
     locus = fl.root_locus(cell, "p", [-1.0, 0.5, 2.0])
     np.testing.assert_allclose(locus.values[:, 0], [-1.0, 0.5, 2.0], rtol=1e-12)
     lorenz = automaton(
-        [10 * (Y - X), X * (p - W) - Y, X * Y - sympy.Rational(8, 3) * W], states=(X, Y, W), coordinates=0, p=10.0
+        [10 * (Y - X), X * (p - W) - Y, X * Y - sympy.Rational(8, 3) * W],
+        states=(X, Y, W),
+        coordinates=0,
+        p=10.0,
     )
-    assert sorted(round(e.q[0], 9) for e in fl.equilibria(lorenz)) == [-round(24**0.5, 9), 0, round(24**0.5, 9)]
+    assert sorted(round(e.q[0], 9) for e in fl.equilibria(lorenz)) == [
+        -round(24**0.5, 9),
+        0,
+        round(24**0.5, 9),
+    ]
     assert fl.critical_value(lorenz, "p", (0.1, 30)) == pytest.approx(1.0, rel=1e-12)  # of the origin
 
 
@@ -143,7 +152,9 @@ def test_no_equilibrium(model):
         lambda m: fl.root_locus(m, "c", [0.1, 1]),
         lambda m: fl.critical_value(m, "c", (0, 1)),
     ):
-        with pytest.raises(ValueError, match="must have a mode with an equilibrium inside its guards, got none in only"):
+        with pytest.raises(
+            ValueError, match="must have a mode with an equilibrium inside its guards, got none in only"
+        ):
             ask(model)
 
 

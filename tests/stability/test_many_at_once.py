@@ -78,7 +78,8 @@ def one_by_one(model, changes):
         try:
             q = fl.equilibrium(single).q
         except ValueError as error:
-            assert "F_N > 0" in str(error) or "the springs do not hold" in str(error)
+            if not any(text in str(error) for text in ("F_N > 0", "the springs do not hold")):
+                raise
             q = np.full(len(model.coordinates), np.nan)
         columns.append(q if single.v else np.full_like(q, np.nan))
     return np.array(columns).T
@@ -209,7 +210,7 @@ def test_state_matrices_against_the_complex_step(law, v):
 
 
 def test_falling_friction_is_negative_damping():
-    """d F_T/d v_r = -(mu_s - mu_k)/v_s exp(-v/v_s) F_N acts between x1 and x2 like a damper of that constant."""
+    """d F_T/d v_r = -(mu_s - mu_k)/v_s exp(-v/v_s) F_N acts between x1 and x2 like a damper."""
     model = S(friction=Stribeck(), v=0.2)
     speeds = np.array([0.05, 0.2, 1.0, -0.2])
     x, matrices = steady(model).linearised({"v": speeds})

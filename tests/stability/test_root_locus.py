@@ -45,7 +45,7 @@ def test_modes_cross_without_noticing_each_other(number, damping):
 
 
 def test_a_driven_mode_crosses_those_that_drive_it():
-    """Without geometry friction drives the belt, which drives nothing: where they cross, two vectors are one."""
+    """Without geometry friction drives the belt, which drives nothing: at a crossing two vectors are one."""
     model = S(mu_k=1.2, c4=0.4).without("geometry")
     for number in (2, 5, 40, 1001):
         stiffness = np.linspace(3e3, 4e4, number)

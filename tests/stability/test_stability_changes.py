@@ -25,7 +25,7 @@ def kinds(changes):
 
 @pytest.mark.parametrize("damping", [0.0, 1e-6, 0.4])
 def test_hoffmanns_mode_coupling(damping):
-    """Two degrees of freedom, Hoffmann et al. (2002): closed forms of the critical friction and its frequency."""
+    """Two degrees of freedom, Hoffmann et al. (2002): critical friction and its frequency."""
     k11, k22, k12, k3 = 7.0, 6.0, 0.8, 2.0
     model = linear([[k11, k12 - P * k3], [k12, k22]], damping)
     # lambda^2 + c lambda + k +- i s = 0 has a root i omega where omega^2 = k and c omega = s.
@@ -54,7 +54,9 @@ def test_no_window_of_flutter_is_too_narrow(place, width, slope, damped, scale):
     changes = fl.stability_changes(linear(matrix, damped * coupling / np.sqrt(scale)), "p", (0, 1))
     assert kinds(changes) == [("flutter", "loss", (0, 1)), ("flutter", "regain", (1, 0))]
     # Close to the coalescence eigenvalues have half of the digits, and so has a share of the width.
-    np.testing.assert_allclose([c.value for c in changes], [place - width, place + width], atol=1e-12 + 1e-4 * width)
+    np.testing.assert_allclose(
+        [c.value for c in changes], [place - width, place + width], atol=1e-12 + 1e-4 * width
+    )
     for change in changes:
         assert change.frequency == pytest.approx(np.sqrt(scale) / (2 * np.pi), rel=1e-6)
 
@@ -69,7 +71,9 @@ def test_two_losses_close_together():
 
 
 def test_two_losses_at_once():
-    (change,) = fl.stability_changes(linear(sympy.diag(4, 9), 0.3 * sympy.eye(2) - P * sympy.eye(2)), "p", (0, 1))
+    (change,) = fl.stability_changes(
+        linear(sympy.diag(4, 9), 0.3 * sympy.eye(2) - P * sympy.eye(2)), "p", (0, 1)
+    )
     assert kinds([change]) == [("flutter", "loss", (0, 2))]
     assert change.value == pytest.approx(0.3, rel=1e-9)
 
@@ -166,7 +170,7 @@ def test_brute_force(name, stiffness, mu_k, k_nl, F, v, damping, toggles):
     spectra = steady(model).spectra({name: at})
     size = np.abs(spectra).max(axis=1, keepdims=True)
     counted = ((spectra.real > 1e-9 * size).sum(axis=1) + 1) // 2
-    # Not where a growth rate is about zero, or there is no equilibrium before the next change or after the last.
+    # Not where a growth rate is about zero, or an equilibrium is missing next to a change.
     values = np.array([c.value for c in changes])
     near = np.abs(at[:, None] - values).min(axis=1, initial=np.inf) < 1e-6 * (bounds[1] - bounds[0])
     sure = ~near & ~((np.abs(spectra.real) < 1e-8 * size) & (np.abs(spectra.real) > 1e-12 * size)).any(axis=1)
@@ -215,7 +219,10 @@ def test_where_an_equilibrium_begins_nothing_changes():
         (S(F=1000, l1=0.1, l2=0.3), ("l1", [0.05, 0.1, 0.2, 0.4])),
         (S(), ("k3", [0.0, 1e3, 6e3])),
         (S(**UNDAMPED), ("k_nl", [0.0, 1e4, 1e7])),
-        (linear([[7.0, sympy.Symbol("k") - 2 * P], [sympy.Symbol("k"), 6.0]], 0.1, k=0.8), ("k", [0.2, 0.8, 3.0])),
+        (
+            linear([[7.0, sympy.Symbol("k") - 2 * P], [sympy.Symbol("k"), 6.0]], 0.1, k=0.8),
+            ("k", [0.2, 0.8, 3.0]),
+        ),
     ],
 )
 def test_a_curve_is_its_points_one_by_one(model, over):

@@ -1,0 +1,136 @@
+"""Claims C21 to C25, with and without the non-smooth behaviours: Figs 16 to 18."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from . import motions
+from .claims import Claim
+from .compare import Finding, compare
+from .frequencies import LEFT_OUT, in_words, panel
+from .printed import agrees
+from .setting import Setting
+from .smoothness import WITH, WITHOUT, compared, critical, ranges
+from .wording import NON_PERIODIC, PERIODIC, are, count, moving, stretches, within
+
+MUCH = 2.0  # times: "much larger"
+CLOSE = 0.02  # of the eigenfrequency: "close"
+SYMBOLS = {"x1": ("x1", "m"), "y1": ("y1", "m"), "normal_force": ("F_N", "N")}
+
+
+def _amplitudes(setting: Setting) -> Finding:
+    """C21."""
+    found = compared(setting)
+    with_all, sliding = ranges(found[WITH]), ranges(found[WITHOUT])
+    held, text = {}, []
+    for name, (symbol, unit) in SYMBOLS.items():
+        held[f"that of {symbol} is much larger"] = sliding[name] > MUCH * with_all[name]
+        ratio = sliding[name] / with_all[name]
+        text.append(f"{symbol} {with_all[name]:.4g} and {sliding[name]:.4g} {unit} ({ratio:.1f} times)")
+    return Finding(f"ranges with the non-smooth behaviours and without: {', '.join(text)}", held)
+
+
+def _sliding(setting: Setting) -> Finding:
+    """C22."""
+    b = motions.stiff_sweep(False, setting)
+    there = within(b, 1.4, np.inf)
+    periodic = are(b, PERIODIC)[there]
+    text = f"{stretches(b)}; periodic at {count(periodic)} values from 1.4 on"
+    return Finding(text, {"periodic for all mu_k >= 1.4": bool(periodic.all())})
+
+
+def _nonsmooth(setting: Setting) -> Finding:
+    """C23."""
+    b = motions.stiff_sweep(True, setting)
+    chosen = are(b, NON_PERIODIC)
+    held = {"non-periodic for most mu_k": bool(chosen.mean() > 0.5)}
+    return Finding(f"{stretches(b)}; non-periodic at {count(chosen)} values", held)
+
+
+def _onset(setting: Setting) -> Finding:
+    """C24."""
+    sweeps = {nonsmooth: motions.stiff_sweep(nonsmooth, setting) for nonsmooth in (True, False)}
+    near = motions.stiff_sweep(False, setting, "near")
+    first = {nonsmooth: _first(b) for nonsmooth, b in sweeps.items()}
+    ratio = _ratio(sweeps)
+    held = {
+        "limit cycle from 0.15 with the non-smooth behaviours": bool(np.isclose(first[True], 0.15)),
+        "limit cycle from 1.4 without them": bool(np.isclose(first[False], 1.4)),
+        "the equilibrium loses stability at 1.735": agrees(critical(), "1.735"),
+        "L_s is much larger without them": ratio > MUCH,
+    }
+    text = (
+        f"from rest first at {first[True]:g} with them, {first[False]:g} without (from near the equilibrium "
+        f"{_first(near):g}); stability lost at {critical():.4f}; from 1.4 on L_s is "
+        f"at least {ratio:.1f} times as large without"
+    )
+    return Finding(text, held)
+
+
+def _first(b: Any) -> float:
+    vibrates = moving(b)
+    return float(b.values[vibrates.argmax()]) if vibrates.any() else np.nan
+
+
+def _ratio(sweeps: dict[bool, Any]) -> float:
+    """The least ratio of the intensities at the values of mu_k from 1.4 on that both sweeps hold."""
+    shared, i, j = np.intersect1d(sweeps[False].values, sweeps[True].values, return_indices=True)
+    both = shared >= 1.4 - 1e-9
+    return float((sweeps[False].intensities[i] / sweeps[True].intensities[j])[both].min())
+
+
+def _frequencies(setting: Setting) -> Finding:
+    """C25."""
+    panels = {name: panel(name, setting) for name in LEFT_OUT}
+    off = {name: float(np.median(p.deviations)) for name, p in panels.items()}
+    close = off["geometry only"]
+    held = {
+        "they are close with only GN": close < CLOSE,
+        "they differ more with only the cubic contact": off["contact stiffness only"] > close,
+        "they differ more with only the non-smooth behaviours": off["non-smooth only"] > close,
+        "they differ markedly with all three": off["all three"] > CLOSE,
+    }
+    return Finding("; ".join(f"{name}: {in_words(p)}" for name, p in panels.items()), held)
+
+
+def _c21(setting: Setting) -> Claim:
+    says = "mu_k 2.5, F 800 N, k4 to k6 5e6 N/m: amplitudes are much larger without the non-smooth behaviours"
+    return compare("C21", "Fig. 16", says, _amplitudes, setting)
+
+
+def _c22(setting: Setting) -> Claim:
+    says = "sliding only: periodic for all mu_k >= 1.4 (x1 where its velocity is zero)"
+    return compare("C22", "Fig. 17b", says, _sliding, setting, impacts=False)
+
+
+def _c23(setting: Setting) -> Claim:
+    says = "with the non-smooth behaviours: non-periodic for most mu_k"
+    return compare("C23", "Fig. 17a", says, _nonsmooth, setting)
+
+
+def _c24(setting: Setting) -> Claim:
+    says = (
+        "limit cycle from mu_k 0.15 with the non-smooth behaviours, from 1.4 without; the equilibrium loses "
+        "stability at 1.735; L_s much larger without"
+    )
+    return compare("C24", "Fig. 17c", says, _onset, setting)
+
+
+def _c25(setting: Setting) -> Claim:
+    says = (
+        "response frequencies against unstable eigenfrequencies: close with only GN; larger differences with "
+        "only the cubic contact, or only the non-smooth behaviours; marked with all three"
+    )
+    return compare("C25", "Fig. 18", says, _frequencies, setting)
+
+
+CHECKS: dict[str, Callable[[Setting], Claim]] = {
+    "C21": _c21,
+    "C22": _c22,
+    "C23": _c23,
+    "C24": _c24,
+    "C25": _c25,
+}

@@ -1,0 +1,85 @@
+"""`frictionlab reproduce`: what it writes, says and returns."""
+
+import subprocess
+import sys
+
+import pytest
+
+from frictionlab import cli
+from frictionlab.paper import reproduction
+
+
+@pytest.fixture
+def small(monkeypatch):
+    """Two claims and one figure of linear stability."""
+    monkeypatch.setattr(reproduction, "EVERY_CLAIM", ("C1", "C8"))
+    monkeypatch.setattr(reproduction, "_figures", lambda: iter([(6, "exact")]))
+
+
+def test_a_page_with_claims_and_pictures(tmp_path, capsys, small):
+    assert cli.main(["reproduce", "--quick", "-o", str(tmp_path / "docs"), "-q"]) == 0
+    out, err = capsys.readouterr()
+    page, image = tmp_path / "docs" / "reproduction.md", "images/reproduction/fig06.png"
+    assert out == f"Page in {page}\n"
+    assert err == ""
+    text = page.read_text()
+    assert "frictionlab reproduce` --quick" in text.replace("\n", " ")
+    assert "2 claims: reproduced 2." in text
+    assert "| C8 | Fig. 6 | " in text
+    assert f"![Fig. 6]({image})" in text
+    picture = page.parent / image
+    assert picture.read_bytes()[:4] == b"\x89PNG"
+    assert 5_000 < picture.stat().st_size < 150_000
+
+
+def test_every_figure_in_every_way_that_makes_a_difference():
+    pairs = list(reproduction._figures())
+    assert len(pairs) == len(set(pairs)) == 5 + 2 * 2 + 10 * 3
+    assert {n for n, _ in pairs} == set(range(2, 19))
+    assert [way for n, way in pairs if n == 13] == ["exact", "paper-algorithm"]
+
+
+def test_ctrl_c_is_told_by_the_exit_status(tmp_path, capsys, small, monkeypatch):
+    def interrupted(*arguments):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(reproduction, "check", interrupted)
+    assert cli.main(["reproduce", "-o", str(tmp_path), "-q"]) == 130
+    assert "interrupted" in capsys.readouterr().err
+
+
+def test_a_folder_that_cannot_be_made(tmp_path, capsys, small):
+    (tmp_path / "file").write_text("")
+    assert cli.main(["reproduce", "-o", str(tmp_path / "file" / "docs"), "-q"]) == 1
+    assert capsys.readouterr().err.startswith("frictionlab reproduce: error: ")
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--workers", "0"], "--workers must be an integer, at least 1, got 0"),
+        (["--quik"], "unknown option '--quik': did you mean '--quick'?"),
+        (["-o", "FILE"], "-o must be a folder"),
+        (["--resume", "FILE"], "--resume must be a folder"),
+    ],
+)
+def test_bad_arguments_end_with_one_line_and_code_2(options, message, tmp_path, capsys):
+    (tmp_path / "file").write_text("")
+    argv = [str(tmp_path / "file") if word == "FILE" else word for word in options]
+    with pytest.raises(SystemExit) as ended:
+        cli.main(["reproduce", *argv])
+    assert ended.value.code == 2
+    err = capsys.readouterr().err
+    assert err.startswith("frictionlab reproduce: error: ")
+    assert err.count("\n") == 1
+    assert message in err
+
+
+def test_help_loads_nothing_heavy():
+    code = (
+        "import sys\nfrom frictionlab.cli import main\n"
+        "try: main(['reproduce', '--help'])\nexcept SystemExit: pass\n"
+        "heavy = {'numpy', 'scipy', 'sympy', 'numba', 'matplotlib'} & set(sys.modules)\n"
+        "sys.exit(str(heavy) if heavy else 0)"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True, stdout=subprocess.DEVNULL)
