@@ -26,10 +26,10 @@ def traced(plane: Plane, seed: Array, level: int) -> Array:
     """The curve (k, 2) through a point of it, within the square."""
     forward = _followed(plane, seed, level, 1)
     if len(forward) > 3 and np.hypot(*(forward[-1] - seed)) < RADIUS:  # closed
-        path = np.vstack([forward, seed])
-    else:
-        path = np.vstack([_followed(plane, seed, level, -1)[:0:-1], forward])
-    return _onto(plane, path, level)
+        loop = _onto(plane, np.vstack([forward, seed]), level)
+        again = np.hypot(*(loop[-1] - loop[0])) < FINEST
+        return np.vstack([loop[:-1] if again else loop, loop[:1]])
+    return _onto(plane, np.vstack([_followed(plane, seed, level, -1)[:0:-1], forward]), level)
 
 
 def _followed(plane: Plane, seed: Array, level: int, side: int) -> Array:

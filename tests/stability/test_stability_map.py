@@ -139,3 +139,17 @@ def test_where_there_is_no_equilibrium():
 def test_bad_arguments(x, y, message):
     with pytest.raises(ValueError, match=message):
         fl.stability_map(fl.SliderOnBelt(), x=x, y=y)
+
+
+def test_the_island_of_the_stiff_contact_is_one_closed_curve():
+    """Table 1 with k_nl = 1e7: flutter near mu_k 0.2 for preloads about 170 N, far below the first loss."""
+    model = fl.SliderOnBelt(k_nl=1e7)
+    found = fl.stability_map(model, x=("F", np.linspace(140, 200, 25)), y=("mu_k", np.linspace(0.1, 0.3, 21)))
+    (island,) = found.boundary
+    np.testing.assert_array_equal(island.points[0], island.points[-1])
+    assert island.unstable == (0, 1)
+    changes = fl.stability_changes(model.replace(F=175.0), "mu_k", (0.1, 0.3))
+    assert [c.direction for c in changes] == ["loss", "regain"]
+    for change in changes:
+        nearest = np.abs(island.points - (175.0, change.value)) / (60, 0.2)
+        assert np.hypot(*nearest.T).min() < 0.01
