@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
@@ -11,6 +11,7 @@ from matplotlib.colors import LogNorm
 from numpy.typing import NDArray
 
 from frictionlab.analysis.steady_state import steady_state
+from frictionlab.hybrid.methods import Method
 from frictionlab.plotting import RunFigure
 from frictionlab.plotting.palette import VERMILLION
 from frictionlab.plotting.parameters import parameter_label
@@ -33,6 +34,8 @@ LEFT_OUT = {
     "geometry only": ("cubic", "nonsmooth"),
     "non-smooth only": ("cubic", "geometry"),
 }
+GROWING = "geometry only"  # without bound, so that the number of steps has to have one
+MOST = 300_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,9 +90,11 @@ def panel(name: str, setting: Setting) -> Panel:
     """One of the four."""
     model = scenes.STIFF.without(*LEFT_OUT[name])
     values = scenes.mu_k_stiff(setting)
-    times = scenes.times_of(model, setting)
-    study = partial(lines_of, times=times, setting=setting)
-    about = f"lines {setting.method.describe()} {times} {setting.tolerance}"
+    times, method = scenes.times_of(model, setting), setting.method
+    if name == GROWING:
+        times, method = scenes.STIFF_TIMES, replace(method, max_steps=MOST)
+    study = partial(lines_of, times=times, method=method, tolerance=setting.tolerance)
+    about = f"lines {method.describe()} {times} {setting.tolerance}"
     rows = results(about, study, model, {"mu_k": values}, setting).results
     strongest = np.array([np.nan if r["strongest"] is None else r["strongest"] for r in rows], dtype=float)
     amplitudes = np.array([r["amplitudes"] for r in rows])
@@ -98,9 +103,8 @@ def panel(name: str, setting: Setting) -> Panel:
     )
 
 
-def lines_of(model: Any, times: scenes.Times, setting: Setting) -> dict[str, Any]:
-    """Kind and spectrum of x1 in a steady state from rest."""
-    method, tolerance = setting.method, setting.tolerance
+def lines_of(model: Any, times: scenes.Times, method: Method, tolerance: float) -> dict[str, Any]:
+    """Kind and spectrum of x1 in a steady state from rest, or up to where the run ended early."""
     found = steady_state(model, method=method, tolerance=tolerance, progress=False, **times._asdict())
     spectrum = found.spectrum(f_max=F_MAX)
     if spectrum is None or found.kind == AT_REST:

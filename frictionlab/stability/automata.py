@@ -30,24 +30,38 @@ def steady_state_of(automaton: HybridAutomaton) -> Steady:
     """
     mode, flow, points = steady_states(automaton)
     if not points.size:
-        raise ValueError(
-            "the automaton must have a mode with an equilibrium inside its guards, "
-            f"got none in {', '.join(automaton.names)}: change its parameters"
-        )
+        raise no_equilibrium(automaton)
     values = values_of(automaton)
     return Steady(automaton, _names(automaton), flow, values, _follower(mode, flow, points[:, 0], values))
+
+
+def no_equilibrium(automaton: HybridAutomaton) -> ValueError:
+    """The error for an automaton that has none."""
+    return ValueError(
+        "the automaton must have a mode with an equilibrium inside its guards, "
+        f"got none in {', '.join(automaton.names)}: change its parameters"
+    )
 
 
 def steady_states(automaton: HybridAutomaton) -> tuple[Mode, Flow, Array]:
     """The first mode with equilibria inside its guards, its flow, and them (m, K); else K is 0."""
     mode, flow = automaton.modes[0], _flow(automaton, automaton.modes[0])
-    for mode in automaton.modes:
+    for mode in (m for m in automaton.modes if _may_rest(automaton, m)):
         flow = _flow(automaton, mode)
         points = rest_points(flow, values_of(automaton))
         points = points[:, _lasts(mode, flow, points, values_of(automaton))]
         if points.size:
             return mode, flow, points
     return mode, flow, np.zeros((len(automaton.states), 0))
+
+
+def _may_rest(automaton: HybridAutomaton, mode: Mode) -> bool:
+    """Whether a mode's constraints can hold while no coordinate changes: in stick on a running belt not."""
+    n = automaton.coordinates
+    at_rest = dict.fromkeys(automaton.states[n : 2 * n], 0)
+    held = [sympy.sympify(c).subs(at_rest) for c in mode.constraints]
+    fixed = [c.subs(automaton.parameters) for c in held if not c.free_symbols & set(automaton.states)]
+    return all(c == 0 for c in fixed)
 
 
 def values_of(automaton: HybridAutomaton) -> tuple[float, ...]:

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.models.symbols import numbers, structure
 
+from .automata import no_equilibrium, steady_states, values_of
 from .automata import residual as left_over
-from .automata import steady_state_of, steady_states, values_of
 from .bracket import scanned
 from .pressed import FINEST, excess_polynomial, polished, reach
 from .real_roots import real_roots
@@ -88,9 +88,11 @@ def equilibrium(model: Any) -> Equilibrium:
     ValueError
         If there is none.
     """
-    if isinstance(model, HybridAutomaton):
-        return _of_automaton(steady_state_of(model).model)[0]
     found = equilibria(model)
+    if isinstance(model, HybridAutomaton):
+        if not found:
+            raise no_equilibrium(model)
+        return found[0]
     # A law with even powers may press where there is no contact.
     pressed = [e for e in found if e.normal_force > 0 and e.gap > 0]
     if pressed:

@@ -22,6 +22,7 @@ from .spectra import eigensystem
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complexfloating[Any, Any]]
 SAME, OTHER = 0.7, 0.4  # products of unit vectors that count as one mode, and as two
+STILL = 0.1  # of the distance to other eigenvalues
 ONE = 1e-10  # share of the largest eigenvalue: what rounding may part
 ASIDE = 1e-3  # of a step: where vectors are taken from instead
 NEAR, WEAK = 0.5, 0.05  # of the way two modes go past each other; of the distance at which they pass
@@ -172,6 +173,12 @@ def _matched(
     return found
 
 
+def _room(values: ComplexArray) -> Array:
+    """Distance of each eigenvalue (N, k) to the next one."""
+    apart = np.abs(values[:, :, None] - values[:, None, :])
+    return np.where(np.eye(values.shape[1], dtype=bool), np.inf, apart).min(axis=2)
+
+
 def _likeness(a: Modes, b: Modes) -> Array:
     """How much the modes of `a` and `b` are alike (N, k, k), whatever the lengths of their vectors."""
     return np.sqrt(np.abs(a.left @ b.right) * np.abs(np.swapaxes(b.left @ a.right, 1, 2)))
@@ -190,7 +197,9 @@ def _told(a: Modes, b: Modes) -> tuple[Any, Any]:
     """Whether vectors tell that the columns of `a` and `b` are the same modes, and that none met between."""
     either = _alike(a.values) & _alike(b.values)  # which of these is which does not matter
     likeness, own = _likeness(a, b), np.eye(a.values.shape[1], dtype=bool)
-    same = (likeness > SAME) | either.any(axis=2, keepdims=True)
+    # Like no other and hardly moved will do: the vectors of a rigid body's motion say nothing.
+    still = np.abs(a.values - b.values) < STILL * np.minimum(_room(a.values), _room(b.values))
+    same = (likeness > SAME) | either.any(axis=2, keepdims=True) | still[:, :, None]
     clear = np.where(own, same, either | (likeness < OTHER)).all(axis=(1, 2))
     return clear, ~(_met(a, b) & ~either).any(axis=(1, 2))
 
