@@ -78,6 +78,9 @@ class Mode:
         enter it.
     outputs : mapping of str to Expr
         Named quantities that the trajectory offers as ``run.<name>``; every mode has the same names.
+    limit : bool
+        Whether this is what events that pile up come to: entered, before any other mode, by an event's
+        `accumulation` reset, and in no other way.
     """
 
     name: str
@@ -85,6 +88,7 @@ class Mode:
     events: tuple[Event, ...] = ()
     constraints: tuple[Expr, ...] = ()
     outputs: Mapping[str, Expr] = field(default_factory=dict)
+    limit: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,7 +103,8 @@ class HybridAutomaton:
         In the order in which they are tried where no event says otherwise, the start included.
         What is derived from them is remembered per Mode object: build them once, vary `parameters`.
     parameters : mapping of Symbol to float
-        Every symbol of the expressions that is not a state.
+        Every symbol of the expressions that is not a state.  One called ``chatter`` is given the
+        dwell time (s) below which the solver replaces events in a row by their limit.
     coordinates : int
         How many of the states are coordinates; as many velocities follow them.
     """

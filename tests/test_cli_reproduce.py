@@ -3,17 +3,30 @@
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 
 from frictionlab import cli
 from frictionlab.paper import reproduction
+from frictionlab.paper.setting import IMPACTS
+from frictionlab.paper.steps import Series, StepStudy
+
+MADE_UP = StepStudy(
+    np.array([0.4, 1.4]),
+    tuple(
+        Series(step, impact, ("equilibrium", "periodic"), np.array([0.0, 0.01]), np.array([np.nan, 3.5]))
+        for impact in IMPACTS
+        for step in (2e-4, None)
+    ),
+)
 
 
 @pytest.fixture
 def small(monkeypatch):
-    """Two claims and one figure of linear stability."""
+    """Two claims, one figure of linear stability, and a study of step sizes made up."""
     monkeypatch.setattr(reproduction, "EVERY_CLAIM", ("C1", "C8"))
     monkeypatch.setattr(reproduction, "_figures", lambda: iter([(6, "exact")]))
+    monkeypatch.setattr(reproduction, "study_of", lambda setting: MADE_UP)
 
 
 def test_a_page_with_claims_and_pictures(tmp_path, capsys, small):
@@ -30,6 +43,9 @@ def test_a_page_with_claims_and_pictures(tmp_path, capsys, small):
     picture = page.parent / image
     assert picture.read_bytes()[:4] == b"\x89PNG"
     assert 5_000 < picture.stat().st_size < 150_000
+    steps = (tmp_path / "docs" / "step-size.md").read_text()
+    assert "| 0.0002 | 0, 0 | 0, 0 |" in steps
+    assert (page.parent / "images/reproduction/step-size.png").exists()
 
 
 def test_every_figure_in_every_way_that_makes_a_difference():

@@ -116,7 +116,7 @@ def _before_events(run: Trajectory, found: Points) -> Points:
 def stick_onsets(run: Trajectory) -> Any:
     """Which events lead from slip to stick."""
     events = run.events
-    return (events.target == STICK) & ~np.isin(events.source, (STICK, "separation"))
+    return (events.target == STICK) & ~np.isin(events.source, (STICK, "separation", "chatter"))
 
 
 def _searched(run: Trajectory, function: Any, direction: int) -> Points:

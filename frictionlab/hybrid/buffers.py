@@ -39,6 +39,7 @@ def new_work(slots: int, code: Code, order: int) -> Work:
         multiplicity=np.zeros(order + 2, dtype=np.int64),
         declared=np.zeros(len(code.function_slots), dtype=np.int64),
         zeros=np.zeros(max(1, len(code.targets)), dtype=np.int64),
+        before=np.zeros(code.inputs),
     )
 
 

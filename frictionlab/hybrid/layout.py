@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -28,7 +27,8 @@ class Code(NamedTuple):
     mode_guards: np.ndarray  # (modes + 1,)
     mode_constraints: np.ndarray  # (modes + 1,) numbered after all guards
     function_slots: np.ndarray  # (guards + constraints,)
-    targets: np.ndarray  # (guards, modes) in the order in which they are tried
+    targets: np.ndarray  # (guards, modes but for limits) in the order in which they are tried
+    limits: np.ndarray  # (limit modes,) which closing an accumulation tries before
     resets: np.ndarray  # (guards, 2) number of the reset, and of the one that closes an accumulation
     declared: np.ndarray  # (guards, 2, functions) leading coefficients that vanish after those two
     reset_ops: np.ndarray  # (resets + 1,)
@@ -63,6 +63,7 @@ class Program:
     modes: tuple[str, ...]
     guards: tuple[str, ...]
     guard_modes: np.ndarray
+    initial: np.ndarray  # modes in the order in which they are tried at the start
     _fill: Callable[..., Sequence[float]]
 
     def numbers(self, values: Sequence[float]) -> Numbers:
@@ -70,11 +71,6 @@ class Program:
         filled = np.array(self._fill(*values), dtype=float)
         split = len(self.code.ops)
         return Numbers(filled[:split].copy(), filled[split:].copy())
-
-    @cached_property
-    def initial(self) -> np.ndarray:
-        """Modes in the order in which they are tried at the start."""
-        return np.arange(len(self.modes), dtype=np.int64)
 
     def cost(self) -> dict[str, dict[str, int]]:
         """What each mode costs: operations by kind, guards, states."""

@@ -56,9 +56,9 @@ class Method(ABC):
     max_events: int = field(default=1_000_000, kw_only=True)
 
     @property
-    def dwell_limit(self) -> float:
-        """Dwell time in seconds below which impacts in a row count as an accumulation."""
-        return 0.0
+    def limits(self) -> tuple[float, float]:
+        """Dwell times (s) below which events in a row pile up: without a limit mode, and with one."""
+        return 0.0, 0.0
 
     @property
     def raises(self) -> bool:
@@ -110,7 +110,7 @@ class Method(ABC):
         absolute = Numbers(*map(np.abs, problem.numbers))
         work = new_work(problem.program.slots, problem.program.code, self.degree)
         mode = start(problem, self.degree, absolute, work)
-        cursor = stepping.new_cursor(problem.x0, mode, problem.t_end, self.dwell_limit, self.raises)
+        cursor = stepping.new_cursor(problem.x0, mode, problem.t_end, self.limits, self.raises)
         cursor = cursor._replace(signs=np.zeros(problem.program.code.sections.shape[1], dtype=np.int64))
         return Run(problem, absolute, cursor, work)
 

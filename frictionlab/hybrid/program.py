@@ -86,6 +86,7 @@ class _Packer:
         tapes = [mode.tape for mode in lowered]
         resets = [self._event_resets(event) for _, event in self.events]
         every = tapes + self.reset_tapes
+        initial = _ints([i for i, mode in enumerate(self.modes) if not mode.limit])
         code = Code(
             inputs=len(self.states),
             ops=_ops(every),
@@ -97,7 +98,8 @@ class _Packer:
             function_slots=_slots(
                 [*_joined(m.guards for m in lowered), *_joined(m.constraints for m in lowered)]
             ),
-            targets=_ints([_order(event, names) for _, event in self.events], columns=len(names)),
+            targets=_ints([self._targets(event) for _, event in self.events], columns=len(initial)),
+            limits=_ints([i for i, mode in enumerate(self.modes) if mode.limit]),
             resets=_ints(resets, columns=2),
             declared=_ints([self._declared(*pair) for pair in self.events]).reshape(
                 len(self.events), 2, len(self.functions)
@@ -113,9 +115,8 @@ class _Packer:
         guard_modes = _ints([names.index(mode.name) for mode, _ in self.events])
         guards = tuple(event.name for _, event in self.events)
         slots = max(tape.slots for tape in every)
-        return Program(
-            code, tuple(tapes), tuple(self.reset_tapes), slots, tuple(names), guards, guard_modes, fill
-        )
+        tapes, resets = tuple(tapes), tuple(self.reset_tapes)
+        return Program(code, tapes, resets, slots, tuple(names), guards, guard_modes, initial, fill)
 
     def _mode(self, mode: Mode) -> _Lowered:
         builder = TapeBuilder(self.states)
@@ -126,6 +127,11 @@ class _Packer:
             sections=[builder.slot(_resolve(section.function, mode)) for section in self.sections],
             tape=builder.tape,
         )
+
+    def _targets(self, event: Event) -> list[int]:
+        names = [mode.name for mode in self.modes]
+        order = dict.fromkeys((*event.targets, *names))
+        return [names.index(name) for name in order if not self.modes[names.index(name)].limit]
 
     def _event_resets(self, event: Event) -> list[int]:
         plain = self._reset(event.reset)
@@ -150,11 +156,6 @@ def _joined(lists: Iterable[list[int]]) -> Iterable[int]:
 
 def _resolve(function: Any | str, mode: Mode) -> Any:
     return mode.outputs[function] if isinstance(function, str) else function
-
-
-def _order(event: Event, names: list[str]) -> list[int]:
-    first = [names.index(name) for name in event.targets]
-    return first + [i for i in range(len(names)) if i not in first]
 
 
 def _ops(tapes: Sequence[Tape]) -> np.ndarray:

@@ -76,6 +76,7 @@ def solve(
         check_rider(name, rider, automaton)
     if any(asked) and not chosen.riders:
         raise ValueError(f"sections and quadratures need method='taylor', got {method!r}: change the method")
+    automaton = _informed(automaton, chosen)
     program, numbers = program_of(automaton, *asked)
     with_integrals = np.concatenate([state, np.zeros(len(asked[1]))])
     problem = Problem(program, numbers, with_integrals, float(t_end), _mode(automaton, mode))
@@ -96,6 +97,12 @@ def solve(
         source=source,
         wall_time=wall_time,
     )
+
+
+def _informed(automaton: HybridAutomaton, method: Method) -> HybridAutomaton:
+    """The automaton with the method's limit for chatter, if it asks for that."""
+    names = [symbol.name for symbol in automaton.parameters]
+    return automaton.replace(chatter=method.limits[1]) if "chatter" in names else automaton
 
 
 def _states(automaton: HybridAutomaton, x0: Any) -> np.ndarray:

@@ -34,13 +34,15 @@ class Work(NamedTuple):
     multiplicity: np.ndarray
     declared: np.ndarray
     zeros: np.ndarray
+    before: np.ndarray
 
 
 class Cursor(NamedTuple):
-    """Where a run stands.  ``times``: now, end, entry into the mode, limit of the dwell time;
-    ``counts``: mode, steps, events, section points, short dwells in a row, accumulations closed, events
-    without advance, whether the jets are at hand, whether an accumulation ends the run, and the number of
-    the current cell of a fixed time grid."""
+    """Where a run stands.  ``times``: now, end, entry into the mode, limit of the dwell time, and that for
+    events that have a limit mode;
+    ``counts``: mode, steps, events, section points, short dwells in a row by either limit, accumulations
+    closed, events without advance, whether the jets are at hand, whether an accumulation ends the run, and
+    the number of the current cell of a fixed time grid."""
 
     state: np.ndarray
     times: np.ndarray
@@ -48,8 +50,8 @@ class Cursor(NamedTuple):
     signs: np.ndarray
 
 
-NOW, END, ENTERED, DWELL = range(4)
-MODE, STEPS, EVENTS, POINTS, SHORT, CLOSED, REPEATED, READY, RAISES, CELL = range(10)
+NOW, END, ENTERED, DWELL, CHATTER = range(5)
+MODE, STEPS, EVENTS, POINTS, SHORT, SHORT_FLIGHTS, CLOSED, REPEATED, READY, RAISES, CELL = range(11)
 
 
 class Record(NamedTuple):
@@ -141,17 +143,44 @@ def function_step(code, order, tol, mode, h, J):
 
 
 @kernel
+def in_a_row(code, guard, limit, count, cursor):
+    """Whether the mode that ends lasted less than a limit, and the one before it; counts on."""
+    times, counts = cursor.times, cursor.counts
+    if times[NOW] - times[ENTERED] >= max(times[limit], 1e-15 * abs(times[NOW])):
+        counts[count] = 0
+    elif code.resets[guard, 1] != code.resets[guard, 0]:
+        counts[count] += 1
+    if counts[count] < 2:
+        return False
+    counts[count] = 0
+    return True
+
+
+@kernel
+def enter_limit(code, numbers, absolute, guard, order, cursor, work):
+    """Enter what the events come to, if that is admissible; else leave the state, and return NO_MODE."""
+    z, before = cursor.state, work.before
+    copy(z, before)
+    apply_reset(code, numbers, code.resets[guard, 1], z, work.jets)
+    copy(code.declared[guard, 1], work.declared)
+    mode = enter(
+        code, numbers, absolute, code.limits, z, order, work.declared, work.zeros, work.jets, work.bounds
+    )
+    if mode == NO_MODE:
+        copy(before, z)
+    return mode
+
+
+@kernel
 def close_event(code, numbers, absolute, guard, multiplicity, order, cursor, work):
     """Reset the state after the guard's event and enter the next mode; returns (mode, closed)."""
-    times, counts = cursor.times, cursor.counts
     closing = 0
-    if times[NOW] - times[ENTERED] >= max(times[DWELL], 1e-15 * abs(times[NOW])):
-        counts[SHORT] = 0
-    elif code.resets[guard, 1] != code.resets[guard, 0]:
-        counts[SHORT] += 1
-        if counts[SHORT] > 1:
-            closing = 1
-            counts[SHORT] = 0
+    if len(code.limits) and in_a_row(code, guard, CHATTER, SHORT_FLIGHTS, cursor):
+        mode = enter_limit(code, numbers, absolute, guard, order, cursor, work)
+        if mode != NO_MODE:
+            return mode, 1
+    if in_a_row(code, guard, DWELL, SHORT, cursor):
+        closing = 1
     apply_reset(code, numbers, code.resets[guard, closing], cursor.state, work.jets)
     copy(code.declared[guard, closing], work.declared)
     if code.resets[guard, closing] < 0:
@@ -236,8 +265,10 @@ def advance(code, numbers, absolute, order, tol, cursor, record, work):
     return FINISHED
 
 
-def new_cursor(state: np.ndarray, mode: int, t_end: float, dwell: float, raises: bool) -> Cursor:
+def new_cursor(
+    state: np.ndarray, mode: int, t_end: float, limits: tuple[float, float], raises: bool
+) -> Cursor:
     """Cursor at time 0 in `mode`, whose jets are at hand; without sections."""
-    counts = np.zeros(10, dtype=np.int64)
+    counts = np.zeros(11, dtype=np.int64)
     counts[MODE], counts[READY], counts[RAISES] = mode, 1, raises
-    return Cursor(state.copy(), np.array([0.0, t_end, 0.0, dwell]), counts, np.zeros(0, dtype=np.int64))
+    return Cursor(state.copy(), np.array([0.0, t_end, 0.0, *limits]), counts, np.zeros(0, dtype=np.int64))

@@ -22,10 +22,14 @@ class Taylor(Method):
     order : int or None
         Order of the series; None takes ceil(1 - 0.7 ln(tol)), 26 at 1e-15.  Where products dominate the
         cost, 0.5 would be cheapest (Jorba & Zou 2005); these models are mostly affine, which favours more.
+    chatter : float
+        Two flights in a row shorter than this (in seconds) are taken for chatter, and replaced by its limit
+        (mode "chatter"); the error goes with the square of it.  0 walks through every flight.
     dwell : float
-        Two impacts in a row after flights shorter than this (in seconds) count as an accumulation.
+        Two flights in a row shorter than this (in seconds), where there is no such limit, are taken for an
+        accumulation of impacts, which is closed: the gap rate set to zero.
     accumulation : "close" or "raise"
-        Close an accumulation (gap rate set to zero, counted in ``run.stats``), or end the run there.
+        Whether to go on after chatter or an accumulation, counted in ``run.stats``, or end the run there.
     max_steps, max_events : int
         A run that reaches one ends with a status and keeps what it has.
     """
@@ -37,6 +41,7 @@ class Taylor(Method):
 
     tol: float = 1e-15
     order: int | None = None
+    chatter: float = 1e-7
     dwell: float = 1e-12
     accumulation: Literal["close", "raise"] = "close"
 
@@ -44,6 +49,7 @@ class Taylor(Method):
         check_number("tol", self.tol, above=0.0, below=0.1, cure="take 1e-15 for full accuracy")
         if self.order is not None:
             check_number("order", self.order, integer=True, least=4, most=60, cure="20 is a good order")
+        check_number("chatter", self.chatter, least=0.0, cure="1e-7 s is the default")
         check_number("dwell", self.dwell, least=0.0, cure="1e-12 s is the default")
         check_choice("accumulation", self.accumulation, ("close", "raise"))
         self.check_caps()
@@ -53,8 +59,8 @@ class Taylor(Method):
         return self.order or max(4, math.ceil(1 - 0.7 * math.log(self.tol)))
 
     @property
-    def dwell_limit(self) -> float:
-        return self.dwell
+    def limits(self) -> tuple[float, float]:
+        return self.dwell, self.chatter
 
     @property
     def raises(self) -> bool:

@@ -7,6 +7,7 @@ from typing import Any
 
 from frictionlab.automaton import HybridAutomaton, Mode
 
+from .chatter import SHORTEST, chatter
 from .modes import build
 from .scene import Scene, scene
 from .symbols import Structure, structure, symbol, symbolic
@@ -29,13 +30,17 @@ def derive(key: Structure) -> Scene:
 @lru_cache(maxsize=256)
 def assemble(key: Structure) -> HybridAutomaton:
     """States and modes of a structure, without the numbers."""
-    mechanics = derive(key)
+    mechanics, numbers = derive(key), {}
     modes: tuple[Mode, ...] = tuple(build(mechanics, name) for name in mechanics.model.interface.modes)
-    return HybridAutomaton((*mechanics.q, *mechanics.v), modes, {}, len(mechanics.q))
+    limit = chatter(mechanics)
+    if limit is not None:
+        modes, numbers = (*modes, limit), {SHORTEST: 0.0}
+    return HybridAutomaton((*mechanics.q, *mechanics.v), modes, numbers, len(mechanics.q))
 
 
 def automaton(model: Any) -> HybridAutomaton:
     """The automaton of a model; models of one structure share their `modes` object."""
     derived = assemble(structure(model))
     numbers = {symbol(name): value for name, value in model.parameters.items()}
+    numbers |= dict(derived.parameters)
     return HybridAutomaton(derived.states, derived.modes, numbers, derived.coordinates)

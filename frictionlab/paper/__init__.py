@@ -15,5 +15,6 @@ from __future__ import annotations
 from .claims import Claim, Claims, Verdict
 from .registry import claims, figure
 from .result import PaperFigure
+from .steps import StepStudy, step_study
 
-__all__ = ["Claim", "Claims", "PaperFigure", "Verdict", "claims", "figure"]
+__all__ = ["Claim", "Claims", "PaperFigure", "StepStudy", "Verdict", "claims", "figure", "step_study"]

@@ -10,9 +10,11 @@ from typing import Any
 
 from frictionlab._version import __version__
 
+from . import steps_page
 from .claims import Claims
 from .registry import EVERY_CLAIM, FIGURES, WITHOUT_GEOMETRY, check, figure
-from .setting import DWELL, STEP, TOLERANCES, Setting
+from .setting import CHATTER, STEP, TOLERANCES, Setting
+from .steps import study_of
 
 PAGE = "reproduction.md"
 IMAGES = Path("images", "reproduction")
@@ -31,7 +33,7 @@ Dynamics (2020), computed again. This page is written by `frictionlab reproduce`
 {version}, in {minutes:.0f} min.
 
 Every claim that a computation can check is computed in up to three ways: by the exact solver (every event
-located, an accumulation of impacts closed once flights last less than {dwell:g} s) with the impact law as
+located, chatter replaced by its limit once flights last less than {chatter:g} s) with the impact law as
 printed, Eq. (13); by the exact solver with the gap's full rate in that law; and by the paper's algorithm,
 fixed steps of {step:g} s. A motion counts as periodic where its whole state returns at the onset of stick
 within {exact:g} of its size, for the paper's algorithm, which sees an event up to a step late, within
@@ -49,7 +51,7 @@ def reproduce(folder: str | Path, setting: Setting) -> Path:
     Parameters
     ----------
     folder : path
-        Takes reproduction.md, and the pictures in images/reproduction/.
+        Takes reproduction.md and step-size.md, and the pictures in images/reproduction/.
     setting : Setting
         Its algorithm and impact law are not used: all are.
 
@@ -66,9 +68,10 @@ def reproduce(folder: str | Path, setting: Setting) -> Path:
     begin, folder = time.monotonic(), Path(folder)
     (folder / IMAGES).mkdir(parents=True, exist_ok=True)
     pictures = list(_figures())
-    with _bar(len(EVERY_CLAIM) + len(pictures), setting.progress) as bar:
+    with _bar(len(EVERY_CLAIM) + len(pictures) + 1, setting.progress) as bar:
         table = Claims(tuple(_counted(bar, name, check, name, setting) for name in EVERY_CLAIM))
         drawn = [_counted(bar, f"Fig. {n}", _drawn, n, way, folder, setting) for n, way in pictures]
+        _counted(bar, "step sizes", _step_sizes, folder, setting)
     page = folder / PAGE
     minutes = (time.monotonic() - begin) / 60
     page.write_text(_head(setting, minutes) + _summary(table) + _figures_text(drawn), encoding="utf-8")
@@ -109,6 +112,13 @@ def _drawn(number: int, way: str, folder: Path, setting: Setting) -> tuple[Any, 
     return found, path
 
 
+def _step_sizes(folder: Path, setting: Setting) -> None:
+    """The page on what a fixed step does."""
+    study, picture = study_of(setting), IMAGES / "step-size.png"
+    _write(study.plot(), folder / picture)
+    (folder / steps_page.PAGE).write_text(steps_page.page(study, picture.as_posix()), encoding="utf-8")
+
+
 def _write(picture: Any, path: Path) -> None:
     """A PNG with a palette, where pillow is installed, as it is with matplotlib."""
     from PIL import Image
@@ -124,7 +134,7 @@ def _head(setting: Setting, minutes: float) -> str:
         quick=" --quick" if setting.quick else "",
         version=__version__,
         minutes=minutes,
-        dwell=DWELL,
+        chatter=CHATTER,
         step=STEP,
         exact=TOLERANCES["exact"],
         paper=TOLERANCES["paper"],

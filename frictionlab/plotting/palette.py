@@ -8,12 +8,20 @@ from typing import Any
 
 BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
 BLUE, VERMILLION, PURPLE, GREY = "#0072B2", "#D55E00", "#CC79A7", "#999999"
+YELLOW = "#F0E442"
 
 LINES = (BLACK, VERMILLION, BLUE, GREEN)
 DASHED = (0, (4, 1.5))
 
 MODES = MappingProxyType(
-    {"stick": ORANGE, "slip+": GREY, "slip": GREY, "slip-": PURPLE, "separation": SKY},
+    {
+        "stick": ORANGE,
+        "slip+": GREY,
+        "slip": GREY,
+        "slip-": PURPLE,
+        "separation": SKY,
+        "chatter": YELLOW,
+    },
 )
 ANGLES = ("phi",)  # all other coordinates are lengths
 

@@ -146,7 +146,16 @@ def test_methods_describe_themselves():
         None,
         "close",
     )
-    assert set(about) == {"name", "tol", "order", "dwell", "accumulation", "max_steps", "max_events"}
+    assert set(about) == {
+        "name",
+        "tol",
+        "order",
+        "chatter",
+        "dwell",
+        "accumulation",
+        "max_steps",
+        "max_events",
+    }
     assert fl.RK4().describe()["step"] == 2e-4
     assert fl.Scipy("Radau").describe()["integrator"] == "Radau"
 

@@ -129,13 +129,15 @@ def cost(off):
 def test_a_scene_does_not_pay_for_what_it_lacks(off):
     costs = cost(off)
     assert {c["states"] for c in costs.values()} == {8 if "geometry" in off else 10}
-    assert all(c["quotient"] == 0 for c in costs.values())
+    # In chatter there is W_N^T M^-1 W_N, which depends on where the slider is.
+    assert all(c["quotient"] == 0 for name, c in costs.items() if name != "chatter")
     if "nonsmooth" in off:
         assert list(costs) == ["slip"]
         assert costs["slip"]["guards"] == 0
     else:
         guards = {name: c["guards"] for name, c in costs.items()}
-        assert guards == {"stick": 3, "slip+": 2, "slip-": 2, "separation": 1}
+        expected = {"stick": 3, "slip+": 2, "slip-": 2, "separation": 1}
+        assert guards == expected | ({} if "geometry" in off else {"chatter": 2})
     if {"cubic", "geometry"} <= set(off):
         assert all(c["product"] == c["square"] == 0 for c in costs.values())
 

@@ -84,9 +84,11 @@ def test_stick_moves_both_bodies_alike_under_its_own_friction_force(state):
 def test_states_modes_and_coordinates():
     automaton = SliderOnBelt().automaton()
     assert [s.name for s in automaton.states] == "x1 y1 x2 y2 phi x1' y1' x2' y2' phi'".split()
-    assert automaton.names == ("stick", "slip+", "slip-", "separation")
+    assert automaton.names == ("stick", "slip+", "slip-", "separation", "chatter")
+    assert [mode.name for mode in automaton.modes if mode.limit] == ["chatter"]
     assert automaton.coordinates == 5
-    assert {s.name: v for s, v in automaton.parameters.items()} == dict(SliderOnBelt().parameters)
+    parameters = {s.name: v for s, v in automaton.parameters.items()}
+    assert parameters == {**SliderOnBelt().parameters, "chatter": 0.0}
 
 
 def test_events_and_their_targets():
@@ -97,13 +99,14 @@ def test_events_and_their_targets():
         "slip+": {"v_r": ("stick", "slip-"), "gap": ("separation",)},
         "slip-": {"v_r": ("stick", "slip+"), "gap": ("separation",)},
         "separation": {"gap": ("slip+", "slip-", "stick")},
+        "chatter": {"leaving rate": ("slip+", "slip-", "stick"), "flight": ("separation",)},
     }
 
 
 def test_event_functions():
     automaton = SliderOnBelt().automaton()
     v_r = automaton.modes[0].outputs["relative_velocity"]
-    for mode in automaton.modes:
+    for mode in automaton.modes[:4]:
         out, functions = mode.outputs, {e.name: e.function for e in mode.events}
         sign = {"slip+": 1, "slip-": -1}.get(mode.name)
         if sign:
@@ -118,7 +121,9 @@ def test_event_functions():
 @pytest.mark.parametrize("interface", INTERFACES)
 def test_interfaces_assemble(interface):
     automaton = SliderOnBelt(interface=interface).automaton()
-    assert automaton.names == interface.modes
+    limits = [mode.name for mode in automaton.modes if mode.limit]
+    assert automaton.names == (*interface.modes, *limits)
+    assert limits == (["chatter"] if "separation" in interface.modes else [])
     targets = {name for mode in automaton.modes for event in mode.events for name in event.targets}
     assert targets <= set(interface.modes)
     has_gap = any(event.name == "gap" for mode in automaton.modes for event in mode.events)
