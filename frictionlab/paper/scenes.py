@@ -34,20 +34,22 @@ class Times(NamedTuple):
 
 
 USUAL_TIMES = Times(300.0, 100.0)  # the full gap rate lets motions settle slowly
-COSTLY_TIMES = Times(150.0, 30.0)  # Eq. (13), and a fixed step: ten times the cost
-STIFF_TIMES = Times(40.0, 20.0)  # Eq. (13) at 30 Hz: a hundred times the cost
+COSTLY_TIMES = Times(150.0, 30.0)  # Eq. (13): ten times the cost
+FIXED_STEP_TIMES = Times(100.0, 30.0)
+STIFF_TIMES = Times(150.0, 50.0)  # at 30 Hz
+STIFF_COSTLY_TIMES = Times(40.0, 20.0)
 
 
 def times_of(model: Any, setting: Setting) -> Times:
     """What a model can be given, by the cost of its motion."""
     if setting.algorithm == "paper":
-        return COSTLY_TIMES
+        return FIXED_STEP_TIMES
     chatters = (
         setting.impact == "paper" and "phi" in model.coordinates and "separation" in model.automaton().names
     )
-    if not chatters:
-        return USUAL_TIMES
-    return STIFF_TIMES if model.k4 == STIFF.k4 else COSTLY_TIMES
+    if model.k4 == STIFF.k4:
+        return STIFF_COSTLY_TIMES if chatters else STIFF_TIMES
+    return COSTLY_TIMES if chatters else USUAL_TIMES
 
 
 def mu_k(setting: Setting) -> Array:

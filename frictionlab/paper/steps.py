@@ -29,7 +29,7 @@ Array = NDArray[np.float64]
 STEPS = (5e-4, 2e-4, 1e-4, 5e-5)  # s
 MU_K: Array = np.round(np.arange(1, 16) * 0.2, 10).astype(np.float64)
 QUICK = slice(0, None, 3)
-FIXED_STEP_TIMES = scenes.Times(60.0, 30.0)
+STUDY_TIMES = scenes.Times(60.0, 30.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,7 +129,7 @@ def study_of(setting: Setting, steps: Sequence[float] = STEPS) -> StepStudy:
 def _series(step: float | None, impact: str, values: Array, setting: Setting) -> Series:
     chosen = replace(setting, algorithm="exact" if step is None else "paper", impact=impact)
     method = chosen.method if step is None else RK4(step=step)
-    times = scenes.times_of(chosen.adapted(scenes.USUAL), chosen) if step is None else FIXED_STEP_TIMES
+    times = scenes.times_of(chosen.adapted(scenes.USUAL), chosen) if step is None else STUDY_TIMES
     study = partial(_motion, method=method, tolerance=TOLERANCES[chosen.algorithm], times=times)
     name = f"step study {method.describe()} {times}"
     rows = results(name, study, scenes.USUAL, {"mu_k": values}, chosen).results

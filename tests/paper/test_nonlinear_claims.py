@@ -133,7 +133,7 @@ def test_c18_compares_cycles(monkeypatch):
     from frictionlab.paper import scenes
 
     monkeypatch.setattr(scenes, "USUAL_TIMES", scenes.Times(40.0, 10.0))
-    monkeypatch.setattr(scenes, "COSTLY_TIMES", scenes.Times(10.0, 5.0))
+    monkeypatch.setattr(scenes, "FIXED_STEP_TIMES", scenes.Times(10.0, 5.0))
     row = fl.paper.claims("C18", progress=False)["C18"]
     assert row.verdict is Verdict.REPRODUCED
     assert row.full_gap_rate == ""

@@ -15,7 +15,7 @@ def study(tmp_path_factory):
     """Two values of mu_k, short windows."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(steps, "MU_K", np.array([0.2, 1.4]))
-        patch.setattr(steps, "FIXED_STEP_TIMES", scenes.Times(30.0, 10.0))
+        patch.setattr(steps, "STUDY_TIMES", scenes.Times(30.0, 10.0))
         yield steps.study_of(Setting(progress=False), STEPS)
 
 
