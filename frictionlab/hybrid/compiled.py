@@ -80,13 +80,18 @@ def inlined(function: Callable) -> Callable:
     return _compiled(function, {"forceinline": True})
 
 
+def _uncounted() -> dict[str, bool]:
+    """No reference counts: kernels allocate nothing, and counting would take most of their time."""
+    return {"_nrt": False} if hasattr(NUMBA.core.options.DefaultOptions, "_nrt") else {}
+
+
 def _compiled(function: Callable, further: dict[str, bool]) -> Callable:
     if NUMBA is None:
         return function
     before = NUMBA.config.CACHE_DIR
     NUMBA.config.CACHE_DIR = FOLDER or before
     try:
-        options = {"nogil": True, "error_model": "numpy", "boundscheck": False, **further}
+        options = {"nogil": True, "error_model": "numpy", "boundscheck": False, **_uncounted(), **further}
         return NUMBA.njit(cache=bool(FOLDER), **options)(function)
     finally:
         NUMBA.config.CACHE_DIR = before

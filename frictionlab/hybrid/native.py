@@ -51,9 +51,7 @@ class _Writer:
         self.z, self.constants, self.terms, self.J = body.args
         self.values: list[list[Any]] = [[] for _ in range(function.tape.slots)]
         operands = {slot for kind, a, b in function.tape.ops if kind != AFFINE for slot in (a, b)}
-        outputs = {
-            function.tape.inputs + i for i, op in enumerate(function.tape.ops) if op[0] > SQUARE
-        }
+        outputs = {function.tape.inputs + i for i, op in enumerate(function.tape.ops) if op[0] > SQUARE}
         self.stored = function.kept | operands | outputs | set(range(function.tape.inputs))
 
     def write(self) -> None:

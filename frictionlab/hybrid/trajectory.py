@@ -12,8 +12,8 @@ import numpy as np
 
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.hybrid.events import Events
-from frictionlab.hybrid.outputs import evaluate
 from frictionlab.hybrid.natives import natives
+from frictionlab.hybrid.outputs import evaluate
 from frictionlab.hybrid.problem import Problem, Raw
 from frictionlab.hybrid.sampling import sample, subdivide
 from frictionlab.hybrid.validation import suggestion
