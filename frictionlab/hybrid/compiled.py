@@ -30,7 +30,7 @@ def _numba() -> Any:
 
 def _digest(numba: Any) -> str:
     sources = (path.read_bytes() for path in sorted(Path(__file__).parent.glob("*.py")))
-    text = b"".join(source for source in sources if b"@kernel" in source)
+    text = b"".join(source for source in sources if b"@kernel" in source or b"intrinsic" in source)
     versions = f"{numba.__version__} {sys.version}".encode()
     return hashlib.sha256(text + versions).hexdigest()[:16]
 
@@ -60,24 +60,38 @@ def cache_folder(numba: Any) -> str:
 
 
 NUMBA = _numba()
-_FOLDER = cache_folder(NUMBA) if NUMBA else ""
+FOLDER = cache_folder(NUMBA) if NUMBA else ""
 
 
 def waits_for_compiler(function: Any) -> bool:
     """Whether the next call of a kernel compiles it: neither loaded nor in the cache folder."""
     if NUMBA is None or function.signatures:
         return False
-    return not (_FOLDER and any(Path(_FOLDER).glob(f"*/*.{function.__name__}-*.nbi")))
+    return not (FOLDER and any(Path(FOLDER).glob(f"*/*.{function.__name__}-*.nbi")))
 
 
 def kernel(function: Callable) -> Callable:
     """Compile `function` on its first call, once per machine; without numba return it as it is."""
+    return _compiled(function, {})
+
+
+def inlined(function: Callable) -> Callable:
+    """A kernel that becomes part of its callers: a call passes some hundred numbers for its arrays."""
+    return _compiled(function, {"forceinline": True})
+
+
+def _uncounted() -> dict[str, bool]:
+    """No reference counts: kernels allocate nothing, and counting would take most of their time."""
+    return {"_nrt": False} if hasattr(NUMBA.core.options.DefaultOptions, "_nrt") else {}
+
+
+def _compiled(function: Callable, further: dict[str, bool]) -> Callable:
     if NUMBA is None:
         return function
     before = NUMBA.config.CACHE_DIR
-    NUMBA.config.CACHE_DIR = _FOLDER or before
+    NUMBA.config.CACHE_DIR = FOLDER or before
     try:
-        options = {"nogil": True, "error_model": "numpy", "boundscheck": False}
-        return NUMBA.njit(cache=bool(_FOLDER), **options)(function)
+        options = {"nogil": True, "error_model": "numpy", "boundscheck": False, **_uncounted(), **further}
+        return NUMBA.njit(cache=bool(FOLDER), **options)(function)
     finally:
         NUMBA.config.CACHE_DIR = before

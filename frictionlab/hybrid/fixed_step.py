@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from frictionlab.hybrid.compiled import kernel
+from frictionlab.hybrid.compiled import inlined, kernel
 from frictionlab.hybrid.guards import NOISE
 from frictionlab.hybrid.jets import copy, majorant, mode_jets
 from frictionlab.hybrid.stepping import (
@@ -23,7 +23,7 @@ from frictionlab.hybrid.transitions import NO_MODE, apply_reset
 HALVINGS = 50
 
 
-@kernel
+@inlined
 def field(code, numbers, mode, z, J, dz):
     """Time derivative of the states; leaves the values of all slots in column 0 of `J`."""
     mode_jets(code, numbers, mode, 0, z, J)
@@ -31,7 +31,7 @@ def field(code, numbers, mode, z, J, dz):
         dz[i] = J[code.flow[mode, i], 0]
 
 
-@kernel
+@inlined
 def rk4_step(code, numbers, mode, z, h, J, stages, new):
     """Classical Runge-Kutta step from `z`; `stages` (5, states) is scratch."""
     shifted = stages[4]
@@ -45,7 +45,7 @@ def rk4_step(code, numbers, mode, z, h, J, stages, new):
         new[i] = z[i] + h / 6.0 * (stages[0, i] + 2.0 * (stages[1, i] + stages[2, i]) + stages[3, i])
 
 
-@kernel
+@inlined
 def failed_guard(code, numbers, mode, z, J):
     """First guard of the mode that is negative at `z`; -1 where all hold, -2 where one is no number."""
     mode_jets(code, numbers, mode, 0, z, J)
@@ -119,7 +119,7 @@ def change_mode(code, numbers, absolute, guard, cursor, record, work):
     return RUNNING
 
 
-@kernel
+@inlined
 def fixed_step(code, numbers, absolute, step, cursor, record, work, stages, new):
     """To the end of the current cell of the grid, or up to an event within it."""
     times, counts, J = cursor.times, cursor.counts, work.jets

@@ -6,10 +6,51 @@ Recurrences: Jorba & Zou, Experimental Mathematics 14 (2005), proposition 2.1.
 
 from __future__ import annotations
 
-from frictionlab.hybrid.compiled import kernel
+from frictionlab.hybrid.arithmetic import call_native, fma
+from frictionlab.hybrid.compiled import inlined, kernel
 
 # Kernels know the operations by these numbers, in the order of tape.NAMES.
 AFFINE, PRODUCT, SQUARE, QUOTIENT = 0, 1, 2, 3
+
+
+@kernel
+def convolution(J, a, b, first, last, k):
+    """Sum of J[a, j] J[b, k - j] over first <= j <= last, in four lanes that do not wait for each other."""
+    one = two = three = four = 0.0
+    j = first
+    while j + 3 <= last:
+        one = fma(J[a, j], J[b, k - j], one)
+        two = fma(J[a, j + 1], J[b, k - j - 1], two)
+        three = fma(J[a, j + 2], J[b, k - j - 2], three)
+        four = fma(J[a, j + 3], J[b, k - j - 3], four)
+        j += 4
+    if j <= last:
+        one = fma(J[a, j], J[b, k - j], one)
+    if j + 1 <= last:
+        two = fma(J[a, j + 1], J[b, k - j - 1], two)
+    if j + 2 <= last:
+        three = fma(J[a, j + 2], J[b, k - j - 2], three)
+    return (one + two) + (three + four)
+
+
+@kernel
+def product(J, a, b, k):
+    """Coefficient k of the product of two slots; what has just been computed comes last."""
+    if k == 0:
+        return J[a, 0] * J[b, 0]
+    total = convolution(J, a, b, 1, k - 1, k)
+    return fma(J[a, k], J[b, 0], fma(J[a, 0], J[b, k], total))
+
+
+@kernel
+def square(J, a, k):
+    """Coefficient k of the square of a slot: each pair of terms once."""
+    if k == 0:
+        return J[a, 0] * J[a, 0]
+    total = 2.0 * convolution(J, a, a, 1, (k - 1) // 2, k)
+    if k % 2 == 0:
+        total = fma(J[a, k // 2], J[a, k // 2], total)
+    return fma(2.0 * J[a, 0], J[a, k], total)
 
 
 @kernel
@@ -34,20 +75,13 @@ def run_tape(code, numbers, first, last, order, flow, sign, values, J):
                 if k == 0:
                     total = constants[i]
                 for j in range(a, b):
-                    total += terms[j] * J[slots[j], k]
+                    total = fma(terms[j], J[slots[j], k], total)
             elif kind == PRODUCT:
-                for j in range(k + 1):
-                    total += J[a, j] * J[b, k - j]
+                total = product(J, a, b, k)
             elif kind == SQUARE:
-                for j in range((k + 1) // 2):
-                    total += J[a, j] * J[a, k - j]
-                total *= 2.0
-                if k % 2 == 0:
-                    total += J[a, k // 2] * J[a, k // 2]
+                total = square(J, a, k)
             else:
-                total = J[a, k]
-                for j in range(1, k + 1):
-                    total += sign * J[b, j] * J[out, k - j]
+                total = J[a, k] + sign * convolution(J, b, out, 1, k, k)
                 divisor = values[b, 0]  # the majorant's own would be too large where terms cancel
                 if sign > 0.0:
                     total += J[b, 0] * abs(values[out, k])  # the divisor's rounding error
@@ -60,9 +94,15 @@ def run_tape(code, numbers, first, last, order, flow, sign, values, J):
                 J[i, k + 1] = J[flow[i], k] * share
 
 
-@kernel
+@inlined
 def mode_jets(code, numbers, mode, order, z, J):
-    """Taylor coefficients up to `order` of all slots of a mode, at the state `z`."""
+    """Taylor coefficients up to `order` of a mode's slots at the state `z`.
+
+    Native code leaves out the slots of intermediate results.
+    """
+    if code.native[mode] != 0 and code.jets[0] == order and code.jets[1] == J.shape[1]:
+        call_native(code.native[mode], z, numbers.constants, numbers.terms, J)
+        return
     for i in range(z.shape[0]):
         J[i, 0] = z[i]
     run_tape(code, numbers, code.mode_ops[mode], code.mode_ops[mode + 1], order, code.flow[mode], -1.0, J, J)
@@ -86,7 +126,7 @@ def reset_values(code, numbers, reset, z, J):
     run_tape(code, numbers, first, last, 0, code.reset_out[reset], -1.0, J, J)
 
 
-@kernel
+@inlined
 def polynomial(c, n, s):
     """Value at `s` of the polynomial with coefficients c[0..n]."""
     total = c[n]
@@ -95,14 +135,14 @@ def polynomial(c, n, s):
     return total
 
 
-@kernel
+@inlined
 def copy(source, target):
     """Copy a vector; numba compiles a loop much faster than an assignment to a slice."""
     for i in range(source.shape[0]):
         target[i] = source[i]
 
 
-@kernel
+@inlined
 def states_at(J, order, s, z):
     """Write the states at time `s` after the expansion point into `z`."""
     copy(J[: z.shape[0], order], z)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -35,6 +35,8 @@ class Code(NamedTuple):
     reset_out: np.ndarray  # (resets, states) slot that holds a state's new value
     sections: np.ndarray  # (modes, sections) slots
     directions: np.ndarray  # (sections,) +1 rising, -1 falling, 0 both
+    native: np.ndarray  # (modes,) addresses of native code, 0 where there is none
+    jets: np.ndarray  # (2,) order of the native jets, and length of a row of J
     groups: np.ndarray  # (4,) bounds of the coordinates, the velocities, the other states; integrals follow
 
 
@@ -65,6 +67,7 @@ class Program:
     guard_modes: np.ndarray
     initial: np.ndarray  # modes in the order in which they are tried at the start
     _fill: Callable[..., Sequence[float]]
+    natives: dict[tuple[int, int], Any] = field(default_factory=dict)  # by order and length of a row
 
     def numbers(self, values: Sequence[float]) -> Numbers:
         """Coefficients for parameter values in the order of the automaton's parameters."""

@@ -14,6 +14,7 @@ import numpy as np
 from frictionlab.hybrid import stepping
 from frictionlab.hybrid.buffers import Pieces, new_record, new_work
 from frictionlab.hybrid.layout import Numbers
+from frictionlab.hybrid.natives import Natives, natives
 from frictionlab.hybrid.problem import Problem, Raw
 from frictionlab.hybrid.progress import Progress
 from frictionlab.hybrid.start import start
@@ -38,6 +39,7 @@ class Run:
     """A problem under way: its arrays, as the kernels take them."""
 
     problem: Problem
+    natives: Natives
     absolute: Numbers
     cursor: stepping.Cursor
     work: stepping.Work
@@ -70,6 +72,11 @@ class Method(ABC):
     def degree(self) -> int:
         """Order of the Taylor series that choose modes and give the dense output."""
 
+    @property
+    def jets(self) -> int:
+        """Order of the series that steps are made of: those that get native code."""
+        return 0
+
     @abstractmethod
     def advance(self, run: Run, record: stepping.Record) -> int:
         """Fill `record` until it is full (stepping.RUNNING) or the run ends."""
@@ -99,6 +106,7 @@ class Method(ABC):
             record = self._record(run, pieces)
             counts[_COUNTED] = 0
             end = self.advance(run, record)
+            run.natives.used(record.step_modes[: counts[stepping.STEPS]])
             pieces.add(record, *counts[_COUNTED])
             status = self._status(_ENDS[end], pieces)
             if progress.update(times[stepping.NOW]) and status is Status.RUNNING:
@@ -112,7 +120,7 @@ class Method(ABC):
         mode = start(problem, self.degree, absolute, work)
         cursor = stepping.new_cursor(problem.x0, mode, problem.t_end, self.limits, self.raises)
         cursor = cursor._replace(signs=np.zeros(problem.program.code.sections.shape[1], dtype=np.int64))
-        return Run(problem, absolute, cursor, work)
+        return Run(problem, natives(problem.program, self.jets, self.degree + 1), absolute, cursor, work)
 
     def _record(self, run: Run, pieces: Pieces) -> stepping.Record:
         code = run.problem.program.code

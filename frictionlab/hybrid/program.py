@@ -108,6 +108,8 @@ class _Packer:
             reset_out=_slots(self.reset_out, columns=len(self.states)),
             sections=_slots([mode.sections for mode in lowered], columns=len(self.sections)),
             directions=_ints([section.direction for section in self.sections]),
+            native=np.zeros(len(names), dtype=np.int64),
+            jets=np.array([-1, 0]),
             groups=_ints([0, coordinates, 2 * coordinates, len(self.physical)]),
         )
         exprs = [c for tape in every for c in tape.constants] + [c for tape in every for _, c in tape.terms]

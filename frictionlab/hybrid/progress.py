@@ -34,7 +34,7 @@ class Progress:
             if callable(self._previous):
                 signal.signal(signal.SIGINT, self._note)
         if self._show and self._compiling:
-            print("compiling the solver, once on this machine: some 20 s", file=sys.stderr, flush=True)
+            print("compiling the solver, once on this machine: some 30 s", file=sys.stderr, flush=True)
         return self
 
     def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:

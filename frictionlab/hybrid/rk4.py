@@ -46,6 +46,6 @@ class RK4(Method):
 
     def advance(self, run: Run, record: stepping.Record) -> int:
         problem, states = run.problem, len(run.cursor.state)
-        arrays = problem.program.code, problem.numbers, run.absolute
+        arrays = run.natives.code, problem.numbers, run.absolute
         scratch = np.empty((5, states)), np.empty(states)
         return advance_fixed(*arrays, self.step, run.cursor, record, run.work, *scratch)

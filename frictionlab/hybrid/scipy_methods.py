@@ -75,7 +75,7 @@ class Scipy(Method):
         from scipy import integrate
 
         problem, cursor = run.problem, run.cursor
-        code, mode = problem.program.code, int(cursor.counts[stepping.MODE])
+        code, mode = run.natives.code, int(cursor.counts[stepping.MODE])
 
         def rates(t: float, z: np.ndarray) -> np.ndarray:
             out = np.empty_like(z)
@@ -96,7 +96,7 @@ class _Guards:
         self._guards = range(code.mode_guards[self._mode], code.mode_guards[self._mode + 1])
 
     def _values(self, z: np.ndarray) -> np.ndarray:
-        run, code = self._run, self._run.problem.program.code
+        run, code = self._run, self._run.natives.code
         field(code, run.problem.numbers, self._mode, np.ascontiguousarray(z), run.work.jets, np.empty_like(z))
         return run.work.jets[code.function_slots[self._guards.start : self._guards.stop], 0].copy()
 

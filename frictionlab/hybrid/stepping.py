@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from frictionlab.hybrid.compiled import kernel
+from frictionlab.hybrid.compiled import inlined, kernel
 from frictionlab.hybrid.guards import NO_GUARD, first_event
 from frictionlab.hybrid.jets import copy, mode_jets, states_at
 from frictionlab.hybrid.riders import record_sections
@@ -68,7 +68,7 @@ class Record(NamedTuple):
     point_states: np.ndarray
 
 
-@kernel
+@inlined
 def largest(J, first, last, k):
     """Largest Taylor coefficient number `k` of the states [first, last); infinite where one is no number."""
     size = 0.0
@@ -79,7 +79,7 @@ def largest(J, first, last, k):
     return size
 
 
-@kernel
+@inlined
 def step_length(code, order, tol, J):
     """Longest step for which the last two terms stay below `tol` times the size of their group of states.
 
@@ -124,7 +124,7 @@ def resolved(c, order, tol, h):
     return h
 
 
-@kernel
+@inlined
 def function_step(code, order, tol, mode, h, J):
     """Longest step up to `h` in which the series of guards, sections and integrals hold too.
 
@@ -217,7 +217,7 @@ def handle_event(code, numbers, absolute, guard, multiplicity, order, cursor, re
     return STALLED if counts[REPEATED] > REPEATS else RUNNING
 
 
-@kernel
+@inlined
 def take_step(code, numbers, absolute, order, tol, cursor, record, work):
     """One step, up to an event if there is one; returns how the run goes on."""
     times, counts, J = cursor.times, cursor.counts, work.jets

@@ -147,7 +147,9 @@ class TapeBuilder:
         if key not in self._slots:
             terms = self.tape.terms
             first = len(terms)
-            terms.extend((slot, value) for slot, value in combination.items() if slot != CONSTANT)
+            # By slot, so that what is computed last is added last and nothing waits for it.
+            ordered = sorted(slot for slot in combination if slot != CONSTANT)
+            terms.extend((slot, combination[slot]) for slot in ordered)
             constant = combination.get(CONSTANT, sp.S.Zero)
             self._slots[key] = self.tape.emit(AFFINE, first, len(terms), constant)
         return self._slots[key]

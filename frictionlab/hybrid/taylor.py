@@ -59,6 +59,10 @@ class Taylor(Method):
         return self.order or max(4, math.ceil(1 - 0.7 * math.log(self.tol)))
 
     @property
+    def jets(self) -> int:
+        return self.degree
+
+    @property
     def limits(self) -> tuple[float, float]:
         return self.dwell, self.chatter
 
@@ -68,5 +72,5 @@ class Taylor(Method):
 
     def advance(self, run: Run, record: stepping.Record) -> int:
         problem = run.problem
-        arrays = problem.program.code, problem.numbers, run.absolute
+        arrays = run.natives.code, problem.numbers, run.absolute
         return stepping.advance(*arrays, self.degree, self.tol, run.cursor, record, run.work)

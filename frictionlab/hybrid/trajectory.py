@@ -12,6 +12,7 @@ import numpy as np
 
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.hybrid.events import Events
+from frictionlab.hybrid.natives import natives
 from frictionlab.hybrid.outputs import evaluate
 from frictionlab.hybrid.problem import Problem, Raw
 from frictionlab.hybrid.sampling import sample, subdivide
@@ -101,7 +102,8 @@ class Trajectory:
         part = np.empty((int(inside.sum()), raw.state.size))
         J = np.zeros((program.slots, order + 1))
         stored = raw.step_times, raw.step_modes, raw.step_states
-        sample(program.code, self._problem.numbers, order, *stored, steps[inside], t[inside], part, J)
+        code = natives(program, order, order + 1).code
+        sample(code, self._problem.numbers, order, *stored, steps[inside], t[inside], part, J)
         out[inside], out[~inside] = part, raw.state
         return out
 

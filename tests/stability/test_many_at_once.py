@@ -202,7 +202,7 @@ def test_state_matrices_against_the_complex_step(law, v):
     flow = sympy.lambdify([automaton.states, list(automaton.parameters)], mode.flow, modules="numpy")
     for state, matrix, values in zip(x.T, matrices, zip(*changes.values(), strict=True), strict=True):
         single = model.replace(**dict(zip(changes, values, strict=True)))
-        numbers = [single.parameters[symbol.name] for symbol in automaton.parameters]
+        numbers = list(single.automaton().parameters.values())
         steps = 1e-30j * np.eye(10)
         columns = [np.imag(np.array(flow(state + step, numbers), dtype=complex)) / 1e-30 for step in steps]
         np.testing.assert_allclose(matrix, np.array(columns).T, rtol=1e-11, atol=1e-8)

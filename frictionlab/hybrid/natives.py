@@ -1,0 +1,157 @@
+"""Native jets on demand: compiled in the background once a mode has been run for long, and kept in a folder.
+
+Only structure is compiled, never parameter values.  Since native code gives what the interpreter gives to
+the last bit, it does not matter when a run changes over.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import tempfile
+from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import suppress
+from functools import cache
+from itertools import accumulate
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from frictionlab.hybrid import compiled, native
+from frictionlab.hybrid.layout import Code, Program
+from frictionlab.hybrid.native import Function, module_of
+
+LONG = 20_000  # jets of a mode after which its code pays: interpreted, they take as long as it does
+NAME = "jets"
+_ENGINES: list[Any] = []  # own the code, so they live as long as the process
+
+
+class Natives:
+    """The native jets of a program's modes, of one order and for rows of J of one length."""
+
+    def __init__(self, program: Program, order: int, row: int) -> None:
+        self._functions = [_function(program, mode, order, row) for mode in range(len(program.tapes))]
+        self._used = np.zeros(len(self._functions), dtype=np.int64)
+        self._asked: dict[int, Future[None]] = {}
+        addresses = np.zeros(len(self._functions), dtype=np.int64)
+        self.code: Code = program.code._replace(native=addresses, jets=np.array([order, row]))
+        for mode, function in enumerate(self._functions):
+            addresses[mode] = _known(function)
+
+    def used(self, modes: np.ndarray) -> None:
+        """Take note of jets that were computed, by their modes; have what is long compiled."""
+        if compiled.NUMBA is None:
+            return
+        self._used += np.bincount(modes, minlength=len(self._used))
+        for mode in np.flatnonzero((self._used > LONG) & (self.code.native == 0)).tolist():
+            if mode not in self._asked:
+                self._asked[mode] = _worker().submit(self.compile, mode)
+
+    def compile(self, mode: int) -> None:
+        """Compile a mode now."""
+        function = self._functions[mode]
+        code = _emitted(function)
+        _keep(code, _path(function))
+        self.code.native[mode] = _loaded(code)
+
+
+def natives(program: Program, order: int, row: int) -> Natives:
+    """Those of a program, made once."""
+    if (order, row) not in program.natives:
+        program.natives[order, row] = Natives(program, order, row)
+    return program.natives[order, row]
+
+
+def _function(program: Program, mode: int, order: int, row: int) -> Function:
+    code = program.code
+    flow = tuple(map(int, code.flow[mode]))
+    # Without higher orders the rates themselves are wanted.
+    kept = {*map(int, code.sections[mode]), *(flow if order == 0 else ())}
+    for ranges in (code.mode_guards, code.mode_constraints):
+        kept.update(map(int, code.function_slots[ranges[mode] : ranges[mode + 1]]))
+    terms = [0, *accumulate(len(tape.terms) for tape in program.tapes)]
+    first = int(code.mode_ops[mode]), terms[mode]
+    return Function(program.tapes[mode], first, flow, frozenset(kept), order, row)
+
+
+@cache
+def _worker() -> ThreadPoolExecutor:
+    return ThreadPoolExecutor(1, "frictionlab-compiler")
+
+
+@cache
+def _llvm() -> Any:
+    """llvmlite's binding, ready to compile for this machine."""
+    import llvmlite.binding as llvm
+
+    llvm.initialize_native_target()
+    llvm.initialize_native_asmprinter()
+    return llvm
+
+
+@cache
+def _machine() -> Any:
+    llvm = _llvm()
+    features = llvm.get_host_cpu_features().flatten()
+    target = llvm.Target.from_default_triple()
+    return target.create_target_machine(cpu=llvm.get_host_cpu_name(), features=features, opt=2, jit=True)
+
+
+@cache
+def _host() -> str:
+    """What compiled code depends on besides the function."""
+    import llvmlite
+
+    llvm = _llvm()
+    writer = Path(native.__file__).read_text(encoding="utf-8")
+    cpu = llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten()
+    return "\n".join([writer, llvmlite.__version__, llvm.get_default_triple(), *cpu])
+
+
+def _path(function: Function) -> Path | None:
+    if not compiled.FOLDER:
+        return None
+    tape = function.tape
+    structure = (tape.inputs, tape.ops, [slot for slot, _ in tape.terms], sorted(function.kept))
+    text = repr((structure, function.first, function.flow, function.order, function.row)) + _host()
+    return Path(compiled.FOLDER) / f"{NAME}-{hashlib.sha256(text.encode()).hexdigest()[:24]}.o"
+
+
+def _known(function: Function) -> int:
+    """Address of code that an earlier process has compiled, else 0."""
+    if compiled.NUMBA is None:
+        return 0
+    path = _path(function)
+    with suppress(OSError):
+        return _loaded(path.read_bytes()) if path is not None and path.exists() else 0
+    return 0
+
+
+def _emitted(function: Function) -> bytes:
+    return _machine().emit_object(_llvm().parse_assembly(str(module_of(function, NAME))))
+
+
+def _loaded(code: bytes) -> int:
+    llvm = _llvm()
+    engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), _machine_of_engine())
+    engine.add_object_file(llvm.ObjectFileRef.from_data(code))
+    engine.finalize_object()
+    _ENGINES.append(engine)
+    return int(engine.get_function_address(NAME))
+
+
+def _machine_of_engine() -> Any:
+    """An engine takes its machine over, so each has one of its own."""
+    return _llvm().Target.from_default_triple().create_target_machine(jit=True)
+
+
+def _keep(code: bytes, path: Path | None) -> None:
+    """Write it beside and rename, so that nobody reads half a file."""
+    if path is None:
+        return
+    with suppress(OSError):
+        handle, name = tempfile.mkstemp(dir=path.parent)
+        with os.fdopen(handle, "wb") as file:
+            file.write(code)
+        os.replace(name, path)
