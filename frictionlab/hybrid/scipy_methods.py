@@ -12,6 +12,7 @@ from frictionlab.hybrid.fixed_step import field
 from frictionlab.hybrid.methods import Method, Run
 from frictionlab.hybrid.validation import check_choice, check_number
 
+CHATTER = 1e-6  # s: shorter flights are below what the tolerances resolve
 NAMES = ("RK23", "RK45", "DOP853", "Radau", "BDF", "LSODA")
 
 
@@ -45,6 +46,10 @@ class Scipy(Method):
         check_number("rtol", self.rtol, least=3e-14, below=1.0, cure="1e-10 is the default")
         check_number("atol", self.atol, least=0.0, cure="1e-13 is the default")
         self.check_caps()
+
+    @property
+    def limits(self) -> tuple[float, float]:
+        return 0.0, CHATTER
 
     @property
     def degree(self) -> int:
@@ -116,12 +121,11 @@ class _Guards:
         from scipy import optimize
 
         brentq: Any = optimize.brentq
-        left = start
         if function(end) >= 0.0:  # the dense output ends a rounding error beside the step
             return end
-        if function(start) <= 0.0:  # zero there by construction: find where it is positive
-            parts = start + (end - start) * 0.5 ** np.arange(1, 40)
-            left = next((t for t in parts if function(t) > 0.0), end)
+        # After an event it may be zero at the start by construction, of any sign: find where it is positive.
+        parts = start + (end - start) * 0.5 ** np.arange(1, 40)
+        left = next((t for t in parts if function(t) > 0.0), end)
         return start if left == end else float(brentq(function, left, end, xtol=1e-15, rtol=1e-15))
 
 
