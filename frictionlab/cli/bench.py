@@ -1,36 +1,83 @@
-"""`frictionlab bench`: the tables of docs/performance.md, measured now."""
+"""`frictionlab bench`: run time against error, other tools included; the tables of docs/performance.md."""
 
 from __future__ import annotations
 
 import argparse
+import json
+import sys
+from pathlib import Path
 from typing import Any
 
 from .parser import OneLineParser
 
 DESCRIPTION = """\
-Measure run time and error of the methods on one scene (mu_k = 1.4 from rest, moving load, full gap rate
-in the impact law; 886 events in 20 s), and what each nonlinearity costs. Times are medians of interleaved
-runs on this machine, errors are against a reference of 40 digits. Prints Markdown."""
+Measure wall time and error of this solver and of others on scenes with a known end, what each nonlinearity
+costs, Fig. 9's sweep, and linear stability. Times are medians of interleaved runs on this machine. Prints
+Markdown. heyoka and CVODE are measured where they are installed (extra "bench")."""
+
+EPILOG = """\
+examples:
+  frictionlab bench                              (all, some minutes)
+  frictionlab bench --scene B --picture b.png    (one scene, with its picture)
+  frictionlab bench --quick --json bench.json"""
 
 
 def add_bench(commands: Any) -> OneLineParser:
     """Add the command `bench`; returns its parser."""
     parser = commands.add_parser(
-        "bench", help="measure run time and error of the methods", description=DESCRIPTION
+        "bench",
+        help="measure run time and error of the methods",
+        description=DESCRIPTION,
+        epilog=EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        allow_abbrev=False,
     )
-    parser.add_argument("--quick", action="store_true", help="a tenth of the time: 20 s runs, one repetition")
+    parser.add_argument("--quick", action="store_true", help="one repetition, short sweep: rougher, faster")
+    parser.add_argument(
+        "--scene", action="append", metavar="NAME", help="A, B, C, D, Coulomb or linear; only these (repeat)"
+    )
+    parser.add_argument("--json", metavar="FILE", help="write the rows of the scenes as JSON")
+    parser.add_argument("--picture", metavar="FILE", help="draw error against wall time into a file")
     return parser
 
 
 def bench_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
     """Measure and print; returns the exit status."""
-    from frictionlab.analysis import benchmark, benchmark_stability
+    from frictionlab.bench import harness, picture
+    from frictionlab.bench.scenes import scenes
 
-    t_end, repeats = (20.0, 1) if chosen.quick else (200.0, 3)
-    print(f"Methods, wall time of {t_end:g} s of motion\n")
-    print(benchmark.table(benchmark.methods(t_end, repeats)), flush=True)
-    print("\nScenes, wall time per simulated second\n")
-    print(benchmark.switch_table(benchmark.switches(repeats=repeats)))
-    print("\nLinear stability\n")
-    print(benchmark_stability.table(benchmark_stability.eigenproblems(10_000, repeats)))
+    known = scenes()
+    names = chosen.scene or list(known)
+    for name in names:
+        if name not in known:
+            parser.error(f"--scene must be one of {', '.join(known)}, got {name!r}")
+    rows = []
+    for name in names:
+        found = harness.measure(known[name], repeats=1 if chosen.quick else 3)
+        print(
+            f"\n{name}: {known[name].text}, {known[name].t_end:.6g} s\n\n{harness.table(found)}", flush=True
+        )
+        rows += found
+    if not chosen.scene:
+        _others(chosen.quick)
+    try:
+        if chosen.json:
+            Path(chosen.json).write_text(json.dumps(harness.as_json(rows), indent=1), encoding="utf-8")
+        if chosen.picture:
+            picture.draw(rows).savefig(chosen.picture, dpi=110)
+    except (OSError, ValueError) as error:
+        sys.stderr.write(f"{parser.prog}: error: {error}\n")
+        return 1
     return 0
+
+
+def _others(quick: bool) -> None:
+    from frictionlab.bench import eigenproblems, sweeps, switches
+
+    repeats = 1 if quick else 3
+    print("\nScenes, wall time per simulated second\n")
+    print(switches.switch_table(switches.switches(repeats=repeats)), flush=True)
+    print("\nFig. 9's sweep\n")
+    print(sweeps.table(sweeps.sweeps(30.0 if quick else 300.0, 1)), flush=True)
+    print("\nLinear stability\n")
+    print(eigenproblems.table(eigenproblems.eigenproblems(10_000, repeats)))

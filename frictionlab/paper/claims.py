@@ -98,7 +98,7 @@ class Claims:
 
     def to_markdown(self) -> str:
         """The table as Markdown."""
-        from frictionlab.analysis.benchmark import markdown  # which imports the solver
+        from frictionlab.analysis.markdown import markdown
 
         lines = (" | ".join(cell.replace("|", r"\|") for cell in row.cells) for row in self.rows)
         return markdown(" | ".join(HEAD), lines)

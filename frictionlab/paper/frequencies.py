@@ -92,7 +92,7 @@ def panel(name: str, setting: Setting) -> Panel:
     values = scenes.mu_k_stiff(setting)
     times, method = scenes.times_of(model, setting), setting.method
     if name == GROWING:
-        times, method = scenes.STIFF_COSTLY_TIMES, replace(method, max_steps=MOST)
+        method = replace(method, max_steps=MOST)
     study = partial(lines_of, times=times, method=method, tolerance=setting.tolerance)
     about = f"lines {method.describe()} {times} {setting.tolerance}"
     rows = results(about, study, model, {"mu_k": values}, setting).results

@@ -62,6 +62,12 @@ def stiff_sweep(nonsmooth: bool, setting: Setting, start: str = "rest") -> Any:
     return steady_states(stiff(nonsmooth), values, setting, start, section=STICK if nonsmooth else TURNING)
 
 
+def sliding_downwards(setting: Setting) -> Any:
+    """The sliding-only model of Fig. 17b along its vibration, from mu_k = 3 down."""
+    values = scenes.mu_k_sliding(setting)[::-1]
+    return steady_states(stiff(False), values, setting, "continue", section=TURNING)
+
+
 def single(model: Any, setting: Setting, section: Any = STICK) -> SteadyState:
     """The steady state of one model from rest, with its run; a figure and its claim share it."""
     model = setting.adapted(model)

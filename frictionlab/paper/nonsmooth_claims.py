@@ -35,11 +35,13 @@ def _amplitudes(setting: Setting) -> Finding:
 
 def _sliding(setting: Setting) -> Finding:
     """C22."""
-    b = motions.stiff_sweep(False, setting)
-    there = within(b, 1.4, np.inf)
-    periodic = are(b, PERIODIC)[there]
-    text = f"{stretches(b)}; periodic at {count(periodic)} values from 1.4 on"
-    return Finding(text, {"periodic for all mu_k >= 1.4": bool(periodic.all())})
+    rest, down = motions.stiff_sweep(False, setting), motions.sliding_downwards(setting)
+    periodic = {b: are(b, PERIODIC)[within(b, 1.4, np.inf)] for b in (rest, down)}
+    text = (
+        f"followed from 3 down {stretches(down)}, periodic at {count(periodic[down])} values from 1.4 on; "
+        f"from rest {stretches(rest)}, periodic at {count(periodic[rest])}"
+    )
+    return Finding(text, {"periodic for all mu_k >= 1.4": bool(periodic[down].all())})
 
 
 def _nonsmooth(setting: Setting) -> Finding:
@@ -52,8 +54,8 @@ def _nonsmooth(setting: Setting) -> Finding:
 
 def _onset(setting: Setting) -> Finding:
     """C24."""
-    sweeps = {nonsmooth: motions.stiff_sweep(nonsmooth, setting) for nonsmooth in (True, False)}
-    near = motions.stiff_sweep(False, setting, "near")
+    sweeps = {True: motions.stiff_sweep(True, setting), False: motions.sliding_downwards(setting)}
+    rest, near = (motions.stiff_sweep(False, setting, start) for start in ("rest", "near"))
     first = {nonsmooth: _first(b) for nonsmooth, b in sweeps.items()}
     ratio = _ratio(sweeps)
     held = {
@@ -63,16 +65,15 @@ def _onset(setting: Setting) -> Finding:
         "L_s is much larger without them": ratio > MUCH,
     }
     text = (
-        f"from rest first at {first[True]:g} with them, {first[False]:g} without (from near the equilibrium "
-        f"{_first(near):g}); stability lost at {critical():.4f}; from 1.4 on L_s is "
-        f"at least {ratio:.1f} times as large without"
+        f"first at {first[True]:g} with them, from rest; without them at {first[False]:g} followed from 3 "
+        f"down, {_first(rest):g} from rest, {_first(near):g} from near the equilibrium; stability lost at "
+        f"{critical():.4f}; from 1.4 on L_s is at least {ratio:.1f} times as large without"
     )
     return Finding(text, held)
 
 
 def _first(b: Any) -> float:
-    vibrates = moving(b)
-    return float(b.values[vibrates.argmax()]) if vibrates.any() else np.nan
+    return float(b.values[moving(b)].min(initial=np.inf))
 
 
 def _ratio(sweeps: dict[bool, Any]) -> float:

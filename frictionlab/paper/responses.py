@@ -89,7 +89,13 @@ def in_words(found: SteadyState) -> str:
     cycle = f" at {1 / found.period:.3f} Hz, {found.onsets_per_period} onsets of stick a period"
     moving = found.kind == "periodic"
     text = f"{found.kind}{cycle if moving else ''}, strongest line of x1 {strongest:.2f} Hz"
-    return f"{text}, L_s {found.intensity:.5g}, returns to {found.deviation:.1e} of its size"
+    turns = f", the belt turns by up to {_rotation(found):.3g} rad" if _rotation(found) > 0 else ""
+    return f"{text}, L_s {found.intensity:.5g}, returns to {found.deviation:.1e} of its size{turns}"
+
+
+def _rotation(found: SteadyState) -> float:
+    run = found.trajectory
+    return float(np.abs(run.states[:, run.names.index("phi")]).max()) if "phi" in run.names else 0.0
 
 
 def _draw_responses(result: PaperFigure) -> RunFigure:

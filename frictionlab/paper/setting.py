@@ -19,7 +19,7 @@ STEP = 2e-4  # s, of the paper's algorithm: that at which it gives the paper's 1
 # s.  Under Eq. (13) flights pile up by the thousand: replaced by their limit from here on, which leaves
 # errors of 1e-8 in the usual structure.
 CHATTER = 1e-5
-MOST = 500_000  # events, and steps, of a run: one that grows without bound ends there
+MOST = 1_000_000  # events, and steps, of a run: one that grows without bound ends there
 TAYLOR = Taylor(chatter=CHATTER, max_events=MOST, max_steps=MOST)
 FASTEST = 20.0  # Hz, of a mode of the usual structure
 # The exact solver returns to a state within rounding.  A fixed step sees a condition up to a step late, while

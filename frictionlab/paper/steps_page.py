@@ -45,11 +45,12 @@ At mu_k = {example:g}:
 
 {table}
 
-The paper prints its algorithm (its Fig. 19) but no step. At {step:g} s it gives the line of 1.58 Hz that the
-paper reports; neither a larger nor a smaller step does, nor does locating the events. So a figure of a
-non-smooth system is to be trusted only where it stays the same when the step is halved *and* where the
-impact law leaves nothing to land between two steps. frictionlab locates every event to rounding, so that
-there is no step to choose: see tutorials/05-trust-your-solver.ipynb.
+The paper prints its algorithm (its Fig. 19) but no step. At {step:g} s it gives a motion that repeats
+at 1.58 Hz, as the paper reports (its strongest line is the seventh harmonic); neither a larger nor a smaller
+step does, nor does locating the events. So a figure of a non-smooth system is to be trusted only where it
+stays the same when the step is halved *and* where the impact law leaves nothing to land between two steps.
+frictionlab locates every event to rounding, so that there is no step to choose: see
+[tutorials/05-trust-your-solver.ipynb](../tutorials/05-trust-your-solver.ipynb).
 """
 
 

@@ -23,10 +23,9 @@ def tiny(monkeypatch):
     for name, values in GRIDS.items():
         monkeypatch.setattr(scenes, name, lambda setting, values=values: np.array(values))
     monkeypatch.setattr(scenes, "mu_k_coarse", lambda setting, *further: np.array([0.3, 1.4]))
-    for name in ("USUAL_TIMES", "COSTLY_TIMES", "FIXED_STEP_TIMES"):
+    for name in ("USUAL_TIMES", "FIXED_STEP_TIMES"):
         monkeypatch.setattr(scenes, name, scenes.Times(3.0, 2.0))
-    for name in ("STIFF_TIMES", "STIFF_COSTLY_TIMES"):
-        monkeypatch.setattr(scenes, name, scenes.Times(1.0, 1.0))
+    monkeypatch.setattr(scenes, "STIFF_TIMES", scenes.Times(1.0, 1.0))
     monkeypatch.setattr(sweeps, "_DONE", {})
 
 
@@ -109,11 +108,10 @@ def test_unknown_choices_are_refused(options):
 
 def test_times_follow_the_cost_of_a_motion():
     paper, full = Setting(), Setting(impact="full gap rate")
-    assert scenes.times_of(scenes.USUAL, paper) == scenes.COSTLY_TIMES
+    assert scenes.times_of(scenes.USUAL, paper) == scenes.USUAL_TIMES
     assert scenes.times_of(scenes.USUAL, full) == scenes.USUAL_TIMES
-    assert scenes.times_of(scenes.USUAL.without("geometry"), paper) == scenes.USUAL_TIMES
-    assert scenes.times_of(scenes.STIFF, paper) == scenes.STIFF_COSTLY_TIMES
-    assert scenes.times_of(scenes.STIFF.without("nonsmooth"), paper) == scenes.STIFF_TIMES
+    assert scenes.times_of(scenes.STIFF, paper) == scenes.STIFF_TIMES
+    assert scenes.times_of(scenes.STIFF.without("nonsmooth"), paper) == scenes.USUAL_TIMES
     assert scenes.times_of(scenes.STIFF, Setting(algorithm="paper")) == scenes.FIXED_STEP_TIMES
 
 

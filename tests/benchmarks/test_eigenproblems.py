@@ -1,12 +1,12 @@
 """The stability benchmark compares like with like; nothing here looks at a clock."""
 
-from frictionlab.analysis import benchmark_stability
+from frictionlab.bench import eigenproblems
 
 
 def test_all_at_once_and_one_by_one_agree():
-    at_once, loop, _ = rows = benchmark_stability.eigenproblems(count=60, repeats=1)
+    at_once, loop, _ = rows = eigenproblems.eigenproblems(count=60, repeats=1)
     assert at_once.difference < 1e-9
     assert loop.seconds > 0
-    lines = benchmark_stability.table(rows).splitlines()
+    lines = eigenproblems.table(rows).splitlines()
     assert len(lines) == 2 + len(rows)
     assert all(line.count("|") == 5 for line in lines)

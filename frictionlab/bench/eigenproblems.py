@@ -7,10 +7,11 @@ from typing import Any
 
 import numpy as np
 
+from frictionlab.analysis.markdown import markdown
 from frictionlab.models import SliderOnBelt
 from frictionlab.stability import eigenvalues, root_locus, stability_changes
 
-from .benchmark import interleaved, markdown
+from .switches import interleaved
 
 LOOP = 20  # the loop solves one problem in so many and is scaled up
 MODEL = SliderOnBelt()

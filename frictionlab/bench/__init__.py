@@ -1,0 +1,1 @@
+"""Benchmarks: run time against error, other tools included; what `frictionlab bench` prints."""
