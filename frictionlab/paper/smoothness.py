@@ -66,8 +66,12 @@ def samples(found: SteadyState, name: str, seconds: float | None = None) -> tupl
     length = run.raw.t if seconds is None else min(seconds, run.raw.t)
     count = SAMPLES if seconds is not None else 40 * SAMPLES
     t = np.clip(np.linspace(run.raw.t - length, run.raw.t, count), 0.0, run.raw.t)
-    values = run.output(name, t) if name == "normal_force" else run(t)[:, run.names.index(name)]
-    return t, values
+    return t, contact_force(run, t) if name == "normal_force" else run(t)[:, run.names.index(name)]
+
+
+def contact_force(run: Any, t: Any) -> Any:
+    """F_N without impulses, as in the paper, so without their mean in chatter, where F_T = 0."""
+    return np.where(run.output("friction_force", t) == 0.0, 0.0, run.output("normal_force", t))
 
 
 def ranges(found: SteadyState) -> dict[str, float]:
