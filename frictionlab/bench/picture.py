@@ -22,6 +22,7 @@ STYLES = {
     "heyoka": (ORANGE, "X"),
     "CVODE Adams": (PURPLE, "<"),
     "CVODE BDF": (YELLOW, ">"),
+    "regularised": (GREY, "*"),
 }
 FLOOR = 1e-16  # errors that are zero are drawn here
 

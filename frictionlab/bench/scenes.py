@@ -68,6 +68,8 @@ class BenchScene:
     t_end : float
     reference : callable
         State at `t_end`.
+    model : SliderOnBelt or None
+        The model that the automaton is of, where it has non-smooth behaviours to be made smooth.
     """
 
     name: str
@@ -76,6 +78,7 @@ class BenchScene:
     x0: np.ndarray
     t_end: float
     reference: Callable[[], np.ndarray]
+    model: Any = None
 
     def error(self, state: np.ndarray) -> float:
         """Largest deviation of a state."""
@@ -102,7 +105,8 @@ def scenes() -> dict[str, BenchScene]:
 def _model(name: str, text: str, model: Any, t_end: float) -> BenchScene:
     automaton = model.automaton()
     rest = np.zeros(len(automaton.states))
-    return BenchScene(name, text, automaton, rest, t_end, lambda: np.array(REFERENCES[name]))
+    unlike = model if "separation" in model.interface.modes else None
+    return BenchScene(name, text, automaton, rest, t_end, lambda: np.array(REFERENCES[name]), unlike)
 
 
 def _chatter(model: Any) -> BenchScene:
@@ -114,7 +118,7 @@ def _chatter(model: Any) -> BenchScene:
     def reference() -> np.ndarray:
         return solve(automaton, t_end, x0=rest, method=finest, progress=False).final_state
 
-    return BenchScene("D", "Eq. (13) as printed: chatter", automaton, rest, t_end, reference)
+    return BenchScene("D", "Eq. (13) as printed: chatter", automaton, rest, t_end, reference, model)
 
 
 def _coulomb() -> BenchScene:

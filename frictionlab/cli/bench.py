@@ -19,7 +19,8 @@ EPILOG = """\
 examples:
   frictionlab bench                              (all, some minutes)
   frictionlab bench --scene B --picture b.png    (one scene, with its picture)
-  frictionlab bench --quick --json bench.json"""
+  frictionlab bench --quick --json bench.json
+  frictionlab bench -o docs                      (writes docs/performance.md with its picture)"""
 
 
 def add_bench(commands: Any) -> OneLineParser:
@@ -36,6 +37,7 @@ def add_bench(commands: Any) -> OneLineParser:
     parser.add_argument(
         "--scene", action="append", metavar="NAME", help="A, B, C, D, Coulomb or linear; only these (repeat)"
     )
+    parser.add_argument("-o", "--output", metavar="FOLDER", help="write all of it as a page with its picture")
     parser.add_argument("--json", metavar="FILE", help="write the rows of the scenes as JSON")
     parser.add_argument("--picture", metavar="FILE", help="draw error against wall time into a file")
     return parser
@@ -43,10 +45,12 @@ def add_bench(commands: Any) -> OneLineParser:
 
 def bench_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
     """Measure and print; returns the exit status."""
-    from frictionlab.bench import harness, picture
+    from frictionlab.bench import harness, page, picture
     from frictionlab.bench.scenes import scenes
 
     known = scenes()
+    if chosen.scene and chosen.output:
+        parser.error("-o needs all scenes: leave --scene out, or take --picture")
     names = chosen.scene or list(known)
     for name in names:
         if name not in known:
@@ -58,9 +62,10 @@ def bench_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
             f"\n{name}: {known[name].text}, {known[name].t_end:.6g} s\n\n{harness.table(found)}", flush=True
         )
         rows += found
-    if not chosen.scene:
-        _others(chosen.quick)
+    tables = [] if chosen.scene else _others(chosen.quick)
     try:
+        if chosen.output:
+            print(f"Page in {page.write(Path(chosen.output), rows, tables)}")
         if chosen.json:
             Path(chosen.json).write_text(json.dumps(harness.as_json(rows), indent=1), encoding="utf-8")
         if chosen.picture:
@@ -71,13 +76,17 @@ def bench_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
     return 0
 
 
-def _others(quick: bool) -> None:
+def _others(quick: bool) -> list[str]:
     from frictionlab.bench import eigenproblems, sweeps, switches
 
     repeats = 1 if quick else 3
-    print("\nScenes, wall time per simulated second\n")
-    print(switches.switch_table(switches.switches(repeats=repeats)), flush=True)
-    print("\nFig. 9's sweep\n")
-    print(sweeps.table(sweeps.sweeps(30.0 if quick else 300.0, 1)), flush=True)
-    print("\nLinear stability\n")
-    print(eigenproblems.table(eigenproblems.eigenproblems(10_000, repeats)))
+    measured = {
+        "What each nonlinearity costs": lambda: switches.switch_table(switches.switches(repeats=repeats)),
+        "Fig. 9's sweep": lambda: sweeps.table(sweeps.sweeps(30.0 if quick else 300.0, 1)),
+        "Linear stability": lambda: eigenproblems.table(eigenproblems.eigenproblems(10_000, repeats)),
+    }
+    tables = []
+    for title, measure in measured.items():
+        tables.append(measure())
+        print(f"\n{title}\n\n{tables[-1]}", flush=True)
+    return tables

@@ -1,15 +1,17 @@
 """Run time against error: complete rows, real errors, unlike tools agree; nothing looks at a clock."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from frictionlab import cli
-from frictionlab.bench import harness, picture
+from frictionlab.bench import harness, page, picture, regularised, switches
 from frictionlab.bench.harness import Row, Way
-from frictionlab.bench.heyoka import Heyoka
 from frictionlab.bench.scenes import BenchScene, scenes
-from frictionlab.bench.solve_ivp import SolveIvp
-from frictionlab.bench.sundials import Cvode
+from frictionlab.bench.with_cvode import Cvode
+from frictionlab.bench.with_heyoka import Heyoka
+from frictionlab.bench.with_scipy import SolveIvp
 from frictionlab.hybrid.solve import solve
 from frictionlab.hybrid.taylor import Taylor
 
@@ -47,6 +49,15 @@ def test_unlike_tools_find_the_same_events_and_the_same_end(name, other):
     assert scene.error(run.final_state) < 1e-5
 
 
+def test_a_smoothed_model_starts_alike_and_ends_elsewhere():
+    """No impacts and no stick: the same until the first event, another motion after it."""
+    early, _ = regularised.run(switches.SCENE, 0.02)
+    late, _ = regularised.run(switches.SCENE, 1.0)
+    exact = [solve(scenes()["B"].automaton, t, x0=np.zeros(10)).final_state for t in (0.02, 1.0)]
+    assert np.abs(early - exact[0])[:5].max() < 1e-5
+    assert np.abs(late - exact[1])[:5].max() > 1e-2
+
+
 @pytest.fixture(scope="module")
 def rows():
     scene, _ = shorter("B", 0.2)
@@ -80,6 +91,17 @@ def test_the_command(monkeypatch, tmp_path, capsys, rows):
     assert cli.main(["bench", "--scene", "B", "--json", str(files[0]), "--picture", str(files[1])]) == 0
     assert capsys.readouterr().out.startswith("\nB: with it, full gap rate, 20 s\n")
     assert all(path.stat().st_size > 500 for path in files)
+
+
+def test_the_page(tmp_path, rows):
+    every = [replace(row, scene=name) for name in scenes() for row in rows]
+    text = page.write(tmp_path, every, ["| one |", "| two |", "| three |"]).read_text()
+    assert text.startswith("# Performance\n")
+    assert text.count("frictionlab, tol 1e-15 |") == 6
+    assert (tmp_path / "images" / "performance.png").exists()
+    assert [text.index(f"| {word} |") for word in ("one", "two", "three")] == sorted(
+        text.index(f"| {word} |") for word in ("one", "two", "three")
+    )
 
 
 def test_an_unknown_scene_is_refused(capsys):

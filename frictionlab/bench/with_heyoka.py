@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
+from importlib import import_module
 from math import prod
 from typing import Any, ClassVar
 
@@ -65,7 +66,7 @@ def _converted(expression: Any, hy: Any) -> Any:
 
 @lru_cache(maxsize=64)
 def _integrator(mode: Mode, states: tuple[Any, ...], values: tuple[Any, ...], tol: float) -> Any:
-    import heyoka as hy
+    hy: Any = import_module("heyoka")
 
     names = [sympy.Symbol(f"z{i}") for i in range(len(states))]
     renamed, numbers = dict(zip(states, names, strict=True)), dict(values)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from importlib import import_module
 from typing import Any, ClassVar
 
 import numpy as np
@@ -29,13 +30,13 @@ class Cvode(External):
     def to_event(
         self, mode: int, z: np.ndarray, t: float, t_end: float
     ) -> tuple[float, np.ndarray, int, int]:
-        from sksundae.cvode import CVODE
-
         functions = self.mode(mode)
         options: dict[str, Any] = {"method": self.formula, "rtol": self.rtol, "atol": self.atol}
         if functions.count:
             options |= {"eventsfn": _events(functions), "num_events": functions.count}
-        solver = CVODE(lambda time, y, out: functions.rates(y, out), max_num_steps=10**7, **options)
+        solver = import_module("sksundae.cvode").CVODE(
+            lambda time, y, out: functions.rates(y, out), max_num_steps=10**7, **options
+        )
         found = solver.solve(np.array([t, t_end]), z)
         steps = int(found.nfev)
         if found.i_events is None or not len(found.i_events):

@@ -1,0 +1,90 @@
+"""docs/performance.md, written by `frictionlab bench -o docs`."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from . import harness, picture
+from .harness import Row
+from .scenes import scenes
+
+PAGE, PICTURE = "performance.md", Path("images", "performance.png")
+
+HEAD = """\
+# Performance
+
+Written by `frictionlab bench -o docs`. Absolute times belong to the machine; the columns "x" are ratios
+of one run, which is what to compare. Times are medians of interleaved runs on one core; those of more
+than {slow:g} s are measured once. `frictionlab bench --quick` takes a fraction of the time.
+
+## Run time against error
+
+![Error against wall time]({picture})
+
+Down and to the left is better. Every method runs the same automaton with the same resets; other tools
+integrate and find the events themselves, with right-hand sides compiled for the scene. heyoka and CVODE
+need a direction for every event, and zeros within 1e-12 s of the start of a mode passed over, or they
+find for ever the zero they have just left. "Model made smooth" has tanh for the sign of friction and a
+contact that springs back instead of impacts: it is another model, and its error is of the size of the
+motion. References: mpmath with 40 digits for A, B and C (`tests/reference/slider_mpmath.py`, which shares
+no code with the package); for D the solver itself with another order and the limit of chatter taken at
+1e-9 s; closed forms for the others.
+"""
+
+SWITCHES = """\
+
+## What each nonlinearity costs
+
+Scene B with nonlinearities left out. Guards, products (squares and quotients included) and operations are
+summed over the modes of the tape; what a scene lacks is not there.
+
+"""
+
+SWEEP = """\
+
+## Fig. 9's sweep
+
+60 values of mu_k, from rest and from near the equilibrium, 300 s each, scene B otherwise. A fixed step
+runs one value in ten and is scaled up. Two workers are two threads: the kernels hold no GIL.
+
+"""
+
+STABILITY = """\
+
+## Linear stability
+
+Equilibrium and eigenvalues of the slider for 10,000 values of mu_k, the modes tracked by their vectors,
+against a loop of `fl.eigenvalues`; and the whole search for changes of stability. numpy solves the
+eigenvalue problems.
+
+"""
+
+TAIL = """\
+
+## How it is fast
+
+* A mode's tape is unrolled into machine code of its own once it has been run for long: 0.3 s in the
+  background, once on a machine. It gives what the interpreter gives to the last bit
+  ([architecture.md](architecture.md)).
+* The whole loop of steps, roots, resets and mode choice is one kernel that allocates nothing and counts
+  no references.
+* Chatter is replaced by its limit, a mode of its own.
+* Neither parameter values nor toggles nor laws compile the kernels; those take half a minute, once on a
+  machine.
+* The tolerance barely matters for the cost: the order follows it.
+"""
+
+
+def write(folder: Path, rows: Sequence[Row], tables: Sequence[str]) -> Path:
+    """Write the page and its picture; `tables` are those of switches, sweep and stability."""
+    (folder / PICTURE.parent).mkdir(parents=True, exist_ok=True)
+    picture.draw(rows).savefig(folder / PICTURE, dpi=110)
+    text = HEAD.format(slow=harness.SLOW, picture=PICTURE.as_posix())
+    for name, scene in scenes().items():
+        table = harness.table([row for row in rows if row.scene == name])
+        text += f"\n### {name}: {scene.text}, {scene.t_end:.5g} s\n\n{table}\n"
+    for head, table in zip((SWITCHES, SWEEP, STABILITY), tables, strict=True):
+        text += f"{head}{table}\n"
+    (folder / PAGE).write_text(text + TAIL, encoding="utf-8")
+    return folder / PAGE
