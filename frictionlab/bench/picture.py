@@ -18,7 +18,6 @@ STYLES = {
     "scipy DOP853": (BLUE, "^"),
     "scipy RK45": (SKY, "v"),
     "scipy LSODA": (GREEN, "D"),
-    "scipy Radau": (GREY, "P"),
     "heyoka": (ORANGE, "X"),
     "CVODE Adams": (PURPLE, "<"),
     "CVODE BDF": (YELLOW, ">"),
