@@ -113,6 +113,8 @@ LIMITS = {
 
 def check(model, state, t_end):
     run = fl.simulate(model, t_end, x0=state, progress=False, method=fl.Taylor(max_steps=20_000))
+    if chatters(run):  # in flights too long to be replaced by their limit
+        run = fl.simulate(model, t_end, x0=state, progress=False, method=fl.Taylor(max_steps=200_000))
     if run.status is not fl.Status.FINISHED:
         assert escapes(model, run) or bounces_for_ever(model, run), run.status
     else:
