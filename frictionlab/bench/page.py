@@ -16,7 +16,8 @@ HEAD = """\
 
 Written by `frictionlab bench -o docs`. Absolute times belong to the machine; the columns "x" are ratios
 of one run, which is what to compare. Times are medians of interleaved runs on one core; those of more
-than {slow:g} s are measured once, with what they compile. `frictionlab bench --quick` takes a fraction of the time.
+than {slow:g} s are measured once, with what they compile. `frictionlab bench --quick`
+takes a fraction of the time.
 
 ## Run time against error
 
