@@ -103,12 +103,12 @@ def bifurcation(
     if _continues(x0):
         _in_turn(models, names, options, journal, progress)
     else:
-        todo = [i for i in range(len(models)) if i not in journal.results]
         run_tasks(
             one,
-            [(models[i], x0, options) for i in todo],
-            keep=lambda k, result: journal.keep(todo[k], result),
-            names=[names[i] for i in todo],
+            [(each, x0, options) for each in models],
+            keep=journal.keep,
+            names=names,
+            done=frozenset(journal.results),
             workers=workers,
             executor=executor,
             progress=f"bifurcation over {parameter}" if progress else None,

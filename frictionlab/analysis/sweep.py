@@ -127,12 +127,12 @@ def sweep(
     asked = {"function": _name(function), "model": model.to_dict(), "x0": starts}
     journal = Journal({**asked, "over": {k: v.tolist() for k, v in axes.items()}}, resume)
     tasks = [(m, start) for m in models for start in x0] if starts else [(m,) for m in models]
-    todo = [i for i in range(len(tasks)) if i not in journal.results]
     run_tasks(
         function,
-        [tasks[i] for i in todo],
-        keep=lambda k, result: journal.keep(todo[k], result),
-        names=[_point(axes, points[i // (len(starts) or 1)]) for i in todo],
+        tasks,
+        keep=journal.keep,
+        names=[_point(axes, points[i // (len(starts) or 1)]) for i in range(len(tasks))],
+        done=frozenset(journal.results),
         workers=workers,
         executor=executor,
         progress="sweep" if progress else None,

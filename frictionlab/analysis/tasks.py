@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Container, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
 from contextlib import contextmanager
 from typing import Any
@@ -22,6 +22,7 @@ def run_tasks(
     *,
     keep: Callable[[int, Any], None],
     names: Sequence[str],
+    done: Container[int] = (),
     workers: int | None = None,
     executor: Executor | None = None,
     progress: str | None = None,
@@ -37,6 +38,8 @@ def run_tasks(
         Called in this thread only, and never interrupted by a first ctrl-C.
     names : sequence of str
         What each task is called where it fails, e.g. "mu_k = 1.4".
+    done : container of int
+        Indices of the tasks that are left out.
     workers : int or None
         Threads; None takes one for each processor.  The solver's kernels run at the same time in threads.
     executor : concurrent.futures.Executor or None
@@ -58,9 +61,10 @@ def run_tasks(
 
     check_workers(workers)
     count = workers or os.cpu_count() or 1
-    most = AHEAD * count if executor is None else len(tasks)
-    bar = tqdm(total=len(tasks), desc=progress, disable=progress is None, delay=1.0, leave=False)
-    todo, running, failed = iter(enumerate(tasks)), {}, {}
+    left = [(i, task) for i, task in enumerate(tasks) if i not in done]
+    most = AHEAD * count if executor is None else len(left)
+    bar = tqdm(total=len(left), desc=progress, disable=progress is None, delay=1.0, leave=False)
+    todo, running, failed = iter(left), {}, {}
     with bar, _executor(executor, count) as pool, noted_interrupts() as interrupted:
         while not failed and not interrupted():
             _refill(running, todo, most, pool, function)

@@ -49,6 +49,7 @@ def _events(functions: Lowered) -> Any:
     def events(time: float, y: np.ndarray, out: np.ndarray) -> None:
         functions.guards(y, out)
 
+    # sksundae reads these two from the function itself; the type checker knows no attributes of functions
     events.terminal = [True] * functions.count  # type: ignore[attr-defined]
     events.direction = [-1] * functions.count  # type: ignore[attr-defined]
     return events

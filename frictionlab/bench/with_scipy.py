@@ -55,5 +55,6 @@ def _event(functions: Lowered, i: int) -> Callable[[float, np.ndarray], float]:
         functions.guards(np.ascontiguousarray(y), values)
         return float(values[i])
 
+    # solve_ivp reads these two from the function itself; the type checker knows no attributes of functions
     event.terminal, event.direction = True, -1  # type: ignore[attr-defined]
     return event

@@ -20,7 +20,7 @@ paper's algorithm; draw every figure; write reproduction.md with the pictures be
 EPILOG = """\
 examples:
   frictionlab reproduce                          (docs/reproduction.md)
-  frictionlab reproduce --quick -o /tmp/check    (a few minutes, coarser grids)
+  frictionlab reproduce --quick -o check         (a few minutes, coarser grids)
   frictionlab reproduce --resume sweeps          (goes on after ctrl-C)
 
 exit status: 0 the page was written; 1 it could not be; 2 bad arguments;

@@ -10,10 +10,12 @@ import numpy as np
 from frictionlab.hybrid import stepping
 from frictionlab.hybrid.fixed_step import field
 from frictionlab.hybrid.methods import Method, Run
+from frictionlab.hybrid.tangent import slot_tangents
 from frictionlab.hybrid.validation import check_choice, check_number
 
 CHATTER = 1e-6  # s: shorter flights are below what the tolerances resolve
-NAMES = ("RK23", "RK45", "DOP853", "Radau", "BDF", "LSODA")
+IMPLICIT = ("Radau", "BDF", "LSODA")
+NAMES = ("RK23", "RK45", "DOP853", *IMPLICIT)
 
 
 @dataclass(frozen=True)
@@ -21,7 +23,9 @@ class Scipy(Method):
     """One of scipy's integrators, stopped at every event.
 
     An event is seen where a guard changes its sign between the ends of a step, as in
-    :func:`scipy.integrate.solve_ivp`; two zeros within one step are missed.
+    :func:`scipy.integrate.solve_ivp`; two zeros within one step are missed.  The implicit ones are given
+    the exact Jacobian: finite differences at states as small as `atol`, as after a start from rest, are
+    rounding errors alone.
 
     Parameters
     ----------
@@ -87,9 +91,16 @@ class Scipy(Method):
             field(code, problem.numbers, mode, z, run.work.jets, out)
             return out
 
+        def jacobian(t: float, z: np.ndarray) -> np.ndarray:
+            tangents = np.empty((problem.program.slots, len(z)))
+            slot_tangents(code, problem.numbers, mode, np.ascontiguousarray(z), run.work.jets, tangents)
+            return tangents[code.flow[mode]]
+
         start, end = cursor.times[stepping.NOW], cursor.times[stepping.END]
-        solver = getattr(integrate, self.integrator)
-        return solver(rates, start, cursor.state.copy(), end, rtol=self.rtol, atol=self.atol)
+        settings: dict[str, Any] = {"rtol": self.rtol, "atol": self.atol}
+        if self.integrator in IMPLICIT:
+            settings["jac"] = jacobian
+        return getattr(integrate, self.integrator)(rates, start, cursor.state.copy(), end, **settings)
 
 
 class _Guards:

@@ -22,45 +22,42 @@ class Finding(NamedTuple):
     held: dict[str, bool]
 
 
-def compare(
-    name: str,
-    where: str,
-    says: str,
-    check: Callable[[Setting], Finding],
-    setting: Setting,
-    *,
-    impacts: bool = True,
-    note: str = "",
-) -> Claim:
+class Question(NamedTuple):
+    """A claim to be checked: where it stands, what it says, and what decides it.
+
+    `impacts` is whether the impact law can make a difference: not without the moving load.
+    """
+
+    where: str
+    says: str
+    check: Callable[[Setting], Finding]
+    impacts: bool = True
+
+
+def compare(name: str, question: Question, setting: Setting) -> Claim:
     """Check a claim in all ways.
 
     Parameters
     ----------
-    name, where, says : str
-        As :class:`Claim` has them.
-    check : callable
-        Finding from a setting.
+    name : str
+    question : Question
     setting : Setting
         Its grid, workers and so on are used; algorithm and impact law are varied.
-    impacts : bool
-        Whether the impact law can make a difference: not without the moving load.
-    note : str
-        What else the reader should know.
 
     Returns
     -------
     Claim
     """
+    check, impacts = question.check, question.impacts
     exact, paper = check(setting.with_(*EXACT)), check(setting.with_(*PAPER))
     full = check(setting.with_(*FULL)) if impacts else None
-    why = [note] if note else []
-    why += [_failing(way, each) for way, each in _ways(exact, full, paper) if not all(each.held.values())]
+    why = [_failing(way, each) for way, each in _ways(exact, full, paper) if not all(each.held.values())]
     if impacts and exact.held != paper.held:
         why.append(WHY)
     return Claim(
         name,
-        where,
-        says,
+        question.where,
+        question.says,
         exact.text,
         verdict_of(exact, paper),
         " ".join(why),

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
 from . import motions, scenes
 from .branches import PLANES, cycle
-from .claims import Claim
-from .compare import Finding, compare
+from .compare import Finding, Question
 from .setting import Setting
 from .wording import NON_PERIODIC, PERIODIC, are, count, moving, regime_changes, stretches, within
 
@@ -105,35 +103,31 @@ def _preload(setting: Setting) -> Finding:
     return Finding("; ".join(rows), held)
 
 
-def _c16(setting: Setting) -> Claim:
-    says = "without GN, k_nl 0 and 1e4: nearly unchanged periodic oscillation for mu_k in [0.38, 2.95]"
-    return compare("C16", "Fig. 13a, b", says, _unchanged, setting, impacts=False)
-
-
-def _c17(setting: Setting) -> Claim:
-    says = "without GN, k_nl 1e7: periodic in [0.05, 2.95], non-periodic at very small mu_k"
-    return compare("C17", "Fig. 13c", says, _hard, setting, impacts=False)
-
-
-def _c18(setting: Setting) -> Claim:
-    says = "phase planes without GN at mu_k 2: k_nl 0 and 1e4 alike, 1e7 different"
-    return compare("C18", "Fig. 13d-f", says, _planes, setting, impacts=False)
-
-
-def _c19(setting: Setting) -> Claim:
-    says = "without GN, L_s varies steadily with mu_k, much more so than with GN"
-    return compare("C19", "Fig. 14", says, _steadily, setting)
-
-
-def _c20(setting: Setting) -> Claim:
-    says = "mu_k 2.5, k_nl 1e7, F varied: more changes of regime and of L_s with GN than without"
-    return compare("C20", "Fig. 15", says, _preload, setting)
-
-
-CHECKS: dict[str, Callable[[Setting], Claim]] = {
-    "C16": _c16,
-    "C17": _c17,
-    "C18": _c18,
-    "C19": _c19,
-    "C20": _c20,
+CHECKS = {
+    "C16": Question(
+        "Fig. 13a, b",
+        "without GN, k_nl 0 and 1e4: nearly unchanged periodic oscillation for mu_k in [0.38, 2.95]",
+        _unchanged,
+        impacts=False,
+    ),
+    "C17": Question(
+        "Fig. 13c",
+        "without GN, k_nl 1e7: periodic in [0.05, 2.95], non-periodic at very small mu_k",
+        _hard,
+        impacts=False,
+    ),
+    "C18": Question(
+        "Fig. 13d-f",
+        "phase planes without GN at mu_k 2: k_nl 0 and 1e4 alike, 1e7 different",
+        _planes,
+        impacts=False,
+    ),
+    "C19": Question(
+        "Fig. 14", "without GN, L_s varies steadily with mu_k, much more so than with GN", _steadily
+    ),
+    "C20": Question(
+        "Fig. 15",
+        "mu_k 2.5, k_nl 1e7, F varied: more changes of regime and of L_s with GN than without",
+        _preload,
+    ),
 }

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
 from . import motions
-from .claims import Claim
-from .compare import Finding, compare
+from .compare import Finding, Question
 from .frequencies import LEFT_OUT, in_words, panel
 from .printed import agrees
 from .setting import Setting
@@ -97,41 +95,29 @@ def _frequencies(setting: Setting) -> Finding:
     return Finding("; ".join(f"{name}: {in_words(p)}" for name, p in panels.items()), held)
 
 
-def _c21(setting: Setting) -> Claim:
-    says = "mu_k 2.5, F 800 N, k4 to k6 5e6 N/m: amplitudes are much larger without the non-smooth behaviours"
-    return compare("C21", "Fig. 16", says, _amplitudes, setting)
-
-
-def _c22(setting: Setting) -> Claim:
-    says = "sliding only: periodic for all mu_k >= 1.4 (x1 where its velocity is zero)"
-    return compare("C22", "Fig. 17b", says, _sliding, setting, impacts=False)
-
-
-def _c23(setting: Setting) -> Claim:
-    says = "with the non-smooth behaviours: non-periodic for most mu_k"
-    return compare("C23", "Fig. 17a", says, _nonsmooth, setting)
-
-
-def _c24(setting: Setting) -> Claim:
-    says = (
+CHECKS = {
+    "C21": Question(
+        "Fig. 16",
+        "mu_k 2.5, F 800 N, k4 to k6 5e6 N/m: amplitudes are much larger without the non-smooth behaviours",
+        _amplitudes,
+    ),
+    "C22": Question(
+        "Fig. 17b",
+        "sliding only: periodic for all mu_k >= 1.4 (x1 where its velocity is zero)",
+        _sliding,
+        impacts=False,
+    ),
+    "C23": Question("Fig. 17a", "with the non-smooth behaviours: non-periodic for most mu_k", _nonsmooth),
+    "C24": Question(
+        "Fig. 17c",
         "limit cycle from mu_k 0.15 with the non-smooth behaviours, from 1.4 without; the equilibrium loses "
-        "stability at 1.735; L_s much larger without"
-    )
-    return compare("C24", "Fig. 17c", says, _onset, setting)
-
-
-def _c25(setting: Setting) -> Claim:
-    says = (
+        "stability at 1.735; L_s much larger without",
+        _onset,
+    ),
+    "C25": Question(
+        "Fig. 18",
         "response frequencies against unstable eigenfrequencies: close with only GN; larger differences with "
-        "only the cubic contact, or only the non-smooth behaviours; marked with all three"
-    )
-    return compare("C25", "Fig. 18", says, _frequencies, setting)
-
-
-CHECKS: dict[str, Callable[[Setting], Claim]] = {
-    "C21": _c21,
-    "C22": _c22,
-    "C23": _c23,
-    "C24": _c24,
-    "C25": _c25,
+        "only the cubic contact, or only the non-smooth behaviours; marked with all three",
+        _frequencies,
+    ),
 }

@@ -6,6 +6,7 @@ from importlib import import_module
 from pathlib import Path
 
 from .claims import Claim, Claims
+from .compare import compare
 from .result import PaperFigure
 from .setting import Setting
 
@@ -23,7 +24,7 @@ EVERY_FIGURE = FIGURES | STEADY
 WITHOUT_GEOMETRY = (13, 14)  # where both impact laws are the same
 # Claim -> module with `CHECKS`, name -> function that gives the Claim.
 CLAIMS: dict[str, str] = {f"C{i}": "linear_claims" for i in range(1, 9)}
-# The same, but the function takes a setting.
+# Claim -> module with `CHECKS`, name -> Question.
 STEADY_CLAIMS = {
     **dict.fromkeys(("C9", "C10"), "response_claims"),
     **dict.fromkeys((f"C{i}" for i in range(11, 16)), "contact_claims"),
@@ -147,4 +148,4 @@ def claims(
 def check(name: str, setting: Setting) -> Claim:
     """One claim; the setting's algorithm and impact law are not used."""
     module = import_module(f"{__package__}.{EVERY_CLAIM[name]}")
-    return module.CHECKS[name]() if name in CLAIMS else module.CHECKS[name](setting)
+    return module.CHECKS[name]() if name in CLAIMS else compare(name, module.CHECKS[name], setting)

@@ -47,4 +47,5 @@ class PaperFigure:
         return "\n".join([f"Fig. {self.number}: {self.caption}{how}", *self.summary])
 
     def _repr_png_(self) -> bytes:
+        # what draws gives a RunFigure, which has it; matplotlib's own class does not
         return self.plot()._repr_png_()  # type: ignore[attr-defined]

@@ -65,7 +65,7 @@ def results(
     def compute(path: Path | None) -> Any:
         options: dict[str, Any] = {"workers": setting.workers, "progress": setting.progress}
         found = sweep(function, model, over, resume=path, **options)
-        return found, not (found.results == None).any()  # noqa: E711  (of an array)
+        return found, all(result is not None for result in found.results.flat)
 
     return _once(asked, setting, compute)
 

@@ -33,6 +33,7 @@ class Intervals(NamedTuple):
     at_low: ComplexArray
     at_high: ComplexArray
 
+    # a tuple's items are its fields; here they are the intervals, as of an array
     def __getitem__(self, chosen: Any) -> Intervals:  # type: ignore[override]
         parts: Any = tuple(self)  # as such, since indexing it ends here again
         return Intervals(*(part[chosen] for part in parts))

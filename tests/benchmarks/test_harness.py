@@ -39,9 +39,9 @@ def shorter(name, t_end):
 def test_unlike_tools_find_the_same_events_and_the_same_end(name, other):
     scene, exact = shorter(name, 0.5 if name != "Coulomb" else 30.0)
     if other == "heyoka":
-        pytest.importorskip("heyoka")
+        pytest.importorskip("heyoka", reason="heyoka comes with the extra bench")
     if other == "cvode":
-        pytest.importorskip("sksundae")
+        pytest.importorskip("sksundae", reason="CVODE comes with the extra bench")
     method = {"heyoka": Heyoka, "cvode": Cvode, "solve_ivp": SolveIvp}[other](scene.automaton)
     run = solve(scene.automaton, scene.t_end, x0=scene.x0, method=method, progress=False)
     assert run.events.target.tolist() == exact.events.target.tolist()

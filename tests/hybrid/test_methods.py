@@ -102,6 +102,14 @@ def test_scipys_methods_run_by_name(name):
     assert run.final_state == pytest.approx(exact.final_state, abs=1e-5)
 
 
+@pytest.mark.parametrize("name", ["Radau", "BDF", "LSODA"])
+def test_implicit_methods_start_from_rest_in_steps_of_the_motions_own_size(name):
+    # where all is zero, finite differences for a Jacobian are noise, and the steps shrink to 1e-19 s
+    run = fl.simulate(A, 0.01, method=name)
+    assert run.status is fl.Status.FINISHED
+    assert run.stats["steps"] < 600
+
+
 @pytest.mark.parametrize("name", ["DOP853", "LSODA"])
 def test_scipy_bounces_the_ball(name):
     run = fl.solve(ball(), 1.2, x0=[1.0, 0.0], method=name)

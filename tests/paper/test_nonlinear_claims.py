@@ -5,7 +5,7 @@ import pytest
 import frictionlab as fl
 from frictionlab.paper import nonsmooth_claims
 from frictionlab.paper.claims import Verdict
-from frictionlab.paper.compare import Finding, compare
+from frictionlab.paper.compare import Finding, Question, compare
 from frictionlab.paper.motions import single
 from frictionlab.paper.registry import CLAIMS, EVERY_CLAIM, STEADY_CLAIMS
 from frictionlab.paper.setting import Setting
@@ -85,7 +85,7 @@ def test_claims_of_steady_states_are_asked_for_by_name():
         fl.paper.claims("C26")
 
 
-def checked(exact, full, paper, **options):
+def checked(exact, full, paper, *, impacts=True):
     """A claim whose parts hold as said, in each way."""
     ways = {("exact", "paper"): exact, ("exact", "full gap rate"): full, ("paper", "paper"): paper}
 
@@ -93,7 +93,7 @@ def checked(exact, full, paper, **options):
         held = ways[setting.algorithm, setting.impact]
         return Finding(str(setting), dict(zip(("it is so", "it is thus"), held)))
 
-    return compare("C0", "nowhere", "so and thus", check, Setting(), **options)
+    return compare("C0", Question("nowhere", "so and thus", check, impacts), Setting())
 
 
 YES, HALF, NO = (True, True), (True, False), (False, False)
