@@ -16,10 +16,11 @@ Array = Any
 
 
 class Lowered(NamedTuple):
-    """A mode: rates(z, out) and guards(z, out) write into `out`; the numbers of the parameters are inside."""
+    """A mode: functions of (z, out) that write into `out`; the numbers of the parameters are inside."""
 
     rates: Callable[[Array, Array], None]
     guards: Callable[[Array, Array], None]
+    jacobian: Callable[[Array, Array], None]  # of the rates, row by row
     count: int  # guards
 
 
@@ -29,7 +30,8 @@ def lowered(mode: Mode, states: tuple[Any, ...], values: tuple[tuple[Any, float]
     numbers = dict(values)
     flow = [sympy.sympify(e).subs(numbers) for e in mode.flow]
     guards = [sympy.sympify(event.function).subs(numbers) for event in mode.events]
-    return Lowered(_writer(states, flow), _writer(states, guards), len(guards))
+    jacobian = list(sympy.Matrix(flow).jacobian(states))
+    return Lowered(_writer(states, flow), _writer(states, guards), _writer(states, jacobian), len(guards))
 
 
 def _writer(states: tuple[Any, ...], expressions: list[Any]) -> Callable[[Array, Array], None]:

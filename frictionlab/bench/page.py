@@ -15,8 +15,9 @@ HEAD = """\
 # Performance
 
 Written by `frictionlab bench -o docs`. Absolute times belong to the machine; the columns "x" are ratios
-of one run, which is what to compare. Times are medians of interleaved runs on one core; those of more
-than {slow:g} s are measured once, with what they compile. `frictionlab bench --quick`
+of one run, which is what to compare; [exact-and-fast.md](exact-and-fast.md) explains it in three
+pictures. Times are medians of interleaved runs on one core; those of more
+than {slow:g} s are measured once. What the tools compile is compiled before. `frictionlab bench --quick`
 takes a fraction of the time.
 
 ## Run time against error
@@ -24,13 +25,17 @@ takes a fraction of the time.
 ![Error against wall time]({picture})
 
 Down and to the left is better. Every method runs the same automaton with the same resets; other tools
-integrate and find the events themselves, with right-hand sides compiled for the scene. heyoka and CVODE
-need a direction for every event, and zeros within 1e-12 s of the start of a mode passed over, or they
-find for ever the zero they have just left. "Model made smooth" has tanh for the sign of friction and a
-contact that springs back instead of impacts: it is another model, and its error is of the size of the
-motion. References: mpmath with 40 digits for A, B and C (`tests/reference/slider_mpmath.py`, which shares
-no code with the package); for D the solver itself with another order and the limit of chatter taken at
-1e-9 s; closed forms for the others.
+integrate and find the events themselves, with right-hand sides compiled for the scene; scipy's implicit
+methods are given the exact Jacobian. Steps are the tool's own that were accepted. "Missed" are the events
+too few, where their number does not depend on when chatter is cut off. "Interpreted" is the same method
+without native code: the same result to the last bit. All need a direction for every event, and some
+have zeros within 1e-12 s of the start of a mode passed over, or they find for ever the zero they have just
+left. diffrax is given the smallest of the guards as one event: of several within a step it takes the first
+in its list, not in time; the state at an event is its interpolation. "Model made smooth" has tanh for the
+sign of friction and a contact that springs back instead of impacts: it is another model, and its error is
+of the size of the motion. References: mpmath with 40 digits for A, B and C
+(`tests/reference/slider_mpmath.py`, which shares no code with the package); for D the solver itself with
+another order and the limit of chatter taken at 1e-9 s; closed forms for the others.
 """
 
 SWITCHES = """\
@@ -38,7 +43,16 @@ SWITCHES = """\
 ## What each nonlinearity costs
 
 Scene B with nonlinearities left out. Guards, products (squares and quotients included) and operations are
-summed over the modes of the tape; what a scene lacks is not there.
+summed over the modes of the tape; what a scene lacks is not there. Times are with native code for every mode.
+The first call is that of a fresh process with warm caches: model, equations, kernels from the cache, one
+simulated second. The last row is the import before it.
+
+"""
+
+NATIVE = """\
+
+What comes before that, once on a machine: native code of a mode, written and compiled by LLVM in the
+background. Later processes load it from the cache.
 
 """
 
@@ -78,14 +92,14 @@ TAIL = """\
 
 
 def write(folder: Path, rows: Sequence[Row], tables: Sequence[str]) -> Path:
-    """Write the page and its picture; `tables` are those of switches, sweep and stability."""
+    """Write the page and its picture; `tables` are those of switches, native code, sweep and stability."""
     (folder / PICTURE.parent).mkdir(parents=True, exist_ok=True)
     picture.draw(rows).savefig(folder / PICTURE, dpi=110)
     text = HEAD.format(slow=harness.SLOW, picture=PICTURE.as_posix())
     for name, scene in scenes().items():
         table = harness.table([row for row in rows if row.scene == name])
         text += f"\n### {name}: {scene.text}, {scene.t_end:.5g} s\n\n{table}\n"
-    for head, table in zip((SWITCHES, SWEEP, STABILITY), tables, strict=True):
+    for head, table in zip((SWITCHES, NATIVE, SWEEP, STABILITY), tables, strict=True):
         text += f"{head}{table}\n"
     (folder / PAGE).write_text(text + TAIL, encoding="utf-8")
     return folder / PAGE

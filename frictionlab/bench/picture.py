@@ -14,13 +14,17 @@ from .scenes import scenes
 
 STYLES = {
     "frictionlab": (VERMILLION, "o"),
+    "frictionlab, interpreted": (VERMILLION, "x"),
     "RK4": (BLACK, "s"),
     "scipy DOP853": (BLUE, "^"),
     "scipy RK45": (SKY, "v"),
     "scipy LSODA": (GREEN, "D"),
+    "scipy Radau": (SKY, "d"),
     "heyoka": (ORANGE, "X"),
     "CVODE Adams": (PURPLE, "<"),
     "CVODE BDF": (YELLOW, ">"),
+    "PathSim RKDP87": (BLACK, "P"),
+    "diffrax Dopri8": (GREEN, "p"),
     "regularised": (GREY, "*"),
 }
 FLOOR = 1e-16  # errors that are zero are drawn here

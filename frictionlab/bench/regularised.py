@@ -32,8 +32,8 @@ def smooth(model: Any) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
     return states(model.coordinates), tuple(sympy.sympify(rate).subs(numbers) for rate in rates)
 
 
-def run(model: Any, t_end: float) -> tuple[np.ndarray, float]:
-    """State at the end, from rest, and the wall time of a second run (the first compiles)."""
+def run(model: Any, t_end: float) -> tuple[np.ndarray, float, int]:
+    """State at the end, from rest, wall time of a second run (the first compiles), and steps."""
     from scipy.integrate import solve_ivp
 
     z, rates = smooth(model)
@@ -43,7 +43,7 @@ def run(model: Any, t_end: float) -> tuple[np.ndarray, float]:
     solve_ivp(flow, (0.0, min(t_end, 0.01)), start, **options)
     begin = time.perf_counter()
     found = solve_ivp(flow, (0.0, t_end), start, **options)
-    return found.y[:, -1], time.perf_counter() - begin
+    return found.y[:, -1], time.perf_counter() - begin, len(found.t) - 1
 
 
 def _compiled(z: tuple[Any, ...], rates: tuple[Any, ...]) -> Any:

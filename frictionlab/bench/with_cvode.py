@@ -30,7 +30,7 @@ class Cvode(External):
     def to_event(
         self, mode: int, z: np.ndarray, t: float, t_end: float
     ) -> tuple[float, np.ndarray, int, int]:
-        functions = self.mode(mode)
+        functions = self.modes[mode]
         options: dict[str, Any] = {"method": self.formula, "rtol": self.rtol, "atol": self.atol}
         if functions.count:
             options |= {"eventsfn": _events(functions), "num_events": functions.count}
@@ -38,7 +38,7 @@ class Cvode(External):
             lambda time, y, out: functions.rates(y, out), max_num_steps=10**7, **options
         )
         found = solver.solve(np.array([t, t_end]), z)
-        steps = int(found.nfev)
+        steps = len(found.t) - 1  # between two times it returns its own steps
         if found.i_events is None or not len(found.i_events):
             return float(found.t[-1]), np.array(found.y[-1]), -1, steps
         guard = int(np.flatnonzero(found.i_events[-1])[0])

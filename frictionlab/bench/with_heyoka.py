@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from importlib import import_module
 from math import prod
 from typing import Any, ClassVar
@@ -13,9 +13,7 @@ import sympy
 
 from frictionlab.automaton import Mode
 
-from .external import External
-
-AT_ONCE = 1e-12  # s
+from .external import AT_ONCE, External
 
 
 @dataclass(frozen=True)
@@ -31,11 +29,16 @@ class Heyoka(External):
 
     tol: float = 1e-15
 
+    @cached_property
+    def integrators(self) -> list[Any]:
+        """One for each mode, with a cell that holds the time at which it began."""
+        automaton, values = self.automaton, self.values
+        return [_integrator(mode, automaton.states, values, self.tol) for mode in automaton.modes]
+
     def to_event(
         self, mode: int, z: np.ndarray, t: float, t_end: float
     ) -> tuple[float, np.ndarray, int, int]:
-        values = tuple(self.automaton.parameters.items())
-        integrator, began = _integrator(self.automaton.modes[mode], self.automaton.states, values, self.tol)
+        integrator, began = self.integrators[mode]
         began[0] = t
         if self.automaton.modes[mode].events:
             integrator.reset_cooldowns()

@@ -13,14 +13,14 @@ from .parser import OneLineParser
 DESCRIPTION = """\
 Measure wall time and error of this solver and of others on scenes with a known end, what each nonlinearity
 costs, Fig. 9's sweep, and linear stability. Times are medians of interleaved runs on this machine. Prints
-Markdown. heyoka and CVODE are measured where they are installed (extra "bench")."""
+Markdown. heyoka, CVODE, PathSim and diffrax are measured where they are installed (extra "bench")."""
 
 EPILOG = """\
 examples:
   frictionlab bench                              (all, some minutes)
   frictionlab bench --scene B --picture b.png    (one scene, with its picture)
   frictionlab bench --quick --json bench.json
-  frictionlab bench -o docs                      (writes docs/performance.md with its picture)"""
+  frictionlab bench -o docs                      (writes performance.md and exact-and-fast.md there)"""
 
 
 def add_bench(commands: Any) -> OneLineParser:
@@ -37,7 +37,7 @@ def add_bench(commands: Any) -> OneLineParser:
     parser.add_argument(
         "--scene", action="append", metavar="NAME", help="A, B, C, D, Coulomb or linear; only these (repeat)"
     )
-    parser.add_argument("-o", "--output", metavar="FOLDER", help="write all of it as a page with its picture")
+    parser.add_argument("-o", "--output", metavar="FOLDER", help="write all of it as pages with pictures")
     parser.add_argument("--json", metavar="FILE", help="write the rows of the scenes as JSON")
     parser.add_argument("--picture", metavar="FILE", help="draw error against wall time into a file")
     return parser
@@ -45,7 +45,7 @@ def add_bench(commands: Any) -> OneLineParser:
 
 def bench_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
     """Measure and print; returns the exit status."""
-    from frictionlab.bench import harness, page, picture
+    from frictionlab.bench import harness, lesson, page, picture, switches
     from frictionlab.bench.scenes import scenes
 
     known = scenes()
@@ -62,10 +62,13 @@ def bench_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
             f"\n{name}: {known[name].text}, {known[name].t_end:.6g} s\n\n{harness.table(found)}", flush=True
         )
         rows += found
-    tables = [] if chosen.scene else _others(chosen.quick)
+    switched = [] if chosen.scene else switches.switches(repeats=3 if chosen.quick else 15)
+    tables = [] if chosen.scene else _others(chosen.quick, switched)
     try:
         if chosen.output:
-            print(f"Page in {page.write(Path(chosen.output), rows, tables)}")
+            folder = Path(chosen.output)
+            written = page.write(folder, rows, tables), lesson.write(folder, rows, switched)
+            print(f"Pages in {written[0]} and {written[1]}")
         if chosen.json:
             Path(chosen.json).write_text(json.dumps(harness.as_json(rows), indent=1), encoding="utf-8")
         if chosen.picture:
@@ -76,12 +79,17 @@ def bench_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
     return 0
 
 
-def _others(quick: bool) -> list[str]:
-    from frictionlab.bench import eigenproblems, sweeps, switches
+def _others(quick: bool, switched: list[Any]) -> list[str]:
+    from frictionlab.bench import eigenproblems, startup, sweeps, switches
+
+    def costs() -> str:
+        starts = startup.starts(repeats)
+        return switches.switch_table(switched, starts.first, starts.imported)
 
     repeats = 1 if quick else 3
     measured = {
-        "What each nonlinearity costs": lambda: switches.switch_table(switches.switches(repeats=repeats)),
+        "What each nonlinearity costs": costs,
+        "Native code": lambda: startup.native_table(startup.native_code(repeats)),
         "Fig. 9's sweep": lambda: sweeps.table(sweeps.sweeps(30.0 if quick else 300.0, 1)),
         "Linear stability": lambda: eigenproblems.table(eigenproblems.eigenproblems(10_000, repeats)),
     }

@@ -1,18 +1,24 @@
 """Run time against error: complete rows, real errors, unlike tools agree; nothing looks at a clock."""
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
 
 from frictionlab import cli
 from frictionlab.bench import harness, page, picture, regularised, switches
-from frictionlab.bench.harness import Row, Way
+from frictionlab.bench.harness import Row
+from frictionlab.bench.interpreted import Interpreted
 from frictionlab.bench.scenes import BenchScene, scenes
+from frictionlab.bench.ways import WAYS, Way
 from frictionlab.bench.with_cvode import Cvode
+from frictionlab.bench.with_diffrax import Diffrax
 from frictionlab.bench.with_heyoka import Heyoka
+from frictionlab.bench.with_pathsim import PathSim
 from frictionlab.bench.with_scipy import SolveIvp
 from frictionlab.hybrid.solve import solve
+from frictionlab.hybrid.status import Status
 from frictionlab.hybrid.taylor import Taylor
 
 EXACT = {"A": 1e-10, "B": 1e-10, "C": 1e-10, "D": 1e-9, "Coulomb": 1e-9, "linear": 1e-10}
@@ -34,25 +40,60 @@ def shorter(name, t_end):
     return BenchScene(name, "", scene.automaton, scene.x0, t_end, lambda: end.final_state), end
 
 
+OTHERS = {
+    "heyoka": (Heyoka, "heyoka"),
+    "cvode": (Cvode, "sksundae"),
+    "pathsim": (PathSim, "pathsim"),
+    "diffrax": (Diffrax, "diffrax"),
+    "solve_ivp": (SolveIvp, "scipy"),
+    "radau": (partial(SolveIvp, integrator="Radau", rtol=1e-7, atol=1e-10), "scipy"),
+}
+
+
+@pytest.mark.parametrize("other", OTHERS)
 @pytest.mark.parametrize("name", ["A", "B", "C", "Coulomb", "linear"])
-@pytest.mark.parametrize("other", ["heyoka", "cvode", "solve_ivp"])
 def test_unlike_tools_find_the_same_events_and_the_same_end(name, other):
-    scene, exact = shorter(name, 0.5 if name != "Coulomb" else 30.0)
-    if other == "heyoka":
-        pytest.importorskip("heyoka", reason="heyoka comes with the extra bench")
-    if other == "cvode":
-        pytest.importorskip("sksundae", reason="CVODE comes with the extra bench")
-    method = {"heyoka": Heyoka, "cvode": Cvode, "solve_ivp": SolveIvp}[other](scene.automaton)
+    make, package = OTHERS[other]
+    pytest.importorskip(package, reason=f"{package} comes with the extra bench")
+    scene, exact = shorter(name, {"C": 0.1, "Coulomb": 30.0}.get(name, 0.5))
+    method = make(scene.automaton)
     run = solve(scene.automaton, scene.t_end, x0=scene.x0, method=method, progress=False)
     assert run.events.target.tolist() == exact.events.target.tolist()
     assert np.abs(run.events.t - exact.events.t).max(initial=0.0) < 1e-7
     assert scene.error(run.final_state) < 1e-5
+    assert method.steps > len(run.events)
+
+
+def test_a_tool_that_takes_too_many_steps_is_cut_off():
+    scene, _ = shorter("B", 0.5)
+    method = SolveIvp(scene.automaton, max_steps=40)
+    run = solve(scene.automaton, 0.5, x0=scene.x0, method=method, progress=False)
+    assert run.status is Status.STEP_CAP
+    assert 40 <= method.steps < 200
+
+
+@pytest.mark.parametrize(("make", "package"), [(PathSim, "pathsim"), (Diffrax, "diffrax")])
+def test_a_tool_is_cut_off_within_a_mode(make, package):
+    pytest.importorskip(package, reason=f"{package} comes with the extra bench")
+    scene, _ = shorter("linear", 0.5)
+    method = make(scene.automaton, max_steps=20)
+    run = solve(scene.automaton, 0.5, x0=scene.x0, method=method, progress=False)
+    assert run.status is Status.STEP_CAP
+    assert method.steps == 20
+    assert 0.0 < run.raw.t < 0.5
+
+
+def test_interpreted_it_is_the_same_to_the_last_bit():
+    scene, exact = shorter("B", 1.0)
+    run = solve(scene.automaton, 1.0, x0=scene.x0, method=Interpreted(), progress=False)
+    assert run.final_state.tolist() == exact.final_state.tolist()
+    assert run.stats["steps"] == exact.stats["steps"]
 
 
 def test_a_smoothed_model_starts_alike_and_ends_elsewhere():
     """No impacts and no stick: the same until the first event, another motion after it."""
-    early, _ = regularised.run(switches.SCENE, 0.02)
-    late, _ = regularised.run(switches.SCENE, 1.0)
+    early, *_ = regularised.run(switches.SCENE, 0.02)
+    late, *_ = regularised.run(switches.SCENE, 1.0)
     exact = [solve(scenes()["B"].automaton, t, x0=np.zeros(10)).final_state for t in (0.02, 1.0)]
     assert np.abs(early - exact[0])[:5].max() < 1e-5
     assert np.abs(late - exact[1])[:5].max() > 1e-2
@@ -60,8 +101,9 @@ def test_a_smoothed_model_starts_alike_and_ends_elsewhere():
 
 @pytest.fixture(scope="module")
 def rows():
-    scene, _ = shorter("B", 0.2)
-    return harness.measure(scene, [*harness.WAYS[:5], ABSENT], repeats=1)
+    scene, exact = shorter("B", 0.2)
+    scene = replace(scene, events=(len(exact.events), len(exact.events)))
+    return harness.measure(scene, [*WAYS[:6], ABSENT], repeats=1)
 
 
 def test_rows_rank_the_methods(rows):
@@ -71,17 +113,29 @@ def test_rows_rank_the_methods(rows):
 
 
 def test_an_absent_tool_is_a_row_that_says_so(rows):
-    assert rows[-1] == Row("B", "nobody", "nobody's", None, None, None, "no_such_package is not installed")
+    assert rows[-1] == Row("B", "nobody", "nobody's", *[None] * 5, note="no_such_package is not installed")
     lines = harness.table(rows).splitlines()
     assert len(lines) == 2 + len(rows)
-    assert lines[-1] == "| nobody's | no_such_package is not installed | | | |"
+    assert lines[-1] == "| nobody's | no_such_package is not installed |  |  |  |  |  |"
     assert "| 1 |" in lines[2]
+
+
+def test_steps_and_what_was_missed(rows):
+    found = {row.method: row for row in rows}
+    assert found["frictionlab, tol 1e-15"].missed == 0
+    assert found["frictionlab, tol 1e-15"].steps == found["frictionlab, tol 1e-15, interpreted"].steps > 0
+    assert found["RK4, step 0.001 s"].steps > 200
+    assert harness.table(rows).startswith("| method | wall time | x | error | steps | events | missed |")
+    without = [replace(row, events=0, missed=None) for row in rows]
+    assert harness.table(without).startswith("| method | wall time | x | error | steps |\n")
+    assert [scenes()["Coulomb"].missed(n) for n in (1998, 1999, 2000, 2001)] == [1, 0, 0, -1]
+    assert scenes()["D"].missed(15) is None
 
 
 def test_the_picture_has_a_panel_for_each_scene(rows):
     figure = picture.draw(rows)
     labels = [line.get_label() for line in figure.axes[0].lines]
-    assert labels == ["frictionlab", "RK4"]
+    assert labels == ["frictionlab", "frictionlab, interpreted", "RK4"]
     assert figure.axes[0].get_xscale() == figure.axes[0].get_yscale() == "log"
 
 
@@ -95,13 +149,13 @@ def test_the_command(monkeypatch, tmp_path, capsys, rows):
 
 def test_the_page(tmp_path, rows):
     every = [replace(row, scene=name) for name in scenes() for row in rows]
-    text = page.write(tmp_path, every, ["| one |", "| two |", "| three |"]).read_text()
+    words = "one", "two", "three", "four"
+    text = page.write(tmp_path, every, [f"| {word} |" for word in words]).read_text()
     assert text.startswith("# Performance\n")
     assert text.count("frictionlab, tol 1e-15 |") == 6
     assert (tmp_path / "images" / "performance.png").exists()
-    assert [text.index(f"| {word} |") for word in ("one", "two", "three")] == sorted(
-        text.index(f"| {word} |") for word in ("one", "two", "three")
-    )
+    places = [text.index(f"| {word} |") for word in words]
+    assert places == sorted(places)
 
 
 def test_an_unknown_scene_is_refused(capsys):

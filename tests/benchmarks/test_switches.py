@@ -12,4 +12,7 @@ def test_each_switch_pays():
     assert found[("cubic",)].products < full.products
     assert found[switches.SWITCHES].products == 0
     assert all(row.operations < full.operations for names, row in found.items() if names)
-    assert len(switches.switch_table(list(found.values())).splitlines()) == 10
+    lines = switches.switch_table(list(found.values()), [0.5] * 8, 0.01).splitlines()
+    assert len(lines) == 11
+    assert all(line.count("|") == 9 for line in lines)
+    assert lines[-1].endswith("| 0.010 s |")

@@ -1,0 +1,18 @@
+"""Native code of all modes, at hand before anything is timed: as a long run has it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from frictionlab.automaton import HybridAutomaton
+from frictionlab.hybrid.compiled import NUMBA
+from frictionlab.hybrid.natives import natives
+from frictionlab.hybrid.program import program_of
+from frictionlab.hybrid.taylor import Taylor
+
+
+def make_ready(automaton: HybridAutomaton, method: Taylor) -> None:
+    """Compile what is missing, so that no mode is native code in one run and interpreted in the next."""
+    jets = natives(program_of(automaton)[0], method.jets, method.degree + 1)
+    for mode in np.flatnonzero(jets.code.native == 0) if NUMBA else ():
+        jets.compile(int(mode))
