@@ -14,11 +14,11 @@ from frictionlab.hybrid import stepping
 from frictionlab.hybrid.buffers import Pieces
 from frictionlab.hybrid.methods import Method, Run
 from frictionlab.hybrid.problem import Problem
+from frictionlab.hybrid.scipy_methods import CHATTER
 from frictionlab.hybrid.status import Status
 
 from .lowered import Lowered, lowered
 
-CHATTER = 1e-6  # s: two flights in a row that are shorter are taken for chatter
 AT_ONCE = 1e-12  # s: a zero so soon after the start of a mode is the one just left
 PASSES = 3  # times that such a zero is passed over
 MOMENT = 1e-6  # s

@@ -17,7 +17,6 @@ from frictionlab.hybrid.taylor import Taylor
 
 from . import regularised
 from .external import External
-from .interpreted import Interpreted
 from .ready import make_ready
 from .scenes import BenchScene
 from .ways import WAYS, Way
@@ -48,7 +47,7 @@ def measure(scene: BenchScene, ways: Sequence[Way] = WAYS, repeats: int = 3) -> 
     for method in methods.values():
         if isinstance(method, External):
             method.prepare(scene.x0)
-        elif isinstance(method, Taylor) and not isinstance(method, Interpreted):
+        elif isinstance(method, Taylor):
             make_ready(scene.automaton, method)
     runs = {name: _timed(scene, method) for name, method in methods.items()}
     spent = {name: [seconds] if seconds > SLOW else [] for name, (_, seconds) in runs.items()}

@@ -19,7 +19,7 @@ MODELS = {
     "held": BILATERAL.replace(mu_k=1.4, mu_s=3.0, F=200.0, v=0.0, **UNDAMPED),  # swings, and never slips
 }
 HELD = np.array([1e-4, -0.034, 1e-4, -0.01, 0.01, 0.0, 0.01, 0.0])
-EVENTS = {"A": 441_911, "B": 442_151, "bilateral": 367_750, "held": 0}  # to within a few
+FREQUENCIES = {"A": 11.048, "B": 11.054}  # Hz, of a motion with four events in a period
 
 
 @pytest.fixture(scope="module", params=MODELS)
@@ -47,7 +47,11 @@ def test_constraints_do_not_drift(whole):
     """Found at the start and at the end: 4e-16 m/s, 2e-17 m. Held, v_r is integrated without a projection."""
     scene, run = whole
     assert run.status is fl.Status.FINISHED
-    assert len(run.events) == pytest.approx(EVENTS[scene], rel=1e-3)
+    first, second = np.histogram(run.events.t, [END / 2, 3 * END / 4, END])[0]
+    assert abs(first - second) <= 2  # the motion goes on as it was
+    assert (first == 0) == (scene == "held")
+    if scene in FREQUENCIES:
+        assert len(run.events) == pytest.approx(4 * FREQUENCIES[scene] * END, rel=1e-3)
     for begin in (0.0, END - WINDOW):
         assert (np.array(drift(run, begin, begin + WINDOW)) < [4e-15, 1e-15, 1e-15]).all()
 
