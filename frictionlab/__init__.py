@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from frictionlab.analysis.ablation import ablation
     from frictionlab.analysis.bifurcation import bifurcation
     from frictionlab.analysis.branch import Bifurcation, load_bifurcation
+    from frictionlab.analysis.ensemble import Ends, ensemble
     from frictionlab.analysis.simulate import load, simulate
     from frictionlab.analysis.steady_state import steady_state
     from frictionlab.analysis.sweep import sweep
@@ -66,6 +67,7 @@ _HOMES = {
     "analysis.ablation": "ablation",
     "analysis.bifurcation": "bifurcation",
     "analysis.branch": "Bifurcation load_bifurcation",
+    "analysis.ensemble": "ensemble Ends",
     "analysis.simulate": "simulate load",
     "analysis.steady_state": "steady_state",
     "analysis.sweep": "sweep",

@@ -12,9 +12,11 @@ import numpy as np
 from frictionlab.hybrid.choice import method_of
 from frictionlab.hybrid.methods import Method
 from frictionlab.hybrid.status import Status
+from frictionlab.hybrid.taylor import Taylor
 from frictionlab.hybrid.validation import check_choice
 
 from .branch import Bifurcation, collected, load_bifurcation
+from .ensemble import ensemble
 from .interrupts import noted_interrupts
 from .journal import Journal
 from .kinds import ENDED
@@ -24,6 +26,7 @@ from .tasks import check_workers, run_tasks
 
 __all__ = ["Bifurcation", "bifurcation", "load_bifurcation"]
 STARTS = ("rest", "near", "continue")
+GROUP = 16  # as many as two sets of lanes
 KEPT = 200  # section points that are kept of each value, the last ones
 
 
@@ -103,12 +106,19 @@ def bifurcation(
     if _continues(x0):
         _in_turn(models, names, options, journal, progress)
     else:
+        groups = _groups(
+            [i for i in range(len(models)) if i not in journal.results], models, options["method"]
+        )
+
+        def keep(task: int, results: list[dict[str, Any]]) -> None:
+            for i, result in zip(groups[task], results):
+                journal.keep(i, result)
+
         run_tasks(
-            one,
-            [(each, x0, options) for each in models],
-            keep=journal.keep,
-            names=names,
-            done=frozenset(journal.results),
+            several,
+            [([models[i] for i in group], x0, options) for group in groups],
+            keep=keep,
+            names=[", ".join(names[i] for i in group) for group in groups],
             workers=workers,
             executor=executor,
             progress=f"bifurcation over {parameter}" if progress else None,
@@ -126,6 +136,24 @@ def _models(model: Any, parameter: str, values: Any) -> list[Any]:
 
 def _continues(x0: Any) -> bool:
     return isinstance(x0, str) and x0 == "continue"
+
+
+def _groups(left: Sequence[int], models: Sequence[Any], method: Method) -> list[Sequence[int]]:
+    """Values whose transients are run side by side: that pays where no events come between."""
+    alike = isinstance(method, Taylor) and not any(mode.events for mode in models[0].automaton().modes)
+    size = GROUP if alike else 1
+    return [left[i : i + size] for i in range(0, len(left), size)]
+
+
+def several(models: Sequence[Any], x0: Any, options: dict[str, Any]) -> list[dict[str, Any]]:
+    """One task: the steady states of some models, the same as each would have alone."""
+    transient = options["transient"]
+    if len(models) == 1 or transient == 0.0:
+        return [one(model, x0, options) for model in models]
+    ends = ensemble(models, transient, x0=x0, method=options["method"], progress=False)
+    after = {**options, "transient": 0.0}
+    ended = zip(models, ends.states, ends.status)
+    return [one(m, state, after) if status.ok else one(m, x0, options) for m, state, status in ended]
 
 
 def one(model: Any, x0: Any, options: dict[str, Any]) -> dict[str, Any]:

@@ -96,15 +96,16 @@ def as_json(rows: Sequence[Row]) -> list[dict[str, Any]]:
 def table(rows: Sequence[Row]) -> str:
     """One scene's rows as Markdown; times also as multiples of ours, events where the scene has any."""
     base = next(row.seconds for row in rows if row.method == OURS)
-    heads = ["method", "wall time", "x", "error", "steps"]
+    heads = ["method", "wall time", "x", "error", "steps", "per step"]
     heads += ["events", "missed"] if any(row.events for row in rows) else []
     return markdown(" | ".join(heads), (" | ".join(_cells(row, base)[: len(heads)]) for row in rows))
 
 
 def _cells(row: Row, base: float | None) -> list[str]:
     if row.seconds is None or base is None:
-        return [row.method, row.note, *[""] * 5]
+        return [row.method, row.note, *[""] * 6]
     error = row.note if row.error is None else f"{row.error:.1e}"
     missed = "-" if row.missed is None else str(row.missed)
     times = [f"{1e3 * row.seconds:.3g} ms", f"{row.seconds / base:.3g}"]
-    return [row.method, *times, error, str(row.steps), str(row.events), missed]
+    each = f"{1e6 * row.seconds / row.steps:.2f} us" if row.steps else "-"
+    return [row.method, *times, error, str(row.steps), each, str(row.events), missed]

@@ -1,4 +1,4 @@
-"""Native code of all modes, at hand before anything is timed: as a long run has it."""
+"""Compiled code at hand before anything is timed, the kernel and that of all modes: as a long run has it."""
 
 from __future__ import annotations
 
@@ -8,11 +8,13 @@ from frictionlab.automaton import HybridAutomaton
 from frictionlab.hybrid.compiled import NUMBA
 from frictionlab.hybrid.natives import natives
 from frictionlab.hybrid.program import program_of
+from frictionlab.hybrid.solve import solve
 from frictionlab.hybrid.taylor import Taylor
 
 
 def make_ready(automaton: HybridAutomaton, method: Taylor) -> None:
     """Compile what is missing, so that no mode is native code in one run and interpreted in the next."""
+    solve(automaton, 1e-9, x0=np.zeros(len(automaton.states)), method=method, progress=False)
     jets = natives(program_of(automaton)[0], method.jets, method.degree + 1)
     for mode in np.flatnonzero(jets.code.native == 0) if NUMBA else ():
         jets.compile(int(mode))

@@ -80,7 +80,7 @@ def bench_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
 
 
 def _others(quick: bool, switched: list[Any]) -> list[str]:
-    from frictionlab.bench import eigenproblems, startup, sweeps, switches
+    from frictionlab.bench import eigenproblems, ensembles, startup, sweeps, switches
 
     def costs() -> str:
         starts = startup.starts(repeats)
@@ -90,6 +90,7 @@ def _others(quick: bool, switched: list[Any]) -> list[str]:
     measured = {
         "What each nonlinearity costs": costs,
         "Native code": lambda: startup.native_table(startup.native_code(repeats)),
+        "Many runs": lambda: ensembles.table(ensembles.ensembles(repeats=repeats)),
         "Fig. 9's sweep": lambda: sweeps.table(sweeps.sweeps(30.0 if quick else 300.0, 1)),
         "Linear stability": lambda: eigenproblems.table(eigenproblems.eigenproblems(10_000, repeats)),
     }

@@ -1,13 +1,15 @@
-"""Two operations that Python does not have: a fused multiply-add, and a call by address.
+"""Operations that Python does not have: a fused multiply-add, calls by address, quick logarithms.
 
-Intrinsics of numba, for use in a @kernel; without numba the first is plain arithmetic and the second is
-never reached, as there are no addresses.
+Intrinsics of numba, for use in a @kernel; without numba they are plain arithmetic, and calls are never
+reached, as there are no addresses.
 """
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
+from frictionlab.hybrid import logarithms
 from frictionlab.hybrid.compiled import NUMBA
 
 
@@ -15,11 +17,19 @@ def _plain_fma(a, b, c):
     return a * b + c
 
 
-def _plain_call(address, z, constants, terms, J):
+def _plain_log2(x):
+    return math.log2(x) if x > 0.0 else -1023.0
+
+
+def _plain_exp2(x):
+    return 2.0 ** min(max(x, -1000.0), 1000.0)
+
+
+def _plain_call(address, *arrays):
     raise NotImplementedError("there is no native code without numba")
 
 
-def _intrinsics() -> tuple[Any, Any]:
+def _intrinsics() -> tuple[Any, ...]:
     from llvmlite import ir
     from numba import types
     from numba.extending import intrinsic
@@ -34,22 +44,37 @@ def _intrinsics() -> tuple[Any, Any]:
 
         return number(number, number, number), code
 
+    def by_address(context, builder, signature, arguments):
+        pointers = [
+            context.make_array(kind)(context, builder, array).data
+            for kind, array in zip(signature.args[1:], arguments[1:], strict=True)
+        ]
+        kind = ir.FunctionType(ir.VoidType(), [pointer.type for pointer in pointers])
+        builder.call(builder.inttoptr(arguments[0], kind.as_pointer()), pointers)
+        return context.get_dummy_value()
+
     @intrinsic
     def call(typing_context, address, z, constants, terms, J):
         """Call native(z, constants, terms, J) at an address, with pointers to the arrays' data."""
+        return types.void(types.int64, z, constants, terms, J), by_address
 
-        def code(context, builder, signature, arguments):
-            pointers = [
-                context.make_array(kind)(context, builder, array).data
-                for kind, array in zip(signature.args[1:], arguments[1:], strict=True)
-            ]
-            kind = ir.FunctionType(ir.VoidType(), [pointer.type for pointer in pointers])
-            builder.call(builder.inttoptr(arguments[0], kind.as_pointer()), pointers)
-            return context.get_dummy_value()
+    @intrinsic
+    def call_step(typing_context, address, z, constants, terms, J, control):
+        """The same with one array more."""
+        return types.void(types.int64, z, constants, terms, J, control), by_address
 
-        return types.void(types.int64, z, constants, terms, J), code
+    def of_one_number(emit: Any) -> Any:
+        @intrinsic
+        def function(typing_context, x):
+            def code(context, builder, signature, arguments):
+                return emit(ir, builder, arguments[0])
 
-    return fma, call
+            return types.float64(types.float64), code
+
+        return function
+
+    return fma, call, call_step, of_one_number(logarithms.log2), of_one_number(logarithms.exp2)
 
 
-fma, call_native = (_plain_fma, _plain_call) if NUMBA is None else _intrinsics()
+_PLAIN = _plain_fma, _plain_call, _plain_call, _plain_log2, _plain_exp2
+fma, call_native, call_native_step, log2, exp2 = _PLAIN if NUMBA is None else _intrinsics()

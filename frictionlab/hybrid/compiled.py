@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 SWITCH = "FRICTIONLAB_DISABLE_NUMBA"
+MARKS = (b"@kernel", b"intrinsic", b"LLVM")  # in the sources that compiled code is made from
 
 
 def _numba() -> Any:
@@ -30,7 +31,7 @@ def _numba() -> Any:
 
 def _digest(numba: Any) -> str:
     sources = (path.read_bytes() for path in sorted(Path(__file__).parent.glob("*.py")))
-    text = b"".join(source for source in sources if b"@kernel" in source or b"intrinsic" in source)
+    text = b"".join(source for source in sources if any(mark in source for mark in MARKS))
     versions = f"{numba.__version__} {sys.version}".encode()
     return hashlib.sha256(text + versions).hexdigest()[:16]
 
@@ -65,7 +66,7 @@ FOLDER = cache_folder(NUMBA) if NUMBA else ""
 
 def waits_for_compiler(function: Any) -> bool:
     """Whether the next call of a kernel compiles it: neither loaded nor in the cache folder."""
-    if NUMBA is None or function.signatures:
+    if NUMBA is None or function.overloads:
         return False
     return not (FOLDER and any(Path(FOLDER).glob(f"*/*.{function.__name__}-*.nbi")))
 

@@ -36,6 +36,7 @@ class Code(NamedTuple):
     sections: np.ndarray  # (modes, sections) slots
     directions: np.ndarray  # (sections,) +1 rising, -1 falling, 0 both
     native: np.ndarray  # (modes,) addresses of native code, 0 where there is none
+    lanes: np.ndarray  # (modes,) the same of a step of several runs side by side
     jets: np.ndarray  # (2,) order of the native jets, and length of a row of J
     groups: np.ndarray  # (4,) bounds of the coordinates, the velocities, the other states; integrals follow
 

@@ -23,7 +23,7 @@ from frictionlab.hybrid.validation import check_number
 
 CHUNK = 2048  # steps between two looks at the progress bar and ctrl-C
 
-_ENDS = {
+ENDS = {
     stepping.RUNNING: Status.RUNNING,
     stepping.FINISHED: Status.FINISHED,
     stepping.NO_ADMISSIBLE_MODE: Status.NO_ADMISSIBLE_MODE,
@@ -108,7 +108,7 @@ class Method(ABC):
             end = self.advance(run, record)
             run.natives.used(record.step_modes[: counts[stepping.STEPS]])
             pieces.add(record, *counts[_COUNTED])
-            status = self._status(_ENDS[end], pieces)
+            status = self._status(ENDS[end], pieces)
             if progress.update(times[stepping.NOW]) and status is Status.RUNNING:
                 status = Status.INTERRUPTED
         mode = int(counts[stepping.MODE])

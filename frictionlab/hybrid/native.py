@@ -36,25 +36,31 @@ def module_of(function: Function, name: str) -> Any:
     body = ir.Function(module, ir.FunctionType(ir.VoidType(), [pointer] * 4), name)
     for argument in body.args:
         argument.add_attribute("noalias")
-    _Writer(ir, body, function).write()
+    Writer(ir, body, function).write()
     return module
 
 
-class _Writer:
+class Writer:
     """Writes the instructions; `values` are those of all slots, by order."""
+
+    width = 1  # numbers in a value
 
     def __init__(self, ir: Any, body: Any, function: Function) -> None:
         self.ir, self.function = ir, function
         self.build = ir.IRBuilder(body.append_basic_block())
         four = ir.VectorType(ir.DoubleType(), LANES)
         self.fma = ir.Function(body.module, ir.FunctionType(four, [four] * 3), "llvm.fma.v4f64")
-        self.z, self.constants, self.terms, self.J = body.args
+        self.z, self.constants, self.terms, self.J = body.args[:4]
         self.values: list[list[Any]] = [[] for _ in range(function.tape.slots)]
         operands = {slot for kind, a, b in function.tape.ops if kind != AFFINE for slot in (a, b)}
         outputs = {function.tape.inputs + i for i, op in enumerate(function.tape.ops) if op[0] > SQUARE}
         self.stored = function.kept | operands | outputs | set(range(function.tape.inputs))
 
     def write(self) -> None:
+        self.jets()
+        self.build.ret_void()
+
+    def jets(self) -> None:
         tape, flow = self.function.tape, self.function.flow
         for i in range(tape.inputs):
             self._set(i, 0, self._load(self.z, i))
@@ -65,7 +71,6 @@ class _Writer:
                 share = self._number(1.0 / (k + 1))
                 for i in range(tape.inputs):
                     self._set(i, k + 1, self.build.fmul(self.values[flow[i]][k], share))
-        self.build.ret_void()
 
     def _operation(self, i: int, kind: int, a: int, b: int, k: int) -> Any:
         if kind == AFFINE:
@@ -82,15 +87,15 @@ class _Writer:
         for j in range(first, last):
             slot, value = self.function.tape.terms[j][0], self._load(self.terms, terms + j)
             factor = self.values[slot][k]
-            total = self.build.fmul(value, factor) if total is None else self.build.fma(value, factor, total)
+            total = self.build.fmul(value, factor) if total is None else self._fma(value, factor, total)
         return self._number(0.0) if total is None else total
 
     def _product(self, a: int, b: int, k: int) -> Any:
         build, values = self.build, self.values
         if k == 0:
             return build.fmul(values[a][0], values[b][0])
-        total = build.fma(values[a][0], values[b][k], self._convolution(a, b, 1, k - 1, k))
-        return build.fma(values[a][k], values[b][0], total)
+        total = self._fma(values[a][0], values[b][k], self._convolution(a, b, 1, k - 1, k))
+        return self._fma(values[a][k], values[b][0], total)
 
     def _square(self, a: int, k: int) -> Any:
         build, row = self.build, self.values[a]
@@ -98,8 +103,8 @@ class _Writer:
             return build.fmul(row[0], row[0])
         total = build.fmul(self._number(2.0), self._convolution(a, a, 1, (k - 1) // 2, k))
         if k % 2 == 0:
-            total = build.fma(row[k // 2], row[k // 2], total)
-        return build.fma(build.fmul(self._number(2.0), row[0]), row[k], total)
+            total = self._fma(row[k // 2], row[k // 2], total)
+        return self._fma(build.fmul(self._number(2.0), row[0]), row[k], total)
 
     def _quotient(self, a: int, b: int, out: int, k: int) -> Any:
         total = self.build.fsub(self.values[a][k], self._convolution(b, out, 1, k, k))
@@ -120,8 +125,14 @@ class _Writer:
             lanes = [build.extract_element(total, self._index(i)) for i in range(LANES)]
         for i, j in enumerate(range(first + LANES * quads, last + 1)):
             pair = self.values[a][j], self.values[b][k - j]
-            lanes[i] = build.fmul(*pair) if lanes[i] is None else build.fma(*pair, lanes[i])
+            lanes[i] = build.fmul(*pair) if lanes[i] is None else self._fma(*pair, lanes[i])
+        return self._in_pairs(lanes)
+
+    def _in_pairs(self, lanes: list[Any]) -> Any:
         return self._sum(self._sum(lanes[0], lanes[1]), self._sum(lanes[2], lanes[3])) or self._number(0.0)
+
+    def _fma(self, a: Any, b: Any, c: Any) -> Any:
+        return self.build.fma(a, b, c)
 
     def _sum(self, one: Any, other: Any) -> Any:
         return self.build.fadd(one, other) if one is not None and other is not None else one or other
@@ -140,7 +151,7 @@ class _Writer:
     def _set(self, slot: int, k: int, value: Any) -> None:
         self.values[slot].append(value)
         if slot in self.stored:
-            self.build.store(value, self._place(slot, k))
+            self.build.store(value, self._place(slot, k), align=8)
 
     def _place(self, slot: int, k: int) -> Any:
         return self.build.gep(self.J, [self._index(slot * self.function.row + k)])

@@ -9,6 +9,7 @@ from __future__ import annotations
 import hashlib
 import os
 import tempfile
+from collections.abc import Iterable
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
 from functools import cache
@@ -18,12 +19,13 @@ from typing import Any
 
 import numpy as np
 
-from frictionlab.hybrid import compiled, native
+from frictionlab.hybrid import compiled, logarithms, native, native_lanes
 from frictionlab.hybrid.layout import Code, Program
 from frictionlab.hybrid.native import Function, module_of
+from frictionlab.hybrid.native_lanes import step_module_of
 
 LONG = 20_000  # jets of a mode after which its code pays: interpreted, they take as long as it does
-NAME = "jets"
+NAME, STEP = "jets", "step"
 _ENGINES: list[Any] = []  # own the code, so they live as long as the process
 
 
@@ -34,10 +36,12 @@ class Natives:
         self._functions = [_function(program, mode, order, row) for mode in range(len(program.tapes))]
         self._used = np.zeros(len(self._functions), dtype=np.int64)
         self._asked: dict[int, Future[None]] = {}
-        addresses = np.zeros(len(self._functions), dtype=np.int64)
-        self.code: Code = program.code._replace(native=addresses, jets=np.array([order, row]))
+        self._guards = [_guards(program.code, mode) for mode in range(len(self._functions))]
+        addresses, steps = np.zeros((2, len(self._functions)), dtype=np.int64)
+        self.code: Code = program.code._replace(native=addresses, lanes=steps, jets=np.array([order, row]))
         for mode, function in enumerate(self._functions):
-            addresses[mode] = _known(function)
+            addresses[mode] = _known(_path(function))
+            steps[mode] = _known(_path(function, STEP))
 
     def used(self, modes: np.ndarray) -> None:
         """Take note of jets that were computed, by their modes; have what is long compiled."""
@@ -51,9 +55,22 @@ class Natives:
     def compile(self, mode: int) -> None:
         """Compile a mode now."""
         function = self._functions[mode]
-        code = _emitted(function)
+        code = _emitted(module_of(function, NAME))
         _keep(code, _path(function))
         self.code.native[mode] = _loaded(code)
+
+    def compile_step(self, mode: int) -> None:
+        """Compile a mode's step of several runs now."""
+        function, groups = self._functions[mode], tuple(map(int, self.code.groups))
+        code = _emitted(step_module_of(function, self._guards[mode], groups, NAME))
+        _keep(code, _path(function, STEP))
+        self.code.lanes[mode] = _loaded(code)
+
+    def share(self, modes: Iterable[int]) -> None:
+        """Have the steps of several runs in these modes compiled."""
+        for mode in modes if compiled.NUMBA is not None else ():
+            if not self.code.lanes[mode] and ~mode not in self._asked:
+                self._asked[~mode] = _worker().submit(self.compile_step, mode)
 
 
 def natives(program: Program, order: int, row: int) -> Natives:
@@ -104,32 +121,37 @@ def _host() -> str:
     import llvmlite
 
     llvm = _llvm()
-    writer = Path(native.__file__).read_text(encoding="utf-8")
+    writers: Any = (native, native_lanes, logarithms)
+    writer = "".join(Path(module.__file__).read_text(encoding="utf-8") for module in writers)
     cpu = llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten()
     return "\n".join([writer, llvmlite.__version__, llvm.get_default_triple(), *cpu])
 
 
-def _path(function: Function) -> Path | None:
+def _guards(code: Code, mode: int) -> tuple[int, ...]:
+    first, last = code.mode_guards[mode : mode + 2]
+    return tuple(map(int, code.function_slots[first:last]))
+
+
+def _path(function: Function, what: str = NAME) -> Path | None:
     if not compiled.FOLDER:
         return None
     tape = function.tape
     structure = (tape.inputs, tape.ops, [slot for slot, _ in tape.terms], sorted(function.kept))
     text = repr((structure, function.first, function.flow, function.order, function.row)) + _host()
-    return Path(compiled.FOLDER) / f"{NAME}-{hashlib.sha256(text.encode()).hexdigest()[:24]}.o"
+    return Path(compiled.FOLDER) / f"{what}-{hashlib.sha256(text.encode()).hexdigest()[:24]}.o"
 
 
-def _known(function: Function) -> int:
+def _known(path: Path | None) -> int:
     """Address of code that an earlier process has compiled, else 0."""
     if compiled.NUMBA is None:
         return 0
-    path = _path(function)
     with suppress(OSError):
         return _loaded(path.read_bytes()) if path is not None and path.exists() else 0
     return 0
 
 
-def _emitted(function: Function) -> bytes:
-    return _machine().emit_object(_llvm().parse_assembly(str(module_of(function, NAME))))
+def _emitted(module: Any) -> bytes:
+    return _machine().emit_object(_llvm().parse_assembly(str(module)))
 
 
 def _loaded(code: bytes) -> int:

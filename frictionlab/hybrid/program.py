@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from functools import lru_cache
 from itertools import chain
+from threading import Lock
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,6 +20,8 @@ from frictionlab.hybrid.checks import check_structure
 from frictionlab.hybrid.layout import NONE, Code, Numbers, Program, Section
 from frictionlab.hybrid.tape import Tape, TapeBuilder
 from frictionlab.hybrid.vanishing import vanishing
+
+_ONE_AT_A_TIME = Lock()
 
 
 def program_of(
@@ -37,7 +40,8 @@ def program_of(
     """
     parameters = tuple(automaton.parameters)
     riders = (tuple((sections or {}).values()), tuple((quadratures or {}).items()))
-    program = lower(automaton.states, automaton.modes, parameters, automaton.coordinates, *riders)
+    with _ONE_AT_A_TIME:  # else two threads might have two programs of one structure
+        program = lower(automaton.states, automaton.modes, parameters, automaton.coordinates, *riders)
     return program, program.numbers(tuple(automaton.parameters.values()))
 
 
@@ -109,6 +113,7 @@ class _Packer:
             sections=_slots([mode.sections for mode in lowered], columns=len(self.sections)),
             directions=_ints([section.direction for section in self.sections]),
             native=np.zeros(len(names), dtype=np.int64),
+            lanes=np.zeros(len(names), dtype=np.int64),
             jets=np.array([-1, 0]),
             groups=_ints([0, coordinates, 2 * coordinates, len(self.physical)]),
         )

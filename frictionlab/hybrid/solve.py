@@ -76,7 +76,7 @@ def solve(
         check_rider(name, rider, automaton)
     if any(asked) and not chosen.riders:
         raise ValueError(f"sections and quadratures need method='taylor', got {method!r}: change the method")
-    automaton = _informed(automaton, chosen)
+    automaton = informed(automaton, chosen)
     program, numbers = program_of(automaton, *asked)
     with_integrals = np.concatenate([state, np.zeros(len(asked[1]))])
     problem = Problem(program, numbers, with_integrals, float(t_end), _mode(automaton, mode))
@@ -99,23 +99,28 @@ def solve(
     )
 
 
-def _informed(automaton: HybridAutomaton, method: Method) -> HybridAutomaton:
+def informed(automaton: HybridAutomaton, method: Method) -> HybridAutomaton:
     """The automaton with the method's limit for chatter, if it asks for that."""
     names = [symbol.name for symbol in automaton.parameters]
     return automaton.replace(chatter=method.limits[1]) if "chatter" in names else automaton
 
 
 def _states(automaton: HybridAutomaton, x0: Any) -> np.ndarray:
-    names = ", ".join(map(str, automaton.states))
     try:
         state = np.array(x0, dtype=float)
     except (TypeError, ValueError) as error:
-        raise ValueError(f"x0 must hold numbers for the states ({names}), got {x0!r}") from error
+        raise ValueError(f"x0 must hold numbers for the states ({_names(automaton)}), got {x0!r}") from error
     if state.shape != (len(automaton.states),):
-        raise ValueError(f"x0 must hold one number per state ({names}), got shape {state.shape}")
+        raise ValueError(f"x0 must hold one number per state ({_names(automaton)}), got shape {state.shape}")
     if not np.isfinite(state).all():
-        raise ValueError(f"x0 must be finite, got {state.tolist()}: give every state ({names}) a value")
+        raise ValueError(
+            f"x0 must be finite, got {state.tolist()}: give every state ({_names(automaton)}) a value"
+        )
     return state
+
+
+def _names(automaton: HybridAutomaton) -> str:
+    return ", ".join(map(str, automaton.states))
 
 
 def _times(t_eval: Any, t_end: float) -> np.ndarray | None:

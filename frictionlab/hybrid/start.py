@@ -20,7 +20,7 @@ def start(problem: Problem, order: int, absolute: Numbers, work) -> int:
     program = problem.program
     candidates = program.initial if problem.mode is None else np.array([problem.mode], dtype=np.int64)
     work.declared[:] = 0
-    arguments = candidates, problem.x0, order, work.declared, work.zeros, work.jets, work.bounds
+    arguments = candidates, problem.x0, problem.x0, order, work.declared, work.zeros, work.jets, work.bounds
     mode = int(enter(program.code, problem.numbers, absolute, *arguments))
     if mode < 0 and problem.mode is not None:
         raise ValueError(

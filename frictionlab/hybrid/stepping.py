@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from frictionlab.hybrid.arithmetic import exp2, log2
 from frictionlab.hybrid.compiled import inlined, kernel
 from frictionlab.hybrid.guards import NO_GUARD, first_event
 from frictionlab.hybrid.jets import copy, mode_jets, states_at
@@ -38,19 +39,21 @@ class Work(NamedTuple):
 
 
 class Cursor(NamedTuple):
-    """Where a run stands.  ``times``: now, end, entry into the mode, limit of the dwell time, and that for
-    events that have a limit mode;
+    """Where a run stands.  ``times``: now, end, entry into the mode, limit of the dwell time, that for
+    events that have a limit mode, and what the sum of the steps is beyond now;
     ``counts``: mode, steps, events, section points, short dwells in a row by either limit, accumulations
     closed, events without advance, whether the jets are at hand, whether an accumulation ends the run, and
-    the number of the current cell of a fixed time grid."""
+    the number of the current cell of a fixed time grid;
+    ``sizes``: what the rounding errors of the state at the last event are relative to."""
 
     state: np.ndarray
+    sizes: np.ndarray
     times: np.ndarray
     counts: np.ndarray
     signs: np.ndarray
 
 
-NOW, END, ENTERED, DWELL, CHATTER = range(5)
+NOW, END, ENTERED, DWELL, CHATTER, CARRY = range(6)
 MODE, STEPS, EVENTS, POINTS, SHORT, SHORT_FLIGHTS, CLOSED, REPEATED, READY, RAISES, CELL = range(11)
 
 
@@ -79,6 +82,38 @@ def largest(J, first, last, k):
     return size
 
 
+@kernel
+def from_later_terms(room, p, first, last, J):
+    """The same by the first term that is not zero, where the first three are; infinite where none is."""
+    for m in range(3, p):
+        size = largest(J, first, last, m)
+        if size > 0.0:
+            return (room + log2(size)) / (p - m)
+    return math.inf
+
+
+@inlined
+def group_length(code, order, log_tol, first, last, J):
+    """Binary logarithm of the longest step that suits the states [first, last); -inf where none does."""
+    size0 = largest(J, first, last, 0)
+    size1 = largest(J, first, last, 1)
+    size2 = largest(J, first, last, 2)
+    start0, start1, start2 = log2(size0), log2(size1), log2(size2)
+    best = math.inf
+    for p in range(order - 1, order + 1):
+        end = largest(J, first, last, p)
+        if not end < math.inf:
+            return -math.inf
+        if end > 0.0:
+            room = log_tol - log2(end)
+            if size0 > 0.0 or size1 > 0.0 or size2 > 0.0:
+                longest = max((room + start0) / p, max((room + start1) / (p - 1), (room + start2) / (p - 2)))
+            else:
+                longest = from_later_terms(room, p, first, last, J)
+            best = min(best, longest)
+    return best
+
+
 @inlined
 def step_length(code, order, tol, J):
     """Longest step for which the last two terms stay below `tol` times the size of their group of states.
@@ -88,24 +123,15 @@ def step_length(code, order, tol, J):
     |c_p| h^p <= tol |c_m| h^m; where those three are zero, for the next that is not.  Zero where a
     coefficient is no number.
     """
+    log_tol = math.log2(tol)
     best = math.inf
     for group in range(3):
         first, last = code.groups[group], code.groups[group + 1]
-        for p in range(order - 1, order + 1):
-            end = largest(J, first, last, p)
-            if not end < math.inf:
-                return 0.0
-            if end > 0.0:
-                longest = -math.inf
-                for m in range(p):
-                    if m > 2 and longest > -math.inf:
-                        break
-                    size = largest(J, first, last, m)
-                    if size > 0.0:
-                        longest = max(longest, math.log(tol * size / end) / (p - m))
-                if longest > -math.inf:
-                    best = min(best, longest)
-    return math.exp(best) if best < 700.0 else math.inf
+        if last > first:
+            best = min(best, group_length(code, order, log_tol, first, last, J))
+    if best == -math.inf:
+        return 0.0
+    return exp2(best)
 
 
 @kernel
@@ -142,6 +168,30 @@ def function_step(code, order, tol, mode, h, J):
     return max(h, shortest)
 
 
+@inlined
+def time_left(times):
+    """From now to the end."""
+    return (times[END] - times[NOW]) - times[CARRY]
+
+
+@inlined
+def pass_time(times, h, left):
+    """Go on by `h`, of `left` at most; returns whether the clock shows it.
+
+    What rounding takes from the sum is carried to the next step (Knuth's two-sum): steps of nearly one
+    length are rounded nearly alike, which would add up to 2e-8 s in 1e4 s.
+    """
+    before = times[NOW]
+    if h == left:
+        times[NOW], times[CARRY] = times[END], 0.0
+    else:
+        h += times[CARRY]
+        now = before + h
+        shown = now - before
+        times[NOW], times[CARRY] = now, (before - (now - shown)) + (h - shown)
+    return times[NOW] > before
+
+
 @kernel
 def in_a_row(code, guard, limit, count, cursor):
     """Whether the mode that ends lasted less than a limit, and the one before it; counts on."""
@@ -164,7 +214,7 @@ def enter_limit(code, numbers, absolute, guard, order, cursor, work):
     apply_reset(code, numbers, code.resets[guard, 1], z, work.jets)
     copy(code.declared[guard, 1], work.declared)
     mode = enter(
-        code, numbers, absolute, code.limits, z, order, work.declared, work.zeros, work.jets, work.bounds
+        code, numbers, absolute, code.limits, z, z, order, work.declared, work.zeros, work.jets, work.bounds
     )
     if mode == NO_MODE:
         copy(before, z)
@@ -185,10 +235,15 @@ def close_event(code, numbers, absolute, guard, multiplicity, order, cursor, wor
     copy(code.declared[guard, closing], work.declared)
     if code.resets[guard, closing] < 0:
         work.declared[guard] = max(work.declared[guard], multiplicity)
-    candidates, z = code.targets[guard], cursor.state
+    next_, z = code.targets[guard], cursor.state
     mode = enter(
-        code, numbers, absolute, candidates, z, order, work.declared, work.zeros, work.jets, work.bounds
+        code, numbers, absolute, next_, z, z, order, work.declared, work.zeros, work.jets, work.bounds
     )
+    if mode == NO_MODE:  # another event at this instant? Its guard is zero up to the rounding of the step
+        sizes = cursor.sizes
+        mode = enter(
+            code, numbers, absolute, next_, z, sizes, order, work.declared, work.zeros, work.jets, work.bounds
+        )
     return mode, closing
 
 
@@ -218,6 +273,13 @@ def handle_event(code, numbers, absolute, guard, multiplicity, order, cursor, re
 
 
 @inlined
+def note_sizes(start, cursor):
+    """Note what the state's rounding errors are relative to, after a step from `start`."""
+    for i in range(start.shape[0]):
+        cursor.sizes[i] = max(abs(start[i]), abs(cursor.state[i]))
+
+
+@inlined
 def take_step(code, numbers, absolute, order, tol, cursor, record, work):
     """One step, up to an event if there is one; returns how the run goes on."""
     times, counts, J = cursor.times, cursor.counts, work.jets
@@ -227,12 +289,12 @@ def take_step(code, numbers, absolute, order, tol, cursor, record, work):
         for g in range(work.zeros.shape[0]):
             work.zeros[g] = 0
     counts[READY] = 0
-    left = times[END] - times[NOW]
+    left = time_left(times)
     h = step_length(code, order, tol, J)
     if not h > 0.0:
         return NOT_FINITE
     h = function_step(code, order, tol, mode, min(h, left), J)
-    before = times[NOW]
+    goes_on = False
     h, guard, multiplicity = first_event(code, absolute, mode, cursor.state, order, J, work.zeros, h, work)
     if h > 0.0:
         row = counts[STEPS]
@@ -244,9 +306,11 @@ def take_step(code, numbers, absolute, order, tol, cursor, record, work):
         if code.sections.shape[1]:
             record_sections(code, order, mode, h, cursor, record, work)
         states_at(J, order, h, cursor.state)
-        times[NOW] = times[END] if guard == NO_GUARD and h == left else before + h
+        goes_on = pass_time(times, h, left)
+        if guard != NO_GUARD:
+            note_sizes(record.step_states[row], cursor)
     if guard == NO_GUARD:
-        return RUNNING if times[NOW] > before else STALLED
+        return RUNNING if goes_on else STALLED
     return handle_event(code, numbers, absolute, guard, multiplicity, order, cursor, record, work)
 
 
@@ -269,6 +333,6 @@ def new_cursor(
     state: np.ndarray, mode: int, t_end: float, limits: tuple[float, float], raises: bool
 ) -> Cursor:
     """Cursor at time 0 in `mode`, whose jets are at hand; without sections."""
-    counts = np.zeros(11, dtype=np.int64)
+    counts, times = np.zeros(11, dtype=np.int64), np.array([0.0, t_end, 0.0, *limits, 0.0])
     counts[MODE], counts[READY], counts[RAISES] = mode, 1, raises
-    return Cursor(state.copy(), np.array([0.0, t_end, 0.0, *limits]), counts, np.zeros(0, dtype=np.int64))
+    return Cursor(state.copy(), np.abs(state), times, counts, np.zeros(0, dtype=np.int64))

@@ -7,7 +7,7 @@ from frictionlab.hybrid.guards import LOW, leading
 from frictionlab.hybrid.jets import majorant, mode_jets, reset_values
 
 NO_MODE = -1
-REFUSED, UNDECIDED, ADMITTED = 0, 1, 2
+REFUSED, AT_ANOTHER_EVENT, UNDECIDED, ADMITTED = range(4)
 
 
 @kernel
@@ -20,15 +20,17 @@ def apply_reset(code, numbers, reset, z, J):
 
 
 @kernel
-def admission(code, numbers, absolute, mode, z, order, declared, zeros, J, bounds):
+def admission(code, numbers, absolute, mode, z, sizes, order, declared, zeros, J, bounds):
     """Whether a mode can be entered at `z`, judged by Taylor coefficients up to `order`.
 
     Its constraints must be met up to rounding, and the first non-zero coefficient of every guard must be
-    positive; where a guard has none up to `order` the matter is undecided.  Writes how many leading
-    coefficients of each guard are zero.
+    positive; where a guard has none up to `order` the matter is undecided.  A guard that is zero and falls,
+    though the event before does not say that it is zero, is at another event.  Rounding errors of the
+    states are those of numbers of the given `sizes`.  Writes how many leading coefficients of each guard
+    are zero.
     """
     mode_jets(code, numbers, mode, order, z, J)
-    majorant(code, absolute, mode, order, z, J, bounds)
+    majorant(code, absolute, mode, order, sizes, J, bounds)
     for f in range(code.mode_constraints[mode], code.mode_constraints[mode + 1]):
         slot = code.function_slots[f]
         if declared[f] == 0 and leading(J[slot], bounds[slot], 0, order) == 0:
@@ -40,25 +42,34 @@ def admission(code, numbers, absolute, mode, z, order, declared, zeros, J, bound
         k = leading(J[slot], bounds[slot], declared[g], order)
         zeros[g - first] = k
         if k > order:
-            verdict = UNDECIDED
+            verdict = min(verdict, UNDECIDED)
         elif J[slot, k] < 0.0:
-            return REFUSED
+            if k == 0 or declared[g] > 0:
+                return REFUSED
+            verdict = AT_ANOTHER_EVENT
     return verdict
 
 
 @kernel
-def enter(code, numbers, absolute, candidates, z, order, declared, zeros, J, bounds):
+def enter(code, numbers, absolute, candidates, z, sizes, order, declared, zeros, J, bounds):
     """First admissible mode of `candidates` at `z`, or NO_MODE; leaves its jets in `J`.
 
-    A guard that vanishes identically stays zero, so it does not end the mode.
+    A guard that vanishes identically stays zero, so it does not end the mode.  Where several events fall
+    upon one instant no mode may be admissible after the first of them; then the first mode is entered that
+    is at another event, which ends it at once.
     """
     low = min(LOW, order)
+    passed = NO_MODE
     for mode in candidates:
-        verdict = admission(code, numbers, absolute, mode, z, low, declared, zeros, J, bounds)
+        verdict = admission(code, numbers, absolute, mode, z, sizes, low, declared, zeros, J, bounds)
         if verdict == UNDECIDED:
-            verdict = admission(code, numbers, absolute, mode, z, order, declared, zeros, J, bounds)
+            verdict = admission(code, numbers, absolute, mode, z, sizes, order, declared, zeros, J, bounds)
         elif verdict == ADMITTED:
             mode_jets(code, numbers, mode, order, z, J)
-        if verdict != REFUSED:
+        if verdict > AT_ANOTHER_EVENT:
             return mode
-    return NO_MODE
+        if verdict == AT_ANOTHER_EVENT and passed == NO_MODE:
+            passed = mode
+    if passed != NO_MODE:
+        admission(code, numbers, absolute, passed, z, sizes, order, declared, zeros, J, bounds)
+    return passed

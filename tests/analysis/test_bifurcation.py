@@ -148,3 +148,14 @@ def test_bad_arguments_are_refused_before_any_work(arguments, options, error, me
     with pytest.raises(error, match=message):
         fl.bifurcation(FLAT, *arguments, **{"transient": 1e9, "resume": path, **options})
     assert not path.exists()
+
+
+def test_values_side_by_side_give_what_each_gives_alone():
+    """Without events transients run in groups; whether a value is in one makes no difference."""
+    smooth = fl.SliderOnBelt().without("nonsmooth", "geometry")
+    values = np.linspace(0.2, 1.0, 18)
+    options = {"transient": 2.0, "window": 1.0, "progress": False}
+    together = fl.bifurcation(smooth, "mu_k", values, **options)
+    for i in (0, 7, 17):
+        alone = fl.bifurcation(smooth, "mu_k", values[i : i + 1], **options)
+        assert alone.results[0] == together.results[i]

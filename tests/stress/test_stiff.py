@@ -1,14 +1,18 @@
 """Dampers far beyond critical, 1e3 to 1e6 N s/m, against the exponential of the matrix in mpmath."""
 
+import math
+
 import numpy as np
 import pytest
 import sympy as sp
 from mpmath import mp
 
 import frictionlab as fl
+from frictionlab.hybrid.methods import CHUNK
 
 BARE = fl.SliderOnBelt(mu_k=1.4).without("cubic", "nonsmooth", "geometry")
 ALL, SLIDERS = ("c1", "c2", "c4", "c5", "c6"), ("c1", "c2")
+RESOLVED = (math.factorial(26) * 1e-15) ** (1 / 26)  # rate times step at which a decay's last term is small
 STABLE = 26 / np.e  # a series of order 26 is stable on the real axis somewhat beyond (Szegö: order/e)
 
 
@@ -33,7 +37,8 @@ def matrix_of(automaton):
 def test_overdamped_motion_is_exact_at_a_cost_in_proportion_to_the_damping(damping, dampers):
     """Found: errors of 1.3e-15 at most, 4e-12 of every single state; 181,000 steps and 0.2 s a second at 1e6.
 
-    An explicit method takes the steps for which it is stable, in proportion to the fastest decay.
+    An explicit method takes the steps for which it is stable, in proportion to the fastest decay; before
+    that those of one map for every state, which resolve it, as long as one look at the run lasts.
     """
     model = BARE.replace(**dict.fromkeys(dampers, damping))
     run = fl.simulate(model, 1.0, method=fl.Taylor(max_steps=400_000), progress=False)
@@ -41,4 +46,4 @@ def test_overdamped_motion_is_exact_at_a_cost_in_proportion_to_the_damping(dampi
     assert run.status is fl.Status.FINISHED
     assert run.final_state == pytest.approx(reference, rel=1e-11, abs=1e-16)
     fastest = np.abs(np.linalg.eigvals(matrix_of(model.automaton()))).max()
-    assert run.stats["steps"] < fastest / STABLE + 100
+    assert run.stats["steps"] < min(fastest / RESOLVED, CHUNK + fastest / STABLE) + 100

@@ -1,0 +1,101 @@
+"""`fl.ensemble`: many runs at once, of which only the ends are wanted."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from frictionlab.automaton import HybridAutomaton
+from frictionlab.hybrid.choice import method_of
+from frictionlab.hybrid.compiled import waits_for_compiler
+from frictionlab.hybrid.ensemble import Ends, run_all
+from frictionlab.hybrid.lanes import advance_runs
+from frictionlab.hybrid.problem import Problem
+from frictionlab.hybrid.program import program_of
+from frictionlab.hybrid.progress import Progress
+from frictionlab.hybrid.solve import informed
+from frictionlab.hybrid.taylor import Taylor
+from frictionlab.hybrid.validation import check_number
+from frictionlab.models import Model
+
+from .steady_state import check_start, start_of
+
+__all__ = ["Ends", "ensemble"]
+
+
+def ensemble(
+    models: Sequence[Any],
+    t_end: float,
+    *,
+    x0: Any = "rest",
+    method: str | Taylor = "taylor",
+    progress: bool = True,
+) -> Ends:
+    """Run many models of one structure from 0 to `t_end`, side by side on one core.
+
+    Runs that are in the same mode take their steps together, as lanes of vector instructions.  Each takes the
+    steps that it would take in :func:`simulate`, to the last bit, whatever the others do.  Nothing but the
+    ends is kept.
+
+    Parameters
+    ----------
+    models : sequence of SliderOnBelt or HybridAutomaton
+        With the same laws and interface; their parameters may differ.  One model as often as there are
+        initial states: ``[model] * 100``.
+    t_end : float
+        End time in seconds, positive.
+    x0 : "rest", "near", or array_like (2n,) or (N, 2n)
+        Initial state of all, or of each.
+    method : "taylor" or Taylor
+    progress : bool
+
+    Returns
+    -------
+    Ends
+        Also where some ended early, or all by ctrl-C: see ``status``.
+
+    Raises
+    ------
+    ValueError
+        For bad arguments, before any work is done.
+
+    Examples
+    --------
+    >>> import frictionlab as fl
+    >>> model = fl.SliderOnBelt().without("geometry")
+    >>> ends = fl.ensemble([model.replace(mu_k=mu) for mu in (0.5, 1.0, 1.5)], 2.0, progress=False)
+    >>> ends.states.shape
+    (3, 8)
+    """
+    chosen = method_of(method)
+    if not isinstance(chosen, Taylor):
+        raise ValueError(f"method must be 'taylor' or a Taylor, got {method!r}: use fl.sweep for others")
+    check_number("t_end", t_end, above=0.0, cure="give the length of the runs in seconds")
+    models = list(models)
+    if not models:
+        raise ValueError("models must hold at least one model, got none: give those that are to be run")
+    problems = [_problem(m, s, float(t_end), chosen) for m, s in zip(models, _starts(models, x0))]
+    for i, problem in enumerate(problems):
+        if problem.program is not problems[0].program:
+            raise ValueError(
+                f"models must share their laws and interface, models[{i}] differs from models[0]: "
+                "call ensemble for each kind, or use fl.sweep"
+            )
+    with Progress(t_end, progress, waits_for_compiler(advance_runs)) as bar:
+        return run_all(problems, chosen, bar)
+
+
+def _starts(models: Sequence[Any], x0: Any) -> list[np.ndarray]:
+    each = x0 if not isinstance(x0, str) and np.ndim(x0) == 2 else [x0] * len(models)
+    if len(each) != len(models):
+        raise ValueError(f"x0 must hold a state for each of the {len(models)} models, got {len(each)}")
+    for model, start in zip(models, each):
+        check_start(model, start)
+    return [np.array(start_of(model, start), dtype=float) for model, start in zip(models, each)]
+
+
+def _problem(model: Any, start: np.ndarray, t_end: float, method: Taylor) -> Problem:
+    automaton: HybridAutomaton = model.automaton() if isinstance(model, Model) else model
+    return Problem(*program_of(informed(automaton, method)), start, t_end)

@@ -1,0 +1,92 @@
+"""Many runs side by side: each as it would be alone, to the last bit."""
+
+import numpy as np
+import pytest
+
+import frictionlab as fl
+from frictionlab.hybrid import natives
+from frictionlab.hybrid.program import program_of
+
+FULL = fl.SliderOnBelt(mu_k=1.4, impact=fl.PlasticImpact("full"))
+SCENES = {
+    "stick, slip and separation": FULL,
+    "without the moving load": FULL.without("geometry"),
+    "chatter": fl.SliderOnBelt(mu_k=1.4),
+    "sliding only": FULL.without("nonsmooth"),
+    "linear": FULL.without("cubic", "nonsmooth", "geometry"),
+}
+MU = np.linspace(0.2, 1.1, 11)  # sliding only goes beyond all bounds from rest where it is larger
+
+
+def compiled(model):
+    """Have the code of all modes at hand, so that lanes are used from the first step."""
+    native = natives.natives(program_of(model.automaton())[0], 26, 27)
+    for mode in range(len(native.code.lanes)) if natives.compiled.NUMBA else ():
+        if not native.code.lanes[mode]:
+            native.compile_step(mode)
+        assert native.code.lanes[mode]
+
+
+@pytest.mark.plain_python
+@pytest.mark.parametrize("name", SCENES)
+def test_each_run_is_what_it_would_be_alone(name):
+    compiled(SCENES[name])
+    models = [SCENES[name].replace(mu_k=float(mu)) for mu in MU]
+    t_end = 0.03 if natives.compiled.NUMBA is None else 5.0
+    ends = fl.ensemble(models, t_end, progress=False)
+    for i, model in enumerate(models):
+        run = fl.simulate(model, t_end, progress=False)
+        np.testing.assert_array_equal(ends.states[i], run.final_state)
+        assert (ends.steps[i], ends.events[i]) == (run.stats["steps"], len(run.events))
+        assert ends.status[i] is run.status
+        assert ends.t[i] == run.t[-1]
+
+
+def test_the_grouping_makes_no_difference():
+    compiled(FULL)
+    models = [FULL.replace(mu_k=float(mu)) for mu in MU]
+    whole = fl.ensemble(models, 5.0, progress=False)
+    parts = [fl.ensemble(models[i : i + 4], 5.0, progress=False).states for i in range(0, len(models), 4)]
+    np.testing.assert_array_equal(whole.states, np.concatenate(parts))
+
+
+def test_many_initial_states_of_one_model():
+    states = np.random.default_rng(0).normal(scale=1e-3, size=(9, 10))
+    ends = fl.ensemble([FULL] * 9, 1.0, x0=states, progress=False)
+    for start, end in zip(states, ends.states):
+        np.testing.assert_array_equal(fl.simulate(FULL, 1.0, x0=start, progress=False).final_state, end)
+
+
+def test_each_ends_with_its_own_status():
+    # without any of them the linear model grows without bound where mu_k is large
+    models = [SCENES["linear"].replace(mu_k=mu) for mu in (0.1, 2.9, 0.2, 2.8)]
+    ends = fl.ensemble(models, 3e3, progress=False)
+    alone = [fl.simulate(model, 3e3, progress=False).status for model in models]
+    assert list(ends.status) == alone
+    assert len(set(alone)) == 2
+
+
+def test_caps_hold_for_each():
+    ends = fl.ensemble([FULL] * 5, 20.0, method=fl.Taylor(max_steps=100), progress=False)
+    assert set(ends.status) == {fl.Status.STEP_CAP}
+    assert (ends.steps == 100).all()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (([], 1.0), "models must hold at least one model, got none"),
+        (([FULL, FULL.without("cubic")], 1.0), r"models\[1\] differs from models\[0\]"),
+        (([FULL], -1.0), "t_end must be"),
+    ],
+)
+def test_bad_arguments(arguments, message):
+    with pytest.raises(ValueError, match=message):
+        fl.ensemble(*arguments)
+
+
+def test_bad_states_and_methods():
+    with pytest.raises(ValueError, match="x0 must hold a state for each of the 2 models, got 3"):
+        fl.ensemble([FULL] * 2, 1.0, x0=np.zeros((3, 10)))
+    with pytest.raises(ValueError, match="method must be 'taylor'"):
+        fl.ensemble([FULL], 1.0, method="rk4")
