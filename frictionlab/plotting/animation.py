@@ -25,9 +25,10 @@ from .palette import BLACK, mode_colours
 from .phase_plane import plot_phase_plane
 from .windows import Array, Window, limits
 
-SECONDS = 10.0  # that an animation lasts where no speed is given
-LAST = 0.5  # seconds of the run: some five oscillations of the paper's system
+SECONDS = 6.0  # that an animation lasts, or somewhat longer, where no speed is given
+LAST = 0.3  # seconds of the run: some three oscillations of the paper's system
 SMALL = 9.0
+DPI = 80.0  # an animation in a notebook holds every frame as a picture
 
 
 class RunAnimation(FuncAnimation):
@@ -39,8 +40,13 @@ class RunAnimation(FuncAnimation):
             return super().save(filename, *args, **options)
         from tqdm.auto import tqdm
 
-        with tqdm(total=self._save_count, leave=False, desc="animate", delay=1.0) as bar:
-            return super().save(filename, *args, **options | {"progress_callback": lambda i, n: bar.update()})
+        with tqdm(leave=False, desc="animate", delay=1.0) as bar:
+
+            def count(frame: int, total: int) -> None:
+                bar.total = total
+                bar.update()
+
+            return super().save(filename, *args, **options | {"progress_callback": count})
 
     def _repr_html_(self) -> str:
         # The animation's own shows nothing unless a setting of matplotlib was changed.
@@ -66,7 +72,7 @@ def animate(
     *,
     window: Window = LAST,
     speed: float | None = None,
-    fps: float = 25.0,
+    fps: float = 20.0,
     magnify: float | None = None,
     figure: Figure | None = None,
 ) -> RunAnimation:
@@ -83,7 +89,7 @@ def animate(
         The last so many seconds, from one time to another, or the whole run.
     speed : float or None
         Seconds of the run in a second of the animation: 0.05 is twenty times slower than reality.  None makes
-        it last some ten seconds.
+        it last some six to fifteen seconds.
     fps : float
         Frames a second.
     magnify : float or None
@@ -106,8 +112,9 @@ def animate(
     --------
     >>> import frictionlab as fl
     >>> run = fl.simulate(fl.SliderOnBelt(mu_k=1.4), 0.2)
-    >>> animation = fl.animate(run, window=0.1, speed=0.02)
-    >>> html = animation.to_jshtml()  # doctest: +SKIP
+    >>> animation = fl.animate(run, window=0.1, speed=0.05, fps=2)
+    >>> animation.to_jshtml().count("data:image/png")
+    5
     """
     refuse_others(run, "animate")
     start, stop = limits(run, window)
@@ -115,12 +122,14 @@ def animate(
         if value is not None:
             check_number(name, value, above=0.0)
     speed = speed or round_down((stop - start) / SECONDS)
-    figure = RunFigure(figsize=(11.0, 5.6), layout="constrained") if figure is None else figure
+    figure = RunFigure(figsize=(11.0, 5.6), dpi=DPI, layout="constrained") if figure is None else figure
     scene = _scene(run, figure, frame_times(start, stop, speed / fps), magnify)
     update = show_frame(scene, speed)
     update(0)
     figure.draw_without_rendering()
-    figure.set_layout_engine("none")  # nothing that moves changes the layout, which is half the time of a frame
+    figure.set_layout_engine(
+        "none"
+    )  # nothing that moves changes the layout, which is half the time of a frame
     count = len(scene.frames.t)
     return RunAnimation(figure, update, frames=count, interval=1000.0 / fps, blit=False, repeat=True)
 
@@ -148,7 +157,9 @@ def _scene(run: Any, figure: Figure, t: Array, magnify: float | None) -> Scene:
 def _legends(ax: Axes, figure: Figure, seen: Frames, preload: float, colours: dict[str, str]) -> None:
     modes = [Patch(facecolor=colour, edgecolor=BLACK, label=name) for name, colour in colours.items()]
     handles = [*modes, *force_handles(seen, preload)]
-    figure.legend(handles=handles, loc="outside lower center", ncols=len(handles), frameon=False, fontsize=SMALL)
+    figure.legend(
+        handles=handles, loc="outside lower center", ncols=len(handles), frameon=False, fontsize=SMALL
+    )
 
 
 def show_frame(scene: Scene, speed: float) -> Callable[[int], list[Artist]]:

@@ -10,7 +10,7 @@ from matplotlib.lines import Line2D
 from matplotlib.quiver import Quiver
 
 from .frames import Frames
-from .mechanism import COLUMNS, Mechanism
+from .mechanism import Mechanism
 from .palette import BLACK, BLUE, VERMILLION
 
 COLOURS = (BLUE, VERMILLION, BLACK)  # F_N, F_T, F
@@ -34,12 +34,14 @@ def draw_forces(ax: Axes, scale: float) -> Quiver:
     """
     options: dict[str, Any] = {"angles": "xy", "scale_units": "xy", "minlength": 0.0, "zorder": 5}
     width: dict[str, Any] = {"units": "dots", "width": 4.0, "edgecolor": "white", "linewidth": 0.7}
-    return ax.quiver([0.0] * 3, [0.0] * 3, [0.0] * 3, [0.0] * 3, color=COLOURS, scale=scale, **width, **options)
+    return ax.quiver(
+        [0.0] * 3, [0.0] * 3, [0.0] * 3, [0.0] * 3, color=COLOURS, scale=scale, **width, **options
+    )
 
 
 def point(arrows: Quiver, mechanism: Mechanism, frames: Frames, preload: float, frame: int) -> None:
     """The arrows in a frame: contact forces from the slider's centre, the preload down onto its top."""
-    row = dict(zip(COLUMNS, mechanism.rows[frame].tolist(), strict=True))
+    row = mechanism.row(frame)
     width, height = mechanism.block
     x, y = row["slider_x"], row["slider_y"]
     normal, friction = frames.normal_force[frame], frames.friction_force[frame]

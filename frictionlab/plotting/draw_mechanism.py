@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, Polygon, Rectangle
 
-from .mechanism import COLUMNS, Mechanism
+from .mechanism import Mechanism
 from .palette import BLACK, GREY
 from .shapes import around, spring, tilted
 
@@ -44,7 +44,9 @@ def draw_mechanism(ax: Axes, mechanism: Mechanism) -> dict[str, Any]:
     """
     _walls(ax, mechanism)
     thin: dict[str, Any] = {"color": BLACK, "linewidth": 1.0}
-    artists: dict[str, Any] = {"belt": Polygon(np.zeros((1, 2)), facecolor=PALE, edgecolor=BLACK, linewidth=1.8)}
+    artists: dict[str, Any] = {
+        "belt": Polygon(np.zeros((1, 2)), facecolor=PALE, edgecolor=BLACK, linewidth=1.8)
+    }
     for name in ("wheel1", "wheel2"):
         artists[name] = Circle((0.0, 0.0), 0.75 * mechanism.radius, facecolor="white", edgecolor=GREY)
     artists["slider"] = Rectangle((0.0, 0.0), *mechanism.block, edgecolor=BLACK, linewidth=1.2, zorder=3)
@@ -61,9 +63,11 @@ def draw_mechanism(ax: Axes, mechanism: Mechanism) -> dict[str, Any]:
     return artists
 
 
-def move(artists: dict[str, Any], mechanism: Mechanism, frame: int, colour: str | None = None) -> list[Artist]:
-    """Put the artists of `draw_mechanism` where they are in a frame; the slider gets the colour of its mode."""
-    row = dict(zip(COLUMNS, mechanism.rows[frame].tolist(), strict=True))
+def move(
+    artists: dict[str, Any], mechanism: Mechanism, frame: int, colour: str | None = None
+) -> list[Artist]:
+    """Put the artists of `draw_mechanism` where they are in a frame, the slider in the colour of its mode."""
+    row = mechanism.row(frame)
     place = row["belt_x"], row["belt_y"], row["slope"]
     loop = 2 * (sum(mechanism.wheels) + np.pi * mechanism.radius)
     belt = {"wheels": mechanism.wheels, "radius": mechanism.radius}

@@ -49,6 +49,10 @@ class Mechanism:
     reach: float
     rows: Array
 
+    def row(self, frame: int) -> dict[str, float]:
+        """Where the moving parts are in a frame, by the names of COLUMNS."""
+        return {name: float(value) for name, value in zip(COLUMNS, self.rows[frame])}
+
     @property
     def radius(self) -> float:
         """Radius of the wheels, m."""

@@ -11,12 +11,12 @@ TURNS = 6
 
 def spring(start: tuple[float, float], end: tuple[float, float], width: float) -> Array:
     """A zigzag (2, 2 TURNS + 4) from `start` to `end`, straight at both ends."""
-    a, b = np.array(start), np.array(end)
+    a, b = np.array(start, dtype=float), np.array(end, dtype=float)
     along = np.r_[0.0, np.linspace(0.2, 0.8, 2 * TURNS + 2), 1.0]
     across = np.r_[0.0, 0.0, np.tile([1.0, -1.0], TURNS), 0.0, 0.0]
     way = b - a
-    normal = np.array([-way[1], way[0]]) / (np.hypot(*way) or 1.0)
-    return a[:, None] + np.outer(way, along) + np.outer(normal, width / 2 * across)
+    normal = np.array([-way[1], way[0]]) / (float(np.hypot(way[0], way[1])) or 1.0)
+    return a[:, None] + way[:, None] * along + normal[:, None] * (width / 2 * across)
 
 
 def around(distance: Array, wheels: tuple[float, float], radius: float) -> Array:
