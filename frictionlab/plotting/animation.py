@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from matplotlib.animation import FuncAnimation
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -18,9 +17,9 @@ from frictionlab.hybrid.validation import check_number
 
 from .arrows import draw_forces, force_handles, newtons_per_metre, point
 from .draw_mechanism import draw_mechanism, move
-from .figure import RunFigure
 from .frames import Frames, frames, parameters, refuse_others
 from .mechanism import Mechanism, mechanism, round_down
+from .moving import MovingFigure, RunAnimation
 from .palette import BLACK, mode_colours
 from .phase_plane import plot_phase_plane
 from .windows import Array, Window, limits
@@ -29,28 +28,6 @@ SECONDS = 6.0  # that an animation lasts, or somewhat longer, where no speed is 
 LAST = 0.3  # seconds of the run: some three oscillations of the paper's system
 SMALL = 9.0
 DPI = 80.0  # an animation in a notebook holds every frame as a picture
-
-
-class RunAnimation(FuncAnimation):
-    """An animation that shows itself in a notebook, with a bar while its frames are drawn."""
-
-    def save(self, filename: Any, *args: Any, **options: Any) -> None:
-        """Write a file; see :meth:`matplotlib.animation.Animation.save`."""
-        if options.get("progress_callback") is not None:
-            return super().save(filename, *args, **options)
-        from tqdm.auto import tqdm
-
-        with tqdm(leave=False, desc="animate", delay=1.0) as bar:
-
-            def count(frame: int, total: int) -> None:
-                bar.total = total
-                bar.update()
-
-            return super().save(filename, *args, **options | {"progress_callback": count})
-
-    def _repr_html_(self) -> str:
-        # The animation's own shows nothing unless a setting of matplotlib was changed.
-        return self.to_jshtml()
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,14 +99,14 @@ def animate(
         if value is not None:
             check_number(name, value, above=0.0)
     speed = speed or round_down((stop - start) / SECONDS)
-    figure = RunFigure(figsize=(11.0, 5.6), dpi=DPI, layout="constrained") if figure is None else figure
+    figure = MovingFigure(figsize=(11.0, 5.6), dpi=DPI, layout="constrained") if figure is None else figure
     scene = _scene(run, figure, frame_times(start, stop, speed / fps), magnify)
     update = show_frame(scene, speed)
-    update(0)
+    moving = update(0)
     figure.draw_without_rendering()
-    figure.set_layout_engine(
-        "none"
-    )  # nothing that moves changes the layout, which is half the time of a frame
+    figure.set_layout_engine("none")  # nothing that moves changes the layout
+    if isinstance(figure, MovingFigure):
+        figure.moving = moving
     count = len(scene.frames.t)
     return RunAnimation(figure, update, frames=count, interval=1000.0 / fps, blit=False, repeat=True)
 
@@ -150,7 +127,8 @@ def _scene(run: Any, figure: Figure, t: Array, magnify: float | None) -> Scene:
     (phase,) = right.plot([], [], "o", color=BLACK, markersize=9.0, markeredgecolor="white", zorder=5)
     _legends(left, figure, seen, p["F"], {name: colours[name] for name in colours if name in seen.mode})
     left.set_xlabel(f"displacements × {picture.magnify:g}, tilt as it is", fontsize=SMALL)
-    title = left.set_title("", fontsize=SMALL + 2)
+    # With a height of its own, or each draw without it would move it.
+    title = left.set_title("", y=1.0, fontsize=SMALL + 2)
     return Scene(seen, picture, p["F"], colours, parts, arrows, phase, title)
 
 

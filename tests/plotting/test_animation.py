@@ -3,6 +3,7 @@
 import re
 import subprocess
 import sys
+from io import BytesIO
 
 import numpy as np
 import pytest
@@ -19,6 +20,7 @@ from frictionlab.plotting.arrows import draw_forces, newtons_per_metre, point
 from frictionlab.plotting.draw_mechanism import draw_mechanism, ends, move
 from frictionlab.plotting.frames import frames
 from frictionlab.plotting.mechanism import COLUMNS, mechanism
+from frictionlab.plotting.moving import MovingFigure
 from frictionlab.plotting.palette import MODES
 from frictionlab.plotting.shapes import around, spring, tilted
 
@@ -227,6 +229,21 @@ def test_a_file_is_written(tmp_path):
     fl.animate(run, speed=0.1, fps=6).save(tmp_path / "run.gif", writer="pillow")
     with Image.open(tmp_path / "run.gif") as image:
         assert image.n_frames == 7
+
+
+def test_frames_are_those_that_matplotlib_draws_in_full():
+    run = fl.simulate(MODEL, 0.4, t_eval=T, progress=False)
+    figure = MovingFigure(figsize=(8.0, 4.0), dpi=80, layout="constrained")
+    animation = fl.animate(run, window=None, speed=0.08, fps=2, figure=figure)
+    animation._draw_was_started = True
+    for frame, dpi in ((0, 80), (5, 80), (3, 120), (9, 80)):
+        animation._func(frame)
+        figure.savefig(part := BytesIO(), format="rgba", dpi=dpi)
+        figure.savefig(png := BytesIO(), format="png", dpi=dpi)
+        Figure.savefig(figure, whole := BytesIO(), format="rgba", dpi=dpi)
+        assert part.getvalue() == whole.getvalue()
+        with Image.open(png) as image:
+            assert image.convert("RGBA").tobytes() == whole.getvalue()
 
 
 def test_nothing_overlaps():
