@@ -49,7 +49,7 @@ if TYPE_CHECKING:
     from frictionlab.hybrid.taylor import Taylor
     from frictionlab.hybrid.trajectory import Trajectory
     from frictionlab.models import SliderOnBelt
-    from frictionlab.plotting import plot_run
+    from frictionlab.plotting import animate, plot_run
     from frictionlab.stability import (
         critical_curve,
         critical_value,
@@ -61,6 +61,8 @@ if TYPE_CHECKING:
         stability_changes,
         stability_map,
     )
+    from frictionlab.widgets.canvas import watch
+    from frictionlab.widgets.sound import Sound, listen
 
 # Public name -> module that holds it.
 _HOMES = {
@@ -82,9 +84,11 @@ _HOMES = {
     "hybrid.taylor": "Taylor",
     "hybrid.trajectory": "Trajectory",
     "models": "SliderOnBelt",
-    "plotting": "plot_run",
+    "plotting": "animate plot_run",
     "stability": "equilibria equilibrium eigenvalues root_locus stability_changes critical_value "
     "critical_curve stability_map hopf",
+    "widgets.canvas": "watch",
+    "widgets.sound": "Sound listen",
 }
 _HOME = {name: module for module, names in _HOMES.items() for name in names.split()}
 _PACKAGES = ("paper",)

@@ -8,7 +8,17 @@ import pytest
 
 import frictionlab as fl
 
-HEAVY = ["dask", "ipywidgets", "matplotlib", "numba", "pandas", "scipy.signal", "sympy"]
+HEAVY = [
+    "anywidget",
+    "dask",
+    "IPython",
+    "ipywidgets",
+    "matplotlib",
+    "numba",
+    "pandas",
+    "scipy.signal",
+    "sympy",
+]
 
 PUBLIC = """
     SliderOnBelt CubicContact LinearContact Coulomb

@@ -6,6 +6,7 @@ None of them uses pyplot, so a figure is freed with its last reference and no wi
 from __future__ import annotations
 
 from .ablation import plot_ablation
+from .animation import animate
 from .bifurcation import plot_bifurcation, plot_intensity
 from .critical import plot_critical
 from .displacements import plot_displacements
@@ -23,6 +24,7 @@ __all__ = [
     "RunFigure",
     "Spectrum",
     "amplitude_spectrum",
+    "animate",
     "plot_ablation",
     "plot_bifurcation",
     "plot_contact_forces",

@@ -10,7 +10,7 @@ from matplotlib.lines import Line2D
 
 from .figure import axes_or_new
 from .palette import label, mode_colours, unit
-from .shading import mode_intervals
+from .shading import modes_at
 from .windows import Window, dense_times, limits, window_text
 
 LATER = 2.0  # seconds: long enough to tell a cycle that closes from one that does not
@@ -41,7 +41,7 @@ def plot_phase_plane(
     t = dense_times(start, stop, 12001)
     column, n = run.names.index(name), run.automaton.coordinates
     states = run(t)[:, [column, column + n]]
-    here = _modes(run, t)
+    here = modes_at(run, t)
     lines = []
     for mode, colour in mode_colours(run.automaton.names).items():
         x, rate = _only(states, here == mode)
@@ -52,14 +52,6 @@ def plot_phase_plane(
     ax.set(xlabel=f"{label(name)} ({unit(name)})", ylabel=rate_label, title=title)
     ax.locator_params(axis="x", nbins=6)  # small numbers have long labels
     return lines
-
-
-def _modes(run: Any, t: np.ndarray) -> np.ndarray:
-    """Name of the mode at each time."""
-    edges, names = mode_intervals(run)
-    if not names:
-        return np.full(len(t), "")
-    return np.array(names)[np.clip(np.searchsorted(edges, t, side="right") - 1, 0, len(names) - 1)]
 
 
 def _only(states: np.ndarray, chosen: np.ndarray) -> np.ndarray:

@@ -30,6 +30,14 @@ def mode_intervals(run: Any) -> tuple[Array, list[str]]:
     return np.append(starts[new], end), modes[new].tolist()
 
 
+def modes_at(run: Any, t: Array) -> np.ndarray:
+    """Name of the mode at each time."""
+    edges, names = mode_intervals(run)
+    if not names:
+        return np.full(len(t), "")
+    return np.array(names)[np.clip(np.searchsorted(edges, t, side="right") - 1, 0, len(names) - 1)]
+
+
 def shade_modes(run: Any, ax: Axes, window: Window = LAST) -> list[PolyCollection]:
     """Shade the intervals of every mode over the whole height of a panel over time.
 

@@ -1,0 +1,1 @@
+"""What shows and plays in a notebook."""

@@ -1,0 +1,163 @@
+"""`fl.listen`: a run as sound."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from frictionlab.hybrid.validation import check_choice, check_number
+from frictionlab.plotting.windows import Array, Window, limits
+
+PEAK = 0.9  # of full scale: no player clips it
+FADE = 0.01  # seconds at both ends, at most a tenth of the sound: a cut waveform clicks
+OVERSAMPLING = 8  # stick-slip has corners and impacts are jumps, whose high harmonics must not fold back
+SILENT = 1e-9  # a signal that varies by less than this share of its size is rounding, not sound
+FEWEST = 16  # samples
+PART = 200_000  # samples computed at a time
+
+
+@dataclass(frozen=True, eq=False)
+class Sound:
+    """Samples of a sound; a notebook shows a player.
+
+    Parameters
+    ----------
+    samples : (N,) array
+        Within -1 to 1.
+    rate : int
+        Samples a second.
+    signal : str
+        The quantity heard.
+    pitch : float
+        Factor by which all frequencies are higher than in the motion, as it is played so much faster.
+    window : (float, float)
+        The part of the run heard, s.
+    """
+
+    samples: Array
+    rate: int
+    signal: str
+    pitch: float
+    window: tuple[float, float]
+
+    @property
+    def duration(self) -> float:
+        """Seconds that it lasts."""
+        return len(self.samples) / self.rate
+
+    @property
+    def audio(self) -> Any:
+        """The player, an ``IPython.display.Audio``."""
+        from IPython.display import Audio
+
+        return Audio(self.samples, rate=self.rate, normalize=False)
+
+    def save(self, path: str | Path) -> Path:
+        """Write a WAV file of 16 bits; returns its path."""
+        from scipy.io import wavfile
+
+        path = Path(path)
+        wavfile.write(path, self.rate, np.round(self.samples * np.iinfo(np.int16).max).astype(np.int16))
+        return path
+
+    def __repr__(self) -> str:
+        start, stop = self.window
+        what = f"{self.signal}, {start:.4g} s to {stop:.4g} s of the run in {self.duration:.3g} s"
+        return f"Sound({what}, pitch {self.pitch:g} times that of the motion, {self.rate} Hz)"
+
+    def _repr_html_(self) -> str:
+        return f"{self.audio._repr_html_()}<small>{self!r}</small>"
+
+
+def listen(
+    run: Any,
+    signal: str = "relative_velocity",
+    *,
+    window: Window = None,
+    pitch: float = 20.0,
+    rate: int = 44100,
+) -> Sound:
+    """Make a quantity of a run audible.
+
+    The quantity less its mean, played `pitch` times faster: the paper's system vibrates at some 11 Hz, too
+    low to hear.  Low-pass filtered, faded in and out, scaled to nine tenths of full scale.
+
+    Parameters
+    ----------
+    run : Trajectory
+    signal : str
+        An output, such as "relative_velocity", "friction_force", "normal_force", or a state, such as "x1'".
+    window : float, (float, float) or None
+        The last so many seconds, from one time to another, or the whole run.
+    pitch : float
+        How much faster: 20 takes 11 Hz to 220 Hz, and 20 s of a run last 1 s.
+    rate : int
+        Samples a second of the sound.
+
+    Returns
+    -------
+    Sound
+        A notebook shows a player; ``.save("run.wav")`` writes a file.
+
+    Raises
+    ------
+    ValueError
+        For an unknown signal, a window outside the run or too short, or a pitch or rate not above zero.
+
+    Examples
+    --------
+    >>> import frictionlab as fl
+    >>> run = fl.simulate(fl.SliderOnBelt(mu_k=1.4), 4.0)
+    >>> fl.listen(run, "friction_force")
+    Sound(friction_force, 0 s to 4 s of the run in 0.2 s, pitch 20 times that of the motion, 44100 Hz)
+    """
+    check_choice("signal", signal, (*run.automaton.modes[0].outputs, *run.names))
+    check_number("pitch", pitch, above=0.0)
+    check_number("rate", rate, integer=True, least=1)
+    start, stop = limits(run, window)
+    count = int((stop - start) / pitch * rate * (1 + 1e-12))
+    if count < FEWEST:
+        cure = "take a longer window or a smaller pitch"
+        raise ValueError(
+            f"window must last at least {FEWEST * pitch / rate:.3g} s, got {stop - start:g} s: {cure}"
+        )
+    fine = start + np.arange(count * OVERSAMPLING) * (pitch / rate / OVERSAMPLING)
+    samples = _low_pass(_values(run, signal, np.minimum(fine, stop)))
+    return Sound(_scaled(_faded(samples, rate)), int(rate), signal, float(pitch), (start, stop))
+
+
+def _values(run: Any, signal: str, t: Array) -> Array:
+    """The signal less its mean; nothing where it does not vary beyond rounding."""
+    from tqdm.auto import tqdm
+
+    # In parts, as all states of every sample would fill the memory.
+    parts = np.array_split(t, len(t) // PART + 1)
+    x = np.concatenate(
+        [_at(run, signal, part) for part in tqdm(parts, desc="listen", leave=False, delay=1.0)]
+    )
+    return x - x.mean() if np.ptp(x) > SILENT * np.abs(x).max() else np.zeros_like(x)
+
+
+def _at(run: Any, signal: str, t: Array) -> Array:
+    return run(t)[:, run.names.index(signal)] if signal in run.names else run.output(signal, t)
+
+
+def _low_pass(fine: Array) -> Array:
+    from scipy.signal import resample_poly
+
+    return resample_poly(fine, 1, OVERSAMPLING)
+
+
+def _scaled(x: Array) -> Array:
+    largest = np.abs(x).max()
+    return PEAK * x / largest if largest > 0 else x
+
+
+def _faded(x: Array, rate: int) -> Array:
+    """With ends that rise from zero and fall to it as half a cosine."""
+    n = max(1, min(round(FADE * rate), len(x) // 10))
+    ramp = 0.5 - 0.5 * np.cos(np.pi * np.arange(n) / n)
+    return x * np.concatenate([ramp, np.ones(len(x) - 2 * n), ramp[::-1]])
