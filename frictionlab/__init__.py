@@ -60,6 +60,9 @@ if TYPE_CHECKING:
         stability_changes,
         stability_map,
     )
+    from frictionlab.widgets.bifurcation import explore_bifurcation
+    from frictionlab.widgets.explorer import explore
+    from frictionlab.widgets.stability import explore_stability
 
 # Public name -> module that holds it.
 _HOMES = {
@@ -83,6 +86,9 @@ _HOMES = {
     "plotting": "plot_run",
     "stability": "equilibria equilibrium eigenvalues root_locus stability_changes critical_value "
     "critical_curve stability_map hopf",
+    "widgets.bifurcation": "explore_bifurcation",
+    "widgets.explorer": "explore",
+    "widgets.stability": "explore_stability",
 }
 _HOME = {name: module for module, names in _HOMES.items() for name in names.split()}
 _PACKAGES = ("paper",)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from .bifurcation import explore_bifurcation
 from .drawing import Curve, Drawing
 from .explorer import Explorer, explore
+from .stability import explore_stability
 
-__all__ = ["Curve", "Drawing", "Explorer", "explore"]
+__all__ = ["Curve", "Drawing", "Explorer", "explore", "explore_bifurcation", "explore_stability"]

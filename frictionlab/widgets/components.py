@@ -53,9 +53,10 @@ class ComponentControls:
         self.impact = _impact(model.impact) if "impact" in model.roles else None
 
     @property
-    def widgets(self) -> list[Any]:
-        """All of them."""
-        return [*self.switches.values(), *([self.impact] if self.impact else [])]
+    def controls(self) -> dict[str, Any]:
+        """All of them by name."""
+        switches = {f"switch-{name}": switch for name, switch in self.switches.items()}
+        return switches | ({"impact": self.impact} if self.impact else {})
 
     def model(self) -> Any:
         """The model with the components chosen, and their own parameters.

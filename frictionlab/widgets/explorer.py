@@ -50,7 +50,12 @@ class Explorer:
         self.picture, self.busy = Picture(panels), Busy()
         self.latest = Latest(self._update)
         self._make_texts()
-        for control in (*self.components.widgets, *self.running.widgets):
+        self.extra = {n: c for panel in panels.values() for n, c in getattr(panel, "controls", {}).items()}
+        for control in (
+            *self.components.controls.values(),
+            *self.running.controls.values(),
+            *self.extra.values(),
+        ):
             control.observe(self._changed, names="value")
         self.widget = self._arranged()
         self.latest.request()
@@ -68,14 +73,9 @@ class Explorer:
     @property
     def controls(self) -> dict[str, Any]:
         """Every control by its name, which is its CSS class too, after ``fl-``."""
-        switches = {f"switch-{name}": switch for name, switch in self.components.switches.items()}
-        run = {
-            name: getattr(self.running, name)
-            for name in "start own duration method step window coordinate".split()
-        }
-        impact = {"impact": self.components.impact} if self.components.impact else {}
+        parts = self.components.controls, self.running.controls, self.extra
         buttons = {"compare": self.compare, "reset": self.reset_button}
-        return {**self.parameters.sliders, **switches, **impact, **run, **buttons}
+        return {**self.parameters.sliders, **{n: c for part in parts for n, c in part.items()}, **buttons}
 
     def reset(self, _: Any = None) -> None:
         """All controls back to the values of the start."""
@@ -102,6 +102,7 @@ class Explorer:
                 settings = self._read()
                 result = self.result if settings == self.settings else Result(settings)
                 self.picture.draw(result)
+                self._describe(result)
             except Exception as error:  # whatever a law of one's own may raise is told, not lost in a log
                 self.error = error
                 self._tell(error_text(error))
@@ -109,7 +110,6 @@ class Explorer:
             self.settings, self.result, self.error = settings, result, None
             self.updates += 1
             self._tell(end_text(result))
-            self._describe(result)
 
     def _read(self) -> Settings:
         model = self.components.model()
@@ -155,7 +155,8 @@ class Explorer:
         column = [
             buttons,
             self.message,
-            *self.components.widgets,
+            *self.extra.values(),
+            *self.components.controls.values(),
             self.parameters.widget,
             self.running.widget,
             self.equilibrium,

@@ -69,9 +69,9 @@ class Picture:
         """Draw tiles, and send their pixels."""
         for name in names:
             self.tiles[name].paint(self.canvas)
-        pixels = np.asarray(self.canvas.buffer_rgba())
+        pixels = Image.fromarray(np.asarray(self.canvas.buffer_rgba()))
         for name in names:
-            self.images[name].value = _png(_part(pixels, self.tiles[name]))
+            self.images[name].value = _png(pixels.crop(_box(self.tiles[name], pixels.height)))
 
 
 def _image(name: str) -> ipywidgets.Image:
@@ -82,14 +82,13 @@ def _image(name: str) -> ipywidgets.Image:
     return image
 
 
-def _part(pixels: Any, tile: Tile) -> Any:
-    (x0, y0), (x1, y1) = np.rint(tile.box.get_points()).astype(int)
-    height = len(pixels)  # the first row is the top one
-    return pixels[height - y1 : height - y0, x0:x1, :3]
+def _box(tile: Tile, height: int) -> tuple[int, int, int, int]:
+    (x0, y0), (x1, y1) = np.rint(tile.box.get_points()).astype(int).tolist()
+    return x0, height - y1, x1, height - y0  # an image's first row is the top one
 
 
 def _png(pixels: Any) -> bytes:
     buffer = BytesIO()
-    image = Image.fromarray(np.ascontiguousarray(pixels)).quantize(COLOURS, method=Image.Quantize.FASTOCTREE)
+    image = pixels.convert("RGB").quantize(COLOURS, method=Image.Quantize.FASTOCTREE)
     image.save(buffer, "png", compress_level=1)
     return buffer.getvalue()

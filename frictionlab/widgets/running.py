@@ -13,10 +13,12 @@ from frictionlab.hybrid.taylor import Taylor
 from .settings import WINDOW, Settings
 from .sliders import dressed
 
-OWN, EXACT, FIXED = "own", "taylor", "rk4"
+OWN, FIXED = "own", "rk4"
+QUICK = Taylor(chatter=1e-4)  # right to some 1e-6 of the motion, and several times as fast under Eq. (13)
 STARTS = (("rest", "rest"), ("near the equilibrium", "near"), ("own numbers", OWN))
-METHODS = (("exact (Taylor series)", EXACT), ("paper's algorithm (RK4)", FIXED))
+METHODS = (("exact (Taylor)", Taylor()), ("quick (Taylor)", QUICK), ("paper's (RK4)", FIXED))
 WINDOWS = tuple((f"last {s:g} s", s) for s in (0.5, WINDOW, 2.0, 5.0)) + (("whole run", None),)
+NAMES = "start", "own", "duration", "method", "step", "window", "coordinate"
 STEP, FINEST, COARSEST = 2e-4, 2e-5, 1e-2  # s; the paper's step
 
 
@@ -34,19 +36,22 @@ class RunControls:
         self.start = dressed(drop(options=STARTS), "start", "start", "initial state")
         self.own = _own(names)
         self.duration = _duration(settings.t_end)
-        self.method = dressed(drop(options=METHODS), "method", "method", "how the equations are solved")
+        text = (
+            "exact to rounding, with flights below 0.1 ms replaced by their limit, or the paper's algorithm"
+        )
+        self.method = dressed(drop(options=METHODS, value=settings.method), "method", "method", text)
         self.step = _step()
         text = "part of the run that the panels show; the spectrum is of its second half"
         self.window = dressed(drop(options=WINDOWS, value=settings.window), "window", "shown", text)
         text = "coordinate of the phase plane and the spectrum"
         self.coordinate = dressed(drop(options=names), "coordinate", "coordinate", text)
         layout = ipywidgets.Layout(flex_flow="row wrap")
-        self.widget = ipywidgets.Box(self.widgets, layout=layout)
+        self.widget = ipywidgets.Box(list(self.controls.values()), layout=layout)
 
     @property
-    def widgets(self) -> list[Any]:
-        """All of them."""
-        return [self.start, self.own, self.duration, self.method, self.step, self.window, self.coordinate]
+    def controls(self) -> dict[str, Any]:
+        """All of them by name."""
+        return {name: getattr(self, name) for name in NAMES}
 
     def settings(self, model: Any) -> Settings:
         """The settings for a model.
@@ -59,14 +64,14 @@ class RunControls:
         self.own.layout.display = "" if self.start.value == OWN else "none"
         self.step.layout.display = "" if self.method.value == FIXED else "none"
         start = _numbers(self.own.value) if self.start.value == OWN else self.start.value
-        method = RK4(step=self.step.value) if self.method.value == FIXED else Taylor()
+        method = RK4(step=self.step.value) if self.method.value == FIXED else self.method.value
         chosen = self.coordinate.value
         coordinate = chosen if chosen in model.coordinates else model.coordinates[0]
         return Settings(model, self.duration.value, start, method, self.window.value, coordinate)
 
     def reset(self) -> None:
         """Back to where it began."""
-        self.start.value, self.method.value = self._settings.x0, EXACT
+        self.start.value, self.method.value = self._settings.x0, self._settings.method
         self.own.value, self.step.value = self._first, STEP
         self.duration.value, self.window.value = self._settings.t_end, self._settings.window
         self.coordinate.value = self.coordinate.options[0]

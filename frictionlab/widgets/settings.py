@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any
 
 import frictionlab
@@ -66,14 +66,16 @@ def to_json(settings: Settings) -> str:
 
 
 def _method(method: Method) -> str:
-    return "" if method == Taylor() else f", method={_public(repr(method))}"
+    """The method as an argument, with what differs from its defaults."""
+    usual = type(method)()
+    differs = [f.name for f in fields(method) if getattr(method, f.name) != getattr(usual, f.name)]
+    values = ", ".join(f"{name}={getattr(method, name)!r}" for name in differs)
+    return "" if method == Taylor() else f", method=fl.{type(method).__name__}({values})"
 
 
 def _public(text: str) -> str:
     """The text with fl. before every class of the package's own that is called in it."""
-    return re.sub(
-        r"\b([A-Z]\w*)\(", lambda m: f"fl.{m[0]}" if m[1] in frictionlab.__all__ else m[0], text
-    )
+    return re.sub(r"\b([A-Z]\w*)\(", lambda m: f"fl.{m[0]}" if m[1] in frictionlab.__all__ else m[0], text)
 
 
 def _imports(model: Any) -> Iterator[str]:

@@ -7,6 +7,7 @@ from typing import Any
 
 import ipywidgets
 
+from frictionlab.components.names import did_you_mean
 from frictionlab.components.parameter import Parameter
 
 STEPS = 300  # of a slider, at most so many from one end to the other
@@ -20,7 +21,7 @@ def slider(name: str, about: Parameter, value: float) -> Any:
     The range is that of the parameter, made wide enough for the value; without one it goes up to twice the
     value, within the parameter's bounds.
     """
-    low, high = _range(about, value)
+    low, high = reach(about, value)
     logarithmic = about.log and low > 0
     made = _logarithmic(low, high, value) if logarithmic else _linear(low, high, value)
     rule = "logarithmic" if logarithmic else "linear"
@@ -43,7 +44,8 @@ def description(about: Parameter) -> str:
     return f"${about.symbol}$" + (rf" $({unit[2:]})$" if unit else "")
 
 
-def _range(about: Parameter, value: float) -> tuple[float, float]:
+def reach(about: Parameter, value: float) -> tuple[float, float]:
+    """Where a slider for a parameter begins and ends."""
     low, high = about.range or _guessed(about, value)
     if about.log and low <= 0 < value:
         low = min(value, high) / 1e3
@@ -51,12 +53,12 @@ def _range(about: Parameter, value: float) -> tuple[float, float]:
 
 
 def _guessed(about: Parameter, value: float) -> tuple[float, float]:
-    reach = 2 * abs(value) or 1.0
+    twice = 2 * abs(value) or 1.0
     bounds = [b for b in (about.minimum, about.exclusive_minimum) if b is not None]
     # An open bound is no admissible value itself.
-    least = -math.inf if not bounds else bounds[0] + (reach / STEPS if about.minimum is None else 0.0)
-    low = max(least, 0.0 if value > 0 else -reach)
-    return low, min(max(reach, low + reach), math.inf if about.maximum is None else about.maximum)
+    least = -math.inf if not bounds else bounds[0] + (twice / STEPS if about.minimum is None else 0.0)
+    low = max(least, 0.0 if value > 0 else -twice)
+    return low, min(max(twice, low + twice), math.inf if about.maximum is None else about.maximum)
 
 
 def _linear(low: float, high: float, value: float) -> Any:
@@ -84,3 +86,10 @@ def _step(span: float) -> float:
     least = span / STEPS
     power = 10.0 ** math.floor(math.log10(least))
     return next(s * power for s in (1.0, 2.0, 5.0, 10.0) if s * power >= least * (1 - 1e-9))
+
+
+def known(model: Any, name: str) -> None:
+    """Refuse a name that is no parameter of the model."""
+    if name not in model.parameters:
+        hint = did_you_mean(name, model.parameters)
+        raise ValueError(f"{type(model).__name__} has no parameter {name!r}: {hint}")

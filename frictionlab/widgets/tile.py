@@ -18,7 +18,17 @@ from .limits import Limits, extent, linear, logarithmic
 
 SMALL, NOTE_SIZE = 8.0, 8.0
 KEPT: dict[str, Any] = {"color": GREY, "linewidth": 1.0, "alpha": 0.7, "zorder": 1.5, "linestyle": "-"}
-MARGINS = 0.145, 0.165, 0.72, 0.70  # left, bottom, width, height, as shares of the tile
+LEGEND: dict[str, Any] = {
+    "loc": "lower center",
+    "bbox_to_anchor": (0.5, 0.985),
+    "frameon": False,
+    "fontsize": 7.0,
+    "columnspacing": 0.9,
+    "handlelength": 1.0,
+    "handletextpad": 0.4,
+    "borderaxespad": 0.2,
+}
+MARGINS = 0.165, 0.165, 0.69, 0.70  # left, bottom, width, height, as shares of the tile
 
 
 class Tile:
@@ -34,8 +44,7 @@ class Tile:
         x, y, w, h = place
         self.box = Bbox.from_bounds(x, y, w, h).transformed(figure.transFigure)
         self.ax = figure.add_axes((x + left * w, y + bottom * h, width * w, height * h))
-        self.ax.tick_params(labelsize=SMALL)
-        self.ax.ticklabel_format(axis="y", scilimits=(-3, 4))
+        _style(self.ax)
         self.right: Axes | None = None
         self.lines: dict[str, Line2D] = {}
         self.kept: dict[str, Line2D] = {}
@@ -111,14 +120,14 @@ class Tile:
     def _right(self) -> Axes:
         if self.right is None:
             self.right = self.ax.twinx()
-            self.right.tick_params(labelsize=SMALL)
-            self.right.ticklabel_format(axis="y", scilimits=(-3, 4))
+            _style(self.right)
+            self.right.spines[["left", "top", "bottom"]].set_visible(False)
         return self.right
 
     def _fit(self, drawing: Drawing) -> None:
         curves = drawing.curves.values()
         scale = logarithmic if drawing.yscale == "log" else linear
-        x = extent([*(c.x for c in curves if c.axis != "strip"), *self._kept_data(self.ax, 0)])
+        x = extent([*(c.x for c in curves), *self._kept_data(self.ax, 0)])
         self._limit("x", self.ax, drawing.xlim or linear(self._limits.get("x"), x))
         for name, ax in ("left", self.ax), ("right", self.right):
             if ax is not None:
@@ -151,16 +160,12 @@ class Tile:
         if legend is not None:
             legend.remove()
         if handles:
-            options: dict[str, Any] = {"frameon": False, "fontsize": SMALL, "columnspacing": 1.0}
-            legend = self.ax.legend(
-                handles=handles,
-                loc="lower center",
-                bbox_to_anchor=(0.5, 0.985),
-                ncols=min(len(handles), 5),
-                handlelength=1.2,
-                handletextpad=0.4,
-                borderaxespad=0.2,
-                **options,
-            )
+            legend = self.ax.legend(handles=handles, ncols=len(handles), **LEGEND)
             for handle in legend.legend_handles:
                 handle.set_animated(False)
+
+
+def _style(ax: Axes) -> None:
+    ax.tick_params(labelsize=SMALL)
+    ax.ticklabel_format(axis="y", scilimits=(-3, 4))
+    ax.yaxis.get_offset_text().set_fontsize(SMALL)

@@ -26,4 +26,5 @@ def response(result: Any) -> Drawing:
 
 def _curve(result: Any, name: str, i: int) -> Curve:
     x, y = envelope(result.times(), result.state(name))
-    return Curve(x, y, line_style(i, name), "right" if name in ANGLES else "left")
+    style = line_style(i, name) | ({"zorder": 1.8} if name in ANGLES else {})  # behind the lengths
+    return Curve(x, y, style, "right" if name in ANGLES else "left")
