@@ -76,13 +76,6 @@ class ComponentControls:
         chosen |= replacements(self._model, tuple(name for name in off if name not in lacking))
         return self._model.replace(**chosen)
 
-    def reset(self) -> None:
-        """Back to the components of the model."""
-        for name, switch in self.switches.items():
-            switch.value = not _left_out(self._model, SWITCHES[name][0])
-        if self.impact:
-            self.impact.value = self._model.impact
-
 
 def _left_out(model: Any, role: str) -> bool:
     return isinstance(getattr(model, role), LEFT_OUT)

@@ -3,26 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import replace
 from typing import Any
-
-import ipywidgets
 
 from frictionlab.models import Model, SliderOnBelt
 
 from .busy import Busy
 from .components import ComponentControls
+from .face import Face
 from .latest import Latest
 from .panels import panels_of
 from .parameters import ParameterControls
 from .picture import Picture
 from .result import Result
 from .running import RunControls
-from .settings import Settings, snippet, to_json
-from .words import end_text, equilibrium_text, error_text
+from .settings import Settings
+from .words import error_text
 
 DEFAULT = ("response", "phase", "forces", "spectrum", "eigenvalues")
-CONTROLS_WIDTH = "340px"
 
 
 class Explorer:
@@ -34,9 +31,11 @@ class Explorer:
         Of the last values that worked: ``result.run``, ``result.eigenvalues``, ``result.settings``.
     error : Exception or None
         What is wrong with the values of now.
+    controls : mapping of str to widget
+        Set the ``value`` of one and the picture follows.  Each has its name as a CSS class, ``fl-<name>``.
     picture : Picture
-    parameters, components, running : ParameterControls, ComponentControls, RunControls
-        The controls; set the ``value`` of one and the picture follows.
+    face : Face
+        What it says in words.
     widget : Box
         All of it, to be put into an application.
     """
@@ -44,20 +43,19 @@ class Explorer:
     def __init__(self, settings: Settings, panels: dict[str, Any]) -> None:
         self.settings, self.result, self.error = settings, Result(settings, progress=True), None
         self.updates = 0  # computed so far
-        self.components = ComponentControls(settings.model)
-        self.parameters = ParameterControls(settings.model, self._changed)
-        self.running = RunControls(settings)
-        self.picture, self.busy = Picture(panels), Busy()
         self.latest = Latest(self._update)
-        self._make_texts()
+        self.components, self.running = ComponentControls(settings.model), RunControls(settings)
+        self.parameters = ParameterControls(settings.model, self._changed)
         self.extra = {n: c for panel in panels.values() for n, c in getattr(panel, "controls", {}).items()}
-        for control in (
-            *self.components.controls.values(),
-            *self.running.controls.values(),
-            *self.extra.values(),
-        ):
+        self._first = {name: control.value for name, control in self._others.items()}
+        self.picture, self.busy, self.face = Picture(panels), Busy(), Face()
+        for control in self._others.values():
             control.observe(self._changed, names="value")
-        self.widget = self._arranged()
+        self.face.compare.observe(self._compare, names="value")
+        self.face.reset.on_click(self.reset)
+        shown = *self.extra.values(), *self.components.controls.values()
+        shown = *shown, self.parameters.widget, self.running.widget
+        self.widget = self.face.arranged(self.busy.widget, shown, self.picture.widget)
         self.latest.request()
 
     @property
@@ -72,18 +70,22 @@ class Explorer:
 
     @property
     def controls(self) -> dict[str, Any]:
-        """Every control by its name, which is its CSS class too, after ``fl-``."""
-        parts = self.components.controls, self.running.controls, self.extra
-        buttons = {"compare": self.compare, "reset": self.reset_button}
-        return {**self.parameters.sliders, **{n: c for part in parts for n, c in part.items()}, **buttons}
+        """Every control by its name."""
+        buttons = {"compare": self.face.compare, "reset": self.face.reset}
+        return {**self.parameters.sliders, **self._others, **buttons}
+
+    @property
+    def _others(self) -> dict[str, Any]:
+        """Controls that are there from the start to the end."""
+        return {**self.components.controls, **self.running.controls, **self.extra}
 
     def reset(self, _: Any = None) -> None:
         """All controls back to the values of the start."""
         with self.latest.held():
             self.parameters.reset()
-            self.components.reset()
-            self.running.reset()
-            self.compare.value = False
+            for name, control in self._others.items():
+                control.value = self._first[name]
+            self.face.compare.value = False
 
     def close(self) -> None:
         """Take the widgets away and free what they hold."""
@@ -102,43 +104,19 @@ class Explorer:
                 settings = self._read()
                 result = self.result if settings == self.settings else Result(settings)
                 self.picture.draw(result)
-                self._describe(result)
+                self.face.describe(result)
             except Exception as error:  # whatever a law of one's own may raise is told, not lost in a log
                 self.error = error
-                self._tell(error_text(error))
+                self.face.tell(error_text(error))
                 return
             self.settings, self.result, self.error = settings, result, None
+            self.running.widget.layout.display = "" if result.ran else "none"
             self.updates += 1
-            self._tell(end_text(result))
 
     def _read(self) -> Settings:
         model = self.components.model()
         model = model.replace(**self.parameters.values(model))
         return self.running.settings(model)
-
-    def _describe(self, result: Result) -> None:
-        self.running.widget.layout.display = "" if result.ran else "none"
-        self.equilibrium.value = equilibrium_text(result)
-        self.python.value, self.json.value = snippet(result.settings), to_json(result.settings)
-
-    def _tell(self, text: str) -> None:
-        self.message.value = text
-        self.message.layout.display = "" if text else "none"
-
-    def _make_texts(self) -> None:
-        self.message = _text("error", color="#B00020")
-        self.equilibrium = _text("equilibrium")
-        self.python, self.json = _code("python"), _code("json")
-        self.compare = ipywidgets.ToggleButton(
-            description="compare", tooltip="keep the curves as they are now in grey"
-        ).add_class("fl-compare")
-        self.reset_button = ipywidgets.Button(
-            description="reset", tooltip="all controls back to the values of the start"
-        ).add_class("fl-reset")
-        for button in (self.compare, self.reset_button):
-            button.layout.width = "90px"
-        self.reset_button.on_click(self.reset)
-        self.compare.observe(self._compare, names="value")
 
     def _compare(self, change: Any) -> None:
         if change["new"]:
@@ -146,25 +124,6 @@ class Explorer:
         else:
             self.picture.forget()
         self.latest.request()
-
-    def _arranged(self) -> Any:
-        """Controls and picture side by side where there is room, else one below the other."""
-        wrap = ipywidgets.Layout(flex_flow="row wrap", align_items="flex-start", width="100%")
-        code = ipywidgets.Accordion([self.python, self.json], titles=("as Python", "as JSON"))
-        buttons = ipywidgets.HBox([self.compare, self.reset_button, self.busy.widget])
-        column = [
-            buttons,
-            self.message,
-            *self.extra.values(),
-            *self.components.controls.values(),
-            self.parameters.widget,
-            self.running.widget,
-            self.equilibrium,
-            code.add_class("fl-code"),
-        ]
-        layout = ipywidgets.Layout(flex=f"0 1 {CONTROLS_WIDTH}", min_width="0", max_width="100%")
-        controls = ipywidgets.VBox(column, layout=layout).add_class("fl-controls")
-        return ipywidgets.Box([controls, self.picture.widget], layout=wrap).add_class("fl-explorer")
 
 
 def explore(model: Any = None, panels: Iterable[Any] = DEFAULT) -> Explorer:
@@ -180,8 +139,8 @@ def explore(model: Any = None, panels: Iterable[Any] = DEFAULT) -> Explorer:
         Where to start; None takes the paper's.
     panels : iterable of str or callable
         "response", "phase", "forces", "spectrum", "eigenvalues", or functions that take a
-        :class:`~frictionlab.widgets.result.Result` and return a :class:`~frictionlab.widgets.Drawing`.  What no
-        panel asks for is not computed.
+        :class:`~frictionlab.widgets.result.Result` and return a :class:`~frictionlab.widgets.Drawing`.
+        What no panel asks for is not computed.
 
     Returns
     -------
@@ -217,15 +176,3 @@ def start_of(model: Any) -> Any:
     if not isinstance(model, Model):
         raise TypeError(f"model must be a model such as SliderOnBelt, got {model!r}")
     return model
-
-
-def _text(name: str, **style: Any) -> Any:
-    text = ipywidgets.HTML().add_class(f"fl-{name}")
-    if style:
-        text.style.text_color = style["color"]
-    return text
-
-
-def _code(name: str) -> Any:
-    area = ipywidgets.Textarea(layout=ipywidgets.Layout(width="100%", height="120px"))
-    return area.add_class(f"fl-{name}")

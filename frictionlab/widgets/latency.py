@@ -1,4 +1,4 @@
-"""How long a step of a slider takes: from the new value to new PNG bytes, and how much of it is simulation."""
+"""How long a step of a slider takes, from the new value to new PNG bytes, and its simulation's share."""
 
 from __future__ import annotations
 

@@ -25,7 +25,7 @@ def extent(arrays: Iterable[Any]) -> Limits | None:
 
 
 def linear(now: Limits | None, found: Limits | None) -> Limits:
-    """The limits there are, if the data are inside and fill them well enough; else round ones about the data."""
+    """The limits there are, if the data are inside and fill them well enough; else round ones."""
     if found is None:
         return now or (0.0, 1.0)
     low, high = _widened(*found)

@@ -17,7 +17,7 @@ OWN, FIXED = "own", "rk4"
 QUICK = Taylor(chatter=1e-4)  # right to some 1e-6 of the motion, and several times as fast under Eq. (13)
 STARTS = (("rest", "rest"), ("near the equilibrium", "near"), ("own numbers", OWN))
 METHODS = (("exact (Taylor)", Taylor()), ("quick (Taylor)", QUICK), ("paper's (RK4)", FIXED))
-WINDOWS = tuple((f"last {s:g} s", s) for s in (0.5, WINDOW, 2.0, 5.0)) + (("whole run", None),)
+WINDOWS = (*((f"last {s:g} s", s) for s in (0.5, WINDOW, 2.0, 5.0)), ("whole run", None))
 NAMES = "start", "own", "duration", "method", "step", "window", "coordinate"
 STEP, FINEST, COARSEST = 2e-4, 2e-5, 1e-2  # s; the paper's step
 
@@ -31,14 +31,11 @@ class RunControls:
     """
 
     def __init__(self, settings: Settings) -> None:
-        self._settings = settings
         drop, names = ipywidgets.Dropdown, settings.model.coordinates
         self.start = dressed(drop(options=STARTS), "start", "start", "initial state")
         self.own = _own(names)
         self.duration = _duration(settings.t_end)
-        text = (
-            "exact to rounding, with flights below 0.1 ms replaced by their limit, or the paper's algorithm"
-        )
+        text = "exact to rounding; quick: flights below 0.1 ms replaced by their limit; the paper's"
         self.method = dressed(drop(options=METHODS, value=settings.method), "method", "method", text)
         self.step = _step()
         text = "part of the run that the panels show; the spectrum is of its second half"
@@ -68,17 +65,6 @@ class RunControls:
         chosen = self.coordinate.value
         coordinate = chosen if chosen in model.coordinates else model.coordinates[0]
         return Settings(model, self.duration.value, start, method, self.window.value, coordinate)
-
-    def reset(self) -> None:
-        """Back to where it began."""
-        self.start.value, self.method.value = self._settings.x0, self._settings.method
-        self.own.value, self.step.value = self._first, STEP
-        self.duration.value, self.window.value = self._settings.t_end, self._settings.window
-        self.coordinate.value = self.coordinate.options[0]
-
-    @property
-    def _first(self) -> str:
-        return _zeros(self._settings.model.coordinates)
 
 
 def _own(names: tuple[str, ...]) -> Any:

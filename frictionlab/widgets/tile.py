@@ -17,7 +17,7 @@ from .drawing import Curve, Drawing
 from .limits import Limits, extent, linear, logarithmic
 
 SMALL, NOTE_SIZE = 8.0, 8.0
-KEPT: dict[str, Any] = {"color": GREY, "linewidth": 1.0, "alpha": 0.7, "zorder": 1.5, "linestyle": "-"}
+KEPT: dict[str, Any] = {"color": GREY, "linewidth": 1.0, "alpha": 0.7, "zorder": 1.5}
 LEGEND: dict[str, Any] = {
     "loc": "lower center",
     "bbox_to_anchor": (0.5, 0.985),
@@ -48,6 +48,7 @@ class Tile:
         self.right: Axes | None = None
         self.lines: dict[str, Line2D] = {}
         self.kept: dict[str, Line2D] = {}
+        self.strips: set[str] = set()
         self.note = self.ax.text(
             0.985, 0.975, "", transform=self.ax.transAxes, ha="right", va="top", fontsize=NOTE_SIZE
         )
@@ -91,11 +92,8 @@ class Tile:
     def keep(self) -> None:
         """Leave the curves as they are now behind, in grey."""
         for label, line in self.lines.items():
-            if line.get_transform() != line.axes.get_xaxis_transform():
-                kept = self.kept.setdefault(label, line.axes.plot([], [], label=f"_kept {label}")[0])
-                same: dict[str, Any] = {"marker": line.get_marker(), "markersize": line.get_markersize()}
-                kept.set(**KEPT | same | {"linestyle": "-" if line.get_linestyle() != "None" else "none"})
-                kept.set_data(*line.get_data())
+            if label not in self.strips:
+                self._grey(label, line).set_data(*line.get_data())
         self.background = None
 
     def forget(self) -> None:
@@ -103,6 +101,15 @@ class Tile:
         for line in self.kept.values():
             line.set_data([], [])
         self.background = None
+
+    def _grey(self, label: str, line: Line2D) -> Line2D:
+        if label not in self.kept:
+            ax = self.right if self.right is not None and line.axes is self.right else self.ax
+            style = {"marker": line.get_marker(), "markersize": line.get_markersize()}
+            solid = "none" if line.get_linestyle() == "None" else "-"
+            options: dict[str, Any] = {**KEPT, **style, "linestyle": solid}
+            self.kept[label] = ax.plot([], [], **options)[0]
+        return self.kept[label]
 
     @property
     def _axes(self) -> list[Axes]:
@@ -113,6 +120,7 @@ class Tile:
             ax = self._right() if curve.axis == "right" else self.ax
             style = {"linewidth": 1.2, **curve.style}
             if curve.axis == "strip":
+                self.strips.add(label)
                 style["transform"] = ax.get_xaxis_transform()
             self.lines[label] = ax.plot([], [], label=label, animated=True, **style)[0]
         return self.lines[label]
@@ -161,8 +169,8 @@ class Tile:
             legend.remove()
         if handles:
             legend = self.ax.legend(handles=handles, ncols=len(handles), **LEGEND)
-            for handle in legend.legend_handles:
-                handle.set_animated(False)
+            for handle in filter(None, legend.legend_handles):
+                handle.set_animated(False)  # else matplotlib leaves it out where it draws the background
 
 
 def _style(ax: Axes) -> None:

@@ -54,8 +54,8 @@ class Critical:
             "here, stable": _point(here, stable, BLUE, "o"),
             "here, unstable": _point(here, found is not None and not stable, VERMILLION, "^"),
         }
-        labels = (parameter_label(model, name) for name in (self.over, self.parameter))
-        return Drawing(*labels, curves, xlim=self.sides, ylim=self.bounds)
+        x, y = (parameter_label(model, name) for name in (self.over, self.parameter))
+        return Drawing(x, y, curves, xlim=self.sides, ylim=self.bounds)
 
     def _computed(self, others: _Others) -> CriticalCurve:
         # The ends may be where nothing presses on the belt, or a mass is zero.

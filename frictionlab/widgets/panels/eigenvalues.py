@@ -16,7 +16,7 @@ NO_GROWTH: dict[str, Any] = {"color": GREY, "linewidth": 0.8, "zorder": 1.0}
 def eigenvalues(result: Any) -> Drawing:
     """Growth rate and frequency of each mode, those that grow in another colour."""
     found = result.eigenvalues
-    values = np.zeros(0, dtype=complex) if found is None else found.values[found.values.imag >= 0]
+    values: Any = np.zeros(0, dtype=complex) if found is None else found.values[found.values.imag >= 0]
     grows, frequencies = values.real > 0, values.imag / (2 * np.pi)
     curves = {
         "_no growth": Curve([0.0, 0.0], [0.0, 1.0], NO_GROWTH, "strip"),

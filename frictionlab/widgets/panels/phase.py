@@ -17,8 +17,8 @@ def phase(result: Any) -> Drawing:
     curves = {m: _curve(x, rate, modes == m, c) for m, c in mode_colours(result.run.automaton.names).items()}
     cross = {"color": BLACK, "marker": "+", "markersize": 8.0, "linestyle": "none", "zorder": 3.0}
     curves["equilibrium"] = Curve(*_equilibrium(result, name), cross)
-    labels = (f"{label(n)} ({unit(n)})" for n in (name, f"{name}'"))
-    return Drawing(*labels, curves)
+    xlabel, ylabel = (f"{label(n)} ({unit(n)})" for n in (name, f"{name}'"))
+    return Drawing(xlabel, ylabel, curves)
 
 
 def _curve(x: Any, rate: Any, chosen: Any, colour: str) -> Curve:
