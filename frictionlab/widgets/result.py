@@ -13,7 +13,7 @@ from frictionlab.analysis.spectrum import Spectrum, amplitude_spectrum
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.stability import Eigenvalues, eigenvalues
 
-from .settings import Settings
+from .settings import Settings, capped
 
 Array = NDArray[np.float64]
 PER_SECOND, FEWEST, MOST = 400, 800, 20_000  # samples of what is shown
@@ -40,7 +40,7 @@ class Result:
     @cached_property
     def run(self) -> Trajectory:
         s = self.settings
-        return simulate(s.model, s.t_end, x0=s.x0, method=s.method, progress=self._progress)
+        return simulate(s.model, s.t_end, x0=s.x0, method=capped(s.method), progress=self._progress)
 
     @property
     def ran(self) -> bool:

@@ -14,7 +14,7 @@ def equilibrium_text(result: Any) -> str:
     """The sliding equilibrium as an HTML table, and whether it is stable."""
     found = result.eigenvalues
     if found is None:
-        return f"<b>No steady sliding.</b> {escape(result.why_none)}"
+        return f"<b>No steady sliding.</b> {escape(result.why_none, quote=False)}"
     point = found.equilibrium
     rows = [(name, x, unit(name)) for name, x in zip(result.model.coordinates, point.q)]
     rows += [("gap", point.gap, "m"), ("F_N", point.normal_force, "N"), ("F_T", point.friction_force, "N")]
@@ -38,7 +38,7 @@ def error_text(error: Exception) -> str:
     """What is wrong, in plain words; other errors than bad values with their kind."""
     kind = "" if isinstance(error, (ValueError, TypeError)) else f"{type(error).__name__}: "
     return (
-        f"<b>{escape(kind + (str(error) or type(error).__name__))}</b><br>"
+        f"<b>{escape(kind + (str(error) or type(error).__name__), quote=False)}</b><br>"
         "The picture is that of the last values that worked."
     )
 

@@ -33,6 +33,12 @@ class Stribeck(fl.Coulomb):
         return (self.mu_k + self.fall / (1 + speed)) * normal_force
 
 
+@dataclass(frozen=True)
+class Softening(fl.LinearContact):
+    def force(self, gap):
+        return self.k2 * gap * (1 - (gap / 0.05) ** 2)
+
+
 def made(model=None, panels=SHORT, seconds=1.0):
     explorer = fl.explore(model, panels)
     explorer.controls["duration"].value = seconds
@@ -232,12 +238,18 @@ def test_no_equilibrium_is_said_and_the_run_is_shown_all_the_same(explorer):
 
 
 def test_a_run_that_ends_early_says_so():
-    broken = fl.SliderOnBelt(contact=Hertz(), mu_k=1.0)
-    explorer = made(broken.replace(interface=fl.SlidingOnly()), ("response",))
+    # Beyond a gap of 0.05 m the force turns round and pushes the bodies apart, ever faster.
+    explorer = made(fl.SliderOnBelt(contact=Softening(), interface=fl.SlidingOnly()), ("response",))
     explorer.controls["start"].value = "own"
-    explorer.controls["own"].value = "0, 50, 0, 0, 0, 0, 0, 0, 0, 0"
-    run = explorer.run
-    assert run.status.ok or f"ended at {run.raw.t:.4g} s" in explorer.face.message.value
+    explorer.controls["own"].value = "0, 1, 0, 0, 0, 0, 0, 0, 0, 0"
+    assert explorer.run.status is fl.Status.NOT_FINITE
+    assert f"ended at {explorer.run.raw.t:.4g} s: not finite" in explorer.face.message.value
+
+
+def test_a_motion_without_bounds_ends_soon():
+    explorer = made(fl.SliderOnBelt(mu_k=3.0).without("nonsmooth", "geometry"), ("response",), 20.0)
+    assert explorer.run.status is fl.Status.STEP_CAP
+    assert "step cap" in explorer.face.message.value
 
 
 def test_any_error_of_a_panel_is_told_with_its_kind():

@@ -16,6 +16,7 @@ from frictionlab.plotting.bifurcation import STYLES
 from frictionlab.plotting.palette import GREY, label, unit
 from frictionlab.plotting.parameters import parameter_label
 from frictionlab.widgets.drawing import Curve, Drawing
+from frictionlab.widgets.settings import capped
 from frictionlab.widgets.sliders import description, dressed, known, reach
 
 COUNT = 24  # values in the range that is looked at
@@ -79,10 +80,9 @@ class Diagram:
             self.found, self._key = {}, key
         missing = [value for value in values if value not in self.found]
         if missing:
-            options: dict[str, Any] = {"x0": settings.x0, "method": settings.method, "window": WINDOW}
-            done = bifurcation(
-                result.model, self.parameter, missing, transient=transient, progress=False, **options
-            )
+            options: dict[str, Any] = {"x0": settings.x0, "transient": transient, "window": WINDOW}
+            options["method"] = capped(settings.method)
+            done = bifurcation(result.model, self.parameter, missing, progress=False, **options)
             self.found |= {v: row for v, *row in zip(done.values.tolist(), done.kinds, done.sections)}
 
 
