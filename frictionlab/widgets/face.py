@@ -13,16 +13,18 @@ from .words import end_text, equilibrium_text
 # Controls beside the picture, which stays in sight; on a narrow screen below it, its panels side by side.
 STYLE = """<style>
 .fl-explorer .fl-picture { position: sticky; top: 0; z-index: 2; background: white; }
-.fl-explorer .fl-equilibrium td { padding-right: 1em; }
+.fl-explorer .fl-equilibrium .widget-html-content { line-height: 1.35; }
+.fl-explorer .fl-equilibrium span { display: inline-block; margin-right: 1em; }
 @media (max-width: 800px) {
   .fl-explorer { flex-direction: column !important; }
   .fl-explorer .fl-picture { order: -1; flex: none !important; width: 100%;
                              flex-flow: row nowrap !important; overflow-x: auto; }
   .fl-explorer .fl-panel { flex: 0 0 auto; }
   .fl-explorer .fl-controls { width: 100%; flex: none !important; }
+  .fl-explorer .fl-control { width: 98% !important; }
 }
 </style>"""
-CONTROLS_WIDTH = "345px"
+CONTROLS_WIDTH = "335px"
 
 
 class Face:
@@ -66,7 +68,7 @@ class Face:
         code = ipywidgets.Accordion([self.python, self.json], titles=("as Python", "as JSON"))
         code.add_class("fl-code")
         buttons = ipywidgets.HBox([self.compare, self.reset, busy])
-        column = [buttons, self.message, *controls, self.equilibrium, code, ipywidgets.HTML(STYLE)]
+        column = [buttons, self.message, self.equilibrium, *controls, code, ipywidgets.HTML(STYLE)]
         layout = ipywidgets.Layout(flex=f"0 0 {CONTROLS_WIDTH}", max_width="100%")
         left = ipywidgets.VBox(column, layout=layout).add_class("fl-controls")
         wrap = ipywidgets.Layout(flex_flow="row nowrap", align_items="flex-start", width="100%")

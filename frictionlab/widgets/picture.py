@@ -17,7 +17,7 @@ from .drawing import Drawing
 from .tile import Tile
 
 Panel = Callable[[Any], Drawing]
-WIDTH, HEIGHT, DPI = 4.6, 3.0, 100  # inches of a panel: 460 x 300 pixels, which a telephone shows whole
+WIDTH, HEIGHT, DPI = 4.4, 3.0, 100  # inches of a panel: two beside the controls on a screen of 1280 pixels
 COLUMNS = 2
 COLOURS = 96  # of the PNG: a palette is quick to compress, and more colours than that are not drawn
 
@@ -76,7 +76,8 @@ class Picture:
 
 def _image(name: str) -> ipywidgets.Image:
     width = f"{WIDTH * DPI:.0f}px"
-    image = ipywidgets.Image(format="png", layout=ipywidgets.Layout(width=width, max_width="100%"))
+    layout = ipywidgets.Layout(width=width, max_width="100%", margin="0")
+    image = ipywidgets.Image(format="png", layout=layout)
     image.layout.object_fit = "contain"
     image.add_class("fl-panel").add_class(f"fl-panel-{name}")
     return image

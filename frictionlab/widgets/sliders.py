@@ -62,18 +62,21 @@ def _guessed(about: Parameter, value: float) -> tuple[float, float]:
 
 
 def _linear(low: float, high: float, value: float) -> Any:
+    step = _dividing(_step(high - low), value - low)
     return ipywidgets.FloatSlider(
-        value, min=low, max=high, step=_step(high - low), readout_format=".4g", continuous_update=True
+        value, min=low, max=high, step=step, readout_format=".4g", continuous_update=True
     )
 
 
 def _logarithmic(low: float, high: float, value: float) -> Any:
+    exponent, least = math.log10(value), math.log10(low)
+    steps = max(1, round((exponent - least) * PER_DECADE))
     return ipywidgets.FloatLogSlider(
         value,
         base=10.0,
         min=math.log10(low) - 1e-12,
         max=math.log10(high) + 1e-12,
-        step=1 / PER_DECADE,
+        step=(exponent - least) / steps if exponent > least else 1 / PER_DECADE,
         readout_format=".4g",
         continuous_update=True,
     )
@@ -86,6 +89,14 @@ def _step(span: float) -> float:
     least = span / STEPS
     power = 10.0 ** math.floor(math.log10(least))
     return next(s * power for s in (1.0, 2.0, 5.0, 10.0) if s * power >= least * (1 - 1e-9))
+
+
+def _dividing(step: float, distance: float) -> float:
+    """The step, or a finer one that leads to the value: else the browser would show another one."""
+    for finer in (step / n for n in (1, 2, 5, 10, 20, 50, 100)):
+        if abs(distance / finer - round(distance / finer)) < 1e-6:
+            return finer
+    return step
 
 
 def known(model: Any, name: str) -> None:

@@ -11,15 +11,15 @@ from frictionlab.plotting.palette import unit
 
 
 def equilibrium_text(result: Any) -> str:
-    """The sliding equilibrium as an HTML table, and whether it is stable."""
+    """Whether steady sliding is stable, and where it is."""
     found = result.eigenvalues
     if found is None:
         return f"<b>No steady sliding.</b> {escape(result.why_none, quote=False)}"
     point = found.equilibrium
     rows = [(name, x, unit(name)) for name, x in zip(result.model.coordinates, point.q)]
     rows += [("gap", point.gap, "m"), ("F_N", point.normal_force, "N"), ("F_T", point.friction_force, "N")]
-    cells = "".join(f"<tr><td>{n}</td><td>{x:.5g}</td><td>{u}</td></tr>" for n, x, u in rows)
-    return f"<b>Steady sliding is {stability_text(found)}</b><table>{cells}</table>"
+    numbers = " ".join(f"<span>{n} = {x:.5g} {u}</span>" for n, x, u in rows)
+    return f"<b>Steady sliding is {stability_text(found)}</b><br>{numbers}"
 
 
 def stability_text(found: Any) -> str:

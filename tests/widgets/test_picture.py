@@ -2,7 +2,6 @@
 
 import gc
 import sys
-import tracemalloc
 from io import BytesIO
 
 import numpy as np
@@ -15,7 +14,6 @@ from frictionlab.widgets.latency import measure
 from frictionlab.widgets.picture import DPI, HEIGHT, WIDTH, Picture
 
 MODEL = fl.SliderOnBelt(mu_k=0.4).without("geometry")
-MEGABYTE = 2**20
 
 
 def artists(picture):
@@ -23,31 +21,30 @@ def artists(picture):
 
 
 def resident():
+    """Megabytes of memory in use; 0 where the system does not say."""
+    if sys.platform != "linux":
+        return 0.0
     with open("/proc/self/statm") as file:
-        return int(file.read().split()[1]) * 4096 / MEGABYTE
+        return int(file.read().split()[1]) * 4096 / 2**20
 
 
 def test_200_steps_of_a_slider_make_no_artist_and_keep_no_memory():
-    explorer = fl.explore(MODEL)
+    explorer = fl.explore(MODEL, ("response", "phase", "eigenvalues"))
     explorer.controls["duration"].value = 2.0
     slider, figure = explorer.controls["mu_k"], explorer.picture.figure
-    values = 0.4 + 0.3 * np.sin(np.arange(200.0))
-    for value in values[:60]:  # caches fill, native code is compiled
+    values = 0.4 + 0.3 * np.sin(2 * np.pi * np.arange(200.0) / 100)
+    for value in values[:50]:  # caches fill, native code is compiled
         slider.value = value
-    before, axes = artists(explorer.picture), list(figure.axes)
     gc.collect()
-    memory = resident() if sys.platform == "linux" else None
-    tracemalloc.start()
+    before, axes, memory = artists(explorer.picture), list(figure.axes), resident()
     for value in values:
         slider.value = value
     gc.collect()
-    grown = tracemalloc.get_traced_memory()[0] / MEGABYTE
-    tracemalloc.stop()
     assert explorer.error is None
+    assert explorer.updates > 200
     assert artists(explorer.picture) == before
     assert (explorer.picture.figure, list(figure.axes)) == (figure, axes)
-    assert grown < 20
-    assert memory is None or resident() - memory < 20
+    assert resident() - memory < 20
     pyplot = sys.modules.get("matplotlib.pyplot")
     assert pyplot is None or pyplot.get_fignums() == []
 
@@ -90,8 +87,9 @@ def test_images_have_the_size_of_a_panel_and_show_their_own():
     picture.draw(None)
     pixels = {n: np.asarray(Image.open(BytesIO(i.value)).convert("RGB")) for n, i in picture.images.items()}
     assert all(p.shape == (round(HEIGHT * DPI), round(WIDTH * DPI), 3) for p in pixels.values())
-    assert np.array_equal(pixels["left"], pixels["below"])
-    assert not np.array_equal(pixels["left"], pixels["right"])
+    left, right, below = (pixels[n].astype(int) for n in ("left", "right", "below"))
+    written = np.abs(left - right).max(axis=2) > 60
+    assert (np.abs(left - below).max(axis=2) > 60).sum() < 0.1 * written.sum()
 
 
 def test_labels_and_legends_lie_within_the_tile_and_apart():

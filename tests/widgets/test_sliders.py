@@ -51,6 +51,14 @@ def test_the_guessed_range_keeps_to_the_bounds():
     assert 0.0 < made.min < 2.0 < made.max <= 3.0
 
 
+@pytest.mark.parametrize("name", MODEL.parameters)
+def test_the_value_lies_on_a_step_so_that_the_browser_shows_it(name):
+    made = slider(name, ABOUT[name], MODEL.parameters[name])
+    value = np.log10(made.value) if ABOUT[name].log else made.value
+    steps = (value - made.min) / made.step
+    assert steps == pytest.approx(round(steps), abs=1e-6)
+
+
 def test_steps_are_round_numbers():
     steps = [slider(name, ABOUT[name], MODEL.parameters[name]).step for name in ("mu_k", "F", "l1")]
     assert steps == pytest.approx([0.01, 5.0, 0.002])
