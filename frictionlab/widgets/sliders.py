@@ -39,9 +39,9 @@ def dressed(control: Any, name: str, text: str, tooltip: str) -> Any:
 
 
 def description(about: Parameter) -> str:
-    """Symbol and unit, in LaTeX."""
-    unit = "".join(rf"\,\mathrm{{{part}}}" for part in about.unit.split())
-    return f"${about.symbol}$" + (rf" $({unit[2:]})$" if unit else "")
+    """Symbol in LaTeX, and unit."""
+    unit = about.unit.replace("^2", "²").replace("^3", "³")
+    return f"${about.symbol}$" + (f" ({unit})" if unit else "")
 
 
 def reach(about: Parameter, value: float) -> tuple[float, float]:
