@@ -35,6 +35,14 @@ def explore_bifurcation(model: Any = None, parameter: str = "mu_k") -> Explorer:
         If it is no model.
     ValueError
         For an unknown parameter.
+
+    Examples
+    --------
+    >>> import frictionlab as fl
+    >>> explorer = fl.explore_bifurcation(fl.SliderOnBelt().without("geometry"))
+    >>> explorer.controls["range"].value = (1.2, 1.5)
+    >>> [round(float(x), 3) for x in explorer.picture.tiles["bifurcation"].ax.get_xlim()]
+    [1.2, 1.5]
     """
     model = start_of(model)
     known(model, parameter)
