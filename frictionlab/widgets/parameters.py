@@ -12,7 +12,7 @@ from frictionlab.models.namespace import about_all, owners
 from .sliders import slider
 
 OPERATION = "F", "v"  # of the model's own parameters those that one changes on a running system
-FOLDED = "masses, springs, dampers"
+FOLDED = "structure"
 
 
 class ParameterControls:
