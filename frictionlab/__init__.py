@@ -61,8 +61,11 @@ if TYPE_CHECKING:
         stability_changes,
         stability_map,
     )
+    from frictionlab.widgets.bifurcation import explore_bifurcation
     from frictionlab.widgets.canvas import watch
+    from frictionlab.widgets.explorer import explore
     from frictionlab.widgets.sound import Sound, listen
+    from frictionlab.widgets.stability import explore_stability
 
 # Public name -> module that holds it.
 _HOMES = {
@@ -89,6 +92,9 @@ _HOMES = {
     "critical_curve stability_map hopf",
     "widgets.canvas": "watch",
     "widgets.sound": "Sound listen",
+    "widgets.bifurcation": "explore_bifurcation",
+    "widgets.explorer": "explore",
+    "widgets.stability": "explore_stability",
 }
 _HOME = {name: module for module, names in _HOMES.items() for name in names.split()}
 _PACKAGES = ("paper",)

@@ -1,0 +1,84 @@
+"""How an explorer looks: what it says in words, its buttons, and where everything stands."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+import ipywidgets
+
+from .settings import snippet, to_json
+from .words import end_text, equilibrium_text
+
+# Controls beside the picture, which stays in sight; on a narrow screen below it, its panels side by side.
+STYLE = """<style>
+.fl-explorer .fl-picture { position: sticky; top: 0; z-index: 2; background: white; }
+.fl-explorer .fl-equilibrium .widget-html-content { line-height: 1.35; }
+.fl-explorer .fl-equilibrium span { display: inline-block; margin-right: 1em; }
+@media (max-width: 800px) {
+  .fl-explorer { flex-direction: column !important; }
+  .fl-explorer .fl-picture { order: -1; flex: none !important; width: 100%;
+                             flex-flow: row nowrap !important; overflow-x: auto; }
+  .fl-explorer .fl-panel { flex: 0 0 auto; }
+  .fl-explorer .fl-controls { width: 100%; flex: none !important; }
+  .fl-explorer .fl-control { width: 98% !important; }
+}
+</style>"""
+CONTROLS_WIDTH = "335px"
+
+
+class Face:
+    """The widgets that are not controls of the model.
+
+    Attributes
+    ----------
+    message, equilibrium : HTML
+        What is wrong; the sliding equilibrium and its stability.
+    python, json : Textarea
+        The state to copy.
+    compare : ToggleButton
+    reset : Button
+    """
+
+    def __init__(self) -> None:
+        self.message, self.equilibrium = _text("error"), _text("equilibrium")
+        self.message.style.text_color = "#B00020"
+        self.python, self.json = _code("python"), _code("json")
+        text = "keep the curves as they are now in grey"
+        self.compare = ipywidgets.ToggleButton(description="compare", tooltip=text)
+        text = "all controls back to the values of the start"
+        self.reset = ipywidgets.Button(description="reset", tooltip=text)
+        for button in (self.compare, self.reset):
+            button.layout.width = "90px"
+            button.add_class(f"fl-{button.description}")
+
+    def describe(self, result: Any) -> None:
+        """Say what the result is."""
+        self.equilibrium.value = equilibrium_text(result)
+        self.python.value, self.json.value = snippet(result.settings), to_json(result.settings)
+        self.tell(end_text(result))
+
+    def tell(self, text: str) -> None:
+        """Show a message, or none where it is empty."""
+        self.message.value = text
+        self.message.layout.display = "" if text else "none"
+
+    def arranged(self, busy: Any, controls: Iterable[Any], picture: Any) -> Any:
+        """Controls and picture side by side where there is room."""
+        code = ipywidgets.Accordion([self.python, self.json], titles=("as Python", "as JSON"))
+        code.add_class("fl-code")
+        buttons = ipywidgets.HBox([self.compare, self.reset, busy])
+        column = [buttons, self.message, self.equilibrium, *controls, code, ipywidgets.HTML(STYLE)]
+        layout = ipywidgets.Layout(flex=f"0 0 {CONTROLS_WIDTH}", max_width="100%")
+        left = ipywidgets.VBox(column, layout=layout).add_class("fl-controls")
+        wrap = ipywidgets.Layout(flex_flow="row nowrap", align_items="flex-start", width="100%")
+        return ipywidgets.Box([left, picture], layout=wrap).add_class("fl-explorer")
+
+
+def _text(name: str) -> Any:
+    return ipywidgets.HTML().add_class(f"fl-{name}")
+
+
+def _code(name: str) -> Any:
+    area = ipywidgets.Textarea(layout=ipywidgets.Layout(width="100%", height="120px"))
+    return area.add_class(f"fl-{name}")

@@ -1,0 +1,96 @@
+"""Controls of the run: initial state, duration, method, and what is shown of it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import ipywidgets
+import numpy as np
+
+from frictionlab.hybrid.rk4 import RK4
+from frictionlab.hybrid.taylor import Taylor
+
+from .settings import WINDOW, Settings
+from .sliders import dressed
+
+OWN, FIXED = "own", "rk4"
+QUICK = Taylor(chatter=1e-4)  # right to some 1e-6 of the motion, and several times as fast under Eq. (13)
+STARTS = (("rest", "rest"), ("near the equilibrium", "near"), ("own numbers", OWN))
+METHODS = (("exact (Taylor)", Taylor()), ("quick (Taylor)", QUICK), ("paper's (RK4)", FIXED))
+WINDOWS = (*((f"last {s:g} s", s) for s in (0.5, WINDOW, 2.0, 5.0)), ("whole run", None))
+NAMES = "start", "own", "duration", "method", "step", "window", "coordinate"
+STEP, FINEST, COARSEST = 2e-4, 2e-5, 1e-2  # s; the paper's step
+
+
+class RunControls:
+    """Drop-down lists and sliders that say how a model is run.
+
+    Attributes
+    ----------
+    start, own, duration, method, step, window, coordinate : widgets
+    """
+
+    def __init__(self, settings: Settings) -> None:
+        drop, names = ipywidgets.Dropdown, settings.model.coordinates
+        self.start = dressed(drop(options=STARTS), "start", "start", "initial state")
+        self.own = _own(names)
+        self.duration = _duration(settings.t_end)
+        text = "exact to rounding; quick: flights below 0.1 ms replaced by their limit; the paper's"
+        self.method = dressed(drop(options=METHODS, value=settings.method), "method", "method", text)
+        self.step = _step()
+        text = "part of the run that the panels show; the spectrum is of its second half"
+        self.window = dressed(drop(options=WINDOWS, value=settings.window), "window", "shown", text)
+        text = "coordinate of the phase plane and the spectrum"
+        self.coordinate = dressed(drop(options=names), "coordinate", "coordinate", text)
+        layout = ipywidgets.Layout(flex_flow="row wrap")
+        self.widget = ipywidgets.Box(list(self.controls.values()), layout=layout)
+
+    @property
+    def controls(self) -> dict[str, Any]:
+        """All of them by name."""
+        return {name: getattr(self, name) for name in NAMES}
+
+    def settings(self, model: Any) -> Settings:
+        """The settings for a model.
+
+        Raises
+        ------
+        ValueError
+            Where the initial state is no list of numbers.
+        """
+        self.own.layout.display = "" if self.start.value == OWN else "none"
+        self.step.layout.display = "" if self.method.value == FIXED else "none"
+        start = _numbers(self.own.value) if self.start.value == OWN else self.start.value
+        method = RK4(step=self.step.value) if self.method.value == FIXED else self.method.value
+        chosen = self.coordinate.value
+        coordinate = chosen if chosen in model.coordinates else model.coordinates[0]
+        return Settings(model, self.duration.value, start, method, self.window.value, coordinate)
+
+
+def _own(names: tuple[str, ...]) -> Any:
+    text = f"coordinates {', '.join(names)}, then their rates, with commas between"
+    return dressed(ipywidgets.Text(_zeros(names), continuous_update=False), "own", "state", text)
+
+
+def _zeros(names: tuple[str, ...]) -> str:
+    return ", ".join(["0"] * 2 * len(names))
+
+
+def _duration(seconds: float) -> Any:
+    made = ipywidgets.FloatSlider(seconds, min=1.0, max=max(100.0, seconds), step=1.0, readout_format=".4g")
+    return dressed(made, "duration", "duration (s)", "seconds that are simulated")
+
+
+def _step() -> Any:
+    low, high = np.log10([FINEST, COARSEST])
+    made = ipywidgets.FloatLogSlider(STEP, min=low - 1e-12, max=high, step=0.05, readout_format=".3g")
+    return dressed(made, "step", "step (s)", "fixed step of the paper's algorithm; its own is 2e-4 s")
+
+
+def _numbers(text: str) -> tuple[float, ...]:
+    try:
+        return tuple(float(part) for part in text.replace(";", ",").split(",") if part.strip())
+    except ValueError as error:
+        raise ValueError(
+            f"the own state must be numbers with commas between, got {text!r}: write for example 0.01, 0, ..."
+        ) from error

@@ -1,0 +1,102 @@
+"""What an explorer is set to: as data, as Python that gives it again, as JSON."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, fields, replace
+from typing import Any
+
+import frictionlab
+from frictionlab.components.component import Component
+from frictionlab.hybrid.methods import Method
+from frictionlab.hybrid.taylor import Taylor
+
+WINDOW = 1.0  # seconds shown: some eleven oscillations of the paper's system
+
+MOST_STEPS = 300_000  # 100 s of the paper's system with all its chatter have 200 000
+
+
+@dataclass(frozen=True)
+class Settings:
+    """A model, how it is run, and what is shown of it.
+
+    Parameters
+    ----------
+    model : SliderOnBelt
+    t_end : float
+        Seconds that are simulated.
+    x0 : str or tuple of float
+        As :func:`frictionlab.simulate` takes it.
+    method : Method
+    window : float or None
+        Seconds at the end that are shown; None shows the whole run.
+    coordinate : str
+        What phase plane and spectrum are of.
+    """
+
+    model: Any
+    t_end: float = 20.0
+    x0: str | tuple[float, ...] = "rest"
+    method: Method = Taylor()
+    window: float | None = WINDOW
+    coordinate: str = "x1"
+
+
+def capped(method: Method) -> Method:
+    """The method with an end to what a motion without bounds may cost: its steps get ever shorter."""
+    return replace(method, max_steps=MOST_STEPS) if isinstance(method, Taylor) else method
+
+
+def snippet(settings: Settings) -> str:
+    """Python that makes the model and the run again."""
+    start = settings.x0 if isinstance(settings.x0, str) else list(settings.x0)
+    described = _public(f"{type(settings.model).__name__}, {settings.model!r}").partition(", ")[2]
+    arguments = f"model, {settings.t_end!r}, x0={start!r}{_method(settings.method)}"
+    run = f"run = fl.simulate({arguments})"
+    return "\n".join(["import frictionlab as fl", *_imports(settings.model), f"model = {described}", run])
+
+
+def to_json(settings: Settings) -> str:
+    """Everything as JSON; ``SliderOnBelt.from_dict(data["model"])`` gives the model again."""
+    start = settings.x0 if isinstance(settings.x0, str) else list(settings.x0)
+    data = {
+        "model": settings.model.to_dict(),
+        "t_end": settings.t_end,
+        "x0": start,
+        "method": settings.method.describe(),
+        "window": settings.window,
+        "coordinate": settings.coordinate,
+    }
+    return json.dumps(data, indent=1)
+
+
+def _method(method: Method) -> str:
+    """The method as an argument, with what differs from its defaults."""
+    usual = type(method)()
+    differs = [f.name for f in fields(method) if getattr(method, f.name) != getattr(usual, f.name)]
+    values = ", ".join(f"{name}={getattr(method, name)!r}" for name in differs)
+    return "" if method == Taylor() else f", method=fl.{type(method).__name__}({values})"
+
+
+def _public(text: str) -> str:
+    """The text with fl. before every class of the package's own that is called in it."""
+    return re.sub(r"\b([A-Z]\w*)\(", lambda m: f"fl.{m[0]}" if m[1] in frictionlab.__all__ else m[0], text)
+
+
+def _imports(model: Any) -> Iterator[str]:
+    """What makes the names of laws known that are not the package's own."""
+    for cls in dict.fromkeys(_classes(model)):
+        if cls.__name__ in frictionlab.__all__ and cls.__module__.startswith("frictionlab."):
+            continue
+        if cls.__module__ == "__main__":
+            yield f"# run the cell that defines {cls.__name__} first"
+        elif f"{cls.__name__}(" in repr(model):
+            yield f"from {cls.__module__} import {cls.__name__}"
+
+
+def _classes(component: Component) -> Iterator[type]:
+    yield type(component)
+    for value in getattr(component, "components", {}).values():
+        yield from _classes(value)

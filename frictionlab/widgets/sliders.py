@@ -1,0 +1,106 @@
+"""Sliders from what is known about a parameter: symbol, unit, meaning, range, scale."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import ipywidgets
+
+from frictionlab.components.names import did_you_mean
+from frictionlab.components.parameter import Parameter
+
+STEPS = 300  # of a slider, at most so many from one end to the other
+PER_DECADE = 50
+WIDTH = "310px"
+
+
+def slider(name: str, about: Parameter, value: float) -> Any:
+    """A slider for a parameter, its CSS class ``fl-<name>``; logarithmic where that fits.
+
+    The range is that of the parameter, made wide enough for the value; without one it goes up to twice the
+    value, within the parameter's bounds.
+    """
+    low, high = reach(about, value)
+    logarithmic = about.log and low > 0
+    made = _logarithmic(low, high, value) if logarithmic else _linear(low, high, value)
+    rule = "logarithmic" if logarithmic else "linear"
+    text = f"{about.meaning or name}{about.unit and f', {about.unit}'} ({name}, {low:g} to {high:g}, {rule})"
+    return dressed(made, name, description(about), text)
+
+
+def dressed(control: Any, name: str, text: str, tooltip: str) -> Any:
+    """A control with its label, its tooltip and its CSS class ``fl-<name>``."""
+    control.description, control.tooltip = text, tooltip
+    control.style.description_width = "92px"
+    control.layout = ipywidgets.Layout(width=WIDTH, max_width="100%")
+    control.add_class(f"fl-{name}").add_class("fl-control")
+    return control
+
+
+def description(about: Parameter) -> str:
+    """Symbol in LaTeX, and unit."""
+    unit = about.unit.replace("^2", "²").replace("^3", "³")
+    return f"${about.symbol}$" + (f" ({unit})" if unit else "")
+
+
+def reach(about: Parameter, value: float) -> tuple[float, float]:
+    """Where a slider for a parameter begins and ends."""
+    low, high = about.range or _guessed(about, value)
+    if about.log and low <= 0 < value:
+        low = min(value, high) / 1e3
+    return min(low, value), max(high, value)
+
+
+def _guessed(about: Parameter, value: float) -> tuple[float, float]:
+    twice = 2 * abs(value) or 1.0
+    bounds = [b for b in (about.minimum, about.exclusive_minimum) if b is not None]
+    # An open bound is no admissible value itself.
+    least = -math.inf if not bounds else bounds[0] + (twice / STEPS if about.minimum is None else 0.0)
+    low = max(least, 0.0 if value > 0 else -twice)
+    return low, min(max(twice, low + twice), math.inf if about.maximum is None else about.maximum)
+
+
+def _linear(low: float, high: float, value: float) -> Any:
+    step = _dividing(_step(high - low), value - low)
+    return ipywidgets.FloatSlider(
+        value, min=low, max=high, step=step, readout_format=".4g", continuous_update=True
+    )
+
+
+def _logarithmic(low: float, high: float, value: float) -> Any:
+    exponent, least = math.log10(value), math.log10(low)
+    steps = max(1, round((exponent - least) * PER_DECADE))
+    return ipywidgets.FloatLogSlider(
+        value,
+        base=10.0,
+        min=math.log10(low) - 1e-12,
+        max=math.log10(high) + 1e-12,
+        step=(exponent - least) / steps if exponent > least else 1 / PER_DECADE,
+        readout_format=".4g",
+        continuous_update=True,
+    )
+
+
+def _step(span: float) -> float:
+    """The next 1, 2 or 5 times a power of ten that makes at most STEPS steps."""
+    if not span > 0:
+        return 0.1
+    least = span / STEPS
+    power = 10.0 ** math.floor(math.log10(least))
+    return next(s * power for s in (1.0, 2.0, 5.0, 10.0) if s * power >= least * (1 - 1e-9))
+
+
+def _dividing(step: float, distance: float) -> float:
+    """The step, or a finer one that leads to the value: else the browser would show another one."""
+    for finer in (step / n for n in (1, 2, 5, 10, 20, 50, 100)):
+        if abs(distance / finer - round(distance / finer)) < 1e-6:
+            return finer
+    return step
+
+
+def known(model: Any, name: str) -> None:
+    """Refuse a name that is no parameter of the model."""
+    if name not in model.parameters:
+        hint = did_you_mean(name, model.parameters)
+        raise ValueError(f"{type(model).__name__} has no parameter {name!r}: {hint}")

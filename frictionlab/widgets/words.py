@@ -1,0 +1,50 @@
+"""What stands beside the picture: the equilibrium and its stability, and errors in plain words."""
+
+from __future__ import annotations
+
+from html import escape
+from typing import Any
+
+import numpy as np
+
+from frictionlab.plotting.palette import unit
+
+
+def equilibrium_text(result: Any) -> str:
+    """Whether steady sliding is stable, and where it is."""
+    found = result.eigenvalues
+    if found is None:
+        return f"<b>No steady sliding.</b> {escape(result.why_none, quote=False)}"
+    point = found.equilibrium
+    rows = [(name, x, unit(name)) for name, x in zip(result.model.coordinates, point.q)]
+    rows += [("gap", point.gap, "m"), ("F_N", point.normal_force, "N"), ("F_T", point.friction_force, "N")]
+    numbers = " ".join(f"<span>{n} = {x:.5g} {u}</span>" for n, x, u in rows)
+    return f"<b>Steady sliding is {stability_text(found)}</b><br>{numbers}"
+
+
+def stability_text(found: Any) -> str:
+    """Stable, or which mode grows, how fast and at what frequency."""
+    upper = found.values[found.values.imag >= 0]
+    growing = upper[upper.real > 0]
+    if not len(growing):
+        slowest = upper.real.max()
+        return "stable" if slowest < 0 else "neither stable nor unstable: a mode neither grows nor decays"
+    worst = growing[np.argmax(growing.real)]
+    modes = "1 mode grows" if len(growing) == 1 else f"{len(growing)} modes grow"
+    return f"unstable: {modes}, at {worst.real:.4g} 1/s and {worst.imag / (2 * np.pi):.4g} Hz"
+
+
+def error_text(error: Exception) -> str:
+    """What is wrong, in plain words; other errors than bad values with their kind."""
+    kind = "" if isinstance(error, (ValueError, TypeError)) else f"{type(error).__name__}: "
+    return (
+        f"<b>{escape(kind + (str(error) or type(error).__name__), quote=False)}</b><br>"
+        "The picture is that of the last values that worked."
+    )
+
+
+def end_text(result: Any) -> str:
+    """A sentence where the run did not reach its end."""
+    if not result.ran or result.run.status.ok:
+        return ""
+    return escape(f"The run ended at {result.run.raw.t:.4g} s: {result.run.status}.")

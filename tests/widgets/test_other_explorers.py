@@ -1,0 +1,124 @@
+"""The explorers of stability and of bifurcations show what the analyses give."""
+
+import numpy as np
+import pytest
+
+import frictionlab as fl
+
+FLAT = fl.SliderOnBelt().without("geometry")
+
+
+@pytest.fixture(scope="module")
+def stability():
+    return fl.explore_stability()
+
+
+def test_the_critical_curve_is_that_of_the_analysis(stability):
+    line = stability.picture.tiles["critical"].lines["critical"]
+    at, values = line.get_data()
+    known = np.flatnonzero(np.isfinite(values))[::7]
+    assert len(known) > 2
+    for i in known:
+        model = fl.SliderOnBelt(F=float(at[i]))
+        assert values[i] == pytest.approx(fl.critical_value(model, "mu_k", (0, 3)), rel=1e-9)
+
+
+def test_the_point_moves_and_changes_where_it_passes_the_curve(stability):
+    lines = stability.picture.tiles["critical"].lines
+    critical = fl.critical_value(fl.SliderOnBelt(), "mu_k", (0, 3))
+    for mu_k, stable in ((critical - 0.01, True), (critical + 0.01, False)):
+        stability.controls["mu_k"].value = mu_k
+        here, elsewhere = (lines[f"here, {n}"] for n in ("stable", "unstable")[:: 1 if stable else -1])
+        assert (here.get_xdata(), here.get_ydata()) == ([200.0], [mu_k])
+        assert len(elsewhere.get_xdata()) == 0
+        assert stability.result.eigenvalues.stable is stable
+    grows = stability.picture.tiles["eigenvalues"].lines["grows"].get_xdata()
+    rates = fl.eigenvalues(stability.model).growth_rates
+    assert grows == pytest.approx([rates.max()])
+
+
+def test_moving_the_point_computes_no_curve_anew(stability):
+    panel = stability.picture.panels["critical"]
+    before = panel._curve.cache_info().misses
+    stability.controls["mu_k"].value = 0.7
+    stability.controls["F"].value = 450.0
+    assert panel._curve.cache_info().misses == before
+    stability.controls["k5"].value = 1.5e4
+    assert panel._curve.cache_info().misses == before + 1
+    assert not stability.result.ran
+
+
+def test_a_parameter_that_a_switch_takes_away_is_missed_in_plain_words():
+    explorer = fl.explore_stability(parameter="k_nl", over="F")
+    explorer.controls["switch-cubic"].value = False
+    assert "has no parameter 'k_nl'" in explorer.face.message.value
+    explorer.controls["switch-cubic"].value = True
+    assert explorer.error is None
+
+
+@pytest.mark.parametrize("explore", [fl.explore_stability, fl.explore_bifurcation])
+def test_unknown_parameters_are_refused(explore):
+    with pytest.raises(ValueError, match="has no parameter 'mu': did you mean"):
+        explore(parameter="mu")
+
+
+def test_two_different_parameters_are_needed():
+    with pytest.raises(ValueError, match="over must be another parameter than 'F'"):
+        fl.explore_stability(parameter="F", over="F")
+
+
+@pytest.fixture(scope="module")
+def diagram():
+    explorer = fl.explore_bifurcation(FLAT.replace(mu_k=0.5, mu_s=4.0))
+    explorer.controls["transient"].value = 5.0
+    return explorer
+
+
+def shown(explorer):
+    lines = explorer.picture.tiles["bifurcation"].lines.values()
+    x = np.concatenate([line.get_xdata() for line in lines if line.get_label() != "_here"])
+    return np.unique(x)
+
+
+def test_a_narrow_range_is_computed_more_finely_and_nothing_twice(diagram):
+    panel = diagram.picture.panels["bifurcation"]
+    diagram.controls["range"].value = (0.0, 1.2)
+    coarse = dict(panel.found)
+    assert len(shown(diagram)) >= 24
+    diagram.controls["range"].value = (0.3, 0.6)
+    fine = shown(diagram)
+    assert len(fine) >= 24
+    assert (fine.min(), fine.max()) == (0.3, 0.6)
+    assert all(panel.found[value] is coarse[value] for value in coarse)
+    assert diagram.picture.tiles["bifurcation"].ax.get_xlim() == (0.3, 0.6)
+
+
+def test_the_points_are_those_of_the_analysis(diagram):
+    diagram.controls["range"].value = (0.3, 0.6)
+    found = diagram.picture.panels["bifurcation"].found
+    model, method = FLAT.replace(mu_s=4.0), diagram.settings.method
+    expected = fl.bifurcation(model, "mu_k", [0.6], transient=5.0, window=10.0, method=method, progress=False)
+    kind, states = found[0.6]
+    assert kind == expected.kinds[0]
+    assert np.array_equal(states, expected.sections[0])
+
+
+def test_the_slider_of_the_parameter_selects_a_value_and_computes_no_diagram(diagram):
+    panel = diagram.picture.panels["bifurcation"]
+    before = dict(panel.found)
+    diagram.controls["mu_k"].value = 0.45
+    assert panel.found == before
+    assert diagram.picture.tiles["bifurcation"].lines["_here"].get_xdata() == [0.45, 0.45]
+    t, x = diagram.picture.tiles["response"].lines["$x_{1}$"].get_data()
+    assert np.array_equal(x, diagram.run(t)[:, 0])
+    assert diagram.model.mu_k == 0.45
+
+
+def test_another_parameter_means_another_diagram(diagram):
+    panel = diagram.picture.panels["bifurcation"]
+    assert not diagram.controls["F"].continuous_update
+    assert diagram.controls["mu_k"].continuous_update
+    before = panel.found
+    diagram.controls["F"].value = 250.0
+    assert panel.found is not before
+    assert len(panel.found) == 24
