@@ -45,6 +45,7 @@ if TYPE_CHECKING:
     from frictionlab.hybrid.scipy_methods import Scipy
     from frictionlab.hybrid.solve import solve
     from frictionlab.hybrid.status import Status
+    from frictionlab.hybrid.tangent_flow import tangent_flow
     from frictionlab.hybrid.taylor import Taylor
     from frictionlab.hybrid.trajectory import Trajectory
     from frictionlab.models import SliderOnBelt
@@ -77,6 +78,7 @@ _HOMES = {
     "hybrid.scipy_methods": "Scipy",
     "hybrid.solve": "solve",
     "hybrid.status": "Status",
+    "hybrid.tangent_flow": "tangent_flow",
     "hybrid.taylor": "Taylor",
     "hybrid.trajectory": "Trajectory",
     "models": "SliderOnBelt",
