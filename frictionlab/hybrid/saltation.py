@@ -17,7 +17,8 @@ from frictionlab.hybrid.layout import Numbers, Program
 from frictionlab.hybrid.variational import tangent_jets
 
 GRAZING = 1e-7  # share of the time in the mode that ends, within which the guard would have turned back
-COINCIDENCE = 1e-6
+TOGETHER = 1e-9  # share of that time within which another guard vanishes too
+COINCIDENCE = 1e-6  # share of the saltation matrix by which neighbours may miss the next mode's constraints
 
 
 class SaltationError(ValueError):
@@ -47,7 +48,7 @@ def saltation(program: Program, numbers: Numbers, event: Crossing) -> np.ndarray
     Raises
     ------
     SaltationError
-        Where the motion grazes the guard, or enters the next mode by a coincidence: neighbours do not.
+        Where the motion grazes the guard, meets two at once, or enters the next mode by a coincidence.
     """
     code, source = program.code, int(program.guard_modes[event.guard])
     left, entered = (
@@ -56,6 +57,8 @@ def saltation(program: Program, numbers: Numbers, event: Crossing) -> np.ndarray
     )
     slot = code.function_slots[event.guard]
     _check_grazing(left.jets[slot], event.dwell)
+    others = code.function_slots[code.mode_guards[source] : code.mode_guards[source + 1]]
+    _check_alone(left.jets[others[others != slot]], event.dwell)
     jump = _reset_jacobian(program, numbers, code.resets[event.guard, 0], event.before)
     before, after = left.jets[code.flow[source], 0], entered.jets[code.flow[event.target], 0]
     matrix = jump + np.outer(after - jump @ before, left.gradients[slot]) / left.jets[slot, 1]
@@ -79,13 +82,13 @@ def constraint_gradients(program: Program, mode: int, at: Linear) -> np.ndarray:
 
 def _linear(program, numbers, ops: tuple[int, int], flow: np.ndarray, z: np.ndarray) -> Linear:
     code, n = program.code, len(z)
-    J, T = np.zeros((program.slots, 3)), np.zeros((n, program.slots, 1))
+    J, T = np.zeros((program.slots, 3)), np.zeros((program.slots, 1, n))
     J[:n, 0] = z
-    T[:, :n, 0] = np.eye(n)
+    T[:n, 0] = np.eye(n)
     with np.errstate(all="ignore"):
         run_tape(code, numbers, *ops, 2, flow, -1.0, J, J)
         tangent_jets(code, numbers, *ops, 0, flow, J, T)
-    return Linear(J, T[:, :, 0].T)
+    return Linear(J, T[:, 0])
 
 
 def _reset_jacobian(program: Program, numbers: Numbers, reset: int, z: np.ndarray) -> np.ndarray:
@@ -102,6 +105,12 @@ def _check_grazing(guard: np.ndarray, dwell: float) -> None:
         raise SaltationError("two events at one instant: which neighbours meet first depends on the side")
     if not abs(guard[1]) > GRAZING * dwell * abs(guard[2]):
         raise SaltationError("the event function has a double zero (grazing): some neighbours miss it")
+
+
+def _check_alone(others: np.ndarray, dwell: float) -> None:
+    """No other guard of the mode that ends reaches zero as well; those that stay zero do not count."""
+    if (np.abs(others[:, 0]) < TOGETHER * dwell * np.abs(others[:, 1])).any():
+        raise SaltationError("two event functions vanish at one instant: neighbours meet only one of them")
 
 
 def _check_constraints(rates: np.ndarray, matrix: np.ndarray) -> None:

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
 from frictionlab.hybrid.events import Events
+from frictionlab.hybrid.methods import CHUNK
+from frictionlab.hybrid.progress import DELAY
 from frictionlab.hybrid.saltation import (
     Crossing,
     SaltationError,
@@ -38,7 +43,7 @@ class TangentFlow:
     saltations: np.ndarray
 
 
-def tangent_flow(run: Trajectory) -> TangentFlow:
+def tangent_flow(run: Trajectory, *, progress: bool = True) -> TangentFlow:
     """Fundamental matrix of a run: its variational equation, with a saltation matrix at every event.
 
     The series are those of the run's tape, differentiated operation by operation, so that the matrix is as
@@ -51,6 +56,8 @@ def tangent_flow(run: Trajectory) -> TangentFlow:
     ----------
     run : Trajectory
         Made by method "taylor".
+    progress : bool
+        Show a progress bar where it takes more than a second.
 
     Returns
     -------
@@ -71,7 +78,7 @@ def tangent_flow(run: Trajectory) -> TangentFlow:
     >>> fl.tangent_flow(run).matrix.shape
     (8, 8)
     """
-    frame, matrices = carry_frame(run, initial_frame(run))
+    frame, matrices = carry_frame(run, initial_frame(run), progress)
     return TangentFlow(frame, run.events, np.array(matrices).reshape(-1, *frame.shape))
 
 
@@ -86,19 +93,39 @@ def initial_frame(run: Trajectory) -> np.ndarray:
     return frame - np.linalg.pinv(fixed) @ fixed if len(fixed) else frame
 
 
-def carry_frame(run: Trajectory, frame: np.ndarray) -> tuple[np.ndarray, list[np.ndarray]]:
-    """Columns (n, m), tangent vectors at the start of a run, carried to its end; and the saltation matrices."""
-    check_exact(run)
-    starts, done, matrices = run.raw.step_times[:, 0], 0, []
-    rows = np.ascontiguousarray(frame.T)
-    for i, t in enumerate(run.raw.event_times):
-        reached = int(np.searchsorted(starts, t))
-        _carry(run, done, reached, rows)
-        done = reached
-        matrices.append(_saltation(run, i))
-        rows = np.ascontiguousarray(rows @ matrices[-1].T)
-    _carry(run, done, len(starts), rows)
+def carry_frame(run: Trajectory, frame: np.ndarray, progress: bool) -> tuple[np.ndarray, list[np.ndarray]]:
+    """Columns (n, m), tangent vectors at a run's start, carried to its end; and the saltation matrices."""
+    from tqdm.auto import tqdm
+
+    rows, matrices = np.ascontiguousarray(frame.T), []
+    shown = tqdm(list(pieces(run)), desc="tangent flow", leave=False, delay=DELAY, disable=not progress)
+    for part, event in shown:
+        carry_rows(carry_steps, run, part, rows)
+        if event is not None:
+            matrices.append(saltation_at(run, event))
+            rows = np.ascontiguousarray(rows @ matrices[-1].T)
     return rows.T.copy(), matrices
+
+
+def pieces(run: Trajectory) -> Iterator[tuple[slice, int | None]]:
+    """A run as slices of its steps, none too long to be interrupted, each with the event at its end."""
+    check_exact(run)
+    starts = run.raw.step_times[:, 0]
+    ends = [*np.searchsorted(starts, run.raw.event_times).tolist(), len(starts)]
+    for i, (first, last) in enumerate(pairwise([0, *ends])):
+        while last - first > CHUNK:
+            yield slice(first, first + CHUNK), None
+            first += CHUNK
+        yield slice(first, last), i if i < len(ends) - 1 else None
+
+
+def end_rates(run: Trajectory) -> tuple[np.ndarray, np.ndarray]:
+    """Time derivative (n,) of the state at the start and at the end of a run that takes at least one step."""
+    problem, raw = run._problem, run.raw
+    ends = (int(raw.step_modes[0]), raw.step_states[0]), (raw.mode, raw.state)
+    flow = problem.program.code.flow
+    first, last = (in_mode(problem.program, problem.numbers, *end).jets[flow[end[0]], 0] for end in ends)
+    return first, last
 
 
 def check_exact(run: Trajectory) -> None:
@@ -108,22 +135,22 @@ def check_exact(run: Trajectory) -> None:
         raise ValueError(f"the tangent flow needs a run of method 'taylor', got {method!r}: run it again so")
 
 
-def _carry(run: Trajectory, first: int, last: int, rows: np.ndarray) -> None:
-    """Carry the rows over the steps [first, last)."""
+def carry_rows(steps: Any, run: Trajectory, part: slice, rows: np.ndarray, *more: np.ndarray) -> None:
+    """Carry the rows, tangent vectors, over a smooth piece of a run, by the kernel `steps`."""
     problem, raw, order = run._problem, run.raw, run.samples.order
-    part = slice(first, last)
     J = np.zeros((problem.program.slots, order + 1))
-    T = np.zeros((len(rows), *J.shape))
-    steps = raw.step_times[part], raw.step_modes[part], raw.step_states[part]
+    T = np.zeros((*J.shape, len(rows)))
+    stored = raw.step_times[part], raw.step_modes[part], raw.step_states[part]
     settings = problem.program.code, problem.numbers, order, run.description["method"]["tol"]
     with np.errstate(all="ignore"):
-        failed = carry_steps(*settings, *steps, raw.state.copy(), rows, J, T)
+        failed = steps(*settings, *stored, raw.state.copy(), rows, J, T, *more)
     if failed >= 0 or not np.isfinite(rows).all():
-        t = raw.step_times[first + max(failed, 0), 0]
+        t = raw.step_times[part.start + max(failed, 0), 0]
         raise SaltationError(f"the tangent flow overflows after t = {t:g} s: end the run earlier")
 
 
-def _saltation(run: Trajectory, i: int) -> np.ndarray:
+def saltation_at(run: Trajectory, i: int) -> np.ndarray:
+    """Saltation matrix (n, n) of an event of a run, by its number."""
     raw, problem = run.raw, run._problem
     t, (guard, target, closed) = raw.event_times[i], raw.event_codes[i]
     where = f"at t = {t:g} s ({run.events.source[i]} to {run.events.target[i] or 'no mode'})"
@@ -134,7 +161,8 @@ def _saltation(run: Trajectory, i: int) -> np.ndarray:
     if target < 0:
         raise SaltationError(f"no mode was admissible {where}: end the run before")
     dwell = float(t - (raw.event_times[i - 1] if i else 0.0))
-    event = Crossing(int(guard), int(target), *raw.event_states[i], dwell)
+    before, after = raw.event_states[i]
+    event = Crossing(int(guard), int(target), before, after, dwell)
     try:
         return saltation(problem.program, problem.numbers, event)
     except SaltationError as error:

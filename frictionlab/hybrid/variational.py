@@ -1,7 +1,7 @@
 """Taylor series of the variational equation: a tape differentiated operation by operation.
 
-An array T of tangent jets has one array of jets (see :mod:`frictionlab.hybrid.jets`) for each direction:
-T[d, slot, k] is coefficient k of the slot's derivative in direction d.
+An array T of tangent jets has T[slot, k, d], coefficient k of the slot's derivative in direction d: all
+directions side by side, so that they are computed together.
 """
 
 from __future__ import annotations
@@ -14,28 +14,39 @@ SHORTEST = 1e-9  # share of a run's step below which the series of its tangents 
 
 
 @inlined
-def cross(J, a, D, b, first, k):
-    """Sum of J[a, j] D[b, k - j] over first <= j <= k."""
-    total = 0.0
+def add(factor, row, total):
+    """Add a multiple of a row of derivatives to `total`."""
+    for d in range(total.shape[0]):
+        total[d] += factor * row[d]
+
+
+@inlined
+def add_cross(sign, J, a, T, b, first, k, total):
+    """Add sign times the sum of J[a, j] T[b, k - j] over first <= j <= k to `total`."""
     for j in range(first, k + 1):
-        total += J[a, j] * D[b, k - j]
-    return total
+        add(sign * J[a, j], T[b, k - j], total)
 
 
 @kernel
-def operation_tangent(code, numbers, op, out, k, J, D):
-    """Coefficient k of the derivative `D` of an operation's result, whose jets are `J`."""
-    kind, a, b = code.ops[op, 0], code.ops[op, 1], code.ops[op, 2]
+def operation_tangent(code, numbers, op, out, k, J, T):
+    """Coefficient k of the derivatives of an operation's result, whose jets are `J`."""
+    kind, a, b, total = code.ops[op, 0], code.ops[op, 1], code.ops[op, 2], T[out, k]
+    for d in range(total.shape[0]):
+        total[d] = 0.0
     if kind == AFFINE:
-        total = 0.0
         for j in range(a, b):
-            total += numbers.terms[j] * D[code.term_slots[j], k]
-        return total
-    if kind == PRODUCT:
-        return cross(J, a, D, b, 0, k) + cross(J, b, D, a, 0, k)
-    if kind == SQUARE:
-        return 2.0 * cross(J, a, D, a, 0, k)
-    return (D[a, k] - cross(J, out, D, b, 0, k) - cross(J, b, D, out, 1, k)) / J[b, 0]
+            add(numbers.terms[j], T[code.term_slots[j], k], total)
+    elif kind == PRODUCT:
+        add_cross(1.0, J, a, T, b, 0, k, total)
+        add_cross(1.0, J, b, T, a, 0, k, total)
+    elif kind == SQUARE:
+        add_cross(2.0, J, a, T, a, 0, k, total)
+    else:
+        add(1.0, T[a, k], total)
+        add_cross(-1.0, J, out, T, b, 0, k, total)
+        add_cross(-1.0, J, b, T, out, 1, k, total)
+        for d in range(total.shape[0]):
+            total[d] /= J[b, 0]
 
 
 @kernel
@@ -47,41 +58,34 @@ def tangent_jets(code, numbers, first, last, order, flow, J, T):
     inputs = code.inputs
     for k in range(order + 1):
         for op in range(first, last):
-            out = inputs + op - first
-            for d in range(T.shape[0]):
-                T[d, out, k] = operation_tangent(code, numbers, op, out, k, J, T[d])
+            operation_tangent(code, numbers, op, inputs + op - first, k, J, T)
         if k < order:
             share = 1.0 / (k + 1)
-            for d in range(T.shape[0]):
-                for i in range(inputs):
-                    T[d, i, k + 1] = T[d, flow[i], k] * share
+            for i in range(inputs):
+                for d in range(T.shape[2]):
+                    T[i, k + 1, d] = T[flow[i], k, d] * share
 
 
 @kernel
-def carry(code, numbers, mode, order, tol, length, z, frame, J, T):
-    """Carry the state `z` and the rows of `frame`, tangent vectors, over a time in a mode.
+def carry(code, numbers, mode, order, tol, longest, z, frame, J, T):
+    """Carry the state `z` and the rows of `frame`, tangent vectors, a step on in a mode.
 
-    In as many steps as the tangents need: near an equilibrium the state's series would allow any step.
-    Returns whether it got there.
+    The step is as long as the series of the tangents allow: near an equilibrium the state's would allow any.
+    Returns its length, which is not positive, or no number, where the series diverge.
     """
     first, last, flow = code.mode_ops[mode], code.mode_ops[mode + 1], code.flow[mode]
-    left = length
-    while left > 0.0:
-        copy(z, J[: z.shape[0], 0])
-        run_tape(code, numbers, first, last, order, flow, -1.0, J, J)
-        for d in range(frame.shape[0]):
-            copy(frame[d], T[d, : z.shape[0], 0])
-        tangent_jets(code, numbers, first, last, order, flow, J, T)
-        step = left
-        for d in range(frame.shape[0]):
-            step = min(step, step_length(code, order, tol, T[d]))
-        if not step > SHORTEST * length:
-            return False
-        states_at(J, order, step, z)
-        for d in range(frame.shape[0]):
-            states_at(T[d], order, step, frame[d])
-        left -= step
-    return True
+    copy(z, J[: z.shape[0], 0])
+    run_tape(code, numbers, first, last, order, flow, -1.0, J, J)
+    for d in range(frame.shape[0]):
+        copy(frame[d], T[: z.shape[0], 0, d])
+    tangent_jets(code, numbers, first, last, order, flow, J, T)
+    step = longest
+    for d in range(frame.shape[0]):
+        step = min(step, step_length(code, order, tol, T[:, :, d]))
+    states_at(J, order, step, z)
+    for d in range(frame.shape[0]):
+        states_at(T[:, :, d], order, step, frame[d])
+    return step
 
 
 @kernel
@@ -89,6 +93,10 @@ def carry_steps(code, numbers, order, tol, times, modes, states, z, frame, J, T)
     """:func:`carry` over the steps of a run; returns the number of the step that failed, or -1."""
     for i in range(modes.shape[0]):
         copy(states[i], z)
-        if not carry(code, numbers, modes[i], order, tol, times[i, 1], z, frame, J, T):
-            return i
+        left = times[i, 1]
+        while left > 0.0:
+            step = carry(code, numbers, modes[i], order, tol, left, z, frame, J, T)
+            if not (step == left or step > SHORTEST * times[i, 1]):
+                return i
+            left -= step
     return -1
