@@ -113,7 +113,7 @@ def periodic_orbit(
     >>> model = fl.SliderOnBelt(mu_k=1.4).without("geometry")
     >>> run = fl.simulate(model, 30.0)
     >>> fl.periodic_orbit(model, run)
-    PeriodicOrbit(stable, period 0.0905161 s, slip+ > separation > slip+ > stick)
+    PeriodicOrbit(stable, period 0.0905161 s, slip+ > stick > slip+ > separation)
     """
     automaton = automaton_of(model)
     _check(model, guess, period, longest, tolerance)

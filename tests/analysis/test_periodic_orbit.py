@@ -138,6 +138,18 @@ def test_the_unit_circle_attracts_or_repels(direction):
     assert repr(orbit) == f"PeriodicOrbit({kind}, period 6.28319 s, only)"
 
 
+def test_an_unstable_bounce_is_found():
+    """A ball that leaves the floor at V^2/c: at speed c for ever; u -> u^2/c doubles what is off."""
+    c, g = sp.symbols("c g")
+    floor = fl.Event("floor", X, ("flight",), fl.Reset({X: sp.S.Zero, V: V**2 / c}))
+    scene = automaton(fl.Mode("flight", (V, -g), (floor,)), c=3.0, g=9.81)
+    orbit = fl.periodic_orbit(scene, [1.01 * 9.0 / (2 * 9.81), 0.0], period=0.6)
+    assert orbit.period == pytest.approx(6.0 / 9.81, rel=1e-13)
+    assert orbit.multipliers == pytest.approx([2.0, 1.0], rel=1e-12)
+    assert orbit.trajectory.events.before[0] == pytest.approx([0.0, -3.0], abs=1e-13)
+    assert not orbit.stable
+
+
 @pytest.mark.parametrize("time", [1, -1])
 def test_van_der_pol_keeps_to_liouvilles_formula(time):
     """det M = exp(integral of the divergence); the period at mu = 1 is Andersen & Geer's (1982)."""
