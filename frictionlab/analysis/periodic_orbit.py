@@ -8,22 +8,19 @@ from typing import Any
 import numpy as np
 
 from frictionlab.automaton import HybridAutomaton
-from frictionlab.hybrid.admissible import violation
 from frictionlab.hybrid.solve import solve
-from frictionlab.hybrid.tangent_flow import end_rates
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.hybrid.validation import check_number
 
-from .recurrence import Array, sizes
+from .orbit_checks import check_moves, check_orbit
+from .recurrence import Array
 from .returns import Guess, guessed, scales
 from .shooting import Shot, shoot
-from .steady_state import automaton_of, check_start, start_of
+from .steady_state import automaton_of, start_of
 from .window import SteadyState
 
 FOLDS = (2, 3, 5, 7)
 SAME = 1e-6  # share of the motion's size within which two states are one
-SHRUNK = 1e-3  # share of the guess's size below which an orbit is but an equilibrium
-INVARIANT = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,7 +69,7 @@ class PeriodicOrbit:
 
 def periodic_orbit(
     model: Any,
-    guess: Any = "rest",
+    guess: Any,
     *,
     period: float | None = None,
     longest: float = 100.0,
@@ -87,9 +84,9 @@ def periodic_orbit(
     Parameters
     ----------
     model : SliderOnBelt or HybridAutomaton
-    guess : SteadyState, Trajectory or array_like (n,)
-        A periodic steady state; a run whose end is near the orbit; or a state near the orbit.  All may be of
-        other parameter values.
+    guess : SteadyState, Trajectory, array_like (n,), "rest" or "near"
+        A periodic steady state; a run whose end is near the orbit; or a state near the orbit, see `simulate`.
+        All may be of other parameter values.
     period : float or None
         About the period in s; None takes that after which the guess first comes back to where it was.
     longest : float
@@ -119,9 +116,9 @@ def periodic_orbit(
     _check(model, guess, period, longest, tolerance)
     start = _in_slip(automaton, *guessed(automaton, _state(model, guess), period, longest))
     shot = shoot(automaton, start, tolerance)
-    _check_moves(shot, start)
+    check_moves(shot, start)
     shot = _shortest(automaton, start, shot, tolerance)
-    _check_orbit(shot, start)
+    check_orbit(shot, start)
     values = np.linalg.eigvals(shot.matrix).astype(complex)
     run = shot.run
     return PeriodicOrbit(
@@ -142,10 +139,17 @@ def _check(model: Any, guess: Any, period: float | None, longest: float, toleran
     if period is not None:
         check_number("period", period, above=0.0, cure="give about the period in seconds")
     run = guess.trajectory if isinstance(guess, SteadyState) else guess
-    if not isinstance(run, Trajectory):
-        return check_start(model, guess)
-    if run.names != (names := tuple(map(str, automaton_of(model).states))):
-        raise ValueError(f"guess must have the model's states {names}, got {run.names}: run this model")
+    names = tuple(map(str, automaton_of(model).states))
+    if isinstance(run, Trajectory):
+        if run.names != names:
+            raise ValueError(f"guess must have the model's states {names}, got {run.names}: run this model")
+        return
+    state = np.asarray(start_of(model, guess), dtype=float)
+    if state.shape != (len(names),) or not np.isfinite(state).all():
+        raise ValueError(
+            f"guess must be a SteadyState, a Trajectory, or a finite number for each of {', '.join(names)}, "
+            f"got {guess!r}"
+        )
 
 
 def _state(model: Any, guess: Any) -> Any:
@@ -178,31 +182,6 @@ def _shortest(automaton: HybridAutomaton, guess: Guess, shot: Shot, tolerance: f
             shot = shoot(automaton, once, tolerance)
             period = shot.run.raw.t / fold
     return shot
-
-
-def _check_moves(shot: Shot, guess: Guess) -> None:
-    """Raise for what closes because it does not move."""
-    if (sizes(shot.run.states) / guess.size).max() < SHRUNK:
-        raise ValueError(
-            "no periodic orbit found near the guess: Newton's method reached an equilibrium, "
-            f"{shot.run.raw.step_states[0]}: give a guess nearer to an orbit"
-        )
-
-
-def _check_orbit(shot: Shot, guess: Guess) -> None:
-    """Raise for an orbit that breaks a condition of its modes, or whose monodromy matrix is useless."""
-    if (amount := violation(shot.run)) > INVARIANT:
-        raise ValueError(
-            f"the orbit found violates a condition of its modes by {amount:.2g}: give another guess"
-        )
-    first, last = (rate / guess.size for rate in end_rates(shot.run))
-    matrix = shot.matrix * guess.size / guess.size[:, None]
-    missed = np.abs(matrix @ first - last).max() / (np.abs(matrix) @ np.abs(first)).max()
-    if not missed < INVARIANT:
-        raise ValueError(
-            f"the monodromy matrix misses the flow's direction by {missed:.2g}: "
-            "the orbit is too unstable for single shooting; take other parameters"
-        )
 
 
 def _modes(run: Trajectory) -> tuple[tuple[str, float], ...]:

@@ -12,9 +12,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from frictionlab.hybrid.jets import run_tape
 from frictionlab.hybrid.layout import Numbers, Program
-from frictionlab.hybrid.variational import tangent_jets
+from frictionlab.hybrid.variational import linearise
 
 GRAZING = 1e-7  # share of the time in the mode that ends, within which the guard would have turned back
 TOGETHER = 1e-9  # share of that time within which another guard vanishes too
@@ -83,11 +82,8 @@ def constraint_gradients(program: Program, mode: int, at: Linear) -> np.ndarray:
 def _linear(program, numbers, ops: tuple[int, int], flow: np.ndarray, z: np.ndarray) -> Linear:
     code, n = program.code, len(z)
     J, T = np.zeros((program.slots, 3)), np.zeros((program.slots, 1, n))
-    J[:n, 0] = z
-    T[:n, 0] = np.eye(n)
     with np.errstate(all="ignore"):
-        run_tape(code, numbers, *ops, 2, flow, -1.0, J, J)
-        tangent_jets(code, numbers, *ops, 0, flow, J, T)
+        linearise(code, numbers, *ops, flow, z, J, T)
     return Linear(J, T[:, 0])
 
 

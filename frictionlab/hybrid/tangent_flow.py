@@ -78,6 +78,7 @@ def tangent_flow(run: Trajectory, *, progress: bool = True) -> TangentFlow:
     >>> fl.tangent_flow(run).matrix.shape
     (8, 8)
     """
+    check_exact(run)
     frame, matrices = carry_frame(run, initial_frame(run), progress)
     return TangentFlow(frame, run.events, np.array(matrices).reshape(-1, *frame.shape))
 
@@ -109,7 +110,6 @@ def carry_frame(run: Trajectory, frame: np.ndarray, progress: bool) -> tuple[np.
 
 def pieces(run: Trajectory) -> Iterator[tuple[slice, int | None]]:
     """A run as slices of its steps, none too long to be interrupted, each with the event at its end."""
-    check_exact(run)
     starts = run.raw.step_times[:, 0]
     ends = [*np.searchsorted(starts, run.raw.event_times).tolist(), len(starts)]
     for i, (first, last) in enumerate(pairwise([0, *ends])):
@@ -129,7 +129,11 @@ def end_rates(run: Trajectory) -> tuple[np.ndarray, np.ndarray]:
 
 
 def check_exact(run: Trajectory) -> None:
-    """Raise for a run of a method whose events are not exact."""
+    """Raise for what is no run, or one of a method whose events are not exact."""
+    if not isinstance(run, Trajectory):
+        raise TypeError(
+            f"run must be a Trajectory, got {run!r}: give what frictionlab.simulate or solve returns"
+        )
     method = run.description.get("method", {}).get("name")
     if method != "taylor":
         raise ValueError(f"the tangent flow needs a run of method 'taylor', got {method!r}: run it again so")

@@ -67,6 +67,17 @@ def tangent_jets(code, numbers, first, last, order, flow, J, T):
 
 
 @kernel
+def linearise(code, numbers, first, last, flow, z, J, T):
+    """Jets up to order 2, and gradients, of the slots that the operations [first, last) write at `z`."""
+    for i in range(z.shape[0]):
+        J[i, 0] = z[i]
+        for d in range(z.shape[0]):
+            T[i, 0, d] = 1.0 if i == d else 0.0
+    run_tape(code, numbers, first, last, 2, flow, -1.0, J, J)
+    tangent_jets(code, numbers, first, last, 0, flow, J, T)
+
+
+@kernel
 def carry(code, numbers, mode, order, tol, longest, z, frame, J, T):
     """Carry the state `z` and the rows of `frame`, tangent vectors, a step on in a mode.
 

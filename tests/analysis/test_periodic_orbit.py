@@ -229,7 +229,7 @@ def test_a_guess_of_other_parameters_will_do():
 def test_bad_arguments_are_told_before_any_work():
     with pytest.raises(ValueError, match=r"period must be a finite number, above 0, got -1\.0"):
         fl.periodic_orbit(BELT, [0.0, 0.2], period=-1.0)
-    with pytest.raises(ValueError, match="x0 must hold a finite number for each of the states x, v"):
+    with pytest.raises(ValueError, match=r"guess must be .* a finite number for each of x, v, got"):
         fl.periodic_orbit(BELT, [0.0])
     with pytest.raises(TypeError, match="model must be a model such as SliderOnBelt"):
         fl.periodic_orbit("slider", [0.0])

@@ -1,11 +1,14 @@
 """Fundamental matrices against closed forms, the matrix exponential, and finite differences of the flow."""
 
+from copy import copy
+
 import numpy as np
 import pytest
 import sympy as sp
 from scipy.linalg import expm
 
 import frictionlab as fl
+from frictionlab.hybrid.admissible import violation
 from frictionlab.hybrid.program import program_of
 from frictionlab.hybrid.saltation import Crossing, saltation
 from frictionlab.hybrid.tangent_flow import end_rates
@@ -200,6 +203,16 @@ def test_the_matrix_of_two_runs_in_a_row_is_the_product():
     assert np.abs(product - exact).max() < 1e-10 * np.abs(exact).max()
 
 
+def test_saved_runs_and_runs_with_riders_have_it_too(tmp_path):
+    z = stays(FLAT)[1][0]
+    run = fl.simulate(FLAT, 0.2, x0=z, sections={"turn": "relative_velocity"}, quadratures={"gap": "gap"})
+    exact = fl.tangent_flow(fl.simulate(FLAT, 0.2, x0=z)).matrix
+    found = fl.tangent_flow(run).matrix
+    assert np.abs(found - exact).max() < 1e-11 * np.abs(exact).max()
+    again = fl.tangent_flow(fl.load(run.save(tmp_path / "run"))).matrix
+    assert again.tolist() == found.tolist()
+
+
 def test_the_direction_of_the_flow_is_a_tangent_vector():
     """M f(z(0)) = f(z(T)), through all events."""
     model = MODELS["moving load"]
@@ -220,6 +233,8 @@ def test_what_has_no_derivative_says_so():
     assert chatter.stats["accumulations"] > 0
     with pytest.raises(ValueError, match="accumulation of events was closed"):
         fl.tangent_flow(chatter)
+    with pytest.raises(TypeError, match="run must be a Trajectory"):
+        fl.tangent_flow(FLAT)
     with pytest.raises(ValueError, match="needs a run of method 'taylor', got 'rk4'"):
         fl.tangent_flow(fl.solve(oscillator(), 1.0, x0=[1.0, 0.0], method="rk4"))
 
@@ -249,3 +264,12 @@ def test_a_mode_entered_by_coincidence_is_refused():
     assert run.events.target.tolist() == ["hold"]
     with pytest.raises(ValueError, match="hold by a coincidence"):
         fl.tangent_flow(run)
+
+
+@ONCE
+def test_the_check_of_the_modes_conditions_sees_a_wrong_mode():
+    run = fl.solve(BELT, 20.0, x0=[0.3, -0.4])
+    wrong = copy(run)
+    assert violation(run) < 1e-13
+    wrong.raw = run.raw._replace(step_modes=np.full_like(run.raw.step_modes, BELT.names.index("-")))
+    assert violation(wrong) == pytest.approx(1.0)  # v_r > 0 all along, and it should be negative
