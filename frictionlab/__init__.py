@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from frictionlab.analysis.bifurcation import bifurcation
     from frictionlab.analysis.branch import Bifurcation, load_bifurcation
     from frictionlab.analysis.ensemble import Ends, ensemble
+    from frictionlab.analysis.lyapunov import LyapunovSpectrum, lyapunov
+    from frictionlab.analysis.periodic_orbit import PeriodicOrbit, periodic_orbit
     from frictionlab.analysis.simulate import load, simulate
     from frictionlab.analysis.steady_state import steady_state
     from frictionlab.analysis.sweep import sweep
@@ -46,6 +48,7 @@ if TYPE_CHECKING:
     from frictionlab.hybrid.scipy_methods import Scipy
     from frictionlab.hybrid.solve import solve
     from frictionlab.hybrid.status import Status
+    from frictionlab.hybrid.tangent_flow import TangentFlow, tangent_flow
     from frictionlab.hybrid.taylor import Taylor
     from frictionlab.hybrid.trajectory import Trajectory
     from frictionlab.models import SliderOnBelt
@@ -73,6 +76,8 @@ _HOMES = {
     "analysis.bifurcation": "bifurcation",
     "analysis.branch": "Bifurcation load_bifurcation",
     "analysis.ensemble": "ensemble Ends",
+    "analysis.lyapunov": "lyapunov LyapunovSpectrum",
+    "analysis.periodic_orbit": "periodic_orbit PeriodicOrbit",
     "analysis.simulate": "simulate load",
     "analysis.steady_state": "steady_state",
     "analysis.sweep": "sweep",
@@ -84,6 +89,7 @@ _HOMES = {
     "hybrid.scipy_methods": "Scipy",
     "hybrid.solve": "solve",
     "hybrid.status": "Status",
+    "hybrid.tangent_flow": "tangent_flow TangentFlow",
     "hybrid.taylor": "Taylor",
     "hybrid.trajectory": "Trajectory",
     "models": "SliderOnBelt",

@@ -117,7 +117,7 @@ def check_steady(
     check_number("tolerance", tolerance, above=0.0, cure="1e-6 suits the exact solver")
     if longest is not None:
         check_number("longest", longest, above=0.0, cure="give the most seconds to go on for")
-    automaton = _automaton(model)
+    automaton = automaton_of(model)
     if section is not None:
         asked(automaton, section)
     check_start(model, x0)
@@ -125,7 +125,7 @@ def check_steady(
 
 def check_start(model: Any, x0: Any) -> None:
     """Raise for an initial state that :func:`simulate` would not take."""
-    states = _automaton(model).states
+    states = automaton_of(model).states
     names = ", ".join(map(str, states))
     start = np.asarray(start_of(model, x0), dtype=float)
     if start.shape != (len(states),) or not np.isfinite(start).all():
@@ -140,14 +140,15 @@ def start_of(model: Any, x0: Any) -> Any:
     return initial_state(model, x0)
 
 
-def _automaton(model: Any) -> HybridAutomaton:
+def automaton_of(model: Any) -> HybridAutomaton:
+    """The automaton of a model, or the automaton itself; TypeError for anything else."""
     if not isinstance(model, (Model, HybridAutomaton)):
         raise TypeError(f"model must be a model such as SliderOnBelt or a HybridAutomaton, got {model!r}")
     return model if isinstance(model, HybridAutomaton) else model.automaton()
 
 
 def _transient(model: Any, t_end: float, x0: Any, method: Method, progress: bool) -> Trajectory:
-    return solve(_automaton(model), t_end, x0=x0, method=method, progress=progress, source=model)
+    return solve(automaton_of(model), t_end, x0=x0, method=method, progress=progress, source=model)
 
 
 def _window(
@@ -155,7 +156,7 @@ def _window(
 ) -> Trajectory:
     """A run with the section and the integrand of L_s along it, where the method can record them."""
     options: dict[str, Any] = {"method": method, "progress": progress, "source": model}
-    automaton, point = _automaton(model), resting_point(model)
+    automaton, point = automaton_of(model), resting_point(model)
     if method.riders:
         options["sections"] = asked(automaton, section or turning(automaton))
     if method.riders and point is not None:

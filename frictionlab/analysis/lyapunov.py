@@ -1,0 +1,126 @@
+"""`fl.lyapunov`: how fast neighbouring motions part, in every direction."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from frictionlab.automaton import HybridAutomaton
+from frictionlab.hybrid.growth import growth_along
+from frictionlab.hybrid.progress import DELAY
+from frictionlab.hybrid.solve import solve
+from frictionlab.hybrid.validation import check_number
+
+from .recurrence import Array
+from .returns import scales
+from .steady_state import automaton_of, check_start, start_of
+
+
+@dataclass(frozen=True, eq=False)
+class LyapunovSpectrum:
+    """Lyapunov exponents of a motion.
+
+    Parameters
+    ----------
+    exponents : array (n,)
+        1/s, the largest first; -inf for a direction that events take away (onsets of stick, plastic impacts).
+    standard_errors : array (n,)
+        Of the mean over `blocks`; NaN where the exponent is -inf.
+    blocks : array (K, n)
+        Exponents over each part of the run.
+    final_state : array (n,)
+        Where the run ended; give it as `x0` to go on.
+    """
+
+    exponents: Array
+    standard_errors: Array
+    blocks: Array
+    final_state: Array
+
+    @property
+    def chaotic(self) -> bool:
+        """Whether the largest exponent is positive by three standard errors or more."""
+        return bool(self.exponents[0] > 3.0 * self.standard_errors[0])
+
+
+def lyapunov(
+    model: Any,
+    x0: Any = "rest",
+    *,
+    transient: float = 200.0,
+    t_end: float = 1000.0,
+    blocks: int = 20,
+    progress: bool = True,
+) -> LyapunovSpectrum:
+    """Lyapunov exponents, by the tangent flow of the motion, orthonormalised after every step.
+
+    The tangent flow is that of :func:`frictionlab.tangent_flow`: series of the tape and a saltation matrix at
+    every event.  Source: Benettin et al., Meccanica 15 (1980).
+
+    Parameters
+    ----------
+    model : SliderOnBelt or HybridAutomaton
+    x0 : "rest", "near" or array_like (n,)
+        Of an automaton "rest" (all states zero) or an array.
+    transient : float
+        Seconds that are thrown away.
+    t_end : float
+        Seconds over which the exponents are averaged, after the transient and one block more, in which the
+        tangent vectors find their directions.
+    blocks : int
+        Parts of the run whose scatter gives the standard errors, two at least.
+    progress : bool
+
+    Returns
+    -------
+    LyapunovSpectrum
+
+    Raises
+    ------
+    ValueError
+        For bad arguments; where the run ends early or has no tangent flow, see `tangent_flow`.
+
+    Examples
+    --------
+    >>> import frictionlab as fl
+    >>> model = fl.SliderOnBelt(mu_k=1.4).without("geometry")
+    >>> found = fl.lyapunov(model, transient=20.0, t_end=20.0)
+    >>> found.chaotic
+    False
+    """
+    check_number("transient", transient, least=0.0, cure="give the seconds to throw away")
+    check_number("t_end", t_end, above=0.0, cure="give the seconds to average over")
+    check_number("blocks", blocks, integer=True, least=2, cure="20 parts are usual")
+    check_start(model, x0)
+    automaton, state = automaton_of(model), np.asarray(start_of(model, x0), dtype=float)
+    if transient:
+        state = _run(automaton, transient, state, progress).final_state
+    motion = _run(automaton, t_end / blocks, state, progress).states
+    size = scales(motion, automaton.coordinates)
+    rows = np.linalg.qr(np.random.default_rng(0).normal(size=(len(size),) * 2))[0] * size
+    from tqdm.auto import tqdm
+
+    growths = []
+    for _ in tqdm(range(blocks + 1), desc="lyapunov", leave=False, delay=DELAY, disable=not progress):
+        run = _run(automaton, t_end / blocks, state, False)
+        rows, growth = growth_along(run, rows, size)
+        growths.append(growth)
+        state = run.final_state
+    return _spectrum(np.array(growths[1:]) * blocks / t_end, state)
+
+
+def _run(automaton: HybridAutomaton, t_end: float, state: Array, progress: bool) -> Any:
+    run = solve(automaton, t_end, x0=state, progress=progress)
+    if not run.status.ok:
+        raise ValueError(f"the motion must not end early, it does after {run.raw.t:g} s: {run.status}")
+    return run
+
+
+def _spectrum(blocks: Array, state: Array) -> LyapunovSpectrum:
+    exponents = blocks.mean(axis=0)
+    order = np.argsort(-exponents, kind="stable")
+    with np.errstate(invalid="ignore"):
+        errors = blocks.std(axis=0, ddof=1) / np.sqrt(len(blocks))
+    return LyapunovSpectrum(exponents[order], errors[order], blocks[:, order], state)
