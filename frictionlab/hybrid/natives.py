@@ -36,12 +36,13 @@ class Natives:
         self._functions = [_function(program, mode, order, row) for mode in range(len(program.tapes))]
         self._used = np.zeros(len(self._functions), dtype=np.int64)
         self._asked: dict[int, Future[None]] = {}
-        self._guards = [_guards(program.code, mode) for mode in range(len(self._functions))]
+        groups = tuple(map(int, program.code.groups))
+        self._of_steps = [(_guards(program.code, mode), groups) for mode in range(len(self._functions))]
         addresses, steps = np.zeros((2, len(self._functions)), dtype=np.int64)
         self.code: Code = program.code._replace(native=addresses, lanes=steps, jets=np.array([order, row]))
         for mode, function in enumerate(self._functions):
             addresses[mode] = _known(_path(function))
-            steps[mode] = _known(_path(function, STEP))
+            steps[mode] = _known(_path(function, STEP, self._of_steps[mode]))
 
     def used(self, modes: np.ndarray) -> None:
         """Take note of jets that were computed, by their modes; have what is long compiled."""
@@ -61,9 +62,9 @@ class Natives:
 
     def compile_step(self, mode: int) -> None:
         """Compile a mode's step of several runs now."""
-        function, groups = self._functions[mode], tuple(map(int, self.code.groups))
-        code = _emitted(step_module_of(function, self._guards[mode], groups, NAME))
-        _keep(code, _path(function, STEP))
+        function, more = self._functions[mode], self._of_steps[mode]
+        code = _emitted(step_module_of(function, *more, NAME))
+        _keep(code, _path(function, STEP, more))
         self.code.lanes[mode] = _loaded(code)
 
     def share(self, modes: Iterable[int]) -> None:
@@ -112,7 +113,8 @@ def _machine() -> Any:
     llvm = _llvm()
     features = llvm.get_host_cpu_features().flatten()
     target = llvm.Target.from_default_triple()
-    return target.create_target_machine(cpu=llvm.get_host_cpu_name(), features=features, opt=2, jit=True)
+    # Straight-line code gains nothing from more optimisation, which takes twice as long.
+    return target.create_target_machine(cpu=llvm.get_host_cpu_name(), features=features, opt=1, jit=True)
 
 
 @cache
@@ -132,12 +134,12 @@ def _guards(code: Code, mode: int) -> tuple[int, ...]:
     return tuple(map(int, code.function_slots[first:last]))
 
 
-def _path(function: Function, what: str = NAME) -> Path | None:
+def _path(function: Function, what: str = NAME, more: object = None) -> Path | None:
     if not compiled.FOLDER:
         return None
     tape = function.tape
     structure = (tape.inputs, tape.ops, [slot for slot, _ in tape.terms], sorted(function.kept))
-    text = repr((structure, function.first, function.flow, function.order, function.row)) + _host()
+    text = repr((structure, function.first, function.flow, function.order, function.row, more)) + _host()
     return Path(compiled.FOLDER) / f"{what}-{hashlib.sha256(text.encode()).hexdigest()[:24]}.o"
 
 
