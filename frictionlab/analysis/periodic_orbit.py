@@ -21,6 +21,7 @@ from .window import SteadyState
 
 FOLDS = (2, 3, 5, 7)
 SAME = 1e-6  # share of the motion's size within which two states are one
+ROUNDING = 1e-6  # a multiplier that is 1 twice, in a family of orbits, is known to the root of rounding
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,9 +59,9 @@ class PeriodicOrbit:
 
     @property
     def stable(self) -> bool:
-        """Whether all multipliers but that along the orbit are inside the unit circle."""
+        """Whether all multipliers but that along the orbit are inside the unit circle, beyond rounding."""
         others = np.delete(self.multipliers, np.argmin(np.abs(self.multipliers - 1.0)))
-        return bool((np.abs(others) < 1.0).all())
+        return bool((np.abs(others) < 1.0 - ROUNDING).all())
 
     def __repr__(self) -> str:
         kind = "stable" if self.stable else "unstable"

@@ -13,7 +13,6 @@ from frictionlab.analysis.markdown import markdown
 from frictionlab.hybrid.methods import Method
 from frictionlab.hybrid.solve import solve
 from frictionlab.hybrid.status import Status
-from frictionlab.hybrid.taylor import Taylor
 
 from . import regularised
 from .external import External
@@ -47,7 +46,7 @@ def measure(scene: BenchScene, ways: Sequence[Way] = WAYS, repeats: int = 3) -> 
     for method in methods.values():
         if isinstance(method, External):
             method.prepare(scene.x0)
-        elif isinstance(method, Taylor):
+        else:
             make_ready(scene.automaton, method)
     runs = {name: _timed(scene, method) for name, method in methods.items()}
     spent = {name: [seconds] if seconds > SLOW else [] for name, (_, seconds) in runs.items()}

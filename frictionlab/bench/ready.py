@@ -6,15 +6,18 @@ import numpy as np
 
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.hybrid.compiled import NUMBA
+from frictionlab.hybrid.methods import Method
 from frictionlab.hybrid.natives import natives
 from frictionlab.hybrid.program import program_of
 from frictionlab.hybrid.solve import solve
 from frictionlab.hybrid.taylor import Taylor
 
 
-def make_ready(automaton: HybridAutomaton, method: Taylor) -> None:
+def make_ready(automaton: HybridAutomaton, method: Method) -> None:
     """Compile what is missing, so that no mode is native code in one run and interpreted in the next."""
     solve(automaton, 1e-9, x0=np.zeros(len(automaton.states)), method=method, progress=False)
+    if not isinstance(method, Taylor):
+        return
     jets = natives(program_of(automaton)[0], method.jets, method.degree + 1)
     for mode in np.flatnonzero(jets.code.native == 0) if NUMBA else ():
         jets.compile(int(mode))

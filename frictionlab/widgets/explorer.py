@@ -139,8 +139,8 @@ def explore(model: Any = None, panels: Iterable[Any] = DEFAULT) -> Explorer:
         Where to start; None takes the paper's.
     panels : iterable of str or callable
         "response", "phase", "forces", "spectrum", "eigenvalues", or functions that take a
-        :class:`~frictionlab.widgets.result.Result` and return a :class:`~frictionlab.widgets.Drawing`.
-        What no panel asks for is not computed.
+        :class:`~frictionlab.widgets.result.Result` and return a
+        :class:`~frictionlab.widgets.drawing.Drawing`.  What no panel asks for is not computed.
 
     Returns
     -------

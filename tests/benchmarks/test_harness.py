@@ -116,7 +116,7 @@ def test_an_absent_tool_is_a_row_that_says_so(rows):
     assert rows[-1] == Row("B", "nobody", "nobody's", *[None] * 5, note="no_such_package is not installed")
     lines = harness.table(rows).splitlines()
     assert len(lines) == 2 + len(rows)
-    assert lines[-1] == "| nobody's | no_such_package is not installed |  |  |  |  |  |"
+    assert lines[-1] == "| nobody's | no_such_package is not installed |  |  |  |  |  |  |"
     assert "| 1 |" in lines[2]
 
 
@@ -125,9 +125,11 @@ def test_steps_and_what_was_missed(rows):
     assert found["frictionlab, tol 1e-15"].missed == 0
     assert found["frictionlab, tol 1e-15"].steps == found["frictionlab, tol 1e-15, interpreted"].steps > 0
     assert found["RK4, step 0.001 s"].steps > 200
-    assert harness.table(rows).startswith("| method | wall time | x | error | steps | events | missed |")
+    assert harness.table(rows).startswith(
+        "| method | wall time | x | error | steps | per step | events | missed |"
+    )
     without = [replace(row, events=0, missed=None) for row in rows]
-    assert harness.table(without).startswith("| method | wall time | x | error | steps |\n")
+    assert harness.table(without).startswith("| method | wall time | x | error | steps | per step |\n")
     assert [scenes()["Coulomb"].missed(n) for n in (1998, 1999, 2000, 2001)] == [1, 0, 0, -1]
     assert scenes()["D"].missed(15) is None
 
@@ -149,7 +151,7 @@ def test_the_command(monkeypatch, tmp_path, capsys, rows):
 
 def test_the_page(tmp_path, rows):
     every = [replace(row, scene=name) for name in scenes() for row in rows]
-    words = "one", "two", "three", "four"
+    words = "one", "two", "three", "four", "five"
     text = page.write(tmp_path, every, [f"| {word} |" for word in words]).read_text()
     assert text.startswith("# Performance\n")
     assert text.count("frictionlab, tol 1e-15 |") == 6

@@ -10,7 +10,7 @@ import pytest
 from PIL import Image
 
 import frictionlab as fl
-from frictionlab.widgets import Curve, Drawing
+from frictionlab.widgets.drawing import Curve, Drawing
 
 SHORT = ("response", "phase", "forces", "spectrum")
 
