@@ -72,8 +72,9 @@ def energy_audit(run: Trajectory, *, progress: bool = True) -> EnergyAudit:
     """The energy balance of a run: energies, powers, the work of each, and what is missing.
 
     d/dt (kinetic + springs + contact + preload) = F_T v - F_T v_r - 2 D + F_N (gap rate + W_N . q'), and
-    impacts take M dv of Eqs. (10) to (12).  Works are Gauss quadratures of the run's Taylor polynomials, step
-    by step, exact to rounding.  Runs of other methods are audited as they are: what is missing is their error.
+    velocities jump at impacts, Eqs. (10) to (12).  Works are Gauss quadratures of the run's Taylor
+    polynomials, step by step, exact to rounding.  Runs of other methods are audited as they are: what is
+    missing is their error.
 
     Parameters
     ----------
@@ -131,7 +132,7 @@ def _model(run: Any) -> SliderOnBelt:
     return run.source
 
 
-def _integrals(run: Trajectory, model: Any, edges: Array, progress: bool) -> tuple[Array, float]:
+def _integrals(run: Trajectory, model: Any, edges: Array, progress: bool) -> tuple[Any, float]:
     """Works (contributions, edges) since the first edge, and the sum of all sizes, J."""
     from tqdm.auto import tqdm
 

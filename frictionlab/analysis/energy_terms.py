@@ -42,14 +42,14 @@ def powers(model: Any, automaton: HybridAutomaton, states: Array, modes: Any) ->
         evaluate(automaton, name, states, modes)
         for name in ("normal_force", "friction_force", "relative_velocity")
     )
-    gap_rate, material_rate = _rates(model, states)
+    travel, material_rate = _rates(model, states)
     pressed = _pressed(automaton)[modes]
     return {
         "belt drive": friction * model.v,
         "friction": -friction * v_r,
         "dampers": -2.0 * dissipation(model, _coordinates(model, states)[1]),
         "impacts": np.where(pressed, 0.0, -normal * material_rate),
-        "moving load": np.where(pressed, normal * (gap_rate - material_rate), 0.0),
+        "moving load": np.where(pressed, normal * travel, 0.0),
     }
 
 
@@ -80,7 +80,7 @@ def _contact_energy(model: Any, states: Array) -> Array:
 
 
 def _rates(model: Any, states: Array) -> list[Array]:
-    """Full and material gap rate (m/s)."""
+    """Full less material gap rate, and the material rate -W_N . q' (m/s)."""
     found = _rate_functions(structure(model))(*states.T, *numbers_of(model))
     return [np.broadcast_to(rate, len(states)) for rate in found]
 
@@ -88,7 +88,9 @@ def _rates(model: Any, states: Array) -> list[Array]:
 @lru_cache(maxsize=64)
 def _rate_functions(key: Structure) -> Any:
     s = derive(key)
-    return sp.lambdify([*s.q, *s.v, *parameter_symbols(key)], [s.gap_rate, s.material_rate])
+    return sp.lambdify(
+        [*s.q, *s.v, *parameter_symbols(key)], [sp.expand(s.gap_rate - s.material_rate), s.material_rate]
+    )
 
 
 @lru_cache(maxsize=64)

@@ -10,6 +10,7 @@ from .animation import animate
 from .bifurcation import plot_bifurcation, plot_intensity
 from .critical import plot_critical
 from .displacements import plot_displacements
+from .energy import plot_energies, plot_works
 from .figure import RunFigure
 from .forces import plot_contact_forces
 from .locus import plot_frequencies, plot_growth_rates
@@ -30,6 +31,7 @@ __all__ = [
     "plot_contact_forces",
     "plot_critical",
     "plot_displacements",
+    "plot_energies",
     "plot_frequencies",
     "plot_growth_rates",
     "plot_intensity",
@@ -38,5 +40,6 @@ __all__ = [
     "plot_run",
     "plot_spectrum",
     "plot_stability_map",
+    "plot_works",
     "shade_modes",
 ]
