@@ -27,6 +27,8 @@ from .shooting import ROUNDING, Shot
 
 ITERATIONS = 12
 TOLERANCE = 1e-9  # largest residual of an orbit, as a share of the motion's size
+FAMILY = 1e-9  # least over largest singular value below which there are closed orbits in every neighbourhood
+REACH = 0.01  # how far from its prediction, beyond the length of the step, an orbit may be found
 CONTRACTION = 0.5  # a residual that shrinks less has reached rounding, or will not converge
 
 
@@ -92,8 +94,8 @@ def reversed_point(point: Point) -> Point:
     return point._replace(tangent=-point.tangent)
 
 
-def stepped(automaton: HybridAutomaton, point: Point, step: float) -> Point:
-    """The closed orbit about `step` further along the branch.
+def stepped(automaton: HybridAutomaton, point: Point, step: float, value: float | None = None) -> Point:
+    """The closed orbit about `step` further along the branch, or near there at a value of the parameter.
 
     Raises
     ------
@@ -101,8 +103,11 @@ def stepped(automaton: HybridAutomaton, point: Point, step: float) -> Point:
         Where Newton's method finds none there.
     """
     scale, size = point.scale, np.append(point.scale[:-2], point.scale[-1])
-    aim = start = np.append(np.append(point.state[:-1], point.period), point.value) + step * point.tangent * scale
-    missed = np.inf
+    across, missed = point.tangent, np.inf
+    aim = np.append(point.state[:-1], [point.period, point.value]) + step * point.tangent * scale
+    if value is not None:
+        aim[-1], across = value, np.eye(len(aim))[-1]
+    start = aim
     for cost in range(ITERATIONS):
         state, period = np.append(start[:-2], start[-1]), float(start[-2])
         if not 0.0 < period < 2.0 * point.period:
@@ -115,9 +120,12 @@ def stepped(automaton: HybridAutomaton, point: Point, step: float) -> Point:
         if cost > 2 and shot.residual > 2.0 * missed:
             raise ValueError("Newton's method diverges")
         missed = shot.residual
-        start = start + scale * _correction(shot, period, scale, point.tangent, (start - aim) / scale)
+        start = start + scale * _correction(shot, period, scale, across, (start - aim) / scale)
+        start[-1] = start[-1] if value is None else value
     if not shot.residual < TOLERANCE:
         raise ValueError(f"no closed orbit found: the residual is {shot.residual:.2g}")
+    if np.linalg.norm((start - aim) / scale) > REACH + abs(step):
+        raise ValueError("the closed orbit found is of another branch")
     check_orbit(shot, Guess(state, period, size))
     return _followed(automaton, point, shot, state, period, cost)
 
@@ -158,15 +166,18 @@ def _rows(shot: Shot, period: float, scale: Array) -> Array:
 
 
 def _null(shot: Shot, state: Array, period: float, scale: Array) -> Array:
-    """The tangent du/ds, but for its sign."""
-    return np.linalg.svd(_rows(shot, period, scale))[2][-1]
+    """The tangent du/ds, but for its sign; ValueError where there is more than one."""
+    _, sizes, rows = np.linalg.svd(_rows(shot, period, scale))
+    if sizes[-1] < FAMILY * sizes[0]:
+        raise ValueError("the orbit is one of a family at one value of the parameter: it has no single branch")
+    return rows[-1]
 
 
-def _correction(shot: Shot, period: float, scale: Array, tangent: Array, off: Array) -> Array:
-    """Newton's step for u: it closes the orbit, normal to the flow, and stays at the step's distance."""
+def _correction(shot: Shot, period: float, scale: Array, across: Array, off: Array) -> Array:
+    """Newton's step for u: it closes the orbit, normal to the flow, and stays on the plane `across`."""
     missed = (shot.run.final_state - shot.run.raw.step_states[0])[:-1] / scale[:-2]
-    matrix = np.vstack([_rows(shot, period, scale), tangent])
-    return np.linalg.lstsq(matrix, -np.append(missed, [0.0, tangent @ off]), rcond=1e-13)[0]
+    matrix = np.vstack([_rows(shot, period, scale), across])
+    return np.linalg.lstsq(matrix, -np.append(missed, [0.0, across @ off]), rcond=1e-13)[0]
 
 
 def _centred(automaton: HybridAutomaton, point: Point) -> Point:

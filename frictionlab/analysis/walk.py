@@ -10,16 +10,16 @@ import numpy as np
 from frictionlab.automaton import HybridAutomaton
 
 from .arclength import Point, reversed_point, stepped
-from .specials import Found, between, located
+from .edges import LOST, edge_kind
+from .specials import Found, between
 
-BOUND, LOST, MOST, INTERRUPTED = "bound", "no orbit found", "most orbits", "interrupted"
-GRAZING, CHANGE, HOPF = "grazing", "mode change", "Hopf"
+BOUND, MOST, INTERRUPTED, HOPF = "bound", "most orbits", "interrupted", "Hopf"
 BRIEF = 64  # parts of the longest step below which a failure is the end of the modes' sequence
-HALVINGS = 30  # from there on, until both sides of such an end have met
+HALVINGS = 40  # from there on, until both sides of such an end have met
 EASY, HARD = 3, 6  # iterations of Newton's method that make the next step longer, or shorter
+AWAY = 5  # lengths tried to get away from such an end, each a quarter of the one before
 BEND = 0.9  # least cosine between the tangents at both ends of a step
 SHRUNK = 1e-3  # share of the largest size so far below which an orbit has become an equilibrium
-VANISHING = 1e-3  # share of the period below which a stay is about to vanish
 
 
 class Walk(NamedTuple):
@@ -61,10 +61,11 @@ def walk(
             length = _paced(step.length, after, longest)
             point = after
         if step.edge:
-            special += [Found(_kind(point, step.other), point)] if _kind(point, step.other) != LOST else []
-            if step.other is None:
-                return (yield Walk(points, special, _kind(point, None)))
-            point, length = _away(automaton, step.other, longest / BRIEF), longest / BRIEF
+            kind, ahead = edge_kind(automaton, point, step.other), _away(automaton, step.other, longest / BRIEF)
+            special += [Found(kind, point)] if kind != LOST else []
+            if ahead is None or not bounds[0] <= ahead.value <= bounds[1]:
+                return (yield Walk(points, special, kind))
+            point, length = ahead, longest / BRIEF
             points.append(point)
         yield Walk(points, special, MOST)
 
@@ -114,7 +115,8 @@ def _within(
     passed = low if step.after.value < low else high if step.after.value > high else None
     if passed is None:
         return step.after, ""
-    return located(automaton, point, step.length, lambda p: p.value - passed)[0], BOUND
+    share = (passed - point.value) / (step.after.value - point.value)
+    return stepped(automaton, point, share * step.length, passed), BOUND
 
 
 def _paced(length: float, after: Point, longest: float) -> float:
@@ -122,22 +124,11 @@ def _paced(length: float, after: Point, longest: float) -> float:
     return min(factor * length, longest)
 
 
-def _away(automaton: HybridAutomaton, point: Point, length: float) -> Point:
-    """The point, pointing to where the modes stay as they are."""
-    ahead = _tried(automaton, point, length)
-    return point if ahead is not None and ahead.modes == point.modes else reversed_point(point)
-
-
-def _kind(point: Point, other: Point | None) -> str:
-    """What happens to the modes after an orbit, by those of the other side or by the stay that vanishes."""
-    if other is not None:
-        few, many = sorted((len(point.modes), len(other.modes)))
-        return GRAZING if many == few + 2 or (few, many) == (1, 2) else CHANGE
-    run, period = point.shot.run, point.period
-    if not len(run.events):
-        return LOST
-    stays = np.diff(np.append(run.events.t, run.events.t[0] + period))
-    i = int(np.argmin(stays))
-    if stays[i] > VANISHING * period:
-        return LOST
-    return GRAZING if run.events.source[i] == np.roll(run.events.target, -1)[i] else CHANGE
+def _away(automaton: HybridAutomaton, point: Point | None, length: float) -> Point | None:
+    """The point, pointing to where the modes stay as they are; None where there is no such way."""
+    for part in length * 0.25 ** np.arange(AWAY):
+        for way in () if point is None else (point, reversed_point(point)):
+            ahead = _tried(automaton, way, float(part))
+            if ahead is not None and ahead.modes == way.modes:
+                return way
+    return None

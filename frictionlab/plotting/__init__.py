@@ -14,6 +14,7 @@ from .energy import plot_energies, plot_works
 from .figure import RunFigure
 from .forces import plot_contact_forces
 from .locus import plot_frequencies, plot_growth_rates
+from .orbit_branch import plot_orbit_branch
 from .phase_plane import plot_phase_plane
 from .root_locus import plot_root_locus
 from .run import plot_run
@@ -35,6 +36,7 @@ __all__ = [
     "plot_frequencies",
     "plot_growth_rates",
     "plot_intensity",
+    "plot_orbit_branch",
     "plot_phase_plane",
     "plot_root_locus",
     "plot_run",
