@@ -18,7 +18,7 @@ BRIEF = 64  # parts of the longest step below which a failure is the end of the 
 HALVINGS = 40  # from there on, until both sides of such an end have met
 EASY, HARD = 3, 6  # iterations of Newton's method that make the next step longer, or shorter
 AWAY = 5  # lengths tried to get away from such an end, each a quarter of the one before
-BEND = 0.9  # least cosine between the tangents at both ends of a step
+BEND = 0.3  # largest change of a component of the tangent in a step
 SHRUNK = 1e-3  # share of the largest size so far below which an orbit has become an equilibrium
 
 
@@ -31,10 +31,13 @@ class Walk(NamedTuple):
 
 
 class Step(NamedTuple):
-    """The orbit a step ahead, the length, and where the modes change just after it: what is found there."""
+    """The orbit a step ahead, the length, "bound" where that is there, and at an edge of the modes the orbit
+    beyond, if one is found.
+    """
 
     after: Point | None
     length: float
+    end: str = ""
     edge: bool = False
     other: Point | None = None
 
@@ -47,19 +50,18 @@ def walk(
     special: list[Found] = []
     point, length, largest = start, longest / 4, start.scale[:-2]
     while len(points) < most:
-        step = _next(automaton, point, length, longest)
+        step = _next(automaton, point, length, longest, bounds)
         if step.after is not None:
-            after, end = _within(automaton, point, step, bounds)
-            special += between(automaton, point, after, step.length)
-            points.append(after)
-            largest = np.maximum(largest, after.scale[:-2])
-            if (after.scale[:-2] < SHRUNK * largest).all():
-                special.append(Found(HOPF, after))
+            special += between(automaton, point, step.after, step.length)
+            points.append(step.after)
+            largest, end = np.maximum(largest, step.after.scale[:-2]), step.end
+            if (step.after.scale[:-2] < SHRUNK * largest).all():
+                special.append(Found(HOPF, step.after))
                 end = HOPF
             if end:
                 return (yield Walk(points, special, end))
-            length = _paced(step.length, after, longest)
-            point = after
+            length = _paced(step.length, step.after, longest)
+            point = step.after
         if step.edge:
             kind, ahead = edge_kind(automaton, point, step.other), _away(automaton, step.other, longest / BRIEF)
             special += [Found(kind, point)] if kind != LOST else []
@@ -70,15 +72,33 @@ def walk(
         yield Walk(points, special, MOST)
 
 
-def _next(automaton: HybridAutomaton, point: Point, length: float, longest: float) -> Step:
+def _next(
+    automaton: HybridAutomaton, point: Point, length: float, longest: float, bounds: tuple[float, float]
+) -> Step:
     """The next orbit with the same modes; where there is none at a short distance, the last such."""
     while True:
+        at_bound = _at_bound(automaton, point, length, bounds)
+        if at_bound is not None:
+            return at_bound
         after = _tried(automaton, point, length)
-        if after is not None and after.modes == point.modes and _straight(point, after):
+        if _goes_on(point, after):
             return Step(after, length)
         if length < longest / BRIEF or (after is not None and after.modes != point.modes):
             return _edge(automaton, point, length, after)
         length /= 2
+
+
+def _at_bound(
+    automaton: HybridAutomaton, point: Point, length: float, bounds: tuple[float, float]
+) -> Step | None:
+    """The orbit at a bound, where that is within a length: beyond it there may be no model."""
+    speed = point.tangent[-1] * point.scale[-1]
+    bound = bounds[int(speed > 0.0)]
+    if speed == 0.0 or (bound - point.value) / speed > length:
+        return None
+    share = (bound - point.value) / speed
+    after = _tried(automaton, point, share, bound)
+    return Step(after, share, BOUND) if _goes_on(point, after) else None
 
 
 def _edge(automaton: HybridAutomaton, point: Point, length: float, other: Point | None) -> Step:
@@ -92,31 +112,26 @@ def _edge(automaton: HybridAutomaton, point: Point, length: float, other: Point 
             low, last = middle, found
         else:
             high, other = middle, found if found is not None else other
-    return Step(last, low, True, other)
+    return Step(last, low, edge=True, other=other)
 
 
-def _tried(automaton: HybridAutomaton, point: Point, length: float) -> Point | None:
+def _tried(
+    automaton: HybridAutomaton, point: Point, length: float, value: float | None = None
+) -> Point | None:
     try:
-        return stepped(automaton, point, length)
+        return stepped(automaton, point, length, value)
     except (ValueError, np.linalg.LinAlgError):
         return None
 
 
-def _straight(point: Point, after: Point) -> bool:
-    """Whether the tangents at the ends agree in period and parameter: the state has moved along the orbit."""
-    return bool(abs(np.linalg.norm(after.tangent[-2:]) - np.linalg.norm(point.tangent[-2:])) < 1.0 - BEND)
+def _goes_on(point: Point, after: Point | None) -> bool:
+    """Whether it is an orbit of the same modes, in line with the one before.
 
-
-def _within(
-    automaton: HybridAutomaton, point: Point, step: Step, bounds: tuple[float, float]
-) -> tuple[Point, str]:
-    """The orbit after a step, or that at the bound which it passes."""
-    low, high = bounds
-    passed = low if step.after.value < low else high if step.after.value > high else None
-    if passed is None:
-        return step.after, ""
-    share = (passed - point.value) / (step.after.value - point.value)
-    return stepped(automaton, point, share * step.length, passed), BOUND
+    The tangents are compared in period and parameter only, as the state has been moved along the orbit.
+    """
+    if after is None or after.modes != point.modes:
+        return False
+    return bool(np.abs(np.abs(after.tangent[-2:]) - np.abs(point.tangent[-2:])).max() < BEND)
 
 
 def _paced(length: float, after: Point, longest: float) -> float:

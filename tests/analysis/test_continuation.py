@@ -7,7 +7,7 @@ import sympy as sp
 import frictionlab as fl
 from frictionlab import plotting
 from tests.analysis.test_periodic_orbit import FLAT, bistable
-from tests.hybrid.textbook import V, X, automaton, coulomb, oscillator
+from tests.hybrid.textbook import V, X, automaton, coulomb
 
 W = sp.Symbol("w")
 
@@ -185,7 +185,7 @@ def test_bad_arguments_are_told_before_any_work():
         fl.continue_orbit(orbit, "belt", (0.1, 0.15))
     with pytest.raises(ValueError, match="step must be a finite number, above 0"):
         fl.continue_orbit(orbit, "belt", (0.1, 0.3), step=0.0)
-    circle = fl.periodic_orbit(oscillator(k=1.0), [0.3, 0.4])
+    circle = fl.periodic_orbit(automaton(fl.Mode("only", (V, -sp.Symbol("k") * X)), k=1.0), [0.3, 0.4])
     with pytest.raises(ValueError, match="one of a family"):
         fl.continue_orbit(circle, "k", (0.5, 2.0))
 
