@@ -21,8 +21,8 @@ from frictionlab.hybrid.status import Status
 from frictionlab.hybrid.tangent_flow import end_rates, tangent_flow
 
 from .orbit_checks import check_orbit
-from .recurrence import Array
-from .returns import Guess, scales
+from .recurrence import Array, sizes
+from .returns import STILL, Guess, scales
 from .shooting import ROUNDING, Shot
 
 ITERATIONS = 12
@@ -134,7 +134,7 @@ def _followed(
     automaton: HybridAutomaton, before: Point, shot: Shot, state: Array, period: float, cost: int
 ) -> Point:
     """The point of an orbit found: its tangent points on, its state is far from events."""
-    scale = _scale(automaton, shot, period, before.scale[-1])
+    scale = _scale(automaton, shot, period, float(before.scale[-1]))
     tangent = _null(shot, state, period, scale)
     ahead = float(tangent @ (before.tangent * before.scale / scale)) < 0.0
     tangent = -tangent if ahead else tangent
@@ -152,7 +152,10 @@ def _shot(automaton: HybridAutomaton, state: Array, period: float, size: Array) 
 
 
 def _scale(automaton: HybridAutomaton, shot: Shot, period: float, span: float) -> Array:
-    return np.append(scales(shot.run.states[:, :-1], automaton.coordinates), [period, span])
+    states = shot.run.states[:, :-1]
+    found, values = scales(states, automaton.coordinates), np.abs(states).max(axis=0)
+    still = sizes(states) < STILL * values  # a state that rests may change along the branch by what it is
+    return np.append(np.where(still, np.maximum(found, values), found), [period, span])
 
 
 def _rows(shot: Shot, period: float, scale: Array) -> Array:
@@ -169,7 +172,9 @@ def _null(shot: Shot, state: Array, period: float, scale: Array) -> Array:
     """The tangent du/ds, but for its sign; ValueError where there is more than one."""
     _, sizes, rows = np.linalg.svd(_rows(shot, period, scale))
     if sizes[-1] < FAMILY * sizes[0]:
-        raise ValueError("the orbit is one of a family at one value of the parameter: it has no single branch")
+        raise ValueError(
+            "the orbit is one of a family at one value of the parameter: it has no single branch"
+        )
     return rows[-1]
 
 
@@ -177,11 +182,12 @@ def _correction(shot: Shot, period: float, scale: Array, across: Array, off: Arr
     """Newton's step for u: it closes the orbit, normal to the flow, and stays on the plane `across`."""
     missed = (shot.run.final_state - shot.run.raw.step_states[0])[:-1] / scale[:-2]
     matrix = np.vstack([_rows(shot, period, scale), across])
-    return np.linalg.lstsq(matrix, -np.append(missed, [0.0, across @ off]), rcond=1e-13)[0]
+    left: Any = np.concatenate([missed, [0.0], [across @ off]])
+    return np.linalg.lstsq(matrix, -left, rcond=1e-13)[0]
 
 
 def _centred(automaton: HybridAutomaton, point: Point) -> Point:
-    """The point with its state moved along the orbit to the middle of the longest stay without constraints."""
+    """The point with its state moved on to the middle of the longest stay without constraints."""
     run, tangent, scale = point.shot.run, point.tangent, point.scale
     middle = _middle(automaton, run)
     if not middle > 0.0:

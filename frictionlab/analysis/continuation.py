@@ -33,7 +33,8 @@ class SpecialOrbit:
     value : float
         Of the parameter.
     orbit : PeriodicOrbit
-        There, or for "grazing", "mode change" and "Hopf" the last one before.
+        There, or for "grazing", "mode change" and "Hopf" the last one before; the value of "Hopf" is
+        extrapolated to no amplitude.
     """
 
     kind: str
@@ -208,4 +209,4 @@ def _orbit(model: Any, parameter: str, point: Point) -> PeriodicOrbit:
 
 
 def _special(model: Any, parameter: str, found: Found) -> SpecialOrbit:
-    return SpecialOrbit(found.kind, found.point.value, _orbit(model, parameter, found.point))
+    return SpecialOrbit(found.kind, found.value, _orbit(model, parameter, found.point))

@@ -41,8 +41,7 @@ def scales(states: Array, coordinates: int) -> Array:
     """
     found, values = sizes(states), np.abs(states).max(axis=0)
     for group in groups(coordinates):
-        largest, value = found[group].max(initial=0.0), values[group].max(initial=0.0)
-        largest = largest if largest > STILL * value else value or 1.0
+        largest = found[group].max(initial=0.0) or values[group].max(initial=0.0) or 1.0
         found[group] = np.maximum(found[group], SMALLEST * largest)
     return found
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.optimize import brentq
@@ -54,28 +54,38 @@ TESTS: dict[str, Callable[[Point], float]] = {
 
 
 class Found(NamedTuple):
-    """A special point and its kind."""
+    """A special point, its kind, and the parameter there."""
 
     kind: str
     point: Point
+    value: float
 
 
 def between(automaton: HybridAutomaton, point: Point, after: Point, step: float) -> list[Found]:
-    """The special points between a point and the one a step after it, in their order."""
-    found = [
-        (kind, located(automaton, point, step, test))
-        for kind, test in TESTS.items()
-        if test(point) * test(after) < 0.0
-    ]
-    inside = [Found(kind, at) for kind, (at, _) in sorted(found, key=lambda f: f[1][1]) if _is(kind, at)]
-    return inside
+    """The special points between a point and the one a step after it, in their order.
+
+    Where one cannot be located, as no orbit is found within the step, it is put at the latter point.
+    """
+    found = []
+    for kind, test in TESTS.items():
+        if test(point) * test(after) < 0.0:
+            try:
+                at, share = located(automaton, point, step, test)
+            except ValueError:
+                at, share = after, step
+            found += [(share, Found(kind, at, at.value))] if _is(kind, at) else []
+    return [special for _, special in sorted(found, key=lambda pair: pair[0])]
 
 
 def located(
     automaton: HybridAutomaton, point: Point, step: float, test: Callable[[Point], float]
 ) -> tuple[Point, float]:
     """Where a test changes its sign within a step, and how far into it that is."""
-    share = brentq(lambda s: test(stepped(automaton, point, s)) if s else test(point), 0.0, step, xtol=EXACT * step)
+
+    def value(share: float) -> float:
+        return test(stepped(automaton, point, share)) if share else test(point)
+
+    share: Any = brentq(value, 0.0, step, xtol=EXACT * step)
     return stepped(automaton, point, share), share
 
 

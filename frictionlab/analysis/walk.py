@@ -19,7 +19,7 @@ HALVINGS = 40  # from there on, until both sides of such an end have met
 EASY, HARD = 3, 6  # iterations of Newton's method that make the next step longer, or shorter
 AWAY = 5  # lengths tried to get away from such an end, each a quarter of the one before
 BEND = 0.3  # largest change of a component of the tangent in a step
-SHRUNK = 1e-3  # share of the largest size so far below which an orbit has become an equilibrium
+SHRUNK = 1e-2  # share of the largest size so far below which an orbit has become an equilibrium
 
 
 class Walk(NamedTuple):
@@ -56,15 +56,18 @@ def walk(
             points.append(step.after)
             largest, end = np.maximum(largest, step.after.scale[:-2]), step.end
             if (step.after.scale[:-2] < SHRUNK * largest).all():
-                special.append(Found(HOPF, step.after))
+                special.append(Found(HOPF, step.after, _vanished(point, step.after)))
                 end = HOPF
             if end:
                 return (yield Walk(points, special, end))
             length = _paced(step.length, step.after, longest)
             point = step.after
         if step.edge:
-            kind, ahead = edge_kind(automaton, point, step.other), _away(automaton, step.other, longest / BRIEF)
-            special += [Found(kind, point)] if kind != LOST else []
+            kind, ahead = (
+                edge_kind(automaton, point, step.other),
+                _away(automaton, step.other, longest / BRIEF),
+            )
+            special += [Found(kind, point, point.value)] if kind != LOST else []
             if ahead is None or not bounds[0] <= ahead.value <= bounds[1]:
                 return (yield Walk(points, special, kind))
             point, length = ahead, longest / BRIEF
@@ -132,6 +135,12 @@ def _goes_on(point: Point, after: Point | None) -> bool:
     if after is None or after.modes != point.modes:
         return False
     return bool(np.abs(np.abs(after.tangent[-2:]) - np.abs(point.tangent[-2:])).max() < BEND)
+
+
+def _vanished(point: Point, after: Point) -> float:
+    """The parameter at which the amplitude comes to zero, whose square goes linearly with the parameter."""
+    first, last = (float(np.linalg.norm(p.scale[:-2] / after.scale[:-2])) ** 2 for p in (point, after))
+    return after.value + (after.value - point.value) * last / (first - last)
 
 
 def _paced(length: float, after: Point, longest: float) -> float:

@@ -8,14 +8,12 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
-from numpy.typing import NDArray
 
 from .figure import axes_or_new
 from .legends import legend_beside
 from .palette import BLACK, BLUE, DASHED, GREEN, ORANGE, PURPLE, SKY, VERMILLION, label, unit
 from .parameters import parameter_label
 
-Array = NDArray[np.float64]
 SPECIAL = {
     "fold": (VERMILLION, "o"),
     "period doubling": (ORANGE, "s"),
@@ -46,6 +44,14 @@ def plot_orbit_branch(branch: Any, ax: Axes | None = None, *, name: str | None =
     ------
     ValueError
         For an unknown state.
+
+    Examples
+    --------
+    >>> import frictionlab as fl
+    >>> model = fl.SliderOnBelt(mu_k=1.4).without("geometry")
+    >>> branch = fl.continue_orbit(fl.periodic_orbit(model, fl.simulate(model, 30.0)), "mu_k", (1.3, 1.5))
+    >>> [line.get_label() for line in plot_orbit_branch(branch, name="x1")]
+    ['stable']
     """
     _check(branch, name)
     ax = axes_or_new(ax)
@@ -75,11 +81,11 @@ def _height(orbit: Any, name: str | None) -> float:
     return orbit.period if name is None else float(orbit.trajectory[name].max())
 
 
-def _stretches(stable: np.ndarray) -> list[tuple[bool, Array]]:
+def _stretches(stable: np.ndarray) -> list[tuple[bool, slice]]:
     """Each stretch of equal stability, with the first orbit of the next, so that the line has no gaps."""
     found, start = [], 0
     for value, group in groupby(stable.tolist()):
         count = len(list(group))
-        found.append((value, np.arange(start, min(start + count + 1, len(stable)))))
+        found.append((value, slice(start, start + count + 1)))
         start += count
     return found

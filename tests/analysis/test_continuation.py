@@ -31,9 +31,7 @@ def thrown(after, states, coordinates=1, **parameters):
     """A ball over a floor that it leaves with the speed `after`, of its speed -V at the impact."""
     floor = fl.Event("floor", X, ("flight",), fl.Reset({X: sp.S.Zero, **after}))
     flow = (V, -sp.S.One, *(sp.S.Zero for _ in states[2:]))
-    return automaton(
-        fl.Mode("flight", flow, (floor,)), states=states, coordinates=coordinates, **parameters
-    )
+    return automaton(fl.Mode("flight", flow, (floor,)), states=states, coordinates=coordinates, **parameters)
 
 
 def logistic(a):
@@ -91,7 +89,7 @@ def test_a_fold_joins_two_circles_and_the_small_one_ends_in_a_hopf_point():
     hopf, fold = branch.special
     assert (hopf.kind, fold.kind) == ("Hopf", "fold")
     assert fold.value == pytest.approx(-1.0, abs=1e-12)
-    assert hopf.value == pytest.approx(0.0, abs=1e-5)
+    assert hopf.value == pytest.approx(0.0, abs=1e-7)
     assert branch.ends == ("Hopf", "bound")
     away = np.abs(square - 1) > 1e-3
     assert np.array_equal(branch.stable[away], square[away] > 1)
@@ -155,6 +153,24 @@ def test_the_sliders_cycle_ends_where_stick_would_begin_at_the_static_limit():
     assert abs(force) == pytest.approx(branch.special[0].value * normal, rel=1e-6)
 
 
+def test_the_unstable_cycle_of_the_slider_lives_from_its_hopf_point_to_grazing():
+    """A subcritical Hopf point; its cycle soon comes to the speed of the belt, where sliding ends."""
+    point = fl.hopf(FLAT, "mu_k", (0.0, 3.0))
+    model = FLAT.replace(mu_k=point.value - 1e-6)
+    shape = fl.eigenvalues(model).vectors
+    growing = shape[:, int(np.argmax(fl.eigenvalues(model).values.real))]
+    growing = growing / np.abs(growing[:4]).max()
+    start = np.append(fl.equilibrium(model).q, np.zeros(4))
+    start = start + point.amplitude(model.mu_k).max() * growing.real
+    branch = followed(fl.periodic_orbit(model, start, period=1 / point.frequency), "mu_k", (0.0, 3.0))
+    assert branch.ends == ("grazing", "Hopf")
+    grazing, hopf = branch.special
+    assert grazing.value == pytest.approx(point.valid_until, abs=1e-10)
+    assert hopf.value == pytest.approx(point.value, abs=1e-10)
+    assert np.abs(grazing.orbit.trajectory["relative_velocity"]).min() < 1e-3
+    assert not branch.stable[branch.values < point.value - 1e-8].any()
+
+
 def test_ctrl_c_returns_what_there_is(monkeypatch):
     from frictionlab.analysis import walk
 
@@ -177,7 +193,9 @@ def test_bad_arguments_are_told_before_any_work():
     orbit = fl.periodic_orbit(coulomb(0.2, 1.0, 0.5), [0.0, 0.2])
     with pytest.raises(TypeError, match="orbit must be a PeriodicOrbit"):
         fl.continue_orbit("orbit", "belt", (0.1, 0.3))
-    with pytest.raises(ValueError, match="parameter must be one of belt, mu_s, mu_k, got 'bel': did you mean"):
+    with pytest.raises(
+        ValueError, match="parameter must be one of belt, mu_s, mu_k, got 'bel': did you mean"
+    ):
         fl.continue_orbit(orbit, "bel", (0.1, 0.3))
     with pytest.raises(ValueError, match=r"bounds\[0\] must be .* at most 0\.2, got 0\.3"):
         fl.continue_orbit(orbit, "belt", (0.3, 0.4))
