@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from frictionlab.analysis.ablation import ablation
     from frictionlab.analysis.bifurcation import bifurcation
     from frictionlab.analysis.branch import Bifurcation, load_bifurcation
+    from frictionlab.analysis.continuation import OrbitBranch, continue_orbit
+    from frictionlab.analysis.energy import EnergyAudit, energy_audit
     from frictionlab.analysis.ensemble import Ends, ensemble
     from frictionlab.analysis.lyapunov import LyapunovSpectrum, lyapunov
     from frictionlab.analysis.periodic_orbit import PeriodicOrbit, periodic_orbit
@@ -75,6 +77,8 @@ _HOMES = {
     "analysis.ablation": "ablation",
     "analysis.bifurcation": "bifurcation",
     "analysis.branch": "Bifurcation load_bifurcation",
+    "analysis.continuation": "continue_orbit OrbitBranch",
+    "analysis.energy": "energy_audit EnergyAudit",
     "analysis.ensemble": "ensemble Ends",
     "analysis.lyapunov": "lyapunov LyapunovSpectrum",
     "analysis.periodic_orbit": "periodic_orbit PeriodicOrbit",

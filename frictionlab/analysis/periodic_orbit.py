@@ -128,7 +128,7 @@ def periodic_orbit(
         state=run.raw.step_states[0].copy(),
         monodromy=shot.matrix,
         multipliers=values[np.argsort(-np.abs(values), kind="stable")],
-        modes=_modes(run),
+        modes=modes_of(run),
         residual=shot.residual,
         trajectory=run,
     )
@@ -185,7 +185,7 @@ def _shortest(automaton: HybridAutomaton, guess: Guess, shot: Shot, tolerance: f
     return shot
 
 
-def _modes(run: Trajectory) -> tuple[tuple[str, float], ...]:
+def modes_of(run: Trajectory) -> tuple[tuple[str, float], ...]:
     """Modes and dwell times; the first and the last stay are one."""
     t, period = run.events.t, run.raw.t
     if not len(t):

@@ -6,6 +6,9 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from .component import Component
+from .names import did_you_mean
+
+DIRECTIONS = ("vertical", "normal")
 
 
 @dataclass(frozen=True, repr=False)
@@ -35,10 +38,24 @@ class MovingLoad(Geometry):
     """The slider travels along a belt that may tilt by phi: the geometrical nonlinearity of Eqs. (1), (2).
 
     gap = y2 - (x1 - x2) phi - y1 and W_N = (0, 1, 0, -1, x1 - x2).  As in the paper the normal force acts
-    vertically, so W_N is not the gradient of the gap.
+    vertically, so W_N is not minus the gradient of the gap, and the contact does work of its own at the rate
+    -F_N phi (x1' - x2'), see `fl.energy_audit`.  Normal to the tilted belt it has the components F_N phi and
+    -F_N phi along x1 and x2 as well: W_N = (phi, 1, -phi, -1, x1 - x2) is that gradient.
+
+    Parameters
+    ----------
+    direction : {"vertical", "normal"}
+        Of the normal force: vertical as in the paper's Eq. (1), or normal to the belt.
     """
 
     coordinates: ClassVar[tuple[str, ...]] = ("x1", "y1", "x2", "y2", "phi")
+    direction: str = "vertical"
+
+    def check(self) -> None:
+        """The direction is one of two."""
+        if self.direction not in DIRECTIONS:
+            hint = did_you_mean(self.direction, DIRECTIONS)
+            raise ValueError(f"direction must be 'vertical' or 'normal', got {self.direction!r}: {hint}")
 
     def gap(self, x1: Any, y1: Any, x2: Any, y2: Any, phi: Any) -> Any:
         """Compression (m), the bracket of Eq. (2); lengths in m, `phi` in rad."""
@@ -46,7 +63,8 @@ class MovingLoad(Geometry):
 
     def normal(self, x1: Any, y1: Any, x2: Any, y2: Any, phi: Any) -> tuple[Any, ...]:
         """W_N, the factors of F_N in Eq. (1); the last is a lever (m)."""
-        return (0, 1, 0, -1, x1 - x2)
+        along = {"vertical": 0, "normal": phi}[self.direction]
+        return (along, 1, -along, -1, x1 - x2)
 
 
 @dataclass(frozen=True, repr=False)

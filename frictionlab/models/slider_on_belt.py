@@ -91,7 +91,7 @@ class SliderOnBelt(Model):
     interface : Interface
         StickSlipSeparation(), StickSlip(), SlidingSeparation() or SlidingOnly().
     geometry : Geometry
-        MovingLoad() or FixedLoad().
+        MovingLoad(direction) or FixedLoad().
     impact : ImpactLaw
         PlasticImpact(gap_rate) or RestitutionImpact(e).
 

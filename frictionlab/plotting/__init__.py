@@ -10,9 +10,11 @@ from .animation import animate
 from .bifurcation import plot_bifurcation, plot_intensity
 from .critical import plot_critical
 from .displacements import plot_displacements
+from .energy import plot_energies, plot_works
 from .figure import RunFigure
 from .forces import plot_contact_forces
 from .locus import plot_frequencies, plot_growth_rates
+from .orbit_branch import plot_orbit_branch
 from .phase_plane import plot_phase_plane
 from .root_locus import plot_root_locus
 from .run import plot_run
@@ -30,13 +32,16 @@ __all__ = [
     "plot_contact_forces",
     "plot_critical",
     "plot_displacements",
+    "plot_energies",
     "plot_frequencies",
     "plot_growth_rates",
     "plot_intensity",
+    "plot_orbit_branch",
     "plot_phase_plane",
     "plot_root_locus",
     "plot_run",
     "plot_spectrum",
     "plot_stability_map",
+    "plot_works",
     "shade_modes",
 ]

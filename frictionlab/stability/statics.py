@@ -79,10 +79,15 @@ def _forces(copy: Any, gap: Any) -> tuple[Any, Any]:
 
 
 def _deflections(copy: Any, matrices: Any, hung: bool, normal: Any, friction: Any) -> list[Any]:
-    flexibility = _flexibility(matrices, copy.coordinates.index("y1") if hung else None)
-    q = [sympy.S.Zero] * len(copy.coordinates)
-    # The lever in W_N depends on coordinates that its moment does not move: two passes are exact.
-    for _ in range(2):
+    free, q = [symbol(name) for name in copy.coordinates], [sympy.S.Zero] * len(copy.coordinates)
+    stiffness = sympy.Matrix(matrices.stiffness)
+    lever = sympy.Matrix(copy.geometry.normal(*free)).jacobian(free)
+    skipped = copy.coordinates.index("y1") if hung else None
+    flexibility, passes = _flexibility(stiffness, skipped), 2
+    # With the paper's W_N the lever depends on coordinates that its moment does not move: two passes do.
+    if not (flexibility * lever * flexibility * lever).is_zero_matrix:
+        flexibility, passes = _flexibility(stiffness - normal * lever, skipped), 1
+    for _ in range(passes):
         q = list(flexibility * sympy.Matrix(_loads(copy, matrices, q, normal, friction)))
     return q
 
@@ -92,9 +97,8 @@ def _loads(copy: Any, matrices: Any, q: Sequence[Any], normal: Any, friction: An
     return [f + w * normal + t * friction for f, w, t in rows]
 
 
-def _flexibility(matrices: Any, hung: int | None) -> Any:
+def _flexibility(stiffness: Any, hung: int | None) -> Any:
     """Inverse of K, block by block, with zeros for the coordinate that the contact alone holds."""
-    stiffness = sympy.Matrix(matrices.stiffness)
     inverse = sympy.zeros(*stiffness.shape)
     for block in sympy.SparseMatrix(stiffness).connected_components():
         held = [i for i in block if i != hung]

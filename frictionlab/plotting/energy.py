@@ -1,0 +1,94 @@
+"""Where the energy of a run is, and what put it there: the balance of :func:`frictionlab.energy_audit`."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+
+from .figure import axes_or_new
+from .legends import legend_beside
+from .palette import BLACK, BLUE, DASHED, GREEN, ORANGE, PURPLE, SKY, VERMILLION
+from .windows import Array
+
+ENERGIES = {"kinetic": BLUE, "springs": GREEN, "contact": VERMILLION, "preload": ORANGE}
+WORKS = {
+    "belt drive": BLUE,
+    "friction": VERMILLION,
+    "dampers": GREEN,
+    "impacts": ORANGE,
+    "moving load": PURPLE,
+}
+
+
+def plot_energies(audit: Any, ax: Axes | None = None) -> list[Line2D]:
+    """Draw every energy of an audit against time, and their sum, dashed.
+
+    Parameters
+    ----------
+    audit : EnergyAudit
+    ax : Axes or None
+        None draws into a new figure, ``lines[0].axes.figure``.
+
+    Returns
+    -------
+    list of Line2D
+        One for every energy, then the sum.
+
+    Examples
+    --------
+    >>> import frictionlab as fl
+    >>> audit = fl.energy_audit(fl.simulate(fl.SliderOnBelt(mu_k=1.4), 0.2))
+    >>> [line.get_label() for line in plot_energies(audit)]
+    ['kinetic', 'springs', 'contact', 'preload', 'sum']
+    """
+    return _drawn(audit, ax, audit.energies, ENERGIES, audit.total, "energy (J)", "Energies")
+
+
+def plot_works(audit: Any, ax: Axes | None = None) -> list[Line2D]:
+    """Draw what every contribution did from 0 to t, and the sum, dashed: that is what the system gained.
+
+    Parameters
+    ----------
+    audit : EnergyAudit
+    ax : Axes or None
+        None draws into a new figure, ``lines[0].axes.figure``.
+
+    Returns
+    -------
+    list of Line2D
+        One for every contribution, then the sum.
+
+    Examples
+    --------
+    >>> import frictionlab as fl
+    >>> audit = fl.energy_audit(fl.simulate(fl.SliderOnBelt(mu_k=1.4), 0.2))
+    >>> [line.get_label() for line in plot_works(audit)]
+    ['belt drive', 'friction', 'dampers', 'impacts', 'moving load', 'sum']
+    """
+    title = f"Work since the start; the balance misses {audit.error:.1g} of the energy turned over"
+    return _drawn(
+        audit, ax, audit.works, WORKS, audit.total - audit.total[0], "work from 0 to $t$ (J)", title
+    )
+
+
+def _drawn(
+    audit: Any,
+    ax: Axes | None,
+    parts: Mapping[str, Array],
+    colours: Mapping[str, str],
+    total: Array,
+    ylabel: str,
+    title: str,
+) -> list[Line2D]:
+    ax = axes_or_new(ax, figsize=(8.0, 4.0))
+    lines = []
+    for name, values in parts.items():
+        lines += ax.plot(audit.t, values, color=colours.get(name, SKY), linewidth=1.2, label=name)
+    lines += ax.plot(audit.t, total, color=BLACK, linestyle=DASHED, linewidth=1.2, label="sum")
+    ax.set(xlabel="time (s)", ylabel=ylabel, title=title)
+    ax.margins(x=0)
+    legend_beside(ax)
+    return lines
