@@ -17,6 +17,7 @@ from .picture import Picture
 from .result import Result
 from .running import RunControls
 from .settings import Settings
+from .sliders import same
 from .words import error_text
 
 DEFAULT = ("response", "phase", "forces", "spectrum", "eigenvalues")
@@ -95,8 +96,9 @@ class Explorer:
     def _repr_mimebundle_(self, **options: Any) -> Any:
         return self.widget._repr_mimebundle_(**options)
 
-    def _changed(self, _: Any) -> None:
-        self.latest.request()
+    def _changed(self, change: Any) -> None:
+        if not same(change["new"], change["old"]):
+            self.latest.request()
 
     def _update(self) -> None:
         with self.busy.mark():
