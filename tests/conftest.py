@@ -19,7 +19,7 @@ settings.load_profile("frictionlab")
 CHROMIUM = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 
 
-# Not for the whole run: while it is there an event loop runs, which notebooks run elsewhere would stumble over.
+# Not for the whole run: an event loop runs as long, which tests that run notebooks would stumble over.
 @pytest.fixture(scope="module")
 def browser():
     """Chromium, driven by playwright."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import socket
 import sys
 from importlib.util import find_spec
 from pathlib import Path
@@ -28,8 +29,8 @@ examples:
 
 exit status: 0 ended by ctrl-C; 1 Voila is not installed; 2 bad arguments."""
 
-# Voila's page asks a server elsewhere for a style sheet it can do without, and stays blank until that answers or
-# gives up: forbidden, it is there at once in a hall without network.
+# Voila's page asks a server elsewhere for a style sheet it can do without, and stays blank until that answers
+# or gives up: where it is forbidden to ask, it is there at once in a hall without network.
 POLICY = "default-src 'self' ws: data: blob: 'unsafe-inline' 'unsafe-eval'; frame-ancestors 'self'"
 
 
@@ -81,13 +82,9 @@ def _port(asked: int | None) -> int:
 
 
 def _bound(port: int) -> int:
-    from tornado.netutil import bind_sockets
-
-    sockets = bind_sockets(port, "localhost")  # as Voila will do, which itself tells of failures in a log only
-    found = sockets[0].getsockname()[1]
-    for each in sockets:
-        each.close()
-    return found
+    # Voila would tell of failure in its log only.
+    with socket.create_server(("localhost", port)) as probe:
+        return probe.getsockname()[1]
 
 
 def _notebook() -> dict[str, Any]:

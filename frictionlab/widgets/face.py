@@ -10,12 +10,12 @@ import ipywidgets
 from .settings import snippet, to_json
 from .words import end_text, equilibrium_text
 
-# Controls beside the picture, which stays in sight and scrolls by itself where it is higher than the window; on a
-# narrow screen below it, its panels side by side, of the second one an edge as a hint.  A sticky box stays within
-# the nearest ancestor that could scroll; notebooks let every output scroll, so that is taken from this one.
+# Controls beside the picture, which stays in sight and scrolls by itself where it is higher than the window;
+# on a narrow screen below it, its panels side by side, of the second one an edge as a hint.  A sticky box
+# keeps to the nearest ancestor that could scroll; notebooks let every output do so, but not this one.
 STYLE = """<style>
-.jupyter-widgets.fl-explorer, :is(.jp-OutputArea, .jp-OutputArea-child, .jp-OutputArea-output):has(.fl-explorer) {
-  overflow: visible; }
+.jupyter-widgets.fl-explorer { overflow: visible; }
+:is(.jp-OutputArea, .jp-OutputArea-child, .jp-OutputArea-output):has(.fl-explorer) { overflow: visible; }
 .fl-explorer .fl-picture { position: sticky; top: 0; z-index: 2; background: white; max-height: 90vh; }
 .fl-explorer .fl-equilibrium .widget-html-content { line-height: 1.35; }
 .fl-explorer .fl-equilibrium span { display: inline-block; margin-right: 1em; }

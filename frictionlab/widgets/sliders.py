@@ -13,8 +13,8 @@ from frictionlab.components.parameter import Parameter
 STEPS = 300  # of a slider, at most so many from one end to the other
 PER_DECADE = 50
 WIDTH = "310px"
-# A browser computes a slider's value from its place, 20.000000000000004 for 20, a logarithmic one's from its exponent,
-# 0.9999999999977 for 1, and tells it unasked when it shows the slider first.
+# A browser computes a slider's value from its place, 20.000000000000004 for 20, a logarithmic one's from its
+# exponent, 0.9999999999977 for 1, and tells it unasked when it shows the slider first.
 ROUNDING = 1e-11
 
 

@@ -7,15 +7,17 @@ import subprocess
 import sys
 import time
 from contextlib import contextmanager
+from pathlib import Path
 from urllib.error import URLError
 from urllib.request import urlopen
 
+ROOT = Path(__file__).parents[2]
 PATIENCE = 60  # seconds
 
-# Two explorers and an animation.  The kernel counts what the sliders and switches of both say; of the second one,
-# the negative control, it has forgotten to whom to say it.
-CELLS = (
-    """\
+# Two explorers and an animation.  The kernel counts what the sliders and switches of both say; of the second
+# one, the negative control, it has forgotten to whom to say it.  One cell, as JupyterLab takes others off the
+# page where they are out of sight.
+CELL = """\
 import frictionlab as fl
 import ipywidgets
 
@@ -32,18 +34,17 @@ def made(name, deaf):
         explorer.controls[control].observe(count, names="value")
     display(heard, explorer)
 
-made("live", deaf=False)""",
-    'made("deaf", deaf=True)',
-    "fl.watch(fl.simulate(fl.SliderOnBelt(mu_k=1.4), 1.0, progress=False), speed=0.2)",
-)
+made("live", deaf=False)
+made("deaf", deaf=True)
+fl.watch(fl.simulate(fl.SliderOnBelt(mu_k=1.4), 1.0, progress=False), speed=0.2)
+"""
 
 
 def write_notebook(folder):
     """The notebook of the tests; returns its path."""
-    rest = {"execution_count": None, "metadata": {}, "outputs": []}
-    cells = [{"cell_type": "code", "id": f"cell-{i}", "source": text} | rest for i, text in enumerate(CELLS)]
+    cell = {"cell_type": "code", "execution_count": None, "metadata": {}, "outputs": [], "source": CELL}
     kernel = {"name": "python3", "display_name": "Python 3", "language": "python"}
-    data = {"cells": cells, "metadata": {"kernelspec": kernel}, "nbformat": 4, "nbformat_minor": 5}
+    data = {"cells": [cell], "metadata": {"kernelspec": kernel}, "nbformat": 4, "nbformat_minor": 4}
     path = folder / "page.ipynb"
     path.write_text(json.dumps(data), encoding="utf-8")
     return path
@@ -57,10 +58,11 @@ def free_port():
 
 
 def environment(folder):
-    """The variables of this process, with settings and working files of Jupyter in a folder."""
+    """The variables of this process, with this package and with Jupyter's own files in a folder."""
+    path = os.pathsep.join(filter(None, [str(ROOT), os.environ.get("PYTHONPATH")]))
     own = {f"JUPYTER_{name}_DIR": str(folder / name) for name in ("CONFIG", "RUNTIME")}
     own |= {f"JUPYTERLAB_{name}_DIR": str(folder / name) for name in ("SETTINGS", "WORKSPACES")}
-    return os.environ | own | {"IPYTHONDIR": str(folder / "ipython")}
+    return os.environ | own | {"IPYTHONDIR": str(folder / "ipython"), "PYTHONPATH": path}
 
 
 @contextmanager

@@ -1,5 +1,6 @@
-"""The explorer in a real browser, in Voila, in JupyterLab and as `frictionlab app`: keys, clicks, pictures."""
+"""The explorer in a browser, in Voila, in JupyterLab and as `frictionlab app`: keys, clicks, pictures."""
 
+import os
 import re
 from importlib.util import find_spec
 from types import SimpleNamespace
@@ -39,18 +40,25 @@ def app(folder, port):
 
 def run_all(page):
     """Lab's way to the outputs."""
-    page.get_by_role("menuitem", name="Run", exact=True).click()
-    page.get_by_text("Run All Cells", exact=True).click()
+    page.locator(".jp-Notebook .jp-CodeCell").first.wait_for(timeout=PATIENCE)
+    page.wait_for_selector("#jupyterlab-splash", state="detached", timeout=PATIENCE)
+    page.locator(".lm-MenuBar-item").get_by_text("Run", exact=True).click()
+    page.locator(".lm-Menu-item").get_by_text("Run All Cells", exact=True).click()
 
 
 FRONT_ENDS = {
     "voila": (voila, "voila", "/", ".live"),
-    "lab": (lab, "jupyterlab", "/lab/tree/page.ipynb", ".live"),
+    "lab": (lab, "jupyterlab", "/doc/tree/page.ipynb", ".live"),
     "app": (app, "voila", "/", ".fl-explorer"),
 }
 
 
-@pytest.fixture(scope="module", params=FRONT_ENDS)
+EVERYWHERE = pytest.mark.parametrize("shown", FRONT_ENDS, indirect=True, scope="module")
+NOTEBOOKS = pytest.mark.parametrize("shown", ["voila", "lab"], indirect=True, scope="module")
+COMMAND = pytest.mark.parametrize("shown", ["app"], indirect=True, scope="module")
+
+
+@pytest.fixture(scope="module")
 def shown(request, browser, tmp_path_factory):
     """A page with an explorer: its page, front end and CSS selector, and what went wrong or abroad."""
     command, module, path, root = FRONT_ENDS[request.param]
@@ -72,6 +80,7 @@ def shown(request, browser, tmp_path_factory):
         page.close()
 
 
+@EVERYWHERE
 def test_a_key_on_a_slider_changes_pictures_and_equilibrium(shown):
     before = settled(shown.page, shown.root)
     press(shown.page, shown.root, "F")
@@ -84,6 +93,7 @@ def test_a_key_on_a_slider_changes_pictures_and_equilibrium(shown):
     assert changed(shown.page, shown.root, after)["words"] == before["words"]
 
 
+@EVERYWHERE
 @pytest.mark.parametrize("name", SWITCHES)
 def test_a_switch_changes_pictures_and_equilibrium(shown, name):
     before = settled(shown.page, shown.root)
@@ -96,11 +106,10 @@ def test_a_switch_changes_pictures_and_equilibrium(shown, name):
     assert changed(shown.page, shown.root, after)["words"] == before["words"]
 
 
+@NOTEBOOKS
 @pytest.mark.parametrize("name", ["F", *SWITCHES])
 def test_without_its_observer_nothing_changes(shown, name):
-    """The negative control: where the explorer is deaf the tests above would fail, as nothing else redraws."""
-    if shown.name == "app":
-        pytest.skip("the page of the command has no deaf explorer; Voila's has")
+    """The negative control: the tests above would fail here, as nothing but the observers redraws."""
     heard = shown.page.locator(".deaf-heard")
     times, before = int(heard.inner_text()), settled(shown.page, ".deaf")
     (press if name == "F" else flip)(shown.page, ".deaf", name)
@@ -112,6 +121,7 @@ def test_without_its_observer_nothing_changes(shown, name):
     assert settled(shown.page, ".deaf") == before
 
 
+@EVERYWHERE
 def test_labels_are_typeset_and_have_units(shown):
     for name, letter in LABELS.items():
         label = shown.page.locator(f"{shown.root} .fl-{name} .widget-label").first
@@ -122,10 +132,9 @@ def test_labels_are_typeset_and_have_units(shown):
         assert unit in shown.page.locator(f"{shown.root} .fl-{name} .widget-label").first.inner_text()
 
 
+@COMMAND
 def test_showing_the_sliders_changes_nothing(shown):
     """A browser tells the values of sliders as it shows them, with its rounding."""
-    if shown.name != "app":
-        pytest.skip("only the page of the command shows an explorer with all values of the paper")
     shown.page.locator(f"{shown.root} .fl-structure").get_by_text("structure").click()
     shown.page.locator(f"{shown.root} .fl-code").get_by_text("as Python").click()
     text = shown.page.locator(f"{shown.root} .fl-python textarea").input_value()
@@ -134,20 +143,24 @@ def test_showing_the_sliders_changes_nothing(shown):
     shown.page.locator(f"{shown.root} .fl-code").get_by_text("as Python").click()
 
 
+@EVERYWHERE
 @pytest.mark.parametrize(("width", "height"), [(1280, 720), (400, 800)], ids=["wide", "narrow"])
 def test_nothing_overlaps_and_the_picture_stays_in_sight(shown, width, height):
     page = shown.page
     page.set_viewport_size({"width": width, "height": height})
+    page.locator(shown.root).evaluate("(explorer) => explorer.scrollIntoView()")
     page.wait_for_timeout(500)
     names = (*LABELS, "mu_s", *(f"switch-{name}" for name in SWITCHES), "compare", "equilibrium", "duration")
     boxes = [box_of(page, f"{shown.root} .fl-{name}") for name in names]
     boxes.append(picture := box_of(page, f"{shown.root} .fl-picture"))
     assert not [(a, b) for i, a in enumerate(boxes) for b in boxes[:i] if overlap(a, b)]
     assert all(box["x"] >= 0 and box["x"] + box["width"] <= width for box in boxes) or shown.name == "lab"
-    page.screenshot(path=f"/tmp/shots/{shown.name}-{width}.png")
+    if shots := os.environ.get("SHOTS"):
+        page.screenshot(path=f"{shots}/{shown.name}-{width}.png")
     page.locator(f"{shown.root} .fl-coordinate").scroll_into_view_if_needed()
     page.wait_for_timeout(300)
-    page.screenshot(path=f"/tmp/shots/{shown.name}-{width}-down.png")
+    if shots:
+        page.screenshot(path=f"{shots}/{shown.name}-{width}-down.png")
     below = box_of(page, f"{shown.root} .fl-picture")
     visible = min(below["y"] + below["height"], height) - max(below["y"], 0)
     assert visible > 0.75 * min(picture["height"], height)
@@ -163,9 +176,8 @@ def overlap(a, b):
     return across > 1 and min(a["y"] + a["height"], b["y"] + b["height"]) - max(a["y"], b["y"]) > 1
 
 
+@NOTEBOOKS
 def test_the_animation_plays(shown):
-    if shown.name == "app":
-        pytest.skip("the page of the command has no animation; Voila's has")
     page = shown.page
     play = page.get_by_role("button", name="play", exact=True)
     play.scroll_into_view_if_needed(timeout=PATIENCE)
@@ -180,6 +192,7 @@ def test_the_animation_plays(shown):
     assert time.inner_text() != start
 
 
+@EVERYWHERE
 def test_nothing_went_wrong_on_the_page(shown):
     assert shown.failures == []
     assert seen(shown.page, shown.root)["pictures"]
