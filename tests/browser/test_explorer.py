@@ -41,7 +41,7 @@ def app(folder, port):
 def run_all(page):
     """Lab's way to the outputs."""
     page.locator(".jp-Notebook .jp-CodeCell").first.wait_for(timeout=PATIENCE)
-    page.wait_for_selector("#jupyterlab-splash", state="detached", timeout=PATIENCE)
+    page.get_by_text("| Idle").wait_for(timeout=PATIENCE)  # without a kernel it runs nothing
     page.locator(".lm-MenuBar-item").get_by_text("Run", exact=True).click()
     page.locator(".lm-Menu-item").get_by_text("Run All Cells", exact=True).click()
 
@@ -148,7 +148,8 @@ def test_showing_the_sliders_changes_nothing(shown):
 def test_nothing_overlaps_and_the_picture_stays_in_sight(shown, width, height):
     page = shown.page
     page.set_viewport_size({"width": width, "height": height})
-    page.locator(shown.root).evaluate("(explorer) => explorer.scrollIntoView()")
+    page.mouse.move(30, 600)  # beside the picture, which scrolls by itself
+    page.mouse.wheel(0, -9999)
     page.wait_for_timeout(500)
     names = (*LABELS, "mu_s", *(f"switch-{name}" for name in SWITCHES), "compare", "equilibrium", "duration")
     boxes = [box_of(page, f"{shown.root} .fl-{name}") for name in names]
