@@ -15,7 +15,8 @@ from .words import end_text, equilibrium_text
 # keeps to the nearest ancestor that could scroll; notebooks let every output do so, but not this one.
 STYLE = """<style>
 .jupyter-widgets.fl-explorer { overflow: visible; }
-:is(.jp-OutputArea, .jp-OutputArea-child, .jp-OutputArea-output):has(.fl-explorer) { overflow: visible; }
+:is(.jp-OutputArea, .jp-OutputArea-child, .jp-OutputArea-output):has(.fl-explorer) {
+  overflow: visible; min-width: 0; }
 .fl-explorer .fl-picture { position: sticky; top: 0; z-index: 2; background: white; max-height: 90vh; }
 .fl-explorer .fl-equilibrium .widget-html-content { line-height: 1.35; }
 .fl-explorer .fl-equilibrium span { display: inline-block; margin-right: 1em; }
