@@ -42,7 +42,7 @@ class Explorer:
     """
 
     def __init__(self, settings: Settings, panels: dict[str, Any]) -> None:
-        self.settings, self.result, self.error = settings, Result(settings, progress=True), None
+        self.settings, self.result, self.error = settings, Result(settings), None
         self.updates = 0  # computed so far
         self.latest = Latest(self._update)
         self.components, self.running = ComponentControls(settings.model), RunControls(settings)

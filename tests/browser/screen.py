@@ -42,11 +42,17 @@ def settled(page, root):
         last = now
 
 
-def changed(page, root, before):
-    """Wait for other pictures than those of before; returns what is seen once they stay."""
+def changed(page, root, before, pictures=1, words=True):
+    """Wait until so many pictures, and if asked the words, differ; returns what is seen once they stay.
+
+    They come in messages of their own, one after the other.
+    """
     page.wait_for_function(
-        f"async ([root, before]) => (await ({SEEN})(root)).pictures.some((p, i) => p !== before[i])",
-        arg=[root, before["pictures"]],
+        f"""async ([root, before, pictures, words]) => {{
+          const now = await ({SEEN})(root), differ = now.pictures.filter((p, i) => p !== before.pictures[i]);
+          return differ.length >= pictures && (!words || now.words !== before.words);
+        }}""",
+        arg=[root, before, pictures, words],
         timeout=PATIENCE,
     )
     return settled(page, root)
