@@ -1,8 +1,10 @@
 """Settings of the whole test run; environment variables, so that subprocesses and notebooks have them too."""
 
 import os
+import shutil
 import sys
 
+import pytest
 from hypothesis import settings
 
 os.environ["MPLBACKEND"] = "Agg"
@@ -13,3 +15,21 @@ if os.environ.get("FRICTIONLAB_DISABLE_NUMBA", "0") not in ("", "0"):
 # The first example may compile the solver, so no deadline; the same examples on every machine.
 settings.register_profile("frictionlab", deadline=None, derandomize=True)
 settings.load_profile("frictionlab")
+
+CHROMIUM = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
+
+
+# Not for the whole run: an event loop runs as long, which tests that run notebooks would stumble over.
+@pytest.fixture(scope="module")
+def browser():
+    """Chromium, driven by playwright."""
+    api = pytest.importorskip(
+        "playwright.sync_api", reason="playwright drives the browser; it is not installed"
+    )
+    path = next(filter(None, map(shutil.which, CHROMIUM)), None)
+    if path is None:
+        pytest.skip(f"a browser draws this, none is installed: {', '.join(CHROMIUM)}")
+    with api.sync_playwright() as play:
+        chromium = play.chromium.launch(executable_path=path, args=["--no-sandbox"])
+        yield chromium
+        chromium.close()

@@ -10,6 +10,7 @@ from typing import NoReturn
 
 from frictionlab._version import __version__
 
+from .app import add_app
 from .arguments import normalised, unknown_options
 from .bench import add_bench
 from .figure import add_figure
@@ -57,17 +58,19 @@ def _parsers() -> tuple[OneLineParser, dict[str, OneLineParser]]:
     )
     parser.add_argument("--version", action="version", version=f"frictionlab {__version__}")
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", title="commands")
-    added = {"run": add_run, "figure": add_figure, "reproduce": add_reproduce, "bench": add_bench}
+    added = {"run": add_run, "app": add_app, "figure": add_figure}
+    added |= {"reproduce": add_reproduce, "bench": add_bench}
     return parser, {name: add(commands) for name, add in added.items()}
 
 
 def _guarded(chosen: argparse.Namespace, parser: OneLineParser) -> int:
+    from .app import app_command
     from .bench import bench_command
     from .figure import figure_command
     from .reproduce import reproduce_command
     from .run import run_command
 
-    does = {"run": run_command, "figure": figure_command}
+    does = {"run": run_command, "app": app_command, "figure": figure_command}
     does |= {"reproduce": reproduce_command, "bench": bench_command}
     try:
         command = does[chosen.command]

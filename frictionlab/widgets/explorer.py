@@ -17,6 +17,7 @@ from .picture import Picture
 from .result import Result
 from .running import RunControls
 from .settings import Settings
+from .sliders import same
 from .words import error_text
 
 DEFAULT = ("response", "phase", "forces", "spectrum", "eigenvalues")
@@ -41,7 +42,7 @@ class Explorer:
     """
 
     def __init__(self, settings: Settings, panels: dict[str, Any]) -> None:
-        self.settings, self.result, self.error = settings, Result(settings, progress=True), None
+        self.settings, self.result, self.error = settings, Result(settings), None
         self.updates = 0  # computed so far
         self.latest = Latest(self._update)
         self.components, self.running = ComponentControls(settings.model), RunControls(settings)
@@ -95,8 +96,9 @@ class Explorer:
     def _repr_mimebundle_(self, **options: Any) -> Any:
         return self.widget._repr_mimebundle_(**options)
 
-    def _changed(self, _: Any) -> None:
-        self.latest.request()
+    def _changed(self, change: Any) -> None:
+        if not same(change["new"], change["old"]):
+            self.latest.request()
 
     def _update(self) -> None:
         with self.busy.mark():

@@ -10,16 +10,21 @@ import ipywidgets
 from .settings import snippet, to_json
 from .words import end_text, equilibrium_text
 
-# Controls beside the picture, which stays in sight; on a narrow screen below it, its panels side by side.
+# Controls beside the picture, which stays in sight and scrolls by itself where it is higher than the window;
+# on a narrow screen below it, its panels side by side, of the second one an edge as a hint.  A sticky box
+# keeps to the nearest ancestor that could scroll; notebooks let every output do so, but not this one.
 STYLE = """<style>
-.fl-explorer .fl-picture { position: sticky; top: 0; z-index: 2; background: white; }
+.jupyter-widgets.fl-explorer { overflow: visible; }
+:is(.jp-OutputArea, .jp-OutputArea-child, .jp-OutputArea-output):has(.fl-explorer) {
+  overflow: visible; min-width: 0; }
+.fl-explorer .fl-picture { position: sticky; top: 0; z-index: 2; background: white; max-height: 90vh; }
 .fl-explorer .fl-equilibrium .widget-html-content { line-height: 1.35; }
 .fl-explorer .fl-equilibrium span { display: inline-block; margin-right: 1em; }
 @media (max-width: 800px) {
   .fl-explorer { flex-direction: column !important; }
   .fl-explorer .fl-picture { order: -1; flex: none !important; width: 100%;
                              flex-flow: row nowrap !important; overflow-x: auto; }
-  .fl-explorer .fl-panel { flex: 0 0 auto; }
+  .fl-explorer .fl-panel { flex: 0 0 auto; max-width: 88% !important; }
   .fl-explorer .fl-controls { width: 100%; flex: none !important; }
   .fl-explorer .fl-control { width: 98% !important; }
 }

@@ -9,7 +9,7 @@ import ipywidgets
 
 from frictionlab.models.namespace import about_all, owners
 
-from .sliders import slider
+from .sliders import slider, unrounded
 
 OPERATION = "F", "v"  # of the model's own parameters those that one changes on a running system
 FOLDED = "structure"
@@ -56,7 +56,7 @@ class ParameterControls:
     def values(self, model: Any) -> dict[str, float]:
         """What the sliders say about the parameters of this model."""
         self.show(model)
-        return {name: self.sliders[name].value for name in model.parameters}
+        return {name: unrounded(self.sliders[name].value, self._start[name]) for name in model.parameters}
 
     def reset(self) -> None:
         """Back to the values of the start; sliders that came later to their law's."""

@@ -33,14 +33,14 @@ class Result:
         Why there is none; empty where there is one.
     """
 
-    def __init__(self, settings: Settings, progress: bool = False) -> None:
+    def __init__(self, settings: Settings) -> None:
         self.settings, self.model = settings, settings.model
-        self._progress = progress
 
     @cached_property
     def run(self) -> Trajectory:
         s = self.settings
-        return simulate(s.model, s.t_end, x0=s.x0, method=capped(s.method), progress=self._progress)
+        # No bar: one that has come and gone leaves "model not found" on Voila's page.
+        return simulate(s.model, s.t_end, x0=s.x0, method=capped(s.method), progress=False)
 
     @property
     def ran(self) -> bool:

@@ -11,7 +11,7 @@ from frictionlab.hybrid.rk4 import RK4
 from frictionlab.hybrid.taylor import Taylor
 
 from .settings import WINDOW, Settings
-from .sliders import dressed
+from .sliders import dressed, unrounded
 
 OWN, FIXED = "own", "rk4"
 QUICK = Taylor(chatter=1e-4)  # right to some 1e-6 of the motion, and several times as fast under Eq. (13)
@@ -34,7 +34,7 @@ class RunControls:
         drop, names = ipywidgets.Dropdown, settings.model.coordinates
         self.start = dressed(drop(options=STARTS), "start", "start", "initial state")
         self.own = _own(names)
-        self.duration = _duration(settings.t_end)
+        self.duration, self._t_end = _duration(settings.t_end), settings.t_end
         text = "exact to rounding; quick: flights below 0.1 ms replaced by their limit; the paper's"
         self.method = dressed(drop(options=METHODS, value=settings.method), "method", "method", text)
         self.step = _step()
@@ -61,10 +61,12 @@ class RunControls:
         self.own.layout.display = "" if self.start.value == OWN else "none"
         self.step.layout.display = "" if self.method.value == FIXED else "none"
         start = _numbers(self.own.value) if self.start.value == OWN else self.start.value
-        method = RK4(step=self.step.value) if self.method.value == FIXED else self.method.value
+        step = unrounded(self.step.value, STEP)
+        method = RK4(step=step) if self.method.value == FIXED else self.method.value
         chosen = self.coordinate.value
         coordinate = chosen if chosen in model.coordinates else model.coordinates[0]
-        return Settings(model, self.duration.value, start, method, self.window.value, coordinate)
+        t_end = unrounded(self.duration.value, self._t_end)
+        return Settings(model, t_end, start, method, self.window.value, coordinate)
 
 
 def _own(names: tuple[str, ...]) -> Any:

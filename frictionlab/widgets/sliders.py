@@ -13,6 +13,9 @@ from frictionlab.components.parameter import Parameter
 STEPS = 300  # of a slider, at most so many from one end to the other
 PER_DECADE = 50
 WIDTH = "310px"
+# A browser computes a slider's value from its place, 20.000000000000004 for 20, a logarithmic one's from its
+# exponent, 0.9999999999977 for 1, and tells it unasked when it shows the slider first.
+ROUNDING = 1e-11
 
 
 def slider(name: str, about: Parameter, value: float) -> Any:
@@ -97,6 +100,20 @@ def _dividing(step: float, distance: float) -> float:
         if abs(distance / finer - round(distance / finer)) < 1e-6:
             return finer
     return step
+
+
+def same(a: Any, b: Any) -> bool:
+    """Whether two values of a control differ by a browser's rounding at most."""
+    if isinstance(a, tuple) and isinstance(b, tuple):
+        return len(a) == len(b) and all(map(same, a, b))
+    if isinstance(a, float) and isinstance(b, float):
+        return math.isclose(a, b, rel_tol=ROUNDING)
+    return a == b
+
+
+def unrounded(value: float, start: float) -> float:
+    """What a slider's value stands for: what it started with, a number of few digits, or itself."""
+    return next(number for number in (start, float(f"{value:.9g}"), value) if same(value, number))
 
 
 def known(model: Any, name: str) -> None:

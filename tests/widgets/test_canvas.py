@@ -2,7 +2,6 @@
 
 import json
 import re
-import shutil
 import subprocess
 import sys
 import zipfile
@@ -18,7 +17,6 @@ from frictionlab.plotting.palette import BLUE, MODES
 from tests.widgets.page import open_canvas, picture_of, pixels_of, scrub
 
 MODEL = fl.SliderOnBelt(mu_k=1.4)
-CHROMIUM = shutil.which("chromium")
 BELT, PHASE = 0, 1  # the two pictures
 
 
@@ -109,19 +107,6 @@ def test_the_wheel_holds_the_javascript(tmp_path):
     subprocess.run(command, cwd=root, check=True, capture_output=True)
     (wheel,) = tmp_path.glob("*.whl")
     assert "frictionlab/widgets/canvas.js" in zipfile.ZipFile(wheel).namelist()
-
-
-@pytest.fixture(scope="module")
-def browser():
-    api = pytest.importorskip(
-        "playwright.sync_api", reason="playwright drives the browser; it is not installed"
-    )
-    if CHROMIUM is None:
-        pytest.skip("the canvas is drawn in chromium, which is not installed")
-    with api.sync_playwright() as play:
-        chromium = play.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
-        yield chromium
-        chromium.close()
 
 
 @pytest.fixture(params=[(1280, 720), (400, 800)], ids=["wide", "narrow"])

@@ -1,5 +1,6 @@
 """Set a control's value; look at the data of the lines and at the words."""
 
+import dataclasses
 import json
 import re
 from dataclasses import dataclass
@@ -108,6 +109,15 @@ def test_an_unstable_equilibrium_is_said_to_be_so_with_rate_and_frequency(explor
     text = explorer.face.equilibrium.value
     assert f"unstable: 1 mode grows, at {worst.real:.4g} 1/s" in text
     assert f"{abs(worst.imag) / (2 * np.pi):.4g} Hz" in text
+
+
+def test_a_browser_that_rounds_the_sliders_changes_nothing(explorer):
+    updates, settings = explorer.updates, explorer.settings
+    for name in ("duration", "k1", "M", "step"):
+        explorer.controls[name].value *= 1 - 3e-12
+    assert explorer.updates == updates
+    explorer.controls["method"].value = "rk4"
+    assert explorer.settings == dataclasses.replace(settings, method=fl.RK4(step=2e-4))
 
 
 @pytest.mark.parametrize("name", ["cubic", "nonsmooth", "geometry"])

@@ -6,7 +6,7 @@ import pytest
 import frictionlab as fl
 from frictionlab.components import Parameter
 from frictionlab.models.namespace import about_all
-from frictionlab.widgets.sliders import slider
+from frictionlab.widgets.sliders import same, slider, unrounded
 
 pytestmark = pytest.mark.plain_python
 
@@ -62,3 +62,25 @@ def test_the_value_lies_on_a_step_so_that_the_browser_shows_it(name):
 def test_steps_are_round_numbers():
     steps = [slider(name, ABOUT[name], MODEL.parameters[name]).step for name in ("mu_k", "F", "l1")]
     assert steps == pytest.approx([0.01, 5.0, 0.002])
+
+
+@pytest.mark.parametrize("name", [name for name in MODEL.parameters if ABOUT[name].log])
+def test_what_a_browser_makes_of_a_logarithmic_slider_is_taken_for_its_value(name):
+    value = MODEL.parameters[name]
+    made = slider(name, ABOUT[name], value)
+    steps = round((np.log10(value) - made.min) / made.step)
+    told = 10.0 ** (made.min + steps * made.step)
+    assert same(told, value)
+    assert unrounded(told, value) == value
+
+
+def test_rounding_is_undone_and_nothing_else():
+    assert unrounded(20.000000000000004, 5.0) == 20.0
+    assert unrounded(0.30000000000000004, 5.0) == 0.3
+    assert unrounded(1.23456789012 * (1 + 1e-12), 1.23456789012) == 1.23456789012
+    for own in (1 / 3, 1.0 + 1e-10, 0.0, -2.5):
+        assert unrounded(own, 7.0) == own
+    assert same((0.0, 1.0), (0.0, 1.0 + 1e-13))
+    assert not same((0.0, 1.0), (0.0, 1.1))
+    assert not same(None, 1.0)
+    assert not same(True, False)

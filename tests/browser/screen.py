@@ -1,0 +1,58 @@
+"""What an explorer shows in a browser, and a hand on its controls."""
+
+PATIENCE = 60_000  # milliseconds
+SEEN = """async (root) => {
+  const explorer = document.querySelector(root);
+  const bytes = async (image) => new Uint8Array(await (await fetch(image.src)).arrayBuffer()).join();
+  const pictures = await Promise.all([...explorer.querySelectorAll("img.fl-panel")].map(bytes));
+  return { pictures, words: explorer.querySelector(".fl-equilibrium").innerText };
+}"""
+
+
+def seen(page, root):
+    """What the explorer shows now: bytes of its pictures, and the words about the equilibrium."""
+    return page.evaluate(SEEN, root)
+
+
+def press(page, root, name, key="ArrowRight"):
+    """A key on a slider."""
+    page.locator(f"{root} .fl-{name} [role=slider]").focus()
+    page.keyboard.press(key)
+
+
+def flip(page, root, name):
+    """A click on a switch."""
+    page.locator(f"{root} .fl-switch-{name} input").click()
+
+
+def settled(page, root):
+    """Wait until nothing is computed any more; returns what is seen then."""
+    page.wait_for_timeout(400)  # the mark appears after 0.3 s
+    page.wait_for_function(
+        "(root) => getComputedStyle(document.querySelector(root + ' .fl-busy')).visibility === 'hidden'",
+        arg=root,
+        timeout=PATIENCE,
+    )
+    last = seen(page, root)
+    while True:
+        page.wait_for_timeout(300)
+        now = seen(page, root)
+        if now == last:
+            return now
+        last = now
+
+
+def changed(page, root, before, pictures=1, words=True):
+    """Wait until so many pictures, and if asked the words, differ; returns what is seen once they stay.
+
+    They come in messages of their own, one after the other.
+    """
+    page.wait_for_function(
+        f"""async ([root, before, pictures, words]) => {{
+          const now = await ({SEEN})(root), differ = now.pictures.filter((p, i) => p !== before.pictures[i]);
+          return differ.length >= pictures && (!words || now.words !== before.words);
+        }}""",
+        arg=[root, before, pictures, words],
+        timeout=PATIENCE,
+    )
+    return settled(page, root)

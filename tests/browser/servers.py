@@ -1,0 +1,94 @@
+"""Voila and JupyterLab as processes of their own, on a free port, with settings of nobody."""
+
+import json
+import os
+import socket
+import subprocess
+import sys
+import time
+from contextlib import contextmanager
+from pathlib import Path
+from urllib.error import URLError
+from urllib.request import urlopen
+
+ROOT = Path(__file__).parents[2]
+PATIENCE = 60  # seconds
+
+# Two explorers and an animation.  The kernel counts what the sliders and switches of both say; of the second
+# one, the negative control, it has forgotten to whom to say it.  One cell, as JupyterLab takes others off the
+# page where they are out of sight.
+CELL = """\
+import frictionlab as fl
+import ipywidgets
+
+def made(name, deaf):
+    explorer = fl.explore(fl.SliderOnBelt(mu_k=1.4), panels=("response", "phase"))
+    explorer.controls["duration"].value = 2.0
+    explorer.widget.add_class(name)
+    heard = ipywidgets.Label("0").add_class(f"{name}-heard")
+    def count(change):
+        heard.value = str(int(heard.value) + (change["new"] != change["old"]))
+    for control in ("F", "switch-cubic", "switch-nonsmooth", "switch-geometry"):
+        if deaf:
+            explorer.controls[control].unobserve_all("value")
+        explorer.controls[control].observe(count, names="value")
+    display(heard, explorer)
+
+made("live", deaf=False)
+made("deaf", deaf=True)
+fl.watch(fl.simulate(fl.SliderOnBelt(mu_k=1.4), 1.0, progress=False), speed=0.2)
+"""
+
+
+def write_notebook(folder):
+    """The notebook of the tests; returns its path."""
+    cell = {"cell_type": "code", "execution_count": None, "metadata": {}, "outputs": [], "source": CELL}
+    kernel = {"name": "python3", "display_name": "Python 3", "language": "python"}
+    data = {"cells": [cell], "metadata": {"kernelspec": kernel}, "nbformat": 4, "nbformat_minor": 4}
+    path = folder / "page.ipynb"
+    path.write_text(json.dumps(data), encoding="utf-8")
+    return path
+
+
+def free_port():
+    """A port that nobody listens at."""
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return probe.getsockname()[1]
+
+
+def environment(folder):
+    """The variables of this process, with this package and with Jupyter's own files in a folder."""
+    path = os.pathsep.join(filter(None, [str(ROOT), os.environ.get("PYTHONPATH")]))
+    own = {f"JUPYTER_{name}_DIR": str(folder / name) for name in ("CONFIG", "RUNTIME")}
+    own |= {f"JUPYTERLAB_{name}_DIR": str(folder / name) for name in ("SETTINGS", "WORKSPACES")}
+    return os.environ | own | {"IPYTHONDIR": str(folder / "ipython"), "PYTHONPATH": path}
+
+
+@contextmanager
+def serving(arguments, port, folder):
+    """`python -m arguments`, from when it answers at the port until the block is done; yields its address."""
+    log = folder / "server.log"
+    with log.open("w") as stream:
+        command = [sys.executable, "-m", *arguments]
+        process = subprocess.Popen(command, cwd=folder, env=environment(folder), stdout=stream, stderr=stream)
+    try:
+        _wait(process, port, log)
+        yield f"http://localhost:{port}"
+    finally:
+        process.terminate()  # the server ends its kernels
+        process.wait(PATIENCE)
+
+
+def _wait(process, port, log):
+    end = time.monotonic() + PATIENCE
+    while time.monotonic() < end and process.poll() is None:
+        try:
+            return urlopen(f"http://localhost:{port}/static/nothing", timeout=5).close()
+        except URLError as error:
+            if hasattr(error, "code"):  # any answer is one
+                return error.close()
+            time.sleep(0.2)
+        except OSError:
+            time.sleep(0.2)
+    raise AssertionError(f"the server does not answer: {log.read_text()}")

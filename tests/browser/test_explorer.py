@@ -1,0 +1,197 @@
+"""The explorer in a browser, in Voila, in JupyterLab and as `frictionlab app`: keys, clicks, pictures."""
+
+import re
+from importlib.util import find_spec
+from types import SimpleNamespace
+
+import pytest
+
+import frictionlab as fl
+from tests.browser.screen import PATIENCE, changed, flip, press, seen, settled
+from tests.browser.servers import free_port, serving, write_notebook
+
+pytestmark = pytest.mark.browser
+
+SWITCHES = "cubic", "nonsmooth", "geometry"
+LABELS = {"mu_k": "μ", "F": "F", "v": "v", "k2": "k", "k_nl": "k"}
+LAB = (
+    "--no-browser",
+    "--allow-root",
+    "--ServerApp.port_retries=0",
+    "--IdentityProvider.token=",
+    "--LabApp.news_url=None",
+    "--LabApp.check_for_updates_class=jupyterlab.NeverCheckForUpdate",
+)
+
+
+def voila(folder, port):
+    return ["voila", str(write_notebook(folder)), "--no-browser", f"--port={port}"]
+
+
+def lab(folder, port):
+    write_notebook(folder)
+    return ["jupyterlab", *LAB, f"--port={port}", f"--ServerApp.root_dir={folder}"]
+
+
+def app(folder, port):
+    return ["frictionlab", "app", "--no-browser", "--port", str(port)]
+
+
+def run_all(page):
+    """Lab's way to the outputs."""
+    page.locator(".jp-Notebook .jp-CodeCell").first.wait_for(timeout=PATIENCE)
+    page.get_by_text("| Idle").wait_for(timeout=PATIENCE)  # without a kernel it runs nothing
+    page.locator(".lm-MenuBar-item").get_by_text("Run", exact=True).click()
+    page.locator(".lm-Menu-item").get_by_text("Run All Cells", exact=True).click()
+
+
+FRONT_ENDS = {
+    "voila": (voila, "voila", "/", ".live"),
+    "lab": (lab, "jupyterlab", "/doc/tree/page.ipynb", ".live"),
+    "app": (app, "voila", "/", ".fl-explorer"),
+}
+
+
+EVERYWHERE = pytest.mark.parametrize("shown", FRONT_ENDS, indirect=True, scope="module")
+NOTEBOOKS = pytest.mark.parametrize("shown", ["voila", "lab"], indirect=True, scope="module")
+COMMAND = pytest.mark.parametrize("shown", ["app"], indirect=True, scope="module")
+
+
+@pytest.fixture(scope="module")
+def shown(request, browser, tmp_path_factory):
+    """A page with an explorer: its page, front end and CSS selector, and what went wrong or abroad."""
+    command, module, path, root = FRONT_ENDS[request.param]
+    if find_spec(module) is None:
+        pytest.skip(f"{module} shows the explorer; it is not installed")
+    folder, port = tmp_path_factory.mktemp(request.param), free_port()
+    with serving(command(folder, port), port, folder) as address:
+        page = browser.new_page(viewport={"width": 1280, "height": 720})
+        failures = []
+        page.on("pageerror", lambda error: failures.append(str(error)))
+        # The tests need no network, and nothing that they see comes from there.
+        page.route(lambda url: not url.startswith((address, "blob:", "data:")), lambda route: route.abort())
+        page.set_default_timeout(PATIENCE)
+        page.goto(address + path, wait_until="commit")  # Voila sends the rest when the cells have run
+        if request.param == "lab":
+            run_all(page)
+        page.wait_for_selector(f"{root} img.fl-panel", timeout=3 * PATIENCE)
+        settled(page, root)
+        yield SimpleNamespace(page=page, name=request.param, root=root, failures=failures)
+        page.close()
+
+
+@EVERYWHERE
+def test_a_key_on_a_slider_changes_pictures_and_equilibrium(shown):
+    before = settled(shown.page, shown.root)
+    press(shown.page, shown.root, "F")
+    after = changed(shown.page, shown.root, before, pictures=2)
+    assert all(a != b for a, b in zip(before["pictures"][:2], after["pictures"][:2], strict=True))
+    point = fl.equilibrium(fl.SliderOnBelt(F=205.0, mu_k=0.3 if shown.name == "app" else 1.4))
+    assert f"x1 = {point.q[0]:.5g} m" in after["words"]
+    assert f"F_N = {point.normal_force:.5g} N" in after["words"]
+    press(shown.page, shown.root, "F", "ArrowLeft")
+    assert changed(shown.page, shown.root, after)["words"] == before["words"]
+
+
+@EVERYWHERE
+@pytest.mark.parametrize("name", SWITCHES)
+def test_a_switch_changes_pictures_and_equilibrium(shown, name):
+    before = settled(shown.page, shown.root)
+    flip(shown.page, shown.root, name)
+    after = changed(shown.page, shown.root, before, words=name != "nonsmooth")
+    # Steady sliding neither sticks nor lifts off: without those it is the same.
+    assert (after["words"] == before["words"]) == (name == "nonsmooth")
+    assert ("phi =" in after["words"]) == (name != "geometry")
+    flip(shown.page, shown.root, name)
+    last = changed(shown.page, shown.root, after, words=name != "nonsmooth")
+    assert last["words"] == before["words"]
+
+
+@NOTEBOOKS
+@pytest.mark.parametrize("name", ["F", *SWITCHES])
+def test_without_its_observer_nothing_changes(shown, name):
+    """The negative control: the tests above would fail here, as nothing but the observers redraws."""
+    heard = shown.page.locator(".deaf-heard")
+    times, before = int(heard.inner_text()), settled(shown.page, ".deaf")
+    (press if name == "F" else flip)(shown.page, ".deaf", name)
+    shown.page.wait_for_function(
+        "(times) => Number(document.querySelector('.deaf-heard').innerText) > times",
+        arg=times,
+        timeout=PATIENCE,
+    )
+    assert settled(shown.page, ".deaf") == before
+
+
+@EVERYWHERE
+def test_labels_are_typeset_and_have_units(shown):
+    for name, letter in LABELS.items():
+        label = shown.page.locator(f"{shown.root} .fl-{name} .widget-label").first
+        label.locator("mjx-container, .MathJax").first.wait_for(timeout=PATIENCE)
+        assert "$" not in label.inner_text()
+        assert letter in label.locator("mjx-assistive-mml").text_content()
+    for name, unit in {"F": "(N)", "v": "(m/s)", "k2": "(N/m)", "k_nl": "(N/m³)"}.items():
+        assert unit in shown.page.locator(f"{shown.root} .fl-{name} .widget-label").first.inner_text()
+
+
+@COMMAND
+def test_showing_the_sliders_changes_nothing(shown):
+    """A browser tells the values of sliders as it shows them, with its rounding."""
+    shown.page.locator(f"{shown.root} .fl-structure").get_by_text("structure").click()
+    shown.page.locator(f"{shown.root} .fl-code").get_by_text("as Python").click()
+    text = shown.page.locator(f"{shown.root} .fl-python textarea").input_value()
+    assert "model = fl.SliderOnBelt()\nrun = fl.simulate(model, 20.0, x0='rest')" in text
+    shown.page.locator(f"{shown.root} .fl-structure").get_by_text("structure").click()
+    shown.page.locator(f"{shown.root} .fl-code").get_by_text("as Python").click()
+
+
+@EVERYWHERE
+@pytest.mark.parametrize(("width", "height"), [(1280, 720), (400, 800)], ids=["wide", "narrow"])
+def test_nothing_overlaps_and_the_picture_stays_in_sight(shown, width, height):
+    page = shown.page
+    page.set_viewport_size({"width": width, "height": height})
+    page.mouse.move(30, 600)  # beside the picture, which scrolls by itself
+    page.mouse.wheel(0, -9999)
+    page.wait_for_timeout(500)
+    names = (*LABELS, "mu_s", *(f"switch-{name}" for name in SWITCHES), "compare", "equilibrium", "duration")
+    boxes = [box_of(page, f"{shown.root} .fl-{name}") for name in names]
+    boxes.append(picture := box_of(page, f"{shown.root} .fl-picture"))
+    assert not [(a, b) for i, a in enumerate(boxes) for b in boxes[:i] if overlap(a, b)]
+    assert all(box["x"] >= 0 and box["x"] + box["width"] <= width for box in boxes)
+    page.locator(f"{shown.root} .fl-coordinate").scroll_into_view_if_needed()
+    page.wait_for_timeout(300)
+    below = box_of(page, f"{shown.root} .fl-picture")
+    visible = min(below["y"] + below["height"], height) - max(below["y"], 0)
+    assert visible > 0.75 * min(picture["height"], height)
+    page.set_viewport_size({"width": 1280, "height": 720})
+
+
+def box_of(page, selector):
+    return page.locator(selector).first.bounding_box()
+
+
+def overlap(a, b):
+    across = min(a["x"] + a["width"], b["x"] + b["width"]) - max(a["x"], b["x"])
+    return across > 1 and min(a["y"] + a["height"], b["y"] + b["height"]) - max(a["y"], b["y"]) > 1
+
+
+@NOTEBOOKS
+def test_the_animation_plays(shown):
+    page = shown.page
+    play = page.get_by_role("button", name="play", exact=True)
+    play.scroll_into_view_if_needed(timeout=PATIENCE)
+    shot = "() => [...document.querySelectorAll('canvas')].slice(-2).map((c) => c.toDataURL())"
+    time = page.get_by_text(re.compile(r"^t = \S+ s: "))
+    before, start = page.evaluate(shot), time.inner_text()
+    play.click()
+    page.wait_for_function(
+        f"(before) => ({shot})().every((url, i) => url !== before[i])", arg=before, timeout=PATIENCE
+    )
+    page.get_by_role("button", name="pause", exact=True).click()
+    assert time.inner_text() != start
+
+
+@EVERYWHERE
+def test_nothing_went_wrong_on_the_page(shown):
+    assert shown.failures == []
+    assert shown.page.get_by_text("Error displaying widget").count() == 0
+    assert seen(shown.page, shown.root)["pictures"]

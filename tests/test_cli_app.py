@@ -1,0 +1,104 @@
+"""`frictionlab app`: what it serves, what it refuses, and how it ends."""
+
+import importlib.util
+import os
+import re
+import signal
+import socket
+import subprocess
+import sys
+import time
+from urllib.error import HTTPError, URLError
+from urllib.request import Request, urlopen
+
+import pytest
+
+from frictionlab import cli
+from frictionlab.cli import app
+
+
+def failing(argv, capsys):
+    """Run the command, which must fail with code 2 before it serves anything; returns stderr."""
+    with pytest.raises(SystemExit) as ended:
+        cli.main(["app", *argv])
+    assert ended.value.code == 2
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    return captured.err
+
+
+BAD = {
+    "--port 0": "--port must be from 1 to 65535, got 0: leave it out for 8866",
+    "--port 70000": "--port must be from 1 to 65535, got 70000",
+    "--port many": "argument --port: invalid int value: 'many'",
+    "--no-browsr": "unknown option '--no-browsr': did you mean '--no-browser'?",
+    "9000": "unexpected argument '9000'",
+}
+
+
+@pytest.mark.parametrize(("options", "message"), BAD.items(), ids=BAD)
+def test_bad_arguments_end_with_one_line_and_code_2(options, message, capsys):
+    err = failing(options.split(), capsys)
+    assert err.startswith("frictionlab app: error: ")
+    assert err.count("\n") == 1
+    assert message in err
+
+
+def test_a_port_in_use_is_refused(capsys):
+    pytest.importorskip("voila", reason="voila serves the page; it is not installed")
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+        err = failing(["--port", str(port)], capsys)
+    assert f"--port {port} cannot be had" in err
+    assert "give another, or leave it out" in err
+
+
+def test_without_a_port_another_is_taken_where_the_usual_one_is_in_use(monkeypatch):
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        monkeypatch.setattr(app, "PORT", taken.getsockname()[1])
+        assert app._port(None) not in (0, app.PORT)
+
+
+def test_without_voila_one_line_says_what_to_install(monkeypatch, capsys):
+    find = importlib.util.find_spec
+    monkeypatch.setattr(app, "find_spec", lambda name: None if name == "voila" else find(name))
+    assert cli.main(["app"]) == 1
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    assert captured.err.count("\n") == 1
+    assert 'not installed: pip install "frictionlab[lab]"' in captured.err
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows sends ctrl-C to a whole console only")
+def test_ctrl_c_ends_it_cleanly(tmp_path):
+    pytest.importorskip("voila", reason="voila serves the page; it is not installed")
+    command = [sys.executable, "-m", "frictionlab", "app", "--no-browser"]
+    variables = os.environ | {"TMPDIR": str(tmp_path)}
+    with subprocess.Popen(
+        command, env=variables, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as process:
+        address = re.fullmatch(
+            r"Explorer at (http://localhost:\d+/) \(ctrl-C ends it\)\n", process.stdout.readline()
+        )[1]
+        assert list(tmp_path.glob("frictionlab-*/explorer.ipynb"))
+        answer = served(address)
+        process.send_signal(signal.SIGINT)
+        out, err = process.communicate(timeout=60)
+    assert process.returncode == 0
+    assert out == ""
+    assert "Traceback" not in err
+    assert list(tmp_path.iterdir()) == []
+    assert "default-src 'self'" in answer
+
+
+def served(address):
+    """The policy that the server states, once it answers; to be asked for the head only starts no kernel."""
+    for _ in range(300):
+        try:
+            urlopen(Request(address, method="HEAD"), timeout=60).close()
+        except HTTPError as answer:
+            with answer:
+                return answer.headers["Content-Security-Policy"]
+        except URLError:
+            time.sleep(0.2)
+    raise AssertionError("the server does not answer")
