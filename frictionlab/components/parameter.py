@@ -100,9 +100,13 @@ def _about(field: dataclasses.Field[Any]) -> Parameter | None:
     return Parameter(field.name, default=None if field.default is dataclasses.MISSING else field.default)
 
 
+def is_dataclass_of_its_own(component: type) -> bool:
+    """Whether a class that adds fields is decorated; without it they would silently not be parameters."""
+    return not get_annotations(component) or "__dataclass_fields__" in component.__dict__
+
+
 def _refuse_undecorated(component: type) -> None:
-    # Without the decorator the annotated fields of the class would silently not be parameters.
-    if get_annotations(component) and "__dataclass_fields__" not in component.__dict__:
+    if not is_dataclass_of_its_own(component):
         raise TypeError(
             f"{component.__name__} has fields but is no dataclass: write @dataclass(frozen=True) above it"
         )

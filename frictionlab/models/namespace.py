@@ -9,7 +9,7 @@ from typing import Any
 
 from frictionlab.components.component import Component
 from frictionlab.components.names import did_you_mean
-from frictionlab.components.parameter import Parameter, parameters_of
+from frictionlab.components.parameter import Parameter, is_dataclass_of_its_own, parameters_of
 
 
 def owners(cls: type, components: Mapping[str, Component]) -> dict[str, str]:
@@ -89,6 +89,7 @@ def about_all(cls: type, components: Mapping[str, Component]) -> dict[str, Param
 def _owned_elsewhere(name: str, roles: Mapping[str, type], components: Mapping[str, Component]) -> str:
     for role, base in roles.items():
         for kind in base.__subclasses__():
-            if name in parameters_of(kind):
+            # A student's class without its decorator is no owner; it has an error of its own when it is used.
+            if is_dataclass_of_its_own(kind) and name in parameters_of(kind):
                 return f"it belongs to {kind.__name__}, and {role} is {components[role]!r}"
     return ""

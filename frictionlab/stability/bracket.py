@@ -27,11 +27,12 @@ def bracketed(function: Callable[[float], float], low: float, high: float) -> fl
 def scanned(function: Callable[[Any], Any], reach: float, points: int = 4001) -> list[float]:
     """Roots in [-reach, reach] seen as changes of sign on a grid; two that are closer than it are missed.
 
-    `function` takes arrays.
+    `function` takes arrays.  Where it changes its sign through a pole it is larger than on both sides.
     """
     grid = np.linspace(-reach, reach, points)
     with np.errstate(all="ignore"):  # where a law is not defined there is no root
-        signs = np.sign(np.broadcast_to(function(grid), grid.shape))
+        values = np.broadcast_to(function(grid), grid.shape)
+    sizes, signs = np.abs(values), np.sign(values)
     ends = np.flatnonzero(signs[:-1] * signs[1:] <= 0)
-    found = (bracketed(function, float(grid[i]), float(grid[i + 1])) for i in ends)
-    return sorted({root for root in found if root is not None})
+    found = [(bracketed(function, float(grid[i]), float(grid[i + 1])), sizes[i : i + 2].max()) for i in ends]
+    return sorted({root for root, size in found if root is not None and abs(function(root)) <= size})

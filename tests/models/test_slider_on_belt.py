@@ -204,6 +204,16 @@ def test_reading_a_model_makes_nothing_but_components():
         SliderOnBelt.from_dict(data)
 
 
+def test_a_law_without_its_decorator_spoils_no_other_message():
+    class Bare(ContactLaw):
+        stiff: float = 1.0
+
+    with pytest.raises(TypeError, match="did you mean 'mu_k'"):
+        SliderOnBelt(mu_kk=1.0)
+    with pytest.raises(TypeError, match="Bare has fields but is no dataclass"):
+        SliderOnBelt(contact=Bare())
+
+
 def test_malformed_data_is_refused():
     with pytest.raises(ValueError, match="must be a mapping with 'class' and 'fields'"):
         SliderOnBelt.from_dict({"class": 3})

@@ -200,3 +200,23 @@ def test_pressed_means_compressed():
     view = steady(model)
     x = view.solve(*view.at({"mu_k": [0.3, 0.3]}))
     np.testing.assert_allclose(x[:5], np.stack([inside.q, inside.q], axis=1), rtol=1e-9)
+
+
+@dataclass(frozen=True)
+class Stop(ContactLaw):
+    """A contact that stiffens towards a stop, with a pole there and at the gap opposite."""
+
+    stiff: float = 5e3
+    stop: float = 0.1
+
+    def force(self, gap):
+        """Without bound at the stop."""
+        return self.stiff * gap / (1 - (gap / self.stop) ** 2)
+
+
+def test_a_pole_is_no_root():
+    """By hand: of gap = gap(F_N(gap)), a line, the cubic that is left when the quotient is cleared."""
+    model = SliderOnBelt(contact=Stop())
+    found = equilibria(model)
+    assert all(point.residual < 1e-9 and abs(abs(point.gap) - 0.1) > 1e-6 for point in found)
+    assert 0 < equilibrium(model).gap < 0.1
