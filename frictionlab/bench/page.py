@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -18,7 +19,8 @@ Written by `frictionlab bench -o docs`. Absolute times belong to the machine; th
 of one run, which is what to compare; [exact-and-fast.md](exact-and-fast.md) explains it in three
 pictures. Times are medians of interleaved runs on one core; those of more
 than {slow:g} s are measured once. What the tools compile is compiled before. `frictionlab bench --quick`
-takes a fraction of the time.
+takes a fraction of the time. Load average of the machine when it began and when the scenes were done, of
+which one is this command's own work: {loads}.
 
 ## Run time against error
 
@@ -104,11 +106,16 @@ TAIL = """\
 """
 
 
-def write(folder: Path, rows: Sequence[Row], tables: Sequence[str]) -> Path:
+def load() -> str:
+    """Load average of the last minute, where the system knows it."""
+    return f"{os.getloadavg()[0]:.1f}" if hasattr(os, "getloadavg") else "unknown"
+
+
+def write(folder: Path, rows: Sequence[Row], tables: Sequence[str], loads: Sequence[str]) -> Path:
     """Write the page and its picture; `tables` come in the order of their heads above."""
     (folder / PICTURE.parent).mkdir(parents=True, exist_ok=True)
     picture.draw(rows).savefig(folder / PICTURE, dpi=110)
-    text = HEAD.format(slow=harness.SLOW, picture=PICTURE.as_posix())
+    text = HEAD.format(slow=harness.SLOW, picture=PICTURE.as_posix(), loads=", ".join(loads))
     for name, scene in scenes().items():
         table = harness.table([row for row in rows if row.scene == name])
         text += f"\n### {name}: {scene.text}, {scene.t_end:.5g} s\n\n{table}\n"

@@ -55,19 +55,20 @@ def bench_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
     for name in names:
         if name not in known:
             parser.error(f"--scene must be one of {', '.join(known)}, got {name!r}")
-    rows = []
+    rows, loads = [], [page.load()]
     for name in names:
         found = harness.measure(known[name], repeats=1 if chosen.quick else 3)
         print(
             f"\n{name}: {known[name].text}, {known[name].t_end:.6g} s\n\n{harness.table(found)}", flush=True
         )
         rows += found
+    loads.append(page.load())
     switched = [] if chosen.scene else switches.switches(repeats=3 if chosen.quick else 15)
     tables = [] if chosen.scene else _others(chosen.quick, switched)
     try:
         if chosen.output:
             folder = Path(chosen.output)
-            written = page.write(folder, rows, tables), lesson.write(folder, rows, switched)
+            written = page.write(folder, rows, tables, loads), lesson.write(folder, rows, switched)
             print(f"Pages in {written[0]} and {written[1]}")
         if chosen.json:
             Path(chosen.json).write_text(json.dumps(harness.as_json(rows), indent=1), encoding="utf-8")
