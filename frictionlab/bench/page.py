@@ -63,8 +63,8 @@ MANY = """\
 ## Many runs at once
 
 `fl.ensemble`: runs of one structure whose mode is the same take their steps side by side, eight in the lanes
-of one vector, on one core; every run is what it would be alone, to the last bit. Values of mu_k from 0.8 to
-1.6, from rest, 20 s. It pays where no events come between: with stick and separation the runs are seldom in
+of one vector, on one core; every run is what it would be alone, to the last bit. Values of mu_k from 0.2 to
+1, from rest, 20 s. It pays where no events come between: with stick and separation the runs are seldom in
 one mode for long, and threads do better.
 
 """
