@@ -149,8 +149,9 @@ def test_showing_the_sliders_changes_nothing(shown):
 def test_nothing_overlaps_and_the_picture_stays_in_sight(shown, width, height):
     page = shown.page
     page.set_viewport_size({"width": width, "height": height})
-    page.mouse.move(30, 600)  # beside the picture, which scrolls by itself
-    page.mouse.wheel(0, -9999)
+    # JupyterLab scrolls a panel, not the page
+    top = "e => { for (let p = e; p; p = p.parentElement) p.scrollTop = 0 }"
+    page.locator(shown.root).first.evaluate(top)
     page.wait_for_timeout(500)
     names = (*LABELS, "mu_s", *(f"switch-{name}" for name in SWITCHES), "compare", "equilibrium", "duration")
     boxes = [box_of(page, f"{shown.root} .fl-{name}") for name in names]
