@@ -80,17 +80,18 @@ def first_return(run: Trajectory, start: float, direction: int) -> float:
     share = np.where(largest > still, away / np.where(largest > still, largest, 1.0), 0.0).max(axis=1)
     for i in 1 + np.flatnonzero((share[1:-1] <= share[:-2]) & (share[1:-1] < share[2:])):
         low, high = sorted((t[i - 1], t[i + 1]))
-        found: Any = minimize_scalar(
-            lambda s: (_distances(run, [s], start) / np.maximum(largest[i], still)).max(),  # noqa: B023
-            bounds=(low, high),
-            method="bounded",
-        )
+        scales = np.maximum(largest[i], still)
+        found: Any = minimize_scalar(_share, args=(run, start, scales), bounds=(low, high), method="bounded")
         if found.fun < CLOSE:
             return float(abs(found.x - start))
     raise ValueError(
         f"guess must come back within {CLOSE:.0%} of the size of its motion, it does not in {run.raw.t:g} s: "
         "give a state nearer to the orbit, a larger longest=, or about its period as period="
     )
+
+
+def _share(t: float, run: Trajectory, start: float, scales: Array) -> float:
+    return float((_distances(run, [t], start) / scales).max())
 
 
 def _distances(run: Trajectory, t: Any, start: float) -> Array:

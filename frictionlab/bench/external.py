@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from frictionlab.automaton import HybridAutomaton
-from frictionlab.hybrid import stepping
+from frictionlab.hybrid import bookkeeping, handling
 from frictionlab.hybrid.buffers import Pieces
 from frictionlab.hybrid.methods import Method, Run
 from frictionlab.hybrid.problem import Problem
@@ -36,7 +36,7 @@ class External(Method):
         Of the tool's own steps; a run that reaches it ends with a status.
     """
 
-    entry: ClassVar[Any] = staticmethod(stepping.handle_event)
+    entry: ClassVar[Any] = staticmethod(handling.handle_event)
 
     automaton: HybridAutomaton
     count: list[int] = field(default_factory=lambda: [0], init=False, repr=False, compare=False)
@@ -82,33 +82,35 @@ class External(Method):
         settings = {f.name: getattr(self, f.name) for f in fields(self) if f.init and f.name != "automaton"}
         return {"name": self.name, **settings}
 
-    def advance(self, run: Run, record: stepping.Record) -> int:
+    def advance(self, run: Run, record: bookkeeping.Record) -> int:
         """Flows up to their events, each entered as one step, until a buffer is full or the run ends."""
-        counts, status = run.cursor.counts, stepping.RUNNING
+        counts, status = run.cursor.counts, bookkeeping.RUNNING
         room = min(len(record.step_modes), len(record.event_times))
-        while status == stepping.RUNNING and counts[stepping.STEPS] < room and self.steps < self.max_steps:
+        while (
+            status == bookkeeping.RUNNING and counts[bookkeeping.STEPS] < room and self.steps < self.max_steps
+        ):
             status = self._flow(run, record)
         return status
 
-    def _flow(self, run: Run, record: stepping.Record) -> int:
+    def _flow(self, run: Run, record: bookkeeping.Record) -> int:
         cursor, code = run.cursor, run.problem.program.code
         times, counts = cursor.times, cursor.counts
-        mode = int(counts[stepping.MODE])
-        now, end = float(times[stepping.NOW]), float(times[stepping.END])
+        mode = int(counts[bookkeeping.MODE])
+        now, end = float(times[bookkeeping.NOW]), float(times[bookkeeping.END])
         t, z, guard, steps = self.to_event(mode, cursor.state.copy(), now, end)
         self.count[0] += steps
-        row = counts[stepping.STEPS]
+        row = counts[bookkeeping.STEPS]
         record.step_times[row] = now, t - now
         record.step_modes[row] = mode
         record.step_states[row] = cursor.state
-        counts[stepping.STEPS] += 1
-        times[stepping.NOW], cursor.state[:] = t, z
+        counts[bookkeeping.STEPS] += 1
+        times[bookkeeping.NOW], cursor.state[:] = t, z
         if guard < 0:
-            failed = stepping.RUNNING if self.steps >= self.max_steps else stepping.NOT_FINITE
-            return stepping.FINISHED if t >= end else failed
+            failed = bookkeeping.RUNNING if self.steps >= self.max_steps else bookkeeping.NOT_FINITE
+            return bookkeeping.FINISHED if t >= end else failed
         guard += int(code.mode_guards[mode])
         arrays = code, run.problem.numbers, run.absolute
-        return stepping.handle_event(*arrays, guard, 1, self.degree, cursor, record, run.work)
+        return handling.handle_event(*arrays, guard, 1, self.degree, cursor, record, run.work)
 
     def _begin(self, problem: Problem) -> Run:
         self.count[0] = 0

@@ -10,19 +10,19 @@ from typing import NamedTuple
 
 import numpy as np
 
-from frictionlab.hybrid.compiled import inlined, kernel
-from frictionlab.hybrid.jets import copy, mode_jets
-from frictionlab.hybrid.layout import Numbers, Program
-from frictionlab.hybrid.stepping import (
+from frictionlab.hybrid.bookkeeping import (
     NOW,
     RUNNING,
     STALLED,
     STEPS,
-    advance,
     pass_time,
-    step_length,
     time_left,
 )
+from frictionlab.hybrid.compiled import inlined, kernel
+from frictionlab.hybrid.jets import copy, mode_jets
+from frictionlab.hybrid.layout import Numbers, Program
+from frictionlab.hybrid.step_length import step_length
+from frictionlab.hybrid.stepping import advance
 from frictionlab.hybrid.tape import AFFINE
 
 WORTH = 0.5  # of the length of a Taylor step

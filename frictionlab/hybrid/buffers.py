@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from frictionlab.hybrid.bookkeeping import Record, Work
 from frictionlab.hybrid.layout import Code
 from frictionlab.hybrid.problem import Raw
 from frictionlab.hybrid.roots import DEPTH
 from frictionlab.hybrid.status import Status
-from frictionlab.hybrid.stepping import Record, Work
 
 
 def new_record(code: Code, steps: int, events: int, points: int) -> Record:

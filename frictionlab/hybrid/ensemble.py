@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from frictionlab.hybrid import lanes, stepping
+from frictionlab.hybrid import bookkeeping, lanes, step_length
 from frictionlab.hybrid.affine import is_affine
 from frictionlab.hybrid.buffers import new_record, new_work
 from frictionlab.hybrid.layout import Numbers
@@ -69,12 +69,12 @@ def _side_by_side(problems: Sequence[Problem], method: Taylor, progress: Progres
     work = new_work(program.slots, program.code, order)
     for i, problem in enumerate(problems):
         mode = start(problem, order, Numbers(*map(np.abs, problem.numbers)), work)
-        runs.counts[i, stepping.MODE], runs.counts[i, stepping.READY] = mode, 1
+        runs.counts[i, bookkeeping.MODE], runs.counts[i, bookkeeping.READY] = mode, 1
         if mode < 0:
-            runs.status[i] = stepping.NO_ADMISSIBLE_MODE
+            runs.status[i] = bookkeeping.NO_ADMISSIBLE_MODE
         else:
             lanes.alone(native.code, order, method.tol, runs, i, 0, record, work)
-    left, interrupted, share = True, False, runs.times[:, stepping.NOW]
+    left, interrupted, share = True, False, runs.times[:, bookkeeping.NOW]
     while left and not interrupted:
         left = lanes.advance_runs(native.code, order, method.tol, runs, seats, record, work, ROUNDS)
         if runs.totals[:, 0].sum() > LONG:
@@ -85,7 +85,7 @@ def _side_by_side(problems: Sequence[Problem], method: Taylor, progress: Progres
 
 def _runs(problems: Sequence[Problem], method: Taylor) -> lanes.Runs:
     count, code = len(problems), problems[0].program.code
-    cursors = [stepping.new_cursor(p.x0, 0, p.t_end, method.limits, method.raises) for p in problems]
+    cursors = [bookkeeping.new_cursor(p.x0, 0, p.t_end, method.limits, method.raises) for p in problems]
     constants = np.array([p.numbers.constants for p in problems])
     terms = np.array([p.numbers.terms for p in problems])
     return lanes.Runs(
@@ -100,7 +100,7 @@ def _runs(problems: Sequence[Problem], method: Taylor) -> lanes.Runs:
         sizes_of_terms=np.abs(terms),
         totals=np.zeros((count, 2), dtype=np.int64),
         caps=np.array([method.max_steps, method.max_events]),
-        status=np.full(count, stepping.RUNNING),
+        status=np.full(count, bookkeeping.RUNNING),
         queue=np.zeros((len(code.flow), count), dtype=np.int64),
         queued=np.zeros(len(code.flow), dtype=np.int64),
     )
@@ -109,7 +109,7 @@ def _runs(problems: Sequence[Problem], method: Taylor) -> lanes.Runs:
 def _seats(problem: Problem, method: Taylor) -> lanes.Seats:
     program, control = problem.program, np.zeros((ROWS, WIDTH))
     control[TOL], control[LOG_TOL] = method.tol, np.log2(method.tol)
-    control[GUARD_TOL] = method.tol * stepping.SLACK
+    control[GUARD_TOL] = method.tol * step_length.SLACK
     return lanes.Seats(
         runs=np.full(WIDTH, lanes.NOBODY),
         z=np.zeros((program.code.inputs, WIDTH)),
@@ -122,7 +122,7 @@ def _seats(problem: Problem, method: Taylor) -> lanes.Seats:
 
 def _ends(runs: lanes.Runs) -> Ends:
     status = tuple(_status(int(s), totals, runs.caps) for s, totals in zip(runs.status, runs.totals))
-    modes, now = runs.counts[:, stepping.MODE], runs.times[:, stepping.NOW]
+    modes, now = runs.counts[:, bookkeeping.MODE], runs.times[:, bookkeeping.NOW]
     steps, events = runs.totals.T.copy()
     return Ends(now.copy(), runs.states, modes.copy(), steps, events, status)
 
@@ -130,4 +130,4 @@ def _ends(runs: lanes.Runs) -> Ends:
 def _status(status: int, totals: np.ndarray, caps: np.ndarray) -> Status:
     if status == lanes.CAPPED:
         return Status.STEP_CAP if totals[0] >= caps[0] else Status.EVENT_CAP
-    return Status.INTERRUPTED if status == stepping.RUNNING else ENDS[status]
+    return Status.INTERRUPTED if status == bookkeeping.RUNNING else ENDS[status]

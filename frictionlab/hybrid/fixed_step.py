@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-from frictionlab.hybrid.compiled import inlined, kernel
-from frictionlab.hybrid.guards import NOISE
-from frictionlab.hybrid.jets import copy, majorant, mode_jets
-from frictionlab.hybrid.stepping import (
+from frictionlab.hybrid.bookkeeping import (
     CELL,
     END,
     ENTERED,
@@ -18,6 +15,9 @@ from frictionlab.hybrid.stepping import (
     RUNNING,
     STEPS,
 )
+from frictionlab.hybrid.compiled import inlined, kernel
+from frictionlab.hybrid.guards import NOISE
+from frictionlab.hybrid.jets import copy, majorant, mode_jets
 from frictionlab.hybrid.transitions import NO_MODE, apply_reset
 
 HALVINGS = 50

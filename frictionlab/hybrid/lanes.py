@@ -13,11 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from frictionlab.hybrid.arithmetic import call_native_step
-from frictionlab.hybrid.compiled import kernel
-from frictionlab.hybrid.jets import copy
-from frictionlab.hybrid.layout import Numbers
-from frictionlab.hybrid.native_lanes import FINE, LEFT, LENGTH, WIDTH
-from frictionlab.hybrid.stepping import (
+from frictionlab.hybrid.bookkeeping import (
     END,
     EVENTS,
     FINISHED,
@@ -28,10 +24,14 @@ from frictionlab.hybrid.stepping import (
     STALLED,
     STEPS,
     Cursor,
-    advance,
     pass_time,
     time_left,
 )
+from frictionlab.hybrid.compiled import kernel
+from frictionlab.hybrid.jets import copy
+from frictionlab.hybrid.layout import Numbers
+from frictionlab.hybrid.native_lanes import FINE, LEFT, LENGTH, WIDTH
+from frictionlab.hybrid.stepping import advance
 
 FEW = 3  # fewer than these in a mode go one by one
 AT_ONCE = 1000  # calls after which the kernel looks up

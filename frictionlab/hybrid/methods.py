@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from frictionlab.hybrid import stepping
+from frictionlab.hybrid import bookkeeping
 from frictionlab.hybrid.buffers import Pieces, new_record, new_work
 from frictionlab.hybrid.layout import Numbers
 from frictionlab.hybrid.natives import Natives, natives
@@ -24,14 +24,14 @@ from frictionlab.hybrid.validation import check_number
 CHUNK = 2048  # steps between two looks at the progress bar and ctrl-C
 
 ENDS = {
-    stepping.RUNNING: Status.RUNNING,
-    stepping.FINISHED: Status.FINISHED,
-    stepping.NO_ADMISSIBLE_MODE: Status.NO_ADMISSIBLE_MODE,
-    stepping.STALLED: Status.STALLED,
-    stepping.ACCUMULATED: Status.ACCUMULATED,
-    stepping.NOT_FINITE: Status.NOT_FINITE,
+    bookkeeping.RUNNING: Status.RUNNING,
+    bookkeeping.FINISHED: Status.FINISHED,
+    bookkeeping.NO_ADMISSIBLE_MODE: Status.NO_ADMISSIBLE_MODE,
+    bookkeeping.STALLED: Status.STALLED,
+    bookkeeping.ACCUMULATED: Status.ACCUMULATED,
+    bookkeeping.NOT_FINITE: Status.NOT_FINITE,
 }
-_COUNTED = [stepping.STEPS, stepping.EVENTS, stepping.POINTS]
+_COUNTED = [bookkeeping.STEPS, bookkeeping.EVENTS, bookkeeping.POINTS]
 
 
 @dataclass(frozen=True)
@@ -41,8 +41,8 @@ class Run:
     problem: Problem
     natives: Natives
     absolute: Numbers
-    cursor: stepping.Cursor
-    work: stepping.Work
+    cursor: bookkeeping.Cursor
+    work: bookkeeping.Work
 
 
 @dataclass(frozen=True)
@@ -78,8 +78,8 @@ class Method(ABC):
         return 0
 
     @abstractmethod
-    def advance(self, run: Run, record: stepping.Record) -> int:
-        """Fill `record` until it is full (stepping.RUNNING) or the run ends."""
+    def advance(self, run: Run, record: bookkeeping.Record) -> int:
+        """Fill `record` until it is full (bookkeeping.RUNNING) or the run ends."""
 
     def describe(self) -> dict[str, Any]:
         """Name and settings, for the record."""
@@ -100,29 +100,29 @@ class Method(ABC):
     def _integrate(self, problem: Problem, progress: Progress) -> Raw:
         run, pieces, status = self._begin(problem), Pieces(), Status.RUNNING
         counts, times = run.cursor.counts, run.cursor.times
-        if counts[stepping.MODE] < 0:
+        if counts[bookkeeping.MODE] < 0:
             status = Status.NO_ADMISSIBLE_MODE
         while status is Status.RUNNING:
             record = self._record(run, pieces)
             counts[_COUNTED] = 0
             end = self.advance(run, record)
-            run.natives.used(record.step_modes[: counts[stepping.STEPS]])
+            run.natives.used(record.step_modes[: counts[bookkeeping.STEPS]])
             pieces.add(record, *counts[_COUNTED])
             status = self._status(ENDS[end], pieces)
-            if progress.update(times[stepping.NOW]) and status is Status.RUNNING:
+            if progress.update(times[bookkeeping.NOW]) and status is Status.RUNNING:
                 status = Status.INTERRUPTED
-        mode = int(counts[stepping.MODE])
-        return pieces.raw(problem.program.code, times[stepping.NOW], run.cursor.state, mode, status)
+        mode = int(counts[bookkeeping.MODE])
+        return pieces.raw(problem.program.code, times[bookkeeping.NOW], run.cursor.state, mode, status)
 
     def _begin(self, problem: Problem) -> Run:
         absolute = Numbers(*map(np.abs, problem.numbers))
         work = new_work(problem.program.slots, problem.program.code, self.degree)
         mode = start(problem, self.degree, absolute, work)
-        cursor = stepping.new_cursor(problem.x0, mode, problem.t_end, self.limits, self.raises)
+        cursor = bookkeeping.new_cursor(problem.x0, mode, problem.t_end, self.limits, self.raises)
         cursor = cursor._replace(signs=np.zeros(problem.program.code.sections.shape[1], dtype=np.int64))
         return Run(problem, natives(problem.program, self.jets, self.degree + 1), absolute, cursor, work)
 
-    def _record(self, run: Run, pieces: Pieces) -> stepping.Record:
+    def _record(self, run: Run, pieces: Pieces) -> bookkeeping.Record:
         code = run.problem.program.code
         steps = min(CHUNK, self.max_steps - pieces.steps)
         events = min(CHUNK, self.max_events - pieces.events)

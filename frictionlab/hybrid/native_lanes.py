@@ -1,9 +1,9 @@
 """Straight-line machine code of a whole step without an event, for several runs side by side.
 
 Every value is a vector with one number for each run (lane).  The operations are those of one run, in the same
-sequence (:mod:`native`, :func:`stepping.step_length`, :func:`guards.smallest`), so a lane's numbers are those
-that the run would have alone, to the last bit.  Where a lane needs more than the usual, which is an event or
-anything rare, it is marked, and its state is left for the kernel of single runs.
+sequence (:mod:`native`, :func:`step_length.step_length`, :func:`guards.smallest`), so a lane's numbers are
+those that the run would have alone, to the last bit.  Where a lane needs more than the usual, which is an
+event or anything rare, it is marked, and its state is left for the kernel of single runs.
 """
 
 from __future__ import annotations

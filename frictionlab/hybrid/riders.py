@@ -7,7 +7,7 @@ from frictionlab.hybrid.guards import magnitude, scaled
 from frictionlab.hybrid.jets import polynomial, states_at
 from frictionlab.hybrid.roots import isolate
 
-NOW = 0  # places in Cursor.times and Cursor.counts, see stepping
+NOW = 0  # places in Cursor.times and Cursor.counts, see bookkeeping
 POINTS = 3
 ROUNDING = 1e-14  # a value below this share of its terms has no sign
 

@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from frictionlab.hybrid import stepping
+from frictionlab.hybrid import bookkeeping
 from frictionlab.hybrid.fixed_step import advance_fixed
 from frictionlab.hybrid.methods import Method, Run
 from frictionlab.hybrid.validation import check_number
@@ -44,7 +44,7 @@ class RK4(Method):
     def degree(self) -> int:
         return 8
 
-    def advance(self, run: Run, record: stepping.Record) -> int:
+    def advance(self, run: Run, record: bookkeeping.Record) -> int:
         problem, states = run.problem, len(run.cursor.state)
         arrays = run.natives.code, problem.numbers, run.absolute
         scratch = np.empty((5, states)), np.empty(states)

@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from frictionlab.hybrid import stepping
+from frictionlab.hybrid import bookkeeping, handling
 from frictionlab.hybrid.fixed_step import field
 from frictionlab.hybrid.methods import Method, Run
 from frictionlab.hybrid.tangent import slot_tangents
@@ -38,7 +38,7 @@ class Scipy(Method):
     """
 
     name: ClassVar[str] = "scipy"
-    entry: ClassVar[Any] = staticmethod(stepping.handle_event)
+    entry: ClassVar[Any] = staticmethod(handling.handle_event)
     parts: ClassVar[int] = 4
 
     integrator: str = "DOP853"
@@ -59,32 +59,32 @@ class Scipy(Method):
     def degree(self) -> int:
         return 20
 
-    def advance(self, run: Run, record: stepping.Record) -> int:
+    def advance(self, run: Run, record: bookkeeping.Record) -> int:
         """Run up to the next event, the end, or a full buffer."""
         cursor = run.cursor
         solver = self._solver(run)
         guards = _Guards(run)
-        while solver.status == "running" and cursor.counts[stepping.STEPS] < len(record.step_modes):
+        while solver.status == "running" and cursor.counts[bookkeeping.STEPS] < len(record.step_modes):
             solver.step()
             if solver.status == "failed" or not np.isfinite(solver.y).all():
-                return stepping.NOT_FINITE
+                return bookkeeping.NOT_FINITE
             length, guard = guards.first(solver)
             if length > 0.0:
                 _record_step(cursor, record, length)
-            cursor.times[stepping.NOW] += length
-            cursor.state[:] = solver.y if guard < 0 else solver.dense_output()(cursor.times[stepping.NOW])
+            cursor.times[bookkeeping.NOW] += length
+            cursor.state[:] = solver.y if guard < 0 else solver.dense_output()(cursor.times[bookkeeping.NOW])
             if guard >= 0:
                 return _event(run, record, guard, self.degree)
         if solver.status == "running":
-            return stepping.RUNNING
-        cursor.times[stepping.NOW] = cursor.times[stepping.END]
-        return stepping.FINISHED
+            return bookkeeping.RUNNING
+        cursor.times[bookkeeping.NOW] = cursor.times[bookkeeping.END]
+        return bookkeeping.FINISHED
 
     def _solver(self, run: Run) -> Any:
         from scipy import integrate
 
         problem, cursor = run.problem, run.cursor
-        code, mode = run.natives.code, int(cursor.counts[stepping.MODE])
+        code, mode = run.natives.code, int(cursor.counts[bookkeeping.MODE])
 
         def rates(t: float, z: np.ndarray) -> np.ndarray:
             out = np.empty_like(z)
@@ -96,7 +96,7 @@ class Scipy(Method):
             slot_tangents(code, problem.numbers, mode, np.ascontiguousarray(z), run.work.jets, tangents)
             return tangents[code.flow[mode]]
 
-        start, end = cursor.times[stepping.NOW], cursor.times[stepping.END]
+        start, end = cursor.times[bookkeeping.NOW], cursor.times[bookkeeping.END]
         settings: dict[str, Any] = {"rtol": self.rtol, "atol": self.atol}
         if self.integrator in IMPLICIT:
             settings["jac"] = jacobian
@@ -108,7 +108,7 @@ class _Guards:
 
     def __init__(self, run: Run) -> None:
         self._run = run
-        code, self._mode = run.problem.program.code, int(run.cursor.counts[stepping.MODE])
+        code, self._mode = run.problem.program.code, int(run.cursor.counts[bookkeeping.MODE])
         self._guards = range(code.mode_guards[self._mode], code.mode_guards[self._mode + 1])
 
     def _values(self, z: np.ndarray) -> np.ndarray:
@@ -118,7 +118,7 @@ class _Guards:
 
     def first(self, solver: Any) -> tuple[float, int]:
         """Length of the step up to the first guard that fails at its end, and the guard (-1: none)."""
-        start, end = self._run.cursor.times[stepping.NOW], solver.t
+        start, end = self._run.cursor.times[bookkeeping.NOW], solver.t
         failing = np.flatnonzero(self._values(solver.y) < 0.0)
         if not failing.size:
             return end - start, -1
@@ -140,15 +140,15 @@ class _Guards:
         return start if left == end else float(brentq(function, left, end, xtol=1e-15, rtol=1e-15))
 
 
-def _record_step(cursor: stepping.Cursor, record: stepping.Record, length: float) -> None:
-    row = cursor.counts[stepping.STEPS]
-    record.step_times[row] = cursor.times[stepping.NOW], length
-    record.step_modes[row] = cursor.counts[stepping.MODE]
+def _record_step(cursor: bookkeeping.Cursor, record: bookkeeping.Record, length: float) -> None:
+    row = cursor.counts[bookkeeping.STEPS]
+    record.step_times[row] = cursor.times[bookkeeping.NOW], length
+    record.step_modes[row] = cursor.counts[bookkeeping.MODE]
     record.step_states[row] = cursor.state
-    cursor.counts[stepping.STEPS] += 1
+    cursor.counts[bookkeeping.STEPS] += 1
 
 
-def _event(run: Run, record: stepping.Record, guard: int, order: int) -> int:
+def _event(run: Run, record: bookkeeping.Record, guard: int, order: int) -> int:
     problem = run.problem
     arrays = problem.program.code, problem.numbers, run.absolute
-    return stepping.handle_event(*arrays, guard, 1, order, run.cursor, record, run.work)
+    return handling.handle_event(*arrays, guard, 1, order, run.cursor, record, run.work)

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Any, ClassVar, Literal
 
-from frictionlab.hybrid import stepping
+from frictionlab.hybrid import bookkeeping, stepping
 from frictionlab.hybrid.affine import advance_affine, change_of, is_affine
 from frictionlab.hybrid.methods import Method, Run
 from frictionlab.hybrid.validation import check_choice, check_number
@@ -71,12 +71,12 @@ class Taylor(Method):
     def raises(self) -> bool:
         return self.accumulation == "raise"
 
-    def advance(self, run: Run, record: stepping.Record) -> int:
+    def advance(self, run: Run, record: bookkeeping.Record) -> int:
         numbers, cursor = run.problem.numbers, run.cursor
         arrays, settings = (run.natives.code, numbers, run.absolute), (self.degree, self.tol)
         if is_affine(run.problem.program):
             change = change_of(run.natives.code, numbers, *settings, cursor.state, run.work.jets)
-            cursor.counts[stepping.READY] = 0  # the jets at hand have been overwritten
+            cursor.counts[bookkeeping.READY] = 0  # the jets at hand have been overwritten
             if change is not None:
                 return advance_affine(*arrays, *settings, change, cursor, record, run.work)
         return stepping.advance(*arrays, *settings, cursor, record, run.work)

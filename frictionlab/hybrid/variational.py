@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from frictionlab.hybrid.compiled import inlined, kernel
 from frictionlab.hybrid.jets import AFFINE, PRODUCT, SQUARE, copy, run_tape, states_at
-from frictionlab.hybrid.stepping import step_length
+from frictionlab.hybrid.step_length import step_length
 
 SHORTEST = 1e-9  # share of a run's step below which the series of its tangents are taken to diverge
 

@@ -159,9 +159,3 @@ def test_the_page(tmp_path, rows):
     assert (tmp_path / "images" / "performance.png").exists()
     places = [text.index(f"| {word} |") for word in words]
     assert places == sorted(places)
-
-
-def test_an_unknown_scene_is_refused(capsys):
-    with pytest.raises(SystemExit):
-        cli.main(["bench", "--scene", "E"])
-    assert "--scene must be one of A, B, C, D, Coulomb, linear, got 'E'" in capsys.readouterr().err

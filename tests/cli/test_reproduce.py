@@ -1,8 +1,5 @@
 """`frictionlab reproduce`: what it writes, says and returns."""
 
-import subprocess
-import sys
-
 import numpy as np
 import pytest
 
@@ -68,34 +65,3 @@ def test_a_folder_that_cannot_be_made(tmp_path, capsys, small):
     (tmp_path / "file").write_text("")
     assert cli.main(["reproduce", "-o", str(tmp_path / "file" / "docs"), "-q"]) == 1
     assert capsys.readouterr().err.startswith("frictionlab reproduce: error: ")
-
-
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        (["--workers", "0"], "--workers must be an integer, at least 1, got 0"),
-        (["--quik"], "unknown option '--quik': did you mean '--quick'?"),
-        (["-o", "FILE"], "-o must be a folder"),
-        (["--resume", "FILE"], "--resume must be a folder"),
-    ],
-)
-def test_bad_arguments_end_with_one_line_and_code_2(options, message, tmp_path, capsys):
-    (tmp_path / "file").write_text("")
-    argv = [str(tmp_path / "file") if word == "FILE" else word for word in options]
-    with pytest.raises(SystemExit) as ended:
-        cli.main(["reproduce", *argv])
-    assert ended.value.code == 2
-    err = capsys.readouterr().err
-    assert err.startswith("frictionlab reproduce: error: ")
-    assert err.count("\n") == 1
-    assert message in err
-
-
-def test_help_loads_nothing_heavy():
-    code = (
-        "import sys\nfrom frictionlab.cli import main\n"
-        "try: main(['reproduce', '--help'])\nexcept SystemExit: pass\n"
-        "heavy = {'numpy', 'scipy', 'sympy', 'numba', 'matplotlib'} & set(sys.modules)\n"
-        "sys.exit(str(heavy) if heavy else 0)"
-    )
-    subprocess.run([sys.executable, "-c", code], check=True, stdout=subprocess.DEVNULL)

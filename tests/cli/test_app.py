@@ -17,38 +17,11 @@ from frictionlab import cli
 from frictionlab.cli import app
 
 
-def failing(argv, capsys):
-    """Run the command, which must fail with code 2 before it serves anything; returns stderr."""
-    with pytest.raises(SystemExit) as ended:
-        cli.main(["app", *argv])
-    assert ended.value.code == 2
-    captured = capsys.readouterr()
-    assert captured.out == ""
-    return captured.err
-
-
-BAD = {
-    "--port 0": "--port must be from 1 to 65535, got 0: leave it out for 8866",
-    "--port 70000": "--port must be from 1 to 65535, got 70000",
-    "--port many": "argument --port: invalid int value: 'many'",
-    "--no-browsr": "unknown option '--no-browsr': did you mean '--no-browser'?",
-    "9000": "unexpected argument '9000'",
-}
-
-
-@pytest.mark.parametrize(("options", "message"), BAD.items(), ids=BAD)
-def test_bad_arguments_end_with_one_line_and_code_2(options, message, capsys):
-    err = failing(options.split(), capsys)
-    assert err.startswith("frictionlab app: error: ")
-    assert err.count("\n") == 1
-    assert message in err
-
-
-def test_a_port_in_use_is_refused(capsys):
+def test_a_port_in_use_is_refused(refused):
     pytest.importorskip("voila", reason="voila serves the page; it is not installed")
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = taken.getsockname()[1]
-        err = failing(["--port", str(port)], capsys)
+        err = refused("app", "--port", str(port))
     assert f"--port {port} cannot be had" in err
     assert "give another, or leave it out" in err
 

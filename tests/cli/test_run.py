@@ -18,16 +18,6 @@ from frictionlab.hybrid.scipy_methods import NAMES
 SHORT = ["run", "-q", "--t-end", "0.1"]
 
 
-def failing(argv, capsys):
-    """stderr of a command that ends with code 2."""
-    with pytest.raises(SystemExit) as ended:
-        cli.main(argv)
-    assert ended.value.code == 2
-    captured = capsys.readouterr()
-    assert captured.out == ""
-    return captured.err
-
-
 @pytest.mark.plain_python
 def test_summary_holds_the_numbers_of_the_run(capsys):
     assert cli.main(SHORT) == 0
@@ -115,51 +105,6 @@ def test_methods_offered_are_those_there_are():
     assert ("taylor", "rk4", *NAMES) == METHODS
 
 
-BAD = {
-    "--mu-k nan": "mu_k must be a finite number",
-    "--mu-k abc": "argument --mu-k: invalid float value",
-    "--mu-k": "expected one argument",
-    "--M -1": "M must be greater than 0, got -1.0",
-    "--F -inf": "F must be a finite number",
-    "--mu-s 1": "mu_s must be at least mu_k (1.4), got 1.0",
-    "--mu-kk 1": "unknown option '--mu-kk': did you mean '--mu-k'?",
-    "--f 1": "unknown option '--f': did you mean '--F'?",
-    "extra": "unexpected argument 'extra'",
-    "--method tayler": "did you mean 'taylor'?",
-    "--method DOP853 --step 1": "--step is an option of --method rk4",
-    "--method rk4 --tol 1e-9": "--tol is no option of --method rk4",
-    "--tol 2": "tol must be",
-    "--max-steps 0": "max_steps must be",
-    "--impact ful": "did you mean 'full'?",
-    "--without geometri": "did you mean 'geometry'?",
-    "--without cubic --k-nl 3": "'k_nl': it belongs to CubicContact",
-    "--e 0.5": "'e': it belongs to RestitutionImpact",
-    "--t-end 0": "--t-end must be",
-    "--t-end nan": "--t-end must be",
-    "--x0 nea": "did you mean 'near'?",
-    "--x0 1,2": "10 numbers (x1, y1",
-    "--x0 near --F 0": "F_N > 0",
-    "-o /no/such/folder/a.png": "there is no '/no/such/folder'",
-    "-o a.xyz": "-o must end in one of .png",
-    "--save /no/such/folder/a": "there is no '/no/such/folder'",
-}
-
-
-@pytest.mark.plain_python
-@pytest.mark.parametrize(("options", "message"), BAD.items(), ids=BAD)
-def test_bad_values_end_with_one_line_and_code_2(options, message, capsys):
-    err = failing(["run", *options.split()], capsys)
-    assert err.startswith("frictionlab run: error: ")
-    assert err.count("\n") == 1
-    assert message in err.replace("\\", "/")
-
-
-def test_a_folder_is_no_file(tmp_path, capsys):
-    folder = tmp_path / "a.png"
-    folder.mkdir()
-    assert "is a folder" in failing(["run", "-o", str(folder)], capsys)
-
-
 def test_a_file_that_cannot_be_written_after_all_does_not_lose_the_summary(tmp_path, capsys, monkeypatch):
     monkeypatch.setattr(choices, "check_files", lambda chosen: None)
     assert cli.main([*SHORT, "-o", str(tmp_path / "gone" / "a.png")]) == 1
@@ -184,16 +129,6 @@ def test_module_version_and_help_of_the_command():
     assert "run" in answer().stdout
     wrong = answer("rnu")
     assert (wrong.returncode, wrong.stdout, wrong.stderr.count("\n")) == (2, "", 1)
-
-
-def test_help_is_quick_because_it_loads_nothing_heavy():
-    code = (
-        "import sys\nfrom frictionlab.cli import main\n"
-        "try: main(['run', '--help'])\nexcept SystemExit: pass\n"
-        "heavy = {'numpy', 'scipy', 'sympy', 'numba', 'matplotlib'} & set(sys.modules)\n"
-        "sys.exit(str(heavy) if heavy else 0)"
-    )
-    subprocess.run([sys.executable, "-c", code], check=True, stdout=subprocess.DEVNULL)
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no SIGINT for another process on Windows")

@@ -1,0 +1,92 @@
+"""What a run carries along: where it stands, its clock, its scratch arrays, and the record that it leaves."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from frictionlab.hybrid.compiled import inlined
+
+RUNNING, FINISHED, NO_ADMISSIBLE_MODE, STALLED, ACCUMULATED, NOT_FINITE = range(6)
+
+
+class Work(NamedTuple):
+    """Scratch arrays of a run."""
+
+    jets: np.ndarray
+    bounds: np.ndarray
+    stack: np.ndarray
+    intervals: np.ndarray
+    scaled: np.ndarray
+    roots: np.ndarray
+    multiplicity: np.ndarray
+    declared: np.ndarray
+    zeros: np.ndarray
+    before: np.ndarray
+
+
+class Cursor(NamedTuple):
+    """Where a run stands.  ``times``: now, end, entry into the mode, limit of the dwell time, that for
+    events that have a limit mode, and what the sum of the steps is beyond now;
+    ``counts``: mode, steps, events, section points, short dwells in a row by either limit, accumulations
+    closed, events without advance, whether the jets are at hand, whether an accumulation ends the run, and
+    the number of the current cell of a fixed time grid;
+    ``sizes``: what the rounding errors of the state at the last event are relative to."""
+
+    state: np.ndarray
+    sizes: np.ndarray
+    times: np.ndarray
+    counts: np.ndarray
+    signs: np.ndarray
+
+
+NOW, END, ENTERED, DWELL, CHATTER, CARRY = range(6)
+MODE, STEPS, EVENTS, POINTS, SHORT, SHORT_FLIGHTS, CLOSED, REPEATED, READY, RAISES, CELL = range(11)
+
+
+class Record(NamedTuple):
+    """Buffers of what a run leaves: steps, events and section points."""
+
+    step_times: np.ndarray  # (capacity, 2) start and length
+    step_modes: np.ndarray
+    step_states: np.ndarray
+    event_times: np.ndarray
+    event_codes: np.ndarray  # (capacity, 3) guard, mode entered (-1: none), whether an accumulation closed
+    event_states: np.ndarray  # (capacity, 2, states) before and after
+    point_times: np.ndarray
+    point_sections: np.ndarray
+    point_states: np.ndarray
+
+
+def new_cursor(
+    state: np.ndarray, mode: int, t_end: float, limits: tuple[float, float], raises: bool
+) -> Cursor:
+    """Cursor at time 0 in `mode`, whose jets are at hand; without sections."""
+    counts, times = np.zeros(11, dtype=np.int64), np.array([0.0, t_end, 0.0, *limits, 0.0])
+    counts[MODE], counts[READY], counts[RAISES] = mode, 1, raises
+    return Cursor(state.copy(), np.abs(state), times, counts, np.zeros(0, dtype=np.int64))
+
+
+@inlined
+def time_left(times):
+    """From now to the end."""
+    return (times[END] - times[NOW]) - times[CARRY]
+
+
+@inlined
+def pass_time(times, h, left):
+    """Go on by `h`, of `left` at most; returns whether the clock shows it.
+
+    What rounding takes from the sum is carried to the next step (Knuth's two-sum): steps of nearly one
+    length are rounded nearly alike, which would add up to 2e-8 s in 1e4 s.
+    """
+    before = times[NOW]
+    if h == left:
+        times[NOW], times[CARRY] = times[END], 0.0
+    else:
+        h += times[CARRY]
+        now = before + h
+        shown = now - before
+        times[NOW], times[CARRY] = now, (before - (now - shown)) + (h - shown)
+    return times[NOW] > before

@@ -1,0 +1,66 @@
+"""Bad arguments of every command: one line that names the argument and the cure, and code 2."""
+
+import pytest
+
+BAD = {
+    "run --mu-k nan": "mu_k must be a finite number",
+    "run --mu-k abc": "argument --mu-k: invalid float value",
+    "run --mu-k": "expected one argument",
+    "run --M -1": "M must be greater than 0, got -1.0",
+    "run --F -inf": "F must be a finite number",
+    "run --mu-s 1": "mu_s must be at least mu_k (1.4), got 1.0",
+    "run --mu-kk 1": "unknown option '--mu-kk': did you mean '--mu-k'?",
+    "run --f 1": "unknown option '--f': did you mean '--F'?",
+    "run extra": "unexpected argument 'extra'",
+    "run --method tayler": "did you mean 'taylor'?",
+    "run --method DOP853 --step 1": "--step is an option of --method rk4",
+    "run --method rk4 --tol 1e-9": "--tol is no option of --method rk4",
+    "run --tol 2": "tol must be",
+    "run --max-steps 0": "max_steps must be",
+    "run --impact ful": "did you mean 'full'?",
+    "run --without geometri": "did you mean 'geometry'?",
+    "run --without cubic --k-nl 3": "'k_nl': it belongs to CubicContact",
+    "run --e 0.5": "'e': it belongs to RestitutionImpact",
+    "run --t-end 0": "--t-end must be",
+    "run --t-end nan": "--t-end must be",
+    "run --x0 nea": "did you mean 'near'?",
+    "run --x0 1,2": "10 numbers (x1, y1",
+    "run --x0 near --F 0": "F_N > 0",
+    "run -o /no/such/folder/a.png": "there is no '/no/such/folder'",
+    "run -o a.xyz": "-o must end in one of .png",
+    "run --save /no/such/folder/a": "there is no '/no/such/folder'",
+    "app --port 0": "--port must be from 1 to 65535, got 0: leave it out for 8866",
+    "app --port 70000": "--port must be from 1 to 65535, got 70000",
+    "app --port many": "argument --port: invalid int value: 'many'",
+    "app --no-browsr": "unknown option '--no-browsr': did you mean '--no-browser'?",
+    "app 9000": "unexpected argument '9000'",
+    "figure 19": "the figure must be one of 2, 3, 4, 5, 6, 7, 8,",
+    "figure -1": "17, 18, got -1",
+    "figure two": "argument N: invalid int value: 'two'",
+    "figure": "the following arguments are required: N",
+    "figure 2 -o a.xyz": "-o must end in one of .png",
+    "figure 2 -o /no/such/folder/a.png": "there is no '/no/such/folder'",
+    "figure 2 --outptu a.png": "unknown option '--outptu': did you mean '--output'?",
+    "reproduce --workers 0": "--workers must be an integer, at least 1, got 0",
+    "reproduce --quik": "unknown option '--quik': did you mean '--quick'?",
+    "bench --scene E": "--scene must be one of A, B, C, D, Coulomb, linear, got 'E'",
+}
+
+
+@pytest.mark.plain_python
+@pytest.mark.parametrize(("words", "message"), BAD.items(), ids=BAD)
+def test_bad_arguments_end_with_one_line_and_code_2(words, message, refused):
+    assert message in refused(*words.split())
+
+
+def test_a_folder_is_no_file(tmp_path, refused):
+    folder = tmp_path / "a.png"
+    folder.mkdir()
+    assert "is a folder" in refused("run", "-o", str(folder))
+
+
+@pytest.mark.parametrize("option", ["-o", "--resume"])
+def test_a_file_is_no_folder(option, tmp_path, refused):
+    file = tmp_path / "file"
+    file.write_text("")
+    assert f"{option} must be a folder" in refused("reproduce", option, str(file))
