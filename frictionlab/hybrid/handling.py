@@ -20,11 +20,24 @@ from frictionlab.hybrid.bookkeeping import (
     SHORT_FLIGHTS,
     STALLED,
 )
-from frictionlab.hybrid.compiled import kernel
+from frictionlab.hybrid.compiled import inlined, kernel
 from frictionlab.hybrid.jets import copy
 from frictionlab.hybrid.transitions import NO_MODE, apply_reset, enter
 
-REPEATS = 50  # events without advance of time after which the run is called stalled
+REPEATS = 50  # events or steps without advance of time after which the run is called stalled
+
+
+@inlined
+def still_running(counts):
+    """How a run goes on after events, or steps, that the clock does not show."""
+    return STALLED if counts[REPEATED] > REPEATS else RUNNING
+
+
+@kernel
+def repeated(counts):
+    """The same after one step more."""
+    counts[REPEATED] += 1
+    return still_running(counts)
 
 
 @kernel
@@ -104,4 +117,4 @@ def handle_event(code, numbers, absolute, guard, multiplicity, order, cursor, re
     counts[READY] = 1
     if closed and counts[RAISES]:
         return ACCUMULATED
-    return STALLED if counts[REPEATED] > REPEATS else RUNNING
+    return still_running(counts)

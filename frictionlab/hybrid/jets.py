@@ -6,11 +6,16 @@ Recurrences: Jorba & Zou, Experimental Mathematics 14 (2005), proposition 2.1.
 
 from __future__ import annotations
 
+import math
+
+import numpy as np
+
 from frictionlab.hybrid.arithmetic import call_native, fma
 from frictionlab.hybrid.compiled import inlined, kernel
 
 # Kernels know the operations by these numbers, in the order of tape.NAMES.
-AFFINE, PRODUCT, SQUARE, QUOTIENT = 0, 1, 2, 3
+AFFINE, PRODUCT, SQUARE, QUOTIENT, RATE, POWER = 0, 1, 2, 3, 4, 5
+EXP, LOG, SIN, COS, TAN, TANH, SINH, COSH, ATAN = 6, 7, 8, 9, 10, 11, 12, 13, 14
 
 
 @kernel
@@ -54,6 +59,67 @@ def square(J, a, k):
 
 
 @kernel
+def function_value(kind, x):
+    """Value of a function."""
+    if kind == EXP:
+        return np.exp(x)
+    if kind == LOG:
+        return np.log(x)
+    if kind == SIN:
+        return np.sin(x)
+    if kind == COS:
+        return np.cos(x)
+    if kind == TAN:
+        return np.tan(x)
+    if kind == TANH:
+        return np.tanh(x)
+    if kind == SINH:
+        return np.sinh(x)
+    if kind == COSH:
+        return np.cosh(x)
+    return np.arctan(x)
+
+
+@kernel
+def function(kind, a, slope, out, k, sign, values, J):
+    """Coefficient k of a function of slot a, whose derivative is in `slope`: the sum of j a_j s_(k-j) / k."""
+    if k > 0:
+        return convolution(J, out - 1, slope, 1, k, k) / k
+    if sign > 0.0:  # besides its own rounding error there is the argument's
+        return abs(values[out, 0]) + abs(values[slope, 0]) * J[a, 0]
+    return function_value(kind, J[a, 0])
+
+
+@inlined
+def has_series(base, rate, order):
+    """Whether a power's Taylor coefficients are numbers: they grow like (rate/base)^k, up to 1e290."""
+    return base > 1e-290 ** (1.0 / max(order, 1)) * abs(rate)
+
+
+@kernel
+def power(exponent, a, out, k, order, sign, values, J):
+    """Coefficient k of a power of slot a, which is not below zero.
+
+    Where a is zero or nearly so, as at the onset of contact with a force gap^1.5, there is no series: then
+    the power counts as constant, and :mod:`frictionlab.hybrid.powers` finds a step in which it may.
+    """
+    base = values[a, 0]
+    if not base > 0.0:
+        return math.inf if exponent < 0.0 else 0.0
+    if k > 0 and not has_series(base, values[a, 1], order):
+        return 0.0
+    if k == 0 and sign > 0.0:
+        return abs(values[out, 0]) * (1.0 + abs(exponent) * J[a, 0] / base)
+    if k == 0:
+        return base**exponent
+    total = (exponent + 1.0) * convolution(J, out - 1, out, 1, k, k)
+    total += sign * k * convolution(J, a, out, 1, k, k)
+    if sign > 0.0:
+        total += k * J[a, 0] * abs(values[out, k])
+    return total / (k * base)
+
+
+@kernel
 def run_tape(code, numbers, first, last, order, flow, sign, values, J):
     """Coefficients 0 to `order` of the slots that the operations [first, last) write.
 
@@ -80,6 +146,12 @@ def run_tape(code, numbers, first, last, order, flow, sign, values, J):
                 total = product(J, a, b, k)
             elif kind == SQUARE:
                 total = square(J, a, k)
+            elif kind == RATE:
+                total = k * J[a, k]
+            elif kind == POWER:
+                total = power(constants[i], a, out, k, order, sign, values, J)
+            elif kind > POWER:
+                total = function(kind, a, b, out, k, sign, values, J)
             else:
                 total = J[a, k] + sign * convolution(J, b, out, 1, k, k)
                 divisor = values[b, 0]  # the majorant's own would be too large where terms cancel

@@ -21,13 +21,13 @@ from frictionlab.hybrid.bookkeeping import (
     NOW,
     READY,
     RUNNING,
-    STALLED,
     STEPS,
     Cursor,
     pass_time,
     time_left,
 )
 from frictionlab.hybrid.compiled import kernel
+from frictionlab.hybrid.handling import repeated
 from frictionlab.hybrid.jets import copy
 from frictionlab.hybrid.layout import Numbers
 from frictionlab.hybrid.native_lanes import FINE, LEFT, LENGTH, WIDTH
@@ -153,7 +153,7 @@ def moved(runs, seats, seat):
     i = seats.runs[seat]
     goes_on = pass_time(runs.times[i], seats.control[LENGTH, seat], seats.control[LEFT, seat])
     runs.counts[i, STEPS] = 1
-    if settled(runs, i, RUNNING if goes_on else STALLED):
+    if settled(runs, i, RUNNING if goes_on else repeated(runs.counts[i])):
         copy(seats.z[:, seat], runs.states[i])
         seats.runs[seat] = NOBODY
 

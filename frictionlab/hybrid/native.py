@@ -11,9 +11,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from frictionlab.hybrid.tape import AFFINE, PRODUCT, SQUARE, Tape
+from frictionlab.hybrid.tape import AFFINE, FUNCTIONS, POWER, PRODUCT, QUOTIENT, RATE, SQUARE, Tape
 
 LANES = 4
+SMALLEST = 1e-290  # as in :func:`frictionlab.hybrid.jets.has_series`
+SYMBOLS = {POWER: "pow"} | {POWER + 1 + i: f.__name__ for i, f in enumerate(FUNCTIONS)}
 
 
 class Function(NamedTuple):
@@ -55,6 +57,7 @@ class Writer:
         operands = {slot for kind, a, b in function.tape.ops if kind != AFFINE for slot in (a, b)}
         outputs = {function.tape.inputs + i for i, op in enumerate(function.tape.ops) if op[0] > SQUARE}
         self.stored = function.kept | operands | outputs | set(range(function.tape.inputs))
+        self.called: dict[str, Any] = {}
 
     def write(self) -> None:
         self.jets()
@@ -79,7 +82,12 @@ class Writer:
             return self._product(a, b, k)
         if kind == SQUARE:
             return self._square(a, k)
-        return self._quotient(a, b, self.function.tape.inputs + i, k)
+        out = self.function.tape.inputs + i
+        if kind == QUOTIENT:
+            return self._quotient(a, b, out, k)
+        if kind == RATE:
+            return self.build.fmul(self._number(k), self.values[a][k])
+        return self._power(i, a, out, k) if kind == POWER else self._function(kind, a, b, out, k)
 
     def _affine(self, i: int, first: int, last: int, k: int) -> Any:
         place, terms = self.function.first
@@ -109,6 +117,38 @@ class Writer:
     def _quotient(self, a: int, b: int, out: int, k: int) -> Any:
         total = self.build.fsub(self.values[a][k], self._convolution(b, out, 1, k, k))
         return self.build.fdiv(total, self.values[b][0])
+
+    def _function(self, kind: int, a: int, slope: int, out: int, k: int) -> Any:
+        if k == 0:
+            return self._call(SYMBOLS[kind], self.values[a][0])
+        return self.build.fdiv(self._convolution(out - 1, slope, 1, k, k), self._number(k))
+
+    def _power(self, i: int, a: int, out: int, k: int) -> Any:
+        build, base, zero = self.build, self.values[a][0], self._number(0.0)
+        exponent = self._load(self.constants, self.function.first[0] + i)
+        regular = build.fcmp_ordered(">", base, zero)
+        negative = build.fcmp_ordered("<", exponent, zero)
+        limit = build.select(negative, self._number(float("inf")), zero)
+        if k == 0:
+            one = self._number(1.0)
+            return build.select(regular, self._call("pow", build.select(regular, base, one), exponent), limit)
+        shortest = self._number(SMALLEST ** (1.0 / self.function.order))
+        has_series = build.fcmp_ordered(">", base, build.fmul(shortest, self._abs(self.values[a][1])))
+        rates, plain = self._convolution(out - 1, out, 1, k, k), self._convolution(a, out, 1, k, k)
+        total = build.fmul(build.fadd(exponent, self._number(1.0)), rates)
+        total = build.fadd(total, build.fmul(self._number(-k), plain))
+        total = build.select(has_series, build.fdiv(total, build.fmul(self._number(k), base)), zero)
+        return build.select(regular, total, limit)
+
+    def _abs(self, a: Any) -> Any:
+        return self.build.select(self.build.fcmp_ordered("<", a, self._number(0.0)), self.build.fneg(a), a)
+
+    def _call(self, name: str, *arguments: Any) -> Any:
+        if name not in self.called:
+            number = self.ir.DoubleType()
+            kind = self.ir.FunctionType(number, [number] * len(arguments))
+            self.called[name] = self.ir.Function(self.build.module, kind, name)
+        return self.build.call(self.called[name], arguments)
 
     def _convolution(self, a: int, b: int, first: int, last: int, k: int) -> Any:
         """Sum over first <= j <= last of the coefficients j of a and k - j of b, in four lanes."""

@@ -141,6 +141,14 @@ class _StepWriter(Writer):
             lanes[i % 4] = self.build.fmul(*pair) if before is None else self._fma(*pair, before)
         return self._in_pairs(lanes)
 
+    def _call(self, name: str, *arguments: Any) -> Any:
+        result = self._number(0.0)
+        for lane in range(WIDTH):
+            place = self._index(lane)
+            each = super()._call(name, *(self.build.extract_element(vector, place) for vector in arguments))
+            result = self.build.insert_element(result, each, place)
+        return result
+
     def _fma(self, a: Any, b: Any, c: Any) -> Any:
         return self.build.call(self._vector_fma, [a, b, c])
 

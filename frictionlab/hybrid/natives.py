@@ -70,7 +70,7 @@ class Natives:
     def share(self, modes: Iterable[int]) -> None:
         """Have the steps of several runs in these modes compiled."""
         for mode in modes if compiled.NUMBA is not None else ():
-            if not self.code.lanes[mode] and ~mode not in self._asked:
+            if not (self.code.lanes[mode] or self.code.powers[mode]) and ~mode not in self._asked:
                 self._asked[~mode] = _worker().submit(self.compile_step, mode)
 
 

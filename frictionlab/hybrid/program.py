@@ -18,7 +18,7 @@ import sympy as sp
 from frictionlab.automaton import Event, HybridAutomaton, Mode, Reset
 from frictionlab.hybrid.checks import check_structure
 from frictionlab.hybrid.layout import NONE, Code, Numbers, Program, Section
-from frictionlab.hybrid.tape import Tape, TapeBuilder
+from frictionlab.hybrid.tape import POWER, Tape, TapeBuilder
 from frictionlab.hybrid.vanishing import vanishing
 
 _ONE_AT_A_TIME = Lock()
@@ -115,6 +115,7 @@ class _Packer:
             native=np.zeros(len(names), dtype=np.int64),
             lanes=np.zeros(len(names), dtype=np.int64),
             jets=np.array([-1, 0]),
+            powers=_ints([any(op[0] == POWER for op in tape.ops) for tape in tapes]),
             groups=_ints([0, coordinates, 2 * coordinates, len(self.physical)]),
         )
         exprs = [c for tape in every for c in tape.constants] + [c for tape in every for _, c in tape.terms]

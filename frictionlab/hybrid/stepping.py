@@ -15,15 +15,15 @@ from frictionlab.hybrid.bookkeeping import (
     POINTS,
     READY,
     RUNNING,
-    STALLED,
     STEPS,
     pass_time,
     time_left,
 )
 from frictionlab.hybrid.compiled import inlined, kernel
 from frictionlab.hybrid.guards import NO_GUARD, first_event
-from frictionlab.hybrid.handling import handle_event
+from frictionlab.hybrid.handling import handle_event, repeated
 from frictionlab.hybrid.jets import copy, mode_jets, states_at
+from frictionlab.hybrid.powers import power_step
 from frictionlab.hybrid.riders import record_sections
 from frictionlab.hybrid.step_length import function_step, step_length
 
@@ -50,6 +50,8 @@ def take_step(code, numbers, absolute, order, tol, cursor, record, work):
     if not h > 0.0:
         return NOT_FINITE
     h = function_step(code, order, tol, mode, min(h, left), J)
+    if code.powers[mode]:
+        h = power_step(code, numbers, order, tol, mode, h, J, work)
     goes_on = False
     h, guard, multiplicity = first_event(code, absolute, mode, cursor.state, order, J, work.zeros, h, work)
     if h > 0.0:
@@ -66,7 +68,7 @@ def take_step(code, numbers, absolute, order, tol, cursor, record, work):
         if guard != NO_GUARD:
             note_sizes(record.step_states[row], cursor)
     if guard == NO_GUARD:
-        return RUNNING if goes_on else STALLED
+        return RUNNING if goes_on else repeated(counts)
     return handle_event(code, numbers, absolute, guard, multiplicity, order, cursor, record, work)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from frictionlab.hybrid.compiled import kernel
-from frictionlab.hybrid.jets import AFFINE, PRODUCT, SQUARE, run_tape
+from frictionlab.hybrid.jets import AFFINE, POWER, PRODUCT, RATE, SQUARE, run_tape
 
 
 @kernel
@@ -26,5 +26,12 @@ def slot_tangents(code, numbers, mode, z, J, T):
                 T[out, i] = J[a, 0] * T[b, i] + J[b, 0] * T[a, i]
             elif kind == SQUARE:
                 T[out, i] = 2.0 * J[a, 0] * T[a, i]
+            elif kind == RATE:
+                T[out, i] = 0.0
+            elif kind == POWER:
+                slope = numbers.constants[op] * J[out, 0] / J[a, 0] if J[a, 0] > 0.0 else 0.0
+                T[out, i] = slope * T[a, i]
+            elif kind > POWER:
+                T[out, i] = J[b, 0] * T[a, i]
             else:
                 T[out, i] = (T[a, i] - J[out, 0] * T[b, i]) / J[b, 0]

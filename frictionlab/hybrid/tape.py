@@ -16,8 +16,11 @@ import sympy as sp
 
 from frictionlab.automaton import Expr
 
-AFFINE, PRODUCT, SQUARE, QUOTIENT = range(4)
-NAMES = ("affine", "product", "square", "quotient")
+AFFINE, PRODUCT, SQUARE, QUOTIENT, RATE, POWER = range(6)
+# A function's derivative is lowered like any expression, so that its value is all that is new about it.
+FUNCTIONS: tuple[Any, ...] = (sp.exp, sp.log, sp.sin, sp.cos, sp.tan, sp.tanh, sp.sinh, sp.cosh, sp.atan)
+NAMES = ("affine", "product", "square", "quotient", "rate", "power", *(f.__name__ for f in FUNCTIONS))
+ALLOWED = "+, -, *, /, constant exponents, " + ", ".join(f.__name__ for f in FUNCTIONS)
 
 CONSTANT = -1  # the key of the constant term in an affine combination {slot: coefficient}
 Affine = dict[int, Expr]
@@ -32,7 +35,9 @@ class Tape:
     """Operations in the order of their execution.
 
     ``ops`` holds (kind, a, b): two slots, or for an affine combination the range [a, b) of ``terms``;
-    its constant is ``constants[i]``.  Operation i writes slot ``inputs + i``.
+    its constant is ``constants[i]``.  Operation i writes slot ``inputs + i``.  A function f(a), and a power
+    with the exponent ``constants[i]``, follow upon the rate t a' of their argument; b is the slot of f'(a),
+    which may come later, as it is needed in lower orders only.
     """
 
     inputs: int
@@ -90,7 +95,23 @@ class TapeBuilder:
             return self._mul(expr)
         if expr.is_Pow and expr.exp.is_Integer:
             return {self._power(expr.base, int(expr.exp)): sp.S.One}
-        raise TapeError(f"the tape has no operation for {expr}: write it with +, -, *, / and integer powers")
+        if expr.is_Pow and self.constant(expr.exp):
+            return {self._after_rate(POWER, self.slot(expr.base), expr.exp): sp.S.One}
+        if expr.func in FUNCTIONS:
+            return self._function(expr)
+        raise TapeError(f"the tape has no operation for {expr}: write it with {ALLOWED}")
+
+    def _function(self, expr: Expr) -> Affine:
+        place = self._after_rate(POWER + 1 + FUNCTIONS.index(expr.func), self.slot(expr.args[0]))
+        self._affine[expr] = {place: sp.S.One}  # its derivative may contain the function itself
+        derivative: Any = expr.fdiff()
+        kind, a, _ = self.tape.ops[place - self.tape.inputs]
+        self.tape.ops[place - self.tape.inputs] = kind, a, self.slot(derivative)
+        return self._affine[expr]
+
+    def _after_rate(self, kind: int, a: int, constant: Expr = sp.S.Zero) -> int:
+        self.tape.emit(RATE, a, a)
+        return self.tape.emit(kind, a, a, constant)
 
     def _term(self, expr: Expr) -> Affine:
         """A summand: a multiple of a non-linear sum refers to its slot instead of copying its terms."""

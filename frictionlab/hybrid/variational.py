@@ -7,7 +7,17 @@ directions side by side, so that they are computed together.
 from __future__ import annotations
 
 from frictionlab.hybrid.compiled import inlined, kernel
-from frictionlab.hybrid.jets import AFFINE, PRODUCT, SQUARE, copy, run_tape, states_at
+from frictionlab.hybrid.jets import (
+    AFFINE,
+    POWER,
+    PRODUCT,
+    RATE,
+    SQUARE,
+    copy,
+    has_series,
+    run_tape,
+    states_at,
+)
 from frictionlab.hybrid.step_length import step_length
 
 SHORTEST = 1e-9  # share of a run's step below which the series of its tangents are taken to diverge
@@ -28,6 +38,16 @@ def add_cross(sign, J, a, T, b, first, k, total):
 
 
 @kernel
+def power_tangent(exponent, a, out, k, J, T, total):
+    """Add coefficient k of a power's derivatives, from a u' = p u a'; constant where it has no series."""
+    if J[a, 0] > 0.0 and (k == 0 or has_series(J[a, 0], J[a, 1], J.shape[1] - 1)):
+        add_cross(exponent, J, out, T, a, 0, k, total)
+        add_cross(-1.0, J, a, T, out, 1, k, total)
+        for d in range(total.shape[0]):
+            total[d] /= J[a, 0]
+
+
+@kernel
 def operation_tangent(code, numbers, op, out, k, J, T):
     """Coefficient k of the derivatives of an operation's result, whose jets are `J`."""
     kind, a, b, total = code.ops[op, 0], code.ops[op, 1], code.ops[op, 2], T[out, k]
@@ -41,6 +61,12 @@ def operation_tangent(code, numbers, op, out, k, J, T):
         add_cross(1.0, J, b, T, a, 0, k, total)
     elif kind == SQUARE:
         add_cross(2.0, J, a, T, a, 0, k, total)
+    elif kind == RATE:
+        add(float(k), T[a, k], total)
+    elif kind == POWER:
+        power_tangent(numbers.constants[op], a, out, k, J, T, total)
+    elif kind > POWER:
+        add_cross(1.0, J, b, T, a, 0, k, total)
     else:
         add(1.0, T[a, k], total)
         add_cross(-1.0, J, out, T, b, 0, k, total)

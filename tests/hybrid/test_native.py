@@ -13,6 +13,7 @@ from frictionlab.components import SlidingSeparation, StickSlip
 from frictionlab.hybrid import compiled, natives
 from frictionlab.hybrid.jets import mode_jets
 from frictionlab.hybrid.program import program_of
+from frictionlab.hybrid.tape import FUNCTIONS
 
 pytestmark = pytest.mark.skipif(compiled.NUMBA is None, reason="needs numba")
 SWITCHES = ("cubic", "nonsmooth", "geometry")
@@ -37,7 +38,18 @@ def stiffened():
     return HybridAutomaton((x, y, u), (Mode("m", flow, (), (guard,)),), {a: 0.3, b: 1.7}, 0)
 
 
-AUTOMATA = [model.automaton() for model in (*SCENES, *LAWS)] + [stiffened()]
+def functions():
+    """Every function, within another, and powers with exponents of all kinds."""
+    x, y, a = sp.symbols("x y a")
+    inner = x * y + a
+    flow = (
+        sum((f(inner / 3) for f in FUNCTIONS if f is not sp.log), sp.log(2 + y**2)),
+        sp.tanh(sp.exp(-(x**2))) + (1 + x**2) ** a - (2 + y**2) ** sp.Rational(-3, 2),
+    )
+    return HybridAutomaton((x, y), (Mode("m", flow, (), (sp.sqrt(1 + x**2) - y,)),), {a: 0.3}, 0)
+
+
+AUTOMATA = [model.automaton() for model in (*SCENES, *LAWS)] + [stiffened(), functions()]
 
 
 def same(automaton, mode, order, states):
@@ -66,7 +78,7 @@ def test_every_mode_of_every_scene_to_the_last_bit(number):
 @pytest.mark.parametrize("order", [0, 1, 2, 3, 5, 26, 40, 60])
 def test_every_order(order):
     state = np.random.default_rng(order).normal(size=10)
-    for automaton, size in ((SCENES[0].automaton(), 10), (stiffened(), 3)):
+    for automaton, size in ((SCENES[0].automaton(), 10), (stiffened(), 3), (functions(), 2)):
         same(automaton, 0, order, [state[:size]])
 
 
