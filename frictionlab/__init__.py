@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 from frictionlab._version import __version__
 
 if TYPE_CHECKING:
-    from frictionlab import paper
+    from frictionlab import paper, testing
     from frictionlab.analysis.ablation import ablation
     from frictionlab.analysis.bifurcation import bifurcation
     from frictionlab.analysis.branch import Bifurcation, load_bifurcation
@@ -33,17 +33,24 @@ if TYPE_CHECKING:
         ContactLaw,
         Coulomb,
         CubicContact,
+        ExponentialDecay,
         FixedLoad,
         FrictionLaw,
+        HertzContact,
         ImpactLaw,
         LinearContact,
         MovingLoad,
         PlasticImpact,
+        PolynomialContact,
+        PressureDependent,
         RestitutionImpact,
         SlidingOnly,
         SlidingSeparation,
         StickSlip,
         StickSlipSeparation,
+        Stribeck,
+        WeakeningStrengthening,
+        functions,
         parameter,
     )
     from frictionlab.hybrid.rk4 import RK4
@@ -87,8 +94,10 @@ _HOMES = {
     "analysis.sweep": "sweep",
     "analysis.window": "SteadyState",
     "automaton": "HybridAutomaton Mode Event Reset",
-    "components": "ContactLaw CubicContact LinearContact FrictionLaw Coulomb MovingLoad FixedLoad ImpactLaw "
-    "PlasticImpact RestitutionImpact StickSlipSeparation StickSlip SlidingSeparation SlidingOnly parameter",
+    "components": "ContactLaw CubicContact LinearContact HertzContact PolynomialContact FrictionLaw Coulomb "
+    "ExponentialDecay Stribeck WeakeningStrengthening PressureDependent MovingLoad FixedLoad ImpactLaw "
+    "PlasticImpact RestitutionImpact StickSlipSeparation StickSlip SlidingSeparation SlidingOnly parameter "
+    "functions",
     "hybrid.rk4": "RK4",
     "hybrid.scipy_methods": "Scipy",
     "hybrid.solve": "solve",
@@ -107,7 +116,7 @@ _HOMES = {
     "widgets.stability": "explore_stability",
 }
 _HOME = {name: module for module, names in _HOMES.items() for name in names.split()}
-_PACKAGES = ("paper",)
+_PACKAGES = ("paper", "testing")
 
 __all__ = [  # static tools read the imports above
     "__version__",

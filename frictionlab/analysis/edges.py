@@ -6,6 +6,7 @@ import numpy as np
 import sympy as sp
 
 from frictionlab.automaton import HybridAutomaton
+from frictionlab.hybrid.formulas import formula
 
 from .arclength import Point
 from .recurrence import Array
@@ -40,7 +41,7 @@ def _touches(automaton: HybridAutomaton, point: Point) -> bool:
     arguments, numbers = [*automaton.states, *automaton.parameters], automaton.parameters.values()
     for i in np.unique(modes):
         for event in automaton.modes[i].events:
-            found = sp.lambdify(arguments, event.function)(*states.T, *numbers)
+            found = formula(arguments, event.function)(*states.T, *numbers)
             if _dips(np.where(modes == i, found, np.nan)):
                 return True
     return False
@@ -63,7 +64,7 @@ def _at_limit(automaton: HybridAutomaton, point: Point) -> bool:
         for event in modes[target].events:
             if any(sp.expand(event.function - s * f) == 0 for f in zero for s in (1, -1)):
                 continue
-            value = sp.lambdify(arguments, event.function)
+            value = formula(arguments, event.function)
             along = value(*point.shot.run.states.T, *numbers)
             if abs(value(*state, *numbers)) < TOUCHING * np.abs(along).max():
                 return True

@@ -10,6 +10,7 @@ import numpy as np
 import sympy as sp
 
 from frictionlab.automaton import HybridAutomaton
+from frictionlab.hybrid.formulas import formula
 from frictionlab.hybrid.outputs import evaluate
 from frictionlab.models.assembly import derive
 from frictionlab.models.energies import dissipation, kinetic_energy, potential_energy
@@ -21,7 +22,8 @@ from .recurrence import Array
 ENERGIES = ("kinetic", "springs", "contact", "preload")
 WORKS = ("belt drive", "friction", "dampers", "impacts", "moving load")
 ALL = ("x1", "y1", "x2", "y2", "phi")
-NODES, WEIGHTS = np.polynomial.legendre.leggauss(12)  # exact for contact laws that are polynomials
+# Exact for contact laws that are polynomials in sqrt(gap).
+NODES, WEIGHTS = np.polynomial.legendre.leggauss(12)
 
 
 def stored(model: Any, automaton: HybridAutomaton, states: Array, modes: Any) -> dict[str, Array]:
@@ -75,8 +77,9 @@ def _contact_energy(model: Any, states: Array) -> Array:
     """The integral of F_N from 0 to the gap."""
     gap = np.asarray(model.geometry.gap(*states[:, : len(model.coordinates)].T))
     force = _law(structure(model))
-    at = (force(gap * (1.0 + node) / 2.0, *numbers_of(model)) for node in NODES)
-    return gap * sum(w / 2.0 * f for w, f in zip(WEIGHTS, at, strict=True))
+    shares = (1.0 + NODES) / 2.0  # of sqrt(gap), in which gap^1.5 is a polynomial too
+    at = (force(gap * share**2, *numbers_of(model)) * share for share in shares)
+    return gap * sum(w * f for w, f in zip(WEIGHTS, at, strict=True))
 
 
 def _rates(model: Any, states: Array) -> list[Array]:
@@ -97,4 +100,4 @@ def _rate_functions(key: Structure) -> Any:
 def _law(key: Structure) -> Any:
     """F_N as a function of the gap and the parameters: laws of one's own may be written for symbols."""
     gap = sp.Symbol("gap_of_contact", real=True)
-    return sp.lambdify([gap, *parameter_symbols(key)], derive(key).model.contact.force(gap))
+    return formula([gap, *parameter_symbols(key)], derive(key).model.contact.force(gap))

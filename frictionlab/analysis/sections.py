@@ -9,6 +9,7 @@ import numpy as np
 import sympy
 
 from frictionlab.components.names import did_you_mean
+from frictionlab.hybrid.formulas import formula
 from frictionlab.hybrid.trajectory import Points, Trajectory
 from frictionlab.hybrid.validation import check_number
 
@@ -139,5 +140,5 @@ def _level(run: Trajectory, function: Any) -> Any:
     if isinstance(function, str):
         return lambda t: run.output(function, t)
     parameters = run.automaton.parameters
-    compiled = sympy.lambdify([*run.automaton.states, *parameters], function, modules="numpy")
+    compiled = formula([*run.automaton.states, *parameters], function)
     return lambda t: compiled(*run(t).T, *parameters.values())

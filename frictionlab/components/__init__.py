@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from . import functions
 from .component import Component
 from .contact import ContactLaw, CubicContact, LinearContact
+from .contact_powers import HertzContact, PolynomialContact
 from .friction import Coulomb, FrictionLaw
+from .friction_curves import ExponentialDecay, PressureDependent, Stribeck, WeakeningStrengthening
 from .geometry import FixedLoad, Geometry, MovingLoad
 from .impact import ImpactLaw, PlasticImpact, RestitutionImpact
 from .interface import Interface, SlidingOnly, SlidingSeparation, StickSlip, StickSlipSeparation
@@ -15,19 +18,26 @@ __all__ = [
     "ContactLaw",
     "Coulomb",
     "CubicContact",
+    "ExponentialDecay",
     "FixedLoad",
     "FrictionLaw",
     "Geometry",
+    "HertzContact",
     "ImpactLaw",
     "Interface",
     "LinearContact",
     "MovingLoad",
     "Parameter",
     "PlasticImpact",
+    "PolynomialContact",
+    "PressureDependent",
     "RestitutionImpact",
     "SlidingOnly",
     "SlidingSeparation",
     "StickSlip",
     "StickSlipSeparation",
+    "Stribeck",
+    "WeakeningStrengthening",
+    "functions",
     "parameter",
 ]

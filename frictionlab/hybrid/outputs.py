@@ -6,14 +6,14 @@ from collections.abc import Callable
 from functools import lru_cache
 
 import numpy as np
-import sympy as sp
 
 from frictionlab.automaton import HybridAutomaton, Mode
+from frictionlab.hybrid.formulas import formula
 
 
 @lru_cache(maxsize=1024)
 def _formula(mode: Mode, name: str, states: tuple, parameters: tuple) -> Callable[..., np.ndarray]:
-    return sp.lambdify([*states, *parameters], mode.outputs[name], modules="numpy", cse=True)
+    return formula([*states, *parameters], mode.outputs[name])
 
 
 def evaluate(automaton: HybridAutomaton, name: str, states: np.ndarray, modes: np.ndarray) -> np.ndarray:
@@ -22,6 +22,6 @@ def evaluate(automaton: HybridAutomaton, name: str, states: np.ndarray, modes: n
     parameters = tuple(automaton.parameters)
     for i in np.unique(modes):
         chosen = modes == i
-        formula = _formula(automaton.modes[i], name, automaton.states, parameters)
-        values[chosen] = formula(*states[chosen].T, *automaton.parameters.values())
+        function = _formula(automaton.modes[i], name, automaton.states, parameters)
+        values[chosen] = function(*states[chosen].T, *automaton.parameters.values())
     return values

@@ -1,0 +1,59 @@
+"""Functions for laws: of floats, arrays and sympy symbols alike."""
+
+from __future__ import annotations
+
+import sys
+from typing import Any
+
+import numpy as np
+
+
+def _of(name: str, x: Any) -> Any:
+    if hasattr(x, "free_symbols"):  # of sympy, so that is loaded; laws themselves do without it
+        return getattr(sys.modules["sympy"], name)(x)
+    return getattr(np, name)(x)
+
+
+def exp(x: Any) -> Any:
+    """e^x."""
+    return _of("exp", x)
+
+
+def log(x: Any) -> Any:
+    """Natural logarithm."""
+    return _of("log", x)
+
+
+def sqrt(x: Any) -> Any:
+    """Square root."""
+    return _of("sqrt", x)
+
+
+def sin(x: Any) -> Any:
+    """Sine of an angle in radians."""
+    return _of("sin", x)
+
+
+def cos(x: Any) -> Any:
+    """Cosine of an angle in radians."""
+    return _of("cos", x)
+
+
+def tanh(x: Any) -> Any:
+    """Hyperbolic tangent."""
+    return _of("tanh", x)
+
+
+def sinh(x: Any) -> Any:
+    """Hyperbolic sine."""
+    return _of("sinh", x)
+
+
+def cosh(x: Any) -> Any:
+    """Hyperbolic cosine."""
+    return _of("cosh", x)
+
+
+def arctan(x: Any) -> Any:
+    """Angle in radians whose tangent is x."""
+    return _of("atan", x)

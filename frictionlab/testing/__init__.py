@@ -1,0 +1,13 @@
+"""Checks that every law and every model can be put through, one's own included.
+
+>>> import frictionlab as fl
+>>> fl.testing.check_law(fl.HertzContact())
+>>> fl.testing.check_model(fl.SliderOnBelt(friction=fl.Stribeck()), t_end=0.1)
+"""
+
+from __future__ import annotations
+
+from .laws import check_law
+from .models import check_model
+
+__all__ = ["check_law", "check_model"]
