@@ -20,8 +20,8 @@ from .model import with_signature
 class BouncingBall(MechanicalModel):
     """A ball that is dropped on the ground: y'' = -g, and y' becomes -e y' where y = 0.
 
-    Dropped from h it first lands after sqrt(2 h/g).  Each flight is e times as long as the one before, so that
-    all of them are over at
+    Dropped from h it first lands after sqrt(2 h/g).  Each flight is e times as long as the one before, so
+    that all of them are over at
 
         sqrt(2 h/g) (1 + e)/(1 - e),
 

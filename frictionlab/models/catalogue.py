@@ -44,7 +44,9 @@ class ModelTable:
 
     def _repr_html_(self) -> str:
         head = "".join(f"<th>{name}</th>" for name in ("model", "what it shows", "reference"))
-        cells = ((f"<code>fl.{escape(r.call)}</code>", escape(r.about), escape(r.reference)) for r in self.rows)
+        cells = (
+            (f"<code>fl.{escape(r.call)}</code>", escape(r.about), escape(r.reference)) for r in self.rows
+        )
         body = "".join("<tr>" + "".join(f"<td>{cell}</td>" for cell in row) + "</tr>" for row in cells)
         return f"<table><tr>{head}</tr>{body}</table>"
 
@@ -52,7 +54,9 @@ class ModelTable:
 WEAKENING = "MassOnBelt(friction=fl.WeakeningStrengthening(mu_k=0.5, mu_s=1.0), c=0.1, v=1.0)"
 ROWS = (
     ModelRow(
-        "SliderOnBelt()", "slider on an elastic, tilting belt: stick, slip, separation", SliderOnBelt.reference
+        "SliderOnBelt()",
+        "a slider on an elastic, tilting belt that separates",
+        SliderOnBelt.reference,
     ),
     ModelRow("MassOnBelt()", "Coulomb friction on a belt: the stick-slip cycle", MassOnBelt.reference),
     ModelRow(
@@ -61,7 +65,7 @@ ROWS = (
         "B. Armstrong-Helouvry, P. Dupont, C. Canudas de Wit, Automatica 30 (1994) 1083-1138",
     ),
     ModelRow(WEAKENING, "weakening, then strengthening: a subcritical Hopf point", PAPANGELO),
-    ModelRow("ModeCoupling()", "two modes that a constant coefficient of friction merges", ModeCoupling.reference),
+    ModelRow("ModeCoupling()", "two modes that constant friction merges", ModeCoupling.reference),
     ModelRow("DenHartog()", "dry friction and a harmonic force", DenHartog.reference),
     ModelRow("FreeCoulomb()", "dry friction alone: it stops for ever", FreeCoulomb.reference),
     ModelRow("BouncingBall()", "infinitely many impacts in a finite time", BouncingBall.reference),

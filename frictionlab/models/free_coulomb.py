@@ -50,9 +50,7 @@ class FreeCoulomb(MechanicalModel):
     m: float = mass()
     k: float = stiffness()
     N: float = normal()
-    x_0: float = parameter(
-        10.3, unit="m", symbol="x_0", meaning="where it is released", range=(-20.0, 20.0)
-    )
+    x_0: float = parameter(10.3, unit="m", symbol="x_0", meaning="where it is released", range=(-20.0, 20.0))
     friction: FrictionLaw = Coulomb(mu_k=1.0, mu_s=1.0)
 
     roles: ClassVar[Mapping[str, type]] = MappingProxyType({"friction": FrictionLaw})

@@ -51,7 +51,7 @@ class System:
         return sympy.Matrix([sympy.diff(contact.distance, x) for x in self.q])
 
     def pressed(self, contact: Friction | Stop, regime: str) -> Any:
-        """W_N: where the normal force of a contact that may be lost enters, minus the gap's gradient, (n, 1)."""
+        """W_N: where the normal force of a contact that may be lost enters, -grad gap, (n, 1)."""
         if isinstance(contact, Stop) or contact.gap is None or regime == "separation":
             return sympy.zeros(len(self.q), 1)
         return -sympy.Matrix([sympy.diff(contact.gap, x) for x in self.q])
@@ -117,9 +117,7 @@ def _mode(found: System, chosen: Sequence[Regime]) -> Mode:
     accelerations, forces = solved(found, chosen)
     name = name_of(chosen)
     events = [
-        _event(found, chosen, i, end)
-        for i, regime in enumerate(chosen)
-        for end in regime.ends(forces[i])
+        _event(found, chosen, i, end) for i, regime in enumerate(chosen) for end in regime.ends(forces[i])
     ]
     clock = [found.mechanics.frequency for _ in found.phase]
     events += [
@@ -184,5 +182,9 @@ def _quantities(contact: Friction | Stop, regime: Regime, force: Any) -> Any:
     if isinstance(contact, Stop):
         return ("distance", contact.distance), ("reaction", force)
     normal = sympy.S.Zero if regime.name == "separation" else contact.normal_force
-    shown = ("normal_force", normal), ("friction_force", force), ("relative_velocity", contact.relative_velocity)
+    shown = (
+        ("normal_force", normal),
+        ("friction_force", force),
+        ("relative_velocity", contact.relative_velocity),
+    )
     return shown if contact.gap is None else (("gap", contact.gap), *shown)

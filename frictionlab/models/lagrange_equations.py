@@ -42,7 +42,8 @@ def equations(model: Any, mode: str) -> Equations:
     merged = ("slip",) * (single and "slip+" in chosen) + ("impact",) * (single and "flight" in chosen)
     check_mode(mode, (*chosen, *merged))
     functions = of_time((*found.q, *found.v), len(found.q))
-    functions |= {phase: found.mechanics.frequency * TIME for phase in found.phase}
+    if found.phase:
+        functions |= {found.phase[0]: found.mechanics.frequency * TIME}
     write = Written(found, functions)
     letters = {**LETTERS, **letters_of(model), **_letters(found)}
     if mode == "impact":
@@ -86,7 +87,9 @@ def _forces(write: Written, mode: str, chosen: Sequence[Regime], i: int) -> tupl
         return (equation(force, write(value)),)
     normal, velocity = (_named(found, name, i) for name in ("F_N", "v_r"))
     pressed = 0 if chosen[i].name == "separation" else write(contact.normal_force)
-    return equation(normal, pressed), equation(force, _friction(mode, contact, chosen[i], velocity, normal, write(value)))
+    return equation(normal, pressed), equation(
+        force, _friction(mode, contact, chosen[i], velocity, normal, write(value))
+    )
 
 
 def _friction(mode: str, contact: Friction, regime: Regime, velocity: Any, normal: Any, value: Any) -> Any:

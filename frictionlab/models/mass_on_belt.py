@@ -29,8 +29,8 @@ class MassOnBelt(MechanicalModel):
       stability where c + N mu'(v) = 0, at the frequency w.  With m x'' + ... = G(x') near it, the Hopf point
       is subcritical where -N mu'''(v) > 0: an exponential that decays is so at every speed, and stick-slip
       exists beside stable sliding.
-    * **Weakening and strengthening**, mu = mu_k + (mu_s - mu_k) exp(-|v_r|/v_s) + mu_v |v_r|/v_s: the point is
-      at v = v_s log((mu_s - mu_k)/(mu_v + c v_s/N)).
+    * **Weakening and strengthening**, mu = mu_k + (mu_s - mu_k) exp(-|v_r|/v_s) + mu_v |v_r|/v_s: the point
+      is at v = v_s log((mu_s - mu_k)/(mu_v + c v_s/N)).
 
     Parameters
     ----------

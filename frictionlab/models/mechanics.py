@@ -27,9 +27,9 @@ class Friction:
         F_N, N.
     law : FrictionLaw
     gap : Expr or None
-        Compression of the contact, m, where the bodies may separate: F_N vanishes with it and acts along minus
-        its gradient, and there is no force while it is negative.  None for a contact that is never lost, under
-        a normal force that does no work.
+        Compression of the contact, m, where the bodies may separate: F_N vanishes with it and acts along
+        minus its gradient, and there is no force while it is negative.  None for a contact that is never
+        lost, under a normal force that does no work.
     """
 
     relative_velocity: Any

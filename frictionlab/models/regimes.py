@@ -53,7 +53,9 @@ class Regime:
 
 def regimes(contact: Friction | Stop, rate: Callable[[Any], Any]) -> tuple[Regime, ...]:
     """All regimes of a contact, in the order in which they are tried; `rate` differentiates by time."""
-    return _of_friction(contact) if isinstance(contact, Friction) else _of_stop(contact, rate(contact.distance))
+    return (
+        _of_friction(contact) if isinstance(contact, Friction) else _of_stop(contact, rate(contact.distance))
+    )
 
 
 def _of_friction(contact: Friction) -> tuple[Regime, ...]:
@@ -80,7 +82,9 @@ def _of_stop(contact: Stop, rate: Any) -> tuple[Regime, ...]:
     hits = End("impact", contact.distance, ("flight", "contact"), "impact")
     return (
         Regime("flight", sympy.S.Zero, None, (), lambda _: (hits,)),
-        Regime("contact", None, rate, (contact.distance, rate), lambda force: (End("off", force, ("flight",)),)),
+        Regime(
+            "contact", None, rate, (contact.distance, rate), lambda force: (End("off", force, ("flight",)),)
+        ),
     )
 
 

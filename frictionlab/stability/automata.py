@@ -52,7 +52,7 @@ def no_equilibrium(model: Any) -> ValueError:
 
 
 def sliding_modes(model: Any) -> tuple[Mode, ...]:
-    """The modes of a model that hold nothing fast: in stick any place within the cone would be one of rest."""
+    """The modes of a model that hold nothing fast: in stick any place within the cone is one of rest."""
     return tuple(mode for mode in model.automaton().modes if not mode.constraints and not mode.limit)
 
 
@@ -60,7 +60,18 @@ def steady_states(model: Any) -> tuple[Mode, Flow, Array]:
     """The first mode with equilibria inside its guards, its flow, and them (m, K); else K is 0."""
     automaton = automaton_of(model)
     modes = automaton.modes if isinstance(model, HybridAutomaton) else sliding_modes(model)
-    mode, flow = automaton.modes[0], _flow(automaton, automaton.modes[0])
+    if not modes:
+        return automaton.modes[0], _flow(automaton, automaton.modes[0]), np.zeros((len(automaton.states), 0))
+    return _inside(modes, automaton.states, tuple(automaton.parameters.items()), automaton.coordinates)
+
+
+@lru_cache(maxsize=64)
+def _inside(
+    modes: tuple[Mode, ...], states: Any, parameters: Any, coordinates: int
+) -> tuple[Mode, Flow, Array]:
+    """The same of these modes; remembered, as one question about a model leads to several."""
+    automaton = HybridAutomaton(states, modes, dict(parameters), coordinates)
+    mode, flow = modes[0], _flow(automaton, modes[0])
     for mode in (m for m in modes if _may_rest(automaton, m)):
         flow = _flow(automaton, mode)
         points = rest_points(flow, values_of(automaton))

@@ -53,11 +53,15 @@ def continued(flow: Flow, x: Array, base: Sequence[float], values: Sequence[Any]
 def _starts(flow: Flow, values: Sequence[float]) -> tuple[Array, Array]:
     """The origin and points scattered about it (m, STARTS), and sizes of the states (m, 1).
 
+    The origin alone where the flow is linear: there is no other zero to be led to.
+
     The sizes are where the linearised flow's zero lies.  Half of the points lie further in and out too,
     for zeros that it does not know of.
     """
     origin = np.zeros((len(flow.states), 1))
     scale = _positive(np.abs(newton_step(flow, origin, values, 0.0)))
+    if flow.linear:
+        return origin, scale
     random = np.random.default_rng(0)
     scatter = random.normal(size=(len(origin), STARTS - 1))
     scatter[:, ::2] *= 10.0 ** random.uniform(-DECADES, DECADES, size=scatter[:, ::2].shape)
