@@ -24,9 +24,9 @@ class ImpactOscillator(MechanicalModel):
 
     Its state has the phase Omega t (rad) beside x and x'; the phase goes from 0 to 2 pi and begins anew.
     Without a damper, with w = sqrt(k/m) and A = F/(k - m Omega^2), a motion with one impact in n periods of
-    the force, T = 2 pi n/Omega, leaves the stop with the velocity V > 0 backwards, -V, at a phase p for which
+    the force, T = 2 pi n/Omega, leaves the stop at the speed V and a phase p for which
 
-        A cos p = d - V (1 + e) cot(w T/2)/(2 e w),      A Omega sin p = V (1 - e)/(2 e).
+        A cos p = d + V (1 + e) cot(w T/2)/(2 e w),      A Omega sin p = -V (1 - e)/(2 e).
 
     Parameters
     ----------

@@ -168,7 +168,12 @@ def _impact(found: System, contact: Stop, law: Any) -> Reset:
     w, rate = found.direction(contact), found.rate(contact.distance)
     impulse = law.impulse(-rate, -rate, compliance(found, w))
     order = 2 if rate_after(law, symbol("rate")) == 0 else 1
-    return Reset(_kick(found, w, impulse), {contact.distance: order})
+    # The place is put right as well, which removes only the rounding of the root: what comes to rest on the
+    # stop is on it to the last bit.
+    moved = zip(found.q, found.mass.inv() * w * (contact.distance / compliance(found, w)), strict=True)
+    placed = {x: sympy.expand(x - change) for x, change in moved if change != 0}
+    kicked = {v: sympy.expand(after) for v, after in _kick(found, w, impulse).items()}
+    return Reset({**placed, **kicked}, {contact.distance: order})
 
 
 def _outputs(found: System, chosen: Sequence[Regime], forces: Sequence[Any]) -> dict[str, Any]:

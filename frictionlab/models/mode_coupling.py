@@ -66,7 +66,7 @@ class ModeCoupling(MechanicalModel):
     """
 
     m: float = mass()
-    c: float = damper(0.02)
+    c: float = damper(0.1)
     k1: float = stiffness(1.0, "k_1", "stiffness of the first inclined spring")
     k2: float = stiffness(0.5, "k_2", "stiffness of the second inclined spring")
     k3: float = stiffness(4 / 3, "k_3", "stiffness of the contact spring")

@@ -24,6 +24,8 @@ def rest_points(flow: Flow, values: Sequence[float]) -> Array:
 
     From each start x0 the zeros of f(x) - (1 - s) f(x0) are followed from s = 0 to 1 (Newton homotopy).
     """
+    if _always_moves(flow, values):
+        return np.zeros((len(flow.states), 0))
     with np.errstate(all="ignore"):  # a path may leave the range of floats; it is dropped then
         x, scale = _starts(flow, values)
         rest = flow.rhs(x, values)
@@ -48,6 +50,12 @@ def continued(flow: Flow, x: Array, base: Sequence[float], values: Sequence[Any]
         scale = _positive(np.abs(x)[:, None] + np.abs(first))
         found[:, ~_solved(flow, found, values, scale)] = np.nan
     return found
+
+
+def _always_moves(flow: Flow, values: Sequence[float]) -> bool:
+    """Whether a state changes at a rate that no state has a part in, as time does."""
+    rates = flow.rhs(np.zeros(len(flow.states)), values)
+    return bool((rates[flow.free] != 0).any())
 
 
 def _starts(flow: Flow, values: Sequence[float]) -> tuple[Array, Array]:
