@@ -84,6 +84,8 @@ def simulate(
 
 def initial_state(model: Any, x0: Any) -> Any:
     """The state that a name stands for; of an array the states it leaves out are zero."""
+    if not isinstance(model, Model):  # an automaton, whose start is an array
+        return x0
     n, names = len(model.coordinates), [symbol.name for symbol in model.automaton().states]
     if not isinstance(x0, str):
         return np.append(x0, np.zeros(len(names) - 2 * n)) if np.shape(x0) == (2 * n,) else x0

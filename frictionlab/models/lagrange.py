@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import product
 from types import SimpleNamespace
 from typing import Any
@@ -33,6 +34,17 @@ class System:
     mass: Any
     internal: tuple[Any, ...]
     loads: tuple[Any, ...]
+
+    @cached_property
+    def inverse(self) -> Any:
+        """M^-1."""
+        return self.mass.inv()
+
+    @cached_property
+    def combinations(self) -> dict[str, tuple[Regime, ...]]:
+        """All combinations of regimes by their names, but those in which two contacts hold one velocity."""
+        each = [regimes(contact, self.rate) for contact in self.mechanics.contacts]
+        return {name_of(chosen): chosen for chosen in product(*each) if _independent(self, chosen)}
 
     @property
     def phase(self) -> tuple[Any, ...]:
@@ -81,8 +93,7 @@ def system(model: Any) -> System:
 def derived(model: Any) -> HybridAutomaton:
     """States and modes of a symbolic copy of a model, one mode for each combination of regimes."""
     found = system(model)
-    each = [regimes(contact, found.rate) for contact in found.mechanics.contacts]
-    modes = tuple(_mode(found, chosen) for chosen in product(*each))
+    modes = tuple(_mode(found, chosen) for chosen in found.combinations.values())
     return HybridAutomaton((*found.q, *found.v, *found.phase), modes, {}, len(found.q))
 
 
@@ -91,9 +102,14 @@ def name_of(chosen: Sequence[Regime | str]) -> str:
     return JOINT.join(r if isinstance(r, str) else r.name for r in chosen) or "only"
 
 
+def _independent(found: System, chosen: Sequence[Regime]) -> bool:
+    rows = [[sympy.diff(regime.held, v) for v in found.v] for regime in chosen if regime.held is not None]
+    return len(rows) < 2 or sympy.Matrix(rows).rank() == len(rows)
+
+
 def solved(found: System, chosen: Sequence[Regime]) -> tuple[list[Any], list[Any]]:
     """Accelerations, and the force of each contact."""
-    inverse, contacts = found.mass.inv(), found.mechanics.contacts
+    inverse, contacts = found.inverse, found.mechanics.contacts
     free = sympy.Matrix([load - rest for load, rest in zip(found.loads, found.internal, strict=True)])
     directions = [found.direction(contact) for contact in contacts]
     for contact, w, regime in zip(contacts, directions, chosen, strict=True):
@@ -130,8 +146,9 @@ def _mode(found: System, chosen: Sequence[Regime]) -> Mode:
 
 
 def _event(found: System, chosen: Sequence[Regime], i: int, end: End) -> Event:
-    names = [regime.name for regime in chosen]
-    targets = tuple(name_of([*names[:i], target, *names[i + 1 :]]) for target in end.targets)
+    names, known = [regime.name for regime in chosen], found.combinations
+    targets = (name_of([*names[:i], target, *names[i + 1 :]]) for target in end.targets)
+    targets = tuple(target for target in targets if target in known)
     contact, label = found.mechanics.contacts[i], end.name + number(found, i)
     if isinstance(contact, Stop) and end.jump == "impact":
         resets = (_impact(found, contact, law) for law in (contact.law, CLOSING))
@@ -147,13 +164,13 @@ def number(found: System, i: int) -> str:
 
 def _kick(found: System, w: Any, impulse: Any) -> dict[Any, Any]:
     """M dv = W p: the velocities that jump, after the impulse p."""
-    change = found.mass.inv() * w
+    change = found.inverse * w
     return {rate: rate + part * impulse for rate, part in zip(found.v, change, strict=True) if part != 0}
 
 
 def compliance(found: System, w: Any) -> Any:
     """W^T M^-1 W (1/kg)."""
-    return (w.T * found.mass.inv() * w)[0]
+    return (w.T * found.inverse * w)[0]
 
 
 def _projection(found: System, contact: Any) -> Reset:
@@ -170,7 +187,7 @@ def _impact(found: System, contact: Stop, law: Any) -> Reset:
     order = 2 if rate_after(law, symbol("rate")) == 0 else 1
     # The place is put right as well, which removes only the rounding of the root: what comes to rest on the
     # stop is on it to the last bit.
-    moved = zip(found.q, found.mass.inv() * w * (contact.distance / compliance(found, w)), strict=True)
+    moved = zip(found.q, found.inverse * w * (contact.distance / compliance(found, w)), strict=True)
     placed = {x: sympy.expand(x - change) for x, change in moved if change != 0}
     kicked = {v: sympy.expand(after) for v, after in _kick(found, w, impulse).items()}
     return Reset({**placed, **kicked}, {contact.distance: order})

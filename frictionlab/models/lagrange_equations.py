@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from itertools import product
 from typing import Any, NamedTuple
 
 import sympy
 
 from .equations import LETTERS, Equations
 from .flow_equations import check_mode, equation, letters_of, of_time, written
-from .lagrange import System, name_of, number, solved, system
+from .lagrange import System, number, solved, system
 from .latex import TIME
 from .mechanics import Friction, Stop
-from .regimes import Regime, rate_after, regimes
+from .regimes import Regime, rate_after
 from .symbols import structure, symbol, symbolic
 
 
@@ -36,9 +35,7 @@ def equations(model: Any, mode: str) -> Equations:
         If the model has no such mode.
     """
     found = system(symbolic(structure(model)))
-    contacts = found.mechanics.contacts
-    chosen = {name_of(some): some for some in product(*(regimes(c, found.rate) for c in contacts))}
-    single = len(contacts) == 1
+    chosen, single = found.combinations, len(found.mechanics.contacts) == 1
     merged = ("slip",) * (single and "slip+" in chosen) + ("impact",) * (single and "flight" in chosen)
     check_mode(mode, (*chosen, *merged))
     functions = of_time((*found.q, *found.v), len(found.q))

@@ -76,11 +76,13 @@ def test_a_notebook_shows_the_figure_without_pyplot():
     subprocess.run([sys.executable, "-c", code], check=True)
 
 
-def test_an_automaton_without_x1_is_refused():
+def test_an_automaton_without_contact_forces_shows_its_rates():
     h, w = sp.symbols("h w")
     mode = fl.Mode("fall", flow=(w, sp.Integer(-1)), events=())
     automaton = fl.HybridAutomaton(states=(h, w), modes=(mode,), coordinates=1, parameters={})
     run = fl.solve(automaton, 1.0, x0=[1.0, 0.0], progress=False)
     assert np.isclose(run.final_state[0], 0.5)
-    with pytest.raises(ValueError, match="this one has no friction_force, normal_force, x1, x1'"):
+    assert fl.plot_run(run).axes[2].get_ylabel() == "rate"
+    run = fl.solve(fl.HybridAutomaton((h, w), (mode,)), 1.0, x0=[1.0, 0.0], progress=False)
+    with pytest.raises(ValueError, match="must be of an automaton with coordinates"):
         fl.plot_run(run)
