@@ -45,7 +45,7 @@ def equations(model: Any, mode: str) -> Equations:
     letters = {**LETTERS, **letters_of(model), **_letters(found)}
     if mode == "impact":
         return Equations(mode, impact=_impact(write), letters=letters)
-    return _of_mode(write, mode, chosen.get(mode) or chosen["slip+"], letters)
+    return _of_mode(write, mode, chosen["slip+" if mode == "slip" else mode], letters)
 
 
 def _of_mode(write: Written, mode: str, chosen: Sequence[Regime], letters: Mapping[str, str]) -> Equations:
@@ -123,7 +123,7 @@ def _conditions(write: Written, mode: str, regime: Regime, i: int) -> tuple[Any,
 
 def _impact(write: Written) -> tuple[Any, ...]:
     """The rate of the distance after the impact from that before."""
-    stop = write.system.mechanics.contacts[0]
+    stop: Any = write.system.mechanics.contacts[0]
     before, after = symbol("rate-"), symbol("rate+")
     rate = write(write.system.rate(stop.distance))
     return (equation(before, rate), equation(after, rate_after(stop.law, before)))

@@ -95,7 +95,7 @@ class ModeCoupling(MechanicalModel):
         (c1, s1), (c2, s2) = ((functions.cos(a), functions.sin(a)) for a in (self.a1, self.a2))
         along = self.k1 * c1**2 + self.k2 * c2**2
         across = self.k1 * s1**2 + self.k2 * s2**2
-        return along, self.k1 * s1 * c1 + self.k2 * s2 * c2, across + self.k3
+        return float(along), float(self.k1 * s1 * c1 + self.k2 * s2 * c2), float(across + self.k3)
 
     @property
     def critical_friction(self) -> float:

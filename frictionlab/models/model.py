@@ -63,7 +63,7 @@ class Model(Component):
     ...         return Mechanics(kinetic=(self.l * v.phi) ** 2 / 2, potential=9.81 * height)
     >>> Pendulum(l=2.0).equations("only")
     only:
-    4*Derivative(phi(t), (t, 2)) = 0
+    l**2*Derivative(phi(t), (t, 2)) + 9.81*l*sin(phi(t)) = 0
     """
 
     roles: ClassVar[Mapping[str, type]] = MappingProxyType({})
@@ -103,7 +103,7 @@ class Model(Component):
 
         Called once for every structure, on a copy of the model whose parameters are symbols of sympy:
         ``self.mu_k`` is one, and ``self.friction`` a law that has them.  Its states are symbols made with
-        :func:`frictionlab.models.symbol`.
+        :func:`frictionlab.models.symbols.symbol`.
         """
         raise NotImplementedError(f"{type(self).__name__} must define derive()")
 

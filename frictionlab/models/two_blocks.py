@@ -52,7 +52,7 @@ class TwoBlocks(MechanicalModel):
     >>> import frictionlab as fl
     >>> run = fl.simulate(fl.TwoBlocks(), 30.0, x0=[0.1, 0.0, 0.0, 0.0])
     >>> run.events.target[:2].tolist()
-    ['stick | slip+', 'stick | stick']
+    ['slip+ | stick', 'stick | stick']
     """
 
     m1: float = mass(1.0, "m_1", "mass of the first block")

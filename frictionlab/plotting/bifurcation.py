@@ -52,14 +52,14 @@ def plot_bifurcation(
     ValueError
         For an unknown state.
     """
-    name = name or result.names[0]
-    groups = {kind: result.section(name, kind) for kind in STYLES}
+    state: str = name or result.names[0]
+    groups = {kind: result.section(state, kind) for kind in STYLES}
     ax = axes_or_new(ax)
     lines = []
     for kind, (values, states) in groups.items():
         if len(values):
             lines += ax.plot(values, states, linestyle="none", label=kind, **STYLES[kind])
-    ax.set(xlabel=_parameter(result), ylabel=f"{label(name)} at {_where(result)} ({unit(name)})")
+    ax.set(xlabel=_parameter(result), ylabel=f"{label(state)} at {_where(result)} ({unit(state)})")
     if legend:
         legend_beside(ax)
     return lines

@@ -12,7 +12,7 @@ from .palette import BLUE, GREEN, ORANGE, VERMILLION
 from .shading import shade_modes
 from .windows import LAST, Window, dense_times, limits, window_text
 
-LETTERS = {"normal_force": "F_N", "friction_force": "F_T", "reaction": "F_N"}
+LETTERS = {"normal_force": "F_N", "friction_force": "F_T"}
 FORCES = {"normal_force": ("$F_N$ (N)", BLUE), "friction_force": ("$F_T$ (N)", VERMILLION)}
 SECOND = {"normal_force": GREEN, "friction_force": ORANGE}  # of a second contact
 
@@ -39,8 +39,8 @@ def plot_contact_forces(
     Parameters
     ----------
     run : Trajectory
-        Of an automaton with outputs ``normal_force``, ``friction_force``, ``reaction``, or those of several
-        contacts, ``normal_force_1`` and so on.
+        Of an automaton with outputs ``normal_force`` or ``friction_force``, or those of several contacts,
+        ``normal_force_1`` and so on.
     ax : Axes or None
         None draws into a new figure, ``lines[0].axes.figure``.
     window : float, (float, float) or None
@@ -61,7 +61,7 @@ def plot_contact_forces(
     found = force_outputs(run.automaton)
     if not found:
         raise ValueError(
-            "run must have contact forces among its outputs (normal_force, friction_force, reaction), got "
+            "run must have contact forces among its outputs (normal_force, friction_force), got "
             f"{', '.join(run.automaton.modes[0].outputs) or 'none'}: draw its rates with plot_rates"
         )
     ax = axes_or_new(ax)

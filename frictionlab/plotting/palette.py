@@ -28,7 +28,7 @@ ANGLES = ("phi",)  # all other coordinates are lengths
 
 def mode_colours(names: Sequence[str]) -> dict[str, str]:
     """A colour for every mode: its own, or for modes of other automata one of the palette in turn."""
-    spare = (GREY, SKY, ORANGE, PURPLE)
+    spare = (GREY, SKY, ORANGE, PURPLE, YELLOW, GREEN, BLUE, VERMILLION, BLACK)
     return {name: MODES.get(name, spare[i % len(spare)]) for i, name in enumerate(names)}
 
 

@@ -36,10 +36,11 @@ def plot_phase_plane(
     list of Line2D
         One line for every mode that occurs, broken (NaN) where the run is in other modes.
     """
-    ax, name = axes_or_new(ax, figsize=(5.0, 4.5)), name or run.names[0]
+    ax = axes_or_new(ax, figsize=(5.0, 4.5))
+    shown: str = name or run.names[0]
     start, stop = limits(run, window)
     t = dense_times(start, stop, 12001)
-    column, n = run.names.index(name), run.automaton.coordinates
+    column, n = run.names.index(shown), run.automaton.coordinates
     states = run(t)[:, [column, column + n]]
     here = modes_at(run, t)
     lines = []
@@ -47,9 +48,9 @@ def plot_phase_plane(
         x, rate = _only(states, here == mode)
         if not np.isnan(x).all():
             lines += ax.plot(x, rate, color=colour, label=mode, linewidth=1.2)
-    title = f"Phase plane of {label(name)}, {window_text(run, start, stop)}"
-    rate_label = f"{label(name + chr(39))} ({unit(name + chr(39))})"
-    ax.set(xlabel=f"{label(name)} ({unit(name)})", ylabel=rate_label, title=title)
+    title = f"Phase plane of {label(shown)}, {window_text(run, start, stop)}"
+    rate_label = f"{label(shown + chr(39))} ({unit(shown + chr(39))})"
+    ax.set(xlabel=f"{label(shown)} ({unit(shown)})", ylabel=rate_label, title=title)
     ax.locator_params(axis="x", nbins=6)  # small numbers have long labels
     return lines
 

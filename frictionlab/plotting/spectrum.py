@@ -37,18 +37,19 @@ def plot_spectrum(
     list of Line2D
         The spectrum; empty where the run is too short for one, which the panel then says.
     """
-    ax, name, f_max = axes_or_new(ax), name or run.names[0], f_max or highest(run.source)
-    ax.set(xlabel="frequency (Hz)", ylabel=f"amplitude of {label(name)} ({unit(name)})", xlim=(0, f_max))
-    found = amplitude_spectrum(run, name, f_max=f_max)
+    ax, f_max = axes_or_new(ax), f_max or highest(run.source)
+    shown: str = name or run.names[0]
+    ax.set(xlabel="frequency (Hz)", ylabel=f"amplitude of {label(shown)} ({unit(shown)})", xlim=(0, f_max))
+    found = amplitude_spectrum(run, shown, f_max=f_max)
     if found is None:
-        ax.set_title(f"Spectrum of {label(name)}")
+        ax.set_title(f"Spectrum of {label(shown)}")
         ax.text(
             0.5, 0.5, "the run is too short\nfor a spectrum", ha="center", va="center", transform=ax.transAxes
         )
         return []
     lines = ax.plot(found.frequencies, found.amplitudes, color=BLACK, linewidth=1.0)
     _logarithmic(ax, found.amplitudes)
-    ax.set_title(_title(name, found))
+    ax.set_title(_title(shown, found))
     return lines
 
 
