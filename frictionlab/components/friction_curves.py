@@ -90,7 +90,7 @@ class WeakeningStrengthening(Coulomb):
 
     References
     ----------
-    A. Papangelo, M. Ciavarella, N. Hoffmann, Nonlinear Dynamics 90 (2017) 1519-1534.
+    A. Papangelo, M. Ciavarella, N. Hoffmann, Nonlinear Dynamics 90 (2017) 2037-2046.
     """
 
     v_s: float = _decay_speed()

@@ -143,6 +143,19 @@ class Model(Component):
         own = {name: getattr(self, name) for name in parameters_of(type(self))}
         return type(self)(**{**own, **self.components, **changes})
 
+    def without(self, *names: str) -> Self:
+        """The model without nonlinearities, where it has names for them.
+
+        Raises
+        ------
+        ValueError
+            If it has none: only `SliderOnBelt` does.
+        """
+        raise ValueError(
+            f"{type(self).__name__} has no nonlinearity to leave out by name, got {names!r}: "
+            "give it another law with replace(...)"
+        )
+
     def describe(self) -> Description:
         """Table of the parameters: symbol, value, unit, meaning."""
         return describe(self)

@@ -162,6 +162,11 @@ def test_it_can_be_explored(model):
     explorer.close()
 
 
+def test_it_says_that_it_has_no_names_for_nonlinearities(model):
+    with pytest.raises(ValueError, match="no nonlinearity to leave out by name"):
+        fl.ablation(model, lambda m: 1.0)
+
+
 def test_a_start_may_leave_out_the_phase():
     model = fl.DenHartog()
     short, whole = (fl.simulate(model, 5.0, x0=x0, progress=False) for x0 in ([1.0, 0.0], [1.0, 0.0, 0.0]))
