@@ -35,6 +35,7 @@ if TYPE_CHECKING:
         CubicContact,
         ExponentialDecay,
         FixedLoad,
+        FrictionalImpact,
         FrictionLaw,
         HertzContact,
         ImpactLaw,
@@ -96,8 +97,8 @@ _HOMES = {
     "automaton": "HybridAutomaton Mode Event Reset",
     "components": "ContactLaw CubicContact LinearContact HertzContact PolynomialContact FrictionLaw Coulomb "
     "ExponentialDecay Stribeck WeakeningStrengthening PressureDependent MovingLoad FixedLoad ImpactLaw "
-    "PlasticImpact RestitutionImpact StickSlipSeparation StickSlip SlidingSeparation SlidingOnly parameter "
-    "functions",
+    "PlasticImpact RestitutionImpact FrictionalImpact StickSlipSeparation StickSlip SlidingSeparation "
+    "SlidingOnly parameter functions",
     "hybrid.rk4": "RK4",
     "hybrid.scipy_methods": "Scipy",
     "hybrid.solve": "solve",
