@@ -61,7 +61,19 @@ if TYPE_CHECKING:
     from frictionlab.hybrid.tangent_flow import TangentFlow, tangent_flow
     from frictionlab.hybrid.taylor import Taylor
     from frictionlab.hybrid.trajectory import Trajectory
-    from frictionlab.models import SliderOnBelt
+    from frictionlab.models import (
+        BouncingBall,
+        DenHartog,
+        FreeCoulomb,
+        ImpactOscillator,
+        MassOnBelt,
+        MechanicalModel,
+        ModeCoupling,
+        Model,
+        SliderOnBelt,
+        TwoBlocks,
+        list_models,
+    )
     from frictionlab.plotting import animate, plot_run
     from frictionlab.stability import (
         critical_curve,
@@ -106,7 +118,8 @@ _HOMES = {
     "hybrid.tangent_flow": "tangent_flow TangentFlow",
     "hybrid.taylor": "Taylor",
     "hybrid.trajectory": "Trajectory",
-    "models": "SliderOnBelt",
+    "models": "SliderOnBelt MassOnBelt FreeCoulomb DenHartog ModeCoupling BouncingBall ImpactOscillator "
+    "TwoBlocks Model MechanicalModel list_models",
     "plotting": "animate plot_run",
     "stability": "equilibria equilibrium eigenvalues root_locus stability_changes critical_value "
     "critical_curve stability_map hopf",

@@ -50,7 +50,7 @@ def bifurcation(
 
     Parameters
     ----------
-    model : SliderOnBelt
+    model : Model
     parameter : str
     values : array_like (N,)
     x0 : "rest", "near", "continue" or array_like (2n,)

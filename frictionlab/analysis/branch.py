@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionlab.hybrid.validation import check_choice
-from frictionlab.models import SliderOnBelt
+from frictionlab.models import Model
 
 from .extras import needed
 from .journal import read, write
@@ -58,9 +58,9 @@ class Bifurcation:
     results: dict[int, Any]
 
     @property
-    def model(self) -> SliderOnBelt:
+    def model(self) -> Model:
         """The model whose parameter was varied."""
-        return SliderOnBelt.from_dict(self.asked["model"])
+        return Model.from_dict(self.asked["model"])
 
     def section(self, name: str, *kinds: str) -> tuple[Array, Array]:
         """Values of the parameter and of a state at all section points, for a scatter plot.

@@ -41,7 +41,7 @@ def ensemble(
 
     Parameters
     ----------
-    models : sequence of SliderOnBelt or HybridAutomaton
+    models : sequence of Model or HybridAutomaton
         With the same laws and interface; their parameters may differ.  One model as often as there are
         initial states: ``[model] * 100``.
     t_end : float

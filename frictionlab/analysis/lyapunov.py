@@ -61,7 +61,7 @@ def lyapunov(
 
     Parameters
     ----------
-    model : SliderOnBelt or HybridAutomaton
+    model : Model or HybridAutomaton
     x0 : "rest", "near" or array_like (n,)
         Of an automaton "rest" (all states zero) or an array.
     transient : float

@@ -84,7 +84,7 @@ def periodic_orbit(
 
     Parameters
     ----------
-    model : SliderOnBelt or HybridAutomaton
+    model : Model or HybridAutomaton
     guess : SteadyState, Trajectory, array_like (n,), "rest" or "near"
         A periodic steady state; a run whose end is near the orbit; or a state near the orbit, see `simulate`.
         All may be of other parameter values.

@@ -14,7 +14,7 @@ from frictionlab.hybrid.solve import solve
 from frictionlab.hybrid.storage import read
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.hybrid.validation import check_choice
-from frictionlab.models import Model, SliderOnBelt
+from frictionlab.models import Model
 from frictionlab.stability import equilibrium
 
 NEAR = 1.01  # "near": the equilibrium displaced by one percent
@@ -35,12 +35,15 @@ def simulate(
 
     Parameters
     ----------
-    model : SliderOnBelt
+    model : Model
+        SliderOnBelt, another of :func:`frictionlab.list_models`, or your own.
     t_end : float
         End time in seconds, positive.
     x0 : "rest", "near" or array_like (2n,)
-        "rest": coordinates and velocities zero.  "near": the sliding equilibrium with its coordinates
-        displaced by one percent, velocities zero.  An array holds coordinates, then velocities.
+        "rest": coordinates and velocities zero, or where the model says it is released.  "near": the sliding
+        equilibrium with its coordinates displaced by one percent, velocities zero.  An array holds
+        coordinates, then velocities; what other states a model has, such as the phase of a force, are zero
+        where they are left out.
     method : "taylor", Taylor(...), "rk4", RK4(...), Scipy(...), or the name of a scipy method
         "taylor" is exact to rounding; RK4 is the paper's algorithm.
     t_eval : array_like or None
@@ -80,14 +83,17 @@ def simulate(
 
 
 def initial_state(model: Any, x0: Any) -> Any:
-    """The state (2n,) that a name stands for; anything else is returned as it is."""
+    """The state that a name stands for; of an array the states it leaves out are zero."""
+    n, names = len(model.coordinates), [symbol.name for symbol in model.automaton().states]
     if not isinstance(x0, str):
-        return x0
+        return np.append(x0, np.zeros(len(names) - 2 * n)) if np.shape(x0) == (2 * n,) else x0
     check_choice("x0", x0, ("rest", "near"))
-    n = len(model.coordinates)
-    start = np.zeros(2 * n)
+    start = np.zeros(len(names))
     if x0 == "near":
         start[:n] = NEAR * equilibrium(model).q
+        return start
+    for name, value in model.release().items():
+        start[names.index(name)] = value
     return start
 
 
@@ -108,7 +114,7 @@ def load(path: str | Path, model: Any = None) -> Trajectory:
     """
     stored = read(path)
     if model is None and "model" in stored.description:
-        model = SliderOnBelt.from_dict(stored.description["model"])
+        model = Model.from_dict(stored.description["model"])
     if model is None:
         raise ValueError(f"{path} holds a run of an automaton: give it as load(path, model=automaton)")
     automaton = model.automaton() if isinstance(model, Model) else model

@@ -7,9 +7,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from .timescale import period_of, round_period_of
+
 Array = NDArray[np.float64]
-F_MAX = 60.0
-LONGEST = 100.0  # seconds transformed at most: a resolution of 0.01 Hz is more than a picture shows
+HARMONICS = 6.0  # of the model's own frequency that are shown
+LONGEST = 1000.0  # periods transformed at most: a thousandth of the frequency is more than a picture shows
 OVERSAMPLING = 16  # samples per period of f_max: kinks of the motion must not fold back into view
 FEWEST_LINES = 5
 
@@ -45,7 +47,7 @@ class Spectrum(NamedTuple):
 
 
 def amplitude_spectrum(
-    run: Any, name: str = "x1", *, f_max: float = F_MAX, start: float | None = None
+    run: Any, name: str | None = None, *, f_max: float | None = None, start: float | None = None
 ) -> Spectrum | None:
     """Amplitude spectrum of a state, with a Hann window and without the mean.
 
@@ -54,21 +56,22 @@ def amplitude_spectrum(
     Parameters
     ----------
     run : Trajectory
-    name : str
-        The state, e.g. "x1" or "x1'".
-    f_max : float
-        Highest frequency kept, Hz.
+    name : str or None
+        The state, e.g. "x1" or "x1'"; None takes the first.
+    f_max : float or None
+        Highest frequency kept, Hz; None takes six times about the model's own, of the slider on a belt 60 Hz.
     start : float or None
         Where the part begins that is transformed (s), to the end of the run; None takes the second half, and
-        100 s of it at most.
+        some thousand periods of it at most.
 
     Returns
     -------
     Spectrum or None
         None where the part is too short to resolve five lines up to `f_max`.
     """
+    name, f_max = name or run.names[0], f_max or highest(run.source)
     stop = float(run.raw.t)
-    length = min(stop / 2, LONGEST) if start is None else stop - start
+    length = min(stop / 2, LONGEST * period_of(run.source)) if start is None else stop - start
     if length * f_max < FEWEST_LINES:
         return None
     count = int(np.ceil(length * f_max * OVERSAMPLING))
@@ -80,3 +83,8 @@ def amplitude_spectrum(
     frequencies = np.arange(len(amplitudes)) / length
     kept = frequencies <= f_max
     return Spectrum(frequencies[kept], amplitudes[kept], 1 / length, stop - length, stop)
+
+
+def highest(source: Any) -> float:
+    """The highest frequency (Hz) that a spectrum of a model shows."""
+    return HARMONICS / round_period_of(source)

@@ -54,7 +54,7 @@ def steady_state(
 
     Parameters
     ----------
-    model : SliderOnBelt or HybridAutomaton
+    model : Model or HybridAutomaton
     x0 : "rest", "near" or array_like (2n,)
         Of an automaton "rest" (all states zero) or an array.
     transient, window : float

@@ -81,7 +81,7 @@ def sweep(
     ----------
     function : callable
         Called as ``function(model)``, or as ``function(model, start)`` where `x0` is given.
-    model : SliderOnBelt
+    model : Model
     over : mapping of str to array_like
         Parameters and their values.
     x0 : sequence

@@ -14,7 +14,7 @@ from .intensity import intensity
 from .kinds import ENDED, EQUILIBRIUM, NON_PERIODIC, PERIODIC, kind_of, onsets_in
 from .recurrence import SHORTEST, recurrence, sizes
 from .sections import STICK, Section, points, stick_onsets, turning
-from .spectrum import F_MAX, Spectrum, amplitude_spectrum
+from .spectrum import Spectrum, amplitude_spectrum
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,7 +62,7 @@ class SteadyState:
         """Whether the transient was long enough to tell."""
         return self.kind in (EQUILIBRIUM, PERIODIC, NON_PERIODIC)
 
-    def spectrum(self, name: str = "x1", *, f_max: float = F_MAX) -> Spectrum | None:
+    def spectrum(self, name: str | None = None, *, f_max: float | None = None) -> Spectrum | None:
         """Amplitude spectrum (the state's unit, over Hz) of the whole window, Hann-weighted; see
         :func:`frictionlab.analysis.spectrum.amplitude_spectrum`.
         """

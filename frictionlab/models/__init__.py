@@ -2,7 +2,33 @@
 
 from __future__ import annotations
 
-from .model import Model
+from .bouncing_ball import BouncingBall
+from .catalogue import ModelTable, list_models
+from .den_hartog import DenHartog
+from .free_coulomb import FreeCoulomb
+from .impact_oscillator import ImpactOscillator
+from .mass_on_belt import MassOnBelt
+from .mechanics import Friction, MechanicalModel, Mechanics, Stop
+from .mode_coupling import ModeCoupling
+from .model import Model, with_signature
 from .slider_on_belt import SliderOnBelt
+from .two_blocks import TwoBlocks
 
-__all__ = ["Model", "SliderOnBelt"]
+__all__ = [
+    "BouncingBall",
+    "DenHartog",
+    "FreeCoulomb",
+    "Friction",
+    "ImpactOscillator",
+    "MassOnBelt",
+    "MechanicalModel",
+    "Mechanics",
+    "ModeCoupling",
+    "Model",
+    "ModelTable",
+    "SliderOnBelt",
+    "Stop",
+    "TwoBlocks",
+    "list_models",
+    "with_signature",
+]

@@ -30,7 +30,12 @@ def derive(key: Structure) -> Scene:
 @lru_cache(maxsize=256)
 def assemble(key: Structure) -> HybridAutomaton:
     """States and modes of a structure, without the numbers."""
-    mechanics, numbers = derive(key), {}
+    return symbolic(key).derive()
+
+
+def slider_automaton(model: Any) -> HybridAutomaton:
+    """The automaton of a symbolic copy of the slider on a belt: one mode for each of its interface."""
+    mechanics, numbers = derive(structure(model)), {}
     modes: tuple[Mode, ...] = tuple(build(mechanics, name) for name in mechanics.model.interface.modes)
     limit = chatter(mechanics)
     if limit is not None:

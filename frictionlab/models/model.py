@@ -27,11 +27,47 @@ M = TypeVar("M", bound="Model")
 class Model(Component):
     """Base of the models: a frozen composition of parameters and components.
 
-    A subclass names in `roles` which component fields it has, and of which kind.  Keywords of the
-    constructor are those fields and every parameter, whether the model's own or a component's.
+    Keywords of the constructor are the components and every parameter, the model's own or a component's.
+
+    **A model of your own** is a frozen dataclass, decorated with :func:`with_signature`, that has
+
+    * fields made with :func:`~frictionlab.parameter`, and one for each component, with a default;
+    * `roles`: which fields are components, and of which kind;
+    * `coordinates`: the names of its n coordinates;
+    * either :meth:`~frictionlab.models.MechanicalModel.mechanics` (derive from
+      :class:`~frictionlab.models.MechanicalModel`): energies and contacts, from which modes and equations
+      follow; or :meth:`derive`: the automaton itself, whose states are the coordinates, their rates with a
+      prime, and what else there is.
+
+    It may have `reference` (where it comes from), `period` (about how long an oscillation takes, by which
+    pictures choose what they show) and :meth:`release` (where a run from rest begins).  All the rest then
+    works: `simulate`, `eigenvalues`, `bifurcation`, `explore`, `plot_run`, files.
+
+    Modes named "stick", "slip+", "slip-", "separation", and outputs named "gap", "normal_force",
+    "friction_force", "relative_velocity" are drawn and checked as such.  A mode with constraints holds
+    something fast; steady sliding is looked for in the others.
+
+    Examples
+    --------
+    >>> from dataclasses import dataclass
+    >>> import frictionlab as fl
+    >>> from frictionlab.models import MechanicalModel, Mechanics, with_signature
+    >>> @with_signature
+    ... @dataclass(frozen=True, init=False, repr=False)
+    ... class Pendulum(MechanicalModel):
+    ...     l: float = fl.parameter(1.0, unit="m", symbol="l", meaning="length", range=(0.1, 10.0))
+    ...     coordinates = ("phi",)
+    ...
+    ...     def mechanics(self, q, v):
+    ...         height = self.l * (1 - fl.functions.cos(q.phi))
+    ...         return Mechanics(kinetic=(self.l * v.phi) ** 2 / 2, potential=9.81 * height)
+    >>> Pendulum(l=2.0).equations("only")
+    only:
+    4*Derivative(phi(t), (t, 2)) = 0
     """
 
     roles: ClassVar[Mapping[str, type]] = MappingProxyType({})
+    reference: ClassVar[str] = ""
     __signature__: ClassVar[inspect.Signature]
 
     def __init__(self, **given: Any) -> None:
@@ -47,6 +83,35 @@ class Model(Component):
             values = {name: value for name, value in given.items() if owner[name] == role}
             object.__setattr__(self, role, changed(component, values))
         self.__post_init__()
+
+    @property
+    def coordinates(self) -> tuple[str, ...]:
+        """Names of the coordinates."""
+        raise NotImplementedError(f"{type(self).__name__} must define coordinates")
+
+    @property
+    def period(self) -> float:
+        """About how long an oscillation takes, s: pictures and explorers show so and so many of them."""
+        return 0.1
+
+    def release(self) -> Mapping[str, float]:
+        """The states that are not zero where a run starts from rest, by name."""
+        return {}
+
+    def derive(self) -> HybridAutomaton:
+        """The automaton without its numbers.
+
+        Called once for every structure, on a copy of the model whose parameters are symbols of sympy:
+        ``self.mu_k`` is one, and ``self.friction`` a law that has them.  Its states are symbols made with
+        :func:`frictionlab.models.symbol`.
+        """
+        raise NotImplementedError(f"{type(self).__name__} must define derive()")
+
+    def check(self) -> None:
+        """A parameter must not take a state's name: both become symbols."""
+        for name in (*self.coordinates, "phase"):
+            if name in self.parameters:
+                raise ValueError(f"a parameter must not be named like the coordinate {name!r}: rename it")
 
     @property
     def components(self) -> Mapping[str, Component]:
@@ -89,8 +154,14 @@ class Model(Component):
         return automaton(self)
 
     def equations(self, mode: str) -> Equations:
-        """The equations of a mode (or of the "impact") as sympy equations; LaTeX in a notebook."""
-        from .equations import equations
+        """The equations of a mode as sympy equations; LaTeX in a notebook.
+
+        Raises
+        ------
+        ValueError
+            If the model has no such mode.
+        """
+        from .flow_equations import equations
 
         return equations(self, mode)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Any, ClassVar, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 from frictionlab.components.contact import ContactLaw, CubicContact
 from frictionlab.components.friction import Coulomb, FrictionLaw
@@ -16,6 +16,11 @@ from frictionlab.components.parameter import parameter
 
 from .model import Model, with_signature
 from .toggles import replacements
+
+if TYPE_CHECKING:
+    from frictionlab.automaton import HybridAutomaton
+
+    from .equations import Equations
 
 
 def _mass(
@@ -131,6 +136,7 @@ class SliderOnBelt(Model):
     geometry: Geometry = MovingLoad()
     impact: ImpactLaw = PlasticImpact()
 
+    reference: ClassVar[str] = "N. Liu, H. Ouyang, Nonlinear Dynamics (2020)"
     roles: ClassVar[Mapping[str, type]] = MappingProxyType(
         {
             "contact": ContactLaw,
@@ -146,11 +152,23 @@ class SliderOnBelt(Model):
         """Names of the coordinates: x1, y1 of the slider, x2, y2 and the angle phi of the belt."""
         return self.geometry.coordinates
 
-    def check(self) -> None:
-        """A parameter of an own law must not take a coordinate's name: both become symbols."""
-        for name in self.coordinates:
-            if name in self.parameters:
-                raise ValueError(f"a parameter must not be named like the coordinate {name!r}: rename it")
+    def derive(self) -> HybridAutomaton:
+        """The modes of the interface, and the limit of impacts that throw off."""
+        from .assembly import slider_automaton
+
+        return slider_automaton(self)
+
+    def equations(self, mode: str) -> Equations:
+        """The equations of a mode (or of the "impact") as the paper writes them; LaTeX in a notebook.
+
+        Raises
+        ------
+        ValueError
+            If the model has no such mode.
+        """
+        from .equations import equations
+
+        return equations(self, mode)
 
     def without(self, *names: str) -> Self:
         """The model without nonlinearities of the paper.

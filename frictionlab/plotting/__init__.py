@@ -16,6 +16,7 @@ from .forces import plot_contact_forces
 from .locus import plot_frequencies, plot_growth_rates
 from .orbit_branch import plot_orbit_branch
 from .phase_plane import plot_phase_plane
+from .rates import plot_rates
 from .root_locus import plot_root_locus
 from .run import plot_run
 from .shading import shade_modes
@@ -38,6 +39,7 @@ __all__ = [
     "plot_intensity",
     "plot_orbit_branch",
     "plot_phase_plane",
+    "plot_rates",
     "plot_root_locus",
     "plot_run",
     "plot_spectrum",

@@ -28,7 +28,7 @@ SPAN = 30.0  # largest over smallest intensity above which the axis is logarithm
 
 
 def plot_bifurcation(
-    result: Any, ax: Axes | None = None, *, name: str = "x1", legend: bool = True
+    result: Any, ax: Axes | None = None, *, name: str | None = None, legend: bool = True
 ) -> list[Line2D]:
     """Draw a state at the points of the section against the parameter, and the equilibria.
 
@@ -37,8 +37,8 @@ def plot_bifurcation(
     result : Bifurcation
     ax : Axes or None
         None draws into a new figure, ``lines[0].axes.figure``.
-    name : str
-        The state, e.g. "x1" or "x1'".
+    name : str or None
+        The state, e.g. "x1" or "x1'"; None takes the first.
     legend : bool
         Whether to put a legend beside the panel.
 
@@ -52,6 +52,7 @@ def plot_bifurcation(
     ValueError
         For an unknown state.
     """
+    name = name or result.names[0]
     groups = {kind: result.section(name, kind) for kind in STYLES}
     ax = axes_or_new(ax)
     lines = []

@@ -27,7 +27,7 @@ def plot_displacements(
     ax : Axes or None
         None draws into a new figure, ``lines[0].axes.figure``.
     window : float, (float, float) or None
-        The last so many seconds, from one time to another, or the whole run.
+        The last so many seconds, from one time to another, or the whole run; without it some eight periods.
     shade : bool
         Whether to shade the modes.
 

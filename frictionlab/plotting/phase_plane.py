@@ -11,13 +11,13 @@ from matplotlib.lines import Line2D
 from .figure import axes_or_new
 from .palette import label, mode_colours, unit
 from .shading import modes_at
-from .windows import Window, dense_times, limits, window_text
+from .windows import Periods, Window, dense_times, limits, window_text
 
-LATER = 2.0  # seconds: long enough to tell a cycle that closes from one that does not
+LATER = Periods(20.0)  # long enough to tell a cycle that closes from one that does not
 
 
 def plot_phase_plane(
-    run: Any, ax: Axes | None = None, *, name: str = "x1", window: Window = LATER
+    run: Any, ax: Axes | None = None, *, name: str | None = None, window: Window = LATER
 ) -> list[Line2D]:
     """Draw a coordinate against its rate, coloured by mode.
 
@@ -26,17 +26,17 @@ def plot_phase_plane(
     run : Trajectory
     ax : Axes or None
         None draws into a new figure, ``lines[0].axes.figure``.
-    name : str
-        The coordinate.
+    name : str or None
+        The coordinate; None takes the first.
     window : float, (float, float) or None
-        The last so many seconds, from one time to another, or the whole run.
+        The last so many seconds, from one time to another, or the whole run; without it some twenty periods.
 
     Returns
     -------
     list of Line2D
         One line for every mode that occurs, broken (NaN) where the run is in other modes.
     """
-    ax = axes_or_new(ax, figsize=(5.0, 4.5))
+    ax, name = axes_or_new(ax, figsize=(5.0, 4.5)), name or run.names[0]
     start, stop = limits(run, window)
     t = dense_times(start, stop, 12001)
     column, n = run.names.index(name), run.automaton.coordinates

@@ -11,9 +11,10 @@ from matplotlib.patches import Patch
 
 from .displacements import plot_displacements
 from .figure import RunFigure
-from .forces import plot_contact_forces
+from .forces import force_outputs, plot_contact_forces
 from .palette import mode_colours
 from .phase_plane import plot_phase_plane
+from .rates import plot_rates
 from .spectrum import plot_spectrum
 from .windows import LAST, Window
 
@@ -22,17 +23,19 @@ SMALL = 9.0
 
 
 def plot_run(run: Any, figure: Figure | None = None, *, window: Window = LAST) -> Figure:
-    """Draw a run: displacements and contact forces against time, phase plane and spectrum of x1.
+    """Draw a run: displacements and contact forces against time, phase plane and spectrum of a coordinate.
+
+    Phase plane and spectrum are of the first coordinate.  Without contact forces there are rates instead.
 
     Parameters
     ----------
     run : Trajectory
-        Of a model with a coordinate x1, normal and friction force.
+        Of a model, or of an automaton with coordinates.
     figure : Figure or None
         Where to draw; None makes a new figure that belongs to no window.
     window : float, (float, float) or None
         What the panels over time show: the last so many seconds, from one time to another, or the whole
-        run.
+        run; without it some eight periods.
 
     Returns
     -------
@@ -47,13 +50,15 @@ def plot_run(run: Any, figure: Figure | None = None, *, window: Window = LAST) -
     >>> [ax.get_xlabel() for ax in figure.axes[:4]]
     ['time (s)', '$x_{1}$ (m)', 'time (s)', 'frequency (Hz)']
     """
-    _refuse_others(run)
+    if not run.automaton.coordinates:
+        raise ValueError("run must be of an automaton with coordinates, got none: plot run.t and run.states")
     figure = RunFigure(figsize=SIZE, layout="constrained") if figure is None else figure
     panels = figure.subplots(2, 2, width_ratios=(1.5, 1))
     (displacements, phase), (forces, spectrum) = panels
     coordinates = plot_displacements(run, displacements, window=window)
     plot_phase_plane(run, phase)
-    contact = plot_contact_forces(run, forces, window=window)
+    draw = plot_contact_forces if force_outputs(run.automaton) else plot_rates
+    contact = draw(run, forces, window=window)
     plot_spectrum(run, spectrum)
     # An angle has its axis next to the panel; the legends stand to the right of it.
     right = 1.17 if any(line.axes is not displacements for line in coordinates) else 1.0
@@ -63,16 +68,6 @@ def plot_run(run: Any, figure: Figure | None = None, *, window: Window = LAST) -
         ax.title.set_fontsize(SMALL + 1)
     _title(figure, run)
     return figure
-
-
-def _refuse_others(run: Any) -> None:
-    has = {*run.names, *run.automaton.modes[0].outputs}
-    missing = sorted({"x1", "x1'", "normal_force", "friction_force"} - has)
-    if missing:
-        raise ValueError(
-            f"plot_run needs a run with x1 and contact forces, this one has no {', '.join(missing)}: "
-            "use the panels of frictionlab.plotting one by one"
-        )
 
 
 def _beside(ax: Axes, lines: list[Line2D], x: float) -> None:

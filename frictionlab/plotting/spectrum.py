@@ -8,7 +8,7 @@ from typing import Any
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
-from frictionlab.analysis.spectrum import F_MAX, Spectrum, amplitude_spectrum
+from frictionlab.analysis.spectrum import Spectrum, amplitude_spectrum, highest
 
 from .figure import axes_or_new
 from .palette import BLACK, label, unit
@@ -18,7 +18,7 @@ DECADES = 5
 
 
 def plot_spectrum(
-    run: Any, ax: Axes | None = None, *, name: str = "x1", f_max: float = F_MAX
+    run: Any, ax: Axes | None = None, *, name: str | None = None, f_max: float | None = None
 ) -> list[Line2D]:
     """Draw the amplitude spectrum of a state over the second half of a run.
 
@@ -27,17 +27,17 @@ def plot_spectrum(
     run : Trajectory
     ax : Axes or None
         None draws into a new figure.
-    name : str
-        The state.
-    f_max : float
-        Right end of the frequency axis, Hz.
+    name : str or None
+        The state; None takes the first.
+    f_max : float or None
+        Right end of the frequency axis, Hz; None takes six times about the model's own frequency.
 
     Returns
     -------
     list of Line2D
         The spectrum; empty where the run is too short for one, which the panel then says.
     """
-    ax = axes_or_new(ax)
+    ax, name, f_max = axes_or_new(ax), name or run.names[0], f_max or highest(run.source)
     ax.set(xlabel="frequency (Hz)", ylabel=f"amplitude of {label(name)} ({unit(name)})", xlim=(0, f_max))
     found = amplitude_spectrum(run, name, f_max=f_max)
     if found is None:

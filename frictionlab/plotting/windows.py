@@ -2,15 +2,25 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-Window = float | tuple[float, float] | None
+from frictionlab.analysis.timescale import period_of
 
-LAST = 0.75  # seconds: some eight oscillations at the 11 Hz of the paper's system
+Array = NDArray[np.float64]
+
+
+class Periods(NamedTuple):
+    """A window at the end of a run that is so many periods of the model long."""
+
+    count: float
+
+
+Window = float | tuple[float, float] | Periods | None
+
+LAST = Periods(7.5)  # 0.75 s of the slider on a belt
 POINTS = 4001
 
 
@@ -20,7 +30,7 @@ def end_of(run: Any) -> float:
 
 
 def limits(run: Any, window: Window = LAST) -> tuple[float, float]:
-    """Start and end of a window: the last `window` seconds, the two times given, or (None) the whole run.
+    """Start and end of a window: the last seconds or periods, the two times given, or (None) the whole run.
 
     Raises
     ------
@@ -30,6 +40,8 @@ def limits(run: Any, window: Window = LAST) -> tuple[float, float]:
     end = end_of(run)
     if window is None:
         return 0.0, end
+    if isinstance(window, Periods):
+        window = window.count * period_of(run.source)
     if isinstance(window, (int, float)):
         start, stop = max(0.0, end - window), end
     else:

@@ -1,4 +1,4 @@
-"""Steady states of an automaton of one's own, through Newton's method."""
+"""Steady states of models and automata, through Newton's method."""
 
 from __future__ import annotations
 
@@ -20,7 +20,12 @@ Array = NDArray[np.float64]
 ROUNDING = 1e-9
 
 
-def steady_state_of(automaton: HybridAutomaton) -> Steady:
+def automaton_of(model: Any) -> HybridAutomaton:
+    """The automaton of a model, or the automaton itself."""
+    return model if isinstance(model, HybridAutomaton) else model.automaton()
+
+
+def steady_state_of(model: Any) -> Steady:
     """The steady state of the first mode that has one inside its guards, the nearest to the origin.
 
     Raises
@@ -28,25 +33,46 @@ def steady_state_of(automaton: HybridAutomaton) -> Steady:
     ValueError
         If no mode has one.
     """
-    mode, flow, points = steady_states(automaton)
+    automaton = automaton_of(model)
+    mode, flow, points = steady_states(model)
     if not points.size:
-        raise no_equilibrium(automaton)
+        raise no_equilibrium(model)
     values = values_of(automaton)
-    return Steady(automaton, _names(automaton), flow, values, _follower(mode, flow, points[:, 0], values))
+    return Steady(model, _names(automaton), flow, values, _follower(mode, flow, points[:, 0], values))
 
 
-def no_equilibrium(automaton: HybridAutomaton) -> ValueError:
-    """The error for an automaton that has none."""
+def no_equilibrium(model: Any) -> ValueError:
+    """The error for a model or an automaton that has none."""
+    modes = automaton_of(model).modes if isinstance(model, HybridAutomaton) else sliding_modes(model)
+    what = "the automaton" if isinstance(model, HybridAutomaton) else type(model).__name__
     return ValueError(
-        "the automaton must have a mode with an equilibrium inside its guards, "
-        f"got none in {', '.join(automaton.names)}: change its parameters"
+        f"{what} must have a mode with an equilibrium inside its guards, "
+        f"got none in {', '.join(mode.name for mode in modes)}: change its parameters"
     )
 
 
-def steady_states(automaton: HybridAutomaton) -> tuple[Mode, Flow, Array]:
+def sliding_modes(model: Any) -> tuple[Mode, ...]:
+    """The modes of a model that hold nothing fast: in stick any place within the cone is one of rest."""
+    return tuple(mode for mode in model.automaton().modes if not mode.constraints and not mode.limit)
+
+
+def steady_states(model: Any) -> tuple[Mode, Flow, Array]:
     """The first mode with equilibria inside its guards, its flow, and them (m, K); else K is 0."""
-    mode, flow = automaton.modes[0], _flow(automaton, automaton.modes[0])
-    for mode in (m for m in automaton.modes if _may_rest(automaton, m)):
+    automaton = automaton_of(model)
+    modes = automaton.modes if isinstance(model, HybridAutomaton) else sliding_modes(model)
+    if not modes:
+        return automaton.modes[0], _flow(automaton, automaton.modes[0]), np.zeros((len(automaton.states), 0))
+    return _inside(modes, automaton.states, tuple(automaton.parameters.items()), automaton.coordinates)
+
+
+@lru_cache(maxsize=64)
+def _inside(
+    modes: tuple[Mode, ...], states: Any, parameters: Any, coordinates: int
+) -> tuple[Mode, Flow, Array]:
+    """The same of these modes; remembered, as one question about a model leads to several."""
+    automaton = HybridAutomaton(states, modes, dict(parameters), coordinates)
+    mode, flow = modes[0], _flow(automaton, modes[0])
+    for mode in (m for m in modes if _may_rest(automaton, m)):
         flow = _flow(automaton, mode)
         points = rest_points(flow, values_of(automaton))
         points = points[:, _lasts(mode, flow, points, values_of(automaton))]

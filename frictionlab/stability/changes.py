@@ -56,7 +56,7 @@ def stability_changes(model: Any, parameter: str, bounds: Any) -> tuple[Stabilit
 
     Parameters
     ----------
-    model : SliderOnBelt or HybridAutomaton
+    model : Model or HybridAutomaton
     parameter : str
     bounds : (float, float)
 
@@ -89,7 +89,7 @@ def critical_value(model: Any, parameter: str, bounds: Any) -> float | None:
 
     Parameters
     ----------
-    model : SliderOnBelt or HybridAutomaton
+    model : Model or HybridAutomaton
     parameter : str
     bounds : (float, float)
 
@@ -134,7 +134,7 @@ def critical_curve(model: Any, parameter: str, bounds: Any, *, over: tuple[str, 
 
     Parameters
     ----------
-    model : SliderOnBelt or HybridAutomaton
+    model : Model or HybridAutomaton
     parameter : str
     bounds : (float, float)
     over : (str, array_like (N,))

@@ -65,7 +65,7 @@ def eigenvalues(model: Any) -> Eigenvalues:
 
     Parameters
     ----------
-    model : SliderOnBelt or HybridAutomaton
+    model : Model or HybridAutomaton
 
     Raises
     ------

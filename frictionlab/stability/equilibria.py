@@ -10,10 +10,10 @@ import numpy as np
 import sympy
 from numpy.typing import NDArray
 
-from frictionlab.automaton import HybridAutomaton
+from frictionlab.models import SliderOnBelt
 from frictionlab.models.symbols import numbers, structure
 
-from .automata import no_equilibrium, steady_states, values_of
+from .automata import automaton_of, no_equilibrium, steady_states, values_of
 from .automata import residual as left_over
 from .bracket import scanned
 from .pressed import FINEST, excess_polynomial, polished, reach
@@ -58,9 +58,10 @@ def equilibria(model: Any) -> tuple[Equilibrium, ...]:
 
     Parameters
     ----------
-    model : SliderOnBelt or HybridAutomaton
-        Of an automaton the equilibria inside the guards of a mode, of the first mode that has any, by their
-        distance from the origin; they are searched with Newton's method from several starts.
+    model : Model or HybridAutomaton
+        Of all but a SliderOnBelt the equilibria inside the guards of a mode, of the first mode that has any,
+        by their distance from the origin; they are searched with Newton's method from several starts.  Modes
+        of a model that hold something fast, such as stick, are left out.
 
     Returns
     -------
@@ -71,7 +72,7 @@ def equilibria(model: Any) -> tuple[Equilibrium, ...]:
     ValueError
         If the springs do not hold a coordinate (singular stiffness matrix).
     """
-    if isinstance(model, HybridAutomaton):
+    if not isinstance(model, SliderOnBelt):
         return _of_automaton(model)
     values = numbers(model)
     statics = statics_of(structure(model), values, model.coordinates)
@@ -89,7 +90,7 @@ def equilibrium(model: Any) -> Equilibrium:
         If there is none.
     """
     found = equilibria(model)
-    if isinstance(model, HybridAutomaton):
+    if not isinstance(model, SliderOnBelt):
         if not found:
             raise no_equilibrium(model)
         return found[0]
@@ -104,8 +105,9 @@ def equilibrium(model: Any) -> Equilibrium:
     )
 
 
-def _of_automaton(automaton: HybridAutomaton) -> tuple[Equilibrium, ...]:
-    mode, flow, points = steady_states(automaton)
+def _of_automaton(model: Any) -> tuple[Equilibrium, ...]:
+    automaton = automaton_of(model)
+    mode, flow, points = steady_states(model)
     n, values = automaton.coordinates or len(automaton.states), values_of(automaton)
     outputs = [mode.outputs.get(name, sympy.nan) for name in ("gap", "normal_force", "friction_force")]
     evaluated = flow.compiled(outputs)

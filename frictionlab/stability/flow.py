@@ -42,6 +42,17 @@ class Flow:
         return {place: entry for place, entry in partial.items() if entry != 0}
 
     @cached_property
+    def free(self) -> list[int]:
+        """The states whose rates depend on no state."""
+        return sorted({*range(len(self.states))} - {row for row, _ in self._partial})
+
+    @cached_property
+    def linear(self) -> bool:
+        """Whether the Jacobian is the same at every state."""
+        states = {*self.states}
+        return not any(entry.free_symbols & states for entry in self._partial.values())
+
+    @cached_property
     def _entries(self) -> Callable[..., Any]:
         return self.compiled(tuple(self._partial.values()))
 

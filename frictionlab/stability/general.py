@@ -24,6 +24,8 @@ def rest_points(flow: Flow, values: Sequence[float]) -> Array:
 
     From each start x0 the zeros of f(x) - (1 - s) f(x0) are followed from s = 0 to 1 (Newton homotopy).
     """
+    if _always_moves(flow, values):
+        return np.zeros((len(flow.states), 0))
     with np.errstate(all="ignore"):  # a path may leave the range of floats; it is dropped then
         x, scale = _starts(flow, values)
         rest = flow.rhs(x, values)
@@ -50,14 +52,24 @@ def continued(flow: Flow, x: Array, base: Sequence[float], values: Sequence[Any]
     return found
 
 
+def _always_moves(flow: Flow, values: Sequence[float]) -> bool:
+    """Whether a state changes at a rate that no state has a part in, as time does."""
+    rates = flow.rhs(np.zeros(len(flow.states)), values)
+    return bool((rates[flow.free] != 0).any())
+
+
 def _starts(flow: Flow, values: Sequence[float]) -> tuple[Array, Array]:
     """The origin and points scattered about it (m, STARTS), and sizes of the states (m, 1).
+
+    The origin alone where the flow is linear: there is no other zero to be led to.
 
     The sizes are where the linearised flow's zero lies.  Half of the points lie further in and out too,
     for zeros that it does not know of.
     """
     origin = np.zeros((len(flow.states), 1))
     scale = _positive(np.abs(newton_step(flow, origin, values, 0.0)))
+    if flow.linear:
+        return origin, scale
     random = np.random.default_rng(0)
     scatter = random.normal(size=(len(origin), STARTS - 1))
     scatter[:, ::2] *= 10.0 ** random.uniform(-DECADES, DECADES, size=scatter[:, ::2].shape)

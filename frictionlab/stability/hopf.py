@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionlab.automaton import HybridAutomaton
+from frictionlab.models import SliderOnBelt
 
 from .automata import steady_states
 from .changes import StabilityChange, stability_changes
@@ -166,7 +166,7 @@ def hopf(model: Any, parameter: str, bounds: Any) -> HopfPoint:
 
     Parameters
     ----------
-    model : SliderOnBelt or HybridAutomaton
+    model : Model or HybridAutomaton
     parameter : str
     bounds : (float, float)
         Narrow them to reach a later point.
@@ -229,7 +229,7 @@ def _described(view: Steady, parameter: str, change: StabilityChange) -> HopfPoi
 
 def _guards(view: Steady) -> tuple[Any, ...]:
     """The functions that stay positive while the model slides as in the flow: v_r, the gap."""
-    if isinstance(view.model, HybridAutomaton):
+    if not isinstance(view.model, SliderOnBelt):
         mode = steady_states(view.model)[0]
     else:
         sliding = ("slip", "slip+" if view.model.v > 0 else "slip-")

@@ -67,7 +67,7 @@ def root_locus(model: Any, parameter: str, values: Any) -> RootLocus:
 
     Parameters
     ----------
-    model : SliderOnBelt or HybridAutomaton
+    model : Model or HybridAutomaton
     parameter : str
     values : array_like (N,)
         Along a path: neighbours in it are compared.

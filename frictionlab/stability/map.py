@@ -57,7 +57,7 @@ def stability_map(
 
     Parameters
     ----------
-    model : SliderOnBelt or HybridAutomaton
+    model : Model or HybridAutomaton
     x, y : (str, array_like)
         Two parameters and their values, ascending, two at least.
     progress : bool

@@ -8,7 +8,7 @@ from typing import Any
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.components.names import did_you_mean
 from frictionlab.components.validation import checked
-from frictionlab.models import Model
+from frictionlab.models import Model, SliderOnBelt
 from frictionlab.models.namespace import about_all
 
 from .automata import steady_state_of
@@ -24,9 +24,9 @@ def steady(model: Any) -> Steady:
     TypeError
         If it is neither.
     """
-    if isinstance(model, Model):
+    if isinstance(model, SliderOnBelt):
         return steady_sliding(model)
-    if isinstance(model, HybridAutomaton):
+    if isinstance(model, (Model, HybridAutomaton)):
         return steady_state_of(model)
     raise TypeError(f"model must be a model such as SliderOnBelt or a HybridAutomaton, got {model!r}")
 

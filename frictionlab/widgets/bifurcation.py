@@ -9,7 +9,7 @@ from .panels.diagram import Diagram
 from .panels.phase import phase
 from .panels.response import response
 from .running import QUICK
-from .settings import Settings
+from .settings import settings_of
 from .sliders import known
 
 
@@ -21,7 +21,7 @@ def explore_bifurcation(model: Any = None, parameter: str = "mu_k") -> Explorer:
 
     Parameters
     ----------
-    model : SliderOnBelt or None
+    model : Model or None
         None takes the paper's.
     parameter : str
 
@@ -47,7 +47,7 @@ def explore_bifurcation(model: Any = None, parameter: str = "mu_k") -> Explorer:
     model = start_of(model)
     known(model, parameter)
     panels = {"bifurcation": Diagram(model, parameter), "response": response, "phase": phase}
-    explorer = Explorer(Settings(model, method=QUICK), panels)
+    explorer = Explorer(settings_of(model, method=QUICK), panels)
     for name, slider in explorer.parameters.sliders.items():
         # Another parameter means another diagram: it is computed when the slider is let go.
         slider.continuous_update = name == parameter

@@ -16,7 +16,7 @@ from .parameters import ParameterControls
 from .picture import Picture
 from .result import Result
 from .running import RunControls
-from .settings import Settings
+from .settings import Settings, settings_of
 from .sliders import same
 from .words import error_text
 
@@ -137,7 +137,7 @@ def explore(model: Any = None, panels: Iterable[Any] = DEFAULT) -> Explorer:
 
     Parameters
     ----------
-    model : SliderOnBelt or None
+    model : Model or None
         Where to start; None takes the paper's.
     panels : iterable of str or callable
         "response", "phase", "forces", "spectrum", "eigenvalues", or functions that take a
@@ -163,7 +163,7 @@ def explore(model: Any = None, panels: Iterable[Any] = DEFAULT) -> Explorer:
     >>> explorer.model, explorer.result.eigenvalues.stable
     (SliderOnBelt(mu_k=1.6), False)
     """
-    return Explorer(Settings(start_of(model)), panels_of(panels))
+    return Explorer(settings_of(start_of(model)), panels_of(panels))
 
 
 def start_of(model: Any) -> Any:

@@ -12,6 +12,7 @@ from frictionlab.models.namespace import about_all, owners
 from .sliders import slider, unrounded
 
 OPERATION = "F", "v"  # of the model's own parameters those that one changes on a running system
+FEW = 12  # parameters of a model all of which are in sight
 FOLDED = "structure"
 
 
@@ -70,8 +71,10 @@ class ParameterControls:
 
 
 def most_used(model: Any) -> list[str]:
-    """Parameters of the friction law, of operation, then of the other components."""
+    """Parameters of the friction law, of operation, then of the other components; all where they are few."""
     owner = owners(type(model), model.components)
+    if len(owner) <= FEW:
+        return list(owner)
     friction = [name for name, role in owner.items() if role == "friction"]
     laws = [name for name, role in owner.items() if role and role != "friction"]
     return [*friction, *(name for name in OPERATION if name in owner), *laws]

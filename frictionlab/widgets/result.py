@@ -10,13 +10,14 @@ from numpy.typing import NDArray
 
 from frictionlab.analysis.simulate import simulate
 from frictionlab.analysis.spectrum import Spectrum, amplitude_spectrum
+from frictionlab.analysis.timescale import round_period_of
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.stability import Eigenvalues, eigenvalues
 
 from .settings import Settings, capped
 
 Array = NDArray[np.float64]
-PER_SECOND, FEWEST, MOST = 400, 800, 20_000  # samples of what is shown
+PER_PERIOD, FEWEST, MOST = 40, 800, 20_000  # samples of what is shown
 
 
 class Result:
@@ -25,7 +26,7 @@ class Result:
     Attributes
     ----------
     settings : Settings
-    model : SliderOnBelt
+    model : Model
     run : Trajectory
     eigenvalues : Eigenvalues or None
         With the equilibrium; None where there is none.
@@ -75,7 +76,7 @@ class Result:
     def times(self) -> Array:
         """Times (s) of the part of the run that is shown, at equal distances."""
         start, stop = self._span
-        count = int(np.clip((stop - start) * PER_SECOND, FEWEST, MOST)) + 1
+        count = int(np.clip((stop - start) / round_period_of(self.model) * PER_PERIOD, FEWEST, MOST)) + 1
         return np.clip(np.linspace(start, stop, count), start, stop)
 
     @cached_property

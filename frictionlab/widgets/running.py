@@ -7,17 +7,18 @@ from typing import Any
 import ipywidgets
 import numpy as np
 
+from frictionlab.analysis.timescale import round_period_of
 from frictionlab.hybrid.rk4 import RK4
 from frictionlab.hybrid.taylor import Taylor
 
-from .settings import WINDOW, Settings
+from .settings import Settings
 from .sliders import dressed, unrounded
 
 OWN, FIXED = "own", "rk4"
 QUICK = Taylor(chatter=1e-4)  # right to some 1e-6 of the motion, and several times as fast under Eq. (13)
 STARTS = (("rest", "rest"), ("near the equilibrium", "near"), ("own numbers", OWN))
 METHODS = (("exact (Taylor)", Taylor()), ("quick (Taylor)", QUICK), ("paper's (RK4)", FIXED))
-WINDOWS = (*((f"last {s:g} s", s) for s in (0.5, WINDOW, 2.0, 5.0)), ("whole run", None))
+WINDOWS = 5, 10, 20, 50  # periods
 NAMES = "start", "own", "duration", "method", "step", "window", "coordinate"
 STEP, FINEST, COARSEST = 2e-4, 2e-5, 1e-2  # s; the paper's step
 
@@ -34,12 +35,14 @@ class RunControls:
         drop, names = ipywidgets.Dropdown, settings.model.coordinates
         self.start = dressed(drop(options=STARTS), "start", "start", "initial state")
         self.own = _own(names)
-        self.duration, self._t_end = _duration(settings.t_end), settings.t_end
+        self.duration, self._t_end = _duration(settings), settings.t_end
         text = "exact to rounding; quick: flights below 0.1 ms replaced by their limit; the paper's"
         self.method = dressed(drop(options=METHODS, value=settings.method), "method", "method", text)
         self.step = _step()
         text = "part of the run that the panels show; the spectrum is of its second half"
-        self.window = dressed(drop(options=WINDOWS, value=settings.window), "window", "shown", text)
+        self.window = dressed(
+            drop(options=_windows(settings.model), value=settings.window), "window", "shown", text
+        )
         text = "coordinate of the phase plane and the spectrum"
         self.coordinate = dressed(drop(options=names), "coordinate", "coordinate", text)
         layout = ipywidgets.Layout(flex_flow="row wrap")
@@ -78,8 +81,16 @@ def _zeros(names: tuple[str, ...]) -> str:
     return ", ".join(["0"] * 2 * len(names))
 
 
-def _duration(seconds: float) -> Any:
-    made = ipywidgets.FloatSlider(seconds, min=1.0, max=max(100.0, seconds), step=1.0, readout_format=".4g")
+def _windows(model: Any) -> list[tuple[str, float | None]]:
+    lengths = [round(count * round_period_of(model), 12) for count in WINDOWS]
+    return [*((f"last {s:g} s", s) for s in lengths), ("whole run", None)]
+
+
+def _duration(settings: Settings) -> Any:
+    """From ten periods of the model to a thousand."""
+    period, seconds = round_period_of(settings.model), settings.t_end
+    low, high = 10 * period, max(1000 * period, seconds)
+    made = ipywidgets.FloatSlider(seconds, min=low, max=high, step=low, readout_format=".4g")
     return dressed(made, "duration", "duration (s)", "seconds that are simulated")
 
 

@@ -9,11 +9,12 @@ from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import frictionlab
+from frictionlab.analysis.timescale import round_period_of
 from frictionlab.components.component import Component
 from frictionlab.hybrid.methods import Method
 from frictionlab.hybrid.taylor import Taylor
 
-WINDOW = 1.0  # seconds shown: some eleven oscillations of the paper's system
+PERIODS, SHOWN = 200, 10  # of the model: simulated, and shown; 20 s and 1 s of the slider on a belt
 
 MOST_STEPS = 300_000  # 100 s of the paper's system with all its chatter have 200 000
 
@@ -24,7 +25,7 @@ class Settings:
 
     Parameters
     ----------
-    model : SliderOnBelt
+    model : Model
     t_end : float
         Seconds that are simulated.
     x0 : str or tuple of float
@@ -37,11 +38,17 @@ class Settings:
     """
 
     model: Any
-    t_end: float = 20.0
-    x0: str | tuple[float, ...] = "rest"
-    method: Method = Taylor()
-    window: float | None = WINDOW
-    coordinate: str = "x1"
+    t_end: float
+    x0: str | tuple[float, ...]
+    method: Method
+    window: float | None
+    coordinate: str
+
+
+def settings_of(model: Any, method: Method = Taylor()) -> Settings:  # noqa: B008  frozen
+    """Those that an explorer begins with: the model's own time scale says how long a run is."""
+    period = round_period_of(model)
+    return Settings(model, PERIODS * period, "rest", method, SHOWN * period, model.coordinates[0])
 
 
 def capped(method: Method) -> Method:
@@ -59,7 +66,7 @@ def snippet(settings: Settings) -> str:
 
 
 def to_json(settings: Settings) -> str:
-    """Everything as JSON; ``SliderOnBelt.from_dict(data["model"])`` gives the model again."""
+    """Everything as JSON; ``fl.Model.from_dict(data["model"])`` gives the model again."""
     start = settings.x0 if isinstance(settings.x0, str) else list(settings.x0)
     data = {
         "model": settings.model.to_dict(),

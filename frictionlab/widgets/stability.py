@@ -7,7 +7,7 @@ from typing import Any
 from .explorer import Explorer, start_of
 from .panels.critical import Critical
 from .panels.eigenvalues import eigenvalues
-from .settings import Settings
+from .settings import settings_of
 from .sliders import known
 
 
@@ -16,7 +16,7 @@ def explore_stability(model: Any = None, parameter: str = "mu_k", over: str = "F
 
     Parameters
     ----------
-    model : SliderOnBelt or None
+    model : Model or None
         Where to start; None takes the paper's.
     parameter, over : str
         The parameter whose critical value is drawn, against the other one.
@@ -46,4 +46,4 @@ def explore_stability(model: Any = None, parameter: str = "mu_k", over: str = "F
     if parameter == over:
         raise ValueError(f"over must be another parameter than {parameter!r}: take for example 'F'")
     panels = {"eigenvalues": eigenvalues, "critical": Critical(model, parameter, over)}
-    return Explorer(Settings(model), panels)
+    return Explorer(settings_of(model), panels)

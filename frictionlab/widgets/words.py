@@ -18,6 +18,7 @@ def equilibrium_text(result: Any) -> str:
     point = found.equilibrium
     rows = [(name, x, unit(name)) for name, x in zip(result.model.coordinates, point.q)]
     rows += [("gap", point.gap, "m"), ("F_N", point.normal_force, "N"), ("F_T", point.friction_force, "N")]
+    rows = [row for row in rows if not np.isnan(row[1])]
     numbers = " ".join(f"<span>{n} = {x:.5g} {u}</span>" for n, x, u in rows)
     return f"<b>Steady sliding is {stability_text(found)}</b><br>{numbers}"
 

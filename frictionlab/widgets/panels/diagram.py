@@ -10,6 +10,7 @@ import ipywidgets
 import numpy as np
 
 from frictionlab.analysis.bifurcation import bifurcation
+from frictionlab.analysis.timescale import round_period_of
 from frictionlab.models.namespace import about_all
 from frictionlab.models.symbols import structure
 from frictionlab.plotting.bifurcation import STYLES
@@ -20,8 +21,8 @@ from frictionlab.widgets.settings import capped
 from frictionlab.widgets.sliders import description, dressed, known, reach
 
 COUNT = 24  # values in the range that is looked at
-TRANSIENT, LONGEST = 20.0, 200.0  # seconds thrown away: at first, and at most
-WINDOW = 10.0  # seconds looked at
+TRANSIENT, LONGEST, STEP = 200, 2000, 50  # periods thrown away: at first, and at most
+WINDOW = 100  # periods looked at
 HERE: dict[str, Any] = {"color": GREY, "linewidth": 1.0, "zorder": 1.0}
 
 
@@ -46,7 +47,8 @@ class Diagram:
         span = ipywidgets.FloatRangeSlider(
             value=(low, high), min=low, max=high, step=(high - low) / 200, continuous_update=False
         )
-        seconds = ipywidgets.FloatSlider(TRANSIENT, max=LONGEST, step=5.0, continuous_update=False)
+        first, most, step = (n * round_period_of(model) for n in (TRANSIENT, LONGEST, STEP))
+        seconds = ipywidgets.FloatSlider(first, max=most, step=step, continuous_update=False)
         text = f"values of {parameter} that are looked at; a narrow range is computed more finely"
         self.controls: Mapping[str, Any] = MappingProxyType(
             {
@@ -80,7 +82,11 @@ class Diagram:
             self.found, self._key = {}, key
         missing = [value for value in values if value not in self.found]
         if missing:
-            options: dict[str, Any] = {"x0": settings.x0, "transient": transient, "window": WINDOW}
+            options: dict[str, Any] = {
+                "x0": settings.x0,
+                "transient": transient,
+                "window": WINDOW * round_period_of(result.model),
+            }
             options["method"] = capped(settings.method)
             done = bifurcation(result.model, self.parameter, missing, progress=False, **options)
             self.found |= {v: row for v, *row in zip(done.values.tolist(), done.kinds, done.sections)}

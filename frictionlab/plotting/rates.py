@@ -1,0 +1,47 @@
+"""Rates of the coordinates against time."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+
+from .figure import axes_or_new
+from .palette import label, line_style, unit
+from .shading import shade_modes
+from .windows import LAST, Window, dense_times, limits, window_text
+
+
+def plot_rates(
+    run: Any, ax: Axes | None = None, *, window: Window = LAST, shade: bool = True
+) -> list[Line2D]:
+    """Draw the rates of all coordinates against time, with the modes shaded behind them.
+
+    Parameters
+    ----------
+    run : Trajectory
+    ax : Axes or None
+        None draws into a new figure, ``lines[0].axes.figure``.
+    window : float, (float, float) or None
+        The last so many seconds, from one time to another, or the whole run; without it some eight periods.
+    shade : bool
+        Whether to shade the modes.
+
+    Returns
+    -------
+    list of Line2D
+        One line for every coordinate, in SI units.
+    """
+    ax = axes_or_new(ax)
+    start, stop = limits(run, window)
+    t, n = dense_times(start, stop), run.automaton.coordinates
+    states, lines = run(t), []
+    for i, name in enumerate(run.names[n : 2 * n]):
+        text = f"{label(name)} ({unit(name)})"
+        lines += ax.plot(t, states[:, n + i], label=text, **line_style(i, name))
+    if shade:
+        shade_modes(run, ax, (start, stop))
+    ax.set(xlabel="time (s)", ylabel="rate", title=f"Rates, {window_text(run, start, stop)}")
+    ax.margins(x=0)
+    return lines
