@@ -15,7 +15,7 @@ STEP = 0.02
 
 
 def impact_oscillator(drawn, **parameters):
-    """x'' + 2 zeta x' + x = f cos(omega t), x < sigma, where an impact turns the speed round and leaves e of it.
+    """x'' + 2 zeta x' + x = f cos(omega t), x < sigma, where an impact leaves e of the speed.
 
     cos and sin are states; `drawn` is by how much they are drawn to the unit circle.
     """
