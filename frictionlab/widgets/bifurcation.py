@@ -8,7 +8,6 @@ from .explorer import Explorer, start_of
 from .panels.diagram import Diagram
 from .panels.phase import phase
 from .panels.response import response
-from .running import QUICK
 from .settings import Settings
 from .sliders import known
 
@@ -47,7 +46,7 @@ def explore_bifurcation(model: Any = None, parameter: str = "mu_k") -> Explorer:
     model = start_of(model)
     known(model, parameter)
     panels = {"bifurcation": Diagram(model, parameter), "response": response, "phase": phase}
-    explorer = Explorer(Settings(model, method=QUICK), panels)
+    explorer = Explorer(Settings(model), panels)
     for name, slider in explorer.parameters.sliders.items():
         # Another parameter means another diagram: it is computed when the slider is let go.
         slider.continuous_update = name == parameter

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from io import BytesIO
 from typing import Any
 
 import ipywidgets
@@ -14,12 +13,12 @@ from PIL import Image
 from frictionlab.plotting.figure import RunFigure
 
 from .drawing import Drawing
+from .png import png
 from .tile import Tile
 
 Panel = Callable[[Any], Drawing]
 WIDTH, HEIGHT, DPI = 4.4, 3.0, 100  # inches of a panel: two beside the controls on a screen of 1280 pixels
 COLUMNS = 2
-COLOURS = 96  # of the PNG: a palette is quick to compress, and more colours than that are not drawn
 
 
 class Picture:
@@ -71,7 +70,8 @@ class Picture:
             self.tiles[name].paint(self.canvas)
         pixels = Image.fromarray(np.asarray(self.canvas.buffer_rgba()))
         for name in names:
-            self.images[name].value = _png(pixels.crop(_box(self.tiles[name], pixels.height)))
+            tile = self.tiles[name]
+            self.images[name].value = png(pixels.crop(_box(tile, pixels.height)), tile.colours)
 
 
 def _image(name: str) -> ipywidgets.Image:
@@ -86,10 +86,3 @@ def _image(name: str) -> ipywidgets.Image:
 def _box(tile: Tile, height: int) -> tuple[int, int, int, int]:
     (x0, y0), (x1, y1) = np.rint(tile.box.get_points()).astype(int).tolist()
     return x0, height - y1, x1, height - y0  # an image's first row is the top one
-
-
-def _png(pixels: Any) -> bytes:
-    buffer = BytesIO()
-    image = pixels.convert("RGB").quantize(COLOURS, method=Image.Quantize.FASTOCTREE)
-    image.save(buffer, "png", compress_level=1)
-    return buffer.getvalue()

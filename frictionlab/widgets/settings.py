@@ -15,6 +15,11 @@ from frictionlab.hybrid.taylor import Taylor
 
 WINDOW = 1.0  # seconds shown: some eleven oscillations of the paper's system
 
+# Under Eq. (13) flights of the slider that are shorter than a quarter of the distance between two samples are
+# replaced by their limit: displacements are right to some 1e-5 of the motion, rates, which zigzag in flight, to
+# less than a pixel, and it is ten times as fast.  All else is exact.
+QUICK = Taylor(chatter=3e-4)
+
 MOST_STEPS = 300_000  # 100 s of the paper's system with all its chatter have 200 000
 
 
@@ -39,7 +44,7 @@ class Settings:
     model: Any
     t_end: float = 20.0
     x0: str | tuple[float, ...] = "rest"
-    method: Method = Taylor()
+    method: Method = QUICK
     window: float | None = WINDOW
     coordinate: str = "x1"
 

@@ -17,7 +17,7 @@ from .drawing import Curve, Drawing
 from .limits import Limits, extent, linear, logarithmic
 
 SMALL, NOTE_SIZE = 8.0, 8.0
-KEPT: dict[str, Any] = {"color": GREY, "linewidth": 1.0, "alpha": 0.7, "zorder": 1.5}
+KEPT: dict[str, Any] = {"color": GREY, "linewidth": 1.0, "alpha": 0.5, "zorder": 1.5}
 LEGEND: dict[str, Any] = {
     "loc": "lower center",
     "bbox_to_anchor": (0.5, 0.985),
@@ -101,6 +101,11 @@ class Tile:
         for line in self.kept.values():
             line.set_data([], [])
         self.background = None
+
+    @property
+    def colours(self) -> list[Any]:
+        """All colours that lines are drawn in."""
+        return [GREY, *(line.get_color() for line in self.lines.values())]
 
     def _grey(self, label: str, line: Line2D) -> Line2D:
         if label not in self.kept:

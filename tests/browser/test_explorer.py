@@ -139,7 +139,7 @@ def test_showing_the_sliders_changes_nothing(shown):
     shown.page.locator(f"{shown.root} .fl-structure").get_by_text("structure").click()
     shown.page.locator(f"{shown.root} .fl-code").get_by_text("as Python").click()
     text = shown.page.locator(f"{shown.root} .fl-python textarea").input_value()
-    assert "model = fl.SliderOnBelt()\nrun = fl.simulate(model, 20.0, x0='rest')" in text
+    assert "model = fl.SliderOnBelt()\nrun = fl.simulate(model, 20.0, x0='rest', method=fl.Taylor(" in text
     shown.page.locator(f"{shown.root} .fl-structure").get_by_text("structure").click()
     shown.page.locator(f"{shown.root} .fl-code").get_by_text("as Python").click()
 

@@ -12,6 +12,7 @@ import frictionlab as fl
 from frictionlab.widgets.drawing import Curve, Drawing
 from frictionlab.widgets.latency import measure
 from frictionlab.widgets.picture import DPI, HEIGHT, WIDTH, Picture
+from frictionlab.widgets.png import png
 
 MODEL = fl.SliderOnBelt(mu_k=0.4).without("geometry")
 
@@ -146,3 +147,19 @@ def test_the_figure_can_be_saved_with_its_curves(panels):
     shown = np.asarray(Image.open(BytesIO(explorer.picture.images["response"].value)).convert("RGB"))
     corner = saved[: shown.shape[0], : shown.shape[1]]
     assert (np.abs(corner - shown.astype(int)).max(axis=2) > 60).mean() < 0.01
+
+
+def test_a_png_has_the_colours_of_its_lines_and_pure_white():
+    colours = ["#D55E00", "#0072B2", "#F0E442"]
+    pixels = np.full((40, 60, 3), 255, dtype=np.uint8)
+    for i, colour in enumerate([*colours, "#000000"]):
+        pixels[10 * i : 10 * i + 5] = [int(colour[j : j + 2], 16) for j in (1, 3, 5)]
+    shown = np.asarray(Image.open(BytesIO(png(Image.fromarray(pixels), colours))).convert("RGB")).astype(int)
+    assert np.abs(shown - pixels).max() <= 1
+    assert (shown[5:10] == 255).all()
+
+
+def test_many_colours_still_fit_into_a_palette():
+    pixels = np.zeros((4, 4, 3), dtype=np.uint8)
+    colours = [(i / 299, 0.5, 1 - i / 299) for i in range(300)]
+    assert Image.open(BytesIO(png(Image.fromarray(pixels), colours))).size == (4, 4)
