@@ -14,7 +14,7 @@ from matplotlib.transforms import Bbox
 from frictionlab.plotting.palette import GREY
 
 from .drawing import Curve, Drawing
-from .limits import Limits, extent, linear, logarithmic
+from .limits import TICKS, Limits, extent, linear, logarithmic
 
 SMALL, NOTE_SIZE = 8.0, 8.0
 KEPT: dict[str, Any] = {"color": GREY, "linewidth": 1.0, "alpha": 0.5, "zorder": 1.5}
@@ -180,5 +180,6 @@ class Tile:
 
 def _style(ax: Axes) -> None:
     ax.tick_params(labelsize=SMALL)
+    ax.locator_params(nbins=TICKS)  # a number takes as long to draw as a curve
     ax.ticklabel_format(axis="y", scilimits=(-3, 4))
     ax.yaxis.get_offset_text().set_fontsize(SMALL)

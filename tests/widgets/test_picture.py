@@ -10,7 +10,7 @@ from PIL import Image
 
 import frictionlab as fl
 from frictionlab.widgets.drawing import Curve, Drawing
-from frictionlab.widgets.latency import measure
+from frictionlab.widgets.latency import latencies, table
 from frictionlab.widgets.picture import DPI, HEIGHT, WIDTH, Picture
 from frictionlab.widgets.png import png
 
@@ -132,10 +132,19 @@ def test_a_slow_update_is_marked_while_it_runs():
 
 
 def test_latency_counts_every_step_and_what_is_simulation():
-    found = measure(MODEL, "F", (200.0, 201.0, 202.0), ("response",))
-    assert found.steps == 2
-    assert 0 < found.simulation < found.seconds
-    assert found.share == found.simulation / found.seconds
+    steps = latencies(MODEL, ("F", "k2"), 2, ("response",))
+    assert [step.parameter for step in steps] == ["F", "F", "k2", "k2"]
+    assert all(0 < step.simulation < step.seconds for step in steps)
+    line = table({"scene": steps}).splitlines()[-1]
+    share = sum(step.simulation for step in steps) / sum(step.seconds for step in steps)
+    assert line.startswith("| scene | F, k2 | 4 | ")
+    assert line.endswith(f" | {100 * share:.0f} % |")
+
+
+def test_latency_tells_of_a_step_that_fails():
+    model = fl.SliderOnBelt(mu_k=2.0, mu_s=2.0).without("geometry")
+    with pytest.raises(ValueError, match="mu_s must be at least mu_k"):
+        latencies(model, ("mu_k",), 1, ("eigenvalues",))
 
 
 @pytest.mark.parametrize(
