@@ -16,7 +16,7 @@ def explore_bifurcation(model: Any = None, parameter: str = "mu_k") -> Explorer:
     """Zoom into a bifurcation diagram, and see the motion at any value of the parameter.
 
     The range slider says what is looked at; values in between are computed when it gets narrower.  The
-    parameter's own slider selects the value whose response is shown.
+    parameter's own slider selects the value whose response is shown, and so does a click into the diagram.
 
     Parameters
     ----------

@@ -12,6 +12,7 @@ from PIL import Image
 
 from frictionlab.plotting.figure import RunFigure
 
+from .clickable import ClickablePicture
 from .drawing import Drawing
 from .png import png
 from .tile import Tile
@@ -42,17 +43,21 @@ class Picture:
         self.tiles = {
             name: Tile(self.figure, (x * size[0], y * size[1], *size)) for name, (x, y) in zip(panels, places)
         }
-        self.images = {name: _image(name) for name in panels}
+        self.images = {name: _image(name, panel) for name, panel in panels.items()}
         layout = ipywidgets.Layout(flex_flow="row wrap", flex=f"1 1 {WIDTH * DPI:.0f}px", min_width="0")
         self.widget = ipywidgets.Box(list(self.images.values()), layout=layout)
         self.widget.add_class("fl-picture")
 
-    def draw(self, result: Any) -> None:
-        """Show a result in all panels; where one fails none is changed."""
+    def draw(self, result: Any) -> tuple[int, int] | None:
+        """Show a result in all panels; where one fails none is changed.
+
+        Returns how much is done, and of how much, where a panel is not done yet.
+        """
         drawings = [panel(result) for panel in self.panels.values()]
         for tile, drawing in zip(self.tiles.values(), drawings):
             tile.show(drawing)
         self.paint(self.panels)
+        return next((drawing.progress for drawing in drawings if drawing.progress), None)
 
     def keep(self) -> None:
         """Leave the curves behind in grey."""
@@ -74,13 +79,12 @@ class Picture:
             self.images[name].value = png(pixels.crop(_box(tile, pixels.height)), tile.colours)
 
 
-def _image(name: str) -> ipywidgets.Image:
-    width = f"{WIDTH * DPI:.0f}px"
-    layout = ipywidgets.Layout(width=width, max_width="100%", margin="0")
-    image = ipywidgets.Image(format="png", layout=layout)
+def _image(name: str, panel: Any) -> Any:
+    """The widget of a panel; one that can be clicked where the panel makes something of it."""
+    image = ClickablePicture(hint=panel.hint) if hasattr(panel, "pick") else ipywidgets.Image(format="png")
+    image.layout = ipywidgets.Layout(width=f"{WIDTH * DPI:.0f}px", max_width="100%", margin="0")
     image.layout.object_fit = "contain"
-    image.add_class("fl-panel").add_class(f"fl-panel-{name}")
-    return image
+    return image.add_class("fl-panel").add_class(f"fl-panel-{name}")
 
 
 def _box(tile: Tile, height: int) -> tuple[int, int, int, int]:

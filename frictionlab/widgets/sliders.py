@@ -65,7 +65,7 @@ def _guessed(about: Parameter, value: float) -> tuple[float, float]:
 
 
 def _linear(low: float, high: float, value: float) -> Any:
-    step = _dividing(_step(high - low), value - low)
+    step = _dividing(round_step(high - low), value - low)
     return ipywidgets.FloatSlider(
         value, min=low, max=high, step=step, readout_format=".4g", continuous_update=True
     )
@@ -85,7 +85,7 @@ def _logarithmic(low: float, high: float, value: float) -> Any:
     )
 
 
-def _step(span: float) -> float:
+def round_step(span: float) -> float:
     """The next 1, 2 or 5 times a power of ten that makes at most STEPS steps."""
     if not span > 0:
         return 0.1

@@ -89,6 +89,14 @@ class Tile:
             line.draw(renderer)
         self.note.draw(renderer)
 
+    def place(self, x: float, y: float) -> tuple[float, float] | None:
+        """Data coordinates at shares of the tile's width and height; None outside the axes."""
+        at = self.box.x0 + x * self.box.width, self.box.y0 + y * self.box.height
+        if not self.ax.bbox.contains(*at):
+            return None
+        across, up = self.ax.transData.inverted().transform(at)
+        return float(across), float(up)
+
     def keep(self) -> None:
         """Leave the curves as they are now behind, in grey."""
         for label, line in self.lines.items():

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import os
+from collections.abc import Mapping, Sequence
+from time import perf_counter
 from types import MappingProxyType
 from typing import Any
 
@@ -19,15 +21,18 @@ from frictionlab.widgets.drawing import Curve, Drawing
 from frictionlab.widgets.settings import capped
 from frictionlab.widgets.sliders import description, dressed, known, reach
 
+AT_ONCE = os.cpu_count() or 1  # values, in threads
 COUNT = 24  # values in the range that is looked at
 TRANSIENT, LONGEST = 20.0, 200.0  # seconds thrown away: at first, and at most
 WINDOW = 10.0  # seconds looked at
+PATIENCE = 0.2  # seconds between two pictures of a diagram that fills
 HERE: dict[str, Any] = {"color": GREY, "linewidth": 1.0, "zorder": 1.0}
 
 
 class Diagram:
     """A panel: a coordinate where stick begins (or turns back) in the steady state, against a parameter.
 
+    It is computed in parts, from coarse to fine, so that it is seen to fill and newer values need not wait.
     What was computed is kept until another parameter changes, so that a narrower range adds values between.
 
     Attributes
@@ -39,6 +44,7 @@ class Diagram:
     """
 
     __name__ = "bifurcation"
+    hint = "click a value to see its response"
 
     def __init__(self, model: Any, parameter: str) -> None:
         about = about_all(type(model), model.components)[parameter]
@@ -61,7 +67,7 @@ class Diagram:
         """The points in the range, by the kind of motion, and a line at the model's own value."""
         known(result.model, self.parameter)
         low, high = self.controls["range"].value
-        self._compute(result, np.linspace(low, high, COUNT).tolist())
+        left = self._compute(result, np.linspace(low, high, COUNT).tolist())
         inside = {value: found for value, found in self.found.items() if low <= value <= high}
         name = result.settings.coordinate
         column = result.model.coordinates.index(name)
@@ -70,20 +76,35 @@ class Diagram:
         own = result.model.parameters[self.parameter]
         curves["_here"] = Curve([own, own], [0.0, 1.0], HERE, "strip")
         labels = parameter_label(result.model, self.parameter), f"section of {label(name)} ({unit(name)})"
-        return Drawing(*labels, curves, note=f"{len(inside)} values", xlim=(low, high))
+        progress = (COUNT - left, COUNT) if left else None
+        return Drawing(*labels, curves, note=f"{len(inside)} values", xlim=(low, high), progress=progress)
 
-    def _compute(self, result: Any, values: list[float]) -> None:
+    def pick(self, x: float, _: float) -> dict[str, float]:
+        """The value nearest to a click of those that are drawn."""
+        low, high = self.controls["range"].value
+        return {self.parameter: min((v for v in self.found if low <= v <= high), key=lambda v: abs(v - x))}
+
+    def _compute(self, result: Any, values: list[float]) -> int:
+        """Compute for as long as one waits gladly; returns how many values are left."""
         settings, transient = result.settings, self.controls["transient"].value
         others = tuple(item for item in result.model.parameters.items() if item[0] != self.parameter)
         key = structure(result.model), others, settings.x0, settings.method, transient
         if key != self._key:
             self.found, self._key = {}, key
-        missing = [value for value in values if value not in self.found]
-        if missing:
+        missing, end = [v for v in _coarse_to_fine(values) if v not in self.found], perf_counter() + PATIENCE
+        while missing and perf_counter() < end:
             options: dict[str, Any] = {"x0": settings.x0, "transient": transient, "window": WINDOW}
             options["method"] = capped(settings.method)
-            done = bifurcation(result.model, self.parameter, missing, progress=False, **options)
+            now, missing = missing[:AT_ONCE], missing[AT_ONCE:]
+            done = bifurcation(result.model, self.parameter, now, progress=False, **options)
             self.found |= {v: row for v, *row in zip(done.values.tolist(), done.kinds, done.sections)}
+        return len(missing)
+
+
+def _coarse_to_fine(values: Sequence[float]) -> list[float]:
+    """Every eighth value, then those half-way between, and so on."""
+    order = [i for step in (8, 4, 2, 1) for i in range(0, len(values), step)]
+    return [values[i] for i in dict.fromkeys(order)]
 
 
 def _points(found: Mapping[float, Any], kind: str, column: int) -> Curve:
