@@ -12,8 +12,9 @@ from .parser import OneLineParser
 
 DESCRIPTION = """\
 Measure wall time and error of this solver and of others on scenes with a known end, what each nonlinearity
-costs, Fig. 9's sweep, linear stability, and the explorer. Times are medians of interleaved runs on this machine. Prints
-Markdown. heyoka, CVODE, PathSim and diffrax are measured where they are installed (extra "bench")."""
+costs, Fig. 9's sweep, linear stability, and a step of an explorer's slider. Times are medians of interleaved
+runs on this machine. Prints Markdown. heyoka, CVODE, PathSim and diffrax are measured where they are
+installed (extra "bench")."""
 
 EPILOG = """\
 examples:

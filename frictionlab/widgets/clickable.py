@@ -23,9 +23,7 @@ class ClickablePicture(anywidget.AnyWidget):
 
     _esm = resources.files("frictionlab.widgets").joinpath("clickable.js").read_text(encoding="utf-8")
     value = traitlets.Bytes().tag(sync=True)
-    hint = traitlets.Unicode().tag(
-        sync=True
-    )  # the base class has a tooltip, which fails where a view is made
+    hint = traitlets.Unicode().tag(sync=True)  # views fail where it is called tooltip
 
     def on_click(self, clicked: Callable[[float, float], None]) -> None:
         """Have a function called with shares of the width, from the left, and of the height, from below."""

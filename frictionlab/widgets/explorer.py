@@ -18,7 +18,7 @@ from .picture import Picture
 from .result import Result
 from .running import RunControls
 from .settings import Settings
-from .sliders import same
+from .sliders import refine, same
 from .words import error_text
 
 DEFAULT = ("response", "phase", "forces", "spectrum", "eigenvalues")
@@ -96,6 +96,7 @@ class Explorer:
         """Do what a click at these data coordinates of a panel does."""
         with self.latest.held():
             for name, value in self.picture.panels[panel].pick(x, y).items():
+                refine(self.controls[name], value)
                 self.controls[name].value = value
 
     def close(self) -> None:

@@ -7,7 +7,6 @@ import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-
 PAUSE = 0.01  # seconds that what has come from the browser is given
 
 
@@ -15,7 +14,8 @@ class Latest:
     """Calls `update` for what is asked of it, once at a time.
 
     The update reads the settings when it begins.  What is asked for while it runs, from within or from
-    another thread, makes it run once more.  A long update is done in parts, each of which asks for the next one.
+    another thread, makes it run once more.  A long update is done in parts, each of which asks for
+    the next one.
     """
 
     def __init__(self, update: Callable[[], None]) -> None:

@@ -11,7 +11,7 @@ from frictionlab.hybrid.rk4 import RK4
 from frictionlab.hybrid.taylor import Taylor
 
 from .settings import QUICK, WINDOW, Settings
-from .sliders import dressed, unrounded
+from .sliders import FORMAT, LOG_FORMAT, dressed, unrounded
 
 OWN, FIXED = "own", "rk4"
 STARTS = (("rest", "rest"), ("near the equilibrium", "near"), ("own numbers", OWN))
@@ -34,7 +34,7 @@ class RunControls:
         self.start = dressed(drop(options=STARTS), "start", "start", "initial state")
         self.own = _own(names)
         self.duration, self._t_end = _duration(settings.t_end), settings.t_end
-        text = "quick: flights below 0.3 ms, too short to be seen, replaced by their limit; exact to rounding; the paper's"
+        text = "quick: flights below 0.3 ms, too short to see, replaced by their limit; exact: to rounding"
         self.method = dressed(drop(options=METHODS, value=settings.method), "method", "method", text)
         self.step = _step()
         text = "part of the run that the panels show; the spectrum is of its second half"
@@ -78,13 +78,13 @@ def _zeros(names: tuple[str, ...]) -> str:
 
 
 def _duration(seconds: float) -> Any:
-    made = ipywidgets.FloatSlider(seconds, min=1.0, max=max(100.0, seconds), step=1.0, readout_format=".4g")
+    made = ipywidgets.FloatSlider(seconds, min=1.0, max=max(100.0, seconds), step=1.0, readout_format=FORMAT)
     return dressed(made, "duration", "duration (s)", "seconds that are simulated")
 
 
 def _step() -> Any:
     low, high = np.log10([FINEST, COARSEST])
-    made = ipywidgets.FloatLogSlider(STEP, min=low - 1e-12, max=high, step=0.05, readout_format=".3g")
+    made = ipywidgets.FloatLogSlider(STEP, min=low - 1e-12, max=high, step=0.05, readout_format=LOG_FORMAT)
     return dressed(made, "step", "step (s)", "fixed step of the paper's algorithm; its own is 2e-4 s")
 
 

@@ -16,8 +16,8 @@ from frictionlab.hybrid.taylor import Taylor
 WINDOW = 1.0  # seconds shown: some eleven oscillations of the paper's system
 
 # Under Eq. (13) flights of the slider that are shorter than a quarter of the distance between two samples are
-# replaced by their limit: displacements are right to some 1e-5 of the motion, rates, which zigzag in flight, to
-# less than a pixel, and it is ten times as fast.  All else is exact.
+# replaced by their limit: displacements are right to some 1e-5 of the motion, rates, which zigzag in flight,
+# to less than a pixel, and it is ten times as fast.  All else is exact.
 QUICK = Taylor(chatter=3e-4)
 
 MOST_STEPS = 300_000  # 100 s of the paper's system with all its chatter have 200 000

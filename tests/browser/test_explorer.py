@@ -187,7 +187,7 @@ def test_a_click_into_the_plane_moves_the_point_there(shown):
     shown.page.wait_for_function(
         "document.querySelector('.plane .fl-equilibrium').innerText.includes('unstable')", timeout=PATIENCE
     )
-    force = float(shown.page.locator(".plane .fl-F .widget-readout").first.inner_text().replace(",", ""))
+    force = float(shown.page.locator(".plane .fl-F .widget-readout").first.inner_text())
     low, high = fl.explore_stability().picture.tiles["critical"].ax.get_xlim()
     across = (0.5 - MARGINS[0]) / MARGINS[2]
     assert force == pytest.approx(low + across * (high - low), abs=0.01 * (high - low))

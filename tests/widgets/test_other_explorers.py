@@ -144,9 +144,13 @@ def test_a_click_into_the_diagram_shows_the_motion_there(diagram):
     image = diagram.picture.images["bifurcation"]
     x, y = at(diagram, "bifurcation", 0.4201, 0.0)
     image._handle_custom_msg({"x": x, "y": y}, [])
-    values = np.array(list(diagram.picture.panels["bifurcation"].found))
-    nearest = values[np.argmin(np.abs(values - 0.4201))]
-    assert diagram.model.mu_k == diagram.controls["mu_k"].value == nearest
+    slider = diagram.controls["mu_k"]
+    assert diagram.model.mu_k == slider.value == 0.42
+    diagram.controls["range"].value = (0.41, 0.45)
+    diagram.click("bifurcation", 0.42315, 0.0)
+    assert diagram.model.mu_k == 0.4232
+    steps = (slider.value - slider.min) / slider.step  # else a browser would round it
+    assert steps == pytest.approx(round(steps), abs=1e-6)
     updates = diagram.updates
     image._handle_custom_msg({"x": 0.01, "y": 0.5}, [])  # beside the axes
     assert diagram.updates == updates

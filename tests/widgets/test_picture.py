@@ -13,6 +13,7 @@ from frictionlab.widgets.drawing import Curve, Drawing
 from frictionlab.widgets.latency import latencies, table
 from frictionlab.widgets.picture import DPI, HEIGHT, WIDTH, Picture
 from frictionlab.widgets.png import png
+from frictionlab.widgets.tile import MARGINS
 
 MODEL = fl.SliderOnBelt(mu_k=0.4).without("geometry")
 
@@ -94,18 +95,29 @@ def test_images_have_the_size_of_a_panel_and_show_their_own():
     picture.draw(None)
     pixels = {n: np.asarray(Image.open(BytesIO(i.value)).convert("RGB")) for n, i in picture.images.items()}
     assert all(p.shape == (round(HEIGHT * DPI), round(WIDTH * DPI), 3) for p in pixels.values())
-    corner = {name: p[44:58, 345:372] for name, p in pixels.items()}  # where the note stands
+    right = round((MARGINS[0] + MARGINS[2]) * WIDTH * DPI)
+    corner = {n: p[44:58, right - 32 : right - 5] for n, p in pixels.items()}  # where the note stands
     assert corner["right"].min() < 100 < corner["left"].min()
     assert np.array_equal(corner["left"], corner["below"])
 
 
-def test_labels_and_legends_lie_within_the_tile_and_apart():
-    explorer = fl.explore(fl.SliderOnBelt(mu_k=1.4))
+@pytest.mark.parametrize(
+    "model",
+    [
+        fl.SliderOnBelt(),
+        fl.SliderOnBelt(mu_k=1.4),
+        fl.SliderOnBelt(mu_k=1.84, k2=5482.0, impact=fl.PlasticImpact("full")),
+        fl.SliderOnBelt(F=1000.0, mu_k=1.8),
+    ],
+)
+def test_labels_and_legends_lie_within_the_tile_and_apart(model):
+    explorer = fl.explore(model)
     renderer = explorer.picture.canvas.get_renderer()
     for tile in explorer.picture.tiles.values():
-        texts = [*tile.ax.texts, tile.ax.xaxis.label, tile.ax.yaxis.label]
+        texts = [*tile.ax.texts, tile.ax.xaxis.label, tile.ax.yaxis.label, tile.ax.xaxis.get_offset_text()]
         texts += [t for t in tile.ax.get_xticklabels() if tile.ax.get_xlim()[0] <= t.get_position()[0]]
-        texts += [tile.right.yaxis.label] if tile.right is not None else []
+        if tile.right is not None:
+            texts += [tile.right.yaxis.label, tile.right.yaxis.get_offset_text()]
         boxes = [text.get_window_extent(renderer) for text in texts if text.get_text()]
         legend = tile.ax.get_legend()
         boxes += [legend.get_window_extent(renderer)] if legend is not None else []

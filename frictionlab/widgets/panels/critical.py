@@ -13,7 +13,7 @@ from frictionlab.plotting.palette import BLACK, BLUE, VERMILLION
 from frictionlab.plotting.parameters import parameter_label
 from frictionlab.stability import CriticalCurve, critical_curve
 from frictionlab.widgets.drawing import Curve, Drawing
-from frictionlab.widgets.sliders import known, reach, round_step
+from frictionlab.widgets.sliders import known, reach, rounded
 
 POINTS = 21
 REMEMBERED = 16  # curves
@@ -60,7 +60,7 @@ class Critical:
 
     def pick(self, x: float, y: float) -> dict[str, float]:
         """The two parameters of a place in the picture, as round numbers."""
-        return {self.over: _rounded(x, self.sides), self.parameter: _rounded(y, self.bounds)}
+        return {self.over: rounded(x, self.sides), self.parameter: rounded(y, self.bounds)}
 
     def _computed(self, others: _Others) -> CriticalCurve:
         # The ends may be where nothing presses on the belt, or a mass is zero.
@@ -86,9 +86,3 @@ class _Others:
 def _point(here: Any, there: bool, colour: str, marker: str) -> Curve:
     x, y = here if there else ([], [])
     return Curve(x, y, HERE | {"color": colour, "marker": marker})
-
-
-def _rounded(value: float, bounds: tuple[float, float]) -> float:
-    """In steps as a slider's, within the bounds."""
-    step = round_step(bounds[1] - bounds[0])
-    return min(max(float(f"{step * round(value / step):.9g}"), bounds[0]), bounds[1])

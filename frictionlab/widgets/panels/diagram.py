@@ -19,11 +19,11 @@ from frictionlab.plotting.palette import GREY, label, unit
 from frictionlab.plotting.parameters import parameter_label
 from frictionlab.widgets.drawing import Curve, Drawing
 from frictionlab.widgets.settings import capped
-from frictionlab.widgets.sliders import description, dressed, known, reach
+from frictionlab.widgets.sliders import FORMAT, description, dressed, known, reach, rounded
 
 AT_ONCE = os.cpu_count() or 1  # values, in threads
 COUNT = 24  # values in the range that is looked at
-TRANSIENT, LONGEST = 20.0, 200.0  # seconds thrown away: at first, and at most
+TRANSIENT, LONGEST = 100.0, 500.0  # seconds thrown away: at first, and at most
 WINDOW = 10.0  # seconds looked at
 PATIENCE = 0.2  # seconds between two pictures of a diagram that fills
 HERE: dict[str, Any] = {"color": GREY, "linewidth": 1.0, "zorder": 1.0}
@@ -50,9 +50,16 @@ class Diagram:
         about = about_all(type(model), model.components)[parameter]
         low, high = reach(about, model.parameters[parameter])
         span = ipywidgets.FloatRangeSlider(
-            value=(low, high), min=low, max=high, step=(high - low) / 200, continuous_update=False
+            value=(low, high),
+            min=low,
+            max=high,
+            step=(high - low) / 200,
+            readout_format=".4",
+            continuous_update=False,
         )
-        seconds = ipywidgets.FloatSlider(TRANSIENT, max=LONGEST, step=5.0, continuous_update=False)
+        seconds = ipywidgets.FloatSlider(
+            TRANSIENT, max=LONGEST, step=5.0, readout_format=FORMAT, continuous_update=False
+        )
         text = f"values of {parameter} that are looked at; a narrow range is computed more finely"
         self.controls: Mapping[str, Any] = MappingProxyType(
             {
@@ -80,9 +87,8 @@ class Diagram:
         return Drawing(*labels, curves, note=f"{len(inside)} values", xlim=(low, high), progress=progress)
 
     def pick(self, x: float, _: float) -> dict[str, float]:
-        """The value nearest to a click of those that are drawn."""
-        low, high = self.controls["range"].value
-        return {self.parameter: min((v for v in self.found if low <= v <= high), key=lambda v: abs(v - x))}
+        """The value where one clicks, as a round number."""
+        return {self.parameter: rounded(x, self.controls["range"].value)}
 
     def _compute(self, result: Any, values: list[float]) -> int:
         """Compute for as long as one waits gladly; returns how many values are left."""
