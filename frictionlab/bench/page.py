@@ -111,6 +111,18 @@ a relative tolerance of 1e-6. One worker; the column "x" is of this run.
 
 """
 
+EXPLORER = """\
+
+## A step of an explorer's slider
+
+`fl.explore` with four panels (response, phase plane, forces, spectrum), 20 s simulated: from the new value of
+a slider to the bytes of four new pictures. A browser adds the way there and back. The sliders in sight are
+moved step by step, once before without being timed. The worst steps are those where limits of axes change, so
+that these are drawn anew. Under Eq. (13) the explorer's default method replaces flights below 0.3 ms by their
+limit.
+
+"""
+
 TAIL = """\
 
 ## How it is fast
@@ -142,7 +154,7 @@ def write(folder: Path, rows: Sequence[Row], tables: Sequence[str], loads: Seque
     for name, scene in scenes().items():
         table = harness.table([row for row in rows if row.scene == name])
         text += f"\n### {name}: {scene.text}, {scene.t_end:.5g} s\n\n{table}\n"
-    heads = SWITCHES, NATIVE, MANY, SWEEP, STABILITY, MULTIPLIERS, BASINS.format(share=SHARE)
+    heads = SWITCHES, NATIVE, MANY, SWEEP, STABILITY, MULTIPLIERS, BASINS.format(share=SHARE), EXPLORER
     for head, table in zip(heads, tables, strict=True):
         text += f"{head}{table}\n"
     (folder / PAGE).write_text(text + TAIL, encoding="utf-8")
