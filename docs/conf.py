@@ -57,6 +57,7 @@ numpydoc_show_class_members = False  # the page of a class has them
 html_math_renderer = "mathml"
 html_theme = "pydata_sphinx_theme"
 html_title = "frictionlab"
+html_context = {"default_mode": "auto"}
 html_static_path = ["_static"]
 html_css_files = ["site.css"]
 html_show_sourcelink = False

@@ -6,7 +6,7 @@ equations badly.
 """
 
 import re
-from html import escape
+from html import escape, unescape
 from importlib.resources import files
 
 from docutils import nodes
@@ -16,6 +16,7 @@ from sphinx.util import logging
 logger = logging.getLogger(__name__)
 TAG = re.compile(r"\\tag\{([^}]*)\}")  # the number that an equation has in the paper
 DISPLAY = "\\displaystyle"
+CELL = re.compile(r"(<td[^>]*>)\$([^$<]+)\$(?=</td>)")
 FAILED = re.compile(r"\\|<mi>&<")  # what is left of commands and environments that it does not know
 REWRITTEN = {  # what the converter does not know, or would draw in italics
     re.compile(r"\{aligned\}"): "{split}",
@@ -58,8 +59,17 @@ def displayed(self, node: nodes.math_block) -> None:
     raise nodes.SkipNode
 
 
+def in_tables(app, pagename, templatename, context, doctree) -> None:
+    """Formulas in tables that were HTML already, such as those of ``model.describe()``."""
+    if "body" in context:
+        context["body"] = CELL.sub(
+            lambda cell: cell[1] + converted(nodes.math(text=unescape(cell[2])), "inline"), context["body"]
+        )
+
+
 def setup(app):
     app.add_html_math_renderer("mathml", (inline, None), (displayed, None))
+    app.connect("html-page-context", in_tables)
     app.connect(
         "config-inited", lambda app, config: config.html_static_path.append(str(files("ziamath") / "fonts"))
     )

@@ -4,10 +4,12 @@ The names are those of ``frictionlab.__all__``, so that a new one is on the site
 only a new package has to be given a title here.
 """
 
+import re
 from importlib import import_module
 from importlib.util import find_spec
 
 from borrowed_pages import DOCS, write
+from sphinx.ext import autosummary
 from sphinx.util.nodes import make_refnode
 
 import frictionlab
@@ -42,6 +44,7 @@ RESULTS = {  # what functions return and nobody has to import
     "analysis": ("analysis.ablation.Ablation", "analysis.sweep.Sweep"),
     "widgets": ("widgets.drawing.Curve", "widgets.drawing.Drawing", "widgets.result.Result"),
 }
+BACK = re.compile(r'(class="viewcode-back" href="[^"#]*)#[^"]*"')
 HEAD = "# Reference\n\nEvery public name. Units are SI, angles in radians.\n"
 GROUP = """
 ## {title}
@@ -112,9 +115,17 @@ def keep_bars(app, what, name, obj, options, lines: list[str]) -> None:
             lines[i] = line.replace("|", r"\|")
 
 
+def back_to_page(app, pagename, templatename, context, doctree) -> None:
+    """From source code back to the top of a name's page: Sphinx takes names re-exported for others."""
+    if pagename.startswith("_modules/"):
+        context["body"] = BACK.sub(r'\1"', context["body"])
+
+
 def setup(app):
+    autosummary.WELL_KNOWN_ABBREVIATIONS += ("Eq.", "Eqs.", "Fig.", "Figs.")  # do not end a summary
     # Before Sphinx looks for pages, and autosummary in them for names.
     app.connect("config-inited", make_page)
     app.connect("autodoc-process-docstring", keep_bars, priority=400)  # before numpydoc
+    app.connect("html-page-context", back_to_page)
     app.connect("missing-reference", find_by_last_names)
     return {"parallel_read_safe": True, "parallel_write_safe": True}
