@@ -13,7 +13,8 @@ from .parser import OneLineParser
 DESCRIPTION = """\
 Measure wall time and error of this solver and of others on scenes with a known end, what each nonlinearity
 costs, Fig. 9's sweep, linear stability, Floquet multipliers and basins. Times are medians of interleaved runs
-on this machine. Prints Markdown. heyoka, CVODE, PathSim and diffrax are measured where they are installed (extra "bench")."""
+on this machine. Prints Markdown. heyoka, CVODE, PathSim and diffrax are measured where they are installed
+(extra "bench")."""
 
 EPILOG = """\
 examples:
