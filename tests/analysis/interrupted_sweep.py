@@ -1,4 +1,4 @@
-"""A sweep that tests cut off from outside: interrupted_sweep.py FILE threads | continue | processes | basins."""
+"""A sweep that tests cut off from outside: FILE threads | continue | processes | basins."""
 
 import sys
 import time
