@@ -13,6 +13,7 @@ from sphinx.util import logging
 from sphinx.util.display import status_iterator
 
 FOLDER = Path(__file__).parents[1] / "gallery"
+SOURCES = list((FOLDER.parents[1] / "frictionlab").rglob("*.py"))
 HEAD = """# Gallery
 
 Classic pictures of friction-induced vibration. Behind each is the short script that draws it,
@@ -63,9 +64,11 @@ def parts(path: Path) -> dict[str, str]:
 
 
 def draw(path: Path) -> None:
-    """Run a script and keep its picture; what it raises fails the build."""
+    """Run a script, unless its picture is newer than it and the package; what it raises fails the build."""
     picture = FOLDER / "pictures" / f"{path.stem}.png"
     picture.parent.mkdir(exist_ok=True)
+    if picture.exists() and picture.stat().st_mtime > max(f.stat().st_mtime for f in (path, *SOURCES)):
+        return
     try:
         runpy.run_path(str(path))["figure"].savefig(picture, dpi=110)
     except Exception as error:
