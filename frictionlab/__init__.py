@@ -17,6 +17,7 @@ from frictionlab._version import __version__
 if TYPE_CHECKING:
     from frictionlab import paper, testing
     from frictionlab.analysis.ablation import ablation
+    from frictionlab.analysis.basins import Basins, BasinStability, basin_stability, basins, load_basins
     from frictionlab.analysis.bifurcation import bifurcation
     from frictionlab.analysis.branch import Bifurcation, load_bifurcation
     from frictionlab.analysis.continuation import OrbitBranch, continue_orbit
@@ -35,6 +36,7 @@ if TYPE_CHECKING:
         CubicContact,
         ExponentialDecay,
         FixedLoad,
+        FrictionalImpact,
         FrictionLaw,
         HertzContact,
         ImpactLaw,
@@ -94,6 +96,7 @@ if TYPE_CHECKING:
 # Public name -> module that holds it.
 _HOMES = {
     "analysis.ablation": "ablation",
+    "analysis.basins": "basins basin_stability Basins BasinStability load_basins",
     "analysis.bifurcation": "bifurcation",
     "analysis.branch": "Bifurcation load_bifurcation",
     "analysis.continuation": "continue_orbit OrbitBranch",
@@ -108,8 +111,8 @@ _HOMES = {
     "automaton": "HybridAutomaton Mode Event Reset",
     "components": "ContactLaw CubicContact LinearContact HertzContact PolynomialContact FrictionLaw Coulomb "
     "ExponentialDecay Stribeck WeakeningStrengthening PressureDependent MovingLoad FixedLoad ImpactLaw "
-    "PlasticImpact RestitutionImpact StickSlipSeparation StickSlip SlidingSeparation SlidingOnly parameter "
-    "functions",
+    "PlasticImpact RestitutionImpact FrictionalImpact StickSlipSeparation StickSlip SlidingSeparation "
+    "SlidingOnly parameter functions",
     "hybrid.rk4": "RK4",
     "hybrid.scipy_methods": "Scipy",
     "hybrid.solve": "solve",

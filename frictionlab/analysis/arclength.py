@@ -36,7 +36,7 @@ class Point(NamedTuple):
     """A closed orbit on a branch.
 
     `state` (n + 1,) ends with the parameter; `scale` (n + 2,) is what u is measured by, the period last but
-    one; `tangent` (n + 2,) is du/ds; `modes` are the orbit's in turn; `cost` counts Newton's iterations.
+    one; `tangent` (n + 2,) is du/ds; `modes` are those that events lead to; `cost` counts iterations.
     """
 
     shot: Shot
@@ -213,6 +213,6 @@ def _middle(automaton: HybridAutomaton, run: Any) -> float:
 
 
 def cyclic(run: Any) -> tuple[str, ...]:
-    """The modes of a closed orbit in turn, begun where that is first in alphabetical order."""
-    names = tuple(run.events.target.tolist()) or (str(run.mode[0]),)
-    return min(names[i:] + names[:i] for i in range(len(names)))
+    """The modes that the events of a closed orbit lead to, begun where that is first in the alphabet."""
+    names = tuple(run.events.target.tolist())
+    return min((names[i:] + names[:i] for i in range(len(names))), default=())

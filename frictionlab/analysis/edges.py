@@ -20,8 +20,9 @@ SAMPLES = 4001
 def edge_kind(automaton: HybridAutomaton, point: Point, other: Point | None) -> str:
     """What happens to the modes after an orbit, by those of the other side, if that is known."""
     if other is not None:
-        few, many = sorted((len(point.modes), len(other.modes)))
-        return GRAZING if many == few + 2 or (few, many) == (1, 2) else CHANGE
+        few, many = sorted((point, other), key=lambda side: len(side.modes))
+        more = len(many.modes) - len(few.modes)
+        return GRAZING if more == 2 or (more == 1 and _returns(many) == _returns(few) + 1) else CHANGE
     run, period = point.shot.run, point.period
     if len(run.events):
         stays = np.diff(np.append(run.events.t, run.events.t[0] + period))
@@ -31,6 +32,12 @@ def edge_kind(automaton: HybridAutomaton, point: Point, other: Point | None) -> 
     if _touches(automaton, point):
         return GRAZING
     return CHANGE if _at_limit(automaton, point) else LOST
+
+
+def _returns(point: Point) -> int:
+    """How many events lead back to the mode that they end, as impacts do."""
+    events = point.shot.run.events
+    return int((events.source == events.target).sum())
 
 
 def _touches(automaton: HybridAutomaton, point: Point) -> bool:

@@ -87,6 +87,14 @@ def ensemble(
         return run_all(problems, chosen, bar)
 
 
+def ends_of(automaton: HybridAutomaton, states: np.ndarray, t_end: float, method: Taylor) -> Ends:
+    """Where the motions of one automaton from some states (N, n) end; neither checked nor shown."""
+    program = program_of(informed(automaton, method))
+    problems = [Problem(*program, state, t_end) for state in states]
+    with Progress(t_end, False) as bar:
+        return run_all(problems, method, bar)
+
+
 def _starts(models: Sequence[Any], x0: Any) -> list[np.ndarray]:
     each = x0 if not isinstance(x0, str) and np.ndim(x0) == 2 else [x0] * len(models)
     if len(each) != len(models):

@@ -25,8 +25,26 @@ def check_moves(shot: Shot, guess: Guess) -> None:
         )
 
 
+def check_closes_in_mode(shot: Shot) -> None:
+    """Raise for what closes in its states only.
+
+    At zero relative velocity, between kinetic and static friction, both slip and stick may begin: what slips
+    away from such a state and comes back to stick there does not repeat.
+    """
+    names = shot.run.automaton.names
+    first, last = names[int(shot.run.raw.step_modes[0])], names[shot.run.raw.mode]
+    if first != last:
+        raise ValueError(
+            f"no periodic orbit found near the guess: what Newton's method reached begins in mode {first!r} "
+            f"and comes back to the same state in mode {last!r}: give a guess nearer to an orbit"
+        )
+
+
 def check_orbit(shot: Shot, guess: Guess) -> None:
-    """Raise for an orbit that breaks a condition of its modes, or whose monodromy matrix is useless."""
+    """Raise for an orbit that ends in another mode than it begins in, that breaks a condition of its modes,
+    or whose monodromy matrix is useless.
+    """
+    check_closes_in_mode(shot)
     if (amount := violation(shot.run)) > ADMISSIBLE:
         raise ValueError(
             f"the orbit found violates a condition of its modes by {amount:.2g}: give another guess"

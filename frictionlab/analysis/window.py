@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from frictionlab.hybrid.trajectory import Points, Trajectory
 
 from .intensity import intensity
 from .kinds import ENDED, EQUILIBRIUM, NON_PERIODIC, PERIODIC, kind_of, onsets_in
-from .recurrence import SHORTEST, recurrence, sizes
+from .recurrence import SHORTEST, Recurrence, recurrence, sizes
 from .sections import STICK, Section, points, stick_onsets, turning
 from .spectrum import Spectrum, amplitude_spectrum
 
@@ -76,24 +76,38 @@ class SteadyState:
         return f"SteadyState({self.kind}{period if self.kind == PERIODIC else ''}, L_s {self.intensity:.5g})"
 
 
-def look(
-    model: Any, run: Trajectory, section: Section | None, tolerance: float, *, passed: float
-) -> SteadyState:
-    """The kind of motion in a run, its period, intensity and so on; arguments as of `steady_state`."""
+class Verdict(NamedTuple):
+    """What a run tells: crossings of a section, how they repeat, the kind of motion, its period (s)."""
+
+    section: Points
+    returns: Recurrence
+    kind: str
+    period: float
+
+
+def judged(run: Trajectory, section: Section | None, tolerance: float) -> Verdict:
+    """The kind of motion in a run and its period; arguments as of `steady_state`."""
     if section is None:
         section = STICK if stick_onsets(run).sum() >= SHORTEST else turning(run.automaton)
     crossings = points(run, section)
     returns = recurrence(crossings.t, crossings.state, sizes(run.raw.step_states), tolerance)
     kind = kind_of(run, returns, crossings.state, tolerance)
-    period = returns.period if kind == PERIODIC else np.nan
+    return Verdict(crossings, returns, kind, returns.period if kind == PERIODIC else np.nan)
+
+
+def look(
+    model: Any, run: Trajectory, section: Section | None, tolerance: float, *, passed: float
+) -> SteadyState:
+    """The kind of motion in a run, its period, intensity and so on; arguments as of `steady_state`."""
+    found = judged(run, section, tolerance)
     return SteadyState(
         model=model,
-        kind=kind,
-        period=period,
-        onsets_per_period=onsets_in(run, period) if kind == PERIODIC else 0,
-        intensity=np.nan if kind == ENDED else intensity(run, period),
-        section=crossings,
-        deviation=returns.deviation,
+        kind=found.kind,
+        period=found.period,
+        onsets_per_period=onsets_in(run, found.period) if found.kind == PERIODIC else 0,
+        intensity=np.nan if found.kind == ENDED else intensity(run, found.period),
+        section=found.section,
+        deviation=found.returns.deviation,
         time_in_mode={name: seconds / (run.raw.t or 1.0) for name, seconds in run.time_in_mode.items()},
         trajectory=run,
         transient=passed,

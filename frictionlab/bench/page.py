@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from . import harness, picture
+from .basins import SHARE
 from .harness import Row
 from .scenes import scenes
 
@@ -88,6 +89,40 @@ eigenvalue problems.
 
 """
 
+MULTIPLIERS = """\
+
+## Floquet multipliers
+
+Of the slider's cycle at mu_k = 1.4, from the orbit that is known: the tangent tape runs one period and
+carries all directions along it; central differences run two periods for each state. One multiplier is 1 and
+one is 0 exactly, as the cycle sticks; the largest other is compared with differences of two steps,
+extrapolated.
+
+"""
+
+BASINS = """\
+
+## Basins of attraction
+
+Share of random initial states of the bistable oscillator (belt at 1.5) that comes to rest; {share} is known
+independently. The exact runs end as soon as they are on an attractor. Those of the model made smooth,
+tanh(v_r/width) for the sign of friction, all last 300 s, by scipy's LSODA with a compiled right-hand side and
+a relative tolerance of 1e-6. One worker; the column "x" is of this run.
+
+"""
+
+EXPLORER = """\
+
+## A step of an explorer's slider
+
+`fl.explore` with four panels (response, phase plane, forces, spectrum), 20 s simulated: from the new value of
+a slider to the bytes of four new pictures. A browser adds the way there and back. The sliders in sight are
+moved step by step, once before without being timed. The worst steps are those where limits of axes change, so
+that these are drawn anew. Under Eq. (13) the explorer's default method replaces flights below 0.3 ms by their
+limit.
+
+"""
+
 TAIL = """\
 
 ## How it is fast
@@ -119,7 +154,8 @@ def write(folder: Path, rows: Sequence[Row], tables: Sequence[str], loads: Seque
     for name, scene in scenes().items():
         table = harness.table([row for row in rows if row.scene == name])
         text += f"\n### {name}: {scene.text}, {scene.t_end:.5g} s\n\n{table}\n"
-    for head, table in zip((SWITCHES, NATIVE, MANY, SWEEP, STABILITY), tables, strict=True):
+    heads = SWITCHES, NATIVE, MANY, SWEEP, STABILITY, MULTIPLIERS, BASINS.format(share=SHARE), EXPLORER
+    for head, table in zip(heads, tables, strict=True):
         text += f"{head}{table}\n"
     (folder / PAGE).write_text(text + TAIL, encoding="utf-8")
     return folder / PAGE

@@ -34,6 +34,12 @@ def _taylor(tol: float) -> Way:
     return Way("frictionlab", f"frictionlab, tol {tol:.0e}", lambda a: Taylor(tol=tol))
 
 
+def _order(order: int) -> Way:
+    """The order that heyoka has at a tolerance of 1e-15, to compare the times of a step."""
+    name = f"frictionlab, tol 1e-15, order {order}"
+    return Way("frictionlab, other order", name, lambda a: Taylor(tol=1e-15, order=order))
+
+
 def _interpreted(tol: float) -> Way:
     name = f"frictionlab, tol {tol:.0e}, interpreted"
     return Way("frictionlab, interpreted", name, lambda a: Interpreted(tol=tol))
@@ -77,6 +83,7 @@ def _diffrax(rtol: float) -> Way:
 
 WAYS = (
     *map(_taylor, (1e-15, 1e-10, 1e-6)),
+    _order(20),
     _interpreted(1e-15),
     *map(_rk4, (1e-3, 1e-4, 2e-5)),
     *(_ivp(name, rtol) for name in ("DOP853", "RK45", "LSODA") for rtol in (1e-7, 1e-10)),

@@ -43,6 +43,9 @@ class Heyoka(External):
         if self.automaton.modes[mode].events:
             integrator.reset_cooldowns()
         integrator.time, integrator.state[:] = t, z
+        if self.automaton.modes[mode].events:
+            # Where an event function is zero at the start of a step, heyoka does not find its next zero.
+            integrator.step(min(AT_ONCE, t_end - t))
         outcome, _, _, steps, *_ = integrator.propagate_until(t_end)
         code = int(outcome)
         # A terminal event i that stops ends with the outcome -i - 1.

@@ -12,8 +12,9 @@ from .parser import OneLineParser
 
 DESCRIPTION = """\
 Measure wall time and error of this solver and of others on scenes with a known end, what each nonlinearity
-costs, Fig. 9's sweep, and linear stability. Times are medians of interleaved runs on this machine. Prints
-Markdown. heyoka, CVODE, PathSim and diffrax are measured where they are installed (extra "bench")."""
+costs, Fig. 9's sweep, linear stability, Floquet multipliers, basins, and a step of an explorer's slider.
+Times are medians of interleaved runs on this machine. Prints Markdown. heyoka, CVODE, PathSim and diffrax are
+measured where they are installed (extra "bench")."""
 
 EPILOG = """\
 examples:
@@ -81,7 +82,7 @@ def bench_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
 
 
 def _others(quick: bool, switched: list[Any]) -> list[str]:
-    from frictionlab.bench import eigenproblems, ensembles, startup, sweeps, switches
+    from frictionlab.bench import basins, eigenproblems, ensembles, multipliers, startup, sweeps, switches
 
     def costs() -> str:
         starts = startup.starts(repeats)
@@ -94,9 +95,18 @@ def _others(quick: bool, switched: list[Any]) -> list[str]:
         "Many runs": lambda: ensembles.table(ensembles.ensembles(repeats=repeats)),
         "Fig. 9's sweep": lambda: sweeps.table(sweeps.sweeps(30.0 if quick else 300.0, 1)),
         "Linear stability": lambda: eigenproblems.table(eigenproblems.eigenproblems(10_000, repeats)),
+        "Floquet multipliers": lambda: multipliers.table(multipliers.multipliers(repeats)),
+        "Basins": lambda: basins.table(basins.basins(10_000, 20 if quick else 200)),
+        "A step of an explorer's slider": lambda: _explorer(3 if quick else 10),
     }
     tables = []
     for title, measure in measured.items():
         tables.append(measure())
         print(f"\n{title}\n\n{tables[-1]}", flush=True)
     return tables
+
+
+def _explorer(count: int) -> str:
+    from frictionlab.widgets import latency
+
+    return latency.table({name: latency.latencies(m, count=count) for name, m in latency.SCENES.items()})

@@ -10,6 +10,7 @@ from .friction import Coulomb, FrictionLaw
 from .friction_curves import ExponentialDecay, PressureDependent, Stribeck, WeakeningStrengthening
 from .geometry import FixedLoad, Geometry, MovingLoad
 from .impact import ImpactLaw, PlasticImpact, RestitutionImpact
+from .impact_friction import FrictionalImpact
 from .interface import Interface, SlidingOnly, SlidingSeparation, StickSlip, StickSlipSeparation
 from .parameter import Parameter, parameter
 
@@ -21,6 +22,7 @@ __all__ = [
     "ExponentialDecay",
     "FixedLoad",
     "FrictionLaw",
+    "FrictionalImpact",
     "Geometry",
     "HertzContact",
     "ImpactLaw",

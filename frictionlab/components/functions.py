@@ -5,13 +5,13 @@ from __future__ import annotations
 import sys
 from typing import Any
 
-import numpy as np
-
 
 def _of(name: str, x: Any) -> Any:
     if hasattr(x, "free_symbols"):  # of sympy, so that is loaded; laws themselves do without it
         return getattr(sys.modules["sympy"], name)(x)
-    return getattr(np, name)(x)
+    import numpy  # here, as the command line reads the laws' parameters and is to start quickly
+
+    return getattr(numpy, "arctan" if name == "atan" else name)(x)
 
 
 def exp(x: Any) -> Any:

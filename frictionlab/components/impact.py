@@ -34,6 +34,18 @@ class ImpactLaw(Component):
         """
         raise NotImplementedError(f"{type(self).__name__} must define impulse(...)")
 
+    def friction(self, impulse: Any, stopping: Any) -> Any:
+        """Tangential impulse (N s) along the relative velocity; none in the paper.
+
+        Parameters
+        ----------
+        impulse : float
+            Normal impulse of the re-contact, N s.
+        stopping : float
+            Tangential impulse that would bring the relative velocity to zero, N s; it has that one's sign.
+        """
+        return 0
+
 
 @dataclass(frozen=True, repr=False)
 class PlasticImpact(ImpactLaw):

@@ -18,7 +18,7 @@ import sympy as sp
 from frictionlab.automaton import Event, HybridAutomaton, Mode, Reset
 from frictionlab.hybrid.checks import check_structure
 from frictionlab.hybrid.layout import NONE, Code, Numbers, Program, Section
-from frictionlab.hybrid.tape import POWER, Tape, TapeBuilder
+from frictionlab.hybrid.tape import POWER, ResetBuilder, Tape, TapeBuilder
 from frictionlab.hybrid.vanishing import vanishing
 
 _ONE_AT_A_TIME = Lock()
@@ -148,7 +148,7 @@ class _Packer:
     def _reset(self, reset: Reset) -> int:
         if not reset.jump:
             return NONE
-        builder = TapeBuilder(self.states)
+        builder = ResetBuilder(self.states)
         self.reset_out.append([builder.slot(reset.jump.get(state, state)) for state in self.states])
         self.reset_tapes.append(builder.tape)
         return len(self.reset_tapes) - 1

@@ -176,6 +176,16 @@ class TapeBuilder:
         return self._slots[key]
 
 
+class ResetBuilder(TapeBuilder):
+    """A reset is a function of one state, with no series: it may have corners."""
+
+    def _lower_new(self, expr: Expr) -> Affine:
+        if expr.func is sp.Abs:
+            slot = self.slot(expr.args[0])
+            return {self._after_rate(POWER, self._binary(SQUARE, slot, slot), sp.Rational(1, 2)): sp.S.One}
+        return super()._lower_new(expr)
+
+
 def _total(parts: Sequence[Affine]) -> Affine:
     total: Affine = {}
     for part in parts:

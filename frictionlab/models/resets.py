@@ -27,10 +27,16 @@ def impact(scene: Scene) -> tuple[Reset, Reset]:
     return _jump(scene, scene.model.impact), _jump(scene, PlasticImpact("full"))
 
 
-def velocities_after(scene: Scene, impulse: Any) -> dict[Any, Any]:
-    """M dv = W_N p, Eqs. (10) to (12): the velocities that jump, after the impact."""
-    rows = zip(scene.v, scene.normal, scene.mass, strict=True)
-    return {rate: rate + w * impulse / mass for rate, w, mass in rows if w != 0}
+def velocities_after(scene: Scene, direction: Any, impulse: Any) -> dict[Any, Any]:
+    """M dv = W p, Eqs. (10) to (12): the velocities that jump, after an impulse along W_N or W_T."""
+    rows = zip(scene.v, direction, scene.mass, strict=True)
+    return {rate: rate + w * impulse / mass for rate, w, mass in rows if w * impulse != 0}
+
+
+def friction_impulse(scene: Scene, law: ImpactLaw) -> Any:
+    """The tangential impulse (N s) of the re-contact, along W_T; none in the paper."""
+    compliance = sum(w**2 / m for w, m in zip(scene.tangent, scene.mass, strict=True))
+    return law.friction(impulse(scene, law), scene.relative_velocity / compliance)
 
 
 def impulse(scene: Scene, law: ImpactLaw) -> Any:
@@ -50,5 +56,7 @@ def rates_after(scene: Scene, law: ImpactLaw) -> tuple[Any, Any]:
 def _jump(scene: Scene, law: ImpactLaw) -> Reset:
     # The gap is zero where this happens; its rate afterwards only if the law makes it so identically.
     order = 2 if rates_after(scene, law)[1] == 0 else 1
-    jump = velocities_after(scene, impulse(scene, law))
+    rubbed = velocities_after(scene, scene.tangent, friction_impulse(scene, law))
+    pushed = velocities_after(scene, scene.normal, impulse(scene, law))
+    jump = rubbed | {rate: after.xreplace(rubbed) for rate, after in pushed.items()}
     return Reset(jump, {scene.gap: order, -scene.gap: order})

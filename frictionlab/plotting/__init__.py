@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from .ablation import plot_ablation
 from .animation import animate
+from .basins import plot_basin_stability, plot_basins
 from .bifurcation import plot_bifurcation, plot_intensity
 from .critical import plot_critical
 from .displacements import plot_displacements
@@ -29,6 +30,8 @@ __all__ = [
     "amplitude_spectrum",
     "animate",
     "plot_ablation",
+    "plot_basin_stability",
+    "plot_basins",
     "plot_bifurcation",
     "plot_contact_forces",
     "plot_critical",

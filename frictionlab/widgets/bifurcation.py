@@ -8,7 +8,6 @@ from .explorer import Explorer, start_of
 from .panels.diagram import Diagram
 from .panels.phase import phase
 from .panels.response import response
-from .running import QUICK
 from .settings import settings_of
 from .sliders import known
 
@@ -17,7 +16,7 @@ def explore_bifurcation(model: Any = None, parameter: str = "mu_k") -> Explorer:
     """Zoom into a bifurcation diagram, and see the motion at any value of the parameter.
 
     The range slider says what is looked at; values in between are computed when it gets narrower.  The
-    parameter's own slider selects the value whose response is shown.
+    parameter's own slider selects the value whose response is shown, and so does a click into the diagram.
 
     Parameters
     ----------
@@ -47,7 +46,7 @@ def explore_bifurcation(model: Any = None, parameter: str = "mu_k") -> Explorer:
     model = start_of(model)
     known(model, parameter)
     panels = {"bifurcation": Diagram(model, parameter), "response": response, "phase": phase}
-    explorer = Explorer(settings_of(model, method=QUICK), panels)
+    explorer = Explorer(settings_of(model), panels)
     for name, slider in explorer.parameters.sliders.items():
         # Another parameter means another diagram: it is computed when the slider is let go.
         slider.continuous_update = name == parameter

@@ -53,6 +53,8 @@ class Drawing:
         A few words in the corner, without mathematics; they may change with every step of a slider.
     xlim, ylim : (float, float) or None
         None follows the curves.
+    progress : (int, int) or None
+        How much is done, and of how much, where the panel wants to be asked again until all is.
     """
 
     xlabel: str
@@ -63,3 +65,4 @@ class Drawing:
     note: str = ""
     xlim: tuple[float, float] | None = None
     ylim: tuple[float, float] | None = None
+    progress: tuple[int, int] | None = None

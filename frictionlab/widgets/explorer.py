@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from functools import partial
 from typing import Any
 
 from frictionlab.models import Model, SliderOnBelt
@@ -17,7 +18,7 @@ from .picture import Picture
 from .result import Result
 from .running import RunControls
 from .settings import Settings, settings_of
-from .sliders import same
+from .sliders import refine, same
 from .words import error_text
 
 DEFAULT = ("response", "phase", "forces", "spectrum", "eigenvalues")
@@ -54,6 +55,9 @@ class Explorer:
             control.observe(self._changed, names="value")
         self.face.compare.observe(self._compare, names="value")
         self.face.reset.on_click(self.reset)
+        for name, panel in panels.items():
+            if hasattr(panel, "pick"):
+                self.picture.images[name].on_click(partial(self._clicked, name))
         shown = *self.extra.values(), *self.components.controls.values()
         shown = *shown, self.parameters.widget, self.running.widget
         self.widget = self.face.arranged(self.busy.widget, shown, self.picture.widget)
@@ -88,13 +92,26 @@ class Explorer:
                 control.value = self._first[name]
             self.face.compare.value = False
 
+    def click(self, panel: str, x: float, y: float) -> None:
+        """Do what a click at these data coordinates of a panel does."""
+        with self.latest.held():
+            for name, value in self.picture.panels[panel].pick(x, y).items():
+                refine(self.controls[name], value)
+                self.controls[name].value = value
+
     def close(self) -> None:
         """Take the widgets away and free what they hold."""
+        self.latest.cancel()
         for control in (*self.controls.values(), *self.picture.images.values(), self.widget):
             control.close()
 
     def _repr_mimebundle_(self, **options: Any) -> Any:
         return self.widget._repr_mimebundle_(**options)
+
+    def _clicked(self, panel: str, x: float, y: float) -> None:
+        place = self.picture.tiles[panel].place(x, y)
+        if place is not None:
+            self.click(panel, *place)
 
     def _changed(self, change: Any) -> None:
         if not same(change["new"], change["old"]):
@@ -105,15 +122,17 @@ class Explorer:
             try:
                 settings = self._read()
                 result = self.result if settings == self.settings else Result(settings)
-                self.picture.draw(result)
+                self.busy.left = self.picture.draw(result)
                 self.face.describe(result)
             except Exception as error:  # whatever a law of one's own may raise is told, not lost in a log
-                self.error = error
+                self.error, self.busy.left = error, None
                 self.face.tell(error_text(error))
                 return
             self.settings, self.result, self.error = settings, result, None
             self.running.widget.layout.display = "" if result.ran else "none"
             self.updates += 1
+        if self.busy.left:
+            self.latest.soon()
 
     def _read(self) -> Settings:
         model = self.components.model()

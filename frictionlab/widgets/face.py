@@ -18,7 +18,8 @@ STYLE = """<style>
 :is(.jp-OutputArea, .jp-OutputArea-child, .jp-OutputArea-output):has(.fl-explorer) {
   overflow: visible; min-width: 0; }
 .fl-explorer .fl-picture { position: sticky; top: 0; z-index: 2; background: white; max-height: 90vh; }
-.fl-explorer .fl-equilibrium .widget-html-content { line-height: 1.35; }
+.fl-explorer .fl-range .widget-readout { min-width: 95px; }
+.fl-explorer :is(.fl-equilibrium, .fl-error) .widget-html-content { line-height: 1.35; }
 .fl-explorer .fl-equilibrium span { display: inline-block; margin-right: 1em; }
 @media (max-width: 800px) {
   .fl-explorer { flex-direction: column !important; }

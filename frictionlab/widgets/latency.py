@@ -3,64 +3,106 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from statistics import median
+from types import MappingProxyType
 from typing import Any
 
-from .explorer import explore
-from .result import Result
+import ipywidgets
+
+from frictionlab.analysis.markdown import markdown
+from frictionlab.models import SliderOnBelt
+
+from .explorer import Explorer, explore
+from .parameters import most_used
 
 FOUR = ("response", "phase", "forces", "spectrum")
+COUNT = 10  # steps of each slider
+PAPER = SliderOnBelt()
+SCENES: Mapping[str, Any] = MappingProxyType(
+    {
+        "the paper's defaults": PAPER,
+        "chatter under Eq. (13), mu_k = 1.4": PAPER.replace(mu_k=1.4),
+        "all nonlinearities off": PAPER.without("cubic", "nonsmooth", "geometry"),
+    }
+)
 
 
 @dataclass(frozen=True)
-class Latency:
-    """Medians over steps of a slider, in seconds: all of a step, its simulation, and drawings of axes."""
+class Step:
+    """A step of a slider: seconds in all and of its simulation, and how many axes were drawn anew."""
 
+    parameter: str
     seconds: float
     simulation: float
-    backgrounds: int
-    steps: int
-
-    @property
-    def share(self) -> float:
-        """Simulation as a share of the whole."""
-        return self.simulation / self.seconds
+    axes: int
 
 
-def measure(
-    model: Any = None,
-    parameter: str = "F",
-    values: Sequence[float] = tuple(range(200, 260, 2)),
+def latencies(
+    model: Any,
+    parameters: Sequence[str] | None = None,
+    count: int = COUNT,
     panels: Sequence[str] = FOUR,
-) -> Latency:
-    """Move a slider over `values` and time each step; the first one is not counted.
+) -> list[Step]:
+    """Move sliders step by step, as an arrow key does, and time each step.
+
+    Each slider is moved once before, uncounted, and is back at the model's value when its turn comes.
 
     Parameters
     ----------
-    model : SliderOnBelt or None
-    parameter : str
-    values : sequence of float
+    model : SliderOnBelt
+    parameters : sequence of str or None
+        Names of sliders; None takes those in sight.
+    count : int
+        Steps of each.
     panels : sequence of str
 
     Returns
     -------
-    Latency
+    list of Step
     """
-    explorer = explore(model, panels)
-    control, tiles = explorer.controls[parameter], explorer.picture.tiles.values()
-    control.value = values[0]
-    drawn, spent = sum(tile.redrawn for tile in tiles), []
-    for value in values[1:]:
-        begin = time.perf_counter()
-        control.value = value
-        spent.append((time.perf_counter() - begin, _simulation(explorer.result)))
-    whole, simulation = (median(column) for column in zip(*spent, strict=True))
-    backgrounds = sum(tile.redrawn for tile in tiles) - drawn
+    explorer, steps = explore(model, panels), []
+    for warm in (True, False):
+        for name in parameters or most_used(model):
+            moved = [_timed(explorer, name, value) for value in _values(explorer.controls[name], count)]
+            steps += [] if warm else moved
+            explorer.reset()
     explorer.close()
-    return Latency(whole, simulation, backgrounds, len(spent))
+    return steps
 
 
-def _simulation(result: Result) -> float:
-    return float(result.run.stats["wall_time"]) if result.ran else 0.0
+def _values(slider: Any, count: int) -> list[float]:
+    """Values at the next steps of a slider: up, or down where it would come to its end."""
+    logarithmic = isinstance(slider, ipywidgets.FloatLogSlider)
+    at = [float(i + 1) * slider.step for i in range(count)]
+    up = [slider.value * slider.base**d for d in at] if logarithmic else [slider.value + d for d in at]
+    down = [slider.value * slider.base**-d for d in at] if logarithmic else [slider.value - d for d in at]
+    return up if up[-1] <= (slider.base**slider.max if logarithmic else slider.max) else down
+
+
+def _timed(explorer: Explorer, name: str, value: float) -> Step:
+    axes, begin = _axes(explorer), time.perf_counter()
+    explorer.controls[name].value = value
+    seconds = time.perf_counter() - begin
+    if explorer.error is not None:
+        raise explorer.error
+    simulation = float(explorer.run.stats["wall_time"]) if explorer.result.ran else 0.0
+    return Step(name, seconds, simulation, _axes(explorer) - axes)
+
+
+def _axes(explorer: Explorer) -> int:
+    return sum(tile.redrawn for tile in explorer.picture.tiles.values())
+
+
+def table(measured: Mapping[str, Sequence[Step]]) -> str:
+    """A line of Markdown for each scene."""
+    head = "scene | sliders | steps | median | worst | simulation, median | its share of all steps"
+    return markdown(head, (f"{name} | {_line(steps)}" for name, steps in measured.items()))
+
+
+def _line(steps: Sequence[Step]) -> str:
+    whole, simulation = [s.seconds for s in steps], [s.simulation for s in steps]
+    times = f"{1e3 * median(whole):.0f} ms | {1e3 * max(whole):.0f} ms | {1e3 * median(simulation):.1f} ms"
+    sliders = ", ".join(dict.fromkeys(step.parameter for step in steps))
+    return f"{sliders} | {len(steps)} | {times} | {100 * sum(simulation) / sum(whole):.0f} %"

@@ -2,22 +2,27 @@
 
 from __future__ import annotations
 
+import asyncio
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+
+PAUSE = 0.01  # seconds that what has come from the browser is given
 
 
 class Latest:
     """Calls `update` for what is asked of it, once at a time.
 
     The update reads the settings when it begins.  What is asked for while it runs, from within or from
-    another thread, makes it run once more.
+    another thread, makes it run once more.  A long update is done in parts, each of which asks for
+    the next one.
     """
 
     def __init__(self, update: Callable[[], None]) -> None:
         self._update = update
         self._lock = threading.Lock()
         self._busy = self._asked = False
+        self._timer: asyncio.TimerHandle | None = None
 
     def request(self) -> None:
         """Update now, or once more after the update that is under way."""
@@ -32,6 +37,22 @@ class Latest:
         except BaseException:
             self._busy = False
             raise
+
+    def soon(self) -> None:
+        """Update after what waits in the event loop, such as newer values; at once where there is none."""
+        self.cancel()
+        try:
+            loop = asyncio.get_running_loop()
+        except RuntimeError:
+            self.request()
+        else:
+            self._timer = loop.call_later(PAUSE, self.request)
+
+    def cancel(self) -> None:
+        """No update soon."""
+        if self._timer is not None:
+            self._timer.cancel()
+            self._timer = None
 
     @contextmanager
     def held(self) -> Iterator[None]:

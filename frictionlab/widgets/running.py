@@ -11,13 +11,12 @@ from frictionlab.analysis.timescale import round_period_of
 from frictionlab.hybrid.rk4 import RK4
 from frictionlab.hybrid.taylor import Taylor
 
-from .settings import Settings
-from .sliders import dressed, unrounded
+from .settings import QUICK, Settings
+from .sliders import FORMAT, LOG_FORMAT, dressed, unrounded
 
 OWN, FIXED = "own", "rk4"
-QUICK = Taylor(chatter=1e-4)  # right to some 1e-6 of the motion, and several times as fast under Eq. (13)
 STARTS = (("rest", "rest"), ("near the equilibrium", "near"), ("own numbers", OWN))
-METHODS = (("exact (Taylor)", Taylor()), ("quick (Taylor)", QUICK), ("paper's (RK4)", FIXED))
+METHODS = (("quick (Taylor)", QUICK), ("exact (Taylor)", Taylor()), ("paper's (RK4)", FIXED))
 WINDOWS = 5, 10, 20, 50  # periods
 NAMES = "start", "own", "duration", "method", "step", "window", "coordinate"
 STEP, FINEST, COARSEST = 2e-4, 2e-5, 1e-2  # s; the paper's step
@@ -36,7 +35,7 @@ class RunControls:
         self.start = dressed(drop(options=STARTS), "start", "start", "initial state")
         self.own = _own(names)
         self.duration, self._t_end = _duration(settings), settings.t_end
-        text = "exact to rounding; quick: flights below 0.1 ms replaced by their limit; the paper's"
+        text = "quick: flights below 0.3 ms, too short to see, replaced by their limit; exact: to rounding"
         self.method = dressed(drop(options=METHODS, value=settings.method), "method", "method", text)
         self.step = _step()
         text = "part of the run that the panels show; the spectrum is of its second half"
@@ -90,13 +89,13 @@ def _duration(settings: Settings) -> Any:
     """From ten periods of the model to a thousand."""
     period, seconds = round_period_of(settings.model), settings.t_end
     low, high = 10 * period, max(1000 * period, seconds)
-    made = ipywidgets.FloatSlider(seconds, min=low, max=high, step=low, readout_format=".4g")
+    made = ipywidgets.FloatSlider(seconds, min=low, max=high, step=low, readout_format=FORMAT)
     return dressed(made, "duration", "duration (s)", "seconds that are simulated")
 
 
 def _step() -> Any:
     low, high = np.log10([FINEST, COARSEST])
-    made = ipywidgets.FloatLogSlider(STEP, min=low - 1e-12, max=high, step=0.05, readout_format=".3g")
+    made = ipywidgets.FloatLogSlider(STEP, min=low - 1e-12, max=high, step=0.05, readout_format=LOG_FORMAT)
     return dressed(made, "step", "step (s)", "fixed step of the paper's algorithm; its own is 2e-4 s")
 
 

@@ -13,6 +13,9 @@ from frictionlab.components.parameter import Parameter
 STEPS = 300  # of a slider, at most so many from one end to the other
 PER_DECADE = 50
 WIDTH = "310px"
+# Plain notation, without commas, which are not understood where one types a number.
+FORMAT = ".7"
+LOG_FORMAT = ".4r"  # four digits: these values are not round
 # A browser computes a slider's value from its place, 20.000000000000004 for 20, a logarithmic one's from its
 # exponent, 0.9999999999977 for 1, and tells it unasked when it shows the slider first.
 ROUNDING = 1e-11
@@ -65,9 +68,9 @@ def _guessed(about: Parameter, value: float) -> tuple[float, float]:
 
 
 def _linear(low: float, high: float, value: float) -> Any:
-    step = _dividing(_step(high - low), value - low)
+    step = _dividing(round_step(high - low), value - low)
     return ipywidgets.FloatSlider(
-        value, min=low, max=high, step=step, readout_format=".4g", continuous_update=True
+        value, min=low, max=high, step=step, readout_format=FORMAT, continuous_update=True
     )
 
 
@@ -80,18 +83,30 @@ def _logarithmic(low: float, high: float, value: float) -> Any:
         min=math.log10(low) - 1e-12,
         max=math.log10(high) + 1e-12,
         step=(exponent - least) / steps if exponent > least else 1 / PER_DECADE,
-        readout_format=".4g",
+        readout_format=LOG_FORMAT,
         continuous_update=True,
     )
 
 
-def _step(span: float) -> float:
+def round_step(span: float) -> float:
     """The next 1, 2 or 5 times a power of ten that makes at most STEPS steps."""
     if not span > 0:
         return 0.1
     least = span / STEPS
     power = 10.0 ** math.floor(math.log10(least))
     return next(s * power for s in (1.0, 2.0, 5.0, 10.0) if s * power >= least * (1 - 1e-9))
+
+
+def rounded(value: float, bounds: tuple[float, float]) -> float:
+    """A place between two bounds as a round number, in steps of a three-hundredth or more."""
+    step = round_step(bounds[1] - bounds[0])
+    return min(max(float(f"{step * round(value / step):.9g}"), bounds[0]), bounds[1])
+
+
+def refine(control: Any, value: float) -> None:
+    """Make the steps of a slider so fine that it can show a value: a browser would round it."""
+    if isinstance(control, ipywidgets.FloatSlider):
+        control.step = _dividing(control.step, value - control.min)
 
 
 def _dividing(step: float, distance: float) -> float:

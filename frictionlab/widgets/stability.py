@@ -14,6 +14,8 @@ from .sliders import known
 def explore_stability(model: Any = None, parameter: str = "mu_k", over: str = "F") -> Explorer:
     """Move a model through a plane of two parameters and watch its eigenvalues.
 
+    Sliders move it, or a click into the plane.
+
     Parameters
     ----------
     model : Model or None

@@ -14,10 +14,10 @@ from matplotlib.transforms import Bbox
 from frictionlab.plotting.palette import GREY
 
 from .drawing import Curve, Drawing
-from .limits import Limits, extent, linear, logarithmic
+from .limits import TICKS, Limits, extent, linear, logarithmic
 
 SMALL, NOTE_SIZE = 8.0, 8.0
-KEPT: dict[str, Any] = {"color": GREY, "linewidth": 1.0, "alpha": 0.7, "zorder": 1.5}
+KEPT: dict[str, Any] = {"color": GREY, "linewidth": 1.0, "alpha": 0.5, "zorder": 1.5}
 LEGEND: dict[str, Any] = {
     "loc": "lower center",
     "bbox_to_anchor": (0.5, 0.985),
@@ -28,7 +28,7 @@ LEGEND: dict[str, Any] = {
     "handletextpad": 0.4,
     "borderaxespad": 0.2,
 }
-MARGINS = 0.165, 0.165, 0.69, 0.70  # left, bottom, width, height, as shares of the tile
+MARGINS = 0.165, 0.165, 0.665, 0.70  # left, bottom, width, height, as shares of the tile
 
 
 class Tile:
@@ -89,6 +89,14 @@ class Tile:
             line.draw(renderer)
         self.note.draw(renderer)
 
+    def place(self, x: float, y: float) -> tuple[float, float] | None:
+        """Data coordinates at shares of the tile's width and height; None outside the axes."""
+        at = self.box.x0 + x * self.box.width, self.box.y0 + y * self.box.height
+        if not self.ax.bbox.contains(*at):
+            return None
+        across, up = self.ax.transData.inverted().transform(at)
+        return float(across), float(up)
+
     def keep(self) -> None:
         """Leave the curves as they are now behind, in grey."""
         for label, line in self.lines.items():
@@ -101,6 +109,11 @@ class Tile:
         for line in self.kept.values():
             line.set_data([], [])
         self.background = None
+
+    @property
+    def colours(self) -> list[Any]:
+        """All colours that lines are drawn in."""
+        return [GREY, *(line.get_color() for line in self.lines.values())]
 
     def _grey(self, label: str, line: Line2D) -> Line2D:
         if label not in self.kept:
@@ -175,5 +188,7 @@ class Tile:
 
 def _style(ax: Axes) -> None:
     ax.tick_params(labelsize=SMALL)
-    ax.ticklabel_format(axis="y", scilimits=(-3, 4))
-    ax.yaxis.get_offset_text().set_fontsize(SMALL)
+    ax.locator_params(nbins=TICKS)  # a number takes as long to draw as a curve
+    ax.ticklabel_format(scilimits=(-2, 4), useOffset=False)
+    for axis in (ax.xaxis, ax.yaxis):
+        axis.get_offset_text().set_fontsize(SMALL)

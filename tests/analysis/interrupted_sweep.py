@@ -1,4 +1,4 @@
-"""A sweep that tests cut off from outside: interrupted_sweep.py FILE threads | continue | processes."""
+"""A sweep that tests cut off from outside: FILE threads | continue | processes | basins."""
 
 import sys
 import time
@@ -22,6 +22,10 @@ def main(path, kind):
         with ProcessPoolExecutor(2) as pool:
             found = fl.sweep(slow, MODEL, {"mu_k": VALUES}, executor=pool, resume=path, progress=False)
         done = sum(result is not None for result in found.results)
+    elif kind == "basins":
+        speeds = ("x1'", VALUES), ("y1'", VALUES)
+        found = fl.basins(MODEL.replace(mu_k=1.4), *speeds, workers=1, resume=path, **SETTINGS)
+        done = len(found.results)
     else:
         x0 = "continue" if kind == "continue" else "rest"
         found = fl.bifurcation(MODEL, "mu_k", VALUES, x0, workers=1, resume=path, **SETTINGS)

@@ -6,7 +6,7 @@ import sympy as sp
 
 import frictionlab as fl
 from frictionlab import plotting
-from tests.analysis.test_periodic_orbit import FLAT, bistable
+from tests.analysis.test_periodic_orbit import FLAT, TILTED, bistable
 from tests.hybrid.textbook import V, X, automaton, coulomb
 
 W = sp.Symbol("w")
@@ -222,3 +222,33 @@ def test_plots_tell_stable_from_unstable():
     assert period.axes.get_ylabel() == "period (s)"
     with pytest.raises(ValueError, match="name must be one of x, v, or None for the period, got 'q'"):
         plotting.plot_orbit_branch(branch, name="q")
+
+
+@pytest.mark.parametrize(("k_nl", "hopf"), [(0.0, 1.5), (1e4, 1.5), (1e7, 0.6)])
+def test_the_bistable_range_of_fig_12_ends_at_the_hopf_point_and_begins_nowhere(k_nl, hopf):
+    """The paper reads off [0.4, 1.5], [0.4, 1.5], (0, 0.6]; the cycle attracts at mu_k = 0 too."""
+    model = TILTED.replace(k_nl=k_nl, mu_k=1.4)
+    orbit = fl.periodic_orbit(model, fl.simulate(model, 60.0, progress=False))
+    branch = followed(orbit, "mu_k", (0.0, 3.0))
+    assert branch.ends == ("bound", "bound")
+    assert branch.stable.all()
+    first = fl.stability_changes(model, "mu_k", (0.0, 3.0))[0]
+    assert first.direction == "loss"
+    assert first.value == pytest.approx(hopf, abs=0.02)
+
+
+def test_where_an_impact_leads_back_to_its_mode_the_sequence_changes_all_the_same():
+    """A forced mass that just reaches a stop, f = sigma |1 - r^2 + 2 i zeta r|; there is but one mode."""
+    c, s, f = sp.symbols("c s f")
+    pull = 1 - c**2 - s**2
+    flow = (V, f * c - X - V / 5, pull * c - s * 4 / 5, pull * s + c * 4 / 5)
+    stop = fl.Event("stop", 1 - X, ("free",), fl.Reset({X: sp.S.One, V: -V * 4 / 5}))
+    scene = automaton(fl.Mode("free", flow, (stop,)), states=(X, V, c, s), f=0.2)
+    orbit = fl.periodic_orbit(scene, fl.solve(scene, 200.0, x0=[0.0, 0.0, 1.0, 0.0]))
+    for end in (0.6, 1.0, 3.0):
+        branch = followed(orbit, "f", (0.05, end))
+        (value,) = [special.value for special in branch.special if special.kind == "grazing"]
+        assert value == pytest.approx(np.hypot(1 - 0.64, 0.16), abs=1e-9)
+        impacts = np.array([len(found.trajectory.events) for found in branch.orbits])
+        assert not impacts[branch.values < value - 1e-6].any()
+        assert impacts[branch.values > value + 1e-6].all()

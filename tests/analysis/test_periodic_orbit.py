@@ -162,6 +162,17 @@ def test_van_der_pol_keeps_to_liouvilles_formula(time):
     assert orbit.stable == (time > 0)
 
 
+def test_what_comes_back_to_its_state_in_another_mode_is_no_orbit():
+    """At v_r = 0 both slip and stick may begin where static friction is larger than kinetic."""
+    model = fl.SliderOnBelt(mu_k=1.51278)
+    found, rest = fl.eigenvalues(model), fl.equilibrium(model).q
+    i = int(np.argmax(found.growth_rates))
+    shape = found.vectors[:, i].real / np.abs(found.vectors[:5, i]).max()
+    guess = np.concatenate([rest, np.zeros(5)]) + 1e-2 * shape
+    with pytest.raises(ValueError, match=r"begins in mode 'slip\+' and comes back to .* in mode 'stick'"):
+        fl.periodic_orbit(model, guess, period=1.0 / found.frequencies[i])
+
+
 def return_map(model, orbit, i, z):
     """Where the motion from `z` meets the plane that state i is constant on, about one period later."""
     scene = model.automaton()

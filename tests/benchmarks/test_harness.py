@@ -151,7 +151,7 @@ def test_the_command(monkeypatch, tmp_path, capsys, rows):
 
 def test_the_page(tmp_path, rows):
     every = [replace(row, scene=name) for name in scenes() for row in rows]
-    words = "one", "two", "three", "four", "five"
+    words = "one", "two", "three", "four", "five", "six", "seven", "eight"
     text = page.write(tmp_path, every, [f"| {word} |" for word in words], ["0.1", "1.2"]).read_text()
     assert text.startswith("# Performance\n")
     assert text.count("frictionlab, tol 1e-15 |") == 6

@@ -14,9 +14,9 @@ from urllib.request import urlopen
 ROOT = Path(__file__).parents[2]
 PATIENCE = 60  # seconds
 
-# Two explorers and an animation.  The kernel counts what the sliders and switches of both say; of the second
-# one, the negative control, it has forgotten to whom to say it.  One cell, as JupyterLab takes others off the
-# page where they are out of sight.
+# Two explorers, a plane to click into and an animation.  The kernel counts what the sliders and switches of
+# the first two say; of the second one, the negative control, it has forgotten to whom to say it.  One cell,
+# as JupyterLab takes others off the page where they are out of sight.
 CELL = """\
 import frictionlab as fl
 import ipywidgets
@@ -36,6 +36,9 @@ def made(name, deaf):
 
 made("live", deaf=False)
 made("deaf", deaf=True)
+plane = fl.explore_stability()
+plane.widget.add_class("plane")
+display(plane)
 fl.watch(fl.simulate(fl.SliderOnBelt(mu_k=1.4), 1.0, progress=False), speed=0.2)
 """
 

@@ -7,6 +7,7 @@ from types import SimpleNamespace
 import pytest
 
 import frictionlab as fl
+from frictionlab.widgets.tile import MARGINS
 from tests.browser.screen import PATIENCE, changed, flip, press, seen, settled
 from tests.browser.servers import free_port, serving, write_notebook
 
@@ -139,7 +140,7 @@ def test_showing_the_sliders_changes_nothing(shown):
     shown.page.locator(f"{shown.root} .fl-structure").get_by_text("structure").click()
     shown.page.locator(f"{shown.root} .fl-code").get_by_text("as Python").click()
     text = shown.page.locator(f"{shown.root} .fl-python textarea").input_value()
-    assert "model = fl.SliderOnBelt()\nrun = fl.simulate(model, 20.0, x0='rest')" in text
+    assert "model = fl.SliderOnBelt()\nrun = fl.simulate(model, 20.0, x0='rest', method=fl.Taylor(" in text
     shown.page.locator(f"{shown.root} .fl-structure").get_by_text("structure").click()
     shown.page.locator(f"{shown.root} .fl-code").get_by_text("as Python").click()
 
@@ -173,6 +174,23 @@ def box_of(page, selector):
 def overlap(a, b):
     across = min(a["x"] + a["width"], b["x"] + b["width"]) - max(a["x"], b["x"])
     return across > 1 and min(a["y"] + a["height"], b["y"] + b["height"]) - max(a["y"], b["y"]) > 1
+
+
+@NOTEBOOKS
+def test_a_click_into_the_plane_moves_the_point_there(shown):
+    words = shown.page.locator(".plane .fl-equilibrium")
+    assert "is stable" in words.inner_text()
+    picture = shown.page.locator(".plane .fl-panel-critical img")
+    picture.scroll_into_view_if_needed(timeout=PATIENCE)
+    box = picture.bounding_box()
+    picture.click(position={"x": 0.5 * box["width"], "y": 0.25 * box["height"]})
+    shown.page.wait_for_function(
+        "document.querySelector('.plane .fl-equilibrium').innerText.includes('unstable')", timeout=PATIENCE
+    )
+    force = float(shown.page.locator(".plane .fl-F .widget-readout").first.inner_text())
+    low, high = fl.explore_stability().picture.tiles["critical"].ax.get_xlim()
+    across = (0.5 - MARGINS[0]) / MARGINS[2]
+    assert force == pytest.approx(low + across * (high - low), abs=0.01 * (high - low))
 
 
 @NOTEBOOKS

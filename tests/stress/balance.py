@@ -10,3 +10,9 @@ def residual(model, t_end, x0, mode=None):
     assert run.status is fl.Status.FINISHED
     audit = fl.energy_audit(run, progress=False)
     return audit.residual[-1], audit.turned_over
+
+
+def assert_balanced(run, limit=1e-9):
+    """The energy balance of a run of a slider closes, as a share of the energy turned over."""
+    error = fl.energy_audit(run, progress=False).error
+    assert error < limit

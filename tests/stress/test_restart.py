@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import frictionlab as fl
+from tests.stress.balance import assert_balanced
 
 MODELS = {
     "A": fl.SliderOnBelt(mu_k=1.4).without("geometry"),
@@ -39,6 +40,7 @@ def numbers(scene, events):
 def test_after_every_event_the_rest_is_the_same_at_another_time(scene):
     """Intervals to the rounding of the time that is left out (4e-16 s, in D 2e-15 s), states to 1e-13."""
     whole = fl.simulate(MODELS[scene], 1.0, progress=False)
+    assert_balanced(whole)
     events = whole.events
     for number in numbers(scene, events):
         run = followed(scene, whole, number)
@@ -61,6 +63,8 @@ def test_a_run_goes_on_from_its_file_as_it_does_without(scene, cut, tmp_path):
     for run in (first, stored):
         start = {"x0": run.final_state, "mode": str(run.mode[-1])}
         ends.append(fl.solve(run.automaton, 0.5, **start, progress=False))
+    assert_balanced(first)
+    assert_balanced(stored)
     assert ends[0].final_state.tobytes() == ends[1].final_state.tobytes()
     assert ends[0].events.t.tobytes() == ends[1].events.t.tobytes()
     assert ends[0].events.state.tobytes() == ends[1].events.state.tobytes()
@@ -72,6 +76,7 @@ def test_a_run_goes_on_from_the_middle_of_a_file(scene, tmp_path):
     run = fl.simulate(MODELS[scene], 1.0, progress=False)
     stored = fl.load(run.save(tmp_path / "whole"))
     assert stored(0.7).tobytes() == run(0.7).tobytes()
+    assert_balanced(stored)
     for number in np.linspace(0, len(run.events) - 2, 6).astype(int):
         one, other = followed(scene, run, number), followed(scene, stored, number)
         assert one.final_state.tobytes() == other.final_state.tobytes()

@@ -9,6 +9,7 @@ from mpmath import mp
 
 import frictionlab as fl
 from frictionlab.hybrid.methods import CHUNK
+from tests.stress.balance import assert_balanced
 
 BARE = fl.SliderOnBelt(mu_k=1.4).without("cubic", "nonsmooth", "geometry")
 ALL, SLIDERS = ("c1", "c2", "c4", "c5", "c6"), ("c1", "c2")
@@ -44,6 +45,7 @@ def test_overdamped_motion_is_exact_at_a_cost_in_proportion_to_the_damping(dampi
     run = fl.simulate(model, 1.0, method=fl.Taylor(max_steps=400_000), progress=False)
     reference = np.array([float(x) for x in exact(model.automaton(), 1)])
     assert run.status is fl.Status.FINISHED
+    assert_balanced(run)
     assert run.final_state == pytest.approx(reference, rel=1e-11, abs=1e-16)
     fastest = np.abs(np.linalg.eigvals(matrix_of(model.automaton()))).max()
     assert run.stats["steps"] < min(fastest / RESOLVED, CHUNK + fastest / STABLE) + 100

@@ -6,6 +6,7 @@ import pytest
 import frictionlab as fl
 from frictionlab.components import SlidingOnly
 from tests.hybrid.test_invariants import LIMITS, violations
+from tests.stress.balance import assert_balanced
 
 USUAL = fl.SliderOnBelt(mu_k=1.4, impact=fl.PlasticImpact("full"))
 PRINTED = fl.SliderOnBelt(mu_k=1.4)
@@ -45,6 +46,7 @@ def test_parameters_over_many_decades(name, value, model):
     run = ended(model.replace(**changes), 0.2)
     worst = violations(run.source, run)
     assert {what: size for what, size in worst.items() if size > 100 * LIMITS[what]} == {}
+    assert_balanced(run)
 
 
 @pytest.mark.parametrize("damping", [0.0, 1.0, 1e3, 1e5])
@@ -54,14 +56,17 @@ def test_damping_up_to_overdamped(damping):
     run = ended(model, 0.05)
     other = fl.simulate(model, 0.05, method=fl.Scipy("Radau", rtol=1e-10, atol=1e-14), progress=False)
     assert np.abs(run.final_state - other.final_state).max() < 1e-6
+    assert_balanced(run)
 
 
 def test_a_million_events():
     """Without a limit for chatter every flight is walked through."""
-    method = fl.Taylor(chatter=0.0, dwell=0.0, max_events=1_000_000, max_steps=2_000_000)
-    run = ended(PRINTED.replace(F=0.0), 5.0, x0=[0, 1e-3, 0, 0, 0, 0, 0, 0, 0, 0], method=method)
+    model, x0 = PRINTED.replace(F=0.0), [0, 1e-3, 0, 0, 0, 0, 0, 0, 0, 0]
+    walked = {"chatter": 0.0, "dwell": 0.0, "max_steps": 2_000_000}
+    run = ended(model, 5.0, x0=x0, method=fl.Taylor(max_events=1_000_000, **walked))
     assert run.status is fl.Status.EVENT_CAP or run.status is fl.Status.FINISHED
     assert (np.diff(run.events.t) >= 0).all()
+    assert_balanced(ended(model, 5.0, x0=x0, method=fl.Taylor(max_events=20_000, **walked)))
 
 
 def test_energy_over_a_thousand_seconds():
@@ -76,6 +81,7 @@ def test_energy_over_a_thousand_seconds():
     energy += 0.5 * p.k2 * gap**2 + 0.25 * p.k_nl * gap**4
     scale = (0.5 * p.M * (dx1**2 + dy1**2)).max()
     assert np.ptp(energy) < 1e-11 * scale
+    assert_balanced(run)
 
 
 @pytest.mark.parametrize("model", [USUAL, PRINTED], ids=["full gap rate", "Eq. (13)"])
@@ -84,6 +90,7 @@ def test_the_error_follows_the_tolerance(model):
     for tol in 10.0 ** -np.arange(4, 17):
         found = ended(model, 2.0, method=fl.Taylor(tol=tol))
         assert np.abs(found.final_state - exact).max() < max(1e3 * tol, 1e-10)
+        assert_balanced(found, max(tol, 1e-9))
 
 
 @pytest.mark.parametrize("order", [4, 6, 10, 16, 20, 30, 40])
@@ -94,6 +101,8 @@ def test_every_order_gives_the_same_motion(order):
     assert found.events.target.tolist() == exact.events.target.tolist()
     assert found.status is fl.Status.FINISHED
     assert np.abs(found.events.t - exact.events.t).max() < 1e-10
+    if order > 4:
+        assert_balanced(found)
 
 
 @pytest.mark.parametrize("model", [USUAL, PRINTED], ids=["full gap rate", "Eq. (13)"])
@@ -106,6 +115,8 @@ def test_a_run_may_be_cut_and_taken_up_again(model, where):
     assert second.events.target.tolist() == whole.events.target[later].tolist()
     assert np.abs(second.events.t + where - whole.events.t[later]).max() < 1e-11
     assert np.abs(second.final_state - whole.final_state).max() < 1e-9
+    for run in (whole, first, second):
+        assert_balanced(run)
 
 
 @pytest.mark.parametrize("scale", [1e-3, 1e3])
@@ -125,6 +136,8 @@ def test_units_do_not_matter(scale):
     assert two.events.target.tolist() == one.events.target.tolist()
     assert np.abs(two.events.t - one.events.t).max() < 1e-10
     assert np.abs(two.final_state / units - one.final_state).max() < 1e-9
+    for run in (one, two):
+        assert_balanced(run)
 
 
 def test_a_family_swept_through_grazing():
@@ -134,3 +147,4 @@ def test_a_family_swept_through_grazing():
         run = ended(USUAL, 0.3, x0=[0, 0, 0, 0, 0, 0, float(lift), 0, 0, 0])
         worst = violations(USUAL, run)
         assert {what: size for what, size in worst.items() if size > LIMITS[what]} == {}
+        assert_balanced(run)

@@ -22,6 +22,8 @@ LAWS = [
     fl.PlasticImpact(),
     fl.PlasticImpact("full"),
     fl.RestitutionImpact(e=0.4),
+    fl.FrictionalImpact(e=0.4, mu_i=0.2),
+    fl.FrictionalImpact(e=0.0, mu_i=0.8),
 ]
 ROLES = {fl.ContactLaw: "contact", fl.FrictionLaw: "friction", fl.ImpactLaw: "impact"}
 

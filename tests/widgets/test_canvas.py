@@ -94,8 +94,9 @@ def test_runs_of_other_automata_are_refused():
         fl.watch(fl.solve(automaton, 1.0, x0=[1.0, 0.0], progress=False))
 
 
-def test_the_javascript_is_in_the_package_and_needs_nothing_else():
-    code = resources.files("frictionlab.widgets").joinpath("canvas.js").read_text(encoding="utf-8")
+@pytest.mark.parametrize("name", ["canvas.js", "clickable.js"])
+def test_the_javascript_is_in_the_package_and_needs_nothing_else(name):
+    code = resources.files("frictionlab.widgets").joinpath(name).read_text(encoding="utf-8")
     assert "export default { render }" in code
     assert not re.search(r"https?:|\bimport\b|\bfetch\b|XMLHttpRequest", code)
 
@@ -106,7 +107,8 @@ def test_the_wheel_holds_the_javascript(tmp_path):
     command = [sys.executable, "-m", "hatchling", "build", "-t", "wheel", "-d", str(tmp_path)]
     subprocess.run(command, cwd=root, check=True, capture_output=True)
     (wheel,) = tmp_path.glob("*.whl")
-    assert "frictionlab/widgets/canvas.js" in zipfile.ZipFile(wheel).namelist()
+    names = zipfile.ZipFile(wheel).namelist()
+    assert all(f"frictionlab/widgets/{name}.js" in names for name in ("canvas", "clickable"))
 
 
 @pytest.fixture(params=[(1280, 720), (400, 800)], ids=["wide", "narrow"])

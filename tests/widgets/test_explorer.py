@@ -12,6 +12,7 @@ from PIL import Image
 
 import frictionlab as fl
 from frictionlab.widgets.drawing import Curve, Drawing
+from frictionlab.widgets.settings import QUICK
 
 SHORT = ("response", "phase", "forces", "spectrum")
 
@@ -68,13 +69,26 @@ def explorer(shared):
 
 def test_the_lines_are_those_of_the_run(explorer):
     explorer.controls["mu_k"].value = 1.4
-    run = fl.simulate(fl.SliderOnBelt(mu_k=1.4), 20.0, progress=False)
+    run = fl.simulate(fl.SliderOnBelt(mu_k=1.4), 20.0, method=QUICK, progress=False)
     for label, name in {"$x_{1}$": "x1", r"$\varphi$": "phi"}.items():
         t, x = lines(explorer, "response")[label].get_data()
         assert (t[0], t[-1]) == (19.0, 20.0)
         assert np.array_equal(x, run(t)[:, run.names.index(name)])
     t, force = lines(explorer, "forces")["$F_N$"].get_data()
     assert np.array_equal(force, run.output("normal_force", t))
+
+
+def test_the_quick_method_is_as_exact_as_a_picture(explorer):
+    explorer.controls["mu_k"].value = 1.4
+    t = explorer.result.times()
+    shown = explorer.run(t)
+    explorer.controls["method"].value = fl.Taylor()
+    exact = explorer.run(t)
+    assert explorer.run.stats["events"] > 3 * len(explorer.result.times())
+    error = np.abs(shown - exact).max(axis=0) / np.ptp(exact, axis=0)
+    pixels = explorer.picture.tiles["phase"].ax.get_window_extent().height
+    assert (error[:5] < 1e-4).all()
+    assert (error < 1 / pixels).all()  # rates zigzag in the flights left out
 
 
 def test_the_phase_plane_shows_each_mode_where_the_run_is_in_it(explorer):
@@ -211,7 +225,7 @@ def test_an_own_law_has_sliders_and_runs(model, name, value):
     assert explorer.error is None
     assert getattr(explorer.model, name) == value
     t, x = lines(explorer, "response")["$x_{1}$"].get_data()
-    run = fl.simulate(model.replace(**{name: value}), 1.0, progress=False)
+    run = fl.simulate(model.replace(**{name: value}), 1.0, method=QUICK, progress=False)
     assert np.array_equal(x, run(t)[:, 0])
 
 

@@ -1,5 +1,7 @@
 """The explorers of stability and of bifurcations show what the analyses give."""
 
+import asyncio
+
 import numpy as np
 import pytest
 
@@ -46,6 +48,12 @@ def test_moving_the_point_computes_no_curve_anew(stability):
     stability.controls["k5"].value = 1.5e4
     assert panel._curve.cache_info().misses == before + 1
     assert not stability.result.ran
+
+
+def test_a_click_moves_the_point_to_round_numbers(stability):
+    stability.click("critical", 333.3, 1.2345)
+    assert (stability.model.F, stability.model.mu_k) == (335.0, 1.23)
+    assert stability.picture.tiles["critical"].lines["here, unstable"].get_xdata() == [335.0]
 
 
 def test_a_parameter_that_a_switch_takes_away_is_missed_in_plain_words():
@@ -122,3 +130,59 @@ def test_another_parameter_means_another_diagram(diagram):
     diagram.controls["F"].value = 250.0
     assert panel.found is not before
     assert len(panel.found) == 24
+
+
+def at(explorer, name, x, y):
+    """Shares of the picture's width and height at data coordinates."""
+    tile = explorer.picture.tiles[name]
+    pixels = tile.ax.transData.transform((x, y))
+    return (pixels - tile.box.min) / tile.box.size
+
+
+def test_a_click_into_the_diagram_shows_the_motion_there(diagram):
+    diagram.controls["range"].value = (0.3, 0.6)
+    image = diagram.picture.images["bifurcation"]
+    x, y = at(diagram, "bifurcation", 0.4201, 0.0)
+    image._handle_custom_msg({"x": x, "y": y}, [])
+    slider = diagram.controls["mu_k"]
+    assert diagram.model.mu_k == slider.value == 0.42
+    diagram.controls["range"].value = (0.41, 0.45)
+    diagram.click("bifurcation", 0.42315, 0.0)
+    assert diagram.model.mu_k == 0.4232
+    steps = (slider.value - slider.min) / slider.step  # else a browser would round it
+    assert steps == pytest.approx(round(steps), abs=1e-6)
+    updates = diagram.updates
+    image._handle_custom_msg({"x": 0.01, "y": 0.5}, [])  # beside the axes
+    assert diagram.updates == updates
+
+
+def test_in_an_event_loop_the_diagram_fills_while_newer_values_are_heard():
+    async def browser():
+        explorer = fl.explore_bifurcation(FLAT.replace(mu_k=0.5))
+        panel, seen = explorer.picture.panels["bifurcation"], []
+        seen.append((len(panel.found), explorer.busy.widget.layout.visibility))
+        for value in (4.0, 4.5, 5.0):
+            explorer.controls["transient"].value = value  # another diagram, before the first is done
+        while explorer.busy.left:
+            assert f"{len(panel.found)} of 24" in explorer.busy.widget.value
+            await asyncio.sleep(0.02)
+        seen.append((len(panel.found), explorer.busy.widget.layout.visibility))
+        return explorer, seen
+
+    explorer, ((first, marked), last) = asyncio.run(browser())
+    assert 0 < first < 24
+    assert marked == "visible"
+    assert last == (24, "hidden")
+    assert explorer.error is None
+    assert explorer.picture.panels["bifurcation"]._key[-1] == 5.0
+
+
+def test_an_explorer_that_is_closed_computes_no_more():
+    async def browser():
+        explorer = fl.explore_bifurcation(FLAT.replace(mu_k=0.5))
+        updates = explorer.updates
+        explorer.close()
+        await asyncio.sleep(0.1)
+        return explorer.updates - updates
+
+    assert asyncio.run(browser()) == 0

@@ -10,8 +10,10 @@ from PIL import Image
 
 import frictionlab as fl
 from frictionlab.widgets.drawing import Curve, Drawing
-from frictionlab.widgets.latency import measure
+from frictionlab.widgets.latency import latencies, table
 from frictionlab.widgets.picture import DPI, HEIGHT, WIDTH, Picture
+from frictionlab.widgets.png import png
+from frictionlab.widgets.tile import MARGINS
 
 MODEL = fl.SliderOnBelt(mu_k=0.4).without("geometry")
 
@@ -93,18 +95,29 @@ def test_images_have_the_size_of_a_panel_and_show_their_own():
     picture.draw(None)
     pixels = {n: np.asarray(Image.open(BytesIO(i.value)).convert("RGB")) for n, i in picture.images.items()}
     assert all(p.shape == (round(HEIGHT * DPI), round(WIDTH * DPI), 3) for p in pixels.values())
-    corner = {name: p[44:58, 345:372] for name, p in pixels.items()}  # where the note stands
+    right = round((MARGINS[0] + MARGINS[2]) * WIDTH * DPI)
+    corner = {n: p[44:58, right - 32 : right - 5] for n, p in pixels.items()}  # where the note stands
     assert corner["right"].min() < 100 < corner["left"].min()
     assert np.array_equal(corner["left"], corner["below"])
 
 
-def test_labels_and_legends_lie_within_the_tile_and_apart():
-    explorer = fl.explore(fl.SliderOnBelt(mu_k=1.4))
+@pytest.mark.parametrize(
+    "model",
+    [
+        fl.SliderOnBelt(),
+        fl.SliderOnBelt(mu_k=1.4),
+        fl.SliderOnBelt(mu_k=1.84, k2=5482.0, impact=fl.PlasticImpact("full")),
+        fl.SliderOnBelt(F=1000.0, mu_k=1.8),
+    ],
+)
+def test_labels_and_legends_lie_within_the_tile_and_apart(model):
+    explorer = fl.explore(model)
     renderer = explorer.picture.canvas.get_renderer()
     for tile in explorer.picture.tiles.values():
-        texts = [*tile.ax.texts, tile.ax.xaxis.label, tile.ax.yaxis.label]
+        texts = [*tile.ax.texts, tile.ax.xaxis.label, tile.ax.yaxis.label, tile.ax.xaxis.get_offset_text()]
         texts += [t for t in tile.ax.get_xticklabels() if tile.ax.get_xlim()[0] <= t.get_position()[0]]
-        texts += [tile.right.yaxis.label] if tile.right is not None else []
+        if tile.right is not None:
+            texts += [tile.right.yaxis.label, tile.right.yaxis.get_offset_text()]
         boxes = [text.get_window_extent(renderer) for text in texts if text.get_text()]
         legend = tile.ax.get_legend()
         boxes += [legend.get_window_extent(renderer)] if legend is not None else []
@@ -131,10 +144,19 @@ def test_a_slow_update_is_marked_while_it_runs():
 
 
 def test_latency_counts_every_step_and_what_is_simulation():
-    found = measure(MODEL, "F", (200.0, 201.0, 202.0), ("response",))
-    assert found.steps == 2
-    assert 0 < found.simulation < found.seconds
-    assert found.share == found.simulation / found.seconds
+    steps = latencies(MODEL, ("F", "k2"), 2, ("response",))
+    assert [step.parameter for step in steps] == ["F", "F", "k2", "k2"]
+    assert all(0 < step.simulation < step.seconds for step in steps)
+    line = table({"scene": steps}).splitlines()[-1]
+    share = sum(step.simulation for step in steps) / sum(step.seconds for step in steps)
+    assert line.startswith("| scene | F, k2 | 4 | ")
+    assert line.endswith(f" | {100 * share:.0f} % |")
+
+
+def test_latency_tells_of_a_step_that_fails():
+    model = fl.SliderOnBelt(mu_k=2.0, mu_s=2.0).without("geometry")
+    with pytest.raises(ValueError, match="mu_s must be at least mu_k"):
+        latencies(model, ("mu_k",), 1, ("eigenvalues",))
 
 
 @pytest.mark.parametrize(
@@ -146,3 +168,19 @@ def test_the_figure_can_be_saved_with_its_curves(panels):
     shown = np.asarray(Image.open(BytesIO(explorer.picture.images["response"].value)).convert("RGB"))
     corner = saved[: shown.shape[0], : shown.shape[1]]
     assert (np.abs(corner - shown.astype(int)).max(axis=2) > 60).mean() < 0.01
+
+
+def test_a_png_has_the_colours_of_its_lines_and_pure_white():
+    colours = ["#D55E00", "#0072B2", "#F0E442"]
+    pixels = np.full((40, 60, 3), 255, dtype=np.uint8)
+    for i, colour in enumerate([*colours, "#000000"]):
+        pixels[10 * i : 10 * i + 5] = [int(colour[j : j + 2], 16) for j in (1, 3, 5)]
+    shown = np.asarray(Image.open(BytesIO(png(Image.fromarray(pixels), colours))).convert("RGB")).astype(int)
+    assert np.abs(shown - pixels).max() <= 1
+    assert (shown[5:10] == 255).all()
+
+
+def test_many_colours_still_fit_into_a_palette():
+    pixels = np.zeros((4, 4, 3), dtype=np.uint8)
+    colours = [(i / 299, 0.5, 1 - i / 299) for i in range(300)]
+    assert Image.open(BytesIO(png(Image.fromarray(pixels), colours))).size == (4, 4)

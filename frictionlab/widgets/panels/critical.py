@@ -13,7 +13,7 @@ from frictionlab.plotting.palette import BLACK, BLUE, VERMILLION
 from frictionlab.plotting.parameters import parameter_label
 from frictionlab.stability import CriticalCurve, critical_curve
 from frictionlab.widgets.drawing import Curve, Drawing
-from frictionlab.widgets.sliders import known, reach
+from frictionlab.widgets.sliders import known, reach, rounded
 
 POINTS = 21
 REMEMBERED = 16  # curves
@@ -34,6 +34,7 @@ class Critical:
     """
 
     __name__ = "critical"
+    hint = "click to move the model there"
 
     def __init__(self, model: Any, parameter: str = "mu_k", over: str = "F") -> None:
         about = about_all(type(model), model.components)
@@ -56,6 +57,10 @@ class Critical:
         }
         x, y = (parameter_label(model, name) for name in (self.over, self.parameter))
         return Drawing(x, y, curves, xlim=self.sides, ylim=self.bounds)
+
+    def pick(self, x: float, y: float) -> dict[str, float]:
+        """The two parameters of a place in the picture, as round numbers."""
+        return {self.over: rounded(x, self.sides), self.parameter: rounded(y, self.bounds)}
 
     def _computed(self, others: _Others) -> CriticalCurve:
         # The ends may be where nothing presses on the belt, or a mass is zero.

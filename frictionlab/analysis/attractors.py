@@ -1,0 +1,152 @@
+"""What motions settle to, in numbers that tell one attractor from another."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy.spatial import KDTree
+
+from .kinds import EQUILIBRIUM, NON_PERIODIC, PERIODIC
+from .recurrence import Array
+from .returns import groups
+
+FLOOR = 1e-2  # smallest range of a state, as a share of the largest in its group, or of motions to attractors
+SAME_PERIOD = 1e-3
+SAME_RANGE = {EQUILIBRIUM: 1e-2, PERIODIC: 1e-2, NON_PERIODIC: 0.1}  # share of the attractors' size
+
+UNDECIDED = -1
+
+Found = dict[str, Any]  # an attractor as data that JSON can hold
+
+
+@dataclass(frozen=True, eq=False)
+class Attractor:
+    """What motions settle to.
+
+    Parameters
+    ----------
+    name : str
+        "equilibrium", "period 6.316 s", "non-periodic"; others of the same name are numbered.  Two more stand
+        for no attractor: "not settled yet" and "ended early".
+    kind : str
+        As of :func:`frictionlab.steady_state`.
+    period : float
+        s; NaN where the motion is not periodic.
+    state : array (n,)
+        On the attractor.
+    low, high : array (n,)
+        Smallest and largest value of each state.
+    path : array (K, n)
+        Some of its points, in their order in time.
+    """
+
+    name: str
+    kind: str
+    period: float
+    state: Array
+    low: Array
+    high: Array
+    path: Array
+
+    @property
+    def settled(self) -> bool:
+        """Whether it is an attractor."""
+        return self.kind in SAME_RANGE
+
+
+def spread_of(probed: Sequence[Found]) -> Array:
+    """The range (n,) of each state over the motions that led to attractors; zeros where none did."""
+    reached = [np.array(a["reach"]) for a in probed if a["kind"] in SAME_RANGE]
+    if not reached:
+        return np.zeros(len(probed[0]["state"]) if probed else 0)
+    low, high = np.min(reached, axis=0)[0], np.max(reached, axis=0)[1]
+    return high - low
+
+
+def size_of(attractors: Sequence[Found], spread: Array, coordinates: int) -> Array:
+    """The range (n,) of each state over all attractors, or over the motions to them where none is known.
+
+    It is at least a share of the latter, below which no two attractors are told apart.
+    """
+    known = [a for a in attractors if a["kind"] in SAME_RANGE]
+    size = np.array(spread)
+    if known:
+        size = np.max([a["high"] for a in known], axis=0) - np.min([a["low"] for a in known], axis=0)
+        size = np.maximum(size, FLOOR * spread)
+    for group in groups(coordinates):
+        size[group] = np.maximum(size[group], FLOOR * size[group].max(initial=0.0))
+    return np.where(size > 0, size, 1.0)
+
+
+def same(one: Found, other: Found, size: Array) -> bool:
+    """Whether two are one attractor: of one kind, one period and one range in each state."""
+    if one["kind"] != other["kind"] or one["kind"] not in SAME_RANGE:
+        return one["kind"] == other["kind"]
+    if one["kind"] == PERIODIC and abs(one["period"] / other["period"] - 1.0) > SAME_PERIOD:
+        return False
+    apart = [np.abs(np.subtract(one[side], other[side])) / size for side in ("low", "high")]
+    return bool(np.max(apart) < SAME_RANGE[one["kind"]])
+
+
+class Catalogue:
+    """Attractors that are known, in the order in which they were found.
+
+    Parameters
+    ----------
+    size : array (n,)
+        By which differences of states are measured.
+    near : float
+        Share of it within which a state is on an attractor.
+    """
+
+    def __init__(self, size: Array, near: float) -> None:
+        self.found: list[Found] = []
+        self._size, self._near = size, near
+        self._trees: list[Any] = []
+
+    def copy(self) -> Catalogue:
+        """One that goes on by itself."""
+        other = Catalogue(self._size, self._near)
+        other.found, other._trees = [*self.found], [*self._trees]
+        return other
+
+    def place(self, found: Found, points: Array | None = None) -> int:
+        """Index of an attractor; one that is new is added.  Its points (K, n) tell who has reached it."""
+        for i, known in enumerate(self.found):
+            if same(found, known, self._size):
+                return i
+        self.found.append(found)
+        self._trees.append(None if points is None or not len(points) else KDTree(points / self._size))
+        return len(self.found) - 1
+
+    def reached(self, states: Array) -> np.ndarray:
+        """Index of the attractor that each state (N, n) is on, `UNDECIDED` where there is none."""
+        index = np.full(len(states), UNDECIDED)
+        for i, tree in enumerate(self._trees):
+            if tree is not None and len(states):
+                distance = tree.query(states / self._size, p=np.inf, distance_upper_bound=self._near)[0]
+                index[(distance < self._near) & (index == UNDECIDED)] = i
+        return index
+
+
+def named(attractors: Sequence[Found]) -> tuple[Attractor, ...]:
+    """The attractors, with a name for each."""
+    names = [_name(a) for a in attractors]
+    counts = [names[: i + 1].count(name) for i, name in enumerate(names)]
+    full = [f"{name} ({count})" if count > 1 else name for name, count in zip(names, counts)]
+    return tuple(_attractor(name, a) for name, a in zip(full, attractors))
+
+
+def _name(found: Found) -> str:
+    return f"period {found['period']:.4g} s" if found["kind"] == PERIODIC else found["kind"]
+
+
+def _attractor(name: str, found: Found) -> Attractor:
+    state = np.array(found["state"])
+    low, high = (np.array(found.get(side, np.full_like(state, np.nan))) for side in ("low", "high"))
+    path = np.array(found.get("path", [])).reshape(-1, len(state))
+    period = np.nan if found["period"] is None else found["period"]
+    return Attractor(name, found["kind"], period, state, low, high, path)

@@ -1,0 +1,115 @@
+"""Basin stability by events, each run as long as it takes, against a model made smooth.
+
+The bistable oscillator x'' + 0.1 x' + x = -sgn(v_r) (1 + exp(-2 |v_r|))/2 with v_r = x' - v_d sticks up to 1;
+made smooth it has tanh(v_r/width) for the sign.  Random initial states in -2 < x < 2, 0 < x' < 2.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import sympy as sp
+
+from frictionlab.analysis.basins import BasinStability, basin_stability
+from frictionlab.analysis.markdown import markdown
+from frictionlab.automaton import Event, HybridAutomaton, Mode, Reset
+from frictionlab.hybrid.compiled import NUMBA
+
+BELT, SHARE = 1.5, 0.30713  # of the initial states that go to the equilibrium, known independently
+RANGES = {"x": (-2.0, 2.0), "v": (0.0, 2.0)}
+WIDTHS = (1.0, 1e-1, 1e-2)
+T_END = 300.0  # of every run of the smooth model
+AT_REST = 0.1  # distance from the equilibrium within which such a run has settled
+RTOL = 1e-6
+
+
+@dataclass(frozen=True)
+class Row:
+    """How, wall time in s of the runs that were timed, their number, the share found, wrong labels."""
+
+    name: str
+    seconds: float
+    runs: int
+    share: float
+    wrong: int
+
+
+def oscillator(belt: float) -> HybridAutomaton:
+    """The automaton; a third state follows exp(-2 |v_r|), and is set to 1 where v_r = 0."""
+    x, v, w, v_d = sp.symbols("x v w v_d")
+
+    def slip(name: str, sign: int, targets: tuple[str, ...]) -> Mode:
+        acceleration = -v / 10 - x - sign * (1 + w) / 2
+        event = Event("v_r", sign * (v - v_d), targets, Reset({v: v_d, w: sp.S.One}))
+        return Mode(name, (v, acceleration, -2 * w * sign * acceleration), (event,))
+
+    pull = x + v_d / 10
+    ends = Event("cone+", 1 - pull, ("slip-",)), Event("cone-", 1 + pull, ("slip+",))
+    stick = Mode("stick", (v, sp.S.Zero, sp.S.Zero), ends, (v - v_d,))
+    modes = stick, slip("slip-", -1, ("stick", "slip+")), slip("slip+", 1, ("stick", "slip-"))
+    return HybridAutomaton((x, v, w), modes, {v_d: belt}, coordinates=1)
+
+
+def basins(samples: int = 10_000, some: int = 200, widths: Sequence[float] = WIDTHS) -> list[Row]:
+    """The exact ones for all samples, the smooth models for the first of them; one worker each."""
+    exact()
+    begin = time.perf_counter()
+    found = exact(samples)
+    seconds = time.perf_counter() - begin
+    resting = np.take([a.kind == "equilibrium" for a in found.attractors], found.labels)
+    rows = [Row("exact", seconds, samples, float(resting.mean()), 0)]
+    return rows + [_smooth(width, found.points[:some], resting[:some]) for width in widths]
+
+
+def exact(samples: int = 500) -> BasinStability:
+    """Basin stability of the automaton."""
+
+    def complete(z: Any) -> list[float]:
+        return [z[0], z[1], float(np.exp(-2.0 * abs(z[1] - BELT)))]
+
+    options: dict[str, Any] = {"x0": complete, "transient": 1000.0, "workers": 1, "progress": False}
+    return basin_stability(oscillator(BELT), RANGES, samples, **options)
+
+
+def _smooth(width: float, starts: np.ndarray, resting: np.ndarray) -> Row:
+    flow, at = smooth_flow(width), (1.0 + np.exp(-2.0 * BELT)) / 2.0
+    ends = [_end(flow, starts[0], 1.0)]  # compiles
+    begin = time.perf_counter()
+    ends = np.array([_end(flow, start, T_END) for start in starts])
+    seconds = time.perf_counter() - begin
+    found = np.hypot(ends[:, 0] - at, ends[:, 1]) < AT_REST
+    wrong = int((found != resting).sum())
+    return Row(f"tanh, width {width:g}, LSODA", seconds, len(starts), float(found.mean()), wrong)
+
+
+def smooth_flow(width: float) -> Callable[..., Any]:
+    """Right-hand side of the smooth model, compiled where there is numba."""
+
+    def kernel(x: float, v: float) -> tuple[float, float]:
+        v_r = v - BELT
+        return v, -0.1 * v - x - np.tanh(v_r / width) * (0.5 + 0.5 * np.exp(-2.0 * np.abs(v_r)))
+
+    compiled = kernel if NUMBA is None else NUMBA.njit(kernel)
+    return lambda t, z: compiled(z[0], z[1])
+
+
+def _end(flow: Callable[..., Any], start: np.ndarray, t_end: float) -> np.ndarray:
+    from scipy.integrate import solve_ivp
+
+    return solve_ivp(flow, (0.0, t_end), start, method="LSODA", rtol=RTOL, atol=RTOL * 1e-2).y[:, -1]
+
+
+def table(rows: Sequence[Row]) -> str:
+    """The rows as Markdown: states a second, how many times slower that is, and what is wrong."""
+    rates = [row.runs / row.seconds for row in rows]
+    lines = (
+        f"{r.name} | {r.runs} | {rate:,.0f} | {rates[0] / rate:.3g} | {r.share:.4f} "
+        f"| {np.sqrt(SHARE * (1 - SHARE) / r.runs):.4f} | {r.wrong}"
+        for r, rate in zip(rows, rates, strict=True)
+    )
+    head = "way | initial states | a second | x | share at rest | sampling error | labels that differ"
+    return markdown(head, lines)

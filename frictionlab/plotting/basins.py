@@ -1,0 +1,125 @@
+"""Basins of attraction in a plane of initial states, and their shares of random ones."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import QuadMesh
+from matplotlib.colors import BoundaryNorm, ListedColormap
+from matplotlib.container import BarContainer
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+
+from .figure import axes_or_new
+from .legends import legend_beside
+from .palette import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILLION, YELLOW, label, unit
+
+COLOURS = (SKY, ORANGE, GREEN, YELLOW, PURPLE, BLUE, VERMILLION)  # of attractors, in turn
+NONE = {"not settled yet": GREY, "ended early": "#444444"}
+HATCH = "////"
+
+
+class BasinArtists(NamedTuple):
+    """The colours of the basins, and the attractors drawn over them."""
+
+    mesh: QuadMesh
+    attractors: list[Line2D]
+
+
+def plot_basins(found: Any, ax: Axes | None = None, *, legend: bool = True) -> BasinArtists:
+    """Draw which attractor each initial state goes to, and the attractors as far as they are in sight.
+
+    Initial states that were not computed are hatched.
+
+    Parameters
+    ----------
+    found : Basins
+    ax : Axes or None
+        None draws into a new figure, ``artists.mesh.axes.figure``.
+    legend : bool
+        Whether to put a legend, with the shares, beside the panel.
+
+    Returns
+    -------
+    BasinArtists
+
+    Examples
+    --------
+    >>> import frictionlab as fl
+    >>> model = fl.SliderOnBelt(mu_k=1.4).without("geometry")
+    >>> speeds = ("x1'", [0.0, 0.5]), ("y1'", [0.0, 0.1])
+    >>> found = fl.basins(model, *speeds, "near", window=10.0, progress=False)
+    >>> plot_basins(found).mesh.get_array().tolist()
+    [[0, 1], [0, 1]]
+    """
+    ax = axes_or_new(ax)
+    ax.patch.set(facecolor="white", edgecolor=GREY, hatch=HATCH)  # seen where the mesh has no colour
+    colours = _colours(found)
+    norm = BoundaryNorm(np.arange(len(colours) + 1) - 0.5, max(1, len(colours)))
+    mesh = ax.pcolormesh(
+        found.x_values,
+        found.y_values,
+        np.ma.masked_less(found.labels, 0),
+        cmap=ListedColormap(colours or [GREY]),
+        norm=norm if colours else None,
+        shading="nearest",
+        rasterized=True,
+    )
+    limits = ax.get_xlim(), ax.get_ylim()
+    lines = [line for a in found.attractors if a.settled for line in _attractor(found, a, ax)]
+    ax.set(xlim=limits[0], ylim=limits[1], xlabel=_initial(found.x), ylabel=_initial(found.y))
+    if legend:
+        legend_beside(ax, _handles(found, colours))
+    return BasinArtists(mesh, lines)
+
+
+def plot_basin_stability(found: Any, ax: Axes | None = None) -> BarContainer:
+    """Draw the share of random initial states that goes to each attractor, with its standard error.
+
+    Parameters
+    ----------
+    found : BasinStability
+    ax : Axes or None
+        None draws into a new figure, ``bars.patches[0].axes.figure``.
+
+    Returns
+    -------
+    BarContainer
+    """
+    ax = axes_or_new(ax)
+    names, shares = list(found.fractions), list(found.fractions.values())
+    errors = [found.errors[name] for name in names]
+    bars = ax.bar(names, shares, yerr=errors, color=_colours(found), edgecolor=BLACK, capsize=4.0)
+    ax.set(ylim=(0.0, 1.0), ylabel="share of the initial states")
+    return bars
+
+
+def _colours(found: Any) -> list[str]:
+    settled = [a.name for a in found.attractors if a.settled]
+    return [
+        COLOURS[settled.index(a.name) % len(COLOURS)] if a.settled else NONE[a.kind] for a in found.attractors
+    ]
+
+
+def _attractor(found: Any, attractor: Any, ax: Axes) -> list[Line2D]:
+    columns = [found.names.index(name) for name in (found.x, found.y)]
+    x, y = attractor.path[:, columns].T
+    style = "o" if len(x) == 1 else "-" if attractor.period > 0 else ","
+    return ax.plot(x, y, style, color=BLACK, linewidth=1.4, label=attractor.name)
+
+
+def _initial(name: str) -> str:
+    return f"initial {label(name)} ({unit(name)})"
+
+
+def _handles(found: Any, colours: list[str]) -> list[Any]:
+    shares = found.fractions
+    handles = [
+        Patch(facecolor=colour, edgecolor=GREY, label=f"{a.name}: {shares[a.name]:.1%}")
+        for a, colour in zip(found.attractors, colours)
+    ]
+    if (found.labels < 0).any():
+        handles.append(Patch(facecolor="white", edgecolor=GREY, hatch=HATCH, label="not computed"))
+    return handles
