@@ -28,7 +28,7 @@ LEGEND: dict[str, Any] = {
     "handletextpad": 0.4,
     "borderaxespad": 0.2,
 }
-MARGINS = 0.165, 0.165, 0.665, 0.70  # left, bottom, width, height, as shares of the tile
+MARGINS = 0.185, 0.165, 0.645, 0.70  # left, bottom, width, height, as shares of the tile
 
 
 class Tile:
@@ -142,6 +142,7 @@ class Tile:
         if self.right is None:
             self.right = self.ax.twinx()
             _style(self.right)
+            self.right.ticklabel_format(axis="y", scilimits=(-2, 4))  # the right margin is narrow
             self.right.spines[["left", "top", "bottom"]].set_visible(False)
         return self.right
 
@@ -189,6 +190,6 @@ class Tile:
 def _style(ax: Axes) -> None:
     ax.tick_params(labelsize=SMALL)
     ax.locator_params(nbins=TICKS)  # a number takes as long to draw as a curve
-    ax.ticklabel_format(scilimits=(-2, 4), useOffset=False)
-    for axis in (ax.xaxis, ax.yaxis):
-        axis.get_offset_text().set_fontsize(SMALL)
+    ax.ticklabel_format(axis="y", scilimits=(-3, 4), useOffset=False)
+    ax.yaxis.labelpad = 2.0
+    ax.yaxis.get_offset_text().set_fontsize(SMALL)

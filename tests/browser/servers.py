@@ -14,8 +14,8 @@ from urllib.request import urlopen
 ROOT = Path(__file__).parents[2]
 PATIENCE = 60  # seconds
 
-# Two explorers, a plane to click into and an animation.  The kernel counts what the sliders and switches of
-# the first two say; of the second one, the negative control, it has forgotten to whom to say it.  One cell,
+# Two explorers and an animation.  The kernel counts what the sliders and switches of
+# both say; of the second one, the negative control, it has forgotten to whom to say it.  One cell,
 # as JupyterLab takes others off the page where they are out of sight.
 CELL = """\
 import frictionlab as fl
@@ -36,16 +36,16 @@ def made(name, deaf):
 
 made("live", deaf=False)
 made("deaf", deaf=True)
-plane = fl.explore_stability()
-plane.widget.add_class("plane")
-display(plane)
 fl.watch(fl.simulate(fl.SliderOnBelt(mu_k=1.4), 1.0, progress=False), speed=0.2)
 """
 
 
-def write_notebook(folder):
-    """The notebook of the tests; returns its path."""
-    cell = {"cell_type": "code", "execution_count": None, "metadata": {}, "outputs": [], "source": CELL}
+PLANE = "import frictionlab as fl\nfl.explore_stability()"
+
+
+def write_notebook(folder, source=CELL):
+    """A notebook of one cell; returns its path."""
+    cell = {"cell_type": "code", "execution_count": None, "metadata": {}, "outputs": [], "source": source}
     kernel = {"name": "python3", "display_name": "Python 3", "language": "python"}
     data = {"cells": [cell], "metadata": {"kernelspec": kernel}, "nbformat": 4, "nbformat_minor": 4}
     path = folder / "page.ipynb"

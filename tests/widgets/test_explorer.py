@@ -318,6 +318,10 @@ def test_a_panel_of_ones_own_is_a_function():
     assert "fl-panel-gap" in explorer.picture.images["gap"]._dom_classes
 
 
+def test_one_panel_may_be_asked_for_by_its_name_alone():
+    assert list(fl.explore(panels="eigenvalues").picture.panels) == ["eigenvalues"]
+
+
 def test_nothing_is_computed_that_no_panel_asks_for():
     explorer = fl.explore(panels=("eigenvalues",))
     assert not explorer.result.ran

@@ -127,6 +127,14 @@ def test_labels_and_legends_lie_within_the_tile_and_apart(model):
             assert not any(box.overlaps(other) for other in boxes[:i])
 
 
+def test_long_numbers_leave_room_for_the_label():
+    picture = Picture({"one": None})
+    drawn(picture, "one", {"line": Curve([0.0, 1.0], [-0.01579, -0.01571])})
+    tile, renderer = picture.tiles["one"], picture.canvas.get_renderer()
+    assert max(len(text.get_text()) for text in tile.ax.get_yticklabels()) >= 8
+    assert tile.ax.yaxis.label.get_window_extent(renderer).x0 > tile.box.x0
+
+
 def test_a_slow_update_is_marked_while_it_runs():
     waited = []
 

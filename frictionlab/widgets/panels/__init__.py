@@ -27,13 +27,14 @@ PANELS: Mapping[str, Callable[[Any], Drawing]] = MappingProxyType(
 
 
 def panels_of(asked: Iterable[Any]) -> dict[str, Callable[[Any], Drawing]]:
-    """Panels by name; those asked for may be names or functions.
+    """Panels by name; those asked for may be names or functions, or one name alone.
 
     Raises
     ------
     ValueError
         For an unknown name, something that is no function, or none at all.
     """
+    asked = [asked] if isinstance(asked, str) else asked
     found = {_name(panel): PANELS[panel] if isinstance(panel, str) else panel for panel in asked}
     if not found:
         raise ValueError(f"panels must hold at least one panel, got none: take some of {', '.join(PANELS)}")
