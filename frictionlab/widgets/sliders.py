@@ -106,7 +106,8 @@ def rounded(value: float, bounds: tuple[float, float]) -> float:
 def refine(control: Any, value: float) -> None:
     """Make the steps of a slider so fine that it can show a value: a browser would round it."""
     if isinstance(control, ipywidgets.FloatSlider):
-        control.step = _dividing(control.step, value - control.min)
+        step = control.step or round_step(control.max - control.min)
+        control.step = _dividing(step, value - control.min)
 
 
 def _dividing(step: float, distance: float) -> float:
