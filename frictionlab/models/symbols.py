@@ -14,6 +14,8 @@ import sympy
 from frictionlab.components.component import Component
 from frictionlab.components.parameter import parameters_of, structure_of
 
+from .explained import explain
+
 
 @cache
 def symbol(name: str) -> sympy.Symbol:
@@ -42,6 +44,7 @@ def symbolic(key: Structure) -> Any:
         object.__setattr__(copy, name, symbol(name))
     for name, value in zip(structure_of(key.component), key.values, strict=True):
         object.__setattr__(copy, name, symbolic(value) if isinstance(value, Structure) else value)
+    explain(copy)
     return copy
 
 

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 import pytest
 import sympy
 from numpy.polynomial import Polynomial
 
+import frictionlab as fl
 from frictionlab.components import (
     Coulomb,
     CubicContact,
@@ -89,3 +92,23 @@ def test_interfaces_are_data():
     assert StickSlip.modes == ("stick", "slip+", "slip-")
     assert SlidingSeparation.modes == ("slip", "separation")
     assert SlidingOnly.modes == ("slip",)
+
+
+@dataclass(frozen=True)
+class Branching(fl.ContactLaw):
+    k: float = 1.0
+
+    def force(self, gap):
+        return self.k * gap if gap > 0 else 0 * gap
+
+
+@dataclass(frozen=True)
+class OfNumpy(fl.Coulomb):
+    def kinetic(self, normal_force, speed):
+        return self.mu_k * normal_force * np.tanh(speed)
+
+
+@pytest.mark.parametrize(("role", "law"), [("contact", Branching()), ("friction", OfNumpy())])
+def test_a_law_that_cannot_take_symbols_is_named_with_the_cure(role, law):
+    with pytest.raises(TypeError, match=rf"{type(law).__name__}\.\w+ must be a formula .* fl\.functions"):
+        fl.simulate(fl.SliderOnBelt(**{role: law}), 0.1)
