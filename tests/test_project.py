@@ -5,6 +5,7 @@ import re
 from pathlib import Path
 
 import pytest
+from matplotlib import pyplot
 
 import frictionlab as fl
 
@@ -36,6 +37,7 @@ def test_readme_links_lead_somewhere():
 def test_readme_python_runs(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)  # it saves a picture
     exec("\n".join(readme_blocks("python")), {})
+    pyplot.close("all")
 
 
 def test_version_is_the_same_everywhere():

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import time
-
 import numpy as np
 import pytest
 import sympy
@@ -239,54 +237,6 @@ def test_a_curve_is_its_points_one_by_one(model, over):
         assert (one is None and np.isnan(value)) or value == pytest.approx(one, rel=1e-10)
 
 
-SAME = sympy.Matrix([[5 + P]])
-HARD = [
-    linear([[1 + P, 0.05], [-0.05, 2 - P]]),
-    linear(sympy.diag(*[sympy.Matrix([[1 + P, 0.05], [-0.05, 2 - P]])] * 2)),  # every mode twice
-    linear(sympy.diag(sympy.Matrix([[1 + P, 0.05], [-0.05, 2 - P]]), SAME, SAME)),  # twins elsewhere
-    linear(sympy.diag(sympy.Matrix([[1 + P, 0.05], [-0.05, 2 - P]]), SAME, SAME), 1e-6),
-    linear(sympy.diag(sympy.Matrix([[1 + P, 0.05], [-0.05, 2 - P]]), 1e14, 1e-10), 1e-9),
-]
-
-
-@pytest.mark.parametrize("model", HARD)
-def test_degenerate_and_stiff_systems_are_quick(model):
-    """Flutter between 0.45 and 0.55, whatever else there is."""
-    begun = time.perf_counter()
-    changes = fl.stability_changes(model, "p", (0, 1))
-    assert [(c.kind, c.direction) for c in changes] == [("flutter", "loss"), ("flutter", "regain")]
-    np.testing.assert_allclose([c.value for c in changes], [0.45, 0.55], atol=1e-4)
-    assert time.perf_counter() - begun < 10
-
-
-EXTREME = [
-    UNDAMPED,
-    dict.fromkeys(UNDAMPED, 1e-12),
-    {"c1": 1e6},
-    {"k4": 1e12, "k5": 1e12, "k6": 1e12},
-    {"k1": 1e15},
-    {"k_nl": 1e20},
-    {"M": 1e-6, "m": 1e-6, "J": 1e-7},
-    {"M": 1e6, "m": 1e6, "J": 1e5},
-    {"F": 1e-9},
-    {"F": 1e9},
-    {"l1": 1e-9, "l2": 1e-9},
-]
-
-
-@pytest.mark.parametrize("values", EXTREME)
-def test_extreme_scenes_are_quick(values):
-    begun = time.perf_counter()
-    model = S(**values)
-    changes = fl.stability_changes(model, "mu_k", (0, 4))
-    locus = fl.root_locus(model, "mu_k", np.linspace(0, 4, 500))
-    assert np.isfinite([c.value for c in changes]).all()
-    for c in changes:
-        i = np.searchsorted(locus.at, c.value)
-        assert locus.unstable[i - 1] in c.unstable
-    assert time.perf_counter() - begun < 10
-
-
 def test_errors():
     for bounds in [(1, 1), (3, 0), (0, np.nan), (0, 1, 2), None, 3.0]:
         with pytest.raises(ValueError, match="bounds must be two numbers in ascending order"):
@@ -294,7 +244,7 @@ def test_errors():
     with pytest.raises(ValueError, match="did you mean 'mu_k'"):
         fl.stability_changes(S(), "muk", (0, 1))
     with pytest.raises(ValueError, match="no parameter is called 'r': known are p"):
-        fl.critical_value(HARD[0], "r", (0, 1))
+        fl.critical_value(linear([[1 + P, 0.05], [-0.05, 2 - P]]), "r", (0, 1))
     with pytest.raises(ValueError, match="k4 must be at least 0"):
         fl.critical_curve(S(), "mu_k", (0, 1), over=("k4", [1e4, -1.0]))
     with pytest.raises(ValueError, match="no parameter is called 'G'"):

@@ -1,0 +1,25 @@
+"""What tests of the explorer share."""
+
+from io import BytesIO
+
+import numpy as np
+from PIL import Image
+
+import frictionlab as fl
+
+SHORT = ("response", "phase", "forces", "spectrum")
+
+
+def made(model=None, panels=SHORT, seconds=1.0):
+    explorer = fl.explore(model, panels)
+    explorer.controls["duration"].value = seconds
+    assert explorer.error is None
+    return explorer
+
+
+def lines(explorer, panel):
+    return explorer.picture.tiles[panel].lines
+
+
+def pixels(explorer, panel):
+    return np.asarray(Image.open(BytesIO(explorer.picture.images[panel].value)).convert("RGB"))
