@@ -18,9 +18,8 @@ from frictionlab.hybrid.progress import Progress
 from frictionlab.hybrid.solve import informed
 from frictionlab.hybrid.taylor import Taylor
 from frictionlab.hybrid.validation import check_number
-from frictionlab.models import Model
 
-from .steady_state import check_start, start_of
+from .steady_state import automaton_of, checked_start
 
 __all__ = ["Ends", "ensemble"]
 
@@ -76,7 +75,7 @@ def ensemble(
     models = list(models)
     if not models:
         raise ValueError("models must hold at least one model, got none: give those that are to be run")
-    problems = [_problem(m, s, float(t_end), chosen) for m, s in zip(models, _starts(models, x0))]
+    problems = _problems(models, x0, float(t_end), chosen)
     for i, problem in enumerate(problems):
         if problem.program is not problems[0].program:
             raise ValueError(
@@ -95,15 +94,14 @@ def ends_of(automaton: HybridAutomaton, states: np.ndarray, t_end: float, method
         return run_all(problems, method, bar)
 
 
-def _starts(models: Sequence[Any], x0: Any) -> list[np.ndarray]:
+def _problems(models: Sequence[Any], x0: Any, t_end: float, method: Taylor) -> list[Problem]:
     each = x0 if not isinstance(x0, str) and np.ndim(x0) == 2 else [x0] * len(models)
     if len(each) != len(models):
         raise ValueError(f"x0 must hold a state for each of the {len(models)} models, got {len(each)}")
-    for model, start in zip(models, each):
-        check_start(model, start)
-    return [np.array(start_of(model, start), dtype=float) for model, start in zip(models, each)]
-
-
-def _problem(model: Any, start: np.ndarray, t_end: float, method: Taylor) -> Problem:
-    automaton: HybridAutomaton = model.automaton() if isinstance(model, Model) else model
-    return Problem(*program_of(informed(automaton, method)), start, t_end)
+    known = {id(model): model for model in models}  # one may be given for many initial states
+    automata = {key: automaton_of(model) for key, model in known.items()}
+    programs = {key: program_of(informed(automaton, method)) for key, automaton in automata.items()}
+    return [
+        Problem(*programs[id(model)], checked_start(model, start, automata[id(model)]), t_end)
+        for model, start in zip(models, each)
+    ]

@@ -82,11 +82,15 @@ def simulate(
     return run
 
 
-def initial_state(model: Any, x0: Any) -> Any:
-    """The state that a name stands for; of an array the states it leaves out are zero."""
+def initial_state(model: Any, x0: Any, automaton: Any = None) -> Any:
+    """The state that a name stands for; of an array the states it leaves out are zero.
+
+    The model's automaton spares its assembly where it is at hand.
+    """
     if not isinstance(model, Model):  # an automaton, whose start is an array
         return x0
-    n, names = len(model.coordinates), [symbol.name for symbol in model.automaton().states]
+    automaton = model.automaton() if automaton is None else automaton
+    n, names = len(model.coordinates), [symbol.name for symbol in automaton.states]
     if not isinstance(x0, str):
         return np.append(x0, np.zeros(len(names) - 2 * n)) if np.shape(x0) == (2 * n,) else x0
     check_choice("x0", x0, ("rest", "near"))

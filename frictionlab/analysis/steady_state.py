@@ -125,19 +125,24 @@ def check_steady(
 
 def check_start(model: Any, x0: Any) -> None:
     """Raise for an initial state that :func:`simulate` would not take."""
-    states = automaton_of(model).states
-    names = ", ".join(map(str, states))
-    start = np.asarray(start_of(model, x0), dtype=float)
-    if start.shape != (len(states),) or not np.isfinite(start).all():
+    checked_start(model, x0, automaton_of(model))
+
+
+def checked_start(model: Any, x0: Any, automaton: HybridAutomaton) -> np.ndarray:
+    """The initial state of a model, or of an automaton, that :func:`simulate` would take; else ValueError."""
+    start = np.array(start_of(model, x0, automaton), dtype=float)
+    if start.shape != (len(automaton.states),) or not np.isfinite(start).all():
+        names = ", ".join(map(str, automaton.states))
         raise ValueError(f"x0 must hold a finite number for each of the states {names}, got {x0!r}")
+    return start
 
 
-def start_of(model: Any, x0: Any) -> Any:
+def start_of(model: Any, x0: Any, automaton: HybridAutomaton | None = None) -> Any:
     """The state (2n,) that a name stands for, of a model or an automaton."""
     if isinstance(model, HybridAutomaton) and isinstance(x0, str):
         check_choice("x0", x0, ("rest",))
         return np.zeros(len(model.states))
-    return initial_state(model, x0)
+    return initial_state(model, x0, automaton)
 
 
 def automaton_of(model: Any) -> HybridAutomaton:

@@ -43,6 +43,7 @@ class Cursor(NamedTuple):
 
 NOW, END, ENTERED, DWELL, CHATTER, CARRY = range(6)
 MODE, STEPS, EVENTS, POINTS, SHORT, SHORT_FLIGHTS, CLOSED, REPEATED, READY, RAISES, CELL = range(11)
+COUNTS = 11
 
 
 class Record(NamedTuple):
@@ -63,9 +64,15 @@ def new_cursor(
     state: np.ndarray, mode: int, t_end: float, limits: tuple[float, float], raises: bool
 ) -> Cursor:
     """Cursor at time 0 in `mode`, whose jets are at hand; without sections."""
-    counts, times = np.zeros(11, dtype=np.int64), np.array([0.0, t_end, 0.0, *limits, 0.0])
+    counts = np.zeros(COUNTS, dtype=np.int64)
     counts[MODE], counts[READY], counts[RAISES] = mode, 1, raises
-    return Cursor(state.copy(), np.abs(state), times, counts, np.zeros(0, dtype=np.int64))
+    signs = np.zeros(0, dtype=np.int64)
+    return Cursor(state.copy(), np.abs(state), times_of(t_end, limits), counts, signs)
+
+
+def times_of(t_end: float, limits: tuple[float, float]) -> np.ndarray:
+    """Times of a cursor at 0."""
+    return np.array([0.0, t_end, 0.0, *limits, 0.0])
 
 
 @inlined

@@ -10,13 +10,11 @@ import numpy as np
 from frictionlab.hybrid import bookkeeping, lanes, step_length
 from frictionlab.hybrid.affine import is_affine
 from frictionlab.hybrid.buffers import new_record, new_work
-from frictionlab.hybrid.layout import Numbers
 from frictionlab.hybrid.methods import ENDS
 from frictionlab.hybrid.native_lanes import GUARD_TOL, LOG_TOL, ROWS, TOL, WIDTH
 from frictionlab.hybrid.natives import LONG, natives
 from frictionlab.hybrid.problem import Problem
 from frictionlab.hybrid.progress import Progress
-from frictionlab.hybrid.start import start
 from frictionlab.hybrid.status import Status
 from frictionlab.hybrid.taylor import Taylor
 
@@ -67,13 +65,7 @@ def _side_by_side(problems: Sequence[Problem], method: Taylor, progress: Progres
     runs, seats = _runs(problems, method), _seats(problems[0], method)
     native, record = natives(program, method.jets, order + 1), new_record(program.code, 1, 2, 0)
     work = new_work(program.slots, program.code, order)
-    for i, problem in enumerate(problems):
-        mode = start(problem, order, Numbers(*map(np.abs, problem.numbers)), work)
-        runs.counts[i, bookkeeping.MODE], runs.counts[i, bookkeeping.READY] = mode, 1
-        if mode < 0:
-            runs.status[i] = bookkeeping.NO_ADMISSIBLE_MODE
-        else:
-            lanes.alone(native.code, order, method.tol, runs, i, 0, record, work)
+    lanes.begin_runs(native.code, order, method.tol, runs, program.initial, record, work)
     left, interrupted, share = True, False, runs.times[:, bookkeeping.NOW]
     while left and not interrupted:
         left = lanes.advance_runs(native.code, order, method.tol, runs, seats, record, work, ROUNDS)
@@ -85,14 +77,16 @@ def _side_by_side(problems: Sequence[Problem], method: Taylor, progress: Progres
 
 def _runs(problems: Sequence[Problem], method: Taylor) -> lanes.Runs:
     count, code = len(problems), problems[0].program.code
-    cursors = [bookkeeping.new_cursor(p.x0, 0, p.t_end, method.limits, method.raises) for p in problems]
+    states, counts = np.array([p.x0 for p in problems]), np.zeros((count, bookkeeping.COUNTS), dtype=np.int64)
+    times = np.tile(bookkeeping.times_of(problems[0].t_end, method.limits), (count, 1))
+    counts[:, bookkeeping.RAISES] = method.raises
     constants = np.array([p.numbers.constants for p in problems])
     terms = np.array([p.numbers.terms for p in problems])
     return lanes.Runs(
-        states=np.array([c.state for c in cursors]),
-        sizes=np.array([c.sizes for c in cursors]),
-        times=np.array([c.times for c in cursors]),
-        counts=np.array([c.counts for c in cursors]),
+        states=states,
+        sizes=np.abs(states),
+        times=times,
+        counts=counts,
         signs=np.zeros(0, dtype=np.int64),
         constants=constants,
         terms=terms,

@@ -18,6 +18,7 @@ from frictionlab.hybrid.bookkeeping import (
     EVENTS,
     FINISHED,
     MODE,
+    NO_ADMISSIBLE_MODE,
     NOW,
     READY,
     RUNNING,
@@ -32,6 +33,7 @@ from frictionlab.hybrid.jets import copy
 from frictionlab.hybrid.layout import Numbers
 from frictionlab.hybrid.native_lanes import FINE, LEFT, LENGTH, WIDTH
 from frictionlab.hybrid.stepping import advance
+from frictionlab.hybrid.transitions import NO_MODE, enter
 
 FEW = 3  # fewer than these in a mode go one by one
 AT_ONCE = 1000  # calls after which the kernel looks up
@@ -110,6 +112,28 @@ def alone(code, order, tol, runs, i, most, record, work):
         if settled(runs, i, status):
             return
     wait_for_mode(runs, i)
+
+
+@kernel
+def begin(code, order, tol, runs, i, initial, record, work):
+    """Choose the first mode of a run, and take its first step."""
+    numbers = Numbers(runs.constants[i], runs.terms[i])
+    absolute = Numbers(runs.sizes_of_constants[i], runs.sizes_of_terms[i])
+    work.declared[:] = 0
+    z, declared = runs.states[i], work.declared
+    mode = enter(code, numbers, absolute, initial, z, z, order, declared, work.zeros, work.jets, work.bounds)
+    runs.counts[i, MODE], runs.counts[i, READY] = mode, 1
+    if mode == NO_MODE:
+        runs.status[i] = NO_ADMISSIBLE_MODE
+    else:
+        alone(code, order, tol, runs, i, 0, record, work)
+
+
+@kernel
+def begin_runs(code, order, tol, runs, initial, record, work):
+    """Begin them all."""
+    for i in range(runs.status.shape[0]):
+        begin(code, order, tol, runs, i, initial, record, work)
 
 
 @kernel
