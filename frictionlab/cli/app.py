@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import signal
 import socket
 import sys
 from importlib.util import find_spec
@@ -99,4 +100,15 @@ def _serve(notebook: Path, port: int, browser: bool) -> None:
     options = [str(notebook), f"--port={port}", "--Voila.port_retries=0", "--show_tracebacks=True"]
     options += ["--Voila.log_level=ERROR"] + ([] if browser else ["--no-browser"])
     settings = {"headers": {"Content-Security-Policy": POLICY}}
+    signal.signal(signal.SIGINT, _stop)
     Voila.launch_instance(options, tornado_settings=settings)
+
+
+def _stop(number: int, frame: Any) -> None:
+    """End the server's loop; a KeyboardInterrupt may be lost, where Python calls back from C."""
+    from tornado.ioloop import IOLoop
+
+    loop = IOLoop.current(instance=False)
+    if loop is None:  # not yet serving
+        raise KeyboardInterrupt
+    loop.add_callback_from_signal(loop.stop)

@@ -50,13 +50,16 @@ def test_ctrl_c_ends_it_cleanly(tmp_path):
     with subprocess.Popen(
         command, env=variables, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     ) as process:
-        address = re.fullmatch(
-            r"Explorer at (http://localhost:\d+/) \(ctrl-C ends it\)\n", process.stdout.readline()
-        )[1]
-        assert list(tmp_path.glob("frictionlab-*/explorer.ipynb"))
-        answer = served(address)
-        process.send_signal(signal.SIGINT)
-        out, err = process.communicate(timeout=60)
+        try:
+            address = re.fullmatch(
+                r"Explorer at (http://localhost:\d+/) \(ctrl-C ends it\)\n", process.stdout.readline()
+            )[1]
+            assert list(tmp_path.glob("frictionlab-*/explorer.ipynb"))
+            answer = served(address)
+            process.send_signal(signal.SIGINT)
+            out, err = process.communicate(timeout=60)
+        finally:
+            process.kill()
     assert process.returncode == 0
     assert out == ""
     assert "Traceback" not in err
