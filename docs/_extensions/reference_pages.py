@@ -7,6 +7,7 @@ only a new package has to be given a title here.
 import re
 from importlib import import_module
 from importlib.util import find_spec
+from inspect import ismodule
 
 from borrowed_pages import DOCS, write
 from sphinx.ext import autosummary
@@ -66,7 +67,14 @@ def names_of(package: str) -> list[str]:
     found = [name for name, home in frictionlab._HOME.items() if home.partition(".")[0] == package]
     module = import_module(f"frictionlab.{package}") if find_spec(f"frictionlab.{package}") else None
     own = [name for name in getattr(module, "__all__", ()) if name not in found]
-    return sorted([*found, *(f"{package}.{name}" for name in own), *RESULTS.get(package, ())], key=by_name)
+    paths = map(path_of, found)
+    return sorted([*paths, *(f"{package}.{name}" for name in own), *RESULTS.get(package, ())], key=by_name)
+
+
+def path_of(name: str) -> str:
+    """A name as one writes it after ``frictionlab.``, but a module by where it is."""
+    value = getattr(frictionlab, name)
+    return value.__name__.removeprefix("frictionlab.") if ismodule(value) else name
 
 
 def by_name(path: str) -> tuple[bool, str]:

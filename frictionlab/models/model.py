@@ -103,7 +103,7 @@ class Model(Component):
 
         Called once for every structure, on a copy of the model whose parameters are symbols of sympy:
         ``self.mu_k`` is one, and ``self.friction`` a law that has them.  Its states are symbols made with
-        :func:`frictionlab.models.symbols.symbol`.
+        ``frictionlab.models.symbols.symbol``.
         """
         raise NotImplementedError(f"{type(self).__name__} must define derive()")
 

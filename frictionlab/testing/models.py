@@ -25,7 +25,7 @@ def check_model(model: Model, t_end: float = 1.0) -> Trajectory:
 
     Its parameters are described; its repr makes it again; every mode's equations print; a parameter's value
     changes no structure, so that a slider compiles nothing; a motion from rest keeps the rules of contact and
-    friction (:func:`frictionlab.testing.motion.violations`), and agrees with that of another integrator.
+    friction, and agrees with that of another integrator.
 
     Parameters
     ----------
