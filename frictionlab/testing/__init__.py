@@ -2,7 +2,7 @@
 
 >>> import frictionlab as fl
 >>> fl.testing.check_law(fl.HertzContact())
->>> fl.testing.check_model(fl.SliderOnBelt(friction=fl.Stribeck()), t_end=0.1)
+>>> run = fl.testing.check_model(fl.SliderOnBelt(friction=fl.Stribeck()), t_end=0.1)
 """
 
 from __future__ import annotations
