@@ -13,7 +13,7 @@ HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE / "_extensions"))
 os.environ["MPLBACKEND"] = "Agg"
 
-import frictionlab  # noqa: E402
+import frictionlab  # noqa: E402  matplotlib reads the variable when it is loaded
 
 project = "frictionlab"
 author = "frictionlab developers"

@@ -14,7 +14,28 @@ from .recurrence import Array
 
 
 @dataclass(frozen=True, eq=False)
-class Basins:
+class Labelled:
+    """Initial states, each with the attractor it goes to; the base of both results."""
+
+    labels: np.ndarray
+    attractors: tuple[Attractor, ...]
+    names: tuple[str, ...]
+    asked: dict[str, Any]
+    results: dict[int, Any]
+
+    @property
+    def fractions(self) -> dict[str, float]:
+        """Share p of the initial states that goes to each attractor, by its name."""
+        done = max(1, int((self.labels != UNDECIDED).sum()))
+        return {a.name: float((self.labels == i).sum()) / done for i, a in enumerate(self.attractors)}
+
+    def save(self, path: str | Path) -> Path:
+        """Write the result as JSON lines: what :func:`load_basins` reads and `resume` continues."""
+        return write(path, self.asked, self.results)
+
+
+@dataclass(frozen=True, eq=False)
+class Basins(Labelled):
     """Basins of attraction in a plane of initial states.
 
     Parameters
@@ -38,27 +59,13 @@ class Basins:
     y: str
     x_values: Array
     y_values: Array
-    labels: np.ndarray
-    attractors: tuple[Attractor, ...]
-    names: tuple[str, ...]
-    asked: dict[str, Any]
-    results: dict[int, Any]
-
-    @property
-    def fractions(self) -> dict[str, float]:
-        """Share of the initial states that goes to each attractor, by its name."""
-        return _fractions(self.labels, self.attractors)
-
-    def save(self, path: str | Path) -> Path:
-        """Write the result as JSON lines: what :func:`load_basins` reads and `resume` continues."""
-        return write(path, self.asked, self.results)
 
     def __repr__(self) -> str:
         return f"Basins({self.x}, {self.y}: {_shares(self.fractions)})"
 
 
 @dataclass(frozen=True, eq=False)
-class BasinStability:
+class BasinStability(Labelled):
     """Shares of random initial states that go to each attractor.
 
     Parameters
@@ -74,26 +81,12 @@ class BasinStability:
 
     ranges: dict[str, tuple[float, float]]
     points: Array
-    labels: np.ndarray
-    attractors: tuple[Attractor, ...]
-    names: tuple[str, ...]
-    asked: dict[str, Any]
-    results: dict[int, Any]
-
-    @property
-    def fractions(self) -> dict[str, float]:
-        """Share p of the initial states that goes to each attractor, by its name."""
-        return _fractions(self.labels, self.attractors)
 
     @property
     def errors(self) -> dict[str, float]:
         """Standard error of each share, sqrt(p (1 - p)/N)."""
         count = max(1, int((self.labels != UNDECIDED).sum()))
         return {name: float(np.sqrt(p * (1.0 - p) / count)) for name, p in self.fractions.items()}
-
-    def save(self, path: str | Path) -> Path:
-        """Write the result as JSON lines: what :func:`load_basins` reads and `resume` continues."""
-        return write(path, self.asked, self.results)
 
     def __repr__(self) -> str:
         return f"BasinStability({_shares(self.fractions, self.errors)})"
@@ -161,11 +154,6 @@ def _collected(asked: dict[str, Any], results: dict[int, Any]) -> tuple[np.ndarr
         first = (i - probes) * group
         labels[first : first + group] = index[results[i]["labels"]]
     return labels, named(catalogue.found)
-
-
-def _fractions(labels: np.ndarray, attractors: tuple[Attractor, ...]) -> dict[str, float]:
-    done = max(1, int((labels != UNDECIDED).sum()))
-    return {a.name: float((labels == i).sum()) / done for i, a in enumerate(attractors)}
 
 
 def _shares(fractions: dict[str, float], errors: dict[str, float] | None = None) -> str:

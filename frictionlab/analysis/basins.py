@@ -17,7 +17,7 @@ from .basin_results import Basins, BasinStability, basins_of, drawn, load_basins
 from .basin_tasks import names_of, settled
 from .recurrence import Array
 from .sections import Section
-from .steady_state import check_start, start_of
+from .steady_state import automaton_of, checked_start
 
 __all__ = ["BasinStability", "Basins", "basin_stability", "basins", "load_basins"]
 
@@ -196,15 +196,10 @@ def _range(model: Any, name: str, limits: Any) -> tuple[float, float]:
 def _starts(model: Any, names: Sequence[str], points: Array, x0: Any) -> Array:
     """Initial states (N, n): the named ones take their columns of `points`, the others come from `x0`."""
     known = names_of(model)
-    base = np.zeros(len(known)) if callable(x0) else _base(model, x0)
-    starts = np.repeat(np.asarray(base, dtype=float)[None], len(points), axis=0)
+    base = np.zeros(len(known)) if callable(x0) else checked_start(model, x0, automaton_of(model))
+    starts = np.repeat(base[None], len(points), axis=0)
     starts[:, [known.index(name) for name in names]] = points
     return np.array([_complete(x0, start, known) for start in starts]) if callable(x0) else starts
-
-
-def _base(model: Any, x0: Any) -> Any:
-    check_start(model, x0)
-    return start_of(model, x0)
 
 
 def _complete(x0: Callable[[Array], Any], start: Array, names: tuple[str, ...]) -> Array:

@@ -15,7 +15,7 @@ from frictionlab.hybrid.validation import check_number
 
 from .recurrence import Array
 from .returns import scales
-from .steady_state import automaton_of, check_start, start_of
+from .steady_state import automaton_of, checked_start
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,8 +93,8 @@ def lyapunov(
     check_number("transient", transient, least=0.0, cure="give the seconds to throw away")
     check_number("t_end", t_end, above=0.0, cure="give the seconds to average over")
     check_number("blocks", blocks, integer=True, least=2, cure="20 parts are usual")
-    check_start(model, x0)
-    automaton, state = automaton_of(model), np.asarray(start_of(model, x0), dtype=float)
+    automaton = automaton_of(model)
+    state = checked_start(model, x0, automaton)
     if transient:
         state = _run(automaton, transient, state, progress).final_state
     motion = _run(automaton, t_end / blocks, state, progress).states

@@ -50,6 +50,6 @@ def _events(functions: Lowered) -> Any:
         functions.guards(y, out)
 
     # sksundae reads these two from the function itself; the type checker knows no attributes of functions
-    events.terminal = [True] * functions.count  # type: ignore[attr-defined]
-    events.direction = [-1] * functions.count  # type: ignore[attr-defined]
+    both = [True] * functions.count, [-1] * functions.count
+    events.terminal, events.direction = both  # type: ignore[attr-defined]
     return events

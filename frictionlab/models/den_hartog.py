@@ -12,13 +12,13 @@ from frictionlab.components import functions
 from frictionlab.components.friction import Coulomb, FrictionLaw
 
 from .fields import damper, frequency, load, mass, normal, stiffness
-from .mechanics import Friction, MechanicalModel, Mechanics
+from .mechanics import Friction, Mechanics, SingleMass
 from .model import with_signature
 
 
 @with_signature
 @dataclass(frozen=True, init=False, repr=False)
-class DenHartog(MechanicalModel):
+class DenHartog(SingleMass):
     """A mass on a spring that rubs on the ground, driven: m x'' + c x' + k x = F cos(Omega t) + F_T.
 
     F_T = -mu N sgn(x').  Its state has the phase Omega t (rad) beside x and x'; the phase goes from 0 to
@@ -65,11 +65,6 @@ class DenHartog(MechanicalModel):
 
     roles: ClassVar[Mapping[str, type]] = MappingProxyType({"friction": FrictionLaw})
     reference: ClassVar[str] = "J. P. Den Hartog, Transactions of the ASME 53 (1931) APM-107-115"
-
-    @property
-    def coordinates(self) -> tuple[str, ...]:
-        """The displacement x, from where the spring is slack."""
-        return ("x",)
 
     @property
     def period(self) -> float:

@@ -11,13 +11,13 @@ from frictionlab.components.friction import Coulomb, FrictionLaw
 from frictionlab.components.parameter import parameter
 
 from .fields import mass, natural_period, normal, stiffness
-from .mechanics import Friction, MechanicalModel, Mechanics
+from .mechanics import Friction, Mechanics, SingleMass
 from .model import with_signature
 
 
 @with_signature
 @dataclass(frozen=True, init=False, repr=False)
-class FreeCoulomb(MechanicalModel):
+class FreeCoulomb(SingleMass):
     """A mass on a spring that rubs on the ground and stops for ever: m x'' + k x = F_T, F_T = -mu N sgn(x').
 
     Released at x_0 it turns after every half period pi sqrt(m/k), each time 2 mu_k N/k nearer to where the
@@ -55,11 +55,6 @@ class FreeCoulomb(MechanicalModel):
 
     roles: ClassVar[Mapping[str, type]] = MappingProxyType({"friction": FrictionLaw})
     reference: ClassVar[str] = "J. P. Den Hartog, Mechanical Vibrations, 4th ed., McGraw-Hill 1956"
-
-    @property
-    def coordinates(self) -> tuple[str, ...]:
-        """The displacement x, from where the spring is slack."""
-        return ("x",)
 
     @property
     def period(self) -> float:

@@ -13,13 +13,13 @@ from frictionlab.components.impact import ImpactLaw, RestitutionImpact
 from frictionlab.components.parameter import parameter
 
 from .fields import damper, frequency, load, mass, stiffness
-from .mechanics import MechanicalModel, Mechanics, Stop
+from .mechanics import Mechanics, SingleMass, Stop
 from .model import with_signature
 
 
 @with_signature
 @dataclass(frozen=True, init=False, repr=False)
-class ImpactOscillator(MechanicalModel):
+class ImpactOscillator(SingleMass):
     """A driven mass before a stop: m x'' + c x' + k x = F cos(Omega t) while x < d; x' becomes -e x' at d.
 
     Its state has the phase Omega t (rad) beside x and x'; the phase goes from 0 to 2 pi and begins anew.
@@ -62,11 +62,6 @@ class ImpactOscillator(MechanicalModel):
 
     roles: ClassVar[Mapping[str, type]] = MappingProxyType({"impact": ImpactLaw})
     reference: ClassVar[str] = "S. W. Shaw, P. J. Holmes, J. Sound and Vibration 90 (1983) 129-155"
-
-    @property
-    def coordinates(self) -> tuple[str, ...]:
-        """The displacement x, from where the spring is slack."""
-        return ("x",)
 
     @property
     def period(self) -> float:

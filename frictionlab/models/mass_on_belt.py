@@ -10,13 +10,13 @@ from typing import Any, ClassVar
 from frictionlab.components.friction import Coulomb, FrictionLaw
 
 from .fields import damper, mass, natural_period, normal, speed, stiffness
-from .mechanics import Friction, MechanicalModel, Mechanics
+from .mechanics import Friction, Mechanics, SingleMass
 from .model import with_signature
 
 
 @with_signature
 @dataclass(frozen=True, init=False, repr=False)
-class MassOnBelt(MechanicalModel):
+class MassOnBelt(SingleMass):
     """A mass on a spring and a damper, rubbed by a belt that runs: m x'' + c x' + k x = F_T.
 
     It slides with v_r = v - x' and F_T = sgn(v_r) mu(|v_r|) N, and sticks while |F_T| = |k x + c v| is at
@@ -68,11 +68,6 @@ class MassOnBelt(MechanicalModel):
 
     roles: ClassVar[Mapping[str, type]] = MappingProxyType({"friction": FrictionLaw})
     reference: ClassVar[str] = "K. Popp, P. Stelter, Phil. Trans. R. Soc. A 332 (1990) 89-105"
-
-    @property
-    def coordinates(self) -> tuple[str, ...]:
-        """The displacement x, from where the spring is slack."""
-        return ("x",)
 
     @property
     def period(self) -> float:

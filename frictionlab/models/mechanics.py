@@ -107,3 +107,12 @@ class MechanicalModel(Model):
         from .lagrange_equations import equations
 
         return equations(self, mode)
+
+
+class SingleMass(MechanicalModel):
+    """Base of the models of one mass on a spring."""
+
+    @property
+    def coordinates(self) -> tuple[str, ...]:
+        """The displacement x, from where the spring is slack."""
+        return ("x",)

@@ -9,8 +9,8 @@ from matplotlib.lines import Line2D
 
 from .figure import axes_or_new
 from .palette import ANGLES, label, line_style, unit
-from .shading import shade_modes
-from .windows import LAST, Window, dense_times, limits, window_text
+from .time_panel import finish
+from .windows import LAST, Window, dense_times, limits
 
 
 def plot_displacements(
@@ -47,11 +47,7 @@ def plot_displacements(
     for i, name in enumerate(names):
         axis, text = right if name in ANGLES else ax, f"{label(name)} ({unit(name)})"
         lines += axis.plot(t, states[:, i], label=text, **line_style(i, name))
-    if shade:
-        shade_modes(run, ax, (start, stop))
-    title = f"Displacements, {window_text(run, start, stop)}"
-    ax.set(xlabel="time (s)", ylabel="displacement (m)", title=title)
-    ax.margins(x=0)
+    finish(run, ax, (start, stop), shade, "Displacements", "displacement (m)")
     return lines
 
 

@@ -9,8 +9,8 @@ from matplotlib.lines import Line2D
 
 from .figure import axes_or_new
 from .palette import BLUE, GREEN, ORANGE, VERMILLION
-from .shading import shade_modes
-from .windows import LAST, Window, dense_times, limits, window_text
+from .time_panel import finish
+from .windows import LAST, Window, dense_times, limits
 
 LETTERS = {"normal_force": "F_N", "friction_force": "F_T"}
 FORCES = {"normal_force": ("$F_N$ (N)", BLUE), "friction_force": ("$F_T$ (N)", VERMILLION)}
@@ -70,9 +70,5 @@ def plot_contact_forces(
     lines = []
     for name, (text, colour) in found.items():
         lines += ax.plot(t, run.output(name, t), label=text, color=colour, linewidth=1.2)
-    if shade:
-        shade_modes(run, ax, (start, stop))
-    title = f"Contact forces, {window_text(run, start, stop)}"
-    ax.set(xlabel="time (s)", ylabel="contact force (N)", title=title)
-    ax.margins(x=0)
+    finish(run, ax, (start, stop), shade, "Contact forces", "contact force (N)")
     return lines

@@ -9,8 +9,8 @@ from matplotlib.lines import Line2D
 
 from .figure import axes_or_new
 from .palette import label, line_style, unit
-from .shading import shade_modes
-from .windows import LAST, Window, dense_times, limits, window_text
+from .time_panel import finish
+from .windows import LAST, Window, dense_times, limits
 
 
 def plot_rates(
@@ -40,8 +40,5 @@ def plot_rates(
     for i, name in enumerate(run.names[n : 2 * n]):
         text = f"{label(name)} ({unit(name)})"
         lines += ax.plot(t, states[:, n + i], label=text, **line_style(i, name))
-    if shade:
-        shade_modes(run, ax, (start, stop))
-    ax.set(xlabel="time (s)", ylabel="rate", title=f"Rates, {window_text(run, start, stop)}")
-    ax.margins(x=0)
+    finish(run, ax, (start, stop), shade, "Rates", "rate")
     return lines

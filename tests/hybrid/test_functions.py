@@ -29,6 +29,10 @@ def test_the_period_of_a_pendulum(amplitude):
     )
 
 
+def integral_of_atan(x):
+    return x * mpmath.atan(x) - mpmath.log(1 + x * x) / 2
+
+
 GROWTHS = {  # x' as a function of x, and x(1) from x(0)
     "exp": (-sp.exp(X), 0.5, -math.log(math.exp(-0.5) + 1)),
     "log": (X * sp.log(X), 2.0, 2**math.e),
@@ -49,9 +53,8 @@ GROWTHS = {  # x' as a function of x, and x(1) from x(0)
 def test_growth_by_every_function(name):
     rate, start, end = GROWTHS[name]
     scene = automaton(fl.Mode("only", (rate,)), states=(X,), coordinates=0)
-    if end is None:  # the integral of atan is x atan(x) - log(1 + x^2)/2
-        gone = lambda x: x * mpmath.atan(x) - mpmath.log(1 + x * x) / 2  # noqa: E731  short and used once
-        end = float(mpmath.findroot(lambda x: gone(x) - gone(start) - 1, 2.0))
+    if end is None:
+        end = float(mpmath.findroot(lambda x: integral_of_atan(x) - integral_of_atan(start) - 1, 2.0))
     assert run(scene, 1.0, [start]).final_state[0] == pytest.approx(end, rel=2e-14)
 
 
