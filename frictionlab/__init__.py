@@ -72,6 +72,7 @@ if TYPE_CHECKING:
         ModeCoupling,
         Model,
         SliderOnBelt,
+        SliderOnRigidBelt,
         TwoBlocks,
         list_models,
     )
@@ -120,8 +121,8 @@ _HOMES = {
     "hybrid.tangent_flow": "tangent_flow TangentFlow",
     "hybrid.taylor": "Taylor",
     "hybrid.trajectory": "Trajectory",
-    "models": "SliderOnBelt MassOnBelt FreeCoulomb DenHartog ModeCoupling BouncingBall ImpactOscillator "
-    "TwoBlocks Model MechanicalModel list_models",
+    "models": "SliderOnBelt SliderOnRigidBelt MassOnBelt FreeCoulomb DenHartog ModeCoupling BouncingBall "
+    "ImpactOscillator TwoBlocks Model MechanicalModel list_models",
     "plotting": "animate plot_run",
     "stability": "equilibria equilibrium eigenvalues root_locus stability_changes critical_value "
     "critical_curve stability_map hopf",

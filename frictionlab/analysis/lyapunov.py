@@ -18,7 +18,7 @@ from .returns import scales
 from .steady_state import automaton_of, checked_start
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class LyapunovSpectrum:
     """Lyapunov exponents of a motion.
 
@@ -38,6 +38,10 @@ class LyapunovSpectrum:
     standard_errors: Array
     blocks: Array
     final_state: Array
+
+    def __repr__(self) -> str:
+        pairs = zip(self.exponents, self.standard_errors)
+        return f"LyapunovSpectrum({', '.join(f'{mean:.4g} +- {error:.2g}' for mean, error in pairs)} 1/s)"
 
     @property
     def chaotic(self) -> bool:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -101,9 +102,17 @@ def _others(quick: bool, switched: list[Any]) -> list[str]:
     }
     tables = []
     for title, measure in measured.items():
-        tables.append(measure())
+        tables.append(_kept(measure))
         print(f"\n{title}\n\n{tables[-1]}", flush=True)
     return tables
+
+
+def _kept(measure: Callable[[], str]) -> str:
+    """A table, or why there is none: one that fails must not cost the others."""
+    try:
+        return measure()
+    except Exception as error:
+        return f"Not measured: {type(error).__name__}: {error}\n"
 
 
 def _explorer(count: int) -> str:

@@ -12,6 +12,7 @@ from .mechanics import Friction, MechanicalModel, Mechanics, Stop
 from .mode_coupling import ModeCoupling
 from .model import Model, with_signature
 from .slider_on_belt import SliderOnBelt
+from .slider_on_rigid_belt import SliderOnRigidBelt
 from .two_blocks import TwoBlocks
 
 __all__ = [
@@ -27,6 +28,7 @@ __all__ = [
     "Model",
     "ModelTable",
     "SliderOnBelt",
+    "SliderOnRigidBelt",
     "Stop",
     "TwoBlocks",
     "list_models",

@@ -14,6 +14,7 @@ from .impact_oscillator import ImpactOscillator
 from .mass_on_belt import MassOnBelt
 from .mode_coupling import ModeCoupling
 from .slider_on_belt import SliderOnBelt
+from .slider_on_rigid_belt import SliderOnRigidBelt
 from .two_blocks import TwoBlocks
 
 PAPANGELO = "A. Papangelo, M. Ciavarella, N. Hoffmann, Nonlinear Dynamics 90 (2017)"
@@ -66,6 +67,11 @@ ROWS = (
     ),
     ModelRow(WEAKENING, "weakening, then strengthening: a subcritical Hopf point", PAPANGELO),
     ModelRow("ModeCoupling()", "two modes that constant friction merges", ModeCoupling.reference),
+    ModelRow(
+        "SliderOnRigidBelt()",
+        "flutter that a harder pressure sets in and ends, with loss of contact",
+        SliderOnRigidBelt.reference,
+    ),
     ModelRow("DenHartog()", "dry friction and a harmonic force", DenHartog.reference),
     ModelRow("FreeCoulomb()", "dry friction alone: it stops for ever", FreeCoulomb.reference),
     ModelRow("BouncingBall()", "infinitely many impacts in a finite time", BouncingBall.reference),
@@ -86,7 +92,7 @@ def list_models() -> ModelTable:
     --------
     >>> import frictionlab as fl
     >>> len(fl.list_models())
-    10
+    11
     >>> next(iter(fl.list_models())).call
     'SliderOnBelt()'
     """

@@ -15,16 +15,24 @@ def mass(default: float = 1.0, symbol: str = "m", meaning: str = "mass") -> Any:
     )
 
 
-def stiffness(default: float = 1.0, symbol: str = "k", meaning: str = "stiffness of the spring") -> Any:
+def stiffness(
+    default: float = 1.0,
+    symbol: str = "k",
+    meaning: str = "stiffness of the spring",
+    range: tuple[float, float] = (0.1, 100.0),
+) -> Any:
     """A stiffness, N/m."""
-    return parameter(
-        default, unit="N/m", symbol=symbol, meaning=meaning, minimum=0.0, range=(0.1, 100.0), log=True
-    )
+    return parameter(default, unit="N/m", symbol=symbol, meaning=meaning, minimum=0.0, range=range, log=True)
 
 
-def damper(default: float = 0.0, symbol: str = "c", meaning: str = "damping") -> Any:
+def damper(
+    default: float = 0.0,
+    symbol: str = "c",
+    meaning: str = "damping",
+    range: tuple[float, float] = (0.0, 2.0),
+) -> Any:
     """A damper, N s/m."""
-    return parameter(default, unit="N s/m", symbol=symbol, meaning=meaning, minimum=0.0, range=(0.0, 2.0))
+    return parameter(default, unit="N s/m", symbol=symbol, meaning=meaning, minimum=0.0, range=range)
 
 
 def speed(default: float, symbol: str = "v") -> Any:

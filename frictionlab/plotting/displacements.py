@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from .figure import axes_or_new
-from .palette import ANGLES, label, line_style, unit
+from .palette import beside, label, left_label, line_style, unit
 from .time_panel import finish
 from .windows import LAST, Window, dense_times, limits
 
@@ -18,8 +18,8 @@ def plot_displacements(
 ) -> list[Line2D]:
     """Draw all coordinates against time, with the modes shaded behind them.
 
-    Lengths belong to the axis on the left; an angle, which has another unit and size, is dashed and
-    belongs to one on the right.
+    Lengths belong to the axis on the left; an angle (named phi, theta or psi) is dashed, as it has another
+    unit and size, and where there are lengths belongs to an axis on the right.
 
     Parameters
     ----------
@@ -40,14 +40,15 @@ def plot_displacements(
     start, stop = limits(run, window)
     t = dense_times(start, stop)
     states, names = run(t), run.names[: run.automaton.coordinates]
-    right = _angle_axis(ax) if set(names) & set(ANGLES) else ax
+    angles = beside(names)
+    right = _angle_axis(ax) if angles else ax
     for axis in (ax, right):
         axis.ticklabel_format(axis="y", scilimits=(-3, 4))  # 1e-4 once rather than 0.00012 at every tick
     lines = []
     for i, name in enumerate(names):
-        axis, text = right if name in ANGLES else ax, f"{label(name)} ({unit(name)})"
+        axis, text = right if name in angles else ax, f"{label(name)} ({unit(name)})"
         lines += axis.plot(t, states[:, i], label=text, **line_style(i, name))
-    finish(run, ax, (start, stop), shade, "Displacements", "displacement (m)")
+    finish(run, ax, (start, stop), shade, "Displacements", left_label(names))
     return lines
 
 

@@ -23,7 +23,23 @@ MODES = MappingProxyType(
         "chatter": YELLOW,
     },
 )
-ANGLES = ("phi",)  # all other coordinates are lengths
+ANGLES = {"phi": r"\varphi", "theta": r"\theta", "psi": r"\psi"}  # in LaTeX; all others are lengths
+
+
+def is_angle(name: str) -> bool:
+    """Whether a coordinate, or its rate, is an angle by its name: phi, theta, psi, phi1, phi2 ..."""
+    return name.rstrip("'").rstrip("0123456789") in ANGLES
+
+
+def beside(names: Sequence[str]) -> tuple[str, ...]:
+    """The angles among coordinates that have an axis of their own: where there are lengths as well."""
+    angles = tuple(filter(is_angle, names))
+    return () if len(angles) == len(names) else angles
+
+
+def left_label(names: Sequence[str]) -> str:
+    """What the axis on the left shows."""
+    return "displacement (m)" if beside(names) or not any(map(is_angle, names)) else "angle (rad)"
 
 
 def mode_colours(names: Sequence[str]) -> dict[str, str]:
@@ -35,7 +51,7 @@ def mode_colours(names: Sequence[str]) -> dict[str, str]:
 def line_style(index: int, name: str) -> dict[str, Any]:
     """Colour and dashes of a coordinate's line: angles are dashed, as they have a unit of their own."""
     colour = LINES[index % len(LINES)]
-    dashed = name in ANGLES or index >= len(LINES)
+    dashed = is_angle(name) or index >= len(LINES)
     return {"color": colour, "linestyle": DASHED if dashed else "-", "linewidth": 1.2}
 
 
@@ -44,12 +60,12 @@ def label(name: str) -> str:
     base = name.rstrip("'")
     stem = base.rstrip("0123456789")
     index = base[len(stem) :]
-    letter = r"\varphi" if stem == "phi" else stem
+    letter = ANGLES.get(stem, stem)
     letter = rf"\dot{{{letter}}}" if name.endswith("'") else letter
     return f"${letter}_{{{index}}}$" if index else f"${letter}$"
 
 
 def unit(name: str) -> str:
     """SI unit of a coordinate or of its rate."""
-    length = "rad" if name.rstrip("'") in ANGLES else "m"
+    length = "rad" if is_angle(name) else "m"
     return f"{length}/s" if name.endswith("'") else length

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from .figure import axes_or_new
-from .palette import label, line_style, unit
+from .palette import is_angle, label, line_style, unit
 from .time_panel import finish
 from .windows import LAST, Window, dense_times, limits
 
@@ -37,8 +37,9 @@ def plot_rates(
     start, stop = limits(run, window)
     t, n = dense_times(start, stop), run.automaton.coordinates
     states, lines = run(t), []
-    for i, name in enumerate(run.names[n : 2 * n]):
+    names = run.names[n : 2 * n]
+    for i, name in enumerate(names):
         text = f"{label(name)} ({unit(name)})"
         lines += ax.plot(t, states[:, n + i], label=text, **line_style(i, name))
-    finish(run, ax, (start, stop), shade, "Rates", "rate")
+    finish(run, ax, (start, stop), shade, "Rates", "rate" if any(map(is_angle, names)) else "velocity (m/s)")
     return lines

@@ -157,6 +157,64 @@ def test_equal_damping_of_both_modes_shifts_every_growth_rate():
     assert max(apart.min(axis=0).max(), apart.min(axis=1).max()) < 1e-12
 
 
+# --- a slider on a rigid belt
+
+
+def stiffnesses(model):
+    """k11, k12, k22 without the contact."""
+    along, slope = np.cos(model.a), np.sin(model.a)
+    return model.k1 + model.k3 * along**2, model.k3 * slope * along, model.k3 * slope**2
+
+
+def preloads(model):
+    """The preloads between which an undamped slider flutters, from the contact stiffnesses there."""
+    k11, k12, k22 = stiffnesses(model)
+    softening = k11 - k22 + 2 * model.mu_k * k12
+    half = np.sqrt(softening**2 - (k11 - k22) ** 2 - 4 * k12**2)
+    y = np.sqrt((softening + np.array([-half, half]) - model.contact.k2) / (3 * model.contact.k_nl))
+    normal_force = model.contact.force(y)
+    x = (model.mu_k * normal_force - k12 * y) / k11
+    return k12 * x + k22 * y + normal_force
+
+
+@pytest.mark.parametrize("changes", [{}, {"mu_k": 0.7, "a": 0.6}, {"m": 3.0, "k3": 9e3, "k_nl": 4e8}])
+def test_a_harder_pressure_sets_flutter_in_and_ends_it(changes):
+    model = fl.SliderOnRigidBelt(c=0.0, **changes)
+    exact = preloads(model)
+    changes = fl.stability_changes(model, "F", (1.0, 1.5 * exact[1]))
+    assert [change.value for change in changes] == pytest.approx(exact, rel=1e-9)
+    there = 0.9 * exact[0], exact.mean(), 1.1 * exact[1]
+    soft, between, hard = (fl.eigenvalues(model.replace(F=F)).growth_rates.max() for F in there)
+    assert between > 1.0
+    assert max(abs(soft), abs(hard)) < 1e-9
+
+
+def test_flight_over_the_belt_is_linear():
+    """Lifted off and let go, it comes back where the sum of two modes says."""
+    model = fl.SliderOnRigidBelt(c=0.0, F=30.0)
+    k11, k12, k22 = stiffnesses(model)
+    squares, shapes = np.linalg.eigh(np.array([[k11, k12], [k12, k22]]) / model.m)
+    rest = np.linalg.solve([[k11, k12], [k12, k22]], [0.0, model.F])
+    start, rate = np.array([0.01, -0.002]), np.array([0.2, -0.7])
+    along, across, w = shapes.T @ (start - rest), shapes.T @ rate, np.sqrt(squares)
+
+    def place(t):
+        return rest + shapes @ (along * np.cos(w * t) + across / w * np.sin(w * t))
+
+    run = fl.simulate(model, 0.1, x0=[*start, *rate], progress=False)
+    assert (run.mode[0], run.events.source[0], run.events.guard[0]) == ("separation", "separation", "gap")
+    landing = brentq(lambda t: place(t)[1], 1e-3, run.events.t[0] + 1e-3, xtol=1e-15)
+    assert run.events.t[0] == pytest.approx(landing, abs=1e-13)
+    assert run.events.state[0, :2] == pytest.approx(place(landing), abs=1e-13)
+
+
+def test_a_fluttering_slider_leaves_the_belt_and_comes_back():
+    run = fl.simulate(fl.SliderOnRigidBelt(), 2.0, x0="near", progress=False)
+    assert {"stick", "slip+", "separation"} <= set(run.events.target)
+    assert (run.normal_force[run.mode != "separation"] > -1e-9).all()
+    assert (run.gap[run.mode == "separation"] < 1e-12).all()
+
+
 # --- impacts
 
 

@@ -57,10 +57,10 @@ def varied(model):
 
 def test_the_table_of_models_prints():
     table = fl.list_models()
-    assert len(table) == 10
+    assert len(table) == 11
     assert all(row.about and row.reference for row in table)
     assert "fl.DenHartog()" in repr(table)
-    assert table._repr_html_().count("<tr>") == 11
+    assert table._repr_html_().count("<tr>") == 12
     for row in table:
         assert isinstance(eval(row.call, {"fl": fl, **NAMES}), fl.Model)
 
@@ -106,7 +106,7 @@ def test_its_equations_are_those_of_its_automaton(model):
         for second, rate in zip(seconds, mode.flow[n : 2 * n]):
             exact = float(sp.sympify(rate).subs(values))
             assert float(solved[second].subs(at).subs(automaton.parameters)) == pytest.approx(
-                exact, abs=1e-12
+                exact, rel=1e-14, abs=1e-12
             )
 
 

@@ -82,7 +82,7 @@ def test_an_automaton_without_contact_forces_shows_its_rates():
     automaton = fl.HybridAutomaton(states=(h, w), modes=(mode,), coordinates=1, parameters={})
     run = fl.solve(automaton, 1.0, x0=[1.0, 0.0], progress=False)
     assert np.isclose(run.final_state[0], 0.5)
-    assert fl.plot_run(run).axes[2].get_ylabel() == "rate"
+    assert fl.plot_run(run).axes[2].get_ylabel() == "velocity (m/s)"
     run = fl.solve(fl.HybridAutomaton((h, w), (mode,)), 1.0, x0=[1.0, 0.0], progress=False)
     with pytest.raises(ValueError, match="must be of an automaton with coordinates"):
         fl.plot_run(run)
