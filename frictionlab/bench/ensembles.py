@@ -18,34 +18,55 @@ from frictionlab.hybrid.program import program_of
 from frictionlab.hybrid.taylor import Taylor
 
 from .ready import make_ready
+from .scenes import STIFF
 from .switches import SCENE, interleaved
 
-MU_K = (0.2, 1.0)  # sliding only, what starts from rest goes beyond all bounds where it is larger
-LEFT_OUT = (("nonsmooth",), ("nonsmooth", "geometry"), ("geometry",), ())
+
+@dataclass(frozen=True)
+class Ensemble:
+    """A scene, the values of mu_k between which its runs lie, and their length in s."""
+
+    name: str
+    model: Any
+    mu_k: tuple[float, float]
+    t_end: float
+
+
+def _of_b(name: str, *without: str) -> Ensemble:
+    # Sliding only, what starts from rest goes beyond all bounds where mu_k is larger than 1.
+    return Ensemble(name, SCENE.without(*without), (0.2, 1.0), 20.0)
+
+
+SCENES = (
+    Ensemble("C", STIFF, (2.0, 2.5), 1.0),
+    _of_b("B, sliding only", "nonsmooth"),
+    _of_b("B, sliding only, without the moving load", "nonsmooth", "geometry"),
+    _of_b("B without the moving load", "geometry"),
+    _of_b("B"),
+)
 
 
 @dataclass(frozen=True)
 class Row:
-    """Wall times in s of `runs` runs; the scene is B without what is named."""
+    """Wall times in s of `runs` runs of a scene."""
 
-    without: tuple[str, ...]
+    scene: str
     runs: int
     one_by_one: float
     side_by_side: float
 
 
-def ensembles(t_end: float = 20.0, runs: Sequence[int] = (8, 16, 64), repeats: int = 5) -> list[Row]:
-    """Values of mu_k from 0.2 to 1, from rest."""
-    return [_row(names, count, t_end, repeats) for names in LEFT_OUT for count in runs]
+def ensembles(runs: Sequence[int] = (8, 16, 64), repeats: int = 5, share: float = 1.0) -> list[Row]:
+    """Values of mu_k, from rest; `share` of each scene's length."""
+    return [_row(scene, count, share * scene.t_end, repeats) for scene in SCENES for count in runs]
 
 
-def _row(without: tuple[str, ...], count: int, t_end: float, repeats: int) -> Row:
-    scene = SCENE.without(*without)
-    models = [scene.replace(mu_k=float(mu_k)) for mu_k in np.linspace(*MU_K, count)]
-    make_ready(scene.automaton(), Taylor())
-    _make_lanes_ready(scene)
+def _row(scene: Ensemble, count: int, t_end: float, repeats: int) -> Row:
+    models = [scene.model.replace(mu_k=float(mu_k)) for mu_k in np.linspace(*scene.mu_k, count)]
+    make_ready(scene.model.automaton(), Taylor())
+    _make_lanes_ready(scene.model)
     ways = partial(_one_by_one, models, t_end), partial(ensemble, models, t_end, progress=False)
-    return Row(without, count, *interleaved(ways, repeats))
+    return Row(scene.name, count, *interleaved(ways, repeats))
 
 
 def _make_lanes_ready(model: Any) -> None:
@@ -63,8 +84,8 @@ def _one_by_one(models: Sequence[Any], t_end: float) -> None:
 def table(rows: Sequence[Row]) -> str:
     """The rows as Markdown."""
     lines = (
-        f"{', '.join(r.without) or '-'} | {r.runs} | {1e3 * r.one_by_one:.3g} ms "
+        f"{r.scene} | {r.runs} | {1e3 * r.one_by_one:.3g} ms "
         f"| {1e3 * r.side_by_side:.3g} ms | {r.one_by_one / r.side_by_side:.2f}"
         for r in rows
     )
-    return markdown("scene B without | runs | one after another | side by side | ratio", lines)
+    return markdown("scene | runs | one after another | side by side | ratio", lines)

@@ -53,6 +53,7 @@ REFERENCES = {
         0.46489169620819055962,
     ),
 }
+STIFF = SliderOnBelt(mu_k=2.5, k_nl=1e7, F=800.0, k4=5e6, k5=5e6, k6=5e6).without("nonsmooth")
 # Fewest and most events that are right: the last one of "Coulomb" may come just after the end.
 EVENTS = {"A": (885, 885), "B": (886, 886), "Coulomb": (1999, 2000)}
 PERIOD = 5 + 2 * np.pi - 2 * np.arctan(2.5)  # of the Coulomb mass on a belt
@@ -98,12 +99,11 @@ class BenchScene:
 def scenes() -> dict[str, BenchScene]:
     """All of them by name."""
     usual = SliderOnBelt(mu_k=1.4)
-    stiff = SliderOnBelt(mu_k=2.5, k_nl=1e7, F=800.0, k4=5e6, k5=5e6, k6=5e6).without("nonsmooth")
     bare = usual.without("cubic", "nonsmooth", "geometry")
     found = (
         _model("A", "stick, slip and separation without the moving load", usual.without("geometry"), 20.0),
         _model("B", "with it, full gap rate", usual.replace(impact=PlasticImpact("full")), 20.0),
-        _model("C", "sliding only, stiff, strongly nonlinear", stiff, 1.0),
+        _model("C", "sliding only, stiff, strongly nonlinear", STIFF, 1.0),
         _chatter(usual),
         _coulomb(),
         _linear(bare),

@@ -6,12 +6,13 @@ the last bit, it does not matter when a run changes over.
 
 from __future__ import annotations
 
+import gc
 import hashlib
 import os
 import tempfile
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from functools import cache
 from itertools import accumulate
 from pathlib import Path
@@ -56,14 +57,16 @@ class Natives:
     def compile(self, mode: int) -> None:
         """Compile a mode now."""
         function = self._functions[mode]
-        code = _emitted(module_of(function, NAME))
+        with _uncollected():
+            code = _emitted(module_of(function, NAME))
         _keep(code, _path(function))
         self.code.native[mode] = _loaded(code)
 
     def compile_step(self, mode: int) -> None:
         """Compile a mode's step of several runs now."""
         function, more = self._functions[mode], self._of_steps[mode]
-        code = _emitted(step_module_of(function, *more, NAME))
+        with _uncollected():
+            code = _emitted(step_module_of(function, *more, NAME))
         _keep(code, _path(function, STEP, more))
         self.code.lanes[mode] = _loaded(code)
 
@@ -79,6 +82,18 @@ def natives(program: Program, order: int, row: int) -> Natives:
     if (order, row) not in program.natives:
         program.natives[order, row] = Natives(program, order, row)
     return program.natives[order, row]
+
+
+@contextmanager
+def _uncollected() -> Iterator[None]:
+    """Without collecting garbage: instructions are many objects that all stay, looked at each time."""
+    was_on = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if was_on:
+            gc.enable()
 
 
 def _function(program: Program, mode: int, order: int, row: int) -> Function:
