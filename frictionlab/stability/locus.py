@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from .eigen import participation, shapes
 from .steady import Steady
 from .tracking import Modes, modes, tracked
-from .view import check_parameter, steady
+from .view import path_of, steady
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
@@ -82,8 +82,7 @@ def root_locus(model: Any, parameter: str, values: Any) -> RootLocus:
         For an unknown parameter, or a value that breaks its rule, or where no value has an equilibrium.
     """
     view = steady(model)
-    at = np.atleast_1d(np.asarray(values, dtype=float)).ravel()
-    check_parameter(view, parameter, at.tolist())
+    at = path_of(view, parameter, values)
 
     def sample(points: Array) -> Modes:
         return modes(points, view.linearised({parameter: points})[1])
