@@ -117,6 +117,19 @@ class HybridAutomaton:
         dwell time (s) below which the solver replaces events in a row by their limit.
     coordinates : int
         How many of the states are coordinates; as many velocities follow them.
+
+    Raises
+    ------
+    TypeError
+        For states that are no symbols, or modes that are none.
+
+    Examples
+    --------
+    >>> import frictionlab as fl, sympy as sp
+    >>> x, v = sp.symbols("x v")
+    >>> swing = fl.HybridAutomaton((x, v), (fl.Mode("on", (v, -x)),), coordinates=1)
+    >>> fl.solve(swing, 1.0, x0=[1.0, 0.0]).final_state.round(12).tolist()  # cos 1, -sin 1
+    [0.540302305868, -0.841470984808]
     """
 
     states: tuple[Symbol, ...]

@@ -80,6 +80,13 @@ def root_locus(model: Any, parameter: str, values: Any) -> RootLocus:
     ------
     ValueError
         For an unknown parameter, or a value that breaks its rule, or where no value has an equilibrium.
+
+    Examples
+    --------
+    >>> import frictionlab as fl
+    >>> locus = fl.root_locus(fl.SliderOnBelt(), "mu_k", [0.0, 1.0, 2.0])
+    >>> locus.values.shape, [bool(rates.max() < 0) for rates in locus.growth_rates]
+    ((3, 5), [True, True, False])
     """
     view = steady(model)
     at = path_of(view, parameter, values)

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionlab.automaton import HybridAutomaton
 from frictionlab.components.names import did_you_mean
 from frictionlab.components.validation import checked
 from frictionlab.models import Model, SliderOnBelt
@@ -29,10 +28,7 @@ def steady(model: Any) -> Steady:
     """
     if isinstance(model, SliderOnBelt):
         return steady_sliding(model)
-    if isinstance(model, (Model, HybridAutomaton)):
-        return steady_state_of(model)
-    cure = f"write {model.__name__}()" if isinstance(model, type) else "make one, such as fl.SliderOnBelt()"
-    raise TypeError(f"model must be a model such as SliderOnBelt or a HybridAutomaton, got {model!r}: {cure}")
+    return steady_state_of(model)
 
 
 def check_parameter(view: Steady, name: Any, values: Sequence[float]) -> None:

@@ -262,3 +262,5 @@ def test_what_is_no_model_is_refused():
         fl.critical_value("slider", "mu_k", (0, 1))
     with pytest.raises(TypeError, match=r"write SliderOnBelt\(\)"):
         fl.critical_value(fl.SliderOnBelt, "mu_k", (0, 1))
+    with pytest.raises(TypeError, match=r"got 20\.0: make one"):
+        fl.eigenvalues(20.0)
