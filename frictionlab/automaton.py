@@ -62,6 +62,13 @@ class Event:
     reset: Reset = field(default_factory=Reset)
     accumulation: Reset | None = None
 
+    def __post_init__(self) -> None:
+        if isinstance(self.targets, str):
+            raise TypeError(
+                f"the targets of event {self.name!r} must be a tuple of names, got {self.targets!r}: "
+                f"write ({self.targets!r},)"
+            )
+
 
 @dataclass(frozen=True, eq=False)
 class Mode:
@@ -90,6 +97,9 @@ class Mode:
     outputs: Mapping[str, Expr] = field(default_factory=dict)
     limit: bool = False
 
+    def __post_init__(self) -> None:
+        _check_all(f"the events of mode {self.name!r}", self.events, Event)
+
 
 @dataclass(frozen=True, eq=False)
 class HybridAutomaton:
@@ -107,12 +117,34 @@ class HybridAutomaton:
         dwell time (s) below which the solver replaces events in a row by their limit.
     coordinates : int
         How many of the states are coordinates; as many velocities follow them.
+
+    Raises
+    ------
+    TypeError
+        For states that are no symbols, or modes that are none.
+
+    Examples
+    --------
+    >>> import frictionlab as fl, sympy as sp
+    >>> x, v = sp.symbols("x v")
+    >>> swing = fl.HybridAutomaton((x, v), (fl.Mode("on", (v, -x)),), coordinates=1)
+    >>> fl.solve(swing, 1.0, x0=[1.0, 0.0]).final_state.round(12).tolist()  # cos 1, -sin 1
+    [0.540302305868, -0.841470984808]
     """
 
     states: tuple[Symbol, ...]
     modes: tuple[Mode, ...]
     parameters: Mapping[Symbol, float] = field(default_factory=dict)
     coordinates: int = 0
+
+    def __post_init__(self) -> None:
+        _check_all("modes", self.modes, Mode)
+        for what, symbols in {"states": self.states, "parameters": self.parameters}.items():
+            if words := [s for s in symbols if isinstance(s, str)]:
+                raise TypeError(
+                    f"{what} must be symbols, got {words[0]!r}: make them with sympy.symbols, and write the "
+                    "expressions with these"
+                )
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -133,3 +165,16 @@ class HybridAutomaton:
             raise ValueError(f"no parameter is called {unknown[0]!r}: known are {', '.join(symbols)}")
         changed = {symbols[name]: value for name, value in values.items()}
         return HybridAutomaton(self.states, self.modes, {**self.parameters, **changed}, self.coordinates)
+
+
+def _check_all(what: str, given: Any, kind: type) -> None:
+    """Raise unless it is a sequence of that kind."""
+    if isinstance(given, kind):
+        raise TypeError(
+            f"{what} must be a tuple, got the {kind.__name__} {given.name!r} alone: write it in brackets, "
+            "with a comma after it"
+        )
+    for one in given:
+        if not isinstance(one, kind):
+            name = kind.__name__
+            raise TypeError(f"{what} must be of the class {name}, got {one!r}: write frictionlab.{name}(...)")

@@ -2,7 +2,7 @@
 
 The parameter is a state more, of zero rate, so that the tangent flow has the derivative by it, events
 included.  Unknown are the state z, the period T and the parameter; u = (z/size, T/period, parameter/span).
-Source: Seydel, Practical Bifurcation and Stability Analysis (2010), chapters 4 and 7.
+Source: Seydel, Practical Bifurcation and Stability Analysis, 3rd ed., Springer 2010.
 """
 
 from __future__ import annotations

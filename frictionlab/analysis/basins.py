@@ -118,7 +118,7 @@ def basin_stability(
     """The share of random initial states that goes to each attractor.
 
     Its standard error is that of a binomial distribution, sqrt(p (1 - p)/N).  Source: Menck, Heitzig, Marwan
-    and Kurths, Nature Physics 9 (2013).
+    and Kurths, Nature Physics 9 (2013) 89-92.
 
     Parameters
     ----------

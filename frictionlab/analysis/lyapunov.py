@@ -61,7 +61,7 @@ def lyapunov(
     """Lyapunov exponents, by the tangent flow of the motion, orthonormalised after every step.
 
     The tangent flow is that of :func:`frictionlab.tangent_flow`: series of the tape and a saltation matrix at
-    every event.  Source: Benettin et al., Meccanica 15 (1980).
+    every event.  Source: Benettin et al., Meccanica 15 (1980) 9-20.
 
     Parameters
     ----------

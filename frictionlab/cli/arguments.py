@@ -37,6 +37,7 @@ def unknown_options(words: Sequence[str], parser: argparse.ArgumentParser) -> st
     option = word.partition("=")[0]
     known = [name for action in parser._actions for name in action.option_strings]
     same = [name for name in known if name.lower() == option.lower()]
-    near = same or get_close_matches(option, known, n=1)
+    bare = {name.lstrip("-"): name for name in known}  # the dashes that all have are no likeness
+    near = same or [bare[name] for name in get_close_matches(option.lstrip("-"), bare, n=1)]
     hint = f"did you mean {near[0]!r}?" if near else f"see {parser.prog} --help"
     return f"unknown option {option!r}: {hint}"

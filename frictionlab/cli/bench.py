@@ -12,17 +12,19 @@ from typing import Any
 from .parser import OneLineParser
 
 DESCRIPTION = """\
-Measure wall time and error of this solver and of others on scenes with a known end, what each nonlinearity
-costs, Fig. 9's sweep, linear stability, Floquet multipliers, basins, and a step of an explorer's slider.
-Times are medians of interleaved runs on this machine. Prints Markdown. heyoka, CVODE, PathSim and diffrax are
-measured where they are installed (extra "bench")."""
+Measure wall time and error of this solver and of others on scenes whose end is
+known, what each nonlinearity costs, Fig. 9's sweep, linear stability, Floquet
+multipliers, basins, and a step of an explorer's slider. Times are medians of
+interleaved runs on this machine. Prints Markdown. heyoka, CVODE, PathSim and
+diffrax are measured where they are installed (extra "bench")."""
 
 EPILOG = """\
 examples:
   frictionlab bench                              (all, some minutes)
   frictionlab bench --scene B --picture b.png    (one scene, with its picture)
   frictionlab bench --quick --json bench.json
-  frictionlab bench -o docs                      (writes performance.md and exact-and-fast.md there)"""
+  frictionlab bench -o docs                      (writes performance.md and
+                                                  exact-and-fast.md there)"""
 
 
 def add_bench(commands: Any) -> OneLineParser:

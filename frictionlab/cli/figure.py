@@ -12,7 +12,8 @@ from .parser import OneLineParser
 EARLY = 1
 
 DESCRIPTION = """\
-Compute a figure of the paper (Liu & Ouyang 2020), print its numbers and draw it."""
+Compute a figure of the paper (Liu & Ouyang 2020), print its numbers and draw
+it."""
 
 EPILOG = """\
 examples:

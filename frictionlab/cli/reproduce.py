@@ -14,8 +14,9 @@ EARLY = 1
 FOLDER = "docs"
 
 DESCRIPTION = """\
-Check every claim of the paper (Liu & Ouyang 2020) by the exact solver, with both impact laws, and by the
-paper's algorithm; draw every figure; write reproduction.md with the pictures beside it."""
+Check every claim of the paper (Liu & Ouyang 2020) by the exact solver, with both
+impact laws, and by the paper's algorithm; draw every figure; write
+reproduction.md with the pictures beside it."""
 
 EPILOG = """\
 examples:

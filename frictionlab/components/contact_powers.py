@@ -22,7 +22,7 @@ class HertzContact(ContactLaw):
 
     References
     ----------
-    K. L. Johnson, Contact Mechanics, Cambridge University Press 1985, Eq. (4.23).
+    K. L. Johnson, Contact Mechanics, Cambridge University Press 1985, chapter 4.
     """
 
     k_h: float = parameter(

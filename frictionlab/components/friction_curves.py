@@ -56,7 +56,7 @@ class Stribeck(Coulomb):
 
     References
     ----------
-    B. Armstrong-Helouvry, P. Dupont, C. Canudas de Wit, Automatica 30 (1994) 1083-1138, Eq. (4).
+    B. Armstrong-Helouvry, P. Dupont, C. Canudas de Wit, Automatica 30 (1994) 1083-1138.
     """
 
     v_s: float = _decay_speed()
@@ -113,7 +113,7 @@ class PressureDependent(Coulomb):
     """Coefficients that fall with speed, and with pressure: F_T = mu(|v_r|) F_N (F_N/F_ref)^(-n).
 
     Here mu = mu_k + (mu_s - mu_k) exp(-|v_r|/v_s).  With n = 1/3 friction follows the area of a Hertz
-    contact.
+    contact, which grows like F_N^(2/3).
 
     Parameters
     ----------
@@ -128,7 +128,7 @@ class PressureDependent(Coulomb):
 
     References
     ----------
-    K. L. Johnson, Contact Mechanics, Cambridge University Press 1985, section 7.2, for n = 1/3.
+    K. L. Johnson, Contact Mechanics, Cambridge University Press 1985, chapter 4, for the area.
     """
 
     v_s: float = _decay_speed()

@@ -41,7 +41,7 @@ class FrictionalImpact(RestitutionImpact):
 
     References
     ----------
-    C. Glocker, Set-Valued Force Laws, Springer 2001, chapter 8 (Newton's and Coulomb's law at an impact).
+    C. Glocker, Set-Valued Force Laws: Dynamics of Non-Smooth Systems, Springer 2001.
     """
 
     mu_i: float = _friction()

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from inspect import get_annotations
+from numbers import Real
 from types import MappingProxyType
 from typing import Any
 
@@ -68,9 +69,39 @@ def parameter(
 
             def force(self, gap):
                 return self.k_h * gap**1.5
+
+    Raises
+    ------
+    TypeError
+        If the default is no number.
+    ValueError
+        If the range is not two numbers in ascending order, above 0 for a logarithmic slider.
     """
+    _check_default(default)
+    _check_range(range, log)
     about = Parameter(symbol, unit, meaning, default, minimum, exclusive_minimum, maximum, range, log)
     return dataclasses.field(default=default, metadata={KEY: about})
+
+
+def _check_default(default: Any) -> None:
+    if isinstance(default, bool) or not isinstance(default, Real):
+        raise TypeError(
+            f"the default of a parameter must be a number, got {default!r}: give a float, or make the field "
+            "one without parameter(...)"
+        )
+
+
+def _check_range(range: Any, log: bool) -> None:
+    if range is None:
+        return
+    try:
+        low, high = range
+        fits = low < high and (low > 0 or not log)
+    except (TypeError, ValueError):
+        fits = False
+    if not fits:
+        rule = "two numbers in ascending order" + ", above 0 where log=True" * log
+        raise ValueError(f"range must be {rule}, got {range!r}: give (low, high), the ends of a slider")
 
 
 @cache

@@ -1,7 +1,7 @@
 """Taylor coefficients through a tape: the inner loop of everything.
 
 A jet array J has one row per slot and one column per order: slot(t + s) = sum_k J[slot, k] s^k.
-Recurrences: Jorba & Zou, Experimental Mathematics 14 (2005), proposition 2.1.
+Recurrences: Jorba & Zou, Experimental Mathematics 14 (2005) 99-117, section 2.
 """
 
 from __future__ import annotations

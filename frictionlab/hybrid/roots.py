@@ -2,7 +2,7 @@
 
 In Bernstein form the number of sign changes of the coefficients bounds the number of roots in the
 interval (Descartes' rule): none means no root, one means exactly one.  Otherwise the interval is halved
-(de Casteljau).  Source: Rouillier & Zimmermann, J. Comput. Appl. Math. 162 (2004).
+(de Casteljau).  Source: Rouillier & Zimmermann, J. Comput. Appl. Math. 162 (2004) 33-50.
 """
 
 from __future__ import annotations

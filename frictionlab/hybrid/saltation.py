@@ -3,7 +3,7 @@
 A neighbour reaches the guard g at another time, jumps there by the reset R, and flows on with f+ instead of
 f-.  To first order S = DR + (f+ - DR f-) (grad g)^T / (grad g . f-).  Only the values of R on g = 0 matter:
 S is the same whatever R is elsewhere.  Source: Leine & Nijmeijer, Dynamics and Bifurcations of Non-Smooth
-Mechanical Systems (2004), chapter 7.
+Mechanical Systems, Springer 2004.
 """
 
 from __future__ import annotations

@@ -58,10 +58,10 @@ def group_length(code, order, log_tol, first, last, J):
 def step_length(code, order, tol, J):
     """Longest step for which the last two terms stay below `tol` times the size of their group of states.
 
-    Jorba & Zou (2005), section 3.2.  The size of a group is the largest of its first three terms at the
-    end of the step, so that no absolute tolerance is needed: a step h will do if, for one m of 0, 1, 2,
-    |c_p| h^p <= tol |c_m| h^m; where those three are zero, for the next that is not.  Zero where a
-    coefficient is no number.
+    Jorba & Zou, Experimental Mathematics 14 (2005) 99-117, section 3.  The size of a group is the largest of
+    its first three terms at the end of the step, so that no absolute tolerance is needed: a step h will do
+    if, for one m of 0, 1, 2, |c_p| h^p <= tol |c_m| h^m; where those three are zero, for the next that is
+    not.  Zero where a coefficient is no number.
     """
     log_tol = math.log2(tol)
     best = math.inf

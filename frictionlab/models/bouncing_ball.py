@@ -40,7 +40,7 @@ class BouncingBall(MechanicalModel):
 
     References
     ----------
-    B. Brogliato, Nonsmooth Mechanics, 3rd ed., Springer 2016, section 1.1.
+    B. Brogliato, Nonsmooth Mechanics: Models, Dynamics and Control, 3rd ed., Springer 2016.
 
     Examples
     --------

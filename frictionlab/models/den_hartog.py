@@ -43,8 +43,8 @@ class DenHartog(SingleMass):
 
     References
     ----------
-    J. P. Den Hartog, "Forced vibrations with combined Coulomb and viscous friction", Transactions of the ASME
-    53 (1931) APM-107-115.
+    J. P. Den Hartog, "Forced vibrations with combined viscous and Coulomb damping", Philosophical Magazine 9
+    (1930) 801-817.
 
     Examples
     --------
@@ -64,7 +64,7 @@ class DenHartog(SingleMass):
     friction: FrictionLaw = Coulomb(mu_k=1.0, mu_s=1.0)
 
     roles: ClassVar[Mapping[str, type]] = MappingProxyType({"friction": FrictionLaw})
-    reference: ClassVar[str] = "J. P. Den Hartog, Transactions of the ASME 53 (1931) APM-107-115"
+    reference: ClassVar[str] = "J. P. Den Hartog, Philosophical Magazine 9 (1930) 801-817"
 
     @property
     def period(self) -> float:

@@ -23,12 +23,17 @@ def _explained(method: Callable[..., Any], law: str) -> Callable[..., Any]:
     @wraps(method)
     def explained(*arguments: Any) -> Any:
         try:
-            return method(*arguments)
+            value = method(*arguments)
         except TypeError as error:
             raise TypeError(
                 f"{law}.{method.__name__} must be a formula that takes symbols too, and fails with them "
                 f"({error}): write it with + - * / ** and fl.functions (exp, tanh, ...), without if, min, "
                 "max, math or numpy; what changes at a value is a mode of its own"
             ) from error
+        if value is None:
+            raise TypeError(
+                f"{law}.{method.__name__} must return a force or an impulse, got None: write return in front"
+            )
+        return value
 
     return explained

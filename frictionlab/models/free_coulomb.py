@@ -38,7 +38,7 @@ class FreeCoulomb(SingleMass):
 
     References
     ----------
-    J. P. Den Hartog, Mechanical Vibrations, 4th ed., McGraw-Hill 1956, section 2.17.
+    J. P. Den Hartog, Mechanical Vibrations, 4th ed., McGraw-Hill 1956.
 
     Examples
     --------

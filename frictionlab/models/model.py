@@ -12,7 +12,7 @@ from frictionlab.components.component import Component
 from frictionlab.components.parameter import parameters_of
 
 from .description import Description, describe
-from .namespace import changed, chosen, owners, refuse_unknown, signature
+from .namespace import changed, chosen, owners, refuse_unknown, refuse_unnamed, signature
 from .serialise import component_from_dict, component_to_dict
 
 if TYPE_CHECKING:
@@ -70,8 +70,9 @@ class Model(Component):
     reference: ClassVar[str] = ""
     __signature__: ClassVar[inspect.Signature]
 
-    def __init__(self, **given: Any) -> None:
+    def __init__(self, *unnamed: Any, **given: Any) -> None:
         cls = type(self)
+        refuse_unnamed(unnamed, cls)
         components = {
             role: chosen(role, base, given.pop(role, getattr(cls, role))) for role, base in self.roles.items()
         }

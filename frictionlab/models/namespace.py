@@ -34,6 +34,13 @@ def owners(cls: type, components: Mapping[str, Component]) -> dict[str, str]:
     return found
 
 
+def refuse_unnamed(values: tuple[Any, ...], cls: type) -> None:
+    """Raise TypeError for values without a name."""
+    if values:
+        name, of = cls.__name__, next(iter(inspect.signature(cls).parameters), "name")
+        raise TypeError(f"{name} takes its parameters by name, got {values[0]!r}: write {name}({of}=...)")
+
+
 def refuse_unknown(
     given: Iterable[str], cls: type, roles: Mapping[str, type], components: Mapping[str, Component]
 ) -> None:

@@ -90,15 +90,16 @@ class SliderOnBelt(Model):
     F : float
         Preload on the slider, N.
     contact : ContactLaw
-        CubicContact(k2, k_nl) or LinearContact(k2).
+        CubicContact(k2, k_nl), LinearContact(k2), HertzContact(k_h), PolynomialContact(a1, ...) or your own.
     friction : FrictionLaw
-        Coulomb(mu_k, mu_s).
+        Coulomb(mu_k, mu_s), ExponentialDecay, Stribeck, WeakeningStrengthening, PressureDependent or one
+        of your own.
     interface : Interface
         StickSlipSeparation(), StickSlip(), SlidingSeparation() or SlidingOnly().
     geometry : Geometry
         MovingLoad(direction) or FixedLoad().
     impact : ImpactLaw
-        PlasticImpact(gap_rate) or RestitutionImpact(e).
+        PlasticImpact(gap_rate), RestitutionImpact(e), FrictionalImpact(e, mu_i) or your own.
 
     Raises
     ------
@@ -109,6 +110,7 @@ class SliderOnBelt(Model):
 
     Examples
     --------
+    >>> from frictionlab import SliderOnBelt
     >>> SliderOnBelt(mu_k=1.4).without("geometry")
     SliderOnBelt(mu_k=1.4, geometry=FixedLoad())
     """

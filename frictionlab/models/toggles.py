@@ -22,8 +22,9 @@ def replacements(model: Any, names: tuple[str, ...]) -> dict[str, Component]:
         If a name is none of "cubic", "nonsmooth", "geometry".
     """
     for name in names:
-        if name not in TOGGLES:
-            known, hint = ", ".join(map(repr, TOGGLES)), did_you_mean(name, TOGGLES)
+        if not isinstance(name, str) or name not in TOGGLES:
+            known = ", ".join(map(repr, TOGGLES))
+            hint = did_you_mean(name, TOGGLES) if isinstance(name, str) else f"write without({known})"
             raise ValueError(f"a model can be without {known}, got {name!r}: {hint}")
     return dict(TOGGLES[name](model) for name in names)
 

@@ -45,7 +45,7 @@ class TwoBlocks(MechanicalModel):
 
     References
     ----------
-    U. Galvanetto, S. R. Bishop, International Journal of Mechanical Sciences 36 (1994) 683-698.
+    U. Galvanetto, S. R. Bishop, International Journal of Mechanical Sciences 36 (1994).
 
     Examples
     --------
@@ -67,7 +67,7 @@ class TwoBlocks(MechanicalModel):
     friction: FrictionLaw = Coulomb(mu_k=0.5, mu_s=1.0)
 
     roles: ClassVar[Mapping[str, type]] = MappingProxyType({"friction": FrictionLaw})
-    reference: ClassVar[str] = "U. Galvanetto, S. R. Bishop, Int. J. Mechanical Sciences 36 (1994) 683-698"
+    reference: ClassVar[str] = "U. Galvanetto, S. R. Bishop, Int. J. Mechanical Sciences 36 (1994)"
 
     @property
     def coordinates(self) -> tuple[str, ...]:

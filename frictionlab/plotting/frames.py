@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from .shading import modes_at
-from .windows import Array
+from .windows import Array, refuse_no_run
 
 COORDINATES = ("x1", "y1", "x2", "y2")
 FORCES = ("normal_force", "friction_force")
@@ -58,6 +58,7 @@ def parameters(run: Any) -> dict[str, float]:
 
 def refuse_others(run: Any, function: str) -> None:
     """Raise unless the run is one of a slider on a belt."""
+    refuse_no_run(run)
     has = {*run.names, *run.automaton.modes[0].outputs, *parameters(run)}
     missing = [name for name in (*COORDINATES, "x1'", "gap", *FORCES, *PARAMETERS) if name not in has]
     if missing:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionlab.analysis.timescale import period_of
+from frictionlab.hybrid.trajectory import Trajectory
 
 Array = NDArray[np.float64]
 
@@ -27,6 +28,12 @@ POINTS = 4001
 def end_of(run: Any) -> float:
     """The time that the run reached."""
     return float(run.raw.t)
+
+
+def refuse_no_run(run: Any) -> None:
+    """Raise TypeError unless it is a run."""
+    if not isinstance(run, Trajectory):
+        raise TypeError(f"run must be a Trajectory, got {run!r}: give what frictionlab.simulate returns")
 
 
 def limits(run: Any, window: Window = LAST) -> tuple[float, float]:

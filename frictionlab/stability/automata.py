@@ -11,6 +11,7 @@ import sympy
 from numpy.typing import NDArray
 
 from frictionlab.automaton import HybridAutomaton, Mode
+from frictionlab.models import Model
 
 from .flow import Flow
 from .general import continued, newton_step, rest_points
@@ -21,8 +22,19 @@ ROUNDING = 1e-9
 
 
 def automaton_of(model: Any) -> HybridAutomaton:
-    """The automaton of a model, or the automaton itself."""
-    return model if isinstance(model, HybridAutomaton) else model.automaton()
+    """The automaton of a model, or the automaton itself.
+
+    Raises
+    ------
+    TypeError
+        If it is neither.
+    """
+    if isinstance(model, HybridAutomaton):
+        return model
+    if isinstance(model, Model):
+        return model.automaton()
+    cure = f"write {model.__name__}()" if isinstance(model, type) else "make one, such as fl.SliderOnBelt()"
+    raise TypeError(f"model must be a model such as SliderOnBelt or a HybridAutomaton, got {model!r}: {cure}")
 
 
 def steady_state_of(model: Any) -> Steady:

@@ -67,10 +67,25 @@ def eigenvalues(model: Any) -> Eigenvalues:
     ----------
     model : Model or HybridAutomaton
 
+    Returns
+    -------
+    Eigenvalues
+        With `values`, `frequencies` (Hz), `growth_rates` (1/s), `stable`, `vectors`, `shapes`,
+        `participation` and the `equilibrium`.
+
     Raises
     ------
+    TypeError
+        If it is neither a model nor an automaton.
     ValueError
         If there is no sliding equilibrium with F_N > 0, or the belt rests.
+
+    Examples
+    --------
+    >>> import frictionlab as fl
+    >>> found = fl.eigenvalues(fl.SliderOnBelt(mu_k=1.4))
+    >>> found.stable, found.frequencies.round(2)[::2].tolist()
+    (True, [13.51, 14.92, 15.71, 17.74, 25.63])
     """
     point = equilibrium(model)
     pairs: Any = np.linalg.eig(jacobian(model, point.q))

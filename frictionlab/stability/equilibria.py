@@ -53,8 +53,9 @@ def equilibria(model: Any) -> tuple[Equilibrium, ...]:
     The contact law is taken as it is for a negative gap too, as the paper's equations do: a solution with
     F_N < 0 is an equilibrium of a bilateral contact only.  Friction has the sign of the belt's speed.
 
-    Where the contact and friction laws are polynomials (those of the package are) none is missed.  For
-    other laws the gaps up to three times that of the unloaded contact are searched for changes of sign.
+    Where what is left for the gap is a polynomial, none is missed: so it is with all laws of the package but
+    HertzContact, PressureDependent and MovingLoad("normal").  For those, and for others of your own, the
+    gaps up to three times that of the unloaded contact are searched for changes of sign.
 
     Parameters
     ----------
@@ -84,10 +85,25 @@ def equilibrium(model: Any) -> Equilibrium:
 
     That is the one whose gap grows from zero with the preload.
 
+    Parameters
+    ----------
+    model : Model or HybridAutomaton
+        See :func:`equilibria`.
+
+    Returns
+    -------
+    Equilibrium
+
     Raises
     ------
     ValueError
         If there is none.
+
+    Examples
+    --------
+    >>> import frictionlab as fl
+    >>> fl.equilibrium(fl.SliderOnBelt(mu_k=0.3)).q.round(4).tolist()
+    [-0.0042, -0.0304, -0.0036, -0.0061, -0.0001]
     """
     found = equilibria(model)
     if not isinstance(model, SliderOnBelt):

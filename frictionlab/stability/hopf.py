@@ -149,7 +149,7 @@ def hopf(model: Any, parameter: str, bounds: Any) -> HopfPoint:
 
     of the Jacobian A, its vectors A q = i omega q and A^T p = -i omega p with <q, q> = <p, q> = 1, and the
     multilinear forms B and C of the derivatives.  Yu. A. Kuznetsov, "Elements of Applied Bifurcation
-    Theory", 3rd ed., Springer, 2004, Sec. 5.4.
+    Theory", 3rd ed., Springer, 2004.
 
     * **Supercritical** (l1 < 0): on the unstable side there is a stable vibration whose amplitude grows from
       zero like the square root of the distance.  Where the eigenvalues promise rest, small disturbances die

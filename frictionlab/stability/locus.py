@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from .eigen import participation, shapes
 from .steady import Steady
 from .tracking import Modes, modes, tracked
-from .view import check_parameter, steady
+from .view import path_of, steady
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
@@ -80,10 +80,16 @@ def root_locus(model: Any, parameter: str, values: Any) -> RootLocus:
     ------
     ValueError
         For an unknown parameter, or a value that breaks its rule, or where no value has an equilibrium.
+
+    Examples
+    --------
+    >>> import frictionlab as fl
+    >>> locus = fl.root_locus(fl.SliderOnBelt(), "mu_k", [0.0, 1.0, 2.0])
+    >>> locus.values.shape, [bool(rates.max() < 0) for rates in locus.growth_rates]
+    ((3, 5), [True, True, False])
     """
     view = steady(model)
-    at = np.atleast_1d(np.asarray(values, dtype=float)).ravel()
-    check_parameter(view, parameter, at.tolist())
+    at = path_of(view, parameter, values)
 
     def sample(points: Array) -> Modes:
         return modes(points, view.linearised({parameter: points})[1])

@@ -1,7 +1,7 @@
 """The normal form of a Hopf point, w' = (i omega + slope (p - p0)) w + cubic w |w|^2, x = x0 + 2 Re(w q).
 
-Yu. A. Kuznetsov, "Elements of Applied Bifurcation Theory", 3rd ed., Springer, 2004, Sec. 5.4; also his
-"Andronov-Hopf bifurcation", Scholarpedia 1 (2006) 1858.
+Yu. A. Kuznetsov, "Elements of Applied Bifurcation Theory", 3rd ed., Springer, 2004; also his "Andronov-Hopf
+bifurcation", Scholarpedia 1(10) (2006) 1858.
 """
 
 from __future__ import annotations

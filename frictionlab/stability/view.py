@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from frictionlab.automaton import HybridAutomaton
+import numpy as np
+from numpy.typing import NDArray
+
 from frictionlab.components.names import did_you_mean
 from frictionlab.components.validation import checked
 from frictionlab.models import Model, SliderOnBelt
@@ -26,9 +28,7 @@ def steady(model: Any) -> Steady:
     """
     if isinstance(model, SliderOnBelt):
         return steady_sliding(model)
-    if isinstance(model, (Model, HybridAutomaton)):
-        return steady_state_of(model)
-    raise TypeError(f"model must be a model such as SliderOnBelt or a HybridAutomaton, got {model!r}")
+    return steady_state_of(model)
 
 
 def check_parameter(view: Steady, name: Any, values: Sequence[float]) -> None:
@@ -44,10 +44,22 @@ def check_parameter(view: Steady, name: Any, values: Sequence[float]) -> None:
             checked(name, value, about)
 
 
+def path_of(view: Steady, name: Any, values: Any) -> NDArray[np.float64]:
+    """Values (N,) of a parameter that keep to its rule, one at least."""
+    try:
+        at = np.atleast_1d(np.asarray(values, dtype=float)).ravel()
+    except (TypeError, ValueError):
+        at = np.empty(0)
+    if not len(at):
+        raise ValueError(f"values must be one number or more, got {values!r}: give those of {name}")
+    check_parameter(view, name, at.tolist())
+    return at
+
+
 def check_bounds(view: Steady, name: Any, bounds: Any) -> tuple[float, float]:
     """Two values of a parameter, in ascending order."""
     try:
-        low, high = (float(b) for b in bounds)
+        low, high = (float("nan") if isinstance(b, str) else float(b) for b in bounds)
     except (TypeError, ValueError):
         low = high = float("nan")
     if not low < high:

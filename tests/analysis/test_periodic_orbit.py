@@ -152,7 +152,11 @@ def test_an_unstable_bounce_is_found():
 
 @pytest.mark.parametrize("time", [1, -1])
 def test_van_der_pol_keeps_to_liouvilles_formula(time):
-    """det M = exp(integral of the divergence); the period at mu = 1 is Andersen & Geer's (1982)."""
+    """det M = exp(integral of the divergence).
+
+    The period at mu = 1: Hairer, Norsett & Wanner, Solving Ordinary Differential Equations I, exercise 1 of
+    section I.16.
+    """
     scene = van_der_pol(1.0, time)
     guess = fl.solve(van_der_pol(1.0), 60.0, x0=[2.0, 0.0])
     orbit = fl.periodic_orbit(scene, guess)

@@ -10,6 +10,7 @@ BAD = {
     "run --F -inf": "F must be a finite number",
     "run --mu-s 1": "mu_s must be at least mu_k (1.4), got 1.0",
     "run --mu-kk 1": "unknown option '--mu-kk': did you mean '--mu-k'?",
+    "run --nope 1": "unknown option '--nope': see frictionlab run --help",
     "run --f 1": "unknown option '--f': did you mean '--F'?",
     "run extra": "unexpected argument 'extra'",
     "run --method tayler": "did you mean 'taylor'?",

@@ -94,3 +94,18 @@ def test_did_you_mean():
     assert did_you_mean("mu_K", ["mu_s", "mu_k"]) == "did you mean 'mu_k'?"
     assert did_you_mean("f", ["F", "k2"]) == "did you mean 'F'?"
     assert did_you_mean("zzz", ["F", "k2"]) == "known are F, k2"
+
+
+@pytest.mark.parametrize(
+    ("make", "error", "message"),
+    [
+        (lambda: parameter("5"), TypeError, "must be a number, got '5': give a float"),
+        (lambda: parameter(True), TypeError, "must be a number, got True"),
+        (lambda: parameter(5.0, range=(2, 1)), ValueError, r"two numbers in ascending order, got \(2, 1\)"),
+        (lambda: parameter(5.0, range=3.0), ValueError, "two numbers in ascending order, got 3.0"),
+        (lambda: parameter(5.0, range=(0, 9), log=True), ValueError, "above 0 where log=True, got"),
+    ],
+)
+def test_a_parameter_that_cannot_be_one_is_refused_where_it_is_written(make, error, message):
+    with pytest.raises(error, match=message):
+        make()

@@ -23,6 +23,7 @@ from frictionlab.components import (
     RestitutionImpact,
     SlidingOnly,
     StickSlip,
+    parameter,
 )
 from frictionlab.models import SliderOnBelt
 
@@ -221,3 +222,27 @@ def test_malformed_data_is_refused():
     data["fields"]["mu"] = 1.0
     with pytest.raises(ValueError, match=r"SliderOnBelt cannot be made from .* no parameter 'mu'"):
         SliderOnBelt.from_dict(data)
+
+
+def test_a_value_without_a_name_is_refused():
+    with pytest.raises(TypeError, match=r"parameters by name, got 1.4: write SliderOnBelt\(M=...\)"):
+        SliderOnBelt(1.4)
+
+
+def test_a_list_of_names_to_leave_out_is_refused():
+    with pytest.raises(
+        ValueError, match=r"got \['cubic'\]: write without\('cubic', 'nonsmooth', 'geometry'\)"
+    ):
+        SliderOnBelt().without(["cubic"])
+
+
+def test_a_law_that_forgets_to_return_is_named():
+    @dataclasses.dataclass(frozen=True)
+    class Forgetful(ContactLaw):
+        k2: float = parameter(5e3)
+
+        def force(self, gap):
+            self.k2 * gap
+
+    with pytest.raises(TypeError, match=r"Forgetful\.force must return a force or an impulse, got None"):
+        SliderOnBelt(contact=Forgetful()).equations("slip")

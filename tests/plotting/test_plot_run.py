@@ -86,3 +86,11 @@ def test_an_automaton_without_contact_forces_shows_its_rates():
     run = fl.solve(fl.HybridAutomaton((h, w), (mode,)), 1.0, x0=[1.0, 0.0], progress=False)
     with pytest.raises(ValueError, match="must be of an automaton with coordinates"):
         fl.plot_run(run)
+
+
+@pytest.mark.parametrize("draw", [fl.plot_run, fl.animate])
+def test_a_model_in_the_place_of_its_run_is_refused(draw):
+    with pytest.raises(
+        TypeError, match=r"run must be a Trajectory, got SliderOnBelt.*: give what .*simulate"
+    ):
+        draw(fl.SliderOnBelt())

@@ -71,7 +71,7 @@ def test_a_cycle_that_is_known_in_other_coordinates(cubic, speed, coupling):
 
 @pytest.mark.parametrize("a", [0.5, 1.0, 2.0])
 def test_the_brusselator(a):
-    """Kuramoto, "Chemical Oscillations, Waves, and Turbulence", Springer, 1984, Appendix B."""
+    """Kuramoto, "Chemical Oscillations, Waves, and Turbulence", Springer, 1984."""
     flow = (A - (B + 1) * X + X**2 * Y, B * X - X**2 * Y)
     point = hopf(automaton(flow, (X, Y), A=a, B=1.0), "B", (0.5 * (1 + a**2), 2 * (1 + a**2)))
     real, imaginary = (2 + a**2) / (2 * a**2), (4 - 7 * a**2 + 4 * a**4) / (6 * a**3)
@@ -114,7 +114,7 @@ def test_lorenz():
     point = hopf(lorenz(), "r", (20, 30))
     assert point.value == pytest.approx(470 / 19, rel=1e-12)
     assert 2 * np.pi * point.frequency == pytest.approx(np.sqrt(8 / 3 * (10 + 470 / 19)))
-    assert point.criticality == "subcritical"  # Marsden & McCracken, "The Hopf Bifurcation", 1976
+    assert point.criticality == "subcritical"  # Marsden & McCracken, The Hopf Bifurcation, Springer 1976
 
 
 @pytest.mark.parametrize("force", [-X - X**3, -X + X**2 - 4 * X**3, -3 * X + X**2])

@@ -238,7 +238,7 @@ def test_a_curve_is_its_points_one_by_one(model, over):
 
 
 def test_errors():
-    for bounds in [(1, 1), (3, 0), (0, np.nan), (0, 1, 2), None, 3.0]:
+    for bounds in [(1, 1), (3, 0), (0, np.nan), (0, 1, 2), None, 3.0, "04"]:
         with pytest.raises(ValueError, match="bounds must be two numbers in ascending order"):
             fl.stability_changes(S(), "mu_k", bounds)
     with pytest.raises(ValueError, match="did you mean 'mu_k'"):
@@ -255,3 +255,12 @@ def test_errors():
         fl.critical_curve(S(), "mu_k", (0, 1), over=("F", []))
     with pytest.raises(ValueError, match="the springs do not hold x2"):
         fl.critical_value(S(k4=0), "mu_k", (0, 1))
+
+
+def test_what_is_no_model_is_refused():
+    with pytest.raises(TypeError, match="got 'slider': make one, such as"):
+        fl.critical_value("slider", "mu_k", (0, 1))
+    with pytest.raises(TypeError, match=r"write SliderOnBelt\(\)"):
+        fl.critical_value(fl.SliderOnBelt, "mu_k", (0, 1))
+    with pytest.raises(TypeError, match=r"got 20\.0: make one"):
+        fl.eigenvalues(20.0)

@@ -1,0 +1,26 @@
+"""Mistakes in an automaton of one's own are named where they are written."""
+
+import pytest
+import sympy as sp
+
+import frictionlab as fl
+
+X, V = sp.symbols("x v")
+ON = fl.Mode("on", (V, -X))
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: fl.Event("gap", X, "on"), r"targets of event 'gap' must be a tuple of names, .* \('on',\)"),
+        (lambda: fl.Mode("on", (V, -X), fl.Event("gap", X)), "mode 'on' must be a tuple, got the Event"),
+        (lambda: fl.Mode("on", (V, -X), ("gap",)), "must be of the class Event, got 'gap'"),
+        (lambda: fl.HybridAutomaton((X, V), ON), "modes must be a tuple, got the Mode 'on' alone"),
+        (lambda: fl.HybridAutomaton((X, V), ("on",)), "modes must be of the class Mode, got 'on'"),
+        (lambda: fl.HybridAutomaton(("x", "v"), (ON,)), "states must be symbols, got 'x': make them"),
+        (lambda: fl.HybridAutomaton((X, V), (ON,), {"k": 1.0}), "parameters must be symbols, got 'k'"),
+    ],
+)
+def test_refused(make, message):
+    with pytest.raises(TypeError, match=message):
+        make()
