@@ -32,7 +32,7 @@ def known_attractors(automaton: HybridAutomaton, probed: Sequence[Found], settin
 
 
 def looks(transient: float) -> Array:
-    """Times of the looks at the runs: each twice the one before at first, for what is on an attractor soon."""
+    """Times of the looks at the runs: first each twice the one before, for what settles soon."""
     first = 0.5 ** np.arange(EARLY, 0, -1)
     return np.concatenate([first, np.arange(1, CHECKS + 1)]) * (transient / CHECKS)
 

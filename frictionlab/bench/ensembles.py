@@ -12,12 +12,9 @@ import numpy as np
 from frictionlab.analysis.ensemble import ensemble
 from frictionlab.analysis.markdown import markdown
 from frictionlab.analysis.simulate import simulate
-from frictionlab.hybrid.compiled import NUMBA
-from frictionlab.hybrid.natives import natives
-from frictionlab.hybrid.program import program_of
 from frictionlab.hybrid.taylor import Taylor
 
-from .ready import make_ready
+from .ready import make_lanes_ready, make_ready
 from .switches import SCENE, interleaved
 
 MU_K = (0.2, 1.0)  # sliding only, what starts from rest goes beyond all bounds where it is larger
@@ -43,16 +40,9 @@ def _row(without: tuple[str, ...], count: int, t_end: float, repeats: int) -> Ro
     scene = SCENE.without(*without)
     models = [scene.replace(mu_k=float(mu_k)) for mu_k in np.linspace(*MU_K, count)]
     make_ready(scene.automaton(), Taylor())
-    _make_lanes_ready(scene)
+    make_lanes_ready(scene.automaton(), Taylor())
     ways = partial(_one_by_one, models, t_end), partial(ensemble, models, t_end, progress=False)
     return Row(without, count, *interleaved(ways, repeats))
-
-
-def _make_lanes_ready(model: Any) -> None:
-    method = Taylor()
-    native = natives(program_of(model.automaton())[0], method.jets, method.degree + 1)
-    for mode in np.flatnonzero(native.code.lanes == 0) if NUMBA else ():
-        native.compile_step(int(mode))
 
 
 def _one_by_one(models: Sequence[Any], t_end: float) -> None:
