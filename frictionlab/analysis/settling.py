@@ -33,8 +33,8 @@ def known_attractors(automaton: HybridAutomaton, probed: Sequence[Found], settin
 
 def looks(transient: float) -> Array:
     """Times of the looks at the runs: first each twice the one before, for what settles soon."""
-    first = 0.5 ** np.arange(EARLY, 0, -1)
-    return np.concatenate([first, np.arange(1, CHECKS + 1)]) * (transient / CHECKS)
+    even = transient / CHECKS
+    return np.array([*(even / 2**k for k in range(EARLY, 0, -1)), *(even * k for k in range(1, CHECKS + 1))])
 
 
 def settle(
