@@ -113,22 +113,30 @@ class Catalogue:
         other.found, other._trees = [*self.found], [*self._trees]
         return other
 
+    def known(self, found: Found) -> int:
+        """Index of an attractor, `UNDECIDED` where it is new."""
+        return next((i for i, other in enumerate(self.found) if same(found, other, self._size)), UNDECIDED)
+
     def place(self, found: Found, points: Array | None = None) -> int:
         """Index of an attractor; one that is new is added.  Its points (K, n) tell who has reached it."""
-        for i, known in enumerate(self.found):
-            if same(found, known, self._size):
-                return i
+        index = self.known(found)
+        if index != UNDECIDED:
+            return index
         self.found.append(found)
         self._trees.append(None if points is None or not len(points) else KDTree(points / self._size))
         return len(self.found) - 1
 
     def reached(self, states: Array) -> np.ndarray:
         """Index of the attractor that each state (N, n) is on, `UNDECIDED` where there is none."""
-        index = np.full(len(states), UNDECIDED)
+        index, scaled = np.full(len(states), UNDECIDED), states / self._size
         for i, tree in enumerate(self._trees):
-            if tree is not None and len(states):
-                distance = tree.query(states / self._size, p=np.inf, distance_upper_bound=self._near)[0]
-                index[(distance < self._near) & (index == UNDECIDED)] = i
+            if tree is None:
+                continue
+            box = (scaled > tree.mins - 2 * self._near) & (scaled < tree.maxes + 2 * self._near)
+            about = np.flatnonzero(box.all(axis=1) & (index == UNDECIDED))  # a tree is slower than its box
+            if len(about):
+                distance = tree.query(scaled[about], p=np.inf, distance_upper_bound=self._near)[0]
+                index[about[distance < self._near]] = i
         return index
 
 

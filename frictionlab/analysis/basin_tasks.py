@@ -21,7 +21,8 @@ from .steady_state import automaton_of, check_steady
 from .tasks import check_workers, run_tasks
 
 PROBES = 12  # initial states from which the attractors are looked for first
-GROUP = 250  # initial states in a task
+GROUP, LARGEST = 250, 1000  # initial states in a task: what is done once for each should not count,
+TASKS = 16  # and yet there should be some for every processor
 
 
 def names_of(model: Any) -> tuple[str, ...]:
@@ -46,8 +47,10 @@ def settled(
     )
     check_steady(model, starts[0], transient, window, None, section, tolerance)
     automaton, chosen = automaton_of(model), _chosen(len(starts))
-    groups = [starts[i : i + GROUP] for i in range(0, len(starts), GROUP)]
-    asked = _asked(model, automaton, starts, len(chosen), about, settings)
+    size = max(GROUP, min(LARGEST, len(starts) // TASKS))
+    groups = [starts[i : i + size] for i in range(0, len(starts), size)]
+    layout = {"count": len(starts), "group": size, "probes": len(chosen), "starts": _digest(starts.tobytes())}
+    asked = _asked(model, automaton, {**about, **layout}, settings)
     journal = Journal(asked, resume)
     run: dict[str, Any] = {"workers": workers, "executor": executor}
     done = run_tasks(
@@ -67,9 +70,9 @@ def settled(
             settle,
             [(automaton, group, known, settings) for group in groups],
             keep=lambda i, result: journal.keep(i + len(chosen), result),
-            names=[f"initial states from {i * GROUP} on" for i in range(len(groups))],
+            names=[f"initial states from {i * size} on" for i in range(len(groups))],
             done={i - len(chosen) for i in journal.results},
-            progress=f"basins, {GROUP} states each" if progress else None,
+            progress=f"basins, {size} states each" if progress else None,
             **run,
         )
     journal.close()
@@ -83,17 +86,11 @@ def _chosen(count: int) -> list[int]:
 
 
 def _asked(
-    model: Any,
-    automaton: HybridAutomaton,
-    starts: Array,
-    probes: int,
-    about: dict[str, Any],
-    settings: dict[str, Any],
+    model: Any, automaton: HybridAutomaton, about: dict[str, Any], settings: dict[str, Any]
 ) -> dict[str, Any]:
     identity = model.to_dict() if isinstance(model, Model) else _digest(_text(automaton).encode())
     data = {"model": identity, "states": list(names_of(model)), "coordinates": automaton.coordinates}
-    layout = {"count": len(starts), "group": GROUP, "probes": probes, "starts": _digest(starts.tobytes())}
-    return {**data, **about, **layout, **settings, "method": settings["method"].describe()}
+    return {**data, **about, **settings, "method": settings["method"].describe()}
 
 
 def _text(automaton: HybridAutomaton) -> str:

@@ -199,11 +199,25 @@ def _starts(model: Any, names: Sequence[str], points: Array, x0: Any) -> Array:
     base = np.zeros(len(known)) if callable(x0) else checked_start(model, x0, automaton_of(model))
     starts = np.repeat(base[None], len(points), axis=0)
     starts[:, [known.index(name) for name in names]] = points
-    return np.array([_complete(x0, start, known) for start in starts]) if callable(x0) else starts
+    return _completed(x0, starts, known) if callable(x0) else starts
 
 
-def _complete(x0: Callable[[Array], Any], start: Array, names: tuple[str, ...]) -> Array:
-    state = np.asarray(x0(start.copy()), dtype=float)
-    if state.shape != (len(names),) or not np.isfinite(state).all():
-        raise ValueError(f"x0 must give a finite number for each of {', '.join(names)}, got {state.tolist()}")
-    return state
+def _completed(x0: Callable[[Array], Any], starts: Array, names: tuple[str, ...]) -> Array:
+    """What `x0` makes of each of the states (N, n)."""
+    given = [x0(start.copy()) for start in starts]
+    try:
+        states = np.array(given, dtype=float)
+    except ValueError:  # of several lengths
+        states = np.zeros(0)
+    if states.shape != starts.shape or not np.isfinite(states).all():
+        bad = next(each for each in given if not _complete(each, len(names)))
+        raise ValueError(
+            f"x0 must give a finite number for each of {', '.join(names)}, got {np.asarray(bad).tolist()}: "
+            "return all of them"
+        )
+    return states
+
+
+def _complete(state: Any, count: int) -> bool:
+    values = np.asarray(state, dtype=float)
+    return values.shape == (count,) and bool(np.isfinite(values).all())

@@ -10,13 +10,15 @@ import numpy as np
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.hybrid.choice import method_of
 from frictionlab.hybrid.compiled import waits_for_compiler
-from frictionlab.hybrid.ensemble import Ends, run_all
+from frictionlab.hybrid.ensemble import Ends, run_all, run_on
 from frictionlab.hybrid.lanes import advance_runs
+from frictionlab.hybrid.layout import Numbers
 from frictionlab.hybrid.problem import Problem
 from frictionlab.hybrid.program import program_of
 from frictionlab.hybrid.progress import Progress
 from frictionlab.hybrid.solve import informed
 from frictionlab.hybrid.taylor import Taylor
+from frictionlab.hybrid.under_way import UnderWay, under_way
 from frictionlab.hybrid.validation import check_number
 
 from .steady_state import automaton_of, checked_start
@@ -86,12 +88,17 @@ def ensemble(
         return run_all(problems, chosen, bar)
 
 
-def ends_of(automaton: HybridAutomaton, states: np.ndarray, t_end: float, method: Taylor) -> Ends:
-    """Where the motions of one automaton from some states (N, n) end; neither checked nor shown."""
-    program = program_of(informed(automaton, method))
-    problems = [Problem(*program, state, t_end) for state in states]
+def begun(automaton: HybridAutomaton, states: np.ndarray, method: Taylor) -> UnderWay:
+    """Runs of one automaton from some states (N, n), to be taken on; not checked."""
+    program, numbers = program_of(informed(automaton, method))
+    rows = Numbers(*(np.tile(each, (len(states), 1)) for each in numbers))
+    return under_way(program, rows, states, method)
+
+
+def taken_on(group: UnderWay, t_end: float) -> None:
+    """Take runs on to a time; it is not shown."""
     with Progress(t_end, False) as bar:
-        return run_all(problems, method, bar)
+        run_on(group, t_end, bar)
 
 
 def _problems(models: Sequence[Any], x0: Any, t_end: float, method: Taylor) -> list[Problem]:

@@ -66,7 +66,7 @@ def expression(automaton: Any, text: str) -> Any:
         known = [symbol.name for symbol in automaton.states]
         hint = did_you_mean(unknown[0], known)
         raise ValueError(f"section {text!r} has the unknown name {unknown[0]!r}: {hint}")
-    found = _parsed(text, symbols)
+    found = symbols.get(_plain(text)) or _parsed(text, symbols)  # a name alone needs no parser, which is slow
     if not isinstance(found, sympy.Expr) or not found.free_symbols & {*automaton.states}:
         raise ValueError(f'section must be an expression of the states such as "x1 - x2", got {text!r}')
     return found

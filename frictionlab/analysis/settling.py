@@ -8,14 +8,17 @@ from typing import Any
 import numpy as np
 
 from frictionlab.automaton import HybridAutomaton
+from frictionlab.hybrid.bookkeeping import FINISHED
+from frictionlab.hybrid.under_way import UnderWay, kept
 
 from .attractors import UNDECIDED, Catalogue, Found, size_of, spread_of
-from .ensemble import ends_of
+from .ensemble import begun, taken_on
 from .examine import Settings, cloud, examined, with_ranges
 from .kinds import ENDED
 from .recurrence import Array
 
-CHECKS = 20  # looks at the runs within the transient
+CHECKS = 20  # looks at the runs within the transient, evenly
+EARLY = 4  # and before the first of them
 
 
 def known_attractors(automaton: HybridAutomaton, probed: Sequence[Found], settings: Settings) -> Catalogue:
@@ -23,8 +26,15 @@ def known_attractors(automaton: HybridAutomaton, probed: Sequence[Found], settin
     size = size_of(probed, spread_of(probed), automaton.coordinates)
     catalogue = Catalogue(size, settings["near"])
     for each in probed:
-        catalogue.place(each, cloud(automaton, each, settings))
+        if catalogue.known(each) == UNDECIDED:
+            catalogue.place(each, cloud(automaton, each, settings))
     return catalogue
+
+
+def looks(transient: float) -> Array:
+    """Times of the looks at the runs: first each twice the one before, for what settles soon."""
+    even = transient / CHECKS
+    return np.array([*(even / 2**k for k in range(EARLY, 0, -1)), *(even * k for k in range(1, CHECKS + 1))])
 
 
 def settle(
@@ -41,32 +51,28 @@ def settle(
         "labels": N indices, those beyond the known attractors into "found".
     """
     catalogue, states = known.copy(), np.array(starts, dtype=float)
-    labels = np.full(len(states), UNDECIDED)
-    for _ in range(CHECKS):
-        left = np.flatnonzero(labels == UNDECIDED)
-        if len(left):
-            _run_on(automaton, states, labels, left, catalogue, settings)
-    for i in np.flatnonzero(labels == UNDECIDED):
+    labels, left = np.full(len(states), UNDECIDED), np.arange(len(states))
+    group = begun(automaton, states, settings["method"])
+    for t in looks(settings["transient"]):
+        taken_on(group, t)
+        states[left], labels[left] = group.runs.states, _labels(group, catalogue)
+        goes_on = labels[left] == UNDECIDED
+        group, left = kept(group, goes_on), left[goes_on]
+        if not len(left):
+            break
+    for i in left:
         labels[i] = catalogue.reached(states[i : i + 1])[0]
         if labels[i] == UNDECIDED:
             labels[i] = _examine(automaton, states[i], catalogue, settings)
     return {"labels": labels.tolist(), "found": catalogue.found[len(known.found) :]}
 
 
-def _run_on(
-    automaton: HybridAutomaton,
-    states: Array,
-    labels: np.ndarray,
-    left: np.ndarray,
-    catalogue: Catalogue,
-    settings: Settings,
-) -> None:
-    """Run those that are left until the next look at them."""
-    ends = ends_of(automaton, states[left], settings["transient"] / CHECKS, settings["method"])
-    states[left], labels[left] = ends.states, catalogue.reached(ends.states)
-    for i, status in zip(left, ends.status):
-        if not status.ok:
-            labels[i] = catalogue.place({"kind": ENDED, "period": None, "state": states[i].tolist()})
+def _labels(group: UnderWay, catalogue: Catalogue) -> np.ndarray:
+    """Which attractor each run is on; runs that ended early are on that of their kind."""
+    labels = catalogue.reached(group.runs.states)
+    for i in np.flatnonzero(group.runs.status != FINISHED):
+        labels[i] = catalogue.place({"kind": ENDED, "period": None, "state": group.runs.states[i].tolist()})
+    return labels
 
 
 def _examine(automaton: HybridAutomaton, state: Array, catalogue: Catalogue, settings: Settings) -> int:

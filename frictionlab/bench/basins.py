@@ -18,6 +18,9 @@ from frictionlab.analysis.basins import BasinStability, basin_stability
 from frictionlab.analysis.markdown import markdown
 from frictionlab.automaton import Event, HybridAutomaton, Mode, Reset
 from frictionlab.hybrid.compiled import NUMBA
+from frictionlab.hybrid.taylor import Taylor
+
+from .ready import make_lanes_ready, make_ready
 
 BELT, SHARE = 1.5, 0.30713  # of the initial states that go to the equilibrium, known independently
 RANGES = {"x": (-2.0, 2.0), "v": (0.0, 2.0)}
@@ -56,6 +59,8 @@ def oscillator(belt: float) -> HybridAutomaton:
 
 def basins(samples: int = 10_000, some: int = 200, widths: Sequence[float] = WIDTHS) -> list[Row]:
     """The exact ones for all samples, the smooth models for the first of them; one worker each."""
+    make_ready(oscillator(BELT), Taylor())
+    make_lanes_ready(oscillator(BELT), Taylor())
     exact()
     begin = time.perf_counter()
     found = exact(samples)

@@ -12,12 +12,9 @@ import numpy as np
 from frictionlab.analysis.ensemble import ensemble
 from frictionlab.analysis.markdown import markdown
 from frictionlab.analysis.simulate import simulate
-from frictionlab.hybrid.compiled import NUMBA
-from frictionlab.hybrid.natives import natives
-from frictionlab.hybrid.program import program_of
 from frictionlab.hybrid.taylor import Taylor
 
-from .ready import make_ready
+from .ready import make_lanes_ready, make_ready
 from .scenes import STIFF
 from .switches import SCENE, interleaved
 
@@ -64,16 +61,9 @@ def ensembles(runs: Sequence[int] = (8, 16, 64), repeats: int = 5, share: float 
 def _row(scene: Ensemble, count: int, t_end: float, repeats: int) -> Row:
     models = [scene.model.replace(mu_k=float(mu_k)) for mu_k in np.linspace(*scene.mu_k, count)]
     make_ready(scene.model.automaton(), Taylor())
-    _make_lanes_ready(scene.model)
+    make_lanes_ready(scene.model.automaton(), Taylor())
     ways = partial(_one_by_one, models, t_end), partial(ensemble, models, t_end, progress=False)
     return Row(scene.name, count, *interleaved(ways, repeats))
-
-
-def _make_lanes_ready(model: Any) -> None:
-    method = Taylor()
-    native = natives(program_of(model.automaton())[0], method.jets, method.degree + 1)
-    for mode in np.flatnonzero(native.code.lanes == 0) if NUMBA else ():
-        native.compile_step(int(mode))
 
 
 def _one_by_one(models: Sequence[Any], t_end: float) -> None:

@@ -7,18 +7,24 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from frictionlab.hybrid import bookkeeping, lanes, step_length
+from frictionlab.hybrid import bookkeeping, lanes
 from frictionlab.hybrid.affine import is_affine
-from frictionlab.hybrid.buffers import new_record, new_work
+from frictionlab.hybrid.layout import Numbers
 from frictionlab.hybrid.methods import ENDS
-from frictionlab.hybrid.native_lanes import GUARD_TOL, LOG_TOL, ROWS, TOL, WIDTH
-from frictionlab.hybrid.natives import LONG, natives
+from frictionlab.hybrid.natives import LONG
 from frictionlab.hybrid.problem import Problem
 from frictionlab.hybrid.progress import Progress
 from frictionlab.hybrid.status import Status
 from frictionlab.hybrid.taylor import Taylor
+from frictionlab.hybrid.under_way import UnderWay, under_way
 
 ROUNDS = 100_000  # steps between two looks at the progress bar and ctrl-C
+CODES = {
+    **{status: code for code, status in ENDS.items()},
+    Status.INTERRUPTED: bookkeeping.RUNNING,
+    Status.STEP_CAP: lanes.CAPPED,
+    Status.EVENT_CAP: lanes.CAPPED,
+}
 
 
 @dataclass(frozen=True)
@@ -44,77 +50,65 @@ class Ends:
 
 def run_all(problems: Sequence[Problem], method: Taylor, progress: Progress) -> Ends:
     """Run problems that share a program to their ends; each as it would run alone, to the last bit."""
-    if is_affine(problems[0].program):
-        return _in_turn(problems, method, progress)
+    constants, terms = (np.array(rows) for rows in zip(*(problem.numbers for problem in problems)))
+    states = np.array([problem.x0 for problem in problems])
+    group = under_way(problems[0].program, Numbers(constants, terms), states, method)
+    run_on(group, problems[0].t_end, progress)
+    return ends(group)
+
+
+def run_on(group: UnderWay, t_end: float, progress: Progress) -> None:
+    """Take runs on to a time; those that ended early stay where they are."""
+    runs = group.runs
+    goes_on = (runs.status == bookkeeping.RUNNING) | (runs.status == bookkeeping.FINISHED)
+    runs.times[goes_on, bookkeeping.END] = t_end
+    runs.status[goes_on] = bookkeeping.RUNNING
+    if is_affine(group.program):
+        return _in_turn(group, np.flatnonzero(goes_on), progress)
     with np.errstate(all="ignore"):
-        return _side_by_side(problems, method, progress)
+        _side_by_side(group, goes_on, progress)
 
 
-def _in_turn(problems: Sequence[Problem], method: Taylor, progress: Progress) -> Ends:
+def _in_turn(group: UnderWay, which: np.ndarray, progress: Progress) -> None:
     """Where a step is a product with a matrix, for each run another, there is nothing to share."""
-    raws = [method.integrate(problem, progress) for problem in problems]
-    steps, events = (
-        np.array([len(getattr(raw, name)) for raw in raws]) for name in ("step_modes", "event_times")
-    )
-    t, states, modes = (np.array([getattr(raw, name) for raw in raws]) for name in ("t", "state", "mode"))
-    return Ends(t, states, modes, steps, events, tuple(raw.status for raw in raws))
+    runs = group.runs
+    for i in which:
+        numbers, (now, end) = Numbers(runs.constants[i], runs.terms[i]), runs.times[i, :2]
+        raw = group.method.integrate(Problem(group.program, numbers, runs.states[i], end - now), progress)
+        runs.states[i], runs.counts[i, bookkeeping.MODE] = raw.state, raw.mode
+        runs.times[i, bookkeeping.NOW] = end if raw.status is Status.FINISHED else now + raw.t
+        runs.totals[i] += len(raw.step_modes), len(raw.event_times)
+        runs.status[i] = CODES[raw.status]
 
 
-def _side_by_side(problems: Sequence[Problem], method: Taylor, progress: Progress) -> Ends:
-    program, order = problems[0].program, method.degree
-    runs, seats = _runs(problems, method), _seats(problems[0], method)
-    native, record = natives(program, method.jets, order + 1), new_record(program.code, 1, 2, 0)
-    work = new_work(program.slots, program.code, order)
-    lanes.begin_runs(native.code, order, method.tol, runs, program.initial, record, work)
+def _side_by_side(group: UnderWay, goes_on: np.ndarray, progress: Progress) -> None:
+    runs, program, arrays = group.runs, group.program, (group.record, group.work)
+    settings = group.native.code, group.method.degree, group.method.tol
+    # Jets that were at hand are so no longer: such a run begins anew.  All do so the first time.
+    begins = goes_on & (runs.counts[:, bookkeeping.READY] != 0)
+    _line_up(runs, goes_on & ~begins)
+    lanes.begin_runs(*settings, runs, np.flatnonzero(begins), program.initial, *arrays)
     left, interrupted, share = True, False, runs.times[:, bookkeeping.NOW]
     while left and not interrupted:
-        left = lanes.advance_runs(native.code, order, method.tol, runs, seats, record, work, ROUNDS)
+        waiting = np.flatnonzero(runs.queued >= lanes.FEW)  # afterwards there may be nobody left
+        left = lanes.advance_runs(*settings, runs, group.seats, *arrays, ROUNDS)
         if runs.totals[:, 0].sum() > LONG:
-            native.share(np.flatnonzero(runs.queued >= lanes.FEW).tolist())
+            group.native.share(waiting.tolist())
         interrupted = progress.update(float(share.mean()))
-    return _ends(runs)
 
 
-def _runs(problems: Sequence[Problem], method: Taylor) -> lanes.Runs:
-    count, code = len(problems), problems[0].program.code
-    states, counts = np.array([p.x0 for p in problems]), np.zeros((count, bookkeeping.COUNTS), dtype=np.int64)
-    times = np.tile(bookkeeping.times_of(problems[0].t_end, method.limits), (count, 1))
-    counts[:, bookkeeping.RAISES] = method.raises
-    constants = np.array([p.numbers.constants for p in problems])
-    terms = np.array([p.numbers.terms for p in problems])
-    return lanes.Runs(
-        states=states,
-        sizes=np.abs(states),
-        times=times,
-        counts=counts,
-        signs=np.zeros(0, dtype=np.int64),
-        constants=constants,
-        terms=terms,
-        sizes_of_constants=np.abs(constants),
-        sizes_of_terms=np.abs(terms),
-        totals=np.zeros((count, 2), dtype=np.int64),
-        caps=np.array([method.max_steps, method.max_events]),
-        status=np.full(count, bookkeeping.RUNNING),
-        queue=np.zeros((len(code.flow), count), dtype=np.int64),
-        queued=np.zeros(len(code.flow), dtype=np.int64),
-    )
+def _line_up(runs: lanes.Runs, which: np.ndarray) -> None:
+    """Have some runs wait, each in the queue of its mode, and nobody else."""
+    modes = runs.counts[:, bookkeeping.MODE]
+    for mode in range(len(runs.queued)):
+        waiting = np.flatnonzero(which & (modes == mode))
+        runs.queue[mode, : len(waiting)] = waiting
+        runs.queued[mode] = len(waiting)
 
 
-def _seats(problem: Problem, method: Taylor) -> lanes.Seats:
-    program, control = problem.program, np.zeros((ROWS, WIDTH))
-    control[TOL], control[LOG_TOL] = method.tol, np.log2(method.tol)
-    control[GUARD_TOL] = method.tol * step_length.SLACK
-    return lanes.Seats(
-        runs=np.full(WIDTH, lanes.NOBODY),
-        z=np.zeros((program.code.inputs, WIDTH)),
-        constants=np.zeros((len(problem.numbers.constants), WIDTH)),
-        terms=np.zeros((len(problem.numbers.terms), WIDTH)),
-        jets=np.zeros((program.slots, method.degree + 1, WIDTH)),
-        control=control,
-    )
-
-
-def _ends(runs: lanes.Runs) -> Ends:
+def ends(group: UnderWay) -> Ends:
+    """Where runs stand."""
+    runs = group.runs
     status = tuple(_status(int(s), totals, runs.caps) for s, totals in zip(runs.status, runs.totals))
     modes, now = runs.counts[:, bookkeeping.MODE], runs.times[:, bookkeeping.NOW]
     steps, events = runs.totals.T.copy()

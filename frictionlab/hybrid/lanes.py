@@ -130,9 +130,9 @@ def begin(code, order, tol, runs, i, initial, record, work):
 
 
 @kernel
-def begin_runs(code, order, tol, runs, initial, record, work):
-    """Begin them all."""
-    for i in range(runs.status.shape[0]):
+def begin_runs(code, order, tol, runs, which, initial, record, work):
+    """Begin some of them."""
+    for i in which:
         begin(code, order, tol, runs, i, initial, record, work)
 
 

@@ -43,6 +43,32 @@ def test_the_bistable_oscillators_share_is_the_published_one(belt):
     assert sum(found.fractions.values()) == pytest.approx(1.0)
 
 
+def test_early_looks_take_no_motion_for_another():
+    """Against each motion by itself, all the way: at rest it is where x = (1 + exp(-2 v_d))/2."""
+    belt, options = 1.5, {"samples": 150, "transient": 1000.0, "progress": False}
+    found = fl.basin_stability(
+        bistable(belt), {"x": (-2.0, 2.0), "v": (0.0, 2.0)}, x0=on_the_law(belt), **options
+    )
+    starts = [on_the_law(belt)([*point, 0.0]) for point in found.points]
+    ends = [fl.solve(bistable(belt), 1000.0, x0=start, progress=False).final_state for start in starts]
+    away = np.abs(np.array(ends) - [(1 + np.exp(-2 * belt)) / 2, 0.0, np.exp(-2 * belt)]).max(axis=1)
+    assert ((away < 1e-6) | (away > 0.5)).all()
+    assert np.array_equal(
+        np.take([a.kind == "equilibrium" for a in found.attractors], found.labels), away < 0.5
+    )
+
+
+def test_the_size_of_the_groups_makes_no_difference(monkeypatch):
+    grid, labels = np.linspace(-1.2, 1.2, 9), []
+    for size in (7, 30, 250):
+        monkeypatch.setattr(module, "GROUP", size)
+        found = fl.basins(rings(), ("x", grid), ("v", grid), **QUIET)
+        labels.append(found.labels)
+        assert found.asked["group"] == size
+    assert np.array_equal(labels[0], labels[1])
+    assert np.array_equal(labels[0], labels[2])
+
+
 def test_two_wells_are_parted_where_they_should_be():
     x, v = np.linspace(-1.5, 1.5, 8), np.linspace(-1.0, 1.0, 5)
     found = fl.basins(wells(), ("x", x), ("v", v), **QUIET)

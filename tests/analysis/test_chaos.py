@@ -3,15 +3,14 @@
 import numpy as np
 import pytest
 import sympy as sp
-from scipy.optimize import brentq
 
 import frictionlab as fl
+from tests.analysis.impact_map import Oscillator, exponents, growth
 from tests.analysis.test_continuation import logistic
 from tests.hybrid.textbook import V, X, automaton
 
 C, S = sp.symbols("c s")
 RATIO, RESTITUTION = 2.8, 0.8
-STEP = 0.02
 
 
 def impact_oscillator(drawn, **parameters):
@@ -39,43 +38,11 @@ def test_a_ball_that_doubles_its_errors_has_the_exponent_ln_2():
     assert found.chaotic
 
 
-def free(t, start, x, v):
-    """x'' + x = cos(RATIO t) from (x, v) at `start`, in closed form: x and x' at `t`."""
-    gain = 1 / (1 - RATIO**2)
-    a, b = x - gain * np.cos(RATIO * start), v + gain * RATIO * np.sin(RATIO * start)
-    c, s = np.cos(t - start), np.sin(t - start)
-    position = a * c + b * s + gain * np.cos(RATIO * t)
-    return position, -a * s + b * c - gain * RATIO * np.sin(RATIO * t)
-
-
-def next_impact(t, x, v):
-    """Time of the next impact at x = 0, by steps in time and bisection."""
-    grid = t + STEP * np.arange(1, 2000)
-    i = np.flatnonzero(free(grid, t, x, v)[0] >= 0)[0]
-    return brentq(lambda s: free(s, t, x, v)[0], grid[i] - (STEP if i else 0.5 * STEP), grid[i], xtol=1e-14)
-
-
-def exponents_by_hand(impacts, blocks=20):
-    """Both exponents and the standard error of the first.
-
-    Rotations between impacts, where x = 0; the saltation matrix of an impact is [[-e, 0], [(1 + e) a/v, -e]]
-    with speed v and acceleration a just before it (Leine & Nijmeijer 2004).
-    """
-    t, x, v, frame, growths, times = 0.0, -1.0, 0.0, np.eye(2), [], []
-    for _ in range(impacts):
-        after = next_impact(t, x, v)
-        _, speed = free(after, t, x, v)
-        c, s = np.cos(after - t), np.sin(after - t)
-        force = np.cos(RATIO * after)
-        jump = np.array([[-RESTITUTION, 0.0], [(1 + RESTITUTION) * force / speed, -RESTITUTION]])
-        frame, r = np.linalg.qr(jump @ [[c, s], [-s, c]] @ frame)
-        growths.append(np.log(np.abs(np.diag(r))))
-        times.append(after - t)
-        t, x, v = after, 0.0, -RESTITUTION * speed
-    parts = [
-        g.sum(axis=0) / d.sum() for g, d in zip(*(np.array_split(a[100:], blocks) for a in (growths, times)))
-    ]
-    return np.mean(parts, axis=0), np.std(parts, axis=0, ddof=1)[0] / np.sqrt(blocks)
+def by_hand(impacts, **parameters):
+    """Both exponents and their standard errors, from impact to impact."""
+    growths, times, _ = growth(Oscillator(Omega=RATIO, e=RESTITUTION, **parameters), 0.0, -1.0, impacts)
+    parts = exponents(growths[100:], times[100:])
+    return parts.mean(axis=0), parts.std(axis=0, ddof=1) / np.sqrt(len(parts))
 
 
 def test_a_chaotic_impact_oscillator():
@@ -83,10 +50,12 @@ def test_a_chaotic_impact_oscillator():
     scene = impact_oscillator(0, omega=RATIO, sigma=0.0, e=RESTITUTION, zeta=0.0, f=1.0)
     start, t_end, blocks = [-1.0, 0.0, 1.0, 0.0], 2000.0, 20
     found = fl.lyapunov(scene, start, transient=200.0, t_end=t_end, progress=False)
-    exact, error = exponents_by_hand(2000)
+    exact, errors = by_hand(2000)
     assert found.chaotic
     assert found.standard_errors[0] < 0.02
-    assert found.exponents[0] == pytest.approx(exact[0], abs=4 * np.hypot(error, found.standard_errors[0]))
+    assert found.exponents[0] == pytest.approx(
+        exact[0], abs=4 * np.hypot(errors[0], found.standard_errors[0])
+    )
     assert found.exponents[1:3] == pytest.approx([0.0, 0.0], abs=1e-3)  # of the clock: its phase, its radius
     state, impacts = fl.solve(scene, 200.0, x0=start, progress=False).final_state, []
     for _ in range(blocks + 1):
@@ -95,6 +64,49 @@ def test_a_chaotic_impact_oscillator():
         impacts.append(len(run.events))
     shrinking = 2 * np.log(RESTITUTION) * sum(impacts[1:]) / t_end
     assert found.exponents.sum() == pytest.approx(shrinking, abs=1e-9)
+
+
+def test_the_map_from_impact_to_impact():
+    """Its Jacobian against differences; it shrinks v dt dv, a volume of the flow, by e^2 exp(-c t/m)."""
+    oscillator = Oscillator(m=1.5, c=0.1, k=2.0, d=0.2, F=1.2, Omega=3.1, e=0.7)
+    (t, v), h = (0.3, -0.9), 1e-5
+    differences = [
+        np.subtract(oscillator.impact(t + dt, v + dv)[:2], oscillator.impact(t - dt, v - dv)[:2]) / (2 * h)
+        for dt, dv in ((h, 0.0), (0.0, h))
+    ]
+    np.testing.assert_allclose(oscillator.impact(t, v)[2], np.transpose(differences), atol=1e-8)
+    growths, times, speeds = growth(oscillator, t, v, 200)
+    shrinking = 200 * np.log(0.7**2) - 0.1 / 1.5 * (times[-1] - times[0]) + np.log(speeds[0] / speeds[-1])
+    assert growths.sum() == pytest.approx(shrinking, abs=1e-10)
+
+
+def test_both_exponents_of_the_chaotic_impact_oscillator():
+    """Against 20,000 impacts of the exact map, within the scatter of both.
+
+    The divergence of the flow is -c/m, and an impact shrinks volumes by e^2, the determinant of its saltation
+    matrix: it turns v to -e v, and displacements across the stop by as much.  The phase neither grows nor
+    shrinks.  So the exponents add up to -c/m + 2 ln(e) N/t, with N impacts in a time t.
+    """
+    c, start, t_end, blocks = 0.05, [-1.0, 0.0, 0.0], 10_000.0, 20
+    model = fl.ImpactOscillator(c=c, d=0.0, Omega=RATIO, impact=fl.RestitutionImpact(e=RESTITUTION))
+    found = fl.lyapunov(model, start, transient=0.0, t_end=t_end, blocks=blocks, progress=False)
+    exact, errors = by_hand(20_100, c=c)
+    assert found.chaotic
+    assert (found.standard_errors < 0.01).all()
+    assert (errors < 0.004).all()
+    assert (
+        np.abs(found.exponents[[0, 2]] - exact) < 3 * np.hypot(errors, found.standard_errors[[0, 2]])
+    ).all()
+    assert found.exponents[1] == pytest.approx(0.0, abs=1e-3)
+    impacts, state = [], start
+    for _ in range(blocks + 1):  # the first is for the tangent vectors to find their directions
+        run = fl.simulate(model, t_end / blocks, x0=state, progress=False)
+        state = run.final_state
+        impacts.append((run.events.before[:, 1] > run.events.state[:, 1]).sum())
+    shrinking = -c / model.m + 2 * np.log(RESTITUTION) * sum(impacts[1:]) / t_end
+    assert sum(impacts[1:]) > 4000
+    assert np.array_equal(state, found.final_state)
+    assert found.exponents.sum() == pytest.approx(shrinking, abs=1e-10)
 
 
 @pytest.mark.parametrize("ratio", [0.8, 1.3])

@@ -4,8 +4,11 @@ import numpy as np
 import pytest
 
 import frictionlab as fl
+from frictionlab.analysis.ensemble import begun, taken_on
 from frictionlab.hybrid import natives
 from frictionlab.hybrid.program import program_of
+from frictionlab.hybrid.under_way import kept
+from tests.hybrid.textbook import ball
 
 FULL = fl.SliderOnBelt(mu_k=1.4, impact=fl.PlasticImpact("full"))
 SCENES = {
@@ -55,6 +58,48 @@ def test_many_initial_states_of_one_model():
     ends = fl.ensemble([FULL] * 9, 1.0, x0=states, progress=False)
     for start, end in zip(states, ends.states):
         np.testing.assert_array_equal(fl.simulate(FULL, 1.0, x0=start, progress=False).final_state, end)
+
+
+def test_runs_that_go_on_do_not_depend_on_those_that_are_left():
+    compiled(FULL)
+    states = np.random.default_rng(0).normal(scale=1e-3, size=(24, 10))
+    whole, part = (begun(FULL.automaton(), states, fl.Taylor()) for _ in range(2))
+    some = np.array([0, 3, 4, 11, 12, 23])
+    for t in (0.5, 0.7, 2.0):
+        taken_on(whole, t)
+        taken_on(part, t)
+        part = kept(part, some) if t == 0.5 else part
+    assert (part.runs.times[:, 0] == 2.0).all()
+    np.testing.assert_array_equal(part.runs.states, whole.runs.states[some])
+    np.testing.assert_array_equal(part.runs.totals, whole.runs.totals[some])
+    assert (part.runs.totals[:, 1] > 20).all()
+    for i in some[:3]:
+        alone = fl.simulate(FULL, 2.0, x0=states[i], progress=False).final_state
+        np.testing.assert_allclose(whole.runs.states[i], alone, rtol=0, atol=1e-9 * np.abs(states).max())
+
+
+def test_a_run_goes_on_from_an_event_at_the_very_time_of_a_look():
+    """From height 1 with g = 2 a ball lands after 1 s, and again 1 s later as it leaves at half its speed."""
+    heights = np.array([1.0, 1.0, 9.0, 1.0])
+    group = begun(ball().replace(g=2.0), np.column_stack([heights, 0 * heights]), fl.Taylor())
+    for t, height in ((1.0, 0.0), (1.5, 0.25), (2.0, 0.0), (2.25, 0.0625)):
+        taken_on(group, t)
+        exact = np.where(heights > 1, 9 - t**2, height)
+        np.testing.assert_allclose(group.runs.states[:, 0], exact, rtol=0, atol=1e-14)
+    assert group.runs.totals[:, 1].tolist() == [2, 2, 0, 2]
+
+
+def test_groups_too_small_for_a_second_round_have_their_steps_compiled():
+    if natives.compiled.NUMBA is None:
+        pytest.skip("there is nothing to compile")
+    scene = FULL.without("geometry").automaton()
+    native = natives.natives(program_of(scene)[0], 26, 27)
+    native.code.lanes[:] = 0
+    native._asked.clear()
+    fl.ensemble([scene] * 6, 60.0, x0=np.full(8, 1e-4), progress=False)
+    for waiting in native._asked.values():
+        waiting.result()
+    assert native.code.lanes.any()
 
 
 def test_each_ends_with_its_own_status():
