@@ -22,6 +22,7 @@ from frictionlab.hybrid.layout import NONE, Code, Numbers, Program, Section
 from frictionlab.hybrid.tape import POWER, ResetBuilder, Tape, TapeBuilder
 from frictionlab.hybrid.vanishing import up_to_sign, vanishing
 
+NOWHERE = np.zeros(0, dtype=np.int64)
 _ONE_AT_A_TIME = Lock()
 
 
@@ -45,8 +46,9 @@ def program_of(
     parameters = tuple(automaton.parameters)
     riders = (tuple((sections or {}).values()), tuple((quadratures or {}).items()))
     chosen, apart = modes or tuple(automaton.modes), isinstance(automaton.modes, ModesOnDemand)
+    remembered = lower_in_part if any(isinstance(mode, Sketch) for mode in chosen) else lower
     with _ONE_AT_A_TIME:  # else two threads might have two programs of one structure
-        program = lower(automaton.states, chosen, parameters, automaton.coordinates, *riders, apart)
+        program = remembered(automaton.states, chosen, parameters, automaton.coordinates, *riders, apart)
     return program, program.numbers(tuple(automaton.parameters.values()))
 
 
@@ -64,6 +66,10 @@ def lower(
     check_structure(states, modes, parameters, coordinates)
     packer = _Packer(states, modes, sections, quadratures)
     return packer.pack(parameters, coordinates, apart)
+
+
+# Soon replaced by one with more modes: the last few will do.
+lower_in_part = lru_cache(maxsize=16)(lower.__wrapped__)
 
 
 class _Lowered(NamedTuple):
@@ -151,13 +157,14 @@ class _Packer:
 
     def _declared(self) -> np.ndarray:
         declared = np.zeros((len(self.events), 2, len(self.functions)), dtype=np.int64)
-        same = defaultdict(list)
+        lists = defaultdict(list)
         for f, function in enumerate(self.functions):
-            same[up_to_sign(function)].append(f)
+            lists[up_to_sign(function)].append(f)
+        same = {function: _ints(places) for function, places in lists.items()}
         for row, (mode, event) in enumerate(self.events):
             for column, reset in enumerate((event.reset, event.accumulation or event.reset)):
                 for function, count in vanishing(mode, event, reset).items():
-                    declared[row, column, same[function]] = count
+                    declared[row, column, same.get(function, NOWHERE)] = count
         return declared
 
 
@@ -183,11 +190,16 @@ def _joined(lists: Iterable[list[int]]) -> Iterable[int]:
     return chain.from_iterable(lists)
 
 
-def _each(parameters: Sequence[Any], exprs: Sequence[Any]) -> Callable[..., Any]:
+def _each(parameters: tuple[Any, ...], exprs: Sequence[Any]) -> Callable[..., Any]:
     """Values of expressions, each to the same bits whatever the others are: no shared subexpressions."""
     places = {expr: i for i, expr in enumerate(dict.fromkeys(exprs))}
-    fill, where = sp.lambdify(parameters, list(places), "math"), _ints([places[expr] for expr in exprs])
-    return lambda *values: np.array(fill(*values), dtype=float)[where]
+    fills, where = [_number(parameters, expr) for expr in places], _ints([places[expr] for expr in exprs])
+    return lambda *values: np.array([fill(*values) for fill in fills], dtype=float)[where]
+
+
+@lru_cache(maxsize=4096)
+def _number(parameters: tuple[Any, ...], expr: Any) -> Callable[..., float]:
+    return sp.lambdify(parameters, expr, "math")
 
 
 def _resolve(function: Any | str, mode: Mode) -> Any:
