@@ -13,11 +13,12 @@ import pytest
 import frictionlab as fl
 from frictionlab.automaton import Mode, ModesOnDemand, Sketch
 from frictionlab.components.friction import FrictionLaw
+from frictionlab.components.impact import ImpactLaw
 from frictionlab.hybrid.problem import Problem, Unbuilt
 from frictionlab.hybrid.program import program_of
 from frictionlab.models import MechanicalModel, Mechanics, with_signature
 from frictionlab.models.assembly import assemble
-from frictionlab.models.mechanics import Friction
+from frictionlab.models.mechanics import Friction, Stop
 from frictionlab.models.symbols import structure
 
 pytestmark = pytest.mark.plain_python
@@ -40,6 +41,26 @@ class ThreeBlocks(MechanicalModel):
             kinetic=(v.x1**2 + v.x2**2 + v.x3**2) / 2,
             potential=springs / 2,
             contacts=tuple(Friction(self.v - u, 1.0, self.friction) for u in (v.x1, v.x2, v.x3)),
+        )
+
+
+@with_signature
+@dataclass(frozen=True, init=False, repr=False)
+class Landing(MechanicalModel):
+    """A block that may lift off its belt, and that a stop holds back: 7 modes."""
+
+    k: float = fl.parameter(4.0, unit="N/m", symbol="k", meaning="stiffness", range=(0.1, 10.0))
+    friction: FrictionLaw = fl.Coulomb(mu_k=0.5, mu_s=1.0)
+    impact: ImpactLaw = fl.PlasticImpact("full")
+    roles: ClassVar[Mapping[str, type]] = MappingProxyType({"friction": FrictionLaw, "impact": ImpactLaw})
+    coordinates = ("x", "y")
+
+    def mechanics(self, q, v):
+        friction = Friction(0.3 - v.x, -30 * q.y, self.friction, -q.y)
+        return Mechanics(
+            kinetic=(v.x**2 + v.y**2) / 2,
+            potential=self.k * q.x**2 / 2 + 0.8 * q.x * q.y + q.y**2 / 2 + q.y,
+            contacts=(friction, Stop(0.4 - q.x, self.impact)),
         )
 
 
@@ -123,6 +144,24 @@ def test_a_run_goes_on_from_modes_derived_by_others(model, x0):
     assert_same(fl.solve(one, 20.0, x0=x0), fl.solve(other, 20.0, x0=x0))
 
 
+@pytest.mark.parametrize("x0", [[-0.5, -1.5, 3.0, 0.0], [0.3, 0.2, 0.5, -0.5]])
+def test_with_gaps_and_stops_as_well(x0):
+    few = fresh(Landing())
+    run = fl.solve(few, 6.0, x0=x0)
+    assert_same(run, fl.solve(complete(Landing()), 6.0, x0=x0))
+    assert {"gap_1", "impact_2", "off_2", "v_r_1"} <= set(run.events.guard)
+    assert len(few.names) == 7
+    assert len(few.modes.derived) < 7
+
+
+@pytest.mark.parametrize("start", [[0.0, 0.0], [0.3, 0.2], [1.0, -0.7]], ids=["rest", "carried", "free"])
+@pytest.mark.parametrize("model", [TWO[0], THREE[0]], ids=["two", "three"])
+def test_events_at_one_instant(model, start):
+    """Blocks that start alike: all reach the belt's speed together."""
+    x0, few = np.repeat(start, len(model.coordinates)), fresh(model)
+    assert_same(fl.solve(few, 20.0, x0=x0), fl.solve(complete(model), 20.0, x0=x0))
+
+
 def test_the_mode_asked_for_is_derived():
     model, x0 = TWO
     few = fresh(model)
@@ -186,43 +225,50 @@ def test_one_contact_has_all_its_modes_at_once():
     assert isinstance(fl.DenHartog().automaton().modes, tuple)
 
 
-class Stopped:
-    """A progress bar whose user has pressed ctrl-C."""
+@dataclass
+class Bar:
+    """A progress bar whose user has pressed ctrl-C, or has not."""
+
+    stop: bool
 
     def update(self, t):
-        return True
+        return self.stop
 
 
 @pytest.mark.parametrize("method", [fl.Taylor(), fl.RK4(step=5e-3), fl.Scipy("RK45")], ids=lambda m: m.name)
 def test_ctrl_c_keeps_what_was_computed_where_a_mode_is_missing(method):
-    model, x0 = TWO
+    (model, x0), first = TWO, "slip+ | slip+"
     automaton = fresh(model)
-    start = automaton.modes.known(["slip+ | slip+"])
-    problem = Problem(*program_of(automaton, modes=start), np.array(x0), 20.0)
-    raw = method.integrate(problem, Stopped())
+    problem = Problem(*program_of(automaton, modes=automaton.modes.known([first])), np.array(x0), 20.0)
+    raw = method.integrate(problem, Bar(stop=True))
     run = fl.solve(complete(model), 20.0, x0=x0, method=method)
     assert raw.status is fl.Status.INTERRUPTED
     assert raw.t == run.events.t[0]
     assert raw.state.tolist() == run.events.before[0].tolist()
-    assert raw.mode == automaton.names.index("slip+ | slip+")
+    assert raw.mode == automaton.names.index(first)
     assert len(raw.event_times) == 0
-    Stopped.update, before = (lambda self, t: False), Stopped.update
-    try:
-        with pytest.raises(Unbuilt) as missing:
-            method.integrate(problem, Stopped())
-    finally:
-        Stopped.update = before
-    assert automaton.names[missing.value.mode].count("stick") == 1
+    with pytest.raises(Unbuilt) as missing:
+        method.integrate(problem, Bar(stop=False))
+    assert automaton.names[missing.value.mode] == run.events.target[0]
 
 
-def settles(model):
-    found = fl.steady_state(model, x0=THREE[1], transient=10.0, window=20.0, progress=False)
-    return {"kind": found.kind, "events": len(found.trajectory.events)}
+def test_runs_in_threads_share_the_modes():
+    few, (model, x0) = fresh(THREE[0]), THREE
+
+    def run(v):
+        return fl.solve(few.replace(v=v), 20.0, x0=x0)
+
+    speeds = [0.1, 0.2, 0.3, 0.4] * 2
+    with ThreadPoolExecutor(4) as pool:
+        found = list(pool.map(run, speeds))
+    for v, other in zip(speeds, found, strict=True):
+        assert_same(other, fl.solve(complete(model.replace(v=v)), 20.0, x0=x0))
 
 
-def test_a_sweep_in_threads():
-    over = {"v": [0.2, 0.3]}
-    here = fl.sweep(settles, ThreeBlocks(), over, workers=1, progress=False)
-    with ThreadPoolExecutor(2) as pool:
-        there = fl.sweep(settles, ThreeBlocks(), over, executor=pool, progress=False)
-    assert [dict(row) for row in there.results] == [dict(row) for row in here.results]
+def test_a_steady_state_derives_few():
+    model, x0 = THREE
+    before = set(assemble(structure(model)).modes.derived)
+    found = fl.steady_state(model, x0=x0, transient=20.0, window=20.0, progress=False)
+    derived = set(assemble(structure(model)).modes.derived)
+    assert set(found.trajectory.mode) <= derived
+    assert len(derived - before) < 20
