@@ -91,6 +91,11 @@ class Mode:
     outputs: Mapping[str, Expr] = field(default_factory=dict)
     limit: bool = False
 
+    @property
+    def holds(self) -> bool:
+        """Whether it holds something fast."""
+        return bool(self.constraints)
+
 
 @dataclass(frozen=True, eq=False)
 class Sketch(Mode):
@@ -98,6 +103,10 @@ class Sketch(Mode):
 
     None of its `constraints` may be negative where the mode is entered; its flow is not known, and zero.
     """
+
+    @property
+    def holds(self) -> bool:
+        return any(-function in self.constraints for function in self.constraints)
 
 
 class ModesOnDemand(Sequence[Mode]):
