@@ -7,10 +7,11 @@ parameter symbols, and :mod:`frictionlab.hybrid` turns them into numbers.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from threading import Lock
 from types import MappingProxyType
-from typing import Any
+from typing import Any, overload
 
 # sympy's types, named without importing sympy: this module only carries them.
 Expr = Any
@@ -100,6 +101,74 @@ class Mode:
     def __post_init__(self) -> None:
         _check_all(f"the events of mode {self.name!r}", self.events, Event)
 
+    @property
+    def holds(self) -> bool:
+        """Whether it holds something fast."""
+        return bool(self.constraints)
+
+
+@dataclass(frozen=True, eq=False)
+class Sketch(Mode):
+    """What is known of a mode before it is derived: where it cannot be entered.
+
+    None of its `constraints` may be negative where the mode is entered; its flow is not known, and zero.
+    """
+
+    @property
+    def holds(self) -> bool:
+        return any(-function in self.constraints for function in self.constraints)
+
+
+class ModesOnDemand(Sequence[Mode]):
+    """Modes that are derived once they are asked for, by index or in turn, and then kept.
+
+    Parameters
+    ----------
+    sketches : iterable of Sketch
+        One for each mode, in the automaton's order.
+    derive : callable
+        From a name to the mode.
+    """
+
+    def __init__(self, sketches: Iterable[Sketch], derive: Callable[[str], Mode]) -> None:
+        self._sketches, self._derive = tuple(sketches), derive
+        self._derived: dict[str, Mode] = {}
+        self._one_at_a_time = Lock()  # else two threads might have two modes of one name
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of all modes, of which none is derived for that."""
+        return tuple(sketch.name for sketch in self._sketches)
+
+    @property
+    def derived(self) -> tuple[str, ...]:
+        """Names of those that are derived, in that order."""
+        return tuple(self._derived)
+
+    def known(self, names: Iterable[str] | None = None) -> tuple[Mode, ...]:
+        """All, with a sketch for each but those of the given names; by default those derived so far."""
+        chosen = frozenset(self.derived if names is None else names)
+        return tuple(self[i] if s.name in chosen else s for i, s in enumerate(self._sketches))
+
+    def __len__(self) -> int:
+        return len(self._sketches)
+
+    @overload
+    def __getitem__(self, index: int) -> Mode: ...
+    @overload
+    def __getitem__(self, index: slice) -> tuple[Mode, ...]: ...
+    def __getitem__(self, index: int | slice) -> Mode | tuple[Mode, ...]:
+        if isinstance(index, slice):
+            return tuple(self[i] for i in range(len(self))[index])
+        name = self._sketches[index].name
+        with self._one_at_a_time:
+            if name not in self._derived:
+                self._derived[name] = self._derive(name)
+        return self._derived[name]
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return tuple, (list(self),)  # a file or another process gets them all
+
 
 @dataclass(frozen=True, eq=False)
 class HybridAutomaton:
@@ -109,7 +178,7 @@ class HybridAutomaton:
     ----------
     states : tuple of Symbol
         Coordinates first, then their velocities, then anything else.
-    modes : tuple of Mode
+    modes : tuple of Mode, or ModesOnDemand
         In the order in which they are tried where no event says otherwise, the start included.
         What is derived from them is remembered per Mode object: build them once, vary `parameters`.
     parameters : mapping of Symbol to float
@@ -133,12 +202,13 @@ class HybridAutomaton:
     """
 
     states: tuple[Symbol, ...]
-    modes: tuple[Mode, ...]
+    modes: tuple[Mode, ...] | ModesOnDemand
     parameters: Mapping[Symbol, float] = field(default_factory=dict)
     coordinates: int = 0
 
     def __post_init__(self) -> None:
-        _check_all("modes", self.modes, Mode)
+        if not isinstance(self.modes, ModesOnDemand):
+            _check_all("modes", self.modes, Mode)
         for what, symbols in {"states": self.states, "parameters": self.parameters}.items():
             if words := [s for s in symbols if isinstance(s, str)]:
                 raise TypeError(
@@ -149,7 +219,20 @@ class HybridAutomaton:
     @property
     def names(self) -> tuple[str, ...]:
         """Names of the modes, in order."""
+        if isinstance(self.modes, ModesOnDemand):
+            return self.modes.names
         return tuple(mode.name for mode in self.modes)
+
+    @property
+    def outputs(self) -> tuple[str, ...]:
+        """Names of the outputs."""
+        any_mode = [mode for mode in self.known_modes if not isinstance(mode, Sketch)] or self.modes
+        return tuple(any_mode[0].outputs) if any_mode else ()
+
+    @property
+    def known_modes(self) -> tuple[Mode, ...]:
+        """The modes, with a sketch for each that is yet to be derived."""
+        return self.modes.known() if isinstance(self.modes, ModesOnDemand) else self.modes
 
     def replace(self, **values: float) -> HybridAutomaton:
         """The automaton with other values of parameters, by their names.

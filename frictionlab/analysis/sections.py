@@ -58,7 +58,7 @@ def expression(automaton: Any, text: str) -> Any:
 
     The name of an output is returned as it is.
     """
-    if text in automaton.modes[0].outputs:
+    if text in automaton.outputs:
         return text
     symbols = {_plain(symbol.name): symbol for symbol in (*automaton.states, *automaton.parameters)}
     unknown = [word for word in NAME.findall(text) if _plain(word) not in symbols]

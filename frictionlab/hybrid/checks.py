@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 from typing import Any
 
 import sympy as sp
@@ -27,13 +28,14 @@ def check_structure(
             f"coordinates must leave room for as many velocities among the {len(states)} states, "
             f"got {coordinates}: list the coordinates first, then their velocities"
         )
+    known = tuple(names), frozenset((*states, *parameters)), len(states)
     for mode in modes:
-        _check_mode(mode, names, set(states), set(parameters))
+        _check_mode(mode, *known)
 
 
 def check_rider(name: str, function: Any, automaton: HybridAutomaton) -> None:
     """Raise ValueError where a section or quadrature asks for what the automaton does not have."""
-    outputs = automaton.modes[0].outputs if automaton.modes else {}
+    outputs = automaton.outputs
     known = {*automaton.states, *automaton.parameters}
     if isinstance(function, str):
         strange = [] if function in outputs else [function]
@@ -47,19 +49,19 @@ def check_rider(name: str, function: Any, automaton: HybridAutomaton) -> None:
         )
 
 
-def _check_mode(mode: Mode, names: list[str], states: set, parameters: set) -> None:
-    if len(mode.flow) != len(states):
+@lru_cache(maxsize=4096)  # modes that are derived one by one come again and again
+def _check_mode(mode: Mode, names: tuple[str, ...], known: frozenset[sp.Symbol], states: int) -> None:
+    if len(mode.flow) != states:
         raise ValueError(
-            f"the flow of mode {mode.name!r} must have one expression per state ({len(states)}), "
+            f"the flow of mode {mode.name!r} must have one expression per state ({states}), "
             f"got {len(mode.flow)}: give each state its time derivative"
         )
     for event in mode.events:
         if unknown := [name for name in event.targets if name not in names]:
             raise ValueError(
                 f"event {event.name!r} of mode {mode.name!r} leads to {unknown}, "
-                f"but the modes are {names}: correct its targets"
+                f"but the modes are {list(names)}: correct its targets"
             )
-    known = states | parameters
     for what, expr in _expressions(mode):
         if strange := sp.sympify(expr).free_symbols - known:
             raise ValueError(

@@ -18,7 +18,7 @@ from frictionlab.hybrid.bookkeeping import (
 from frictionlab.hybrid.compiled import inlined, kernel
 from frictionlab.hybrid.guards import NOISE
 from frictionlab.hybrid.jets import copy, majorant, mode_jets
-from frictionlab.hybrid.transitions import NO_MODE, apply_reset
+from frictionlab.hybrid.transitions import NO_MODE, UNBUILT, apply_reset, excluded
 
 HALVINGS = 50
 
@@ -83,6 +83,10 @@ def enter_by_values(code, numbers, absolute, guard, z, work):
     J = work.jets
     declared = code.declared[guard, 0]
     for mode in code.targets[guard]:
+        if code.built[mode] == 0:
+            if excluded(code, numbers, absolute, mode, z, z, declared, J, work.bounds):
+                continue
+            return UNBUILT - mode
         mode_jets(code, numbers, mode, 0, z, J)
         majorant(code, absolute, mode, 0, z, J, work.bounds)
         fits = True
@@ -107,6 +111,9 @@ def change_mode(code, numbers, absolute, guard, cursor, record, work):
     copy(cursor.state, record.event_states[row, 0])
     apply_reset(code, numbers, code.resets[guard, 0], cursor.state, work.jets)
     mode = enter_by_values(code, numbers, absolute, guard, cursor.state, work)
+    if mode < NO_MODE:
+        copy(record.event_states[row, 0], cursor.state)
+        return mode
     copy(cursor.state, record.event_states[row, 1])
     record.event_codes[row, 0] = guard
     record.event_codes[row, 1] = mode

@@ -103,6 +103,9 @@ def handle_event(code, numbers, absolute, guard, multiplicity, order, cursor, re
     record.event_times[row] = times[NOW]
     copy(cursor.state, record.event_states[row, 0])
     mode, closed = close_event(code, numbers, absolute, guard, multiplicity, order, cursor, work)
+    if mode < NO_MODE:  # a mode is to be derived first, as if the event were yet to happen
+        copy(record.event_states[row, 0], cursor.state)
+        return mode
     record.event_codes[row, 0] = guard
     record.event_codes[row, 1] = mode
     record.event_codes[row, 2] = closed

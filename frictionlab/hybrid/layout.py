@@ -38,6 +38,7 @@ class Code(NamedTuple):
     native: np.ndarray  # (modes,) addresses of native code, 0 where there is none
     lanes: np.ndarray  # (modes,) the same of a step of several runs side by side
     jets: np.ndarray  # (2,) order of the native jets, and length of a row of J
+    built: np.ndarray  # (modes,) whether it is derived; if not, its constraints must not be negative
     powers: np.ndarray  # (modes,) whether there are powers, whose base may be zero
     groups: np.ndarray  # (4,) bounds of the coordinates, the velocities, the other states; integrals follow
 

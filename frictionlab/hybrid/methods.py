@@ -15,10 +15,11 @@ from frictionlab.hybrid import bookkeeping
 from frictionlab.hybrid.buffers import Pieces, new_record, new_work
 from frictionlab.hybrid.layout import Numbers
 from frictionlab.hybrid.natives import Natives, natives
-from frictionlab.hybrid.problem import Problem, Raw
+from frictionlab.hybrid.problem import Problem, Raw, Unbuilt
 from frictionlab.hybrid.progress import Progress
 from frictionlab.hybrid.start import start
 from frictionlab.hybrid.status import Status
+from frictionlab.hybrid.transitions import UNBUILT
 from frictionlab.hybrid.validation import check_number
 
 CHUNK = 2048  # steps between two looks at the progress bar and ctrl-C
@@ -79,7 +80,7 @@ class Method(ABC):
 
     @abstractmethod
     def advance(self, run: Run, record: bookkeeping.Record) -> int:
-        """Fill `record` until it is full (bookkeeping.RUNNING) or the run ends."""
+        """Fill `record` until it is full (bookkeeping.RUNNING), the run ends, or a mode is UNBUILT."""
 
     def describe(self) -> dict[str, Any]:
         """Name and settings, for the record."""
@@ -93,7 +94,7 @@ class Method(ABC):
             )
 
     def integrate(self, problem: Problem, progress: Progress) -> Raw:
-        """Run the problem to its end, or as far as it goes."""
+        """Run the problem to its end, or as far as it goes; raise Unbuilt where it needs another mode."""
         with np.errstate(all="ignore"):
             return self._integrate(problem, progress)
 
@@ -105,12 +106,14 @@ class Method(ABC):
         while status is Status.RUNNING:
             record = self._record(run, pieces)
             counts[_COUNTED] = 0
-            end = self.advance(run, record)
+            end = int(self.advance(run, record))
             run.natives.used(record.step_modes[: counts[bookkeeping.STEPS]])
             pieces.add(record, *counts[_COUNTED])
-            status = self._status(ENDS[end], pieces)
+            status = self._status(ENDS.get(end, Status.RUNNING), pieces)
             if progress.update(times[bookkeeping.NOW]) and status is Status.RUNNING:
                 status = Status.INTERRUPTED
+            elif end <= UNBUILT:
+                raise Unbuilt(UNBUILT - end)
         mode = int(counts[bookkeeping.MODE])
         return pieces.raw(problem.program.code, times[bookkeeping.NOW], run.cursor.state, mode, status)
 

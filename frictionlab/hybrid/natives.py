@@ -34,14 +34,15 @@ class Natives:
     """The native jets of a program's modes, of one order and for rows of J of one length."""
 
     def __init__(self, program: Program, order: int, row: int) -> None:
-        self._functions = [_function(program, mode, order, row) for mode in range(len(program.tapes))]
-        self._used = np.zeros(len(self._functions), dtype=np.int64)
+        built, count = np.flatnonzero(program.code.built).tolist(), len(program.tapes)
+        self._functions = {mode: _function(program, mode, order, row) for mode in built}
+        self._used = np.zeros(count, dtype=np.int64)
         self._asked: dict[int, Future[None]] = {}
         groups = tuple(map(int, program.code.groups))
-        self._of_steps = [(_guards(program.code, mode), groups) for mode in range(len(self._functions))]
-        addresses, steps = np.zeros((2, len(self._functions)), dtype=np.int64)
+        self._of_steps = {mode: (_guards(program.code, mode), groups) for mode in built}
+        addresses, steps = np.zeros((2, count), dtype=np.int64)
         self.code: Code = program.code._replace(native=addresses, lanes=steps, jets=np.array([order, row]))
-        for mode, function in enumerate(self._functions):
+        for mode, function in self._functions.items():
             addresses[mode] = _known(_path(function))
             steps[mode] = _known(_path(function, STEP, self._of_steps[mode]))
 

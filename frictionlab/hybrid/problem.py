@@ -11,6 +11,14 @@ from frictionlab.hybrid.layout import Numbers, Program
 from frictionlab.hybrid.status import Status
 
 
+class Unbuilt(Exception):
+    """A run came to where a mode is to be tried that has yet to be derived; `mode` is its number."""
+
+    def __init__(self, mode: int) -> None:
+        super().__init__(mode)
+        self.mode = mode
+
+
 @dataclass(frozen=True)
 class Problem:
     """A program with its numbers, the initial state, the mode to start in (None: choose) and the end."""

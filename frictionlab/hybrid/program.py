@@ -6,7 +6,8 @@ values, which costs microseconds.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import lru_cache
 from itertools import chain
 from threading import Lock
@@ -15,12 +16,13 @@ from typing import Any, NamedTuple
 import numpy as np
 import sympy as sp
 
-from frictionlab.automaton import Event, HybridAutomaton, Mode, Reset
+from frictionlab.automaton import Event, HybridAutomaton, Mode, ModesOnDemand, Reset, Sketch
 from frictionlab.hybrid.checks import check_structure
 from frictionlab.hybrid.layout import NONE, Code, Numbers, Program, Section
 from frictionlab.hybrid.tape import POWER, ResetBuilder, Tape, TapeBuilder
-from frictionlab.hybrid.vanishing import vanishing
+from frictionlab.hybrid.vanishing import up_to_sign, vanishing
 
+NOWHERE = np.zeros(0, dtype=np.int64)
 _ONE_AT_A_TIME = Lock()
 
 
@@ -28,8 +30,11 @@ def program_of(
     automaton: HybridAutomaton,
     sections: Mapping[str, Section] | None = None,
     quadratures: Mapping[str, Any] | None = None,
+    modes: tuple[Mode, ...] | None = None,
 ) -> tuple[Program, Numbers]:
     """Program and numbers of an automaton; the program is remembered per structure.
+
+    `modes` are the automaton's, some of them as sketches; by default all are derived.
 
     Raises
     ------
@@ -40,8 +45,10 @@ def program_of(
     """
     parameters = tuple(automaton.parameters)
     riders = (tuple((sections or {}).values()), tuple((quadratures or {}).items()))
+    chosen, apart = modes or tuple(automaton.modes), isinstance(automaton.modes, ModesOnDemand)
+    remembered = lower_in_part if any(isinstance(mode, Sketch) for mode in chosen) else lower
     with _ONE_AT_A_TIME:  # else two threads might have two programs of one structure
-        program = lower(automaton.states, automaton.modes, parameters, automaton.coordinates, *riders)
+        program = remembered(automaton.states, chosen, parameters, automaton.coordinates, *riders, apart)
     return program, program.numbers(tuple(automaton.parameters.values()))
 
 
@@ -53,11 +60,16 @@ def lower(
     coordinates: int,
     sections: tuple[Section, ...] = (),
     quadratures: tuple[tuple[str, Any], ...] = (),
+    apart: bool = False,
 ) -> Program:
-    """Lower every mode and reset to its tape and pack them."""
+    """Lower every mode and reset to its tape and pack them; `apart` evaluates each number on its own."""
     check_structure(states, modes, parameters, coordinates)
     packer = _Packer(states, modes, sections, quadratures)
-    return packer.pack(parameters, coordinates)
+    return packer.pack(parameters, coordinates, apart)
+
+
+# Soon replaced by one with more modes: the last few will do.
+lower_in_part = lru_cache(maxsize=16)(lower.__wrapped__)
 
 
 class _Lowered(NamedTuple):
@@ -81,16 +93,17 @@ class _Packer:
         self.events = [(mode, event) for mode in modes for event in mode.events]
         self.functions = [event.function for _, event in self.events]
         self.functions += [c for mode in modes for c in mode.constraints]
+        self.places = {mode.name: i for i, mode in enumerate(modes)}
+        self.initial = [i for i, mode in enumerate(modes) if not mode.limit]
         self.reset_tapes: list[Tape] = []
         self.reset_out: list[list[int]] = []
 
-    def pack(self, parameters, coordinates) -> Program:
+    def pack(self, parameters, coordinates, apart) -> Program:
         names = [mode.name for mode in self.modes]
-        lowered = [self._mode(mode) for mode in self.modes]
+        lowered = [_mode(mode, self.states, self.sections, self.integrands) for mode in self.modes]
         tapes = [mode.tape for mode in lowered]
         resets = [self._event_resets(event) for _, event in self.events]
         every = tapes + self.reset_tapes
-        initial = _ints([i for i, mode in enumerate(self.modes) if not mode.limit])
         code = Code(
             inputs=len(self.states),
             ops=_ops(every),
@@ -102,12 +115,10 @@ class _Packer:
             function_slots=_slots(
                 [*_joined(m.guards for m in lowered), *_joined(m.constraints for m in lowered)]
             ),
-            targets=_ints([self._targets(event) for _, event in self.events], columns=len(initial)),
+            targets=_ints([self._targets(event) for _, event in self.events], columns=len(self.initial)),
             limits=_ints([i for i, mode in enumerate(self.modes) if mode.limit]),
             resets=_ints(resets, columns=2),
-            declared=_ints([self._declared(*pair) for pair in self.events]).reshape(
-                len(self.events), 2, len(self.functions)
-            ),
+            declared=self._declared(),
             reset_ops=_ranges([len(t.ops) for t in self.reset_tapes], start=sum(len(t.ops) for t in tapes)),
             reset_out=_slots(self.reset_out, columns=len(self.states)),
             sections=_slots([mode.sections for mode in lowered], columns=len(self.sections)),
@@ -115,31 +126,22 @@ class _Packer:
             native=np.zeros(len(names), dtype=np.int64),
             lanes=np.zeros(len(names), dtype=np.int64),
             jets=np.array([-1, 0]),
+            built=_ints([not isinstance(mode, Sketch) for mode in self.modes]),
             powers=_ints([any(op[0] == POWER for op in tape.ops) for tape in tapes]),
             groups=_ints([0, coordinates, 2 * coordinates, len(self.physical)]),
         )
         exprs = [c for tape in every for c in tape.constants] + [c for tape in every for _, c in tape.terms]
-        fill = sp.lambdify(parameters, exprs, modules="math", cse=True)
-        guard_modes = _ints([names.index(mode.name) for mode, _ in self.events])
+        fill = _each(parameters, exprs) if apart else sp.lambdify(parameters, exprs, "math", cse=True)
+        guard_modes = _ints([self.places[mode.name] for mode, _ in self.events])
         guards = tuple(event.name for _, event in self.events)
         slots = max(tape.slots for tape in every)
         tapes, resets = tuple(tapes), tuple(self.reset_tapes)
+        initial = _ints(self.initial)
         return Program(code, tapes, resets, slots, tuple(names), guards, guard_modes, initial, fill)
 
-    def _mode(self, mode: Mode) -> _Lowered:
-        builder = TapeBuilder(self.states)
-        return _Lowered(
-            flow=[builder.slot(expr) for expr in (*mode.flow, *(_resolve(e, mode) for e in self.integrands))],
-            guards=[builder.slot(event.function) for event in mode.events],
-            constraints=[builder.slot(expr) for expr in mode.constraints],
-            sections=[builder.slot(_resolve(section.function, mode)) for section in self.sections],
-            tape=builder.tape,
-        )
-
     def _targets(self, event: Event) -> list[int]:
-        names = [mode.name for mode in self.modes]
-        order = dict.fromkeys((*event.targets, *names))
-        return [names.index(name) for name in order if not self.modes[names.index(name)].limit]
+        order = dict.fromkeys((*(self.places[name] for name in event.targets), *self.initial))
+        return [i for i in order if not self.modes[i].limit]
 
     def _event_resets(self, event: Event) -> list[int]:
         plain = self._reset(event.reset)
@@ -148,21 +150,61 @@ class _Packer:
     def _reset(self, reset: Reset) -> int:
         if not reset.jump:
             return NONE
-        builder = ResetBuilder(self.states)
-        self.reset_out.append([builder.slot(reset.jump.get(state, state)) for state in self.states])
-        self.reset_tapes.append(builder.tape)
+        out, tape = _jump(reset, self.states)
+        self.reset_out.append(out)
+        self.reset_tapes.append(tape)
         return len(self.reset_tapes) - 1
 
-    def _declared(self, mode: Mode, event: Event) -> list[list[int]]:
-        resets = (event.reset, event.accumulation or event.reset)
-        return [vanishing(mode, event, reset, self.functions) for reset in resets]
+    def _declared(self) -> np.ndarray:
+        declared = np.zeros((len(self.events), 2, len(self.functions)), dtype=np.int64)
+        lists = defaultdict(list)
+        for f, function in enumerate(self.functions):
+            lists[up_to_sign(function)].append(f)
+        same = {function: _ints(places) for function, places in lists.items()}
+        for row, (mode, event) in enumerate(self.events):
+            for column, reset in enumerate((event.reset, event.accumulation or event.reset)):
+                for function, count in vanishing(mode, event, reset).items():
+                    declared[row, column, same.get(function, NOWHERE)] = count
+        return declared
+
+
+@lru_cache(maxsize=4096)  # modes that are derived one by one are packed again and again
+def _mode(mode: Mode, states: tuple, sections: tuple[Section, ...], integrands: tuple) -> _Lowered:
+    builder = TapeBuilder(states)
+    return _Lowered(
+        flow=[builder.slot(expr) for expr in (*mode.flow, *(_resolve(e, mode) for e in integrands))],
+        guards=[builder.slot(event.function) for event in mode.events],
+        constraints=[builder.slot(expr) for expr in mode.constraints],
+        sections=[builder.slot(_resolve(section.function, mode)) for section in sections],
+        tape=builder.tape,
+    )
+
+
+@lru_cache(maxsize=4096)
+def _jump(reset: Reset, states: tuple) -> tuple[list[int], Tape]:
+    builder = ResetBuilder(states)
+    return [builder.slot(reset.jump.get(state, state)) for state in states], builder.tape
 
 
 def _joined(lists: Iterable[list[int]]) -> Iterable[int]:
     return chain.from_iterable(lists)
 
 
+def _each(parameters: tuple[Any, ...], exprs: Sequence[Any]) -> Callable[..., Any]:
+    """Values of expressions, each to the same bits whatever the others are: no shared subexpressions."""
+    places = {expr: i for i, expr in enumerate(dict.fromkeys(exprs))}
+    fills, where = [_number(parameters, expr) for expr in places], _ints([places[expr] for expr in exprs])
+    return lambda *values: np.array([fill(*values) for fill in fills], dtype=float)[where]
+
+
+@lru_cache(maxsize=4096)
+def _number(parameters: tuple[Any, ...], expr: Any) -> Callable[..., float]:
+    return sp.lambdify(parameters, expr, "math")
+
+
 def _resolve(function: Any | str, mode: Mode) -> Any:
+    if isinstance(mode, Sketch):
+        return sp.S.Zero
     return mode.outputs[function] if isinstance(function, str) else function
 
 

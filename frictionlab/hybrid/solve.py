@@ -8,13 +8,13 @@ from typing import Any
 
 import numpy as np
 
-from frictionlab.automaton import HybridAutomaton
+from frictionlab.automaton import HybridAutomaton, Mode
 from frictionlab.hybrid.checks import check_rider
 from frictionlab.hybrid.choice import method_of
 from frictionlab.hybrid.compiled import waits_for_compiler
 from frictionlab.hybrid.layout import Section
 from frictionlab.hybrid.methods import Method
-from frictionlab.hybrid.problem import Problem
+from frictionlab.hybrid.problem import Problem, Unbuilt
 from frictionlab.hybrid.program import program_of
 from frictionlab.hybrid.progress import Progress
 from frictionlab.hybrid.trajectory import Samples, Trajectory
@@ -77,15 +77,22 @@ def solve(
     if any(asked) and not chosen.riders:
         raise ValueError(f"sections and quadratures need method='taylor', got {method!r}: change the method")
     automaton = informed(automaton, chosen)
-    program, numbers = program_of(automaton, *asked)
+    modes, number = automaton.known_modes, _mode(automaton, mode)
     with_integrals = np.concatenate([state, np.zeros(len(asked[1]))])
-    problem = Problem(program, numbers, with_integrals, float(t_end), _mode(automaton, mode))
-    begin = time.perf_counter()
+    program, numbers = program_of(automaton, *asked, modes=modes)
+    raw = None
     with Progress(t_end, progress, waits_for_compiler(chosen.entry)) as bar:
-        raw = chosen.integrate(problem, bar)
-    wall_time = time.perf_counter() - begin
+        while raw is None:
+            begin = time.perf_counter()
+            try:
+                raw = chosen.integrate(Problem(program, numbers, with_integrals, float(t_end), number), bar)
+            except Unbuilt as missing:
+                # Run again from the start: a mode is missing once in a process, mostly early in a run.
+                modes = _with_mode(automaton, missing.mode)
+                program, numbers = program_of(automaton, *asked, modes=modes)
+            wall_time = time.perf_counter() - begin
     integrals = dict(zip(asked[1], raw.state[len(state) :].tolist(), strict=True))
-    problem = Problem(*program_of(automaton), state, float(t_end), problem.mode)
+    problem = Problem(*program_of(automaton, modes=modes), state, float(t_end), number)
     return Trajectory(
         automaton,
         problem,
@@ -146,3 +153,9 @@ def _mode(automaton: HybridAutomaton, mode: str | None) -> int | None:
         names = ", ".join(map(repr, automaton.names))
         raise ValueError(f"mode must be one of {names}, got {mode!r}{suggestion(mode, automaton.names)}")
     return automaton.names.index(mode)
+
+
+def _with_mode(automaton: HybridAutomaton, number: int) -> tuple[Mode, ...]:
+    """The modes known once one more is derived."""
+    _ = automaton.modes[number]
+    return automaton.known_modes

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from frictionlab.hybrid.layout import Numbers
-from frictionlab.hybrid.problem import Problem
-from frictionlab.hybrid.transitions import enter
+from frictionlab.hybrid.problem import Problem, Unbuilt
+from frictionlab.hybrid.transitions import UNBUILT, enter
 
 
 def start(problem: Problem, order: int, absolute: Numbers, work) -> int:
@@ -16,12 +16,16 @@ def start(problem: Problem, order: int, absolute: Numbers, work) -> int:
     ------
     ValueError
         Where the mode that was asked for cannot be entered there.
+    Unbuilt
+        Where a mode is to be tried that has yet to be derived.
     """
     program = problem.program
     candidates = program.initial if problem.mode is None else np.array([problem.mode], dtype=np.int64)
     work.declared[:] = 0
     arguments = candidates, problem.x0, problem.x0, order, work.declared, work.zeros, work.jets, work.bounds
     mode = int(enter(program.code, problem.numbers, absolute, *arguments))
+    if mode <= UNBUILT:
+        raise Unbuilt(UNBUILT - mode)
     if mode < 0 and problem.mode is not None:
         raise ValueError(
             f"the run cannot start in mode {program.modes[problem.mode]!r}: at x0 one of its conditions "

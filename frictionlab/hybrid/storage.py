@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from frictionlab._version import __version__
-from frictionlab.automaton import HybridAutomaton
+from frictionlab.automaton import HybridAutomaton, ModesOnDemand
 from frictionlab.hybrid.problem import Problem, Raw
 from frictionlab.hybrid.program import program_of
 from frictionlab.hybrid.status import Status
@@ -25,7 +25,7 @@ def write(run: Trajectory, path: str | Path) -> Path:
     """Write a run; the suffix .npz is added where it is missing."""
     path = Path(path)
     path = path if path.suffix == ".npz" else path.with_name(path.name + ".npz")
-    raw = run.raw
+    raw, program = run.raw, run._problem.program
     about = {
         "format": FORMAT,
         "version": __version__,
@@ -33,6 +33,7 @@ def write(run: Trajectory, path: str | Path) -> Path:
         "parameters": {str(k): v for k, v in run.automaton.parameters.items()},
         "t": raw.t,
         "mode": int(raw.mode),
+        "modes": [name for name, built in zip(program.modes, program.code.built, strict=True) if built],
         "status": raw.status.name,
         "samples": {"order": run.samples.order, "parts": run.samples.parts},
         "sections": run.section_names,
@@ -66,8 +67,10 @@ class Stored:
             raise ValueError(
                 f"the run has the states {self.about['states']}, the model {names}: give the right model"
             )
-        program, numbers = program_of(automaton)
-        about = self.about
+        about, modes = self.about, None
+        if isinstance(automaton.modes, ModesOnDemand) and "modes" in about:
+            modes = automaton.modes.known(about["modes"])  # by which the events are numbered
+        program, numbers = program_of(automaton, modes=modes)
         arrays = {name: self.arrays[name] for name in (*ARRAYS, "state")}
         status = Status[about["status"]]
         raw = Raw(**arrays, t=about["t"], mode=about["mode"], status=status)

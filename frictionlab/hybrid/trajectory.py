@@ -158,20 +158,20 @@ class Trajectory:
         """A state by name, e.g. ``run["x1'"]``, or an output, e.g. ``run["gap"]``; sampled as `t`."""
         if name in self.names:
             return self.states[:, self.names.index(name)]
-        if name in self.automaton.modes[0].outputs:
+        if name in self.automaton.outputs:
             return self.output(name)
-        known = [*self.names, *self.automaton.modes[0].outputs]
+        known = [*self.names, *self.automaton.outputs]
         raise KeyError(f"the run has no {name!r}{suggestion(name, known)}; it has {', '.join(known)}")
 
     def __getattr__(self, name: str) -> np.ndarray:
         automaton = self.__dict__.get("automaton")
-        if automaton is None or name not in automaton.modes[0].outputs:
-            known = [*dir(type(self)), *(automaton.modes[0].outputs if automaton else ())]
+        if automaton is None or name not in automaton.outputs:
+            known = [*dir(type(self)), *(automaton.outputs if automaton else ())]
             raise AttributeError(f"a Trajectory has no attribute {name!r}{suggestion(name, known)}")
         return self.output(name)
 
     def __dir__(self) -> list[str]:
-        return [*super().__dir__(), *self.automaton.modes[0].outputs]
+        return [*super().__dir__(), *self.automaton.outputs]
 
     def output(self, name: str, t: np.ndarray | None = None) -> np.ndarray:
         """A named quantity of the model at the samples, or at times `t`."""
@@ -231,7 +231,7 @@ class Trajectory:
             import pandas as pd
         except ImportError as error:
             raise ImportError("to_dataframe needs pandas: pip install 'frictionlab[data]'") from error
-        columns = {name: self[name] for name in (*self.names, *self.automaton.modes[0].outputs)}
+        columns = {name: self[name] for name in (*self.names, *self.automaton.outputs)}
         return pd.DataFrame({**columns, "mode": self.mode}, index=pd.Index(self.t, name="t"))
 
     def __repr__(self) -> str:

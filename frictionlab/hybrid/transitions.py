@@ -7,6 +7,7 @@ from frictionlab.hybrid.guards import LOW, leading
 from frictionlab.hybrid.jets import majorant, mode_jets, reset_values
 
 NO_MODE = -1
+UNBUILT = -2  # and below: UNBUILT - mode where a mode is to be tried that has yet to be derived
 REFUSED, AT_ANOTHER_EVENT, UNDECIDED, ADMITTED = range(4)
 
 
@@ -51,16 +52,33 @@ def admission(code, numbers, absolute, mode, z, sizes, order, declared, zeros, J
 
 
 @kernel
+def excluded(code, numbers, absolute, mode, z, sizes, declared, J, bounds):
+    """Whether what is known of a mode that is not derived forbids to enter it at `z`."""
+    mode_jets(code, numbers, mode, 0, z, J)
+    majorant(code, absolute, mode, 0, sizes, J, bounds)
+    for f in range(code.mode_constraints[mode], code.mode_constraints[mode + 1]):
+        slot = code.function_slots[f]
+        if leading(J[slot], bounds[slot], declared[f], 0) == 0 and J[slot, 0] < 0.0:
+            return True
+    return False
+
+
+@kernel
 def enter(code, numbers, absolute, candidates, z, sizes, order, declared, zeros, J, bounds):
     """First admissible mode of `candidates` at `z`, or NO_MODE; leaves its jets in `J`.
 
     A guard that vanishes identically stays zero, so it does not end the mode.  Where several events fall
     upon one instant no mode may be admissible after the first of them; then the first mode is entered that
-    is at another event, which ends it at once.
+    is at another event, which ends it at once.  Where a mode comes to be tried that is not derived it is
+    returned as UNBUILT - mode.
     """
     low = min(LOW, order)
     passed = NO_MODE
     for mode in candidates:
+        if code.built[mode] == 0:
+            if excluded(code, numbers, absolute, mode, z, sizes, declared, J, bounds):
+                continue
+            return UNBUILT - mode
         verdict = admission(code, numbers, absolute, mode, z, sizes, low, declared, zeros, J, bounds)
         if verdict == UNDECIDED:
             verdict = admission(code, numbers, absolute, mode, z, sizes, order, declared, zeros, J, bounds)

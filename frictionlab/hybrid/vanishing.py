@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping
 from functools import lru_cache
 from typing import Any
 
@@ -11,36 +11,31 @@ import sympy as sp
 from frictionlab.automaton import Event, Mode, Reset
 
 
-def vanishing(mode: Mode, event: Event, reset: Reset, functions: Sequence[Any]) -> list[int]:
-    """How many leading Taylor coefficients of each function are zero after the event's reset.
+@lru_cache(maxsize=4096)
+def vanishing(mode: Mode, event: Event, reset: Reset) -> Mapping[Any, int]:
+    """How many leading Taylor coefficients are zero after the event's reset, by function :func:`up_to_sign`.
 
     What the reset declares; besides, the function that triggered the event and the constraints of the
     mode that ends were zero before it, and stay so unless the reset changes them.
     """
-    zero = dict(reset.vanishing)
+    zero: dict[Any, int] = {}
+    for function, count in reset.vanishing.items():
+        zero[up_to_sign(function)] = max(count, zero.get(up_to_sign(function), 0))
     for function in (event.function, *mode.constraints):
-        if not any(_same(function, known) for known in zero) and _survives(function, reset):
-            zero[function] = 1
-    return [max([n for known, n in zero.items() if _same(f, known)], default=0) for f in functions]
+        if up_to_sign(function) not in zero and _survives(function, reset):
+            zero[up_to_sign(function)] = 1
+    return zero
 
 
 def _survives(function: sp.Expr, reset: Reset) -> bool:
     """Whether a function that was zero before the reset is zero after it."""
     if function.free_symbols.isdisjoint(reset.jump):
         return True
-    return _expanded(function.xreplace(dict(reset.jump))) == 0
+    return sp.expand(function.xreplace(dict(reset.jump))) == 0
 
 
-def _same(f: sp.Expr, g: sp.Expr) -> bool:
-    """Whether f = g or f = -g."""
-    if f == g or f == -g:
-        return True
-    if f.free_symbols != g.free_symbols:
-        return False
-    one, other = _expanded(f), _expanded(g)
-    return one == other or one == -other
-
-
-@lru_cache(maxsize=256)
-def _expanded(expr: sp.Expr) -> sp.Expr:
-    return sp.expand(expr)
+@lru_cache(maxsize=4096)
+def up_to_sign(function: sp.Expr) -> sp.Expr:
+    """The same for f and for -f, however they are written: both are zero together."""
+    expanded = sp.expand(function)
+    return -expanded if expanded.could_extract_minus_sign() else expanded

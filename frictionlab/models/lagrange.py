@@ -8,14 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from itertools import product
 from types import SimpleNamespace
 from typing import Any
 
 import sympy
 
-from frictionlab.automaton import Event, HybridAutomaton, Mode, Reset
+from frictionlab.automaton import Event, HybridAutomaton, Mode, ModesOnDemand, Reset, Sketch
 
 from .mechanics import Friction, Mechanics, Stop
 from .regimes import CLOSING, PHASE, End, Regime, rate_after, regimes
@@ -91,10 +91,29 @@ def system(model: Any) -> System:
 
 
 def derived(model: Any) -> HybridAutomaton:
-    """States and modes of a symbolic copy of a model, one mode for each combination of regimes."""
+    """States and modes of a symbolic copy of a model, one mode for each combination of regimes.
+
+    Several contacts have many combinations, of which a run visits few: each is derived once it is asked for.
+    """
     found = system(model)
-    modes = tuple(_mode(found, chosen) for chosen in found.combinations.values())
-    return HybridAutomaton((*found.q, *found.v, *found.phase), modes, {}, len(found.q))
+    chosen, states = found.combinations, (*found.q, *found.v, *found.phase)
+    if len(found.mechanics.contacts) > 1:
+        sketches = (_sketch(name, some, len(states)) for name, some in chosen.items())
+        modes: Any = ModesOnDemand(sketches, lambda name: _mode(found, chosen[name]))
+    else:
+        modes = tuple(_mode(found, some) for some in chosen.values())
+    return HybridAutomaton(states, modes, {}, len(found.q))
+
+
+def _sketch(name: str, chosen: Sequence[Regime], states: int) -> Sketch:
+    """What can be said without solving for forces: sticking needs v_r = 0, sliding v_r of its sign."""
+    needs: list[Any] = []
+    for regime in chosen:
+        if regime.force is None:
+            needs += [sign * c for c in regime.constraints for sign in (1, -1)]
+        else:
+            needs += [end.function for end in regime.ends(regime.force)]
+    return Sketch(name, (sympy.S.Zero,) * states, constraints=tuple(needs))
 
 
 def name_of(chosen: Sequence[Regime | str]) -> str:
@@ -103,8 +122,14 @@ def name_of(chosen: Sequence[Regime | str]) -> str:
 
 
 def _independent(found: System, chosen: Sequence[Regime]) -> bool:
-    rows = [[sympy.diff(regime.held, v) for v in found.v] for regime in chosen if regime.held is not None]
-    return len(rows) < 2 or sympy.Matrix(rows).rank() == len(rows)
+    held = [regime.held for regime in chosen if regime.held is not None]
+    rows = tuple(tuple(sympy.diff(velocity, v) for v in found.v) for velocity in held)
+    return len(rows) < 2 or _rank(rows) == len(rows)
+
+
+@lru_cache(maxsize=256)  # one for many combinations
+def _rank(rows: tuple[tuple[Any, ...], ...]) -> int:
+    return sympy.Matrix(rows).rank()
 
 
 def solved(found: System, chosen: Sequence[Regime]) -> tuple[list[Any], list[Any]]:

@@ -19,8 +19,8 @@ SECOND = {"normal_force": GREEN, "friction_force": ORANGE}  # of a second contac
 
 def force_outputs(automaton: Any) -> dict[str, tuple[str, str]]:
     """Label and colour of every contact force among an automaton's outputs; none where it has none."""
-    found = {name: drawn for name, drawn in FORCES.items() if name in automaton.modes[0].outputs}
-    for name in automaton.modes[0].outputs:
+    found = {name: drawn for name, drawn in FORCES.items() if name in automaton.outputs}
+    for name in automaton.outputs:
         base, _, number = name.rpartition("_")
         kind = base if number.isdigit() else name
         if name in FORCES or kind not in LETTERS:
@@ -62,7 +62,7 @@ def plot_contact_forces(
     if not found:
         raise ValueError(
             "run must have contact forces among its outputs (normal_force, friction_force), got "
-            f"{', '.join(run.automaton.modes[0].outputs) or 'none'}: draw its rates with plot_rates"
+            f"{', '.join(run.automaton.outputs) or 'none'}: draw its rates with plot_rates"
         )
     ax = axes_or_new(ax)
     start, stop = limits(run, window)

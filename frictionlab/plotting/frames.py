@@ -59,7 +59,7 @@ def parameters(run: Any) -> dict[str, float]:
 def refuse_others(run: Any, function: str) -> None:
     """Raise unless the run is one of a slider on a belt."""
     refuse_no_run(run)
-    has = {*run.names, *run.automaton.modes[0].outputs, *parameters(run)}
+    has = {*run.names, *run.automaton.outputs, *parameters(run)}
     missing = [name for name in (*COORDINATES, "x1'", "gap", *FORCES, *PARAMETERS) if name not in has]
     if missing:
         raise ValueError(

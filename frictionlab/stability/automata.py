@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import lru_cache
 from typing import Any
 
@@ -10,7 +10,7 @@ import numpy as np
 import sympy
 from numpy.typing import NDArray
 
-from frictionlab.automaton import HybridAutomaton, Mode
+from frictionlab.automaton import HybridAutomaton, Mode, ModesOnDemand
 from frictionlab.models import Model
 
 from .flow import Flow
@@ -55,7 +55,7 @@ def steady_state_of(model: Any) -> Steady:
 
 def no_equilibrium(model: Any) -> ValueError:
     """The error for a model or an automaton that has none."""
-    modes = automaton_of(model).modes if isinstance(model, HybridAutomaton) else sliding_modes(model)
+    modes = modes_of_rest(automaton_of(model), not isinstance(model, HybridAutomaton))
     what = "the automaton" if isinstance(model, HybridAutomaton) else type(model).__name__
     return ValueError(
         f"{what} must have a mode with an equilibrium inside its guards, "
@@ -63,28 +63,32 @@ def no_equilibrium(model: Any) -> ValueError:
     )
 
 
-def sliding_modes(model: Any) -> tuple[Mode, ...]:
-    """The modes of a model that hold nothing fast: in stick any place within the cone is one of rest."""
-    return tuple(mode for mode in model.automaton().modes if not mode.constraints and not mode.limit)
+def modes_of_rest(automaton: HybridAutomaton, sliding: bool) -> Iterator[Mode]:
+    """The modes in which rest is looked for, derived one by one.
+
+    Of a model those that hold nothing fast (`sliding`): in stick any place within the cone is one of rest.
+    """
+    for i, mode in enumerate(automaton.known_modes):
+        if not (sliding and (mode.holds or mode.limit)):
+            yield automaton.modes[i]
 
 
 def steady_states(model: Any) -> tuple[Mode, Flow, Array]:
     """The first mode with equilibria inside its guards, its flow, and them (m, K); else K is 0."""
     automaton = automaton_of(model)
-    modes = automaton.modes if isinstance(model, HybridAutomaton) else sliding_modes(model)
-    if not modes:
-        return automaton.modes[0], _flow(automaton, automaton.modes[0]), np.zeros((len(automaton.states), 0))
-    return _inside(modes, automaton.states, tuple(automaton.parameters.items()), automaton.coordinates)
+    sliding, values = not isinstance(model, HybridAutomaton), tuple(automaton.parameters.items())
+    return _inside(automaton.modes, sliding, automaton.states, values, automaton.coordinates)
 
 
 @lru_cache(maxsize=64)
 def _inside(
-    modes: tuple[Mode, ...], states: Any, parameters: Any, coordinates: int
+    modes: tuple[Mode, ...] | ModesOnDemand, sliding: bool, states: Any, parameters: Any, coordinates: int
 ) -> tuple[Mode, Flow, Array]:
     """The same of these modes; remembered, as one question about a model leads to several."""
     automaton = HybridAutomaton(states, modes, dict(parameters), coordinates)
-    mode, flow = modes[0], _flow(automaton, modes[0])
-    for mode in (m for m in modes if _may_rest(automaton, m)):
+    mode = next(modes_of_rest(automaton, sliding), None) or modes[0]
+    flow = _flow(automaton, mode)
+    for mode in (m for m in modes_of_rest(automaton, sliding) if _may_rest(automaton, m)):
         flow = _flow(automaton, mode)
         points = rest_points(flow, values_of(automaton))
         points = points[:, _lasts(mode, flow, points, values_of(automaton))]

@@ -114,7 +114,7 @@ def listen(
     >>> fl.listen(run, "friction_force")
     Sound(friction_force, 0 s to 4 s of the run in 0.2 s, pitch 20 times that of the motion, 44100 Hz)
     """
-    check_choice("signal", signal, (*run.automaton.modes[0].outputs, *run.names))
+    check_choice("signal", signal, (*run.automaton.outputs, *run.names))
     check_number("pitch", pitch, above=0.0)
     check_number("rate", rate, integer=True, least=1)
     start, stop = limits(run, window)
