@@ -7,7 +7,19 @@ from typing import Any
 
 import sympy as sp
 
-from frictionlab.automaton import HybridAutomaton, Mode
+from frictionlab.automaton import Event, HybridAutomaton, Mode
+from frictionlab.hybrid.validation import check_number, shown
+
+
+def check_automaton(automaton: Any) -> None:
+    """Raise TypeError for what is none, ValueError for a parameter whose value is no finite number."""
+    if not isinstance(automaton, HybridAutomaton):
+        cure = "write solve(automaton, t_end, x0=...)"
+        cure = "use fl.simulate for a model" if hasattr(automaton, "automaton") else cure
+        raise TypeError(f"automaton must be a HybridAutomaton, got {shown(automaton)}: {cure}")
+    for symbol, value in automaton.parameters.items():
+        number = float(value) if getattr(value, "is_real", False) else value  # of sympy, such as pi
+        check_number(f"the parameter {symbol}", number, cure=f"give it one, such as replace({symbol}=1.0)")
 
 
 def check_structure(
@@ -38,13 +50,23 @@ def check_rider(name: str, function: Any, automaton: HybridAutomaton) -> None:
     if isinstance(function, str):
         strange = [] if function in outputs else [function]
     else:
-        strange = sorted(map(str, sp.sympify(function).free_symbols - known))
+        strange = sorted(map(str, _symbols(name, function) - known))
     if strange:
         raise ValueError(
             f"the section or quadrature {name!r} uses {strange}: write it with the states and parameters "
             f"({', '.join(sorted(map(str, known)))}), or give an output's name "
             f"({', '.join(outputs) or 'there is none'})"
         )
+
+
+def _symbols(name: str, function: Any) -> set:
+    try:
+        return sp.sympify(function).free_symbols
+    except (AttributeError, sp.SympifyError):
+        raise ValueError(
+            f"the section or quadrature {name!r} must be an expression of the states, or an output's name, "
+            f"got {shown(function)}: write it with the automaton's symbols"
+        ) from None
 
 
 def _check_mode(mode: Mode, names: list[str], states: set, parameters: set) -> None:
@@ -59,12 +81,23 @@ def _check_mode(mode: Mode, names: list[str], states: set, parameters: set) -> N
                 f"event {event.name!r} of mode {mode.name!r} leads to {unknown}, "
                 f"but the modes are {names}: correct its targets"
             )
+        _check_resets(event, mode, states)
     known = states | parameters
     for what, expr in _expressions(mode):
         if strange := sp.sympify(expr).free_symbols - known:
             raise ValueError(
                 f"{what} of mode {mode.name!r} uses {sorted(map(str, strange))}, which is neither a state "
                 "nor a parameter: add it to the automaton's parameters"
+            )
+
+
+def _check_resets(event: Event, mode: Mode, states: set) -> None:
+    for reset in filter(None, (event.reset, event.accumulation)):
+        if strange := [symbol for symbol in reset.jump if symbol not in states]:
+            raise ValueError(
+                f"the reset of event {event.name!r} of mode {mode.name!r} may give values to states only "
+                f"({', '.join(sorted(map(str, states)))}), got one for {', '.join(map(str, strange))}: "
+                "take the symbol that the automaton's states hold, with the same assumptions"
             )
 
 
