@@ -170,7 +170,7 @@ class ModesOnDemand(Sequence[Mode]):
         return tuple, (list(self),)  # a file or another process gets them all
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class HybridAutomaton:
     """Modes over one state space, and the numbers they need.
 
@@ -248,6 +248,9 @@ class HybridAutomaton:
             raise ValueError(f"no parameter is called {unknown[0]!r}: known are {', '.join(symbols)}")
         changed = {symbols[name]: value for name, value in values.items()}
         return HybridAutomaton(self.states, self.modes, {**self.parameters, **changed}, self.coordinates)
+
+    def __repr__(self) -> str:  # without the equations, which may take pages
+        return f"HybridAutomaton(states {', '.join(map(str, self.states))}; modes {', '.join(self.names)})"
 
 
 def _check_all(what: str, given: Any, kind: type) -> None:

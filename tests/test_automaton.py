@@ -24,3 +24,7 @@ ON = fl.Mode("on", (V, -X))
 def test_refused(make, message):
     with pytest.raises(TypeError, match=message):
         make()
+
+
+def test_its_repr_has_the_names_and_no_equations():
+    assert repr(fl.HybridAutomaton((X, V), (ON,), {}, 1)) == "HybridAutomaton(states x, v; modes on)"

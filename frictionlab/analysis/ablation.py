@@ -8,7 +8,9 @@ from dataclasses import dataclass
 from itertools import compress, product
 from typing import Any
 
-from .tasks import run_tasks
+from frictionlab.models.given import given_model
+
+from .tasks import check_function, check_workers, run_tasks
 
 SWITCHES = ("cubic", "nonsmooth", "geometry")
 
@@ -81,6 +83,8 @@ def ablation(
 
     Raises
     ------
+    TypeError
+        For what is no model, or no function.
     ValueError
         For a model that cannot be without one of the three.
     RuntimeError
@@ -93,6 +97,9 @@ def ablation(
     >>> found["geometry"] > found[()]
     True
     """
+    given_model(model, cure="write ablation(model, study), the model made, such as fl.SliderOnBelt()")
+    check_function("study", study, "give one such as fl.steady_state")
+    check_workers(workers)
     left_out = tuple(tuple(compress(SWITCHES, choice)) for choice in product((0, 1), repeat=3))
     models = tuple(model.without(*names) for names in left_out)
     results: dict[int, Any] = {}

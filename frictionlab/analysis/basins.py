@@ -11,7 +11,7 @@ import numpy as np
 
 from frictionlab.hybrid.choice import method_of
 from frictionlab.hybrid.taylor import Taylor
-from frictionlab.hybrid.validation import check_choice, check_number
+from frictionlab.hybrid.validation import check_choice, check_mapping, check_number, float_array, shown
 
 from .basin_results import Basins, BasinStability, basins_of, drawn, load_basins, stability_of
 from .basin_tasks import names_of, settled
@@ -151,6 +151,7 @@ def basin_stability(
     """
     check_number("samples", samples, integer=True, least=1, cure="1000 give errors of 0.016 at most")
     check_number("seed", seed, integer=True, least=0, cure="give another for other random numbers")
+    check_mapping("ranges", ranges, "give states their smallest and largest values, as {'x1': (0, 1)}")
     if not ranges:
         raise ValueError("ranges must hold at least one state, got none: give its smallest and largest value")
     limits = {name: _range(model, name, limit) for name, limit in ranges.items()}
@@ -174,12 +175,16 @@ def _settings(
 
 
 def _axis(model: Any, which: str, axis: Any) -> tuple[str, Array]:
-    if not isinstance(axis, Sequence) or len(axis) != 2 or not isinstance(axis[0], str):
-        raise ValueError(f"{which} must be a name and its values, got {axis!r}: for instance ('x1', [0, 1])")
-    check_choice(which, axis[0], names_of(model))
-    values = np.asarray(axis[1], dtype=float).ravel()
+    names = names_of(model)
+    cure = f"for instance ({names[0]!r}, [0, 1])"
+    if not isinstance(axis, (tuple, list)) or len(axis) != 2 or not isinstance(axis[0], str):
+        raise ValueError(f"{which} must be a name and its values, got {shown(axis)}: {cure}")
+    check_choice(which, axis[0], names)
+    values = float_array(f"the values of {axis[0]}", axis[1], cure).ravel()
     if not len(values) or not np.isfinite(values).all():
-        raise ValueError(f"{which} must hold finite values of {axis[0]}, got {axis[1]!r}: give one at least")
+        raise ValueError(
+            f"{which} must hold finite values of {axis[0]}, got {shown(axis[1])}: give one at least"
+        )
     return axis[0], values
 
 

@@ -21,7 +21,7 @@ from .interrupts import noted_interrupts
 from .journal import Journal
 from .kinds import ENDED
 from .sections import Section
-from .steady_state import check_steady, steady_state
+from .steady_state import automaton_of, check_steady, steady_state
 from .tasks import check_workers, run_tasks
 
 __all__ = ["Bifurcation", "bifurcation", "load_bifurcation"]
@@ -77,7 +77,7 @@ def bifurcation(
     Raises
     ------
     TypeError
-        For an unknown parameter.
+        For an unknown parameter, or what is no model.
     ValueError
         For other bad arguments, or a file of another sweep; like the others before any work is done.
     OSError
@@ -128,6 +128,7 @@ def bifurcation(
 
 
 def _models(model: Any, parameter: str, values: Any) -> list[Any]:
+    automaton_of(model)  # raises for what has no parameters to replace
     values = np.asarray(values, dtype=float).ravel()
     if not len(values):
         raise ValueError("values must hold at least one number, got none: give those of the parameter")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -59,8 +59,10 @@ def ensemble(
 
     Raises
     ------
+    TypeError
+        For what are no models.
     ValueError
-        For bad arguments, before any work is done.
+        For other bad arguments; like the former before any work is done.
 
     Examples
     --------
@@ -74,6 +76,10 @@ def ensemble(
     if not isinstance(chosen, Taylor):
         raise ValueError(f"method must be 'taylor' or a Taylor, got {method!r}: use fl.sweep for others")
     check_number("t_end", t_end, above=0.0, cure="give the length of the runs in seconds")
+    if not isinstance(models, Iterable):
+        raise TypeError(
+            f"models must be a sequence of models, got {models!r}: write [model], or [model] * 100"
+        )
     models = list(models)
     if not models:
         raise ValueError("models must hold at least one model, got none: give those that are to be run")
@@ -104,7 +110,9 @@ def taken_on(group: UnderWay, t_end: float) -> None:
 def _problems(models: Sequence[Any], x0: Any, t_end: float, method: Taylor) -> list[Problem]:
     each = x0 if not isinstance(x0, str) and np.ndim(x0) == 2 else [x0] * len(models)
     if len(each) != len(models):
-        raise ValueError(f"x0 must hold a state for each of the {len(models)} models, got {len(each)}")
+        raise ValueError(
+            f"x0 must hold a state for each of the {len(models)} models, got {len(each)}: give as many, or one"
+        )
     known = {id(model): model for model in models}  # one may be given for many initial states
     automata = {key: automaton_of(model) for key, model in known.items()}
     programs = {key: program_of(informed(automaton, method)) for key, automaton in automata.items()}

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from frictionlab.automaton import HybridAutomaton
 from frictionlab.hybrid.choice import method_of
 from frictionlab.hybrid.methods import Method
 from frictionlab.hybrid.solve import solve
@@ -15,6 +16,7 @@ from frictionlab.hybrid.storage import read
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.hybrid.validation import check_choice
 from frictionlab.models import Model
+from frictionlab.models.given import given_model
 from frictionlab.stability import equilibrium
 
 NEAR = 1.01  # "near": the equilibrium displaced by one percent
@@ -47,7 +49,7 @@ def simulate(
     method : "taylor", Taylor(...), "rk4", RK4(...), Scipy(...), or the name of a scipy method
         "taylor" is exact to rounding; RK4 is the paper's algorithm.
     t_eval : array_like or None
-        Ascending times of the samples; None samples every step.
+        Ascending times of the samples, one at least; None samples every step.
     sections, quadratures : mapping or None
         See :func:`frictionlab.solve`.
     progress : bool
@@ -60,6 +62,8 @@ def simulate(
 
     Raises
     ------
+    TypeError
+        For what is no model.
     ValueError
         For bad arguments, or ``x0="near"`` where there is no equilibrium; before any work is done.
 
@@ -70,10 +74,12 @@ def simulate(
     >>> run.events.target.tolist()
     ['stick']
     """
-    if not isinstance(model, Model):
-        raise TypeError(
-            f"model must be a model such as SliderOnBelt, got {model!r}: use fl.solve for an automaton"
-        )
+    cure = (
+        "use fl.solve for an automaton"
+        if isinstance(model, HybridAutomaton)
+        else "write simulate(model, t_end)"
+    )
+    given_model(model, cure=cure)
     method_of(method)
     options: dict[str, Any] = {"sections": sections, "quadratures": quadratures, "progress": progress}
     start = initial_state(model, x0)

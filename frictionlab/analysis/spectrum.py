@@ -7,6 +7,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from frictionlab.hybrid.validation import check_choice
+
 from .timescale import period_of, round_period_of
 
 Array = NDArray[np.float64]
@@ -69,7 +71,9 @@ def amplitude_spectrum(
     Spectrum or None
         None where the part is too short to resolve five lines up to `f_max`.
     """
-    name, f_max = name or run.names[0], f_max or highest(run.source)
+    name = run.names[0] if name is None else name
+    check_choice("name", name, run.names)
+    f_max = f_max or highest(run.source)
     stop = float(run.raw.t)
     length = min(stop / 2, LONGEST * period_of(run.source)) if start is None else stop - start
     if length * f_max < FEWEST_LINES:

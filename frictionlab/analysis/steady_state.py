@@ -11,8 +11,9 @@ from frictionlab.hybrid.choice import method_of
 from frictionlab.hybrid.methods import Method
 from frictionlab.hybrid.solve import solve
 from frictionlab.hybrid.trajectory import Trajectory
-from frictionlab.hybrid.validation import check_choice, check_number
+from frictionlab.hybrid.validation import check_choice, check_number, float_array, shown
 from frictionlab.models import Model
+from frictionlab.stability.automata import automaton_of
 
 from .intensity import resting_point, squared_distance, with_resting_point
 from .kinds import ENDED, EQUILIBRIUM, NON_PERIODIC, PERIODIC, UNSETTLED
@@ -27,6 +28,7 @@ __all__ = [
     "PERIODIC",
     "UNSETTLED",
     "SteadyState",
+    "automaton_of",
     "check_steady",
     "steady_state",
 ]
@@ -130,10 +132,11 @@ def check_start(model: Any, x0: Any) -> None:
 
 def checked_start(model: Any, x0: Any, automaton: HybridAutomaton) -> np.ndarray:
     """The initial state of a model, or of an automaton, that :func:`simulate` would take; else ValueError."""
-    start = np.array(start_of(model, x0, automaton), dtype=float)
-    if start.shape != (len(automaton.states),) or not np.isfinite(start).all():
-        names = ", ".join(map(str, automaton.states))
-        raise ValueError(f"x0 must hold a finite number for each of the states {names}, got {x0!r}")
+    names, size = ", ".join(map(str, automaton.states)), len(automaton.states)
+    rule = f"a finite number for each of the states {names}"
+    start = float_array("x0", start_of(model, x0, automaton), f"give {rule}")
+    if start.shape != (size,) or not np.isfinite(start).all():
+        raise ValueError(f"x0 must hold {rule}, got {shown(x0)}: give {size} numbers, in this order")
     return start
 
 
@@ -143,13 +146,6 @@ def start_of(model: Any, x0: Any, automaton: HybridAutomaton | None = None) -> A
         check_choice("x0", x0, ("rest",))
         return np.zeros(len(model.states))
     return initial_state(model, x0, automaton)
-
-
-def automaton_of(model: Any) -> HybridAutomaton:
-    """The automaton of a model, or the automaton itself; TypeError for anything else."""
-    if not isinstance(model, (Model, HybridAutomaton)):
-        raise TypeError(f"model must be a model such as SliderOnBelt or a HybridAutomaton, got {model!r}")
-    return model if isinstance(model, HybridAutomaton) else model.automaton()
 
 
 def _transient(model: Any, t_end: float, x0: Any, method: Method, progress: bool) -> Trajectory:

@@ -12,10 +12,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from frictionlab.hybrid.validation import check_mapping, float_array
+from frictionlab.models.given import given_model
+
 from .extras import needed
 from .journal import Journal
 from .steady_state import check_start
-from .tasks import check_workers, run_tasks
+from .tasks import check_function, check_workers, run_tasks
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,7 +105,7 @@ def sweep(
     Raises
     ------
     TypeError
-        For an unknown parameter.
+        For an unknown parameter, what is no function, or no model.
     ValueError
         For a value that breaks a rule or a bad initial state; like the others before any work is done.
     OSError
@@ -117,10 +120,14 @@ def sweep(
     >>> found.to_array().round(2)
     array([ 60.75, 121.54])
     """
+    check_function("function", function, "write sweep(function, model, over)")
+    given_model(model, cure="write sweep(function, model, over), the model made, such as fl.SliderOnBelt()")
     check_workers(workers)
     axes = _axes(over)
     points = list(product(*axes.values()))
     models = [model.replace(**dict(zip(axes, map(float, point)))) for point in points]
+    if isinstance(x0, str):
+        raise ValueError(f"x0 must be a sequence of initial states, got {x0!r}: write [{x0!r}]")
     starts = [s if isinstance(s, str) else np.asarray(s, dtype=float).tolist() for s in x0]
     for start in starts:
         check_start(model, start)
@@ -146,10 +153,14 @@ def sweep(
 
 
 def _axes(over: Mapping[str, Any]) -> dict[str, NDArray[np.float64]]:
-    axes = {name: np.asarray(values, dtype=float).ravel() for name, values in over.items()}
+    cure = 'give each its values, such as {"mu_k": [0.5, 1.0]}'
+    check_mapping("over", over, cure)
+    axes = {name: float_array(f"over[{name!r}]", values, cure).ravel() for name, values in over.items()}
     empty = [name for name, values in axes.items() if not len(values)]
     if empty or not axes:
-        raise ValueError(f"over must hold values of each parameter, got none of {', '.join(empty) or 'any'}")
+        raise ValueError(
+            f"over must hold values of each parameter, got none of {', '.join(empty) or 'any'}: {cure}"
+        )
     return axes
 
 

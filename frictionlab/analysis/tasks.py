@@ -81,6 +81,12 @@ def run_tasks(
     return False
 
 
+def check_function(name: str, function: Any, cure: str) -> None:
+    """Raise unless it can be called."""
+    if not callable(function):
+        raise TypeError(f"{name} must be a function of a model, got {function!r}: {cure}")
+
+
 def check_workers(workers: int | None) -> None:
     """Raise unless it is None or a positive integer."""
     if workers is not None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import math
 import os
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,8 @@ PICTURES = (".png", ".pdf", ".svg", ".eps", ".jpg", ".webp")
 def model_of(chosen: argparse.Namespace) -> Any:
     """The model; raises ValueError or TypeError as the model does."""
     from frictionlab.components import PlasticImpact, RestitutionImpact
+    from frictionlab.components.parameter import parameters_of
+    from frictionlab.components.validation import checked
     from frictionlab.hybrid.validation import check_choice
     from frictionlab.models import SliderOnBelt
 
@@ -24,7 +27,10 @@ def model_of(chosen: argparse.Namespace) -> Any:
     impact = RestitutionImpact() if chosen.impact == "restitution" else PlasticImpact(chosen.impact)
     # First the laws, then the numbers: one that belongs to a law left out is refused, not ignored.
     laws = SliderOnBelt(impact=impact).without(*chosen.without)
-    return laws.replace(**{"mu_k": MU_K, **_given(chosen)})
+    values = {"mu_k": MU_K, **_given(chosen)}
+    usual = replace(parameters_of(type(laws.friction))["mu_k"], default=MU_K)
+    checked("mu_k", values["mu_k"], usual)  # here, as the model's own message names another default
+    return laws.replace(**values)
 
 
 def _given(chosen: argparse.Namespace) -> dict[str, float]:

@@ -8,7 +8,19 @@ from typing import Any
 
 import sympy as sp
 
-from frictionlab.automaton import HybridAutomaton, Mode
+from frictionlab.automaton import Event, HybridAutomaton, Mode
+from frictionlab.hybrid.validation import check_number, shown
+
+
+def check_automaton(automaton: Any) -> None:
+    """Raise TypeError for what is none, ValueError for a parameter whose value is no finite number."""
+    if not isinstance(automaton, HybridAutomaton):
+        cure = "write solve(automaton, t_end, x0=...)"
+        cure = "use fl.simulate for a model" if hasattr(automaton, "automaton") else cure
+        raise TypeError(f"automaton must be a HybridAutomaton, got {shown(automaton)}: {cure}")
+    for symbol, value in automaton.parameters.items():
+        number = float(value) if getattr(value, "is_real", False) else value  # of sympy, such as pi
+        check_number(f"the parameter {symbol}", number, cure=f"give it one, such as replace({symbol}=1.0)")
 
 
 def check_structure(
@@ -28,7 +40,7 @@ def check_structure(
             f"coordinates must leave room for as many velocities among the {len(states)} states, "
             f"got {coordinates}: list the coordinates first, then their velocities"
         )
-    known = tuple(names), frozenset((*states, *parameters)), len(states)
+    known = tuple(names), tuple(states), frozenset((*states, *parameters))
     for mode in modes:
         _check_mode(mode, *known)
 
@@ -40,7 +52,7 @@ def check_rider(name: str, function: Any, automaton: HybridAutomaton) -> None:
     if isinstance(function, str):
         strange = [] if function in outputs else [function]
     else:
-        strange = sorted(map(str, sp.sympify(function).free_symbols - known))
+        strange = sorted(map(str, _symbols(name, function) - known))
     if strange:
         raise ValueError(
             f"the section or quadrature {name!r} uses {strange}: write it with the states and parameters "
@@ -49,11 +61,23 @@ def check_rider(name: str, function: Any, automaton: HybridAutomaton) -> None:
         )
 
 
-@lru_cache(maxsize=4096)  # modes that are derived one by one come again and again
-def _check_mode(mode: Mode, names: tuple[str, ...], known: frozenset[sp.Symbol], states: int) -> None:
-    if len(mode.flow) != states:
+def _symbols(name: str, function: Any) -> set:
+    try:
+        return sp.sympify(function).free_symbols
+    except (AttributeError, sp.SympifyError):
         raise ValueError(
-            f"the flow of mode {mode.name!r} must have one expression per state ({states}), "
+            f"the section or quadrature {name!r} must be an expression of the states, or an output's name, "
+            f"got {shown(function)}: write it with the automaton's symbols"
+        ) from None
+
+
+@lru_cache(maxsize=4096)  # modes that are derived one by one come again and again
+def _check_mode(
+    mode: Mode, names: tuple[str, ...], states: tuple[sp.Symbol, ...], known: frozenset[sp.Symbol]
+) -> None:
+    if len(mode.flow) != len(states):
+        raise ValueError(
+            f"the flow of mode {mode.name!r} must have one expression per state ({len(states)}), "
             f"got {len(mode.flow)}: give each state its time derivative"
         )
     for event in mode.events:
@@ -62,11 +86,22 @@ def _check_mode(mode: Mode, names: tuple[str, ...], known: frozenset[sp.Symbol],
                 f"event {event.name!r} of mode {mode.name!r} leads to {unknown}, "
                 f"but the modes are {list(names)}: correct its targets"
             )
+        _check_resets(event, mode, states)
     for what, expr in _expressions(mode):
         if strange := sp.sympify(expr).free_symbols - known:
             raise ValueError(
                 f"{what} of mode {mode.name!r} uses {sorted(map(str, strange))}, which is neither a state "
                 "nor a parameter: add it to the automaton's parameters"
+            )
+
+
+def _check_resets(event: Event, mode: Mode, states: tuple[sp.Symbol, ...]) -> None:
+    for reset in filter(None, (event.reset, event.accumulation)):
+        if strange := [symbol for symbol in reset.jump if symbol not in states]:
+            raise ValueError(
+                f"the reset of event {event.name!r} of mode {mode.name!r} may give values to states only "
+                f"({', '.join(sorted(map(str, states)))}), got one for {', '.join(map(str, strange))}: "
+                "take the symbol that the automaton's states hold, with the same assumptions"
             )
 
 

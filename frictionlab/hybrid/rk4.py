@@ -28,6 +28,13 @@ class RK4(Method):
         Length of a step in seconds.
     max_steps, max_events : int
         A run that reaches one ends with a status and keeps what it has.
+
+    Examples
+    --------
+    >>> import frictionlab as fl
+    >>> run = fl.simulate(fl.SliderOnBelt(mu_k=1.4), 0.01, method=fl.RK4(step=1e-3))
+    >>> run.stats["steps"]
+    10
     """
 
     name: ClassVar[str] = "rk4"

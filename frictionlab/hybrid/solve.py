@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from frictionlab.automaton import HybridAutomaton, Mode
-from frictionlab.hybrid.checks import check_rider
+from frictionlab.hybrid.checks import check_automaton, check_rider
 from frictionlab.hybrid.choice import method_of
 from frictionlab.hybrid.compiled import waits_for_compiler
 from frictionlab.hybrid.layout import Section
@@ -18,7 +18,7 @@ from frictionlab.hybrid.problem import Problem, Unbuilt
 from frictionlab.hybrid.program import program_of
 from frictionlab.hybrid.progress import Progress
 from frictionlab.hybrid.trajectory import Samples, Trajectory
-from frictionlab.hybrid.validation import check_number, suggestion
+from frictionlab.hybrid.validation import check_mapping, check_number, float_array, shown, suggestion
 
 
 def solve(
@@ -47,7 +47,7 @@ def solve(
         Mode to start in; None takes the first admissible one, by the rule that follows every event.
     method : "taylor", Taylor, RK4, Scipy, or the name of a scipy method
     t_eval : array_like or None
-        Ascending times of the samples; None samples every step.
+        Ascending times of the samples, one at least; None samples every step.
     sections : mapping of name to expression or (expression, direction)
         Zero crossings to record; they change no mode.  An expression of the states, or an output's name;
         direction +1 rising, -1 falling, 0 both.  Method "taylor" only, like `quadratures`.
@@ -65,13 +65,16 @@ def solve(
 
     Raises
     ------
+    TypeError
+        For what is no automaton.
     ValueError
-        For bad arguments, before any work is done.
+        For other bad arguments; like the former before any work is done.
     """
+    check_automaton(automaton)
     chosen = method_of(method)
     check_number("t_end", t_end, above=0.0, cure="give the length of the run in seconds")
     state, times = _states(automaton, x0), _times(t_eval, t_end)
-    asked = _sections(sections), dict(quadratures or {})
+    asked = _sections(sections), _quadratures(quadratures)
     for name, rider in [*((name, section.function) for name, section in asked[0].items()), *asked[1].items()]:
         check_rider(name, rider, automaton)
     if any(asked) and not chosen.riders:
@@ -113,37 +116,62 @@ def informed(automaton: HybridAutomaton, method: Method) -> HybridAutomaton:
 
 
 def _states(automaton: HybridAutomaton, x0: Any) -> np.ndarray:
+    names = ", ".join(map(str, automaton.states))
+    cure = f"give {len(automaton.states)} numbers, in this order"
     try:
         state = np.array(x0, dtype=float)
     except (TypeError, ValueError) as error:
-        raise ValueError(f"x0 must hold numbers for the states ({_names(automaton)}), got {x0!r}") from error
+        raise ValueError(f"x0 must hold numbers for the states ({names}), got {shown(x0)}: {cure}") from error
     if state.shape != (len(automaton.states),):
-        raise ValueError(f"x0 must hold one number per state ({_names(automaton)}), got shape {state.shape}")
-    if not np.isfinite(state).all():
         raise ValueError(
-            f"x0 must be finite, got {state.tolist()}: give every state ({_names(automaton)}) a value"
+            f"x0 must hold one number per state ({names}), got {shown(x0)} of shape {state.shape}: {cure}"
         )
+    if not np.isfinite(state).all():
+        raise ValueError(f"x0 must be finite, got {state.tolist()}: give every state ({names}) a value")
     return state
-
-
-def _names(automaton: HybridAutomaton) -> str:
-    return ", ".join(map(str, automaton.states))
 
 
 def _times(t_eval: Any, t_end: float) -> np.ndarray | None:
     if t_eval is None:
         return None
-    times = np.array(t_eval, dtype=float)
-    if times.ndim != 1 or not ((np.diff(times) >= 0).all() and (times >= 0).all() and (times <= t_end).all()):
-        raise ValueError(f"t_eval must be ascending times within 0 and t_end ({t_end:g}): sort or cut it")
+    rule = f"ascending times within 0 and t_end ({t_end:g})"
+    times = float_array("t_eval", t_eval, f"give {rule}")
+    if times.ndim != 1 or not len(times):
+        raise ValueError(
+            f"t_eval must be an array of {rule}, one at least, got {shown(t_eval)}: "
+            "leave it out to have every step"
+        )
+    good = (np.diff(times, prepend=0.0) >= 0.0) & (times <= t_end)
+    if not good.all():
+        i = int(good.argmin())
+        before = f" after {float(times[i - 1])!r}" if i else ""
+        raise ValueError(
+            f"t_eval must be {rule}, got t_eval[{i}] = {float(times[i])!r}{before}: sort or cut it"
+        )
     return times
 
 
-def _sections(sections: Mapping[str, Any] | None) -> dict[str, Section]:
-    found = {name: s if isinstance(s, tuple) else (s, 0) for name, s in (sections or {}).items()}
-    for name, (_, direction) in found.items():
-        check_number(f"the direction of section {name!r}", direction, integer=True, least=-1, most=1)
-    return {name: Section(*s) for name, s in found.items()}
+def _sections(sections: Any) -> dict[str, Section]:
+    check_mapping("sections", sections or {}, 'give each a name, such as {"top": (expression, -1)}')
+    return {name: _section(name, asked) for name, asked in (sections or {}).items()}
+
+
+def _section(name: str, asked: Any) -> Section:
+    function, direction, *more = asked if isinstance(asked, tuple) and len(asked) > 1 else (asked, 0)
+    if more or isinstance(function, (tuple, list)):
+        raise ValueError(
+            f"section {name!r} must be an expression or a tuple (expression, direction), got {shown(asked)}: "
+            "write it so"
+        )
+    check_number(
+        f"the direction of section {name!r}", direction, integer=True, least=-1, most=1, cure="0 takes both"
+    )
+    return Section(function, direction)
+
+
+def _quadratures(quadratures: Any) -> dict[str, Any]:
+    check_mapping("quadratures", quadratures or {}, 'give each a name, such as {"work": expression}')
+    return dict(quadratures or {})
 
 
 def _mode(automaton: HybridAutomaton, mode: str | None) -> int | None:

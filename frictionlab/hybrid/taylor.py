@@ -33,6 +33,15 @@ class Taylor(Method):
         Whether to go on after chatter or an accumulation, counted in ``run.stats``, or end the run there.
     max_steps, max_events : int
         A run that reaches one ends with a status and keeps what it has.
+
+    Examples
+    --------
+    >>> import frictionlab as fl
+    >>> method = fl.Taylor(tol=1e-6)
+    >>> method.degree
+    11
+    >>> fl.simulate(fl.SliderOnBelt(mu_k=1.4), 0.05, method=method).events.target.tolist()
+    ['stick']
     """
 
     name: ClassVar[str] = "taylor"

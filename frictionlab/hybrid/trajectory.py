@@ -39,7 +39,8 @@ class Trajectory:
     """What a run computed.
 
     Samples are computed from the stored steps when they are first asked for.  ``run(t)`` gives the states
-    at any times of the run; at an event, those after it.
+    at any times of the run; at an event, those after it.  States and outputs have names: ``run["x1"]``,
+    ``run.normal_force``.  ``run.save("run.npz")`` writes the run, :func:`frictionlab.load` reads it.
 
     Attributes
     ----------
@@ -47,12 +48,28 @@ class Trajectory:
     q, v : (N, n) coordinates and velocities;  states : (N, 2n) both
     mode : (N,) names of the modes
     events : Events
+    time_in_mode : mapping: seconds spent in each mode
     final_state : (2n,) state at the end
     status : Status;  str(status) is a sentence
     stats : mapping: steps, events, accumulations closed, wall time in seconds
     sections : mapping of name to Points;  quadratures : mapping of name to the integral up to the end
     automaton : the automaton that ran;  source : the model it came from, if any
     description : mapping that :meth:`save` writes beside the arrays
+
+    Examples
+    --------
+    >>> import frictionlab as fl
+    >>> run = fl.simulate(fl.SliderOnBelt(mu_k=1.4), 0.05)
+    >>> run
+    Trajectory(0 to 0.05 s, 6 steps, 1 events, finished)
+    >>> run["x1"].shape == run.t.shape  # a state, at the times of the samples
+    True
+    >>> run.normal_force.max().round(1)  # an output, N
+    196.6
+    >>> run.output("gap", [0.01, 0.02]).round(4)  # at other times
+    array([0.009 , 0.0263])
+    >>> {mode: round(seconds, 4) for mode, seconds in run.time_in_mode.items() if seconds}
+    {'stick': 0.0345, 'slip+': 0.0155}
     """
 
     def __init__(
@@ -174,7 +191,17 @@ class Trajectory:
         return [*super().__dir__(), *self.automaton.outputs]
 
     def output(self, name: str, t: np.ndarray | None = None) -> np.ndarray:
-        """A named quantity of the model at the samples, or at times `t`."""
+        """A named quantity of the model at the samples, or at times `t`.
+
+        Raises
+        ------
+        KeyError
+            Where the model has none of that name.
+        """
+        known = list(self.automaton.outputs)
+        if name not in known:
+            hint = f": write run[{name!r}]" if name in self.names else suggestion(name, known)
+            raise KeyError(f"the run has no output {name!r}{hint}; it has {', '.join(known) or 'none'}")
         if t is None:
             return evaluate(self.automaton, name, self.states, self._samples[2])
         times = np.asarray(t, dtype=float)

@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from difflib import get_close_matches
 from numbers import Real
 from typing import Any
+
+import numpy as np
+
+LONGEST = 100  # characters of a value that a message shows
 
 
 def check_number(
@@ -38,6 +42,26 @@ def check_number(
 
 def _is_number(value: Any) -> bool:
     return isinstance(value, Real) and not isinstance(value, bool) and math.isfinite(float(value))
+
+
+def check_mapping(name: str, value: Any, cure: str) -> None:
+    """Raise unless `value` is a mapping."""
+    if not isinstance(value, Mapping):
+        raise ValueError(f"{name} must be a mapping, got {shown(value)}: {cure}")
+
+
+def float_array(name: str, values: Any, cure: str) -> np.ndarray:
+    """The values as a new array of floats; raises unless they are numbers."""
+    try:
+        return np.array(values, dtype=float)
+    except (TypeError, ValueError):
+        raise ValueError(f"{name} must hold numbers, got {shown(values)}: {cure}") from None
+
+
+def shown(value: Any) -> str:
+    """The value as a message shows it, cut where it is long."""
+    text = repr(value.tolist() if isinstance(value, np.ndarray) else value)
+    return text if len(text) <= LONGEST else f"{text[:LONGEST]}..."
 
 
 def check_choice(name: str, value: Any, choices: Sequence[str]) -> None:

@@ -10,7 +10,7 @@ from matplotlib.lines import Line2D
 from .figure import axes_or_new
 from .palette import BLUE, GREEN, ORANGE, VERMILLION
 from .time_panel import finish
-from .windows import LAST, Window, dense_times, limits
+from .windows import LAST, Window, dense_times, limits, refuse_no_run
 
 LETTERS = {"normal_force": "F_N", "friction_force": "F_T"}
 FORCES = {"normal_force": ("$F_N$ (N)", BLUE), "friction_force": ("$F_T$ (N)", VERMILLION)}
@@ -58,6 +58,7 @@ def plot_contact_forces(
     ValueError
         For a run without contact forces.
     """
+    refuse_no_run(run)
     found = force_outputs(run.automaton)
     if not found:
         raise ValueError(

@@ -8,10 +8,12 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
+from frictionlab.hybrid.validation import check_choice
+
 from .figure import axes_or_new
 from .palette import label, mode_colours, unit
 from .shading import modes_at
-from .windows import Periods, Window, dense_times, limits, window_text
+from .windows import Periods, Window, dense_times, limits, refuse_no_coordinates, window_text
 
 LATER = Periods(20.0)  # long enough to tell a cycle that closes from one that does not
 
@@ -35,10 +37,19 @@ def plot_phase_plane(
     -------
     list of Line2D
         One line for every mode that occurs, broken (NaN) where the run is in other modes.
+
+    Raises
+    ------
+    TypeError
+        For what is no run.
+    ValueError
+        For a name that is no coordinate's, or a window outside the run.
     """
-    ax = axes_or_new(ax, figsize=(5.0, 4.5))
-    shown: str = name or run.names[0]
+    refuse_no_coordinates(run)
+    shown: str = run.names[0] if name is None else name
+    check_choice("name", shown, run.names[: run.automaton.coordinates])
     start, stop = limits(run, window)
+    ax = axes_or_new(ax, figsize=(5.0, 4.5))
     t = dense_times(start, stop, 12001)
     column, n = run.names.index(shown), run.automaton.coordinates
     states = run(t)[:, [column, column + n]]

@@ -16,7 +16,7 @@ from .palette import mode_colours
 from .phase_plane import plot_phase_plane
 from .rates import plot_rates
 from .spectrum import plot_spectrum
-from .windows import LAST, Window, refuse_no_run
+from .windows import LAST, Window, refuse_no_coordinates
 
 SIZE = (12.0, 7.0)
 SMALL = 9.0
@@ -50,9 +50,7 @@ def plot_run(run: Any, figure: Figure | None = None, *, window: Window = LAST) -
     >>> [ax.get_xlabel() for ax in figure.axes[:4]]
     ['time (s)', '$x_{1}$ (m)', 'time (s)', 'frequency (Hz)']
     """
-    refuse_no_run(run)
-    if not run.automaton.coordinates:
-        raise ValueError("run must be of an automaton with coordinates, got none: plot run.t and run.states")
+    refuse_no_coordinates(run)
     figure = RunFigure(figsize=SIZE, layout="constrained") if figure is None else figure
     panels = figure.subplots(2, 2, width_ratios=(1.5, 1))
     (displacements, phase), (forces, spectrum) = panels

@@ -12,7 +12,7 @@ from frictionlab.analysis.spectrum import Spectrum, amplitude_spectrum, highest
 
 from .figure import axes_or_new
 from .palette import BLACK, label, unit
-from .windows import Array
+from .windows import Array, refuse_no_run
 
 DECADES = 5
 
@@ -37,10 +37,12 @@ def plot_spectrum(
     list of Line2D
         The spectrum; empty where the run is too short for one, which the panel then says.
     """
-    ax, f_max = axes_or_new(ax), f_max or highest(run.source)
-    shown: str = name or run.names[0]
-    ax.set(xlabel="frequency (Hz)", ylabel=f"amplitude of {label(shown)} ({unit(shown)})", xlim=(0, f_max))
+    refuse_no_run(run)
+    shown: str = run.names[0] if name is None else name
+    f_max = f_max or highest(run.source)
     found = amplitude_spectrum(run, shown, f_max=f_max)
+    ax = axes_or_new(ax)
+    ax.set(xlabel="frequency (Hz)", ylabel=f"amplitude of {label(shown)} ({unit(shown)})", xlim=(0, f_max))
     if found is None:
         ax.set_title(f"Spectrum of {label(shown)}")
         ax.text(

@@ -36,6 +36,13 @@ def refuse_no_run(run: Any) -> None:
         raise TypeError(f"run must be a Trajectory, got {run!r}: give what frictionlab.simulate returns")
 
 
+def refuse_no_coordinates(run: Any) -> None:
+    """Raise TypeError unless it is a run, ValueError unless its automaton has coordinates."""
+    refuse_no_run(run)
+    if not run.automaton.coordinates:
+        raise ValueError("run must be of an automaton with coordinates, got none: plot run.t and run.states")
+
+
 def limits(run: Any, window: Window = LAST) -> tuple[float, float]:
     """Start and end of a window: the last seconds or periods, the two times given, or (None) the whole run.
 
@@ -43,7 +50,10 @@ def limits(run: Any, window: Window = LAST) -> tuple[float, float]:
     ------
     ValueError
         If the window is empty or lies outside the run.
+    TypeError
+        For what is no run.
     """
+    refuse_no_run(run)
     end = end_of(run)
     if window is None:
         return 0.0, end

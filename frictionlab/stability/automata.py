@@ -11,7 +11,7 @@ import sympy
 from numpy.typing import NDArray
 
 from frictionlab.automaton import HybridAutomaton, Mode, ModesOnDemand
-from frictionlab.models import Model
+from frictionlab.models.given import given_model
 
 from .flow import Flow
 from .general import continued, newton_step, rest_points
@@ -31,10 +31,7 @@ def automaton_of(model: Any) -> HybridAutomaton:
     """
     if isinstance(model, HybridAutomaton):
         return model
-    if isinstance(model, Model):
-        return model.automaton()
-    cure = f"write {model.__name__}()" if isinstance(model, type) else "make one, such as fl.SliderOnBelt()"
-    raise TypeError(f"model must be a model such as SliderOnBelt or a HybridAutomaton, got {model!r}: {cure}")
+    return given_model(model, "a model such as SliderOnBelt or a HybridAutomaton").automaton()
 
 
 def steady_state_of(model: Any) -> Steady:

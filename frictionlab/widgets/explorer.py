@@ -6,7 +6,8 @@ from collections.abc import Iterable
 from functools import partial
 from typing import Any
 
-from frictionlab.models import Model, SliderOnBelt
+from frictionlab.models import SliderOnBelt
+from frictionlab.models.given import given_model
 
 from .busy import Busy
 from .components import ComponentControls
@@ -194,7 +195,4 @@ def start_of(model: Any) -> Any:
     TypeError
         If it is none.
     """
-    model = SliderOnBelt() if model is None else model
-    if not isinstance(model, Model):
-        raise TypeError(f"model must be a model such as SliderOnBelt, got {model!r}")
-    return model
+    return SliderOnBelt() if model is None else given_model(model)

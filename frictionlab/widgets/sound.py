@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from frictionlab.hybrid.validation import check_choice, check_number
-from frictionlab.plotting.windows import Array, Window, limits
+from frictionlab.plotting.windows import Array, Window, limits, refuse_no_run
 
 PEAK = 0.9  # of full scale: no player clips it
 FADE = 0.01  # seconds at both ends, at most a tenth of the sound: a cut waveform clicks
@@ -104,6 +104,8 @@ def listen(
 
     Raises
     ------
+    TypeError
+        For what is no run.
     ValueError
         For an unknown signal, a window outside the run or too short, or a pitch or rate not above zero.
 
@@ -114,6 +116,7 @@ def listen(
     >>> fl.listen(run, "friction_force")
     Sound(friction_force, 0 s to 4 s of the run in 0.2 s, pitch 20 times that of the motion, 44100 Hz)
     """
+    refuse_no_run(run)
     check_choice("signal", signal, (*run.automaton.outputs, *run.names))
     check_number("pitch", pitch, above=0.0)
     check_number("rate", rate, integer=True, least=1)

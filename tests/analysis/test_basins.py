@@ -187,6 +187,8 @@ def test_the_picture_has_a_colour_for_each_attractor():
         ((("x", []), ("v", [0.0])), "x must hold finite values"),
         ((("x", [0.0]), ("x", [0.0])), "x and y must be two states"),
         (("x", ("v", [0.0])), "x must be a name and its values"),
+        (("x1", ("v", [0.0])), r"x must be a name and its values, got 'x1': for instance \('x', \[0, 1\]\)"),
+        ((("x", "a"), ("v", [0.0])), "the values of x must hold numbers, got 'a': for instance"),
         ((("x", [0.0]), ("v", [0.0]), lambda z: [1.0]), "x0 must give a finite number for each of x, v"),
         ((("x", [0.0]), ("v", [0.0]), [1.0]), "x0 must hold a finite number"),
     ],
@@ -203,6 +205,8 @@ def test_bad_samples_ranges_and_methods():
         fl.basin_stability(wells(), {"x": (1, 0)})
     with pytest.raises(ValueError, match="ranges must hold at least one state"):
         fl.basin_stability(wells(), {})
+    with pytest.raises(ValueError, match=r"ranges must be a mapping, got \['x'\]: give states"):
+        fl.basin_stability(wells(), ["x"])
     with pytest.raises(ValueError, match="near must be"):
         fl.basins(wells(), ("x", [0.0]), ("v", [0.0]), near=0.0)
     with pytest.raises(ValueError, match="method must be 'taylor'"):

@@ -150,6 +150,11 @@ def test_bad_arguments_are_refused_before_any_work(arguments, options, error, me
     assert not path.exists()
 
 
+def test_a_class_is_no_model():
+    with pytest.raises(TypeError, match=r"got the class SliderOnBelt: write SliderOnBelt\(\)"):
+        fl.bifurcation(fl.SliderOnBelt, "mu_k", [1.0])
+
+
 def test_values_side_by_side_give_what_each_gives_alone():
     """Without events transients run in groups; whether a value is in one makes no difference."""
     smooth = fl.SliderOnBelt().without("nonsmooth", "geometry")

@@ -130,6 +130,17 @@ def test_bad_arguments(arguments, message):
         fl.ensemble(*arguments)
 
 
+@pytest.mark.parametrize("models", [FULL, FULL.automaton(), 5], ids=["model", "automaton", "number"])
+def test_one_model_alone_is_no_sequence(models):
+    with pytest.raises(TypeError, match=r"models must be a sequence of models, got .*: write \[model\]"):
+        fl.ensemble(models, 1.0)
+
+
+def test_a_class_is_no_model():
+    with pytest.raises(TypeError, match=r"got the class SliderOnBelt: write SliderOnBelt\(\)"):
+        fl.ensemble([fl.SliderOnBelt], 1.0)
+
+
 def test_bad_states_and_methods():
     with pytest.raises(ValueError, match="x0 must hold a state for each of the 2 models, got 3"):
         fl.ensemble([FULL] * 2, 1.0, x0=np.zeros((3, 10)))

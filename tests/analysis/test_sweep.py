@@ -105,6 +105,15 @@ def test_what_a_file_cannot_hold_is_told(tmp_path):
         ({"mu_k": [5.0]}, {}, ValueError, "raise mu_s or lower mu_k"),
         ({"mu_k": [1.0]}, {"x0": ["rset"]}, ValueError, "did you mean 'rest'"),
         ({"mu_k": [1.0]}, {"x0": [[1.0]]}, ValueError, "for each of the states"),
+        ({"mu_k": [1.0]}, {"x0": [[1.0]]}, ValueError, r"got \[1.0\]: give 10 numbers, in this order"),
+        (
+            {"mu_k": [1.0]},
+            {"x0": "rest"},
+            ValueError,
+            r"x0 must be a sequence .* got 'rest': write \['rest'\]",
+        ),
+        (["mu_k"], {}, ValueError, r"over must be a mapping, got \['mu_k'\]: give each its values"),
+        ({"mu_k": "a"}, {}, ValueError, r"over\['mu_k'\] must hold numbers, got 'a': give"),
         ({"mu_k": [1.0]}, {"workers": -1}, ValueError, "workers must be"),
         ({"mu_k": [1.0]}, {"resume": "/no/such/place"}, OSError, "resume must be a file"),
     ],
@@ -115,6 +124,25 @@ def test_bad_arguments_are_refused_before_any_work(over, options, error, message
 
     with pytest.raises(error, match=message):
         fl.sweep(never, MODEL, over, **{**QUIET, **options})
+
+
+@pytest.mark.parametrize(
+    "model", [fl.SliderOnBelt, MODEL.automaton(), product], ids=["class", "automaton", "f"]
+)
+@pytest.mark.parametrize("study", [fl.ablation, fl.sweep])
+def test_what_is_no_model_is_refused(study, model):
+    arguments = (model, product) if study is fl.ablation else (product, model, {"F": [1.0]})
+    with pytest.raises(TypeError, match=r"model must be a model .* got .*: write .*\("):
+        study(*arguments, **QUIET)
+
+
+def test_what_is_no_function_is_refused_before_any_work():
+    with pytest.raises(TypeError, match="study must be a function of a model, got 'x': give one such as"):
+        fl.ablation(MODEL, "x", **QUIET)
+    with pytest.raises(
+        TypeError, match=r"function must be .* got SliderOnBelt\(\): write sweep\(function, model"
+    ):
+        fl.sweep(MODEL, product, {"F": [1.0]}, **QUIET)
 
 
 def test_work_is_done_in_several_threads():

@@ -4,6 +4,7 @@ import pytest
 
 BAD = {
     "run --mu-k nan": "mu_k must be a finite number",
+    "run --mu-k -1": "mu_k must be at least 0, got -1.0: raise mu_k (its default is 1.4)",
     "run --mu-k abc": "argument --mu-k: invalid float value",
     "run --mu-k": "expected one argument",
     "run --M -1": "M must be greater than 0, got -1.0",

@@ -113,12 +113,66 @@ def test_a_mode_that_cannot_be_entered_is_refused():
         ({"t_eval": [0.5, 1.5]}, "ascending"),
         ({"t_eval": [np.nan]}, "ascending"),
         ({"t_eval": 0.5}, "ascending"),
+        ({"t_eval": [0.5, 1.5]}, r"got t_eval\[1\] = 1.5 after 0.5: sort or cut it"),
+        ({"t_eval": [-0.1, 0.5]}, r"got t_eval\[0\] = -0.1: sort or cut it"),
+        ({"t_eval": []}, r"one at least, got \[\]: leave it out"),
+        ({"t_eval": "often"}, "t_eval must hold numbers, got 'often': give ascending times"),
+        ({"x0": [1.0]}, r"\(x, v\), got \[1.0\] of shape \(1,\): give 2 numbers, in this order"),
+        ({"x0": "rest"}, r"\(x, v\), got 'rest': give 2 numbers, in this order"),
         ({"sections": {"a": (X, 2)}}, "direction of section 'a'"),
+        ({"sections": [X]}, r"sections must be a mapping, got \[x\]: give each a name"),
+        ({"sections": {"a": [X, 1]}}, r"section 'a' must be .* \(expression, direction\), got \[x, 1\]"),
+        ({"sections": {"a": (X, 1, 1)}}, "section 'a' must be"),
+        ({"sections": {"a": (X,)}}, "section 'a' must be"),
+        ({"sections": {"a": None}}, "quadrature 'a' must be an expression of the states, .* got None"),
+        ({"quadratures": [X]}, r"quadratures must be a mapping, got \[x\]: give each a name"),
     ],
 )
 def test_bad_arguments_are_refused(arguments, message):
     with pytest.raises(ValueError, match=message):
         fl.solve(oscillator(), **{"t_end": 1.0, "x0": [1.0, 0.0], **arguments})
+
+
+@ONCE
+@pytest.mark.parametrize(
+    ("automaton", "message"),
+    [
+        (fl.SliderOnBelt(), r"automaton must be .* got SliderOnBelt\(\): use fl.simulate for a model"),
+        (fl.SliderOnBelt, "use fl.simulate for a model"),
+        (1.0, r"automaton must be .* got 1.0: write solve\(automaton, t_end, x0=...\)"),
+    ],
+)
+def test_what_is_no_automaton_is_refused(automaton, message):
+    with pytest.raises(TypeError, match=message):
+        fl.solve(automaton, oscillator(), x0=[1.0, 0.0])
+
+
+@ONCE
+@pytest.mark.parametrize(
+    ("model", "message"),
+    [
+        (fl.SliderOnBelt, r"model must be .* got the class SliderOnBelt: write SliderOnBelt\(\)"),
+        (oscillator(), "got HybridAutomaton.states x, v; modes only.: use fl.solve for an automaton"),
+        (1.0, r"got 1.0: write simulate\(model, t_end\)"),
+    ],
+)
+def test_what_is_no_model_is_refused(model, message):
+    with pytest.raises(TypeError, match=message):
+        fl.simulate(model, fl.SliderOnBelt())
+
+
+@ONCE
+@pytest.mark.parametrize("value", ["a", np.nan, None, sp.oo, sp.Symbol("c")], ids=str)
+def test_a_parameter_without_a_value_is_refused(value):
+    stiff = automaton(fl.Mode("only", (V, -sp.Symbol("k") * X)), k=value)
+    with pytest.raises(ValueError, match=r"parameter k must be a finite number, got .* replace\(k=1.0\)"):
+        fl.solve(stiff, 1.0, x0=[1.0, 0.0])
+
+
+@ONCE
+def test_parameters_may_be_numbers_of_sympy():
+    stiff = automaton(fl.Mode("only", (V, -sp.Symbol("k") * X)), k=sp.pi**2)
+    assert fl.solve(stiff, 1.0, x0=[1.0, 0.0]).final_state[0] == pytest.approx(-1.0, abs=1e-14)
 
 
 @ONCE
@@ -134,6 +188,14 @@ def test_bad_arguments_are_refused(arguments, message):
         (
             automaton(fl.Mode("a", (V, -X), (fl.Event("e", X, (), fl.Reset({V: sp.Symbol("w")})),))),
             "the reset of event 'e'",
+        ),
+        (
+            automaton(fl.Mode("a", (V, -X), (fl.Event("e", X, (), fl.Reset({sp.Symbol("k"): 0})),)), k=1.0),
+            r"the reset of event 'e' of mode 'a' may give values to states only \(v, x\), got one for k",
+        ),
+        (
+            automaton(fl.Mode("a", (V, -X), (fl.Event("e", X, (), fl.Reset(), fl.Reset({"v": 0})),))),
+            "states only .* got one for v",
         ),
         (automaton(fl.Mode("a", (V, -X), outputs={"energy": sp.Symbol("k") * X})), "output 'energy'"),
         (automaton(fl.Mode("a", (V, -X)), coordinates=2), "coordinates"),

@@ -134,3 +134,15 @@ def test_a_call_takes_times_in_any_order_and_refuses_others():
     assert run(2.5) == pytest.approx([np.cos(2.5), -np.sin(2.5)], abs=1e-14)
     with pytest.raises(ValueError, match="within the run"):
         run(5.1)
+
+
+@ONCE
+def test_a_name_that_the_run_lacks_is_told_with_the_nearest():
+    run = fl.solve(oscillator(outputs={"height": X}), 1.0, x0=[1.0, 0.0])
+    assert run.output("height", [0.0]).tolist() == [1.0]
+    with pytest.raises(KeyError, match=r"no output 'heigth': did you mean 'height'.*it has height"):
+        run.output("heigth")
+    with pytest.raises(KeyError, match=r"no output 'x': write run\['x'\]"):
+        run.output("x")
+    with pytest.raises(KeyError, match="has no 'heigth': did you mean 'height'"):
+        run["heigth"]

@@ -131,6 +131,23 @@ def test_a_window_outside_the_run_is_refused(run, window):
         plotting.plot_displacements(run, window=window)
 
 
+@pytest.mark.parametrize("name", ["q", "x1'", ""])
+def test_a_phase_plane_is_of_a_coordinate(run, name):
+    with pytest.raises(ValueError, match=f"name must be one of 'x1', 'y1', 'x2', 'y2', got {name!r}"):
+        plotting.plot_phase_plane(run, name=name)
+
+
+def test_a_spectrum_is_of_a_state(run):
+    with pytest.raises(ValueError, match=r"name must be one of 'x1', .*, got 'x3': did you mean 'x"):
+        plotting.plot_spectrum(run, name="x3")
+
+
+@pytest.mark.parametrize("name", ["displacements", "contact_forces", "phase_plane", "spectrum", "rates"])
+def test_a_panel_is_of_a_run(name):
+    with pytest.raises(TypeError, match=r"run must be a Trajectory, got SliderOnBelt\(\): give what"):
+        getattr(plotting, f"plot_{name}")(fl.SliderOnBelt())
+
+
 def test_panels_draw_into_the_axes_given_and_need_no_pyplot(run):
     ax = Figure().add_subplot()
     panels = [plotting.plot_displacements, plotting.plot_contact_forces, plotting.plot_phase_plane]

@@ -112,6 +112,13 @@ def test_pitch_window_and_signal_are_stated(run):
     assert expected in shown
 
 
+def test_a_model_cannot_be_heard():
+    with pytest.raises(
+        TypeError, match=r"run must be a Trajectory, got SliderOnBelt.*: give what .*simulate"
+    ):
+        fl.listen(fl.SliderOnBelt())
+
+
 @pytest.mark.parametrize(
     ("options", "words"),
     [
