@@ -111,7 +111,7 @@ def _problems(models: Sequence[Any], x0: Any, t_end: float, method: Taylor) -> l
     each = x0 if not isinstance(x0, str) and np.ndim(x0) == 2 else [x0] * len(models)
     if len(each) != len(models):
         raise ValueError(
-            f"x0 must hold a state for each of the {len(models)} models, got {len(each)}: give as many, or one"
+            f"x0 must hold a state for each of the {len(models)} models, got {len(each)}: give one for each"
         )
     known = {id(model): model for model in models}  # one may be given for many initial states
     automata = {key: automaton_of(model) for key, model in known.items()}

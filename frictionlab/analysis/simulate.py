@@ -79,7 +79,7 @@ def simulate(
         if isinstance(model, HybridAutomaton)
         else "write simulate(model, t_end)"
     )
-    given_model(model, cure=cure)
+    model = given_model(model, cure=cure)
     method_of(method)
     options: dict[str, Any] = {"sections": sections, "quadratures": quadratures, "progress": progress}
     start = initial_state(model, x0)
