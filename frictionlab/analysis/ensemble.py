@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from frictionlab.automaton import HybridAutomaton
+from frictionlab.hybrid.checks import check_automaton
 from frictionlab.hybrid.choice import method_of
 from frictionlab.hybrid.compiled import waits_for_compiler
 from frictionlab.hybrid.ensemble import Ends, run_all, run_on
@@ -111,10 +112,12 @@ def _problems(models: Sequence[Any], x0: Any, t_end: float, method: Taylor) -> l
     each = x0 if not isinstance(x0, str) and np.ndim(x0) == 2 else [x0] * len(models)
     if len(each) != len(models):
         raise ValueError(
-            f"x0 must hold a state for each of the {len(models)} models, got {len(each)}: give one for each"
+            f"x0 must hold a state for each of the {len(models)} models, got {len(each)}: give as many"
         )
     known = {id(model): model for model in models}  # one may be given for many initial states
     automata = {key: automaton_of(model) for key, model in known.items()}
+    for automaton in automata.values():
+        check_automaton(automaton)
     programs = {key: program_of(informed(automaton, method)) for key, automaton in automata.items()}
     return [
         Problem(*programs[id(model)], checked_start(model, start, automata[id(model)]), t_end)

@@ -99,7 +99,7 @@ def initial_state(model: Any, x0: Any, automaton: Any = None) -> Any:
     n, names = len(model.coordinates), [symbol.name for symbol in automaton.states]
     if not isinstance(x0, str):
         return np.append(x0, np.zeros(len(names) - 2 * n)) if np.shape(x0) == (2 * n,) else x0
-    check_choice("x0", x0, ("rest", "near"))
+    check_choice("x0", x0, ("rest", "near"), "or give numbers, one for each state")
     start = np.zeros(len(names))
     if x0 == "near":
         start[:n] = NEAR * equilibrium(model).q

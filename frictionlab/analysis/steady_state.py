@@ -143,7 +143,7 @@ def checked_start(model: Any, x0: Any, automaton: HybridAutomaton) -> np.ndarray
 def start_of(model: Any, x0: Any, automaton: HybridAutomaton | None = None) -> Any:
     """The state (2n,) that a name stands for, of a model or an automaton."""
     if isinstance(model, HybridAutomaton) and isinstance(x0, str):
-        check_choice("x0", x0, ("rest",))
+        check_choice("x0", x0, ("rest",), "or give numbers, one for each state")
         return np.zeros(len(model.states))
     return initial_state(model, x0, automaton)
 

@@ -161,7 +161,7 @@ def _section(name: str, asked: Any) -> Section:
     if more or isinstance(function, (tuple, list)):
         raise ValueError(
             f"section {name!r} must be an expression or a tuple (expression, direction), got {shown(asked)}: "
-            "write it so"
+            "write such a tuple, as (x, -1)"
         )
     check_number(
         f"the direction of section {name!r}", direction, integer=True, least=-1, most=1, cure="0 takes both"

@@ -64,11 +64,12 @@ def shown(value: Any) -> str:
     return text if len(text) <= LONGEST else f"{text[:LONGEST]}..."
 
 
-def check_choice(name: str, value: Any, choices: Sequence[str]) -> None:
-    """Raise unless `value` is one of `choices`; suggests the nearest."""
+def check_choice(name: str, value: Any, choices: Sequence[str], cure: str = "") -> None:
+    """Raise unless `value` is one of `choices`; suggests the nearest, or where none is near the cure."""
     if value not in choices:
         allowed = ", ".join(map(repr, choices))
-        raise ValueError(f"{name} must be one of {allowed}, got {value!r}{suggestion(value, choices)}")
+        hint = suggestion(value, choices) or (f": {cure}" if cure else "")
+        raise ValueError(f"{name} must be one of {allowed}, got {value!r}{hint}")
 
 
 def suggestion(name: Any, known: Sequence[str]) -> str:

@@ -141,6 +141,11 @@ def test_a_class_is_no_model():
         fl.ensemble([fl.SliderOnBelt], 1.0)
 
 
+def test_a_parameter_of_an_automaton_without_a_value_is_refused():
+    with pytest.raises(ValueError, match="the parameter F must be a finite number, got 'a'"):
+        fl.ensemble([FULL.automaton().replace(F="a")], 1.0)
+
+
 def test_bad_states_and_methods():
     with pytest.raises(ValueError, match="x0 must hold a state for each of the 2 models, got 3"):
         fl.ensemble([FULL] * 2, 1.0, x0=np.zeros((3, 10)))

@@ -162,6 +162,12 @@ def test_what_is_no_model_is_refused(model, message):
 
 
 @ONCE
+def test_a_start_of_another_name_is_refused_with_the_cure():
+    with pytest.raises(ValueError, match="x0 must be one of 'rest', 'near', got 'fast': or give numbers"):
+        fl.simulate(fl.SliderOnBelt(), 1.0, x0="fast")
+
+
+@ONCE
 @pytest.mark.parametrize("value", ["a", np.nan, None, sp.oo, sp.Symbol("c")], ids=str)
 def test_a_parameter_without_a_value_is_refused(value):
     stiff = automaton(fl.Mode("only", (V, -sp.Symbol("k") * X)), k=value)
