@@ -86,3 +86,14 @@ def test_an_automaton_without_contact_forces_shows_its_rates():
     run = fl.solve(fl.HybridAutomaton((h, w), (mode,)), 1.0, x0=[1.0, 0.0], progress=False)
     with pytest.raises(ValueError, match="must be of an automaton with coordinates"):
         fl.plot_run(run)
+
+
+def test_a_long_title_stays_within_the_figure():
+    law = fl.WeakeningStrengthening(mu_k=0.3125, mu_s=3.125, v_s=0.4375, mu_v=0.0625)
+    run = fl.simulate(fl.SliderOnBelt(friction=law, k1=123456.0, k2=5125.0, F=212.5), 0.2)
+    figure = fl.plot_run(run)
+    figure.canvas.draw()
+    box, title = figure._suptitle.get_window_extent(), figure.get_suptitle()
+    assert title.endswith("0.2 s, taylor")
+    assert figure.bbox.x0 <= box.x0 < box.x1 <= figure.bbox.x1
+    assert all(box.y0 >= ax.get_tightbbox().y1 for ax in figure.axes)
