@@ -216,11 +216,11 @@ def test_a_click_into_the_diagram_selects_the_value_there(shown):
     settled(page, ".diagram")
     readout = page.locator(".diagram .fl-mu_k .widget-readout").first
     low, high = map(float, page.locator(".diagram .fl-range .widget-readout").inner_text().split("–"))
-    across = 0.75
+    across, before = 0.75, readout.inner_text()
     click(page, ".diagram .fl-panel-bifurcation img", MARGINS[0] + across * MARGINS[2], 0.5)
     page.wait_for_function(
         "(before) => document.querySelector('.diagram .fl-mu_k .widget-readout').innerText !== before",
-        arg=readout.inner_text(),
+        arg=before,
         timeout=PATIENCE,
     )
     expected = low + across * (high - low)
