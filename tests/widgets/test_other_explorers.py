@@ -106,8 +106,10 @@ def test_a_narrow_range_is_computed_more_finely_and_nothing_twice(diagram):
 
 def test_the_points_are_those_of_the_analysis(diagram):
     diagram.controls["range"].value = (0.3, 0.6)
-    found = diagram.picture.panels["bifurcation"].found
-    model, method = FLAT.replace(mu_s=4.0), diagram.settings.method
+    filling = diagram.picture.panels["bifurcation"].filling
+    found, method = filling.found, filling.options["method"]
+    assert (method.tol, method.chatter) == (1e-10, diagram.settings.method.chatter)
+    model = FLAT.replace(mu_s=4.0)
     options = {"transient": 5.0, "window": 10.0, "longest": LONGEST, "method": method, "progress": False}
     expected = fl.bifurcation(model, "mu_k", [0.6], **options)
     kind, states = found[0.6]
@@ -215,7 +217,8 @@ def test_motions_that_have_not_settled_are_marked_and_go_on_until_they_have():
     assert [len(waiting) for _, waiting in filled] == sorted((len(w) for _, w in filled), reverse=True)
     assert filled[-1] == ("24 values", set())
     panel, value = explorer.picture.panels["bifurcation"], max(filled[0][1])
-    options = {"transient": 40.0, "window": 10.0, "longest": LONGEST, "method": explorer.settings.method}
+    options = {"transient": 40.0, "window": 10.0, "longest": LONGEST}
+    options["method"] = panel.filling.options["method"]
     alone = fl.bifurcation(FULL, "mu_k", [value], progress=False, **options)
     kind, states = panel.found[value]
     assert kind == alone.kinds[0] == "periodic"

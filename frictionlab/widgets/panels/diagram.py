@@ -17,7 +17,7 @@ from frictionlab.plotting.bifurcation import STYLES
 from frictionlab.plotting.palette import GREY, label, unit
 from frictionlab.plotting.parameters import parameter_label
 from frictionlab.widgets.drawing import Curve, Drawing
-from frictionlab.widgets.settings import capped
+from frictionlab.widgets.settings import capped, sharp
 from frictionlab.widgets.sliders import FORMAT, description, dressed, known, reach, rounded
 
 from .filling import Filling, Found
@@ -118,7 +118,7 @@ class Diagram:
         others = tuple(item for item in result.model.parameters.items() if item[0] != self.parameter)
         key = structure(result.model), others, settings.x0, settings.method, transient
         if self.filling is None or key != self._key:
-            window, method = WINDOW * round_period_of(result.model), capped(settings.method)
+            window, method = WINDOW * round_period_of(result.model), sharp(capped(settings.method))
             options = {"transient": transient, "window": window, "method": method}
             self.filling = Filling(result.model, self.parameter, settings.x0, options)
             self._key = key
