@@ -38,6 +38,7 @@ def bifurcation(
     *,
     transient: float = 200.0,
     window: float = 100.0,
+    longest: float | None = None,
     method: str | Method = "taylor",
     section: Section | None = None,
     tolerance: float = 1e-6,
@@ -57,8 +58,8 @@ def bifurcation(
         "continue" starts each value from where the one before ended, the first from rest, and so does one
         after a run that ended early.  Values that ascend and then descend show hysteresis.  One after
         another, so in one thread.
-    transient, window, method, section, tolerance
-        As :func:`steady_state`.
+    transient, window, longest, method, section, tolerance
+        As :func:`steady_state`: with `longest` values that have not settled go on, window by window.
     workers : int or None
         Threads; None takes one for each processor.
     executor : concurrent.futures.Executor or None
@@ -96,9 +97,10 @@ def bifurcation(
     if isinstance(x0, str):
         check_choice("x0", x0, STARTS)
     models = _models(model, parameter, values)
-    settings = {"transient": transient, "window": window, "section": section, "tolerance": tolerance}
+    settings = {"transient": transient, "window": window, "longest": longest}
+    settings |= {"section": section, "tolerance": tolerance}
     for each in models:
-        check_steady(each, "rest" if _continues(x0) else x0, **settings, longest=None)
+        check_steady(each, "rest" if _continues(x0) else x0, **settings)
     options = {**settings, "method": method_of(method)}
     asked = _asked(model, parameter, models, x0, options)
     journal = Journal(asked, resume)
@@ -148,11 +150,12 @@ def _groups(left: Sequence[int], models: Sequence[Any], method: Method) -> list[
 
 def several(models: Sequence[Any], x0: Any, options: dict[str, Any]) -> list[dict[str, Any]]:
     """One task: the steady states of some models, the same as each would have alone."""
-    transient = options["transient"]
+    transient, longest = options["transient"], options["longest"]
     if len(models) == 1 or transient == 0.0:
         return [one(model, x0, options) for model in models]
     ends = ensemble(models, transient, x0=x0, method=options["method"], progress=False)
-    after = {**options, "transient": 0.0}
+    left = longest - transient if longest is not None and longest > transient else None
+    after = {**options, "transient": 0.0, "longest": left}
     ended = zip(models, ends.states, ends.status)
     return [one(m, state, after) if status.ok else one(m, x0, options) for m, state, status in ended]
 

@@ -11,7 +11,7 @@ from matplotlib.lines import Line2D
 from .figure import axes_or_new
 from .legends import legend_beside
 from .palette import line_style
-from .parameters import parameter_label
+from .parameters import distinct_names, parameter_label
 
 
 def plot_critical(
@@ -26,7 +26,7 @@ def plot_critical(
     ax : Axes or None
         None draws into a new figure, ``lines[0].axes.figure``.
     labels : sequence of str or None
-        A name for each curve; None takes their models.
+        A name for each curve; None takes what their models differ in.
     legend : bool
         Whether to put a legend beside the panel, where there is more than one curve.
 
@@ -49,7 +49,7 @@ def plot_critical(
     ['preload on the slider $F$ (N)']
     """
     curves = [curves] if hasattr(curves, "over") else list(curves)
-    labels = [repr(curve.model) for curve in curves] if labels is None else list(labels)
+    labels = _labels(curves) if labels is None else list(labels)
     _refuse_mixed(curves, labels)
     ax = axes_or_new(ax)
     lines = []
@@ -62,6 +62,11 @@ def plot_critical(
     if legend and len(curves) > 1:
         legend_beside(ax)
     return lines
+
+
+def _labels(curves: list[Any]) -> list[str]:
+    varied = {name for curve in curves for name in (curve.parameter, curve.over)}
+    return distinct_names([curve.model for curve in curves], varied) if curves else []
 
 
 def _refuse_mixed(curves: list[Any], labels: list[str]) -> None:

@@ -3,9 +3,14 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Container, Sequence
+from textwrap import fill
 from typing import Any
 
 from frictionlab.models.namespace import about_all
+from frictionlab.models.symbols import structure
+
+WIDE = 36  # characters of a line in a legend
 
 
 def parameter_symbol(model: Any, name: str) -> str:
@@ -28,6 +33,28 @@ def parameter_value(model: Any, name: str, value: float) -> str:
     about = _about(model, name)
     unit = f" {raised(about.unit)}" if about and about.unit else ""
     return f"{parameter_symbol(model, name)} = {_short(value)}{unit}"
+
+
+def distinct_names(models: Sequence[Any], varied: Container[str] = ()) -> list[str]:
+    """What tells models apart, for a legend: the values that differ, else the models in short lines.
+
+    Parameters
+    ----------
+    models : sequence of Model or HybridAutomaton
+    varied : container of str
+        Parameters that are left out, as a picture shows them at its axes.
+    """
+    alike = all(hasattr(model, "components") for model in models) and len({*map(structure, models)}) == 1
+    names = [
+        name
+        for name in (models[0].parameters if alike else ())
+        if name not in varied and len({model.parameters[name] for model in models}) > 1
+    ]
+    if len(models) == 1:
+        return [repr(models[0])]
+    if not names:
+        return [fill(repr(model), WIDE, break_long_words=False) for model in models]
+    return [", ".join(parameter_value(m, name, m.parameters[name]) for name in names) for m in models]
 
 
 def raised(unit: str) -> str:

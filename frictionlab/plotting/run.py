@@ -83,5 +83,5 @@ def _title(figure: Figure, run: Any) -> None:
     state = "" if run.status.ok else f" ({run.status.name.lower().replace('_', ' ')})"
     about = run.description.get("method", {})
     method = about.get("integrator", about.get("name", ""))
-    figure.suptitle(f"{what}, {run.raw.t:.4g} s, {method}{state}", fontsize=SMALL + 3)
+    figure.suptitle(f"{what}, {run.raw.t:.4g} s, {method}{state}", fontsize=SMALL + 3, wrap=True)
     figure.legend(handles=handles, loc="outside lower center", ncols=len(handles) or 1, frameon=False)

@@ -154,7 +154,8 @@ def explore(model: Any = None, panels: Iterable[Any] = DEFAULT) -> Explorer:
     Every parameter has a slider, made from its symbol, unit, meaning and range: those of your own laws too.
     The nonlinearities can be switched off and on, and the curves of now kept in grey beside those to come.
     The model and its run are ``explorer.model`` and ``explorer.run``, and there as Python and JSON to copy.
-    The method is quick at first: flights too short to be seen are replaced by their limit.
+    The method is quick at first: to a tolerance of 1e-7, and flights too short to be seen are replaced by
+    their limit.
 
     Parameters
     ----------

@@ -7,13 +7,13 @@ from typing import Any
 
 import ipywidgets
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from PIL import Image
 
 from frictionlab.plotting.figure import RunFigure
 
 from .clickable import ClickablePicture
 from .drawing import Drawing
+from .lettering import LetteringCanvas
 from .png import png
 from .tile import Tile
 
@@ -36,7 +36,7 @@ class Picture:
         columns = min(COLUMNS, len(panels))
         rows = -(-len(panels) // columns)
         self.figure = RunFigure(figsize=(columns * WIDTH, rows * HEIGHT), dpi=DPI)
-        self.canvas = FigureCanvasAgg(self.figure)
+        self.canvas = LetteringCanvas(self.figure)
         self.canvas.draw()
         places = [(i % columns, rows - 1 - i // columns) for i in range(len(panels))]
         size = 1 / columns, 1 / rows

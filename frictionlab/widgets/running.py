@@ -35,7 +35,7 @@ class RunControls:
         self.start = dressed(drop(options=STARTS), "start", "start", "initial state")
         self.own = _own(names)
         self.duration, self._t_end = _duration(settings), settings.t_end
-        text = "quick: flights below 0.3 ms, too short to see, replaced by their limit; exact: to rounding"
+        text = "quick: tolerance 1e-7, flights below 0.4 ms replaced by their limit; exact: to rounding"
         self.method = dressed(drop(options=METHODS, value=settings.method), "method", "method", text)
         self.step = _step()
         text = "part of the run that the panels show; the spectrum is of its second half"

@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.ticker import NullFormatter
 from matplotlib.transforms import Bbox
 
 from frictionlab.plotting.palette import GREY
@@ -36,7 +37,7 @@ class Tile:
 
     Curves of the same label stay the same artist, so that a step of a slider makes none.  They are
     "animated": matplotlib leaves them out where it draws the axes, and what is then on the canvas is kept as
-    the background until a label or a limit changes.
+    the background until a label or a limit changes; the legend, which no limit changes, is kept before that.
     """
 
     def __init__(self, figure: Figure, place: tuple[float, float, float, float]) -> None:
@@ -56,6 +57,7 @@ class Tile:
         self.background: Any = None
         self.redrawn = 0  # backgrounds drawn so far
         self._blank: Any = None
+        self._named: Any = None  # with the legend
         self._limits: dict[str, Limits | None] = {}
         self._looks: Any = None
 
@@ -70,15 +72,14 @@ class Tile:
         shown = tuple(drawing.curves)
         looks = drawing.xlabel, drawing.ylabel, drawing.right, drawing.yscale, shown
         if looks != self._looks:
-            self._looks, self.background = looks, None
+            self._looks, self._named, self.background = looks, None, None
             self._label(drawing)
 
     def paint(self, canvas: Any) -> None:
         """Draw on the canvas, axes and all only where they have changed."""
         renderer = canvas.get_renderer()
-        self._blank = self._blank or canvas.copy_from_bbox(self.box)
         if self.background is None:
-            canvas.restore_region(self._blank)
+            self._name(canvas, renderer)
             for ax in self._axes:
                 ax.draw(renderer)
             self.background = canvas.copy_from_bbox(self.box)
@@ -88,6 +89,15 @@ class Tile:
         for line in sorted(self.lines.values(), key=Line2D.get_zorder):
             line.draw(renderer)
         self.note.draw(renderer)
+
+    def _name(self, canvas: Any, renderer: Any) -> None:
+        """An empty tile with its legend."""
+        self._blank = self._blank or canvas.copy_from_bbox(self.box)
+        canvas.restore_region(self._named or self._blank)
+        if self._named is None:
+            if legend := self.ax.get_legend():
+                legend.draw(renderer)
+            self._named = canvas.copy_from_bbox(self.box)
 
     def place(self, x: float, y: float) -> tuple[float, float] | None:
         """Data coordinates at shares of the tile's width and height; None outside the axes."""
@@ -170,6 +180,7 @@ class Tile:
         self.ax.set_ylabel(drawing.ylabel, fontsize=SMALL)
         if self.ax.get_yscale() != drawing.yscale:
             self.ax.set_yscale(drawing.yscale)
+            self.ax.yaxis.set_minor_formatter(NullFormatter())  # looks for texts where there are none
             self.ax.set_ylim(self._limits["left"])
         if self.right is not None:
             self.right.set_visible(bool(drawing.right))
@@ -183,6 +194,7 @@ class Tile:
             legend.remove()
         if handles:
             legend = self.ax.legend(handles=handles, ncols=len(handles), **LEGEND)
+            legend.set_animated(True)
             for handle in filter(None, legend.legend_handles):
                 handle.set_animated(False)  # else matplotlib leaves it out where it draws the background
 

@@ -138,6 +138,7 @@ def test_what_ends_early_is_said_and_hinders_nothing():
         (("mu_k", [1.0]), {"section": "x1 +"}, ValueError, "must be an expression"),
         (("mu_k", [1.0]), {"workers": 0}, ValueError, "workers must be an integer, at least 1"),
         (("mu_k", [1.0]), {"window": 0.0}, ValueError, "window must be"),
+        (("mu_k", [1.0]), {"longest": -1.0}, ValueError, "longest must be"),
         (("mu_k", [1.0]), {"method": "talor"}, ValueError, "did you mean 'taylor'"),
         (("mu_k", [1.0]), {"resume": "/no/such/place"}, OSError, "resume must be a file that can be written"),
         (("F", [-5.0], "near"), {}, ValueError, "there must be an equilibrium"),
@@ -164,3 +165,18 @@ def test_values_side_by_side_give_what_each_gives_alone():
     for i in (0, 7, 17):
         alone = fl.bifurcation(smooth, "mu_k", values[i : i + 1], **options)
         assert alone.results[0] == together.results[i]
+
+
+def test_values_that_have_not_settled_go_on_as_in_steady_state(tmp_path):
+    smooth = fl.SliderOnBelt().without("nonsmooth", "geometry")
+    path, values = tmp_path / "sweep.jsonl", [0.3, 0.8, 1.5]
+    options = {"transient": 10.0, "window": 20.0, "progress": False}
+    short = fl.bifurcation(smooth, "mu_k", values, **options)
+    long = fl.bifurcation(smooth, "mu_k", values, longest=300.0, resume=path, **options)
+    alone = [fl.steady_state(smooth.replace(mu_k=v), longest=300.0, **options) for v in values]
+    assert short.kinds == ("not settled yet",) * 3
+    assert long.kinds == tuple(found.kind for found in alone) == ("equilibrium",) * 3
+    assert [r["final"] for r in long.results.values()] == [a.trajectory.final_state.tolist() for a in alone]
+    assert len({found.transient for found in alone}) > 1
+    with pytest.raises(ValueError, match="differs in longest"):
+        fl.bifurcation(smooth, "mu_k", values, longest=200.0, resume=path, **options)

@@ -40,7 +40,15 @@ fl.watch(fl.simulate(fl.SliderOnBelt(mu_k=1.4), 1.0, progress=False), speed=0.2)
 """
 
 
-PLANE = "import frictionlab as fl\nfl.explore_stability()"
+# A plane and a diagram to click into.
+CLICKED = """\
+import frictionlab as fl
+
+plane, diagram = fl.explore_stability(), fl.explore_bifurcation(fl.SliderOnBelt().without("geometry"))
+plane.widget.add_class("plane")
+diagram.widget.add_class("diagram")
+display(plane, diagram)
+"""
 
 
 def write_notebook(folder, source=CELL):

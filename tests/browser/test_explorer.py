@@ -9,7 +9,7 @@ import pytest
 import frictionlab as fl
 from frictionlab.widgets.tile import MARGINS
 from tests.browser.screen import PATIENCE, changed, flip, press, seen, settled
-from tests.browser.servers import PLANE, free_port, serving, write_notebook
+from tests.browser.servers import CLICKED, free_port, serving, write_notebook
 
 pytestmark = pytest.mark.browser
 
@@ -29,12 +29,21 @@ def voila(folder, port):
     return ["voila", str(write_notebook(folder)), "--no-browser", f"--port={port}"]
 
 
-def plane(folder, port):
-    return ["voila", str(write_notebook(folder, PLANE)), "--no-browser", f"--port={port}"]
+def voila_clicked(folder, port):
+    return ["voila", str(write_notebook(folder, CLICKED)), "--no-browser", f"--port={port}"]
 
 
 def lab(folder, port):
     write_notebook(folder)
+    return in_lab(folder, port)
+
+
+def lab_clicked(folder, port):
+    write_notebook(folder, CLICKED)
+    return in_lab(folder, port)
+
+
+def in_lab(folder, port):
     return ["jupyterlab", *LAB, f"--port={port}", f"--ServerApp.root_dir={folder}"]
 
 
@@ -54,13 +63,14 @@ FRONT_ENDS = {
     "voila": (voila, "voila", "/", ".live"),
     "lab": (lab, "jupyterlab", "/doc/tree/page.ipynb", ".live"),
     "app": (app, "voila", "/", ".fl-explorer"),
-    "plane": (plane, "voila", "/", ".fl-explorer"),
+    "voila-clicked": (voila_clicked, "voila", "/", ".plane"),
+    "lab-clicked": (lab_clicked, "jupyterlab", "/doc/tree/page.ipynb", ".plane"),
 }
-
+CLICKS = "voila-clicked", "lab-clicked"
 
 EVERYWHERE = pytest.mark.parametrize("shown", ["voila", "lab", "app"], indirect=True, scope="module")
 NOTEBOOKS = pytest.mark.parametrize("shown", ["voila", "lab"], indirect=True, scope="module")
-PLANES = pytest.mark.parametrize("shown", ["plane"], indirect=True, scope="module")
+CLICKABLE = pytest.mark.parametrize("shown", CLICKS, indirect=True, scope="module")
 COMMAND = pytest.mark.parametrize("shown", ["app"], indirect=True, scope="module")
 
 
@@ -79,7 +89,7 @@ def shown(request, browser, tmp_path_factory):
         page.route(lambda url: not url.startswith((address, "blob:", "data:")), lambda route: route.abort())
         page.set_default_timeout(PATIENCE)
         page.goto(address + path, wait_until="commit")  # Voila sends the rest when the cells have run
-        if request.param == "lab":
+        if module == "jupyterlab":
             run_all(page)
         page.wait_for_selector(f"{root} img.fl-panel", timeout=3 * PATIENCE)
         if request.param == "lab":  # what follows in the cell still runs
@@ -185,21 +195,44 @@ def overlap(a, b):
     return across > 1 and min(a["y"] + a["height"], b["y"] + b["height"]) - max(a["y"], b["y"]) > 1
 
 
-@PLANES
+@CLICKABLE
 def test_a_click_into_the_plane_moves_the_point_there(shown):
-    words = shown.page.locator(".fl-equilibrium")
+    words = shown.page.locator(".plane .fl-equilibrium")
     assert "is stable" in words.inner_text()
-    picture = shown.page.locator(".fl-panel-critical img")
-    picture.scroll_into_view_if_needed(timeout=PATIENCE)
-    box = picture.bounding_box()
-    picture.click(position={"x": 0.5 * box["width"], "y": 0.25 * box["height"]})
+    click(shown.page, ".plane .fl-panel-critical img", 0.5, 0.25)
     shown.page.wait_for_function(
-        "document.querySelector('.fl-equilibrium').innerText.includes('unstable')", timeout=PATIENCE
+        "document.querySelector('.plane .fl-equilibrium').innerText.includes('unstable')", timeout=PATIENCE
     )
-    force = float(shown.page.locator(".fl-F .widget-readout").first.inner_text())
+    force = float(shown.page.locator(".plane .fl-F .widget-readout").first.inner_text())
     low, high = fl.explore_stability().picture.tiles["critical"].ax.get_xlim()
     across = (0.5 - MARGINS[0]) / MARGINS[2]
     assert force == pytest.approx(low + across * (high - low), abs=0.01 * (high - low))
+
+
+@CLICKABLE
+def test_a_click_into_the_diagram_selects_the_value_there(shown):
+    page = shown.page
+    page.wait_for_selector(".diagram img.fl-panel", timeout=PATIENCE)
+    settled(page, ".diagram")
+    readout = page.locator(".diagram .fl-mu_k .widget-readout").first
+    low, high = map(float, page.locator(".diagram .fl-range .widget-readout").inner_text().split("–"))
+    across, before = 0.75, readout.inner_text()
+    click(page, ".diagram .fl-panel-bifurcation img", MARGINS[0] + across * MARGINS[2], 0.5)
+    page.wait_for_function(
+        "(before) => document.querySelector('.diagram .fl-mu_k .widget-readout').innerText !== before",
+        arg=before,
+        timeout=PATIENCE,
+    )
+    expected = low + across * (high - low)
+    assert float(readout.inner_text()) == pytest.approx(expected, abs=0.01 * (high - low))
+
+
+def click(page, selector, x, y):
+    """Click at shares of a picture's width from the left and of its height from above."""
+    picture = page.locator(selector)
+    picture.scroll_into_view_if_needed(timeout=PATIENCE)
+    box = picture.bounding_box()
+    picture.click(position={"x": x * box["width"], "y": y * box["height"]})
 
 
 @NOTEBOOKS

@@ -94,3 +94,14 @@ def test_a_model_in_the_place_of_its_run_is_refused(draw):
         TypeError, match=r"run must be a Trajectory, got SliderOnBelt.*: give what .*simulate"
     ):
         draw(fl.SliderOnBelt())
+
+
+def test_a_long_title_stays_within_the_figure():
+    law = fl.WeakeningStrengthening(mu_k=0.3125, mu_s=3.125, v_s=0.4375, mu_v=0.0625)
+    run = fl.simulate(fl.SliderOnBelt(friction=law, k1=123456.0, k2=5125.0, F=212.5), 0.2)
+    figure = fl.plot_run(run)
+    figure.canvas.draw()
+    box, title = figure._suptitle.get_window_extent(), figure.get_suptitle()
+    assert title.endswith("0.2 s, taylor")
+    assert figure.bbox.x0 <= box.x0 < box.x1 <= figure.bbox.x1
+    assert all(box.y0 >= ax.get_tightbbox().y1 for ax in figure.axes)

@@ -132,6 +132,27 @@ def test_critical_curves_have_gaps_and_names(curves):
     assert beside(ax)
 
 
+def legend_of(models):
+    curves = [fl.critical_curve(m, "mu_k", (0.0, 3.0), over=("F", [200.0, 600.0])) for m in models]
+    ax = plotting.plot_critical(curves)[0].axes
+    ax.figure.canvas.draw()
+    return ax, [text.get_text() for text in ax.get_legend().get_texts()]
+
+
+def test_critical_curves_are_named_by_what_tells_their_models_apart():
+    base = fl.SliderOnBelt(k4=2.5e4)
+    ax, names = legend_of([base.replace(k1=k, F=F) for k, F in ((1e5, 100.0), (1.2e5, 300.0), (2e5, 400.0))])
+    assert names == [rf"$k_1$ = ${value}10^{{5}}$ N/m" for value in ("", r"1.2 \cdot ", r"2 \cdot ")]
+    assert ax.get_position().width > 0.5
+
+
+def test_models_of_different_laws_are_named_in_short_lines():
+    full = fl.SliderOnBelt(k1=2e5, k4=2.5e4, k5=3e4, k6=3e4)
+    ax, names = legend_of([full, full.without("geometry")])
+    assert [name.replace("\n", " ") for name in names] == [repr(full), repr(full.without("geometry"))]
+    assert ax.get_position().width > 0.4
+
+
 def test_one_critical_curve_needs_no_legend(curves):
     (line,) = plotting.plot_critical(curves[0])
     assert line.get_label() == repr(MODEL)

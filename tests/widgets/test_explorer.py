@@ -150,3 +150,23 @@ def test_own_numbers_as_initial_state(explorer):
     assert explorer.run(0.0)[0] == 0.01
     explorer.controls["own"].value = "0.01, much"
     assert "numbers with commas" in explorer.face.message.value
+
+
+@pytest.mark.parametrize(
+    "model",
+    [
+        fl.SliderOnBelt(mu_k=1.4),
+        fl.SliderOnBelt(mu_k=2.5),
+        fl.SliderOnBelt(mu_k=1.4, impact=fl.PlasticImpact("full")),
+        fl.SliderOnBelt(),
+    ],
+    ids=["chatter", "more friction", "full gap rate", "sliding"],
+)
+def test_the_quick_method_differs_from_the_exact_one_by_less_than_a_pixel(model):
+    """Where the motion is not chaotic: of a pixel's height, a panel has two hundred."""
+    t = np.linspace(19.0, 20.0, 801)
+    exact, quick = (fl.simulate(model, 20.0, method=m, progress=False)(t) for m in (fl.Taylor(), QUICK))
+    difference = np.abs(quick - exact).max(axis=0) / np.ptp(exact, axis=0)
+    n = len(model.coordinates)
+    assert difference[:n].max() < 1e-4
+    assert difference[n:].max() < 1 / 200

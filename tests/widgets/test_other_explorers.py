@@ -75,6 +75,9 @@ def test_two_different_parameters_are_needed():
         fl.explore_stability(parameter="F", over="F")
 
 
+LONGEST = 1e4  # s: longer than any of these motions takes to settle
+
+
 @pytest.fixture(scope="module")
 def diagram():
     explorer = fl.explore_bifurcation(FLAT.replace(mu_k=0.5, mu_s=4.0))
@@ -103,9 +106,12 @@ def test_a_narrow_range_is_computed_more_finely_and_nothing_twice(diagram):
 
 def test_the_points_are_those_of_the_analysis(diagram):
     diagram.controls["range"].value = (0.3, 0.6)
-    found = diagram.picture.panels["bifurcation"].found
-    model, method = FLAT.replace(mu_s=4.0), diagram.settings.method
-    expected = fl.bifurcation(model, "mu_k", [0.6], transient=5.0, window=10.0, method=method, progress=False)
+    filling = diagram.picture.panels["bifurcation"].filling
+    found, method = filling.found, filling.options["method"]
+    assert (method.tol, method.chatter) == (1e-10, diagram.settings.method.chatter)
+    model = FLAT.replace(mu_s=4.0)
+    options = {"transient": 5.0, "window": 10.0, "longest": LONGEST, "method": method, "progress": False}
+    expected = fl.bifurcation(model, "mu_k", [0.6], **options)
     kind, states = found[0.6]
     assert kind == expected.kinds[0]
     assert np.array_equal(states, expected.sections[0])
@@ -164,7 +170,8 @@ def test_in_an_event_loop_the_diagram_fills_while_newer_values_are_heard():
         for value in (4.0, 4.5, 5.0):
             explorer.controls["transient"].value = value  # another diagram, before the first is done
         while explorer.busy.left:
-            assert f"{len(panel.found)} of 24" in explorer.busy.widget.value
+            done = len(panel.found) - len(panel.filling.unsettled)
+            assert f"{done} of 24" in explorer.busy.widget.value
             await asyncio.sleep(0.02)
         seen.append((len(panel.found), explorer.busy.widget.layout.visibility))
         return explorer, seen
@@ -186,3 +193,58 @@ def test_an_explorer_that_is_closed_computes_no_more():
         return explorer.updates - updates
 
     assert asyncio.run(browser()) == 0
+
+
+FULL = fl.SliderOnBelt(mu_k=0.5, impact=fl.PlasticImpact("full"))
+
+
+def test_motions_that_have_not_settled_are_marked_and_go_on_until_they_have():
+    async def browser():
+        explorer = fl.explore_bifurcation(FULL)
+        panel, notes = explorer.picture.panels["bifurcation"], []
+        explorer.controls["range"].value = (0.5, 1.0)
+        explorer.controls["transient"].value = 40.0
+        while explorer.busy.left:
+            await asyncio.sleep(0.02)
+            tile = explorer.picture.tiles["bifurcation"]
+            notes.append((len(panel.found), tile.note.get_text(), set(panel.filling.unsettled)))
+        return explorer, notes
+
+    explorer, notes = asyncio.run(browser())
+    filled = [(note, waiting) for count, note, waiting in notes if count == 24]
+    assert filled[0][0] == f"24 values, {len(filled[0][1])} not settled yet"
+    assert len(filled[0][1]) > 12
+    assert [len(waiting) for _, waiting in filled] == sorted((len(w) for _, w in filled), reverse=True)
+    assert filled[-1] == ("24 values", set())
+    panel, value = explorer.picture.panels["bifurcation"], max(filled[0][1])
+    options = {"transient": 40.0, "window": 10.0, "longest": LONGEST}
+    options["method"] = panel.filling.options["method"]
+    alone = fl.bifurcation(FULL, "mu_k", [value], progress=False, **options)
+    kind, states = panel.found[value]
+    assert kind == alone.kinds[0] == "periodic"
+    assert np.array_equal(states, alone.sections[0])
+
+
+def test_what_never_settles_is_left_as_it_is_and_no_picture_waits_for_it(monkeypatch):
+    monkeypatch.setattr("frictionlab.widgets.panels.filling.MOST", 2)
+    monkeypatch.setattr("frictionlab.widgets.panels.filling.MORE", 1)
+
+    async def browser():
+        explorer = fl.explore_bifurcation(FULL)
+        explorer.controls["range"].value = (0.5, 1.0)
+        explorer.controls["transient"].value = 5.0
+        panel, before = explorer.picture.panels["bifurcation"], None
+        while explorer.busy.left:
+            await asyncio.sleep(0.02)
+            if before is None and len(panel.found) == 24:
+                before = dict(panel.found)
+                explorer.click("bifurcation", 0.75, 0.0)  # is shown before anything goes on
+                shown = explorer.model.mu_k, dict(panel.found)
+        return explorer, before, shown
+
+    explorer, before, (mu_k, found) = asyncio.run(browser())
+    assert mu_k == 0.75
+    assert all(found[value] is before[value] for value in before)
+    assert explorer.error is None
+    assert explorer.busy.widget.layout.visibility == "hidden"
+    assert "not settled yet" in explorer.picture.tiles["bifurcation"].note.get_text()
