@@ -14,7 +14,7 @@ from typing import Any
 
 import sympy as sp
 
-from frictionlab.automaton import Expr
+from frictionlab.automaton.mode import Expr
 
 AFFINE, PRODUCT, SQUARE, QUOTIENT, RATE, POWER = range(6)
 # A function's derivative is lowered like any expression, so that its value is all that is new about it.

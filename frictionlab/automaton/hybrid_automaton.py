@@ -1,0 +1,92 @@
+"""Modes over one state space, and the numbers they need."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from .mode import Mode, Symbol, check_all
+from .on_demand import ModesOnDemand, Sketch
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class HybridAutomaton:
+    """Modes over one state space, and the numbers they need.
+
+    Parameters
+    ----------
+    states : tuple of Symbol
+        Coordinates first, then their velocities, then anything else.
+    modes : tuple of Mode, or ModesOnDemand
+        In the order in which they are tried where no event says otherwise, the start included.
+        What is derived from them is remembered per Mode object: build them once, vary `parameters`.
+    parameters : mapping of Symbol to float
+        Every symbol of the expressions that is not a state.  One called ``chatter`` is given the
+        dwell time (s) below which the solver replaces events in a row by their limit.
+    coordinates : int
+        How many of the states are coordinates; as many velocities follow them.
+
+    Raises
+    ------
+    TypeError
+        For states that are no symbols, or modes that are none.
+
+    Examples
+    --------
+    >>> import frictionlab as fl, sympy as sp
+    >>> x, v = sp.symbols("x v")
+    >>> swing = fl.HybridAutomaton((x, v), (fl.Mode("on", (v, -x)),), coordinates=1)
+    >>> fl.solve(swing, 1.0, x0=[1.0, 0.0]).final_state.round(12).tolist()  # cos 1, -sin 1
+    [0.540302305868, -0.841470984808]
+    """
+
+    states: tuple[Symbol, ...]
+    modes: tuple[Mode, ...] | ModesOnDemand
+    parameters: Mapping[Symbol, float] = field(default_factory=dict)
+    coordinates: int = 0
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.modes, ModesOnDemand):
+            check_all("modes", self.modes, Mode)
+        for what, symbols in {"states": self.states, "parameters": self.parameters}.items():
+            if words := [s for s in symbols if isinstance(s, str)]:
+                raise TypeError(
+                    f"{what} must be symbols, got {words[0]!r}: make them with sympy.symbols, and write the "
+                    "expressions with these"
+                )
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the modes, in order."""
+        if isinstance(self.modes, ModesOnDemand):
+            return self.modes.names
+        return tuple(mode.name for mode in self.modes)
+
+    @property
+    def outputs(self) -> tuple[str, ...]:
+        """Names of the outputs."""
+        any_mode = [mode for mode in self.known_modes if not isinstance(mode, Sketch)] or self.modes
+        return tuple(any_mode[0].outputs) if any_mode else ()
+
+    @property
+    def known_modes(self) -> tuple[Mode, ...]:
+        """The modes, with a sketch for each that is yet to be derived."""
+        return self.modes.known() if isinstance(self.modes, ModesOnDemand) else self.modes
+
+    def replace(self, **values: float) -> HybridAutomaton:
+        """The automaton with other values of parameters, by their names.
+
+        Raises
+        ------
+        ValueError
+            For an unknown name.
+        """
+        symbols = {symbol.name: symbol for symbol in self.parameters}
+        unknown = [name for name in values if name not in symbols]
+        if unknown:
+            raise ValueError(f"no parameter is called {unknown[0]!r}: known are {', '.join(symbols)}")
+        changed = {symbols[name]: value for name, value in values.items()}
+        return HybridAutomaton(self.states, self.modes, {**self.parameters, **changed}, self.coordinates)
+
+    def __repr__(self) -> str:  # without the equations, which may take pages
+        return f"HybridAutomaton(states {', '.join(map(str, self.states))}; modes {', '.join(self.names)})"
