@@ -64,7 +64,7 @@ class Trajectory:
     Trajectory(0 to 0.05 s, 6 steps, 1 events, finished)
     >>> run["x1"].shape == run.t.shape  # a state, at the times of the samples
     True
-    >>> run.normal_force.max().round(1)  # an output, N
+    >>> float(run.normal_force.max().round(1))  # an output, N
     196.6
     >>> run.output("gap", [0.01, 0.02]).round(4)  # at other times
     array([0.009 , 0.0263])
