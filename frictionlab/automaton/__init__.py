@@ -9,6 +9,5 @@ from __future__ import annotations
 
 from .hybrid_automaton import HybridAutomaton
 from .mode import Event, Mode, Reset
-from .on_demand import ModesOnDemand, Sketch
 
-__all__ = ["Event", "HybridAutomaton", "Mode", "ModesOnDemand", "Reset", "Sketch"]
+__all__ = ["Event", "HybridAutomaton", "Mode", "Reset"]

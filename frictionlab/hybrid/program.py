@@ -16,7 +16,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import sympy as sp
 
-from frictionlab.automaton import Event, HybridAutomaton, Mode, ModesOnDemand, Reset, Sketch
+from frictionlab.automaton import Event, HybridAutomaton, Mode, Reset
+from frictionlab.automaton.on_demand import ModesOnDemand, Sketch
 from frictionlab.hybrid.checks import check_structure
 from frictionlab.hybrid.layout import NONE, Code, Numbers, Program, Section
 from frictionlab.hybrid.tape import POWER, ResetBuilder, Tape, TapeBuilder

@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 
 from frictionlab._version import __version__
-from frictionlab.automaton import HybridAutomaton, ModesOnDemand
+from frictionlab.automaton import HybridAutomaton
+from frictionlab.automaton.on_demand import ModesOnDemand
 from frictionlab.hybrid.problem import Problem, Raw
 from frictionlab.hybrid.program import program_of
 from frictionlab.hybrid.status import Status

@@ -15,7 +15,8 @@ from typing import Any
 
 import sympy
 
-from frictionlab.automaton import Event, HybridAutomaton, Mode, ModesOnDemand, Reset, Sketch
+from frictionlab.automaton import Event, HybridAutomaton, Mode, Reset
+from frictionlab.automaton.on_demand import ModesOnDemand, Sketch
 
 from .mechanics import Friction, Mechanics, Stop
 from .regimes import CLOSING, PHASE, End, Regime, rate_after, regimes

@@ -10,7 +10,8 @@ import numpy as np
 import sympy
 from numpy.typing import NDArray
 
-from frictionlab.automaton import HybridAutomaton, Mode, ModesOnDemand
+from frictionlab.automaton import HybridAutomaton, Mode
+from frictionlab.automaton.on_demand import ModesOnDemand
 from frictionlab.models.given import given_model
 
 from .flow import Flow

@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 
 import frictionlab as fl
-from frictionlab.automaton import Mode, ModesOnDemand, Sketch
+from frictionlab.automaton import Mode
+from frictionlab.automaton.on_demand import ModesOnDemand, Sketch
 from frictionlab.components.friction import FrictionLaw
 from frictionlab.components.impact import ImpactLaw
 from frictionlab.hybrid.problem import Problem, Unbuilt
