@@ -75,7 +75,7 @@ class SliderOnRigidBelt(MechanicalModel):
     c: float = damper(2.0, range=(0.0, 20.0))
     k1: float = stiffness(1e4, "k_1", "stiffness of the spring along the belt", range=SOFT_TO_STIFF)
     k3: float = stiffness(6e3, "k_3", "stiffness of the inclined spring", range=SOFT_TO_STIFF)
-    a: float = angle(pi / 4, "a", "angle of the inclined spring")
+    a: float = angle(pi / 4, r"\alpha", "angle of the inclined spring")
     F: float = parameter(100.0, unit="N", symbol="F", meaning="preload", minimum=0.0, range=(0.0, 500.0))
     v: float = speed(1.0)
     contact: ContactLaw = CubicContact(k2=5e3, k_nl=2.5e7)
