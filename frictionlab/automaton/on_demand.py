@@ -15,11 +15,18 @@ class Sketch(Mode):
     """What is known of a mode before it is derived: where it cannot be entered.
 
     None of its `constraints` may be negative where the mode is entered; its flow is not known, and zero.
+
+    Parameters
+    ----------
+    held : bool
+        Whether the mode will hold something fast.
     """
+
+    held: bool = False
 
     @property
     def holds(self) -> bool:
-        return any(-function in self.constraints for function in self.constraints)
+        return self.held
 
 
 class ModesOnDemand(Sequence[Mode]):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import lru_cache
+from math import isfinite
 from typing import Any
 
 import sympy as sp
@@ -19,6 +20,8 @@ def check_automaton(automaton: Any) -> None:
         cure = "use fl.simulate for a model" if hasattr(automaton, "automaton") else cure
         raise TypeError(f"automaton must be a HybridAutomaton, got {shown(automaton)}: {cure}")
     for symbol, value in automaton.parameters.items():
+        if type(value) is float and isfinite(value):  # as those of models are, before every run
+            continue
         number = float(value) if getattr(value, "is_real", False) else value  # of sympy, such as pi
         check_number(f"the parameter {symbol}", number, cure=f"give it one, such as replace({symbol}=1.0)")
 

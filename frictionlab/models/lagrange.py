@@ -114,7 +114,8 @@ def _sketch(name: str, chosen: Sequence[Regime], states: int) -> Sketch:
             needs += [sign * c for c in regime.constraints for sign in (1, -1)]
         else:
             needs += [end.function for end in regime.ends(regime.force)]
-    return Sketch(name, (sympy.S.Zero,) * states, constraints=tuple(needs))
+    held = any(regime.held is not None for regime in chosen)
+    return Sketch(name, (sympy.S.Zero,) * states, constraints=tuple(needs), held=held)
 
 
 def name_of(chosen: Sequence[Regime | str]) -> str:

@@ -13,13 +13,13 @@ from frictionlab.components.friction import Coulomb, FrictionLaw
 from frictionlab.components.parameter import parameter
 
 from .fields import angle, damper, mass, natural_period, speed, stiffness
-from .mechanics import Friction, MechanicalModel, Mechanics
 from .model import with_signature
+from .planar import PlanarSlider, inclined
 
 
 @with_signature
 @dataclass(frozen=True, init=False, repr=False)
-class ModeCoupling(MechanicalModel):
+class ModeCoupling(PlanarSlider):
     """A mass in the plane, held by two inclined springs, pressed on a belt by F through a contact spring k3.
 
     With y into the belt, F_N = k3 y and F_T along the belt,
@@ -80,11 +80,6 @@ class ModeCoupling(MechanicalModel):
     reference: ClassVar[str] = "N. Hoffmann et al., Mechanics Research Communications 29 (2002) 197-205"
 
     @property
-    def coordinates(self) -> tuple[str, ...]:
-        """x along the belt, y into it."""
-        return ("x", "y")
-
-    @property
     def period(self) -> float:
         """That of the mass on its contact spring, s."""
         return natural_period(self.k3, self.m)
@@ -109,14 +104,10 @@ class ModeCoupling(MechanicalModel):
         k11, _, k22 = self.stiffnesses
         return ((k11 + k22) / (2 * self.m)) ** 0.5
 
-    def mechanics(self, q: Any, v: Any) -> Mechanics:
-        """One mass, one contact; the energy of k3 is the work of F_N, which is a contact force."""
-        (c1, s1), (c2, s2) = ((functions.cos(a), functions.sin(a)) for a in (self.a1, self.a2))
-        springs = self.k1 * (c1 * q.x + s1 * q.y) ** 2 + self.k2 * (c2 * q.x + s2 * q.y) ** 2
-        normal_force = self.k3 * q.y
-        return Mechanics(
-            kinetic=self.m * (v.x**2 + v.y**2) / 2,
-            potential=springs / 2 - self.F * q.y,
-            dissipation=self.c * (v.x**2 + v.y**2) / 2,
-            contacts=(Friction(self.v - v.x, normal_force, self.friction, gap=q.y),),
-        )
+    def springs(self, q: Any) -> Any:
+        """Energy of both inclined springs, J."""
+        return inclined(self.k1, self.a1, q) + inclined(self.k2, self.a2, q)
+
+    def normal_force(self, gap: Any) -> Any:
+        """F_N of the contact spring, N."""
+        return self.k3 * gap

@@ -8,21 +8,20 @@ from math import pi
 from types import MappingProxyType
 from typing import Any, ClassVar
 
-from frictionlab.components import functions
 from frictionlab.components.contact import ContactLaw, CubicContact
 from frictionlab.components.friction import Coulomb, FrictionLaw
 from frictionlab.components.parameter import parameter
 
 from .fields import angle, damper, mass, natural_period, speed, stiffness
-from .mechanics import Friction, MechanicalModel, Mechanics
 from .model import with_signature
+from .planar import PlanarSlider, inclined
 
 SOFT_TO_STIFF = (1e3, 1e5)
 
 
 @with_signature
 @dataclass(frozen=True, init=False, repr=False)
-class SliderOnRigidBelt(MechanicalModel):
+class SliderOnRigidBelt(PlanarSlider):
     """A mass in the plane, pressed by F on a rigid belt through a nonlinear contact that may be lost.
 
     A spring k1 along the belt and a spring k3 at the angle a hold it.  With y into the belt, F_N = F_N(y):
@@ -85,21 +84,14 @@ class SliderOnRigidBelt(MechanicalModel):
     reference: ClassVar[str] = "Z. Li, H. Ouyang, Z. Guan, J. Vibration and Acoustics 138 (2016) 041006"
 
     @property
-    def coordinates(self) -> tuple[str, ...]:
-        """x along the belt, y into it."""
-        return ("x", "y")
-
-    @property
     def period(self) -> float:
         """That of the mass on its spring along the belt, s."""
         return natural_period(self.k1, self.m)
 
-    def mechanics(self, q: Any, v: Any) -> Mechanics:
-        """One mass, one contact; the energy of the contact is the work of F_N, which is a contact force."""
-        inclined = functions.cos(self.a) * q.x + functions.sin(self.a) * q.y
-        return Mechanics(
-            kinetic=self.m * (v.x**2 + v.y**2) / 2,
-            potential=(self.k1 * q.x**2 + self.k3 * inclined**2) / 2 - self.F * q.y,
-            dissipation=self.c * (v.x**2 + v.y**2) / 2,
-            contacts=(Friction(self.v - v.x, self.contact.force(q.y), self.friction, gap=q.y),),
-        )
+    def springs(self, q: Any) -> Any:
+        """Energy of both springs, J."""
+        return self.k1 * q.x**2 / 2 + inclined(self.k3, self.a, q)
+
+    def normal_force(self, gap: Any) -> Any:
+        """F_N of the contact law, N."""
+        return self.contact.force(gap)

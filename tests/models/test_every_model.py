@@ -105,6 +105,7 @@ def test_its_equations_are_those_of_its_automaton(model):
         values = {**states, **automaton.parameters}
         for second, rate in zip(seconds, mode.flow[n : 2 * n]):
             exact = float(sp.sympify(rate).subs(values))
+            # Where accelerations are of a size of 1e6 their last bit is more than 1e-12.
             assert float(solved[second].subs(at).subs(automaton.parameters)) == pytest.approx(
                 exact, rel=1e-14, abs=1e-12
             )
