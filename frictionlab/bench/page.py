@@ -63,7 +63,7 @@ MANY = """\
 
 ## Many runs at once
 
-`fl.ensemble`: runs of one structure whose mode is the same take their steps side by side, eight in the lanes
+`fl.ensemble`: runs of one structure whose mode is the same take their steps side by side, four in the lanes
 of one vector, on one core; every run is what it would be alone, to the last bit. Values of mu_k from 2 to 2.5
 (C, 1 s) and from 0.2 to 1 (B, 20 s), from rest. It pays where no events come between: with stick and
 separation the runs are seldom in one mode for long, and threads do better.
@@ -127,7 +127,7 @@ TAIL = """\
 
 ## How it is fast
 
-* A mode's tape is unrolled into machine code of its own once it has been run for long: 0.3 s in the
+* A mode gets machine code of its own once it has been run for long: a tenth of a second in the
   background, once on a machine. It gives what the interpreter gives to the last bit
   ([architecture.md](architecture.md)).
 * The whole loop of steps, roots, resets and mode choice is one kernel that allocates nothing and counts

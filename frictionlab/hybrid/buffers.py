@@ -10,6 +10,8 @@ from frictionlab.hybrid.problem import Raw
 from frictionlab.hybrid.roots import DEPTH
 from frictionlab.hybrid.status import Status
 
+LINE = 64  # bytes
+
 
 def new_record(code: Code, steps: int, events: int, points: int) -> Record:
     """Empty buffers."""
@@ -41,6 +43,14 @@ def new_work(slots: int, code: Code, order: int) -> Work:
         zeros=np.zeros(max(1, len(code.targets)), dtype=np.int64),
         before=np.zeros(code.inputs),
     )
+
+
+def aligned(*shape: int) -> np.ndarray:
+    """Zeros that begin with a cache line, so that no vector of lanes lies across two."""
+    size = int(np.prod(shape))
+    room = np.zeros(size + LINE // 8)
+    first = -room.ctypes.data % LINE // 8
+    return room[first : first + size].reshape(shape)
 
 
 class Pieces:

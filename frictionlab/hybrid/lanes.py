@@ -35,7 +35,7 @@ from frictionlab.hybrid.native_lanes import FINE, LEFT, LENGTH, WIDTH
 from frictionlab.hybrid.stepping import advance
 from frictionlab.hybrid.transitions import NO_MODE, enter
 
-FEW = 3  # fewer than these in a mode go one by one
+FEW = 2  # fewer than these in a mode go one by one
 AT_ONCE = 1000  # calls after which the kernel looks up
 CAPPED = -1  # the status of a run that has reached its cap of steps or events
 NOBODY = -1

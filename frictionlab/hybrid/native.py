@@ -1,4 +1,4 @@
-"""Straight-line machine code of a mode's jets: the tape unrolled over its operations and orders.
+"""Machine code of a mode's jets: its operations in sequence, within a loop over the orders.
 
 It does the same operations in the same sequence as :func:`frictionlab.hybrid.jets.run_tape`, so its results
 are those of the interpreter to the last bit, and a run may change from one to the other at any step.  It
@@ -7,13 +7,15 @@ leaves out the rows of slots that nobody reads.
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any, NamedTuple
 
-import numpy as np
-
+from frictionlab.hybrid.instructions import Instructions
+from frictionlab.hybrid.logarithms import number
+from frictionlab.hybrid.loops import Values, choose, repeat
 from frictionlab.hybrid.tape import AFFINE, FUNCTIONS, POWER, PRODUCT, QUOTIENT, RATE, SQUARE, Tape
 
-LANES = 4
+PARTS = 4  # sums of a convolution that do not wait for each other
 SMALLEST = 1e-290  # as in :func:`frictionlab.hybrid.jets.has_series`
 SYMBOLS = {POWER: "pow"} | {POWER + 1 + i: f.__name__ for i, f in enumerate(FUNCTIONS)}
 
@@ -29,6 +31,15 @@ class Function(NamedTuple):
     row: int  # length of a row of J
 
 
+class Order(NamedTuple):
+    """The order at hand: k = 4 fours + 1 + rest, as a number too, and the place of column k of J."""
+
+    fours: Any
+    rest: int
+    number: Any
+    column: Any
+
+
 def module_of(function: Function, name: str) -> Any:
     """LLVM module with the function `name`(z, constants, terms, J)."""
     from llvmlite import ir
@@ -42,165 +53,194 @@ def module_of(function: Function, name: str) -> Any:
     return module
 
 
-class Writer:
-    """Writes the instructions; `values` are those of all slots, by order."""
-
-    width = 1  # numbers in a value
+class Writer(Instructions):
+    """Writes the recurrences; `values` are those of all slots at the order at hand."""
 
     def __init__(self, ir: Any, body: Any, function: Function) -> None:
-        self.ir, self.function = ir, function
-        self.build = ir.IRBuilder(body.append_basic_block())
-        four = ir.VectorType(ir.DoubleType(), LANES)
-        self.fma = ir.Function(body.module, ir.FunctionType(four, [four] * 3), "llvm.fma.v4f64")
+        super().__init__(ir, ir.IRBuilder(body.append_basic_block()), function.row)
+        self.function = function
         self.z, self.constants, self.terms, self.J = body.args[:4]
-        self.values: list[list[Any]] = [[] for _ in range(function.tape.slots)]
+        self.values: dict[int, Any] = {}
         operands = {slot for kind, a, b in function.tape.ops if kind != AFFINE for slot in (a, b)}
         outputs = {function.tape.inputs + i for i, op in enumerate(function.tape.ops) if op[0] > SQUARE}
         self.stored = function.kept | operands | outputs | set(range(function.tape.inputs))
-        self.called: dict[str, Any] = {}
 
     def write(self) -> None:
         self.jets()
         self.build.ret_void()
 
     def jets(self) -> None:
-        tape, flow = self.function.tape, self.function.flow
-        for i in range(tape.inputs):
-            self._set(i, 0, self._load(self.z, i))
-        for k in range(self.function.order + 1):
-            for i, (kind, a, b) in enumerate(tape.ops):
-                self._set(tape.inputs + i, k, self._operation(i, kind, a, b, k))
-            if k < self.function.order:
-                share = self._number(1.0 / (k + 1))
-                for i in range(tape.inputs):
-                    self._set(i, k + 1, self.build.fmul(self.values[flow[i]][k], share))
+        """All columns of J."""
+        for i in range(self.function.tape.inputs):
+            self._set(i, self.J, self._load(self.z, i))
+        self._operations(None)
+        if self.function.order > 0:
+            done = self.build.append_basic_block()
+            repeat(self.build, self.whole(self.function.order), self._rates(), partial(self._columns, done))
+            self.build.branch(done)
+            self.build.position_at_end(done)
 
-    def _operation(self, i: int, kind: int, a: int, b: int, k: int) -> Any:
+    def _rates(self) -> Values:
+        return [self.values[slot] for slot in self.function.flow]
+
+    def _columns(self, done: Any, fours: Any, rates: Values) -> Values:
+        """The next four columns, so that what a convolution leaves after groups of four is known."""
+        build, first = self.build, self.build.shl(fours, self.whole(2))
+        for rest in range(PARTS):
+            k = build.add(first, self.whole(rest + 1))
+            as_number = self._spread(build.sitofp(k, self.ir.DoubleType()))
+            rates = self._column(Order(fours, rest, as_number, self._ahead(self.J, k)), rates)
+            if rest == (self.function.order - 1) % PARTS:
+                following = build.append_basic_block()
+                build.cbranch(build.icmp_signed("==", k, self.whole(self.function.order)), done, following)
+                build.position_at_end(following)
+        return rates
+
+    def _column(self, at: Order, rates: Values) -> Values:
+        """A column, from the rates in the one before; returns its own rates."""
+        share = self.build.fdiv(self._number(1.0), at.number)
+        for state, rate in enumerate(rates):
+            self._set(state, at.column, self.build.fmul(rate, share))
+        self._operations(at)
+        return self._rates()
+
+    def _operations(self, at: Order | None) -> None:
+        for i, (kind, a, b) in enumerate(self.function.tape.ops):
+            value = self._value(i, kind, a, b) if at is None else self._coefficient(i, kind, a, b, at)
+            self._set(self.function.tape.inputs + i, self.J if at is None else at.column, value)
+
+    def _value(self, i: int, kind: int, a: int, b: int) -> Any:
+        """Coefficient 0."""
+        build, values = self.build, self.values
         if kind == AFFINE:
-            return self._affine(i, a, b, k)
-        if kind == PRODUCT:
-            return self._product(a, b, k)
-        if kind == SQUARE:
-            return self._square(a, k)
-        out = self.function.tape.inputs + i
+            return self._affine(a, b, self._load(self.constants, self.function.first[0] + i))
+        if kind in (PRODUCT, SQUARE):  # a square's operands are the same
+            return build.fmul(values[a], values[b])
         if kind == QUOTIENT:
-            return self._quotient(a, b, out, k)
+            return build.fdiv(values[a], values[b])
         if kind == RATE:
-            return self.build.fmul(self._number(k), self.values[a][k])
-        return self._power(i, a, out, k) if kind == POWER else self._function(kind, a, b, out, k)
+            return self._number(0.0)
+        return self._power_value(i, values[a]) if kind == POWER else self._call(SYMBOLS[kind], values[a])
 
-    def _affine(self, i: int, first: int, last: int, k: int) -> Any:
-        place, terms = self.function.first
-        total = self._load(self.constants, place + i) if k == 0 else None
+    def _coefficient(self, i: int, kind: int, a: int, b: int, at: Order) -> Any:
+        """Coefficient k > 0."""
+        build, values, out = self.build, self.values, self.function.tape.inputs + i
+        if kind == AFFINE:
+            return self._affine(a, b, None)
+        if kind == PRODUCT:
+            return self._product(a, b, at)
+        if kind == SQUARE:
+            return self._square(a, at)
+        if kind == QUOTIENT:
+            total = build.fsub(values[a], self._convolution(b, out, at, 1))
+            return build.fdiv(total, self._at(b, self.J))
+        if kind == RATE:
+            return build.fmul(at.number, values[a])
+        if kind == POWER:
+            return self._power(i, a, out, at)
+        return build.fdiv(self._convolution(out - 1, b, at, 1), at.number)
+
+    def _affine(self, first: int, last: int, total: Any) -> Any:
         for j in range(first, last):
-            slot, value = self.function.tape.terms[j][0], self._load(self.terms, terms + j)
-            factor = self.values[slot][k]
+            slot, value = self.function.tape.terms[j][0], self._load(self.terms, self.function.first[1] + j)
+            factor = self.values[slot]
             total = self.build.fmul(value, factor) if total is None else self._fma(value, factor, total)
         return self._number(0.0) if total is None else total
 
-    def _product(self, a: int, b: int, k: int) -> Any:
-        build, values = self.build, self.values
-        if k == 0:
-            return build.fmul(values[a][0], values[b][0])
-        total = self._fma(values[a][0], values[b][k], self._convolution(a, b, 1, k - 1, k))
-        return self._fma(values[a][k], values[b][0], total)
+    def _product(self, a: int, b: int, at: Order) -> Any:
+        total = self._convolution(a, b, at, 0)
+        total = self._fma(self._at(a, self.J), self.values[b], total)
+        return self._fma(self.values[a], self._at(b, self.J), total)
 
-    def _square(self, a: int, k: int) -> Any:
-        build, row = self.build, self.values[a]
-        if k == 0:
-            return build.fmul(row[0], row[0])
-        total = build.fmul(self._number(2.0), self._convolution(a, a, 1, (k - 1) // 2, k))
-        if k % 2 == 0:
-            total = self._fma(row[k // 2], row[k // 2], total)
-        return self._fma(build.fmul(self._number(2.0), row[0]), row[k], total)
-
-    def _quotient(self, a: int, b: int, out: int, k: int) -> Any:
-        total = self.build.fsub(self.values[a][k], self._convolution(b, out, 1, k, k))
-        return self.build.fdiv(total, self.values[b][0])
-
-    def _function(self, kind: int, a: int, slope: int, out: int, k: int) -> Any:
-        if k == 0:
-            return self._call(SYMBOLS[kind], self.values[a][0])
-        return self.build.fdiv(self._convolution(out - 1, slope, 1, k, k), self._number(k))
-
-    def _power(self, i: int, a: int, out: int, k: int) -> Any:
-        build, base, zero = self.build, self.values[a][0], self._number(0.0)
-        exponent = self._load(self.constants, self.function.first[0] + i)
-        regular = build.fcmp_ordered(">", base, zero)
-        negative = build.fcmp_ordered("<", exponent, zero)
-        limit = build.select(negative, self._number(float("inf")), zero)
-        if k == 0:
-            one = self._number(1.0)
-            return build.select(regular, self._call("pow", build.select(regular, base, one), exponent), limit)
-        shortest = self._number(SMALLEST ** (1.0 / self.function.order))
-        has_series = build.fcmp_ordered(">", base, build.fmul(shortest, self._abs(self.values[a][1])))
-        rates, plain = self._convolution(out - 1, out, 1, k, k), self._convolution(a, out, 1, k, k)
-        total = build.fmul(build.fadd(exponent, self._number(1.0)), rates)
-        total = build.fadd(total, build.fmul(self._number(-k), plain))
-        total = build.select(has_series, build.fdiv(total, build.fmul(self._number(k), base)), zero)
-        return build.select(regular, total, limit)
-
-    def _abs(self, a: Any) -> Any:
-        return self.build.select(self.build.fcmp_ordered("<", a, self._number(0.0)), self.build.fneg(a), a)
-
-    def _call(self, name: str, *arguments: Any) -> Any:
-        if name not in self.called:
-            number = self.ir.DoubleType()
-            kind = self.ir.FunctionType(number, [number] * len(arguments))
-            self.called[name] = self.ir.Function(self.build.module, kind, name)
-        return self.build.call(self.called[name], arguments)
-
-    def _convolution(self, a: int, b: int, first: int, last: int, k: int) -> Any:
-        """Sum over first <= j <= last of the coefficients j of a and k - j of b, in four lanes."""
-        build, quads = self.build, (last - first + 1) // LANES
-        lanes: list[Any] = [None] * LANES
-        if quads:
-            total = None
-            for j in range(first, first + LANES * quads, LANES):
-                forward, backward = self._four(a, j), self._reversed(self._four(b, k - j - LANES + 1))
-                if total is None:
-                    total = build.fmul(forward, backward)
-                else:
-                    total = build.call(self.fma, [forward, backward, total])
-            lanes = [build.extract_element(total, self._index(i)) for i in range(LANES)]
-        for i, j in enumerate(range(first + LANES * quads, last + 1)):
-            pair = self.values[a][j], self.values[b][k - j]
-            lanes[i] = build.fmul(*pair) if lanes[i] is None else self._fma(*pair, lanes[i])
-        return self._in_pairs(lanes)
-
-    def _in_pairs(self, lanes: list[Any]) -> Any:
-        return self._sum(self._sum(lanes[0], lanes[1]), self._sum(lanes[2], lanes[3])) or self._number(0.0)
-
-    def _fma(self, a: Any, b: Any, c: Any) -> Any:
-        return self.build.fma(a, b, c)
-
-    def _sum(self, one: Any, other: Any) -> Any:
-        return self.build.fadd(one, other) if one is not None and other is not None else one or other
-
-    def _four(self, slot: int, k: int) -> Any:
-        kind = self.ir.VectorType(self.ir.DoubleType(), LANES).as_pointer()
-        place = self.build.bitcast(self._place(slot, k), kind)
-        return self.build.load(place, align=8)
-
-    def _reversed(self, vector: Any) -> Any:
-        order = self.ir.Constant(
-            self.ir.VectorType(self.ir.IntType(32), LANES), list(range(LANES - 1, -1, -1))
+    def _square(self, a: int, at: Order) -> Any:
+        """Each pair once; of the (k - 1)/2 pairs, groups of four leave two more where `fours` is odd."""
+        build, two = self.build, self._number(2.0)
+        ahead, behind, parts = self._groups(a, a, at, build.ashr(at.fours, self.whole(1)))
+        odd = build.icmp_signed("!=", build.and_(at.fours, self.whole(1)), self.whole(0))
+        single = at.rest // 2
+        parts = choose(
+            build,
+            odd,
+            lambda: self._rest(2 + single, ahead, behind, parts),
+            lambda: self._rest(single, ahead, behind, parts),
         )
-        return self.build.shuffle_vector(vector, vector, order)
+        total = build.fmul(two, self._in_pairs(parts))
+        if at.rest % 2 == 1:
+            middle = self._ahead(
+                self.J, build.add(build.shl(at.fours, self.whole(1)), self.whole(1 + single))
+            )
+            total = self._fma(self._at(a, middle), self._at(a, middle), total)
+        return self._fma(build.fmul(two, self._at(a, self.J)), self.values[a], total)
 
-    def _set(self, slot: int, k: int, value: Any) -> None:
-        self.values[slot].append(value)
+    def _power_value(self, i: int, base: Any) -> Any:
+        build, exponent, regular = self.build, self._exponent(i), self._regular(base)
+        value = self._call("pow", build.select(regular, base, self._number(1.0)), exponent)
+        return build.select(regular, value, self._limit(exponent))
+
+    def _power(self, i: int, a: int, out: int, at: Order) -> Any:
+        build, base, exponent = self.build, self._at(a, self.J), self._exponent(i)
+        rate = self._abs(self._at(a, self._ahead(self.J, self.whole(1))))
+        shortest = self._number(SMALLEST ** (1.0 / self.function.order))
+        has_series = build.fcmp_ordered(">", base, build.fmul(shortest, rate))
+        rates, plain = self._convolution(out - 1, out, at, 1), self._convolution(a, out, at, 1)
+        total = build.fmul(build.fadd(exponent, self._number(1.0)), rates)
+        total = build.fadd(total, build.fmul(build.fneg(at.number), plain))
+        total = build.fdiv(total, build.fmul(at.number, base))
+        total = build.select(has_series, total, self._number(0.0))
+        return build.select(self._regular(base), total, self._limit(exponent))
+
+    def _exponent(self, i: int) -> Any:
+        return self._load(self.constants, self.function.first[0] + i)
+
+    def _regular(self, base: Any) -> Any:
+        return self.build.fcmp_ordered(">", base, self._number(0.0))
+
+    def _limit(self, exponent: Any) -> Any:
+        """Of a power where its base goes to zero."""
+        negative = self.build.fcmp_ordered("<", exponent, self._number(0.0))
+        return self.build.select(negative, self._number(float("inf")), self._number(0.0))
+
+    def _convolution(self, a: int, b: int, at: Order, more: int) -> Any:
+        """Sum over 1 <= j < k + `more` of the coefficients j of a and k - j of b."""
+        whole, rest = divmod(at.rest + more, PARTS)
+        ahead, behind, parts = self._groups(a, b, at, self.build.add(at.fours, self.whole(whole)))
+        return self._in_pairs(self._rest(rest, ahead, behind, parts))
+
+    def _groups(self, a: int, b: int, at: Order, fours: Any) -> tuple[Any, Any, Values]:
+        """The sums of as many groups of four pairs, and the places of the next pair."""
+        ahead = self._place(a, self._ahead(self.J, self.whole(1)))
+        behind = self._place(b, self._ahead(at.column, self.whole(-1)))
+        parts = self._fours(fours, ahead, behind)
+        done = self.build.shl(fours, self.whole(2))
+        return self._ahead(ahead, done), self._ahead(behind, self.build.neg(done)), parts
+
+    def _rest(self, count: int, ahead: Any, behind: Any, parts: Values) -> Values:
+        """Further pairs, one for each of the first sums."""
+        return [self._further(ahead, behind, j, parts[j]) for j in range(count)] + parts[count:]
+
+    def _further(self, ahead: Any, behind: Any, j: int, part: Any) -> Any:
+        return self._fma(self._load(ahead, j), self._load(behind, -j), part)
+
+    def _in_pairs(self, parts: Values) -> Any:
+        return self.build.fadd(self.build.fadd(parts[0], parts[1]), self.build.fadd(parts[2], parts[3]))
+
+    def _fours(self, count: Any, ahead: Any, behind: Any) -> Values:
+        """The four sums of as many groups of four pairs, as one vector."""
+        build, four = self.build, self.ir.VectorType(self.ir.DoubleType(), PARTS)
+        turned = self.ir.Constant(self.ir.VectorType(self.ir.IntType(32), PARTS), list(range(PARTS))[::-1])
+
+        def group(i: Any, sums: Values) -> Values:
+            j = build.shl(i, self.whole(2))
+            forward = self._vector(self._ahead(ahead, j), 0, four)
+            backward = self._vector(self._ahead(behind, build.neg(j)), 1 - PARTS, four)
+            return [
+                self._intrinsic("fma", forward, build.shuffle_vector(backward, backward, turned), sums[0])
+            ]
+
+        (total,) = repeat(build, count, [number(self.ir, four, 0.0)], group)
+        return [build.extract_element(total, self.ir.IntType(32)(j)) for j in range(PARTS)]
+
+    def _set(self, slot: int, column: Any, value: Any) -> None:
+        self.values[slot] = value
         if slot in self.stored:
-            self.build.store(value, self._place(slot, k), align=8)
-
-    def _place(self, slot: int, k: int) -> Any:
-        return self.build.gep(self.J, [self._index(slot * self.function.row + k)])
-
-    def _load(self, array: Any, i: int) -> Any:
-        return self.build.load(self.build.gep(array, [self._index(i)]))
-
-    def _index(self, i: int) -> Any:
-        return self.ir.Constant(self.ir.IntType(32), i)
-
-    def _number(self, value: float) -> Any:
-        return self.ir.Constant(self.ir.DoubleType(), float(np.float64(value)))
+            self._store(value, column, slot * self.row)

@@ -1,4 +1,4 @@
-"""Straight-line machine code of a whole step without an event, for several runs side by side.
+"""Machine code of a whole step without an event, for several runs side by side.
 
 Every value is a vector with one number for each run (lane).  The operations are those of one run, in the same
 sequence (:mod:`native`, :func:`step_length.step_length`, :func:`guards.smallest`), so a lane's numbers are
@@ -10,10 +10,11 @@ from __future__ import annotations
 
 from typing import Any
 
-from frictionlab.hybrid.logarithms import exp2, log2, number
-from frictionlab.hybrid.native import Function, Writer
+from frictionlab.hybrid.logarithms import exp2, log2
+from frictionlab.hybrid.loops import Values, repeat
+from frictionlab.hybrid.native import PARTS, Function, Writer
 
-WIDTH = 8
+WIDTH = 4
 LEFT, LENGTH, FINE, TOL, LOG_TOL, GUARD_TOL = range(6)  # rows of `control`, all of WIDTH numbers
 ROWS = 6
 
@@ -41,12 +42,8 @@ class _StepWriter(Writer):
     width = WIDTH
 
     def __init__(self, ir: Any, body: Any, function: Function, guards: Any, groups: Any) -> None:
-        self.kind = ir.VectorType(ir.DoubleType(), WIDTH)
-        self.guards, self.groups, self.control = guards, groups, body.args[4]
         super().__init__(ir, body, function)
-        kinds = [self.kind] * 3
-        self._vector_fma = ir.Function(body.module, ir.FunctionType(self.kind, kinds), "llvm.fma.v8f64")
-        self._vector_abs = ir.Function(body.module, ir.FunctionType(self.kind, kinds[:1]), "llvm.fabs.v8f64")
+        self.guards, self.groups, self.control = guards, groups, body.args[4]
 
     def write(self) -> None:
         self.jets()
@@ -60,8 +57,8 @@ class _StepWriter(Writer):
         one, zero = self._number(1.0), self._number(0.0)
         self._store(h, self.control, LENGTH)
         self._store(build.select(fine, one, zero), self.control, FINE)
-        for i in range(self.function.tape.inputs):
-            self._store(build.select(fine, self._end(i, h), self.values[i][0]), self.z, i)
+        for i, end in enumerate(self._ends(h)):
+            self._store(build.select(fine, end, self._at(i, self.J)), self.z, i)
         build.ret_void()
 
     def _length(self) -> tuple[Any, Any]:
@@ -95,81 +92,75 @@ class _StepWriter(Writer):
 
     def _largest(self, first: int, last: int, k: int) -> Any:
         build, size = self.build, self._number(0.0)
+        column = self._ahead(self.J, self.whole(k))
         for i in range(first, last):
-            c = self._abs(self.values[i][k])
+            c = self._abs(self._at(i, column))
             clean = build.select(build.fcmp_ordered("ord", c, c), c, self._number(float("inf")))
             size = build.select(build.fcmp_unordered(">", c, size), clean, size)
         return size
 
     def _resolved(self, slot: int, h: Any) -> Any:
         """Whether the series of a guard holds for the whole step."""
-        build, order, row = self.build, self.function.order, self.values[slot]
-        size, power = self._number(0.0), self._number(1.0)
-        for k in range(order - 1):
-            size = self._max(size, build.fmul(self._abs(row[k]), power))
-            power = build.fmul(power, h)
-        last = self._max(self._abs(row[order - 1]), build.fmul(self._abs(row[order]), h))
+        build, order, row = self.build, self.function.order, self._place(slot, self.J)
+
+        def term(k: Any, carried: Values) -> Values:
+            size, power = carried
+            c = self._abs(self._load(self._ahead(row, k), 0))
+            return [self._max(size, build.fmul(c, power)), build.fmul(power, h)]
+
+        size, power = repeat(build, self.whole(order - 1), [self._number(0.0), self._number(1.0)], term)
+        last = build.fmul(self._abs(self._load(row, order)), h)
+        last = self._max(self._abs(self._load(row, order - 1)), last)
         limit = build.fmul(self._load(self.control, GUARD_TOL), size)
         holds = build.fcmp_unordered("<=", build.fmul(last, power), limit)
         return build.or_(holds, build.fcmp_ordered("==", size, self._number(0.0)))
 
     def _smallest(self, slot: int, h: Any) -> Any:
         """Lower bound of a guard over the step."""
-        build, row, zero = self.build, self.values[slot], self._number(0.0)
-        total, power = row[0], self._number(1.0)
-        for k in range(1, self.function.order + 1):
-            power = build.fmul(power, h)
-            falls = build.fcmp_ordered("<", row[k], zero)
-            total = build.fadd(total, build.select(falls, build.fmul(row[k], power), zero))
-        return total
+        build, row, zero = self.build, self._place(slot, self.J), self._number(0.0)
 
-    def _end(self, i: int, h: Any) -> Any:
-        build, row = self.build, self.values[i]
-        total = row[-1]
-        for c in row[-2::-1]:
-            total = build.fadd(build.fmul(total, h), c)
-        return total
+        def term(i: Any, carried: Values) -> Values:
+            total, power = carried
+            c, power = self._load(self._ahead(row, i), 1), build.fmul(power, h)
+            falls = build.select(build.fcmp_ordered("<", c, zero), build.fmul(c, power), zero)
+            return [build.fadd(total, falls), power]
 
-    def _convolution(self, a: int, b: int, first: int, last: int, k: int) -> Any:
-        lanes: list[Any] = [None] * 4
-        for i, j in enumerate(range(first, last + 1)):
-            pair = (
-                self._load(self.J, a * self.function.row + j),
-                self._load(self.J, b * self.function.row + k - j),
-            )
-            before = lanes[i % 4]
-            lanes[i % 4] = self.build.fmul(*pair) if before is None else self._fma(*pair, before)
-        return self._in_pairs(lanes)
+        start = [self._load(row, 0), self._number(1.0)]
+        return repeat(build, self.whole(self.function.order), start, term)[0]
+
+    def _ends(self, h: Any) -> Values:
+        """The states at the end of the step."""
+        build, order = self.build, self.whole(self.function.order)
+        states = range(self.function.tape.inputs)
+
+        def term(i: Any, totals: Values) -> Values:
+            column = self._ahead(self.J, build.sub(build.sub(order, self.whole(1)), i))
+            return [build.fadd(build.fmul(totals[s], h), self._at(s, column)) for s in states]
+
+        last = self._ahead(self.J, order)
+        return repeat(build, order, [self._at(s, last) for s in states], term)
+
+    def _fours(self, count: Any, ahead: Any, behind: Any) -> Values:
+        def group(i: Any, sums: Values) -> Values:
+            j = self.build.shl(i, self.whole(2))
+            front, back = self._ahead(ahead, j), self._ahead(behind, self.build.neg(j))
+            return [self._further(front, back, part, total) for part, total in enumerate(sums)]
+
+        return repeat(self.build, count, [self._number(0.0)] * PARTS, group)
 
     def _call(self, name: str, *arguments: Any) -> Any:
         result = self._number(0.0)
         for lane in range(WIDTH):
-            place = self._index(lane)
+            place = self.ir.IntType(32)(lane)
             each = super()._call(name, *(self.build.extract_element(vector, place) for vector in arguments))
             result = self.build.insert_element(result, each, place)
         return result
 
-    def _fma(self, a: Any, b: Any, c: Any) -> Any:
-        return self.build.call(self._vector_fma, [a, b, c])
-
-    def _abs(self, a: Any) -> Any:
-        return self.build.call(self._vector_abs, [a])
-
     def _max(self, a: Any, b: Any) -> Any:
         return self.build.select(self.build.fcmp_ordered(">", b, a), b, a)
 
-    def _place(self, slot: int, k: int) -> Any:
-        return self._vector(self.J, slot * self.function.row + k)
-
-    def _load(self, array: Any, i: int) -> Any:
-        return self.build.load(self._vector(array, i), align=8)
-
-    def _store(self, value: Any, array: Any, i: int) -> None:
-        self.build.store(value, self._vector(array, i), align=8)
-
-    def _vector(self, array: Any, i: int) -> Any:
-        place = self.build.gep(array, [self._index(i * WIDTH)])
-        return self.build.bitcast(place, self.kind.as_pointer())
-
-    def _number(self, value: float) -> Any:
-        return number(self.ir, self.kind, value)
+    def _spread(self, value: Any) -> Any:
+        result = self._number(0.0)
+        for lane in range(WIDTH):
+            result = self.build.insert_element(result, value, self.ir.IntType(32)(lane))
+        return result

@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from frictionlab.hybrid import compiled, logarithms, native, native_lanes
+from frictionlab.hybrid import compiled, instructions, logarithms, loops, native, native_lanes
 from frictionlab.hybrid.layout import Code, Program
 from frictionlab.hybrid.native import Function, module_of
 from frictionlab.hybrid.native_lanes import step_module_of
@@ -129,7 +129,7 @@ def _machine() -> Any:
     llvm = _llvm()
     features = llvm.get_host_cpu_features().flatten()
     target = llvm.Target.from_default_triple()
-    # Straight-line code gains nothing from more optimisation, which takes twice as long.
+    # More optimisation takes twice as long and gains nothing.
     return target.create_target_machine(cpu=llvm.get_host_cpu_name(), features=features, opt=1, jit=True)
 
 
@@ -139,7 +139,7 @@ def _host() -> str:
     import llvmlite
 
     llvm = _llvm()
-    writers: Any = (native, native_lanes, logarithms)
+    writers: Any = (native, native_lanes, instructions, loops, logarithms)
     writer = "".join(Path(module.__file__).read_text(encoding="utf-8") for module in writers)
     cpu = llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten()
     return "\n".join([writer, llvmlite.__version__, llvm.get_default_triple(), *cpu])

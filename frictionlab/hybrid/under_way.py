@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from frictionlab.hybrid import bookkeeping, lanes, step_length
-from frictionlab.hybrid.buffers import new_record, new_work
+from frictionlab.hybrid.buffers import aligned, new_record, new_work
 from frictionlab.hybrid.layout import Numbers, Program
 from frictionlab.hybrid.native_lanes import GUARD_TOL, LOG_TOL, ROWS, TOL, WIDTH
 from frictionlab.hybrid.natives import Natives, natives
@@ -72,14 +72,14 @@ def _runs(program: Program, numbers: Numbers, states: np.ndarray, method: Taylor
 
 
 def _seats(program: Program, numbers: Numbers, method: Taylor) -> lanes.Seats:
-    control = np.zeros((ROWS, WIDTH))
+    control = aligned(ROWS, WIDTH)
     control[TOL], control[LOG_TOL] = method.tol, np.log2(method.tol)
     control[GUARD_TOL] = method.tol * step_length.SLACK
     return lanes.Seats(
         runs=np.full(WIDTH, lanes.NOBODY),
-        z=np.zeros((program.code.inputs, WIDTH)),
-        constants=np.zeros((numbers.constants.shape[1], WIDTH)),
-        terms=np.zeros((numbers.terms.shape[1], WIDTH)),
-        jets=np.zeros((program.slots, method.degree + 1, WIDTH)),
+        z=aligned(program.code.inputs, WIDTH),
+        constants=aligned(numbers.constants.shape[1], WIDTH),
+        terms=aligned(numbers.terms.shape[1], WIDTH),
+        jets=aligned(program.slots, method.degree + 1, WIDTH),
         control=control,
     )
