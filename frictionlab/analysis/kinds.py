@@ -19,8 +19,6 @@ SAMPLES = 8001
 
 def kind_of(run: Trajectory, returns: Recurrence, crossings: np.ndarray, tolerance: float) -> str:
     """The kind of motion in a run with these crossings (K, m) of a section, which return so nearly."""
-    if not run.status.ok:
-        return ENDED
     resting = _at_rest(run)
     if resting is not None:
         return EQUILIBRIUM if resting else UNSETTLED

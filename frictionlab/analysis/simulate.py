@@ -82,8 +82,9 @@ def simulate(
     model = given_model(model, cure=cure)
     method_of(method)
     options: dict[str, Any] = {"sections": sections, "quadratures": quadratures, "progress": progress}
-    start = initial_state(model, x0)
-    run = solve(model.automaton(), t_end, x0=start, method=method, t_eval=t_eval, source=model, **options)
+    automaton = model.automaton()
+    start = initial_state(model, x0, automaton)
+    run = solve(automaton, t_end, x0=start, method=method, t_eval=t_eval, source=model, **options)
     run.description["model"] = model.to_dict()
     return run
 

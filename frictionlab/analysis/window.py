@@ -35,7 +35,8 @@ class SteadyState:
         and rad^2).  Over the last period where there is one, else over the window.  NaN without an
         equilibrium, or where the run ended early.
     section : Points
-        Crossings of the section in the window: times (K,), states (K, 2n).
+        Crossings of the section in the window: times (K,), states (K, 2n).  Of a run that ended early the
+        place where it ended.
     deviation : float
         How far the state is from that one period before, as a share of the motion's size.
     time_in_mode : mapping
@@ -87,6 +88,10 @@ class Verdict(NamedTuple):
 
 def judged(run: Trajectory, section: Section | None, tolerance: float) -> Verdict:
     """The kind of motion in a run and its period; arguments as of `steady_state`."""
+    if not run.status.ok:
+        # Nothing repeats, and what grows without bounds may have a million crossings.
+        end = Points(np.array([run.raw.t]), run.final_state[None])
+        return Verdict(end, Recurrence(0, np.nan, np.nan, np.nan), ENDED, np.nan)
     if section is None:
         section = STICK if stick_onsets(run).sum() >= SHORTEST else turning(run.automaton)
     crossings = points(run, section)

@@ -62,13 +62,16 @@ def cache_folder(numba: Any) -> str:
 
 NUMBA = _numba()
 FOLDER = cache_folder(NUMBA) if NUMBA else ""
+_FOUND: set[Any] = set()  # kernels seen in the folder, so that it is read once for each
 
 
 def waits_for_compiler(function: Any) -> bool:
     """Whether the next call of a kernel compiles it: neither loaded nor in the cache folder."""
-    if NUMBA is None or function.overloads:
+    if NUMBA is None or function.overloads or function in _FOUND:
         return False
-    return not (FOLDER and any(Path(FOLDER).glob(f"*/*.{function.__name__}-*.nbi")))
+    if FOLDER and any(Path(FOLDER).glob(f"*/*.{function.__name__}-*.nbi")):
+        _FOUND.add(function)
+    return function not in _FOUND
 
 
 def kernel(function: Callable) -> Callable:

@@ -8,7 +8,7 @@ from frictionlab.hybrid.roots import isolate
 
 # Rounding errors are taken to be below this many ulps of the majorant.
 NOISE = 64 * 2.220446049250313e-16
-LOW = 3  # orders that nearly always decide, looked at first
+LOW = 2  # orders that nearly always decide, looked at first
 SUSPECT = 1e-9  # below this share of its terms, a leading coefficient is compared with its rounding error
 NO_GUARD = -1
 

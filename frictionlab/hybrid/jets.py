@@ -167,12 +167,18 @@ def run_tape(code, numbers, first, last, order, flow, sign, values, J):
 
 
 @inlined
+def has_native(code, mode, order, J):
+    """Whether there is native code for a mode's jets of this order."""
+    return code.native[mode] != 0 and code.jets[0] == order and code.jets[1] == J.shape[1]
+
+
+@inlined
 def mode_jets(code, numbers, mode, order, z, J):
     """Taylor coefficients up to `order` of a mode's slots at the state `z`.
 
     Native code leaves out the slots of intermediate results.
     """
-    if code.native[mode] != 0 and code.jets[0] == order and code.jets[1] == J.shape[1]:
+    if has_native(code, mode, order, J):
         call_native(code.native[mode], z, numbers.constants, numbers.terms, J)
         return
     for i in range(z.shape[0]):

@@ -116,19 +116,22 @@ def informed(automaton: HybridAutomaton, method: Method) -> HybridAutomaton:
 
 
 def _states(automaton: HybridAutomaton, x0: Any) -> np.ndarray:
-    names = ", ".join(map(str, automaton.states))
-    cure = f"give {len(automaton.states)} numbers, in this order"
     try:
         state = np.array(x0, dtype=float)
     except (TypeError, ValueError) as error:
-        raise ValueError(f"x0 must hold numbers for the states ({names}), got {shown(x0)}: {cure}") from error
+        raise _bad_state(automaton, "must hold numbers for the states {}", shown(x0)) from error
     if state.shape != (len(automaton.states),):
-        raise ValueError(
-            f"x0 must hold one number per state ({names}), got {shown(x0)} of shape {state.shape}: {cure}"
-        )
+        got = f"{shown(x0)} of shape {state.shape}"
+        raise _bad_state(automaton, "must hold one number per state {}", got)
     if not np.isfinite(state).all():
-        raise ValueError(f"x0 must be finite, got {state.tolist()}: give every state ({names}) a value")
+        raise _bad_state(automaton, "must be finite in all states {}", str(state.tolist()))
     return state
+
+
+def _bad_state(automaton: HybridAutomaton, rule: str, got: str) -> ValueError:
+    names = ", ".join(map(str, automaton.states))
+    cure = f"give {len(automaton.states)} numbers, in this order"
+    return ValueError(f"x0 {rule.format(f'({names})')}, got {got}: {cure}")
 
 
 def _times(t_eval: Any, t_end: float) -> np.ndarray | None:

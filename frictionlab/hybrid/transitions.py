@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from frictionlab.hybrid.compiled import kernel
 from frictionlab.hybrid.guards import LOW, leading
-from frictionlab.hybrid.jets import majorant, mode_jets, reset_values
+from frictionlab.hybrid.jets import has_native, majorant, mode_jets, reset_values
 
 NO_MODE = -1
 UNBUILT = -2  # and below: UNBUILT - mode where a mode is to be tried that has yet to be derived
@@ -21,8 +21,8 @@ def apply_reset(code, numbers, reset, z, J):
 
 
 @kernel
-def admission(code, numbers, absolute, mode, z, sizes, order, declared, zeros, J, bounds):
-    """Whether a mode can be entered at `z`, judged by Taylor coefficients up to `order`.
+def admission(code, absolute, mode, sizes, order, declared, zeros, J, bounds):
+    """Whether a mode can be entered, judged by its Taylor coefficients `J` up to `order`.
 
     Its constraints must be met up to rounding, and the first non-zero coefficient of every guard must be
     positive; where a guard has none up to `order` the matter is undecided.  A guard that is zero and falls,
@@ -30,7 +30,6 @@ def admission(code, numbers, absolute, mode, z, sizes, order, declared, zeros, J
     states are those of numbers of the given `sizes`.  Writes how many leading coefficients of each guard
     are zero.
     """
-    mode_jets(code, numbers, mode, order, z, J)
     majorant(code, absolute, mode, order, sizes, J, bounds)
     for f in range(code.mode_constraints[mode], code.mode_constraints[mode + 1]):
         slot = code.function_slots[f]
@@ -48,6 +47,25 @@ def admission(code, numbers, absolute, mode, z, sizes, order, declared, zeros, J
             if k == 0 or declared[g] > 0:
                 return REFUSED
             verdict = AT_ANOTHER_EVENT
+    return verdict
+
+
+@kernel
+def tried(code, numbers, absolute, mode, z, sizes, order, declared, zeros, J, bounds):
+    """Whether a mode can be entered at `z`; if so, leaves all its jets in `J`.
+
+    Values alone refuse most modes, and few orders nearly always decide; native code has all orders at once.
+    """
+    verdict, at_hand = UNDECIDED, -1
+    for upto in (0, min(LOW, order), order):
+        if upto > at_hand:
+            all_ = upto > 0 and (verdict == ADMITTED or has_native(code, mode, order, J))
+            at_hand = order if all_ else upto
+            mode_jets(code, numbers, mode, at_hand, z, J)
+        if verdict == UNDECIDED:
+            verdict = admission(code, absolute, mode, sizes, upto, declared, zeros, J, bounds)
+        if verdict < UNDECIDED:
+            break
     return verdict
 
 
@@ -72,22 +90,18 @@ def enter(code, numbers, absolute, candidates, z, sizes, order, declared, zeros,
     is at another event, which ends it at once.  Where a mode comes to be tried that is not derived it is
     returned as UNBUILT - mode.
     """
-    low = min(LOW, order)
     passed = NO_MODE
     for mode in candidates:
         if code.built[mode] == 0:
             if excluded(code, numbers, absolute, mode, z, sizes, declared, J, bounds):
                 continue
             return UNBUILT - mode
-        verdict = admission(code, numbers, absolute, mode, z, sizes, low, declared, zeros, J, bounds)
-        if verdict == UNDECIDED:
-            verdict = admission(code, numbers, absolute, mode, z, sizes, order, declared, zeros, J, bounds)
-        elif verdict == ADMITTED:
-            mode_jets(code, numbers, mode, order, z, J)
+        verdict = tried(code, numbers, absolute, mode, z, sizes, order, declared, zeros, J, bounds)
         if verdict > AT_ANOTHER_EVENT:
             return mode
         if verdict == AT_ANOTHER_EVENT and passed == NO_MODE:
             passed = mode
     if passed != NO_MODE:
-        admission(code, numbers, absolute, passed, z, sizes, order, declared, zeros, J, bounds)
+        mode_jets(code, numbers, passed, order, z, J)
+        admission(code, absolute, passed, sizes, order, declared, zeros, J, bounds)
     return passed

@@ -23,7 +23,8 @@ STYLES: dict[str, dict[str, Any]] = {
     "ended early": {"color": GREY, "marker": "x", "markersize": 3.0},
     "equilibrium": {"color": BLACK, "marker": "_", "markersize": 6.0},
 }
-AT_REST = "equilibrium"
+AT_REST, ENDED = "equilibrium", "ended early"
+FOOT = 0.03  # of the axes' height: where marks are of what ended early, mostly for having grown beyond bounds
 SPAN = 30.0  # largest over smallest intensity above which the axis is logarithmic
 
 
@@ -45,7 +46,7 @@ def plot_bifurcation(
     Returns
     -------
     list of Line2D
-        The points of every kind of motion that occurs.
+        The points of every kind of motion that occurs; what ended early is marked at the foot.
 
     Raises
     ------
@@ -57,8 +58,12 @@ def plot_bifurcation(
     ax = axes_or_new(ax)
     lines = []
     for kind, (values, states) in groups.items():
+        at_foot = kind == ENDED
+        y, where = (
+            (np.full(len(values), FOOT), ax.get_xaxis_transform()) if at_foot else (states, ax.transData)
+        )
         if len(values):
-            lines += ax.plot(values, states, linestyle="none", label=kind, **STYLES[kind])
+            lines += ax.plot(values, y, linestyle="none", label=kind, transform=where, **STYLES[kind])
     ax.set(xlabel=_parameter(result), ylabel=f"{label(state)} at {_where(result)} ({unit(state)})")
     if legend:
         legend_beside(ax)

@@ -112,6 +112,7 @@ def test_overflow_is_told_and_has_no_intensity():
     assert "overflowed" in repr(found)
     assert np.isnan(found.intensity)
     assert not found.settled
+    assert np.array_equal(found.section.state, found.trajectory.final_state[None])
     stopped = settled(MODEL, transient=0.0, window=10.0, method=fl.Taylor(max_steps=50))
     assert "step cap" in repr(stopped)
 

@@ -31,10 +31,12 @@ def test_every_kind_has_points_of_its_own(swept):
     lines = plotting.plot_bifurcation(swept, name="x1'")
     by_kind = {str(line.get_label()): line for line in lines}
     assert list(by_kind) == ["periodic", "non-periodic", "not settled yet", "ended early", "equilibrium"]
-    for i, kind in enumerate(KINDS[1:5], start=1):
+    for i, kind in enumerate(KINDS[1:4], start=1):
         states = swept.sections[i][:, swept.names.index("x1'")]
         assert np.array_equal(by_kind[kind].get_ydata(), states)
         assert set(by_kind[kind].get_xdata()) == {swept.values[i]}
+    ended = by_kind["ended early"]
+    assert set(ended.get_xdata()) == {swept.values[4]}
     still = by_kind["equilibrium"]
     assert (still.get_xdata().tolist(), len(still.get_ydata())) == ([0.3], 1)
     assert still.get_ydata()[0] == swept.results[0]["final"][swept.names.index("x1'")]
@@ -45,6 +47,19 @@ def test_every_kind_has_points_of_its_own(swept):
     assert len(ax.get_legend().get_texts()) == len(STYLES)
     ax.figure.draw_without_rendering()
     assert not ax.get_legend().get_window_extent().overlaps(ax.get_window_extent())
+
+
+def test_what_grew_beyond_all_bounds_is_marked_at_the_foot_and_leaves_the_scale():
+    model = MODEL.without("geometry", "cubic", "nonsmooth")
+    found = fl.bifurcation(model, "mu_k", [0.3, 2.5], transient=100.0, window=5.0, progress=False)
+    assert found.kinds[1] == "ended early"
+    assert np.abs(found.sections[1]).max() > 1e100
+    lines = plotting.plot_bifurcation(found)
+    (ended,) = (line for line in lines if line.get_label() == "ended early")
+    assert np.abs(ended.axes.get_ylim()).max() < 1.0
+    heights = ended.get_transform().transform(ended.get_xydata())[:, 1]
+    bottom, top = ended.axes.bbox.intervaly
+    assert np.all((bottom < heights) & (heights < bottom + 0.1 * (top - bottom)))
 
 
 @pytest.mark.parametrize(

@@ -9,11 +9,11 @@ from typing import Any
 import ipywidgets
 import numpy as np
 
-from frictionlab.analysis.kinds import UNSETTLED
+from frictionlab.analysis.kinds import ENDED, UNSETTLED
 from frictionlab.analysis.timescale import round_period_of
 from frictionlab.models.namespace import about_all
 from frictionlab.models.symbols import structure
-from frictionlab.plotting.bifurcation import STYLES
+from frictionlab.plotting.bifurcation import FOOT, STYLES
 from frictionlab.plotting.palette import GREY, label, unit
 from frictionlab.plotting.parameters import parameter_label
 from frictionlab.widgets.drawing import Curve, Drawing
@@ -130,4 +130,6 @@ def _points(found: Mapping[float, Found], kind: str, column: int) -> Curve:
     x = [np.full(len(states), value) for value, states in chosen]
     y = [states for _, states in chosen]
     style = {"linestyle": "none", **STYLES[kind]}
+    if kind == ENDED:
+        return Curve([value for value, _ in chosen], [FOOT] * len(chosen), style, "strip")
     return Curve(np.concatenate(x or [[]]), np.concatenate(y or [[]]), style)
