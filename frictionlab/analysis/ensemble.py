@@ -114,12 +114,21 @@ def _problems(models: Sequence[Any], x0: Any, t_end: float, method: Taylor) -> l
         raise ValueError(
             f"x0 must hold a state for each of the {len(models)} models, got {len(each)}: give as many"
         )
-    known = {id(model): model for model in models}  # one may be given for many initial states
-    automata = {key: automaton_of(model) for key, model in known.items()}
-    for automaton in automata.values():
-        check_automaton(automaton)
+    first: dict[int, int] = {}  # one may be given for many initial states
+    for i, model in enumerate(models):
+        first.setdefault(id(model), i)
+    automata = {key: _checked(models[i], i) for key, i in first.items()}
     programs = {key: program_of(informed(automaton, method)) for key, automaton in automata.items()}
     return [
         Problem(*programs[id(model)], checked_start(model, start, automata[id(model)]), t_end)
         for model, start in zip(models, each)
     ]
+
+
+def _checked(model: Any, i: int) -> HybridAutomaton:
+    try:
+        automaton = automaton_of(model)
+        check_automaton(automaton)
+    except (TypeError, ValueError) as error:
+        raise type(error)(f"models[{i}]: {error}") from error
+    return automaton

@@ -83,17 +83,16 @@ def solve(
     modes, number = automaton.known_modes, _mode(automaton, mode)
     with_integrals = np.concatenate([state, np.zeros(len(asked[1]))])
     program, numbers = program_of(automaton, *asked, modes=modes)
-    raw = None
+    raw, begin = None, time.perf_counter()
     with Progress(t_end, progress, waits_for_compiler(chosen.entry)) as bar:
         while raw is None:
-            begin = time.perf_counter()
             try:
                 raw = chosen.integrate(Problem(program, numbers, with_integrals, float(t_end), number), bar)
             except Unbuilt as missing:
                 # Run again from the start: a mode is missing once in a process, mostly early in a run.
                 modes = _with_mode(automaton, missing.mode)
                 program, numbers = program_of(automaton, *asked, modes=modes)
-            wall_time = time.perf_counter() - begin
+    wall_time = time.perf_counter() - begin
     integrals = dict(zip(asked[1], raw.state[len(state) :].tolist(), strict=True))
     problem = Problem(*program_of(automaton, modes=modes), state, float(t_end), number)
     return Trajectory(

@@ -59,6 +59,11 @@ class Eigenvalues:
         left: Any = np.linalg.inv(self.vectors)
         return participation(left, self.vectors, len(self.equilibrium.q))
 
+    def __repr__(self) -> str:
+        upper = self.values[self.values.imag >= 0]  # one of each conjugate pair
+        modes = ", ".join(f"{v.real:+.3g}/s at {v.imag / (2 * np.pi):.4g} Hz" for v in upper)
+        return f"Eigenvalues({'stable' if self.stable else 'unstable'}: {modes})"
+
 
 def eigenvalues(model: Any) -> Eigenvalues:
     """Eigenvalues at the sliding equilibrium, Eq. (19), from sympy's Jacobian of the sliding mode.
@@ -83,6 +88,8 @@ def eigenvalues(model: Any) -> Eigenvalues:
     Examples
     --------
     >>> import frictionlab as fl
+    >>> fl.eigenvalues(fl.ModeCoupling())
+    Eigenvalues(stable: -0.00323/s at 0.1894 Hz, -0.0968/s at 0.1894 Hz)
     >>> found = fl.eigenvalues(fl.SliderOnBelt(mu_k=1.4))
     >>> found.stable, found.frequencies.round(2)[::2].tolist()
     (True, [13.51, 14.92, 15.71, 17.74, 25.63])

@@ -137,8 +137,8 @@ def test_one_model_alone_is_no_sequence(models):
 
 
 def test_a_class_is_no_model():
-    with pytest.raises(TypeError, match=r"got the class SliderOnBelt: write SliderOnBelt\(\)"):
-        fl.ensemble([fl.SliderOnBelt], 1.0)
+    with pytest.raises(TypeError, match=r"models\[1\]: .*the class SliderOnBelt: write SliderOnBelt\(\)"):
+        fl.ensemble([FULL, fl.SliderOnBelt, 5], 1.0)
 
 
 def test_a_parameter_of_an_automaton_without_a_value_is_refused():
