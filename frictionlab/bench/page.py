@@ -18,7 +18,7 @@ HEAD = """\
 
 Written by `frictionlab bench -o docs`. Absolute times belong to the machine; the columns "x" are ratios
 of one run, which is what to compare; [exact-and-fast.md](exact-and-fast.md) explains it in three
-pictures. Times are medians of interleaved runs on one core; those of more
+pictures. Times are medians of interleaved runs on one core, the caches warm; those of more
 than {slow:g} s are measured once. What the tools compile is compiled before. `frictionlab bench --quick`
 takes a fraction of the time. Load average of the machine when it began and when the scenes were done, of
 which one is this command's own work: {loads}.
