@@ -10,6 +10,8 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
+from frictionlab.analysis.kinds import ENDED
+
 from .figure import axes_or_new
 from .legends import legend_beside
 from .palette import BLACK, BLUE, GREY, VERMILLION, label, line_style, unit
@@ -23,7 +25,7 @@ STYLES: dict[str, dict[str, Any]] = {
     "ended early": {"color": GREY, "marker": "x", "markersize": 3.0},
     "equilibrium": {"color": BLACK, "marker": "_", "markersize": 6.0},
 }
-AT_REST, ENDED = "equilibrium", "ended early"
+AT_REST = "equilibrium"
 FOOT = 0.03  # of the axes' height: where marks are of what ended early, mostly for having grown beyond bounds
 SPAN = 30.0  # largest over smallest intensity above which the axis is logarithmic
 
@@ -58,12 +60,12 @@ def plot_bifurcation(
     ax = axes_or_new(ax)
     lines = []
     for kind, (values, states) in groups.items():
-        at_foot = kind == ENDED
-        y, where = (
-            (np.full(len(values), FOOT), ax.get_xaxis_transform()) if at_foot else (states, ax.transData)
-        )
+        if kind == ENDED:
+            states, where = np.full(len(values), FOOT), ax.get_xaxis_transform()
+        else:
+            where = ax.transData
         if len(values):
-            lines += ax.plot(values, y, linestyle="none", label=kind, transform=where, **STYLES[kind])
+            lines += ax.plot(values, states, linestyle="none", label=kind, transform=where, **STYLES[kind])
     ax.set(xlabel=_parameter(result), ylabel=f"{label(state)} at {_where(result)} ({unit(state)})")
     if legend:
         legend_beside(ax)

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 import frictionlab as fl
 from frictionlab import plotting
-from frictionlab.plotting.bifurcation import STYLES
+from frictionlab.plotting.bifurcation import FOOT, STYLES
 
 MODEL = fl.SliderOnBelt()
 AXIS = r"coefficient of kinetic friction $\mu_{\mathrm{k}}$"
@@ -37,6 +37,8 @@ def test_every_kind_has_points_of_its_own(swept):
         assert set(by_kind[kind].get_xdata()) == {swept.values[i]}
     ended = by_kind["ended early"]
     assert set(ended.get_xdata()) == {swept.values[4]}
+    assert len(ended.get_ydata()) == len(swept.sections[4])
+    assert set(ended.get_ydata()) == {FOOT}
     still = by_kind["equilibrium"]
     assert (still.get_xdata().tolist(), len(still.get_ydata())) == ([0.3], 1)
     assert still.get_ydata()[0] == swept.results[0]["final"][swept.names.index("x1'")]
