@@ -11,6 +11,7 @@ import numpy as np
 from frictionlab.hybrid.tape import Tape
 
 NONE = -1  # "no reset" in the arrays
+ENDLESS = 1000  # stands for the degree of what is no polynomial of the states: above all orders
 
 
 class Code(NamedTuple):
@@ -40,6 +41,7 @@ class Code(NamedTuple):
     jets: np.ndarray  # (2,) order of the native jets, and length of a row of J
     built: np.ndarray  # (modes,) whether it is derived; if not, its constraints must not be negative
     powers: np.ndarray  # (modes,) whether there are powers, whose base may be zero
+    degrees: np.ndarray  # (modes,) of the polynomials in a mode, ENDLESS where there are other functions
     groups: np.ndarray  # (4,) bounds of the coordinates, the velocities, the other states; integrals follow
 
 

@@ -13,14 +13,6 @@ TRIES = 100
 
 
 @kernel
-def power_step(code, numbers, order, tol, mode, h, J, work):
-    """Length of a step in a mode with powers, where `h` is what their series allow."""
-    if without_series(code, order, mode, J):
-        return onset_step(code, numbers, order, tol, mode, h, J, work)
-    return h
-
-
-@kernel
 def without_series(code, order, mode, J):
     """Whether the base of a power is zero, or too near to it."""
     first = code.mode_ops[mode]

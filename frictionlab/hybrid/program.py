@@ -19,7 +19,7 @@ import sympy as sp
 from frictionlab.automaton import Event, HybridAutomaton, Mode, Reset
 from frictionlab.automaton.on_demand import ModesOnDemand, Sketch
 from frictionlab.hybrid.checks import check_structure
-from frictionlab.hybrid.layout import NONE, Code, Numbers, Program, Section
+from frictionlab.hybrid.layout import ENDLESS, NONE, Code, Numbers, Program, Section
 from frictionlab.hybrid.tape import POWER, ResetBuilder, Tape, TapeBuilder
 from frictionlab.hybrid.vanishing import up_to_sign, vanishing
 
@@ -129,6 +129,7 @@ class _Packer:
             jets=np.array([-1, 0]),
             built=_ints([not isinstance(mode, Sketch) for mode in self.modes]),
             powers=_ints([any(op[0] == POWER for op in tape.ops) for tape in tapes]),
+            degrees=_ints([min(tape.degree(), ENDLESS) for tape in tapes]),
             groups=_ints([0, coordinates, 2 * coordinates, len(self.physical)]),
         )
         exprs = [c for tape in every for c in tape.constants] + [c for tape in every for _, c in tape.terms]

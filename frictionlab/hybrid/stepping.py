@@ -23,7 +23,8 @@ from frictionlab.hybrid.compiled import inlined, kernel
 from frictionlab.hybrid.guards import NO_GUARD, first_event
 from frictionlab.hybrid.handling import handle_event, repeated
 from frictionlab.hybrid.jets import copy, mode_jets, states_at
-from frictionlab.hybrid.powers import power_step
+from frictionlab.hybrid.powers import onset_step, without_series
+from frictionlab.hybrid.remainder import is_blind, remainder_step
 from frictionlab.hybrid.riders import record_sections
 from frictionlab.hybrid.step_length import function_step, step_length
 
@@ -50,8 +51,10 @@ def take_step(code, numbers, absolute, order, tol, cursor, record, work):
     if not h > 0.0:
         return NOT_FINITE
     h = function_step(code, order, tol, mode, min(h, left), J)
-    if code.powers[mode]:
-        h = power_step(code, numbers, order, tol, mode, h, J, work)
+    if code.powers[mode] and without_series(code, order, mode, J):
+        h = onset_step(code, numbers, order, tol, mode, h, J, work)
+    elif is_blind(code, order, mode, h, left):
+        h = remainder_step(code, numbers, absolute, order, tol, mode, h, J, work.bounds)
     goes_on = False
     h, guard, multiplicity = first_event(code, absolute, mode, cursor.state, order, J, work.zeros, h, work)
     if h > 0.0:

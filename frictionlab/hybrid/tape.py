@@ -8,6 +8,7 @@ structure of a model; its parameter values fill in afterwards.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -55,6 +56,18 @@ class Tape:
         self.ops.append((kind, a, b))
         self.constants.append(constant)
         return self.slots - 1
+
+    def degree(self) -> float:
+        """Highest degree of its polynomials in the states; infinite where a slot is no polynomial."""
+        degrees = [1.0] * self.inputs
+        for kind, a, b in self.ops:
+            if kind == AFFINE:
+                degrees.append(max([0.0, *(degrees[slot] for slot, _ in self.terms[a:b])]))
+            elif kind in (PRODUCT, SQUARE):
+                degrees.append(degrees[a] + degrees[b])
+            else:
+                degrees.append(math.inf)
+        return max(degrees)
 
     def counts(self) -> dict[str, int]:
         """Number of operations by name."""

@@ -1,0 +1,222 @@
+"""What a Taylor series leaves out, bounded where its last terms do not tell.
+
+The last terms of a series show how fast it converges, unless a function in it is tiny or saturated at the
+expansion point and not elsewhere in the step: exp(-(u/v_s)^2) far from u = 0, tanh(u/v_s), a pole to come.
+Cauchy's estimate sees these.  Where the states' polynomials keep a function within a distance M of its first
+value on the complex disc |s| <= R, its coefficient k is at most M/R^k; so all terms from k on add up to at
+most M (h/R)^k / (1 - h/R) within a step h < R.  M follows from one pass through the tape, in which every operation
+says how far its result may go when its operands go so far.  Every radius gives a bound, the best of some is
+taken.  Source: Jorba & Zou, Experimental Mathematics 14 (2005) 99-117, section 3, for the estimate; the disc
+in place of known coefficients is that of Taylor models (Neher, Jackson & Nedialkov, SIAM J. Numer. Anal. 45
+(2007) 236-262).
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from frictionlab.hybrid.arithmetic import exp2, log2
+from frictionlab.hybrid.compiled import inlined, kernel
+from frictionlab.hybrid.jets import (
+    AFFINE,
+    ATAN,
+    EXP,
+    LOG,
+    POWER,
+    PRODUCT,
+    QUOTIENT,
+    RATE,
+    SQUARE,
+    TAN,
+    TANH,
+)
+from frictionlab.hybrid.step_length import SHARE, SLACK, from_later_terms, largest
+
+RANGE, REST = 0, 1  # columns of the bounds: how far a slot goes on the disc, the same without its polynomial
+FIRST_RADIUS = 3.5  # radius tried first, in steps: that of most ordinary motions
+SHRINK = 0.7  # of one radius to the next
+ROOM = 1.5  # least radius in steps; the geometric series of terms is then at most three times its first
+MARGIN = 1.25  # what a step may be longer: bounds of ordinary motions are larger than their remainders by that
+FAR = 700.0  # beyond, sinh overflows
+TRIES = 200  # radii tried at the most: SHRINK to this power is below the smallest number
+
+
+@inlined
+def tanh_range(a, y, slope, d):
+    """Bound of |tanh(z) - tanh(a)| for |z - a| <= d; `y` and `slope` are the values at `a`."""
+    near = far = math.inf
+    if d < 1.5:  # from the addition theorem
+        t = math.tan(d)
+        if y * t < 1.0:
+            near = slope * t / (1.0 - y * t)
+    if d < abs(a):  # from tanh(z) = 1 - 2 q/(1 + q), q = exp(-2 z)
+        q = np.exp(-2.0 * abs(a))
+        far = 2.0 * q * np.expm1(2.0 * d) / (1.0 - q * np.exp(2.0 * d))
+    return min(near, far)
+
+
+@kernel
+def function_range(kind, a, y, slope, d):
+    """Bound of |f(z) - f(a)| for complex |z - a| <= d, infinite where a pole or branch point is so near.
+
+    `y` and `slope` are the absolute values of f and its derivative at `a`.
+    """
+    if kind == EXP:  # `y` may be below the smallest number where `a` is far below zero
+        return y * np.expm1(d) if d < 1.0 else np.exp(a + d)
+    if kind == LOG:
+        return -np.log1p(-d / a) if d < a else math.inf
+    if kind == TANH:
+        return tanh_range(a, y, slope, d)
+    if kind == TAN:
+        t = math.tan(d) if d < 1.5 else math.inf
+        return slope * t / (1.0 - y * t) if y * t < 1.0 else math.inf
+    if kind == ATAN:  # its poles are at i and -i
+        room = math.sqrt(1.0 + a * a) - d
+        return d / (room * room) if room > 0.0 else math.inf
+    if not d < FAR:
+        return math.inf
+    half = np.sinh(0.5 * d)
+    return 2.0 * y * half * half + slope * np.sinh(d)  # sin, cos, sinh, cosh
+
+
+@kernel
+def power_range(exponent, base, d):
+    """The same for a power of a positive base, by the largest slope."""
+    if not d < base:
+        return math.inf
+    steepest = max((base - d) ** (exponent - 1.0), (base + d) ** (exponent - 1.0))
+    return abs(exponent) * steepest * d
+
+
+@kernel
+def operation_range(code, numbers, op, out, J, bounds):
+    """Bound of how far a non-linear operation's result goes on the disc, from that of its operands."""
+    kind, a, b = code.ops[op, 0], code.ops[op, 1], code.ops[op, 2]
+    d = bounds[a, RANGE]
+    if kind == PRODUCT:
+        return abs(J[a, 0]) * bounds[b, RANGE] + (abs(J[b, 0]) + bounds[b, RANGE]) * d
+    if kind == SQUARE:
+        return (2.0 * abs(J[a, 0]) + d) * d
+    if kind == QUOTIENT:
+        least = abs(J[b, 0]) - bounds[b, RANGE]
+        return (d + abs(J[out, 0]) * bounds[b, RANGE]) / least if least > 0.0 else math.inf
+    if d == 0.0:
+        return 0.0
+    if kind == POWER:
+        return power_range(numbers.constants[op], J[a, 0], d)
+    return function_range(kind, J[a, 0], abs(J[out, 0]), abs(J[b, 0]), d)
+
+
+@kernel
+def bound_ranges(code, numbers, absolute, mode, order, radius, J, bounds):
+    """Write how far each slot goes on the disc of a radius, and how far without terms that are polynomials."""
+    for i in range(code.inputs):
+        total = 0.0
+        for k in range(order, 0, -1):
+            total = (total + abs(J[i, k])) * radius
+        bounds[i, RANGE] = total
+        bounds[i, REST] = 0.0
+    first = code.mode_ops[mode]
+    for op in range(first, code.mode_ops[mode + 1]):
+        out = code.inputs + op - first
+        kind = code.ops[op, 0]
+        if kind == AFFINE:
+            reach = rest = 0.0
+            for j in range(code.ops[op, 1], code.ops[op, 2]):
+                slot = code.term_slots[j]
+                if absolute.terms[j] > 0.0:
+                    reach += absolute.terms[j] * bounds[slot, RANGE]
+                    rest += absolute.terms[j] * bounds[slot, REST]
+            bounds[out, RANGE] = reach
+            bounds[out, REST] = rest
+        elif kind == RATE:  # belongs to the recurrence of the next operation
+            bounds[out, RANGE] = bounds[out, REST] = 0.0
+        else:
+            reach = operation_range(code, numbers, op, out, J, bounds)
+            bounds[out, RANGE] = bounds[out, REST] = reach if reach == reach else math.inf
+
+
+@inlined
+def longest(room, power, size0, size1, size2):
+    """Binary logarithm of the longest h with h^power <= 2^room max(size_m h^m), m = 0, 1, 2."""
+    best = max((room + log2(size0)) / power, (room + log2(size1)) / (power - 1))
+    return max(best, (room + log2(size2)) / (power - 2))
+
+
+@kernel
+def group_support(room, order, first, last, J):
+    """The same for the size of the states [first, last)."""
+    size0 = largest(J, first, last, 0)
+    size1 = largest(J, first, last, 1)
+    size2 = largest(J, first, last, 2)
+    if size0 > 0.0 or size1 > 0.0 or size2 > 0.0:
+        return longest(room, order + 1, size0, size1, size2)
+    return from_later_terms(room, order + 1, first, last, J)
+
+
+@kernel
+def supported(code, mode, order, tol, radius, shortest, J, bounds):
+    """Longest step that the ranges on the disc of a radius support: nothing leaves out more than its share."""
+    log_radius = log2(radius)
+    log_room = log2(tol) + order * log_radius
+    best = log_radius - math.log2(ROOM * MARGIN)
+    for group in range(4):
+        first = code.groups[group]
+        last = code.groups[group + 1] if group < 3 else code.inputs
+        rest = 0.0
+        for i in range(first, last):
+            rest = max(rest, bounds[code.flow[mode, i], REST])
+        if rest > 0.0:
+            if rest == math.inf:
+                return 0.0
+            room = log_room + log2(order + 1.0) - log2(rest)
+            best = min(best, group_support(room, order, first, last, J))
+    least = log2(shortest)
+    log_room += math.log2(SLACK) + log_radius
+    for g in range(code.mode_guards[mode], code.mode_guards[mode + 1]):
+        slot = code.function_slots[g]
+        best = min(best, max(least, function_support(slot, log_room, order, J, bounds)))
+    for section in range(code.sections.shape[1]):
+        slot = code.sections[mode, section]
+        best = min(best, max(least, function_support(slot, log_room, order, J, bounds)))
+    return MARGIN * exp2(best)
+
+
+@kernel
+def function_support(slot, log_room, order, J, bounds):
+    """Logarithm of the longest step that the range of a guard or section supports."""
+    rest = bounds[slot, REST]
+    if rest == 0.0:
+        return math.inf
+    if rest == math.inf:
+        return -math.inf
+    c = J[slot]
+    return longest(log_room - log2(rest), order + 1, abs(c[0]), abs(c[1]), abs(c[2]))
+
+
+@inlined
+def is_blind(code, order, mode, h, left):
+    """Whether the last two terms of the series may not tell how long a step may be.
+
+    They do in polynomials, but for those of so high a degree that all terms are zero.
+    """
+    degree = code.degrees[mode]
+    return degree >= order or (degree > 1 and h == left)
+
+
+@kernel
+def remainder_step(code, numbers, absolute, order, tol, mode, h, J, bounds):
+    """Longest step up to `h` whose remainder is bounded by some tolerances; `bounds` is scratch."""
+    best, radius = 0.0, FIRST_RADIUS * h
+    for _ in range(TRIES):
+        bound_ranges(code, numbers, absolute, mode, order, radius, J, bounds)
+        support = supported(code, mode, order, tol, radius, SHARE * h, J, bounds)
+        if support >= h:
+            return h
+        if support < best:
+            break
+        best = support
+        radius *= SHRINK
+    return best
