@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from frictionlab.hybrid.compiled import kernel
-from frictionlab.hybrid.jets import majorant
+from frictionlab.hybrid.jets import majorant, mode_jets, slope, states_at
 from frictionlab.hybrid.roots import isolate
 
 # Rounding errors are taken to be below this many ulps of the majorant.
 NOISE = 64 * 2.220446049250313e-16
 LOW = 2  # orders that nearly always decide, looked at first
 SUSPECT = 1e-9  # below this share of its terms, a leading coefficient is compared with its rounding error
+POLISH = 12  # steps of Newton's method; two do where the tolerance is 1e-15
+CONVERGED = 1e-8  # share of the step below which the last change of a zero is, if Newton's method converges
 NO_GUARD = -1
 
 
@@ -99,3 +101,26 @@ def first_event(code, absolute, mode, z, order, J, zeros, h, work):
             hit = g
             order_of_hit = work.multiplicity[0]
     return h, hit, order_of_hit
+
+
+@kernel
+def at_zero(code, numbers, mode, guard, order, s, h, work):
+    """Time of a guard's simple zero along the states' polynomials, near the zero `s` of its own.
+
+    The guard's polynomial is truncated.  Where a run stops at its zero the guard itself is of the size of the
+    tolerance, of either sign, and so is what vanishes with it: with mu_s = mu_k the acceleration after
+    stick.  Newton's method makes it zero up to rounding.  Where that does not converge `s` remains; the zero may
+    be just after the end `h` of the step.
+    """
+    slot = code.function_slots[guard]
+    time = s
+    last = h
+    for _ in range(POLISH):
+        states_at(work.jets, order, time, work.before)
+        mode_jets(code, numbers, mode, 0, work.before, work.bounds)
+        step = work.bounds[slot, 0] / slope(work.jets[slot], order, time)
+        if not abs(step) < 0.5 * last:  # rounding errors are all that is left, or it does not converge
+            break
+        time -= step
+        last = abs(step)
+    return time if time >= 0.0 and last < CONVERGED * h else s

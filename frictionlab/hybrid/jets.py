@@ -213,6 +213,15 @@ def polynomial(c, n, s):
     return total
 
 
+@kernel
+def slope(c, n, s):
+    """Derivative at `s` of the polynomial with coefficients c[0..n]."""
+    total = n * c[n]
+    for k in range(n - 1, 0, -1):
+        total = total * s + k * c[k]
+    return total
+
+
 @inlined
 def copy(source, target):
     """Copy a vector; numba compiles a loop much faster than an assignment to a slice."""

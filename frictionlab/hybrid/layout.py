@@ -42,6 +42,7 @@ class Code(NamedTuple):
     built: np.ndarray  # (modes,) whether it is derived; if not, its constraints must not be negative
     powers: np.ndarray  # (modes,) whether there are powers, whose base may be zero
     degrees: np.ndarray  # (modes,) of the polynomials in a mode, ENDLESS where there are other functions
+    guard_degrees: np.ndarray  # (guards,) the same of the event functions
     groups: np.ndarray  # (4,) bounds of the coordinates, the velocities, the other states; integrals follow
 
 

@@ -1,15 +1,27 @@
-"""Steps where a power has no Taylor series: its base is zero, or nearly so.
+"""Steps where a power has no Taylor series of full order: its base is zero, or nearly so.
 
-The force gap^1.5 of two spheres is such a power, at the onset and at the end of their contact.
+The force gap^1.5 of two spheres is such a power, at the onset and at the end of their contact.  Its coefficients
+grow like (rate/base)^k, beyond the largest number where the base is small.  Then the series ends earlier, which is
+enough: so near to zero little of the motion is at stake.  At zero itself the power counts as constant for a step.
 """
 
 from __future__ import annotations
 
+import math
+
 from frictionlab.hybrid.compiled import kernel
-from frictionlab.hybrid.jets import POWER, has_series, mode_jets, states_at
+from frictionlab.hybrid.jets import POWER, has_series, majorant, mode_jets, slope, states_at
 from frictionlab.hybrid.step_length import largest
 
 TRIES = 100
+FEWEST = 4  # orders below which a series is not worth while
+INSTANT = (
+    1e-11  # s: errors within so short a time are measured by what moves in it, not by what has moved yet
+)
+ROUNDING = 2.220446049250313e-16  # of a base, as a share of its terms
+LARGEST = (
+    960.0  # binary logarithm of the largest coefficient, as in :func:`frictionlab.hybrid.jets.has_series`
+)
 
 
 @kernel
@@ -21,6 +33,61 @@ def without_series(code, order, mode, J):
         if code.ops[i, 0] == POWER and not has_series(base[0], base[1], order):
             return True
     return False
+
+
+@kernel
+def usable_order(code, order, mode, J):
+    """Number of orders up to which the coefficients of all powers are numbers; 0 at a base of zero."""
+    few = order
+    first = code.mode_ops[mode]
+    for i in range(first, code.mode_ops[mode + 1]):
+        if code.ops[i, 0] == POWER:
+            base, rate = J[code.ops[i, 1], 0], abs(J[code.ops[i, 1], 1])
+            if not base > 0.0:
+                return 0
+            if not has_series(base, rate, order):
+                few = min(few, int(LARGEST / (math.log2(rate) - math.log2(base))))
+    return few
+
+
+@kernel
+def shorter_series(code, numbers, mode, order, z, J):
+    """Jets up to a lower order where powers are near zero, all further coefficients zero; returns that order.
+
+    0 where the jets `J` at hand, for which powers count as constant, have to do.
+    """
+    few = usable_order(code, order, mode, J)
+    if few < FEWEST:
+        return 0
+    mode_jets(code, numbers, mode, few, z, J)
+    J[:, few + 1 :] = 0.0
+    return few
+
+
+@kernel
+def scale_of_powers(code, mode, J):
+    """Time in which the first base of a power would come to zero at its rate."""
+    shortest = math.inf
+    first = code.mode_ops[mode]
+    for i in range(first, code.mode_ops[mode + 1]):
+        base = J[code.ops[i, 1]]
+        if code.ops[i, 0] == POWER and base[1] != 0.0:
+            shortest = min(shortest, abs(base[0] / base[1]))
+    return shortest
+
+
+@kernel
+def unresolved_time(code, absolute, mode, order, z, J, bounds):
+    """Time in which no base of a power that is nearly zero moves by more than its rounding error."""
+    majorant(code, absolute, mode, 0, z, J, bounds)
+    longest = math.inf
+    first = code.mode_ops[mode]
+    for i in range(first, code.mode_ops[mode + 1]):
+        a = code.ops[i, 1]
+        if code.ops[i, 0] == POWER and not has_series(J[a, 0], J[a, 1], order):
+            error = ROUNDING * bounds[a, 0]
+            longest = min(longest, error / abs(J[a, 1]), math.sqrt(error / abs(J[a, 2])))
+    return longest
 
 
 @kernel
@@ -36,7 +103,7 @@ def onset_step(code, numbers, order, tol, mode, h, J, work):
         share = 0.0
         for group in range(3):
             first, last = code.groups[group], code.groups[group + 1]
-            size = max(largest(J, first, last, 0), largest(J, first, last, 1) * h)
+            size = max(largest(J, first, last, 0), largest(J, first, last, 1) * max(h, INSTANT))
             for i in range(first, last):
                 error = h * abs(work.bounds[code.flow[mode, i], 0] - slope(J[i], order, h))
                 if error > 0.0:
@@ -45,12 +112,3 @@ def onset_step(code, numbers, order, tol, mode, h, J, work):
             break
         h *= max(0.1, 0.9 / share**0.4)
     return h
-
-
-@kernel
-def slope(c, n, s):
-    """Derivative at `s` of the polynomial with coefficients c[0..n]."""
-    total = n * c[n]
-    for k in range(n - 1, 0, -1):
-        total = total * s + k * c[k]
-    return total

@@ -82,6 +82,15 @@ class _Lowered(NamedTuple):
     sections: list[int]
     tape: Tape
 
+    @property
+    def degrees(self) -> list[float]:
+        return self.tape.degrees(self.guards)
+
+    @property
+    def guard_degrees(self) -> list[float]:
+        degrees = self.degrees
+        return [degrees[slot] for slot in self.guards]
+
 
 class _Packer:
     """Collects the arrays of a :class:`Program`."""
@@ -129,7 +138,8 @@ class _Packer:
             jets=np.array([-1, 0]),
             built=_ints([not isinstance(mode, Sketch) for mode in self.modes]),
             powers=_ints([any(op[0] == POWER for op in tape.ops) for tape in tapes]),
-            degrees=_ints([min(tape.degree(), ENDLESS) for tape in tapes]),
+            degrees=_ints([_finite(max(mode.degrees)) for mode in lowered]),
+            guard_degrees=_ints([_finite(d) for mode in lowered for d in mode.guard_degrees]),
             groups=_ints([0, coordinates, 2 * coordinates, len(self.physical)]),
         )
         exprs = [c for tape in every for c in tape.constants] + [c for tape in every for _, c in tape.terms]
@@ -186,6 +196,10 @@ def _mode(mode: Mode, states: tuple, sections: tuple[Section, ...], integrands: 
 def _jump(reset: Reset, states: tuple) -> tuple[list[int], Tape]:
     builder = ResetBuilder(states)
     return [builder.slot(reset.jump.get(state, state)) for state in states], builder.tape
+
+
+def _finite(degree: float) -> int:
+    return int(min(degree, ENDLESS))
 
 
 def _joined(lists: Iterable[list[int]]) -> Iterable[int]:

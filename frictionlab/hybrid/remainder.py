@@ -32,13 +32,16 @@ from frictionlab.hybrid.jets import (
     TAN,
     TANH,
 )
+from frictionlab.hybrid.powers import INSTANT
 from frictionlab.hybrid.step_length import SHARE, SLACK, from_later_terms, largest
 
 RANGE, REST = 0, 1  # columns of the bounds: how far a slot goes on the disc, the same without its polynomial
 FIRST_RADIUS = 3.5  # radius tried first, in steps: that of most ordinary motions
-SHRINK = 0.7  # of one radius to the next
-ROOM = 1.5  # least radius in steps; the geometric series of terms is then at most three times its first
-MARGIN = 1.25  # what a step may be longer: bounds of ordinary motions are larger than their remainders by that
+SHRINK = 0.75  # of one radius to the next
+ROOM = 1.1  # least radius in steps: the series of all terms is then at most eleven times its first
+MARGIN = (
+    1.25  # what a step may be longer: bounds of ordinary motions are larger than their remainders by that
+)
 FAR = 700.0  # beyond, sinh overflows
 TRIES = 200  # radii tried at the most: SHRINK to this power is below the smallest number
 
@@ -91,17 +94,29 @@ def power_range(exponent, base, d):
 
 
 @kernel
-def operation_range(code, numbers, op, out, J, bounds):
-    """Bound of how far a non-linear operation's result goes on the disc, from that of its operands."""
+def range_of(slot, order, radius, J, bounds):
+    """How far an operand goes: by the operations, or by its own series, where terms of these cancel."""
+    if bounds[slot, REST] == math.inf:
+        return math.inf
+    return min(bounds[slot, RANGE], series_range(J[slot], order, radius) + bounds[slot, REST])
+
+
+@inlined
+def series_range(c, order, radius):
+    """How far a polynomial goes on the disc at the most."""
+    total = 0.0
+    for k in range(order, 0, -1):
+        total = (total + abs(c[k])) * radius
+    return total
+
+
+@kernel
+def operation_range(code, numbers, op, out, d, e, J):
+    """How far the result of a quotient, power or function goes, where its operands go `d` and `e`."""
     kind, a, b = code.ops[op, 0], code.ops[op, 1], code.ops[op, 2]
-    d = bounds[a, RANGE]
-    if kind == PRODUCT:
-        return abs(J[a, 0]) * bounds[b, RANGE] + (abs(J[b, 0]) + bounds[b, RANGE]) * d
-    if kind == SQUARE:
-        return (2.0 * abs(J[a, 0]) + d) * d
     if kind == QUOTIENT:
-        least = abs(J[b, 0]) - bounds[b, RANGE]
-        return (d + abs(J[out, 0]) * bounds[b, RANGE]) / least if least > 0.0 else math.inf
+        least = abs(J[b, 0]) - e
+        return (d + abs(J[out, 0]) * e) / least if least > 0.0 else math.inf
     if d == 0.0:
         return 0.0
     if kind == POWER:
@@ -109,33 +124,58 @@ def operation_range(code, numbers, op, out, J, bounds):
     return function_range(kind, J[a, 0], abs(J[out, 0]), abs(J[b, 0]), d)
 
 
+@inlined
+def bound_product(J, a, b, out, d, e, bounds):
+    """Bounds of a product a b = a_0 b_0 + a_0 (b - b_0) + b_0 (a - a_0) + (a - a_0)(b - b_0).
+
+    The terms in the middle leave out no more than the operands do, which go `d` and `e`.
+    """
+    x, y = abs(J[a, 0]), abs(J[b, 0])
+    bounds[out, RANGE] = finite(x * e + y * d + d * e)
+    bounds[out, REST] = finite(x * bounds[b, REST] + y * bounds[a, REST] + d * e)
+
+
+@inlined
+def finite(bound):
+    """A bound; infinite where it is no number, as 0 times infinity."""
+    return bound if bound == bound else math.inf
+
+
+@inlined
+def bound_affine(code, absolute, first, last, out, bounds):
+    """Bounds of an affine combination of slots."""
+    reach = rest = 0.0
+    for j in range(first, last):
+        slot = code.term_slots[j]
+        if absolute.terms[j] > 0.0:
+            reach += absolute.terms[j] * bounds[slot, RANGE]
+            rest += absolute.terms[j] * bounds[slot, REST]
+    bounds[out, RANGE] = reach
+    bounds[out, REST] = rest
+
+
 @kernel
 def bound_ranges(code, numbers, absolute, mode, order, radius, J, bounds):
     """Write how far each slot goes on the disc of a radius, and how far without terms that are polynomials."""
     for i in range(code.inputs):
-        total = 0.0
-        for k in range(order, 0, -1):
-            total = (total + abs(J[i, k])) * radius
-        bounds[i, RANGE] = total
+        bounds[i, RANGE] = series_range(J[i], order, radius)
         bounds[i, REST] = 0.0
     first = code.mode_ops[mode]
     for op in range(first, code.mode_ops[mode + 1]):
         out = code.inputs + op - first
-        kind = code.ops[op, 0]
+        kind, a, b = code.ops[op, 0], code.ops[op, 1], code.ops[op, 2]
         if kind == AFFINE:
-            reach = rest = 0.0
-            for j in range(code.ops[op, 1], code.ops[op, 2]):
-                slot = code.term_slots[j]
-                if absolute.terms[j] > 0.0:
-                    reach += absolute.terms[j] * bounds[slot, RANGE]
-                    rest += absolute.terms[j] * bounds[slot, REST]
-            bounds[out, RANGE] = reach
-            bounds[out, REST] = rest
+            bound_affine(code, absolute, a, b, out, bounds)
         elif kind == RATE:  # belongs to the recurrence of the next operation
             bounds[out, RANGE] = bounds[out, REST] = 0.0
         else:
-            reach = operation_range(code, numbers, op, out, J, bounds)
-            bounds[out, RANGE] = bounds[out, REST] = reach if reach == reach else math.inf
+            d = range_of(a, order, radius, J, bounds)
+            e = range_of(b, order, radius, J, bounds) if kind == PRODUCT or kind == QUOTIENT else d
+            if kind == PRODUCT or kind == SQUARE:
+                bound_product(J, a, b, out, d, e, bounds)
+            else:
+                reach = finite(operation_range(code, numbers, op, out, d, e, J))
+                bounds[out, RANGE] = bounds[out, REST] = reach
 
 
 @inlined
@@ -147,10 +187,10 @@ def longest(room, power, size0, size1, size2):
 
 @kernel
 def group_support(room, order, first, last, J):
-    """The same for the size of the states [first, last)."""
-    size0 = largest(J, first, last, 0)
+    """The same for the size of the states [first, last), at an instant after the start at the least."""
     size1 = largest(J, first, last, 1)
     size2 = largest(J, first, last, 2)
+    size0 = max(largest(J, first, last, 0), max(size1, size2 * INSTANT) * INSTANT)
     if size0 > 0.0 or size1 > 0.0 or size2 > 0.0:
         return longest(room, order + 1, size0, size1, size2)
     return from_later_terms(room, order + 1, first, last, J)

@@ -9,6 +9,7 @@ import numpy as np
 
 from frictionlab.hybrid.compiled import kernel
 from frictionlab.hybrid.jets import mode_jets, states_at
+from frictionlab.hybrid.powers import scale_of_powers, shorter_series, without_series
 
 
 @kernel
@@ -18,7 +19,11 @@ def sample(code, numbers, order, step_times, step_modes, step_states, steps, tim
     for i in range(times.shape[0]):
         step = steps[i]
         if step != current:
-            mode_jets(code, numbers, step_modes[step], order, step_states[step], J)
+            mode, z = step_modes[step], step_states[step]
+            mode_jets(code, numbers, mode, order, z, J)
+            if code.powers[mode] and without_series(code, order, mode, J):
+                if step_times[step, 1] < scale_of_powers(code, mode, J):  # as the step was taken
+                    shorter_series(code, numbers, mode, order, z, J)
             current = step
         states_at(J, order, times[i] - step_times[step, 0], out[i])
 

@@ -20,10 +20,16 @@ from frictionlab.hybrid.bookkeeping import (
     time_left,
 )
 from frictionlab.hybrid.compiled import inlined, kernel
-from frictionlab.hybrid.guards import NO_GUARD, first_event
+from frictionlab.hybrid.guards import NO_GUARD, at_zero, first_event
 from frictionlab.hybrid.handling import handle_event, repeated
 from frictionlab.hybrid.jets import copy, mode_jets, states_at
-from frictionlab.hybrid.powers import onset_step, without_series
+from frictionlab.hybrid.powers import (
+    onset_step,
+    scale_of_powers,
+    shorter_series,
+    unresolved_time,
+    without_series,
+)
 from frictionlab.hybrid.remainder import is_blind, remainder_step
 from frictionlab.hybrid.riders import record_sections
 from frictionlab.hybrid.step_length import function_step, step_length
@@ -34,6 +40,25 @@ def note_sizes(start, cursor):
     """Note what the state's rounding errors are relative to, after a step from `start`."""
     for i in range(start.shape[0]):
         cursor.sizes[i] = max(abs(start[i]), abs(cursor.state[i]))
+
+
+CLOCK = 1e-15  # share of the time that the clock shows as some of its last digits
+
+
+@kernel
+def step_near_zero(code, numbers, absolute, order, tol, mode, left, cursor, work):
+    """Length of a step in which the base of a power is nearly zero; may change the jets."""
+    J, z = work.jets, cursor.state
+    h = onset_step(code, numbers, order, tol, mode, left, J, work)
+    scale = scale_of_powers(code, mode, J)
+    unresolved = unresolved_time(code, absolute, mode, order, z, J, work.bounds)
+    shortest = min(left, max(unresolved, CLOCK * cursor.times[NOW]))
+    if h > scale or shortest > scale:
+        return max(h, shortest)
+    few = shorter_series(code, numbers, mode, order, z, J)
+    if few == 0:
+        return h
+    return remainder_step(code, numbers, absolute, few, tol, mode, min(left, scale), J, work.bounds)
 
 
 @inlined
@@ -52,11 +77,16 @@ def take_step(code, numbers, absolute, order, tol, cursor, record, work):
         return NOT_FINITE
     h = function_step(code, order, tol, mode, min(h, left), J)
     if code.powers[mode] and without_series(code, order, mode, J):
-        h = onset_step(code, numbers, order, tol, mode, h, J, work)
+        h = step_near_zero(code, numbers, absolute, order, tol, mode, left, cursor, work)
     elif is_blind(code, order, mode, h, left):
         h = remainder_step(code, numbers, absolute, order, tol, mode, h, J, work.bounds)
     goes_on = False
+    whole = h
     h, guard, multiplicity = first_event(code, absolute, mode, cursor.state, order, J, work.zeros, h, work)
+    if guard != NO_GUARD and multiplicity == 1 and code.guard_degrees[guard] > 1 and h > 0.0:
+        h = at_zero(code, numbers, mode, guard, order, h, whole, work)
+        if h > left:  # not within this run
+            h, guard = left, NO_GUARD
     if h > 0.0:
         row = counts[STEPS]
         record.step_times[row, 0] = times[NOW]

@@ -57,17 +57,23 @@ class Tape:
         self.constants.append(constant)
         return self.slots - 1
 
-    def degree(self) -> float:
-        """Highest degree of its polynomials in the states; infinite where a slot is no polynomial."""
+    def degrees(self, guards: Sequence[int] = ()) -> list[float]:
+        """Degree of each slot as a polynomial of the states; infinite where it is none.
+
+        A power of a guard counts as 1: it has no series at zero only, where the mode ends, and the terms of its
+        series tell how near that is.
+        """
         degrees = [1.0] * self.inputs
         for kind, a, b in self.ops:
             if kind == AFFINE:
                 degrees.append(max([0.0, *(degrees[slot] for slot, _ in self.terms[a:b])]))
             elif kind in (PRODUCT, SQUARE):
                 degrees.append(degrees[a] + degrees[b])
+            elif kind == RATE or (kind == POWER and a in guards):
+                degrees.append(1.0)
             else:
                 degrees.append(math.inf)
-        return max(degrees)
+        return degrees
 
     def counts(self) -> dict[str, int]:
         """Number of operations by name."""
