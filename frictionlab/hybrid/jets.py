@@ -19,9 +19,8 @@ AFFINE, PRODUCT, SQUARE, QUOTIENT, RATE, POWER = 0, 1, 2, 3, 4, 5
 EXP, LOG, SIN, COS, TAN, TANH, SINH, COSH, ATAN = 6, 7, 8, 9, 10, 11, 12, 13, 14
 
 HIGHEST = 60  # order that may be asked for
-# In columns of 8 bytes a row is no multiple of a cache line: rows of 64 would fall on few sets of the cache.
-COLUMNS = HIGHEST + 1
-SMALLEST = 1e-290
+COLUMNS = HIGHEST + 1  # no power of two, for which rows would lie on few sets of the cache
+SMALLEST = 1e-290  # its inverse is how large a coefficient of a power may be
 
 
 @kernel
@@ -98,7 +97,7 @@ def function(kind, a, slope, out, k, sign, values, J):
 
 @inlined
 def has_series(base, rate, order):
-    """Whether a power's Taylor coefficients are numbers: they grow like (rate/base)^k, up to 1e290."""
+    """Whether a power's Taylor coefficients are numbers: they grow like (rate/base)^k."""
     return base > SMALLEST ** (1.0 / max(order, 1)) * abs(rate)
 
 

@@ -79,7 +79,7 @@ class Writer(Instructions):
         for i in range(self.function.tape.inputs):
             self._set(i, self.J, self._load(self.z, i))
         self._operations(None)
-        for slot in set(self.function.flow) - self.stored:
+        for slot in sorted({*self.function.flow} - self.stored):
             self._store(self.values[slot], self.J, slot * self.row)
         self._prepare_powers()
         done = self.build.append_basic_block()

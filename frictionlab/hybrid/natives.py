@@ -136,7 +136,7 @@ def _machine() -> Any:
 
 @cache
 def _host() -> str:
-    """What compiled code depends on besides the function."""
+    """What compiled code depends on besides the function and the kernels, by which the folder is named."""
     import llvmlite
 
     llvm = _llvm()

@@ -2,9 +2,11 @@
 
 import numpy as np
 import pytest
+import sympy as sp
 
 import frictionlab as fl
 from frictionlab.analysis.ensemble import begun, taken_on
+from frictionlab.automaton import HybridAutomaton, Mode
 from frictionlab.hybrid import natives
 from frictionlab.hybrid.program import program_of
 from frictionlab.hybrid.under_way import kept
@@ -23,7 +25,8 @@ MU = np.linspace(0.2, 1.1, 11)  # sliding only goes beyond all bounds from rest 
 
 def compiled(model):
     """Have the code of all modes at hand, so that lanes are used from the first step."""
-    native = natives.natives(program_of(model.automaton())[0])
+    automaton = model if isinstance(model, HybridAutomaton) else model.automaton()
+    native = natives.natives(program_of(automaton)[0])
     for mode in range(len(native.code.lanes)) if natives.compiled.NUMBA else ():
         if not native.code.lanes[mode]:
             native.compile_step(mode)
@@ -59,6 +62,20 @@ def test_one_code_of_lanes_serves_every_order(name):
             np.testing.assert_array_equal(ends.states[i], alone.final_state)
             assert ends.steps[i] == alone.stats["steps"]
     np.testing.assert_array_equal(native.code.lanes, addresses)
+
+
+def test_lanes_with_powers_serve_every_order():
+    """Runs by themselves do not ask for such lanes; the benchmark has them compiled."""
+    x, y, a = sp.symbols("x y a")
+    spring = Mode("m", (y, -x * (1 + x**2) ** a), (), ())
+    automata = [HybridAutomaton((x, y), (spring,), {a: value}, 1) for value in (0.2, 0.3, 0.4, 0.5)]
+    compiled(automata[0])
+    for order in range(4, 61):
+        method, t_end = fl.Taylor(order=order), 0.05 if order < 9 else 0.5
+        ends = fl.ensemble(automata, t_end, x0=[1.0, 0.5], method=method, progress=False)
+        for automaton, end in zip(automata, ends.states):
+            alone = fl.simulate(automaton, t_end, x0=[1.0, 0.5], method=method, progress=False)
+            np.testing.assert_array_equal(end, alone.final_state)
 
 
 def test_the_grouping_makes_no_difference():

@@ -114,9 +114,8 @@ def test_orders_beyond_the_highest_are_interpreted():
     """No order above may be asked for, but a tolerance far below rounding leads to one."""
     model, method = LAWS[0], fl.Taylor(tol=1e-40)
     assert method.degree > HIGHEST
-    program, numbers = program_of(model.automaton())
     native = with_code(model.automaton(), 0)
-    jets = np.zeros((program.slots, columns(method.degree)))
+    jets = np.zeros((program_of(model.automaton())[0].slots, columns(method.degree)))
     assert not has_native(native.code, 0, jets)
     ends = fl.ensemble([model] * 3, 0.05, method=method, progress=False)
     run = fl.simulate(model, 0.05, method=method, progress=False)
