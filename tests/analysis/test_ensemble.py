@@ -74,7 +74,7 @@ def test_lanes_with_powers_serve_every_order():
         method, t_end = fl.Taylor(order=order), 0.05 if order < 9 else 0.5
         ends = fl.ensemble(automata, t_end, x0=[1.0, 0.5], method=method, progress=False)
         for automaton, end in zip(automata, ends.states):
-            alone = fl.simulate(automaton, t_end, x0=[1.0, 0.5], method=method, progress=False)
+            alone = fl.solve(automaton, t_end, x0=[1.0, 0.5], method=method, progress=False)
             np.testing.assert_array_equal(end, alone.final_state)
 
 
