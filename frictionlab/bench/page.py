@@ -129,7 +129,7 @@ TAIL = """\
 ## How it is fast
 
 * A mode gets machine code of its own once it has been run for long: a tenth of a second in the
-  background, once on a machine. It gives what the interpreter gives to the last bit
+  background, once on a machine and for all tolerances. It gives what the interpreter gives to the last bit
   ([architecture.md](architecture.md)).
 * The whole loop of steps, roots, resets and mode choice is one kernel that allocates nothing and counts
   no references.

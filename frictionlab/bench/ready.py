@@ -18,13 +18,13 @@ def make_ready(automaton: HybridAutomaton, method: Method) -> None:
     solve(automaton, 1e-9, x0=np.zeros(len(automaton.states)), method=method, progress=False)
     if not isinstance(method, Taylor):
         return
-    jets = natives(program_of(automaton)[0], method.jets, method.degree + 1)
+    jets = natives(program_of(automaton)[0])
     for mode in np.flatnonzero(jets.code.native == 0) if NUMBA else ():
         jets.compile(int(mode))
 
 
 def make_lanes_ready(automaton: HybridAutomaton, method: Taylor) -> None:
     """The same for the steps of several runs side by side."""
-    native = natives(program_of(automaton)[0], method.jets, method.degree + 1)
+    native = natives(program_of(automaton)[0])
     for mode in np.flatnonzero(native.code.lanes == 0) if NUMBA else ():
         native.compile_step(int(mode))

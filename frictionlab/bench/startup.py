@@ -16,7 +16,6 @@ from frictionlab.hybrid import compiled
 from frictionlab.hybrid.layout import Program
 from frictionlab.hybrid.natives import Natives
 from frictionlab.hybrid.program import program_of
-from frictionlab.hybrid.taylor import Taylor
 
 from .switches import LEFT_OUT, SCENE
 
@@ -79,13 +78,12 @@ def native_code(repeats: int = 3) -> list[Native]:
 
 
 def _native(program: Program, mode: int) -> tuple[float, float]:
-    method = Taylor()
     with _empty_cache():
-        jets = Natives(program, method.jets, method.degree + 1)
+        jets = Natives(program)
         begin = time.perf_counter()
         jets.compile(mode)
         done = time.perf_counter()
-        Natives(program, method.jets, method.degree + 1)  # finds the mode that is there
+        Natives(program)  # finds the mode that is there
         return done - begin, time.perf_counter() - done
 
 

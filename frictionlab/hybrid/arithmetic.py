@@ -25,7 +25,7 @@ def _plain_exp2(x):
     return 2.0 ** min(max(x, -1000.0), 1000.0)
 
 
-def _plain_call(address, *arrays):
+def _plain_call(address, *arguments):
     raise NotImplementedError("there is no native code without numba")
 
 
@@ -45,23 +45,24 @@ def _intrinsics() -> tuple[Any, ...]:
         return number(number, number, number), code
 
     def by_address(context, builder, signature, arguments):
-        pointers = [
+        address, *arrays, order = arguments
+        passed = [
             context.make_array(kind)(context, builder, array).data
-            for kind, array in zip(signature.args[1:], arguments[1:], strict=True)
-        ]
-        kind = ir.FunctionType(ir.VoidType(), [pointer.type for pointer in pointers])
-        builder.call(builder.inttoptr(arguments[0], kind.as_pointer()), pointers)
+            for kind, array in zip(signature.args[1:-1], arrays, strict=True)
+        ] + [order]
+        kind = ir.FunctionType(ir.VoidType(), [each.type for each in passed])
+        builder.call(builder.inttoptr(address, kind.as_pointer()), passed)
         return context.get_dummy_value()
 
     @intrinsic
-    def call(typing_context, address, z, constants, terms, J):
-        """Call native(z, constants, terms, J) at an address, with pointers to the arrays' data."""
-        return types.void(types.int64, z, constants, terms, J), by_address
+    def call(typing_context, address, z, constants, terms, J, order):
+        """Call native(z, constants, terms, J, order) at an address, with pointers to the arrays' data."""
+        return types.void(types.int64, z, constants, terms, J, types.int64), by_address
 
     @intrinsic
-    def call_step(typing_context, address, z, constants, terms, J, control):
+    def call_step(typing_context, address, z, constants, terms, J, control, order):
         """The same with one array more."""
-        return types.void(types.int64, z, constants, terms, J, control), by_address
+        return types.void(types.int64, z, constants, terms, J, control, types.int64), by_address
 
     def of_one_number(emit: Any) -> Any:
         @intrinsic

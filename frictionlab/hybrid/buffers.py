@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from frictionlab.hybrid.bookkeeping import Record, Work
+from frictionlab.hybrid.jets import COLUMNS
 from frictionlab.hybrid.layout import Code
 from frictionlab.hybrid.problem import Raw
 from frictionlab.hybrid.roots import DEPTH
@@ -32,8 +33,8 @@ def new_record(code: Code, steps: int, events: int, points: int) -> Record:
 def new_work(slots: int, code: Code, order: int) -> Work:
     """Scratch arrays for one run."""
     return Work(
-        jets=np.zeros((slots, order + 1)),
-        bounds=np.zeros((slots, order + 1)),
+        jets=np.zeros((slots, columns(order))),
+        bounds=np.zeros((slots, columns(order))),
         stack=np.zeros((DEPTH + 1, order + 1)),
         intervals=np.zeros((DEPTH + 1, 2)),
         scaled=np.zeros(order + 1),
@@ -43,6 +44,11 @@ def new_work(slots: int, code: Code, order: int) -> Work:
         zeros=np.zeros(max(1, len(code.targets)), dtype=np.int64),
         before=np.zeros(code.inputs),
     )
+
+
+def columns(order: int) -> int:
+    """Length of a row of jets: as native code has it, longer for orders that only the interpreter knows."""
+    return max(COLUMNS, order + 1)
 
 
 def aligned(*shape: int) -> np.ndarray:

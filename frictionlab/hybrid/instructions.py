@@ -69,5 +69,8 @@ class Instructions:
         """A number as a value."""
         return value
 
+    def _as_number(self, count: Any) -> Any:
+        return self._spread(self.build.sitofp(count, self.ir.DoubleType()))
+
     def _number(self, value: float) -> Any:
         return number(self.ir, self.kind, value)

@@ -1,6 +1,7 @@
 """Taylor coefficients through a tape: the inner loop of everything.
 
-A jet array J has one row per slot and one column per order: slot(t + s) = sum_k J[slot, k] s^k.
+A jet array J has one row per slot and one column per order: slot(t + s) = sum_k J[slot, k] s^k.  Rows are
+of one length for all orders, COLUMNS, so that native code, which has it built in, serves them all.
 Recurrences: Jorba & Zou, Experimental Mathematics 14 (2005) 99-117, section 2.
 """
 
@@ -16,6 +17,10 @@ from frictionlab.hybrid.compiled import inlined, kernel
 # Kernels know the operations by these numbers, in the order of tape.NAMES.
 AFFINE, PRODUCT, SQUARE, QUOTIENT, RATE, POWER = 0, 1, 2, 3, 4, 5
 EXP, LOG, SIN, COS, TAN, TANH, SINH, COSH, ATAN = 6, 7, 8, 9, 10, 11, 12, 13, 14
+
+HIGHEST = 60  # order that may be asked for
+COLUMNS = HIGHEST + 1  # no power of two, for which rows would lie on few sets of the cache
+SMALLEST = 1e-290  # its inverse is how large a coefficient of a power may be
 
 
 @kernel
@@ -92,8 +97,8 @@ def function(kind, a, slope, out, k, sign, values, J):
 
 @inlined
 def has_series(base, rate, order):
-    """Whether a power's Taylor coefficients are numbers: they grow like (rate/base)^k, up to 1e290."""
-    return base > 1e-290 ** (1.0 / max(order, 1)) * abs(rate)
+    """Whether a power's Taylor coefficients are numbers: they grow like (rate/base)^k."""
+    return base > SMALLEST ** (1.0 / max(order, 1)) * abs(rate)
 
 
 @kernel
@@ -167,19 +172,19 @@ def run_tape(code, numbers, first, last, order, flow, sign, values, J):
 
 
 @inlined
-def has_native(code, mode, order, J):
-    """Whether there is native code for a mode's jets of this order."""
-    return code.native[mode] != 0 and code.jets[0] == order and code.jets[1] == J.shape[1]
+def has_native(code, mode, J):
+    """Whether there is native code for a mode's jets, and rows of `J` are as long as it takes them."""
+    return code.native[mode] != 0 and J.shape[1] == COLUMNS
 
 
 @inlined
 def mode_jets(code, numbers, mode, order, z, J):
     """Taylor coefficients up to `order` of a mode's slots at the state `z`.
 
-    Native code leaves out the slots of intermediate results.
+    Native code leaves out the slots of intermediate results, and of rates all but their values.
     """
-    if has_native(code, mode, order, J):
-        call_native(code.native[mode], z, numbers.constants, numbers.terms, J)
+    if has_native(code, mode, J):
+        call_native(code.native[mode], z, numbers.constants, numbers.terms, J, order)
         return
     for i in range(z.shape[0]):
         J[i, 0] = z[i]

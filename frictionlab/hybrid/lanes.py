@@ -29,7 +29,7 @@ from frictionlab.hybrid.bookkeeping import (
 )
 from frictionlab.hybrid.compiled import kernel
 from frictionlab.hybrid.handling import repeated
-from frictionlab.hybrid.jets import copy
+from frictionlab.hybrid.jets import COLUMNS, copy
 from frictionlab.hybrid.layout import Numbers
 from frictionlab.hybrid.native_lanes import FINE, LEFT, LENGTH, WIDTH
 from frictionlab.hybrid.stepping import advance
@@ -188,7 +188,7 @@ def on_its_own(code, order, tol, runs, seats, seat, record, work):
     i = seats.runs[seat]
     seats.runs[seat] = NOBODY
     for slot in range(work.jets.shape[0]):
-        copy(seats.jets[slot, :, seat], work.jets[slot])
+        copy(seats.jets[slot, : order + 1, seat], work.jets[slot])
     work.zeros[:] = 0
     copy(seats.z[:, seat], runs.states[i])
     runs.counts[i, READY] = 1
@@ -201,7 +201,8 @@ def together(code, order, tol, runs, seats, mode, record, work):
     calls = 0
     while calls < AT_ONCE and fill(runs, seats, mode) >= FEW:
         calls += 1
-        call_native_step(code.lanes[mode], seats.z, seats.constants, seats.terms, seats.jets, seats.control)
+        arrays = seats.z, seats.constants, seats.terms, seats.jets, seats.control
+        call_native_step(code.lanes[mode], *arrays, order)
         for seat in range(WIDTH):
             if seats.runs[seat] == NOBODY:
                 continue
@@ -223,7 +224,7 @@ def advance_runs(code, order, tol, runs, seats, record, work, rounds):
                 mode = other
         if runs.queued[mode] == 0:
             return False
-        if code.lanes[mode] != 0 and runs.queued[mode] >= FEW:
+        if code.lanes[mode] != 0 and seats.jets.shape[1] == COLUMNS and runs.queued[mode] >= FEW:
             rounds -= WIDTH * together(code, order, tol, runs, seats, mode, record, work)
         else:
             runs.queued[mode] -= 1

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -38,7 +38,6 @@ class Code(NamedTuple):
     directions: np.ndarray  # (sections,) +1 rising, -1 falling, 0 both
     native: np.ndarray  # (modes,) addresses of native code, 0 where there is none
     lanes: np.ndarray  # (modes,) the same of a step of several runs side by side
-    jets: np.ndarray  # (2,) order of the native jets, and length of a row of J
     built: np.ndarray  # (modes,) whether it is derived; if not, its constraints must not be negative
     powers: np.ndarray  # (modes,) whether there are powers, whose base may be zero
     degrees: np.ndarray  # (modes,) of the polynomials in a mode, ENDLESS where there are other functions
@@ -73,7 +72,6 @@ class Program:
     guard_modes: np.ndarray
     initial: np.ndarray  # modes in the order in which they are tried at the start
     _fill: Callable[..., Sequence[float]]
-    natives: dict[tuple[int, int], Any] = field(default_factory=dict)  # by order and length of a row
 
     def numbers(self, values: Sequence[float]) -> Numbers:
         """Coefficients for parameter values in the order of the automaton's parameters."""

@@ -73,11 +73,6 @@ class Method(ABC):
     def degree(self) -> int:
         """Order of the Taylor series that choose modes and give the dense output."""
 
-    @property
-    def jets(self) -> int:
-        """Order of the series that steps are made of: those that get native code."""
-        return 0
-
     @abstractmethod
     def advance(self, run: Run, record: bookkeeping.Record) -> int:
         """Fill `record` until it is full (bookkeeping.RUNNING), the run ends, or a mode is UNBUILT."""
@@ -123,7 +118,7 @@ class Method(ABC):
         mode = start(problem, self.degree, absolute, work)
         cursor = bookkeeping.new_cursor(problem.x0, mode, problem.t_end, self.limits, self.raises)
         cursor = cursor._replace(signs=np.zeros(problem.program.code.sections.shape[1], dtype=np.int64))
-        return Run(problem, natives(problem.program, self.jets, self.degree + 1), absolute, cursor, work)
+        return Run(problem, natives(problem.program), absolute, cursor, work)
 
     def _record(self, run: Run, pieces: Pieces) -> bookkeeping.Record:
         code = run.problem.program.code

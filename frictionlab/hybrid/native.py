@@ -1,8 +1,8 @@
-"""Machine code of a mode's jets: its operations in sequence, within a loop over the orders.
+"""Machine code of a mode's jets: its operations in sequence, within a loop over the orders asked for.
 
 It does the same operations in the same sequence as :func:`frictionlab.hybrid.jets.run_tape`, so its results
 are those of the interpreter to the last bit, and a run may change from one to the other at any step.  It
-leaves out the rows of slots that nobody reads.
+leaves out the rows of slots that nobody reads; of the rates it keeps the values.
 """
 
 from __future__ import annotations
@@ -11,12 +11,12 @@ from functools import partial
 from typing import Any, NamedTuple
 
 from frictionlab.hybrid.instructions import Instructions
+from frictionlab.hybrid.jets import COLUMNS, SMALLEST
 from frictionlab.hybrid.logarithms import number
 from frictionlab.hybrid.loops import Values, choose, repeat
 from frictionlab.hybrid.tape import AFFINE, FUNCTIONS, POWER, PRODUCT, QUOTIENT, RATE, SQUARE, Tape
 
 PARTS = 4  # sums of a convolution that do not wait for each other
-SMALLEST = 1e-290  # as in :func:`frictionlab.hybrid.jets.has_series`
 SYMBOLS = {POWER: "pow"} | {POWER + 1 + i: f.__name__ for i, f in enumerate(FUNCTIONS)}
 
 
@@ -27,8 +27,6 @@ class Function(NamedTuple):
     first: tuple[int, int]  # place of the tape's operations, and of its terms, among all
     flow: tuple[int, ...]  # slot that holds each state's derivative
     kept: frozenset[int]  # slots whose rows are wanted
-    order: int
-    row: int  # length of a row of J
 
 
 class Order(NamedTuple):
@@ -41,25 +39,32 @@ class Order(NamedTuple):
 
 
 def module_of(function: Function, name: str) -> Any:
-    """LLVM module with the function `name`(z, constants, terms, J)."""
+    """LLVM module with the function `name`(z, constants, terms, J, order)."""
     from llvmlite import ir
 
-    module = ir.Module(name=name)
-    pointer = ir.DoubleType().as_pointer()
-    body = ir.Function(module, ir.FunctionType(ir.VoidType(), [pointer] * 4), name)
-    for argument in body.args:
-        argument.add_attribute("noalias")
+    body = body_of(ir, 4, name)
     Writer(ir, body, function).write()
-    return module
+    return body.module
+
+
+def body_of(ir: Any, arrays: int, name: str) -> Any:
+    """An empty function `name` of so many arrays, none of which overlap, and the order."""
+    pointers = [ir.DoubleType().as_pointer()] * arrays
+    signature = ir.FunctionType(ir.VoidType(), [*pointers, ir.IntType(64)])
+    body = ir.Function(ir.Module(name=name), signature, name)
+    for argument in body.args[:arrays]:
+        argument.add_attribute("noalias")
+    return body
 
 
 class Writer(Instructions):
     """Writes the recurrences; `values` are those of all slots at the order at hand."""
 
     def __init__(self, ir: Any, body: Any, function: Function) -> None:
-        super().__init__(ir, ir.IRBuilder(body.append_basic_block()), function.row)
+        super().__init__(ir, ir.IRBuilder(body.append_basic_block()), COLUMNS)
         self.function = function
         self.z, self.constants, self.terms, self.J = body.args[:4]
+        self.order = body.args[-1]
         self.values: dict[int, Any] = {}
         operands = {slot for kind, a, b in function.tape.ops if kind != AFFINE for slot in (a, b)}
         outputs = {function.tape.inputs + i for i, op in enumerate(function.tape.ops) if op[0] > SQUARE}
@@ -70,15 +75,17 @@ class Writer(Instructions):
         self.build.ret_void()
 
     def jets(self) -> None:
-        """All columns of J."""
+        """Columns 0 to `order` of J."""
         for i in range(self.function.tape.inputs):
             self._set(i, self.J, self._load(self.z, i))
         self._operations(None)
-        if self.function.order > 0:
-            done = self.build.append_basic_block()
-            repeat(self.build, self.whole(self.function.order), self._rates(), partial(self._columns, done))
-            self.build.branch(done)
-            self.build.position_at_end(done)
+        for slot in sorted({*self.function.flow} - self.stored):
+            self._store(self.values[slot], self.J, slot * self.row)
+        self._prepare_powers()
+        done = self.build.append_basic_block()
+        repeat(self.build, self.order, self._rates(), partial(self._columns, done))
+        self.build.branch(done)
+        self.build.position_at_end(done)
 
     def _rates(self) -> Values:
         return [self.values[slot] for slot in self.function.flow]
@@ -88,12 +95,11 @@ class Writer(Instructions):
         build, first = self.build, self.build.shl(fours, self.whole(2))
         for rest in range(PARTS):
             k = build.add(first, self.whole(rest + 1))
-            as_number = self._spread(build.sitofp(k, self.ir.DoubleType()))
-            rates = self._column(Order(fours, rest, as_number, self._ahead(self.J, k)), rates)
-            if rest == (self.function.order - 1) % PARTS:
-                following = build.append_basic_block()
-                build.cbranch(build.icmp_signed("==", k, self.whole(self.function.order)), done, following)
-                build.position_at_end(following)
+            at = Order(fours, rest, self._as_number(k), self._ahead(self.J, k))
+            rates = self._column(at, rates)
+            following = build.append_basic_block()
+            build.cbranch(build.icmp_signed("==", k, self.order), done, following)
+            build.position_at_end(following)
         return rates
 
     def _column(self, at: Order, rates: Values) -> Values:
@@ -172,6 +178,14 @@ class Writer(Instructions):
             total = self._fma(self._at(a, middle), self._at(a, middle), total)
         return self._fma(build.fmul(two, self._at(a, self.J)), self.values[a], total)
 
+    def _prepare_powers(self) -> None:
+        """What the base of a power is to be larger than, relative to its rate, to have a series."""
+        if any(kind == POWER for kind, _, _ in self.function.tape.ops):
+            build, kind, one = self.build, self.ir.DoubleType(), self.whole(1)
+            order = build.select(build.icmp_signed(">", self.order, one), self.order, one)
+            exponent = build.fdiv(kind(1.0), build.sitofp(order, kind))
+            self.shortest = self._spread(self._called("pow", kind, kind(SMALLEST), exponent))
+
     def _power_value(self, i: int, base: Any) -> Any:
         build, exponent, regular = self.build, self._exponent(i), self._regular(base)
         value = self._call("pow", build.select(regular, base, self._number(1.0)), exponent)
@@ -180,8 +194,7 @@ class Writer(Instructions):
     def _power(self, i: int, a: int, out: int, at: Order) -> Any:
         build, base, exponent = self.build, self._at(a, self.J), self._exponent(i)
         rate = self._abs(self._at(a, self._ahead(self.J, self.whole(1))))
-        shortest = self._number(SMALLEST ** (1.0 / self.function.order))
-        has_series = build.fcmp_ordered(">", base, build.fmul(shortest, rate))
+        has_series = build.fcmp_ordered(">", base, build.fmul(self.shortest, rate))
         rates, plain = self._convolution(out - 1, out, at, 1), self._convolution(a, out, at, 1)
         total = build.fmul(build.fadd(exponent, self._number(1.0)), rates)
         total = build.fadd(total, build.fmul(build.fneg(at.number), plain))

@@ -12,7 +12,7 @@ from typing import Any
 
 from frictionlab.hybrid.logarithms import exp2, log2
 from frictionlab.hybrid.loops import Values, repeat
-from frictionlab.hybrid.native import PARTS, Function, Writer
+from frictionlab.hybrid.native import PARTS, Function, Writer, body_of
 
 WIDTH = 4
 LEFT, LENGTH, FINE, TOL, LOG_TOL, GUARD_TOL = range(6)  # rows of `control`, all of WIDTH numbers
@@ -20,20 +20,16 @@ ROWS = 6
 
 
 def step_module_of(function: Function, guards: tuple[int, ...], groups: tuple[int, ...], name: str) -> Any:
-    """LLVM module with the function `name`(z, constants, terms, J, control).
+    """LLVM module with the function `name`(z, constants, terms, J, control, order).
 
     All arrays have the lanes as their last axis.  Row LEFT of `control` holds the longest step wanted;
     LENGTH and FINE (1 or 0) are written; `z` is moved on where the lane is fine.
     """
     from llvmlite import ir
 
-    module = ir.Module(name=name)
-    pointer = ir.DoubleType().as_pointer()
-    body = ir.Function(module, ir.FunctionType(ir.VoidType(), [pointer] * 5), name)
-    for argument in body.args:
-        argument.add_attribute("noalias")
+    body = body_of(ir, 5, name)
     _StepWriter(ir, body, function, guards, groups).write()
-    return module
+    return body.module
 
 
 class _StepWriter(Writer):
@@ -72,17 +68,17 @@ class _StepWriter(Writer):
         return exp2(self.ir, build, best), fine
 
     def _group_length(self, first: int, last: int, best: Any, fine: Any) -> tuple[Any, Any]:
-        build, ir, order = self.build, self.ir, self.function.order
-        zero = self._number(0.0)
-        sizes = [self._largest(first, last, m) for m in range(3)]
+        build, ir, zero = self.build, self.ir, self._number(0.0)
+        sizes = [self._largest(first, last, self.whole(m)) for m in range(3)]
         starts = [log2(ir, build, size) for size in sizes]
         log_tol = self._load(self.control, LOG_TOL)
         some = build.fcmp_ordered(">", self._max(sizes[0], self._max(sizes[1], sizes[2])), zero)
-        for p in (order - 1, order):
+        for p in (self._last_but_one(), self.order):
             end = self._largest(first, last, p)
             fine = build.and_(fine, build.fcmp_ordered("<", end, self._number(float("inf"))))
             room = build.fsub(log_tol, log2(ir, build, end))
-            each = [build.fdiv(build.fadd(room, starts[m]), self._number(float(p - m))) for m in range(3)]
+            powers = [self._as_number(build.sub(p, self.whole(m))) for m in range(3)]
+            each = [build.fdiv(build.fadd(room, start), power) for start, power in zip(starts, powers)]
             longest = self._max(each[0], self._max(each[1], each[2]))
             moves = build.fcmp_ordered(">", end, zero)
             fine = build.and_(fine, build.or_(some, build.not_(moves)))
@@ -90,9 +86,12 @@ class _StepWriter(Writer):
             best = build.select(shorter, longest, best)
         return best, fine
 
-    def _largest(self, first: int, last: int, k: int) -> Any:
+    def _last_but_one(self) -> Any:
+        return self.build.sub(self.order, self.whole(1))
+
+    def _largest(self, first: int, last: int, k: Any) -> Any:
         build, size = self.build, self._number(0.0)
-        column = self._ahead(self.J, self.whole(k))
+        column = self._ahead(self.J, k)
         for i in range(first, last):
             c = self._abs(self._at(i, column))
             clean = build.select(build.fcmp_ordered("ord", c, c), c, self._number(float("inf")))
@@ -101,16 +100,17 @@ class _StepWriter(Writer):
 
     def _resolved(self, slot: int, h: Any) -> Any:
         """Whether the series of a guard holds for the whole step."""
-        build, order, row = self.build, self.function.order, self._place(slot, self.J)
+        build, row = self.build, self._place(slot, self.J)
 
         def term(k: Any, carried: Values) -> Values:
             size, power = carried
             c = self._abs(self._load(self._ahead(row, k), 0))
             return [self._max(size, build.fmul(c, power)), build.fmul(power, h)]
 
-        size, power = repeat(build, self.whole(order - 1), [self._number(0.0), self._number(1.0)], term)
-        last = build.fmul(self._abs(self._load(row, order)), h)
-        last = self._max(self._abs(self._load(row, order - 1)), last)
+        size, power = repeat(build, self._last_but_one(), [self._number(0.0), self._number(1.0)], term)
+        end = self._ahead(row, self.order)
+        last = build.fmul(self._abs(self._load(end, 0)), h)
+        last = self._max(self._abs(self._load(end, -1)), last)
         limit = build.fmul(self._load(self.control, GUARD_TOL), size)
         holds = build.fcmp_unordered("<=", build.fmul(last, power), limit)
         return build.or_(holds, build.fcmp_ordered("==", size, self._number(0.0)))
@@ -126,19 +126,18 @@ class _StepWriter(Writer):
             return [build.fadd(total, falls), power]
 
         start = [self._load(row, 0), self._number(1.0)]
-        return repeat(build, self.whole(self.function.order), start, term)[0]
+        return repeat(build, self.order, start, term)[0]
 
     def _ends(self, h: Any) -> Values:
         """The states at the end of the step."""
-        build, order = self.build, self.whole(self.function.order)
-        states = range(self.function.tape.inputs)
+        build, states = self.build, range(self.function.tape.inputs)
 
         def term(i: Any, totals: Values) -> Values:
-            column = self._ahead(self.J, build.sub(build.sub(order, self.whole(1)), i))
+            column = self._ahead(self.J, build.sub(self._last_but_one(), i))
             return [build.fadd(build.fmul(totals[s], h), self._at(s, column)) for s in states]
 
-        last = self._ahead(self.J, order)
-        return repeat(build, order, [self._at(s, last) for s in states], term)
+        last = self._ahead(self.J, self.order)
+        return repeat(build, self.order, [self._at(s, last) for s in states], term)
 
     def _fours(self, count: Any, ahead: Any, behind: Any) -> Values:
         def group(i: Any, sums: Values) -> Values:

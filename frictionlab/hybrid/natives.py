@@ -17,6 +17,7 @@ from functools import cache
 from itertools import accumulate
 from pathlib import Path
 from typing import Any
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -27,21 +28,22 @@ from frictionlab.hybrid.native_lanes import step_module_of
 
 LONG = 20_000  # jets of a mode after which its code pays: interpreted, they take as long as it does
 NAME, STEP = "jets", "step"
+_MADE: WeakKeyDictionary[Program, Natives] = WeakKeyDictionary()
 _ENGINES: list[Any] = []  # own the code, so they live as long as the process
 
 
 class Natives:
-    """The native jets of a program's modes, of one order and for rows of J of one length."""
+    """The native jets of a program's modes, of all orders up to HIGHEST."""
 
-    def __init__(self, program: Program, order: int, row: int) -> None:
+    def __init__(self, program: Program) -> None:
         built, count = np.flatnonzero(program.code.built).tolist(), len(program.tapes)
-        self._functions = {mode: _function(program, mode, order, row) for mode in built}
+        self._functions = {mode: _function(program, mode) for mode in built}
         self._used = np.zeros(count, dtype=np.int64)
         self._asked: dict[int, Future[None]] = {}
         groups = tuple(map(int, program.code.groups))
         self._of_steps = {mode: (_guards(program.code, mode), groups) for mode in built}
         addresses, steps = np.zeros((2, count), dtype=np.int64)
-        self.code: Code = program.code._replace(native=addresses, lanes=steps, jets=np.array([order, row]))
+        self.code: Code = program.code._replace(native=addresses, lanes=steps)
         for mode, function in self._functions.items():
             addresses[mode] = _known(_path(function))
             steps[mode] = _known(_path(function, STEP, self._of_steps[mode]))
@@ -78,11 +80,11 @@ class Natives:
                 self._asked[~mode] = _worker().submit(self.compile_step, mode)
 
 
-def natives(program: Program, order: int, row: int) -> Natives:
+def natives(program: Program) -> Natives:
     """Those of a program, made once."""
-    if (order, row) not in program.natives:
-        program.natives[order, row] = Natives(program, order, row)
-    return program.natives[order, row]
+    if program not in _MADE:
+        _MADE[program] = Natives(program)
+    return _MADE[program]
 
 
 @contextmanager
@@ -97,16 +99,15 @@ def _uncollected() -> Iterator[None]:
             gc.enable()
 
 
-def _function(program: Program, mode: int, order: int, row: int) -> Function:
+def _function(program: Program, mode: int) -> Function:
     code = program.code
     flow = tuple(map(int, code.flow[mode]))
-    # Without higher orders the rates themselves are wanted.
-    kept = {*map(int, code.sections[mode]), *(flow if order == 0 else ())}
+    kept = {*map(int, code.sections[mode])}
     for ranges in (code.mode_guards, code.mode_constraints):
         kept.update(map(int, code.function_slots[ranges[mode] : ranges[mode + 1]]))
     terms = [0, *accumulate(len(tape.terms) for tape in program.tapes)]
     first = int(code.mode_ops[mode]), terms[mode]
-    return Function(program.tapes[mode], first, flow, frozenset(kept), order, row)
+    return Function(program.tapes[mode], first, flow, frozenset(kept))
 
 
 @cache
@@ -135,7 +136,7 @@ def _machine() -> Any:
 
 @cache
 def _host() -> str:
-    """What compiled code depends on besides the function."""
+    """What compiled code depends on besides the function and the kernels, by which the folder is named."""
     import llvmlite
 
     llvm = _llvm()
@@ -155,7 +156,7 @@ def _path(function: Function, what: str = NAME, more: object = None) -> Path | N
         return None
     tape = function.tape
     structure = (tape.inputs, tape.ops, [slot for slot, _ in tape.terms], sorted(function.kept))
-    text = repr((structure, function.first, function.flow, function.order, function.row, more)) + _host()
+    text = repr((structure, function.first, function.flow, more)) + _host()
     return Path(compiled.FOLDER) / f"{what}-{hashlib.sha256(text.encode()).hexdigest()[:24]}.o"
 
 

@@ -135,7 +135,6 @@ class _Packer:
             directions=_ints([section.direction for section in self.sections]),
             native=np.zeros(len(names), dtype=np.int64),
             lanes=np.zeros(len(names), dtype=np.int64),
-            jets=np.array([-1, 0]),
             built=_ints([not isinstance(mode, Sketch) for mode in self.modes]),
             powers=_ints([any(op[0] == POWER for op in tape.ops) for tape in tapes]),
             degrees=_ints([_finite(max(mode.degrees)) for mode in lowered]),

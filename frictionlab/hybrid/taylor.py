@@ -8,6 +8,7 @@ from typing import Any, ClassVar, Literal
 
 from frictionlab.hybrid import bookkeeping, stepping
 from frictionlab.hybrid.affine import advance_affine, change_of, is_affine
+from frictionlab.hybrid.jets import HIGHEST
 from frictionlab.hybrid.methods import Method, Run
 from frictionlab.hybrid.validation import check_choice, check_number
 
@@ -58,7 +59,7 @@ class Taylor(Method):
     def __post_init__(self) -> None:
         check_number("tol", self.tol, above=0.0, below=0.1, cure="take 1e-15 for full accuracy")
         if self.order is not None:
-            check_number("order", self.order, integer=True, least=4, most=60, cure="20 is a good order")
+            check_number("order", self.order, integer=True, least=4, most=HIGHEST, cure="20 is a good order")
         check_number("chatter", self.chatter, least=0.0, cure="1e-7 s is the default")
         check_number("dwell", self.dwell, least=0.0, cure="1e-12 s is the default")
         check_choice("accumulation", self.accumulation, ("close", "raise"))
@@ -67,10 +68,6 @@ class Taylor(Method):
     @property
     def degree(self) -> int:
         return self.order or max(4, math.ceil(1 - 0.7 * math.log(self.tol)))
-
-    @property
-    def jets(self) -> int:
-        return self.degree
 
     @property
     def limits(self) -> tuple[float, float]:

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from frictionlab.automaton import HybridAutomaton
+from frictionlab.hybrid.buffers import columns
 from frictionlab.hybrid.events import Events
 from frictionlab.hybrid.natives import natives
 from frictionlab.hybrid.outputs import evaluate
@@ -118,9 +119,9 @@ class Trajectory:
         out = np.empty((len(t), raw.state.size))
         inside = steps < len(raw.step_modes)
         part = np.empty((int(inside.sum()), raw.state.size))
-        J = np.zeros((program.slots, order + 1))
+        J = np.zeros((program.slots, columns(order)))
         stored = raw.step_times, raw.step_modes, raw.step_states
-        code = natives(program, order, order + 1).code
+        code = natives(program).code
         sample(code, self._problem.numbers, order, *stored, steps[inside], t[inside], part, J)
         out[inside], out[~inside] = part, raw.state
         return out

@@ -59,7 +59,7 @@ def tried(code, numbers, absolute, mode, z, sizes, order, declared, zeros, J, bo
     verdict, at_hand = UNDECIDED, -1
     for upto in (0, min(LOW, order), order):
         if upto > at_hand:
-            full = upto > 0 and (verdict == ADMITTED or has_native(code, mode, order, J))
+            full = upto > 0 and (verdict == ADMITTED or has_native(code, mode, J))
             at_hand = order if full else upto
             mode_jets(code, numbers, mode, at_hand, z, J)
         if verdict == UNDECIDED:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from frictionlab.hybrid import bookkeeping, lanes, step_length
-from frictionlab.hybrid.buffers import aligned, new_record, new_work
+from frictionlab.hybrid.buffers import aligned, columns, new_record, new_work
 from frictionlab.hybrid.layout import Numbers, Program
 from frictionlab.hybrid.native_lanes import GUARD_TOL, LOG_TOL, ROWS, TOL, WIDTH
 from frictionlab.hybrid.natives import Natives, natives
@@ -33,7 +33,7 @@ def under_way(program: Program, numbers: Numbers, states: np.ndarray, method: Ta
     return UnderWay(
         program,
         method,
-        natives(program, method.jets, order + 1),
+        natives(program),
         _runs(program, numbers, states, method),
         _seats(program, numbers, method),
         new_record(code, 1, 2, 0),
@@ -80,6 +80,6 @@ def _seats(program: Program, numbers: Numbers, method: Taylor) -> lanes.Seats:
         z=aligned(program.code.inputs, WIDTH),
         constants=aligned(numbers.constants.shape[1], WIDTH),
         terms=aligned(numbers.terms.shape[1], WIDTH),
-        jets=aligned(program.slots, method.degree + 1, WIDTH),
+        jets=aligned(program.slots, columns(method.degree), WIDTH),
         control=control,
     )

@@ -2,9 +2,11 @@
 
 import numpy as np
 import pytest
+import sympy as sp
 
 import frictionlab as fl
 from frictionlab.analysis.ensemble import begun, taken_on
+from frictionlab.automaton import HybridAutomaton, Mode
 from frictionlab.hybrid import natives
 from frictionlab.hybrid.program import program_of
 from frictionlab.hybrid.under_way import kept
@@ -23,7 +25,8 @@ MU = np.linspace(0.2, 1.1, 11)  # sliding only goes beyond all bounds from rest 
 
 def compiled(model):
     """Have the code of all modes at hand, so that lanes are used from the first step."""
-    native = natives.natives(program_of(model.automaton())[0], 26, 27)
+    automaton = model if isinstance(model, HybridAutomaton) else model.automaton()
+    native = natives.natives(program_of(automaton)[0])
     for mode in range(len(native.code.lanes)) if natives.compiled.NUMBA else ():
         if not native.code.lanes[mode]:
             native.compile_step(mode)
@@ -43,6 +46,36 @@ def test_each_run_is_what_it_would_be_alone(name):
         assert (ends.steps[i], ends.events[i]) == (run.stats["steps"], len(run.events))
         assert ends.status[i] is run.status
         assert ends.t[i] == run.t[-1]
+
+
+@pytest.mark.parametrize("name", ["stick, slip and separation", "sliding only"])
+def test_one_code_of_lanes_serves_every_order(name):
+    compiled(SCENES[name])
+    models = [SCENES[name].replace(mu_k=float(mu)) for mu in MU[:5]]
+    native = natives.natives(program_of(models[0].automaton())[0])
+    addresses = native.code.lanes.copy()
+    for order in range(4, 61):
+        t_end, method = (0.05 if order < 9 else 0.3), fl.Taylor(order=order)
+        ends = fl.ensemble(models, t_end, method=method, progress=False)
+        for i, model in enumerate(models):
+            alone = fl.simulate(model, t_end, method=method, progress=False)
+            np.testing.assert_array_equal(ends.states[i], alone.final_state)
+            assert ends.steps[i] == alone.stats["steps"]
+    np.testing.assert_array_equal(native.code.lanes, addresses)
+
+
+def test_lanes_with_powers_serve_every_order():
+    """Runs by themselves do not ask for such lanes; the benchmark has them compiled."""
+    x, y, a = sp.symbols("x y a")
+    spring = Mode("m", (y, -x * (1 + x**2) ** a), (), ())
+    automata = [HybridAutomaton((x, y), (spring,), {a: value}, 1) for value in (0.2, 0.3, 0.4, 0.5)]
+    compiled(automata[0])
+    for order in range(4, 61):
+        method, t_end = fl.Taylor(order=order), 0.05 if order < 9 else 0.5
+        ends = fl.ensemble(automata, t_end, x0=[1.0, 0.5], method=method, progress=False)
+        for automaton, end in zip(automata, ends.states):
+            alone = fl.solve(automaton, t_end, x0=[1.0, 0.5], method=method, progress=False)
+            np.testing.assert_array_equal(end, alone.final_state)
 
 
 def test_the_grouping_makes_no_difference():
@@ -93,7 +126,7 @@ def test_groups_too_small_for_a_second_round_have_their_steps_compiled():
     if natives.compiled.NUMBA is None:
         pytest.skip("there is nothing to compile")
     scene = FULL.without("geometry").automaton()
-    native = natives.natives(program_of(scene)[0], 26, 27)
+    native = natives.natives(program_of(scene)[0])
     native.code.lanes[:] = 0
     native._asked.clear()
     fl.ensemble([scene] * 6, 60.0, x0=np.full(8, 1e-4), progress=False)

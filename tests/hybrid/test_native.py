@@ -11,7 +11,8 @@ import frictionlab as fl
 from frictionlab.automaton import HybridAutomaton, Mode
 from frictionlab.components import SlidingSeparation, StickSlip
 from frictionlab.hybrid import compiled, natives
-from frictionlab.hybrid.jets import mode_jets
+from frictionlab.hybrid.buffers import columns
+from frictionlab.hybrid.jets import COLUMNS, HIGHEST, SMALLEST, has_native, mode_jets
 from frictionlab.hybrid.program import program_of
 from frictionlab.hybrid.tape import FUNCTIONS
 
@@ -52,34 +53,73 @@ def functions():
 AUTOMATA = [model.automaton() for model in (*SCENES, *LAWS)] + [stiffened(), functions()]
 
 
-def same(automaton, mode, order, states):
-    """Compare native jets with the interpreter's, in the rows that native code keeps."""
-    program, numbers = program_of(automaton)
-    native = natives.Natives(program, order, order + 1)
+def with_code(automaton, mode, native=None):
+    """A program's native code, that of a mode at hand."""
+    native = native or natives.Natives(program_of(automaton)[0])
     native.compile(mode)
     assert native.code.native[mode] != 0
-    rows = sorted(native._functions[mode].kept | set(range(len(automaton.states))))
+    return native
+
+
+def same(automaton, native, mode, order, states):
+    """Compare native jets with the interpreter's, in the rows that native code keeps."""
+    program, numbers = program_of(automaton)
+    flow, kept = native._functions[mode].flow, native._functions[mode].kept
+    rows = sorted(kept | set(range(len(automaton.states))))
     for state in states:
-        jets, interpreted = (np.full((program.slots, order + 1), np.nan) for _ in range(2))
+        jets, interpreted = (np.full((program.slots, columns(order)), np.nan) for _ in range(2))
         mode_jets(native.code, numbers, mode, order, state, jets)
         mode_jets(program.code, numbers, mode, order, state, interpreted)
-        np.testing.assert_array_equal(jets[rows], interpreted[rows])
-        assert np.isfinite(interpreted[rows]).all()
+        np.testing.assert_array_equal(jets[rows], interpreted[rows])  # beyond the order both are not written
+        np.testing.assert_array_equal(jets[flow, 0], interpreted[flow, 0])
+        assert np.isfinite(interpreted[rows, : order + 1]).all()
 
 
 @pytest.mark.parametrize("number", range(len(AUTOMATA)))
 def test_every_mode_of_every_scene_to_the_last_bit(number):
     automaton = AUTOMATA[number]
     states = np.random.default_rng(number).normal(size=(3, len(automaton.states)))
+    native = natives.Natives(program_of(automaton)[0])
     for mode in range(len(automaton.modes)):
-        same(automaton, mode, 9, states)
+        same(automaton, with_code(automaton, mode, native), mode, 9, states)
 
 
-@pytest.mark.parametrize("order", [0, 1, 2, 3, 5, 26, 40, 60])
-def test_every_order(order):
-    state = np.random.default_rng(order).normal(size=10)
-    for automaton, size in ((SCENES[0].automaton(), 10), (stiffened(), 3), (functions(), 2)):
-        same(automaton, 0, order, [state[:size]])
+@pytest.mark.parametrize("automaton", [SCENES[0].automaton(), stiffened(), functions()])
+def test_one_code_serves_every_order(automaton):
+    native = with_code(automaton, 0)
+    address = native.code.native[0]
+    for order in range(HIGHEST + 1):
+        state = np.random.default_rng(order).normal(size=len(automaton.states))
+        same(automaton, native, 0, order, [state])
+    assert native.code.native[0] == address
+
+
+def test_whether_a_power_has_a_series_depends_on_the_order():
+    """Of x^a at x = s, x' = -1, there is one where s > 1e-290^(1/order), to the last bit of that."""
+    x, a = sp.symbols("x a")
+    automaton = HybridAutomaton((x,), (Mode("m", (x**a - 1,), (), (x**a,)),), {a: 1.5}, 0)
+    program, numbers = program_of(automaton)
+    native, guard = with_code(automaton, 0), program.code.function_slots[0]
+    for order in range(4, HIGHEST + 1):
+        first = SMALLEST ** (1 / order)
+        for start in (first * (1 - 1e-15), first, first * (1 + 1e-12)):
+            jets, interpreted = np.zeros((2, program.slots, COLUMNS))
+            mode_jets(native.code, numbers, 0, order, np.array([start]), jets)
+            mode_jets(program.code, numbers, 0, order, np.array([start]), interpreted)
+            np.testing.assert_array_equal(jets[[0, guard]], interpreted[[0, guard]])
+            assert (interpreted[guard, 2] != 0) == (start > first * abs(start**1.5 - 1))
+
+
+def test_orders_beyond_the_highest_are_interpreted():
+    """No order above may be asked for, but a tolerance far below rounding leads to one."""
+    model, method = LAWS[0], fl.Taylor(tol=1e-40)
+    assert method.degree > HIGHEST
+    native = with_code(model.automaton(), 0)
+    jets = np.zeros((program_of(model.automaton())[0].slots, columns(method.degree)))
+    assert not has_native(native.code, 0, jets)
+    ends = fl.ensemble([model] * 3, 0.05, method=method, progress=False)
+    run = fl.simulate(model, 0.05, method=method, progress=False)
+    np.testing.assert_array_equal(ends.states, [run.final_state] * 3)
 
 
 def test_a_run_may_change_over_at_any_step(monkeypatch):
@@ -87,15 +127,15 @@ def test_a_run_may_change_over_at_any_step(monkeypatch):
     for limit in (10**9, 100, 0):
         monkeypatch.setattr(natives, "LONG", limit)
         program = program_of(model.automaton())[0]
-        program.natives.clear()
+        natives._MADE.pop(program, None)
+        native = natives.natives(program)
         if limit == 0:
-            native = natives.natives(program, 26, 27)
             for mode in range(len(native.code.native)):
                 native.compile(mode)
         run = fl.simulate(model, 20.0, progress=False)
-        used = program.natives[26, 27].code.native
+        used = native.code.native
         if limit == 100:
-            wait(program.natives[26, 27]._asked.values())
+            wait(native._asked.values())
             assert (used != 0).sum() >= 3  # sliding backwards is rare
         alone[limit] = run.final_state, run.events.t, used.copy()
     assert (alone[0][2] != 0).all()
@@ -107,21 +147,43 @@ def test_a_run_may_change_over_at_any_step(monkeypatch):
 def test_what_one_process_compiled_the_next_one_finds(tmp_path, monkeypatch):
     monkeypatch.setattr(compiled, "FOLDER", str(tmp_path))
     program = program_of(LAWS[1].automaton())[0]
-    first = natives.Natives(program, 9, 10)
+    first = natives.Natives(program)
     assert not first.code.native.any()
     first.compile(1)
     assert len(list(tmp_path.glob("jets-*.o"))) == 1
-    second = natives.Natives(program, 9, 10)
+    second = natives.Natives(program)
     assert (second.code.native != 0).tolist() == [False, True, False, False]
-    assert not natives.Natives(program, 10, 11).code.native.any()
+
+
+def test_another_order_or_method_compiles_nothing(tmp_path, monkeypatch):
+    """One that comes later finds the code there is, in this process and in the next."""
+    monkeypatch.setattr(compiled, "FOLDER", str(tmp_path))
+    monkeypatch.setattr(natives, "LONG", 0)
+    model = fl.SliderOnBelt(mu_k=1.4, impact=fl.RestitutionImpact(e=0.25))
+    program = program_of(model.automaton())[0]
+    natives._MADE.pop(program, None)
+    native = natives.natives(program)
+    for mode in range(len(program.modes)):
+        native.compile(mode)
+        native.compile_step(mode)
+    kept, addresses = set(tmp_path.iterdir()), native.code.native.copy()
+    methods = [*(fl.Taylor(order=order) for order in (4, 11, 26, 33, 60)), fl.RK4(), fl.Scipy()]
+    for method in methods:
+        fl.simulate(model, 0.3, method=method, progress=False)
+    for method in methods[:5]:
+        fl.ensemble([model] * 4, 0.3, method=method, progress=False)
+    assert natives.natives(program) is native
+    assert not native._asked
+    np.testing.assert_array_equal(native.code.native, addresses)
+    assert set(tmp_path.iterdir()) == kept
+    assert natives.Natives(program).code.native.all()
+    assert set(tmp_path.iterdir()) == kept
 
 
 @pytest.mark.parametrize("folder", ["", "/proc/no/such/folder"])
 def test_without_a_folder_it_is_compiled_in_memory(folder, monkeypatch):
     monkeypatch.setattr(compiled, "FOLDER", folder)
-    native = natives.Natives(program_of(LAWS[1].automaton())[0], 4, 5)
-    native.compile(0)
-    assert native.code.native[0] != 0
+    with_code(LAWS[1].automaton(), 0)
 
 
 def test_parameter_values_compile_nothing(monkeypatch):
@@ -135,5 +197,5 @@ def test_short_runs_compile_nothing(monkeypatch, tmp_path):
     model = fl.SliderOnBelt(mu_k=1.4, interface=SlidingSeparation(), impact=fl.RestitutionImpact(e=0.9))
     fl.simulate(model, 0.5, progress=False)
     program = program_of(model.automaton())[0]
-    assert all(not each._asked for each in program.natives.values())
+    assert not natives.natives(program)._asked
     assert list(tmp_path.glob("jets*")) == []
