@@ -14,7 +14,7 @@ from frictionlab.hybrid.trajectory import Trajectory
 from .attractors import SAME_RANGE, Found, size_of
 from .kinds import DYING, ENDED, EQUILIBRIUM, SAMPLES, UNSETTLED
 from .recurrence import Array, sizes
-from .sections import asked, turning
+from .sections import recorded
 from .window import judged
 
 POINTS = 20_000  # of an attractor, evenly in time: a sinusoid's are 1.6e-4 of its range apart
@@ -39,8 +39,7 @@ def probe(automaton: HybridAutomaton, start: Any, settings: Settings) -> Found:
 def examined(automaton: HybridAutomaton, state: Array, spread: Array, settings: Settings) -> Found:
     """What the motion from a state comes to, the transient being over; `spread` (n,) is its range so far."""
     section, tolerance = settings["section"], settings["tolerance"]
-    sections = asked(automaton, section or turning(automaton))
-    run = _run(automaton, settings["window"], state, settings, sections)
+    run = _run(automaton, settings["window"], state, settings, recorded(automaton, section))
     verdict = judged(run, section, tolerance)
     kind = EQUILIBRIUM if _dies(run, verdict.kind, spread, settings["near"]) else verdict.kind
     end, period = run.final_state, None if np.isnan(verdict.period) else verdict.period

@@ -10,6 +10,7 @@ import numpy as np
 
 from frictionlab.hybrid.trajectory import Points, Trajectory
 
+from .clocks import unwound
 from .intensity import intensity
 from .kinds import ENDED, EQUILIBRIUM, NON_PERIODIC, PERIODIC, kind_of, onsets_in
 from .recurrence import SHORTEST, Recurrence, recurrence, sizes
@@ -94,9 +95,19 @@ def judged(run: Trajectory, section: Section | None, tolerance: float) -> Verdic
         return Verdict(end, Recurrence(0, np.nan, np.nan, np.nan), ENDED, np.nan)
     if section is None:
         section = STICK if stick_onsets(run).sum() >= SHORTEST else turning(run.automaton)
+    found = _at(run, section, tolerance)
+    if section == STICK and found.kind != PERIODIC:
+        # Where the belt's speed is but touched, stick begins or does not as rounding has it.
+        other = _at(run, turning(run.automaton), tolerance)
+        found = other if other.kind == PERIODIC else found
+    return found
+
+
+def _at(run: Trajectory, section: Section, tolerance: float) -> Verdict:
     crossings = points(run, section)
-    returns = recurrence(crossings.t, crossings.state, sizes(run.raw.step_states), tolerance)
-    kind = kind_of(run, returns, crossings.state, tolerance)
+    states, size = unwound(run, crossings.state), sizes(unwound(run, run.raw.step_states))
+    returns = recurrence(crossings.t, states, size, tolerance)
+    kind = kind_of(run, states, returns, tolerance)
     return Verdict(crossings, returns, kind, returns.period if kind == PERIODIC else np.nan)
 
 

@@ -14,9 +14,9 @@ from frictionlab.hybrid.trajectory import Trajectory
 def violation(run: Trajectory) -> float:
     """Most that a sample of a run violates a condition of its mode, as a share of the condition's size.
 
-    Event functions must not be negative, constraints must be zero.  The size of a condition is the largest sum
-    of its terms along the run, in whatever mode: where a flight begins the gap is all rounding, and a flight may
-    be as short as one likes.
+    Event functions must not be negative, constraints must be zero.  The size of a condition is the largest
+    sum of its absolute terms along the run, in whatever mode: where a flight begins the gap is all rounding,
+    and a flight may be as short as one likes.
     """
     states, modes, worst = run.states, run._samples[2], 0.0
     for mode in np.unique(modes):
@@ -29,7 +29,7 @@ def violation(run: Trajectory) -> float:
 
 
 def _conditions(problem: Problem, mode: int, states: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """By how much states (N, n) violate each condition of a mode, and the sums of its absolute terms (N, k)."""
+    """By how much states (N, n) violate a mode's conditions (N, k), and the sums of their absolute terms."""
     code, numbers = problem.program.code, problem.numbers
     absolute, J = Numbers(*map(np.abs, numbers)), np.zeros((problem.program.slots, 1))
     guards = code.function_slots[code.mode_guards[mode] : code.mode_guards[mode + 1]]

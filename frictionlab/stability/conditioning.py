@@ -1,6 +1,6 @@
 """Which growth rates are zero but for rounding: by the backward error of the eigenvalue problem.
 
-Computed eigenvalues of A are exact ones of A + E, where |E| is about m eps |A|; A itself is rounded by as much.
+Computed eigenvalues of A are exact ones of A + E, where |E| is about m eps |A|; A is rounded by as much.
 Source: Golub and Van Loan, Matrix Computations, 4th ed., sections 7.2 and 7.5.
 """
 
@@ -19,9 +19,9 @@ ROUNDING = 4.0 * float(np.finfo(float).eps)  # of both, with a factor of two to 
 def neutral(matrix: Array, values: NDArray[np.complex128]) -> NDArray[np.bool_]:
     """Whether the real part of each eigenvalue (m,) of a real matrix (m, m) is nothing but rounding.
 
-    To first order E moves an eigenvalue by |E| times its condition number.  Where two coalesce that number is
-    infinite and tells nothing, as at critical damping: there has to be an E as well that puts an eigenvalue on
-    the imaginary axis at this frequency.  Both are looked at in the units of the balanced matrix.
+    To first order E moves an eigenvalue by |E| times its condition number.  Where two coalesce that number
+    is infinite and tells nothing, as at critical damping: there has to be an E as well that puts an
+    eigenvalue on the imaginary axis at this frequency.  Both are looked at for the balanced matrix.
     """
     balanced: Any = matrix_balance(matrix, permute=False)[0]
     error = len(matrix) * ROUNDING * np.linalg.norm(balanced, 2)

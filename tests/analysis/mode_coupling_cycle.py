@@ -55,7 +55,7 @@ def by_differences(z, c, kinetic, h=1e-4):
 
 
 def cycle(z, c, kinetic):
-    """From an onset of stick (x, y, y'), through slip, flight and slip, to the next: its state, the four times."""
+    """From an onset of stick (x, y, y') through slip, flight and slip to the next: its state, four times."""
     t1, z, _ = _sticks([z[0], z[1], V, z[2]], c)
     t2, z, lost = _slips(z, c, kinetic)
     assert lost == 0

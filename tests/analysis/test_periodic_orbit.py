@@ -231,7 +231,9 @@ def test_a_cycle_with_loss_of_contact_is_that_of_another_integrator(mu_k):
     stays = dict(zip(["stick", "slip+", "separation", "slip+ again"], times))
     assert [name for name, _ in orbit.modes] == ["slip+", "stick", "slip+", "separation"]
     ours = [seconds for _, seconds in orbit.modes]
-    assert ours == pytest.approx([stays[n] for n in ("slip+ again", "stick", "slip+", "separation")], abs=1e-10)
+    assert ours == pytest.approx(
+        [stays[n] for n in ("slip+ again", "stick", "slip+", "separation")], abs=1e-10
+    )
     found = np.linalg.eigvals(by_differences(onset, 0.1, mu_k))
     exact = multipliers(orbit)[:2]
     assert all(np.abs(found - value).min() < 1e-7 for value in exact)

@@ -167,7 +167,8 @@ def test_what_barely_flutters_is_unstable():
         root = np.sqrt(beyond * k12 * model.k3)  # of omega^2 = (k11 + k22)/2 +- i root
         exact = np.sqrt(-(k11 + k22) / 2 + 1j * root).real
         assert found.growth_rates.max() == pytest.approx(exact, rel=1e-4)
-        assert not (found.stable or found.marginal)
+        assert not found.stable
+        assert not found.marginal
 
 
 def test_critical_damping_is_stable_though_its_eigenvalue_has_no_condition_number():
