@@ -5,6 +5,8 @@ To set one back is no event of the motion, and the end of a round is its beginni
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from frictionlab.automaton import Mode
@@ -16,6 +18,8 @@ from .recurrence import Array
 def ticks(run: Trajectory) -> np.ndarray:
     """Which events (E,) do nothing but set a clock back: no coordinate, velocity or mode changes."""
     events, automaton = run.events, run.automaton
+    if not _others(run):
+        return np.zeros(len(events), dtype=bool)
     pairs = list(zip(events.source.tolist(), events.guard.tolist()))
     modes = {name: automaton.modes[automaton.names.index(name)] for name in {*events.source.tolist()}}
     known = {(name, guard) for name, mode in modes.items() for guard in _clocks(run, mode)}
@@ -24,13 +28,18 @@ def ticks(run: Trajectory) -> np.ndarray:
 
 def _clocks(run: Trajectory, mode: Mode) -> list[str]:
     """The events of a mode that set a clock back."""
-    velocities_end = 2 * run.automaton.coordinates
-    others = {*run.automaton.states[velocities_end:]} if velocities_end else set()
+    others = _others(run)
     return [
         e.name
         for e in mode.events
         if e.targets == (mode.name,) and e.reset.jump and {*e.reset.jump} <= others
     ]
+
+
+def _others(run: Trajectory) -> set[Any]:
+    """The states that are neither coordinates nor velocities."""
+    first = 2 * run.automaton.coordinates
+    return {*run.automaton.states[first:]} if first else set()
 
 
 def undisturbed(run: Trajectory) -> bool:
@@ -51,6 +60,8 @@ def come_round(run: Trajectory) -> bool:
 def unwound(run: Trajectory, states: Array) -> Array:
     """States (N, m) of a run with every clock as a point on a circle."""
     at, columns = ticks(run), [*states.T]
+    if not at.any():
+        return states
     for i, (before, after) in enumerate(zip(run.events.before[at].T, run.events.state[at].T)):
         jumps = np.flatnonzero(before != after)
         if len(jumps):

@@ -22,7 +22,7 @@ NOTABLE = 1e-6  # share of the motion's square above which a part of it has to d
 
 
 class Courses(NamedTuple):
-    """Mean squares (PARTS, k) of what goes along k eigenvectors, in parts of the time; which shrink by the map."""
+    """Mean squares (PARTS, k) of what goes along k eigenvectors, part by part; which shrink by the map."""
 
     squares: Array
     inside: NDArray[np.bool_]
@@ -74,12 +74,14 @@ def _courses(samples: Array, size: Array) -> Courses | None:
     steps = np.diff(samples / np.where(size > 0, size, 1.0), axis=0)
     if len(steps) < PARTS:
         return None
-    _, spread, directions = np.linalg.svd(steps, full_matrices=False)
-    reduced = steps @ directions[spread > RANK * spread[0]].T
-    if not reduced.any() or len(steps) <= 2 * reduced.shape[1]:
+    shares, spread, _ = np.linalg.svd(steps, full_matrices=False)
+    kept = spread > RANK * spread[0]
+    shares, spread = shares[:, kept], spread[kept]
+    if not len(spread) or len(steps) <= 2 * len(spread):
         return None
-    step = np.linalg.lstsq(reduced[:-1], reduced[1:], rcond=None)[0]
+    first, later = shares[:-1], shares[1:]
+    step = np.linalg.solve(first.T @ first, first.T @ later)  # the columns are all but orthonormal
     factors, modes = np.linalg.eig(step)
-    sizes = np.abs(reduced @ modes) ** 2 * (np.abs(np.linalg.pinv(modes)) ** 2).sum(axis=1)
-    squares = np.array([part.mean(axis=0) for part in np.array_split(sizes, PARTS)])
-    return Courses(squares, np.abs(factors) < 1.0)
+    lengths = (np.abs(np.linalg.pinv(modes) * spread) ** 2).sum(axis=1)
+    parts = np.array_split(np.abs(shares @ modes) ** 2 * lengths, PARTS)
+    return Courses(np.array([part.mean(axis=0) for part in parts]), np.abs(factors) < 1.0)

@@ -25,7 +25,8 @@ def neutral(matrix: Array, values: NDArray[np.complex128]) -> NDArray[np.bool_]:
     """
     balanced: Any = matrix_balance(matrix, permute=False)[0]
     error = len(matrix) * ROUNDING * np.linalg.norm(balanced, 2)
-    known, left, right = eig(balanced, left=True)
+    system: Any = eig(balanced, left=True)
+    known, left, right = system
     nearest = np.abs(values[:, None] - known).argmin(axis=1)
     product = np.abs((left.conj() * right).sum(axis=0))[nearest]
     on_axis = balanced - 1j * values.imag[:, None, None] * np.eye(len(matrix))
