@@ -62,10 +62,10 @@ def _dies(run: Trajectory, kind: str, spread: Array, near: float) -> bool:
 
 def _upon(automaton: HybridAutomaton, state: Array, kind: str, spread: Array, settings: Settings) -> Array:
     """A state on an attractor that is told by its first decimals so far: one transient later, or at rest."""
-    size = size_of([], spread, automaton.coordinates)
+    size, moving = size_of([], spread, automaton.coordinates), 2 * automaton.coordinates or None
     for _ in range(PATIENCE if kind == EQUILIBRIUM else 1):
         before, state = state, _run(automaton, settings["transient"], state, settings).final_state
-        if not (np.abs(state - before) / size).max() > STILL:
+        if not (np.abs(state - before) / size)[:moving].max() > STILL:
             break
     return state
 
@@ -73,7 +73,7 @@ def _upon(automaton: HybridAutomaton, state: Array, kind: str, spread: Array, se
 def cloud(automaton: HybridAutomaton, found: Found, settings: Settings) -> Array:
     """Points (K, n) of an attractor, evenly in time; none of what is no attractor."""
     state = np.array(found["state"])
-    if found["kind"] == EQUILIBRIUM:
+    if found["kind"] == EQUILIBRIUM and len(state) <= 2 * automaton.coordinates:
         return state[None]
     if found["kind"] not in SAME_RANGE:
         return state[None][:0]
