@@ -14,7 +14,7 @@ from frictionlab.hybrid.trajectory import Trajectory
 from .attractors import SAME_RANGE, Found, size_of
 from .kinds import DYING, ENDED, EQUILIBRIUM, SAMPLES, UNSETTLED
 from .recurrence import Array, sizes
-from .sections import asked, turning
+from .sections import recorded
 from .window import judged
 
 POINTS = 20_000  # of an attractor, evenly in time: a sinusoid's are 1.6e-4 of its range apart
@@ -39,8 +39,7 @@ def probe(automaton: HybridAutomaton, start: Any, settings: Settings) -> Found:
 def examined(automaton: HybridAutomaton, state: Array, spread: Array, settings: Settings) -> Found:
     """What the motion from a state comes to, the transient being over; `spread` (n,) is its range so far."""
     section, tolerance = settings["section"], settings["tolerance"]
-    sections = asked(automaton, section or turning(automaton))
-    run = _run(automaton, settings["window"], state, settings, sections)
+    run = _run(automaton, settings["window"], state, settings, recorded(automaton, section))
     verdict = judged(run, section, tolerance)
     kind = EQUILIBRIUM if _dies(run, verdict.kind, spread, settings["near"]) else verdict.kind
     end, period = run.final_state, None if np.isnan(verdict.period) else verdict.period
@@ -63,10 +62,10 @@ def _dies(run: Trajectory, kind: str, spread: Array, near: float) -> bool:
 
 def _upon(automaton: HybridAutomaton, state: Array, kind: str, spread: Array, settings: Settings) -> Array:
     """A state on an attractor that is told by its first decimals so far: one transient later, or at rest."""
-    size = size_of([], spread, automaton.coordinates)
+    size, moving = size_of([], spread, automaton.coordinates), 2 * automaton.coordinates or None
     for _ in range(PATIENCE if kind == EQUILIBRIUM else 1):
         before, state = state, _run(automaton, settings["transient"], state, settings).final_state
-        if not (np.abs(state - before) / size).max() > STILL:
+        if not (np.abs(state - before) / size)[:moving].max() > STILL:
             break
     return state
 
@@ -74,7 +73,7 @@ def _upon(automaton: HybridAutomaton, state: Array, kind: str, spread: Array, se
 def cloud(automaton: HybridAutomaton, found: Found, settings: Settings) -> Array:
     """Points (K, n) of an attractor, evenly in time; none of what is no attractor."""
     state = np.array(found["state"])
-    if found["kind"] == EQUILIBRIUM:
+    if found["kind"] == EQUILIBRIUM and len(state) <= 2 * automaton.coordinates:
         return state[None]
     if found["kind"] not in SAME_RANGE:
         return state[None][:0]

@@ -6,7 +6,9 @@ import numpy as np
 
 from frictionlab.hybrid.trajectory import Trajectory
 
-from .recurrence import NEARLY, NEVER, SETTLING, Recurrence, drifts, repeats, sizes, swells
+from .clocks import come_round, undisturbed, unwound
+from .fading import dies, fades
+from .recurrence import FEWEST, NEARLY, SETTLING, Array, Recurrence, drifts, repeats, sizes, swells
 from .sections import stick_onsets
 
 EQUILIBRIUM, PERIODIC, NON_PERIODIC = "equilibrium", "periodic", "non-periodic"
@@ -17,28 +19,59 @@ ROUNDING = 1e-9
 SAMPLES = 8001
 
 
-def kind_of(run: Trajectory, returns: Recurrence, crossings: np.ndarray, tolerance: float) -> str:
-    """The kind of motion in a run with these crossings (K, m) of a section, which return so nearly."""
+def kind_of(run: Trajectory, crossings: Array, returns: Recurrence, tolerance: float) -> str:
+    """The kind of motion in a run with these crossings (K, m) of a section, which return so nearly.
+
+    Crossings are those of :func:`frictionlab.analysis.clocks.unwound`.
+    """
     resting = _at_rest(run)
     if resting is not None:
         return EQUILIBRIUM if resting else UNSETTLED
     if repeats(returns, tolerance):
         return PERIODIC
-    states = run.raw.step_states
+    if _dies_slowly(run):
+        return EQUILIBRIUM
     near = returns.deviation < NEARLY or returns.shrinking > SETTLING
-    on_its_way = near or drifts(crossings, sizes(states)) or swells(states)
-    return UNSETTLED if returns is NEVER or on_its_way else NON_PERIODIC
+    return UNSETTLED if len(crossings) < FEWEST or near or _on_its_way(run, crossings) else NON_PERIODIC
 
 
 def _at_rest(run: Trajectory) -> bool | None:
     """Whether a motion without events has come to rest; None where it is not on its way there."""
+    if not undisturbed(run):
+        return None
+    x = _even(run)[:, : run.automaton.coordinates or None]
+    first, *_, last = (float(sizes(part).max()) for part in np.array_split(x, 4))
+    if sizes(x).max() <= ROUNDING * np.abs(x).max():
+        return come_round(run)  # what a force holds now it may move later on
     if len(run.events):
         return None
-    x = run(np.linspace(0.0, run.raw.t, SAMPLES))[:, : run.automaton.coordinates or None]
-    first, *_, last = (float(sizes(part).max()) for part in np.array_split(x, 4))
     if last <= ROUNDING * np.abs(x).max():
         return True
     return last < AT_REST * np.abs(x).max() if last < first / DYING else None
+
+
+def _dies_slowly(run: Trajectory) -> bool:
+    """Whether a motion without events has all but died, too slowly to shrink much within the window."""
+    if len(run.events):
+        return False
+    x = _even(run)
+    coordinates = x[:, : run.automaton.coordinates or None]
+    small = sizes(coordinates).max() < AT_REST * np.abs(coordinates).max()
+    return bool(small and dies(x, sizes(x)))
+
+
+def _on_its_way(run: Trajectory, crossings: Array) -> bool:
+    """Whether a motion that does not repeat goes one way all along."""
+    size = sizes(unwound(run, run.raw.step_states))
+    if drifts(crossings, size) or swells(run.raw.step_states) or fades(crossings, size):
+        return True
+    x = unwound(run, _even(run))
+    return fades(x, sizes(x), evenly=not undisturbed(run))
+
+
+def _even(run: Trajectory) -> Array:
+    """States (N, m) at even times."""
+    return run(np.linspace(0.0, run.raw.t, SAMPLES))
 
 
 def onsets_in(run: Trajectory, period: float) -> int:

@@ -13,6 +13,7 @@ LONGEST = 500  # crossings in a period that are looked for at most
 NEARLY = 1e-3
 SETTLING = 1.5  # a deviation that shrinks so much from each third of the window to the next still settles
 PARTS = 8  # by chance, eight numbers are in ascending or descending order twice in 40320 times
+FEWEST = PARTS * SHORTEST  # crossings below which a motion that does not repeat may do so yet, or go one way
 
 
 class Recurrence(NamedTuple):
@@ -23,10 +24,11 @@ class Recurrence(NamedTuple):
     lag : int
         Crossings in a period; 0 where there are too few to tell.
     period : float
-        Mean time of them in s; NaN where `lag` is 0.
+        Mean time of them in s, over the second half of the crossings; NaN where `lag` is 0.
     deviation : float
-        Largest difference of the state to that one period before, over the second half of the crossings,
-        as a share of the motion's size.
+        Largest difference of the state to that one period before, as a share of the motion's size, or of
+        the time between the two to the last such time, as a share of the longest; over the second half of
+        the crossings.
     shrinking : float
         By which factor at least it shrinks from each third of them to the next: large where the motion
         still settles.
@@ -68,10 +70,21 @@ def repeats(found: Recurrence, tolerance: float) -> bool:
 
 
 def _at_lag(t: Array, states: Array, lag: int) -> Recurrence:
-    differences = np.abs(states[lag:] - states[:-lag]).max(axis=1)
-    late, count = float(differences[len(differences) // 2 :].max()), (len(t) - 1) // lag
+    differences = np.maximum(np.abs(states[lag:] - states[:-lag]).max(axis=1), _late(t[lag:] - t[:-lag]))
+    half = len(differences) // 2
+    count = (len(t) - 1 - half) // lag
     period = float(t[-1] - t[-1 - count * lag]) / count
-    return Recurrence(lag, period, late, _shrinking(differences))
+    return Recurrence(lag, period, float(differences[half:].max()), _shrinking(differences))
+
+
+def _late(times: Array) -> Array:
+    """How far times between returns are from the last of them, as shares of the longest.
+
+    A section that is only touched misses some of the returns, and a state may come upon it twice at once: it
+    is the same state at each crossing, though not after the same time.
+    """
+    longest = times.max()
+    return np.abs(times - times[-1]) / longest if longest > 0.0 else np.ones(len(times))
 
 
 def _shrinking(differences: Array) -> float:
@@ -92,7 +105,7 @@ def drifts(states: Array, size: Array) -> bool:
     size : array (m,)
         Size of the motion in each state.
     """
-    if len(states) < PARTS * SHORTEST:
+    if len(states) < FEWEST:
         return False
     parts = np.array_split(states / np.where(size > 0, size, 1.0), PARTS)
     course = [[*part.mean(axis=0), part.std(axis=0).sum()] for part in parts]

@@ -86,6 +86,11 @@ def _plain(name: str) -> str:
     return name.replace("'", "_rate")
 
 
+def recorded(automaton: Any, section: Section | None) -> dict[str, Any]:
+    """What a run has to record for recurrence to be looked at: beside onsets of stick where it turns."""
+    return asked(automaton, section or turning(automaton)) or asked(automaton, turning(automaton))
+
+
 def turning(automaton: Any) -> tuple[str, int]:
     """Where the first coordinate is largest; without coordinates, where the first state passes zero."""
     return (str(automaton.states[automaton.coordinates]), -1)

@@ -17,7 +17,7 @@ from frictionlab.stability.automata import automaton_of
 
 from .intensity import resting_point, squared_distance, with_resting_point
 from .kinds import ENDED, EQUILIBRIUM, NON_PERIODIC, PERIODIC, UNSETTLED
-from .sections import Section, asked, turning
+from .sections import Section, asked, recorded
 from .simulate import initial_state
 from .window import SteadyState, look
 
@@ -51,8 +51,10 @@ def steady_state(
     A motion is periodic where the whole state at a section returns within `tolerance` of the motion's size
     for the second half of the window, or within a thousandth and ever more nearly.  It is at rest where
     nothing happens any more and what still moves dies away and is less than a thousandth of the
-    coordinates.  It is not settled yet where it does neither, but nears one of them, or repeats within a
-    thousandth and no better, or goes one way all along, or doubles or halves its size.
+    coordinates, or where friction holds it while a force goes through its period.  It is not settled yet
+    where it does neither, but nears one of them, or repeats within a thousandth and no better, or goes one
+    way all along, or doubles or halves its size, or one of its modes fades or grows, however slowly; or
+    where the window has less than 24 crossings of the section.
 
     Parameters
     ----------
@@ -159,7 +161,7 @@ def _window(
     options: dict[str, Any] = {"method": method, "progress": progress, "source": model}
     automaton, point = automaton_of(model), resting_point(model)
     if method.riders:
-        options["sections"] = asked(automaton, section or turning(automaton))
+        options["sections"] = recorded(automaton, section)
     if method.riders and point is not None:
         automaton = with_resting_point(automaton, point)
         options["quadratures"] = squared_distance(automaton)

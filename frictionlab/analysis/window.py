@@ -10,9 +10,10 @@ import numpy as np
 
 from frictionlab.hybrid.trajectory import Points, Trajectory
 
+from .clocks import unwound
 from .intensity import intensity
 from .kinds import ENDED, EQUILIBRIUM, NON_PERIODIC, PERIODIC, kind_of, onsets_in
-from .recurrence import SHORTEST, Recurrence, recurrence, sizes
+from .recurrence import FEWEST, SHORTEST, Array, Recurrence, recurrence, repeats, sizes
 from .sections import STICK, Section, points, stick_onsets, turning
 from .spectrum import Spectrum, amplitude_spectrum
 
@@ -95,9 +96,20 @@ def judged(run: Trajectory, section: Section | None, tolerance: float) -> Verdic
     if section is None:
         section = STICK if stick_onsets(run).sum() >= SHORTEST else turning(run.automaton)
     crossings = points(run, section)
-    returns = recurrence(crossings.t, crossings.state, sizes(run.raw.step_states), tolerance)
-    kind = kind_of(run, returns, crossings.state, tolerance)
+    states, returns = _returning(run, crossings, tolerance)
+    if section == STICK and not repeats(returns, tolerance):
+        # Where the belt's speed is but touched, stick begins or not as rounding has it.
+        turns, other = _returning(run, points(run, turning(run.automaton)), tolerance)
+        if repeats(other, tolerance) or len(states) < FEWEST:
+            states, returns = turns, other
+    kind = kind_of(run, states, returns, tolerance)
     return Verdict(crossings, returns, kind, returns.period if kind == PERIODIC else np.nan)
+
+
+def _returning(run: Trajectory, crossings: Points, tolerance: float) -> tuple[Array, Recurrence]:
+    """The states at crossings of a section, clocks as points on a circle, and how they repeat."""
+    states, size = unwound(run, crossings.state), sizes(unwound(run, run.raw.step_states))
+    return states, recurrence(crossings.t, states, size, tolerance)
 
 
 def look(

@@ -52,8 +52,9 @@ def _eigenvalues(model: Any) -> Iterator[str]:
     except ValueError as error:
         yield f"\nNo eigenvalues: {error}"
         return
-    growing = sum(found.growth_rates >= 0)
-    verdict = "stable" if found.stable else f"unstable: {growing} do not decay"
+    lasting = f"{sum(found.growth_rates >= 0)} do not decay"
+    kind = "stable" if found.stable else "marginal" if found.marginal else "unstable"
+    verdict = kind if found.stable else f"{kind}: {lasting}"
     yield f"\nEigenvalues there ({verdict})\n  frequency (Hz)  growth rate (1/s)  value (1/s)"
     # Of a conjugate pair the one in the upper half-plane stands for both.
     for value, frequency in zip(found.values, found.frequencies, strict=True):

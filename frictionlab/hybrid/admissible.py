@@ -7,24 +7,39 @@ import numpy as np
 from frictionlab.hybrid.guards import majorant
 from frictionlab.hybrid.jets import run_tape
 from frictionlab.hybrid.layout import Numbers
+from frictionlab.hybrid.problem import Problem
 from frictionlab.hybrid.trajectory import Trajectory
 
 
 def violation(run: Trajectory) -> float:
-    """Most that a sample of a run violates a condition of its mode, as a share of the condition's terms.
+    """Most that a sample of a run violates a condition of its mode, as a share of the condition's size.
 
-    Event functions must not be negative, constraints must be zero.
+    Event functions must not be negative, constraints must be zero.  The size of a condition is the largest
+    sum of its absolute terms along the run, in whatever mode: where a flight begins the gap is all rounding,
+    and a flight may be as short as one likes.
     """
-    program, numbers = run._problem.program, run._problem.numbers
-    absolute, J = Numbers(*map(np.abs, numbers)), np.zeros((program.slots, 1))
-    code, sizes, worst = program.code, J.copy(), 0.0
-    for z, mode in zip(run.states, run._samples[2], strict=True):
+    states, modes, worst = run.states, run._samples[2], 0.0
+    for mode in np.unique(modes):
+        inside = states[modes == mode]
+        amounts, terms = _conditions(run._problem, mode, np.vstack([inside, run.raw.step_states]))
+        sizes = np.where(np.isfinite(terms), terms, 0.0).max(axis=0)  # elsewhere it may be none, as sqrt(gap)
+        shares = amounts[: len(inside), sizes > 0] / sizes[sizes > 0]
+        worst = max(worst, shares.max(initial=0.0))
+    return float(worst)
+
+
+def _conditions(problem: Problem, mode: int, states: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """By how much states (N, n) violate a mode's conditions (N, k), and the sums of their absolute terms."""
+    code, numbers = problem.program.code, problem.numbers
+    absolute, J = Numbers(*map(np.abs, numbers)), np.zeros((problem.program.slots, 1))
+    guards = code.function_slots[code.mode_guards[mode] : code.mode_guards[mode + 1]]
+    fixed = code.function_slots[code.mode_constraints[mode] : code.mode_constraints[mode + 1]]
+    amounts = np.empty((len(states), len(guards) + len(fixed)))
+    terms, sums = np.empty_like(amounts), J.copy()
+    for i, z in enumerate(states):
         J[: len(z), 0] = z
         run_tape(code, numbers, code.mode_ops[mode], code.mode_ops[mode + 1], 0, code.flow[mode], -1.0, J, J)
-        majorant(code, absolute, mode, 0, z, J, sizes)
-        guards = code.function_slots[code.mode_guards[mode] : code.mode_guards[mode + 1]]
-        fixed = code.function_slots[code.mode_constraints[mode] : code.mode_constraints[mode + 1]]
-        amounts = np.append(-J[guards, 0], np.abs(J[fixed, 0]))
-        terms = np.append(sizes[guards, 0], sizes[fixed, 0])
-        worst = max([worst, *(amounts[terms > 0] / terms[terms > 0])])
-    return float(worst)
+        majorant(code, absolute, mode, 0, z, J, sums)
+        amounts[i] = np.append(-J[guards, 0], np.abs(J[fixed, 0]))
+        terms[i] = np.append(sums[guards, 0], sums[fixed, 0])
+    return amounts, terms

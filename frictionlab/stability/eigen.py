@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .conditioning import neutral
 from .equilibria import Equilibrium, equilibrium
 from .view import steady
 
@@ -22,7 +23,8 @@ class Eigenvalues:
     Parameters
     ----------
     values : complex array (2n,)
-        1/s, by ascending magnitude of the imaginary part; conjugate pairs are adjacent.
+        1/s, by ascending magnitude of the imaginary part; conjugate pairs are adjacent.  A growth rate that
+        the rounding of the state matrix could make up is 0.
     vectors : complex array (2n, 2n)
         Their vectors as columns: coordinates, then velocities.
     equilibrium : Equilibrium
@@ -40,13 +42,18 @@ class Eigenvalues:
 
     @property
     def growth_rates(self) -> Array:
-        """Real parts, 1/s, (2n,): positive ones grow."""
+        """Real parts, 1/s, (2n,): positive ones grow, those that are 0 neither grow nor decay."""
         return self.values.real
 
     @property
     def stable(self) -> bool:
         """Whether every growth rate is negative."""
         return bool((self.growth_rates < 0).all())
+
+    @property
+    def marginal(self) -> bool:
+        """Whether none grows, and not all decay, as without damping."""
+        return bool(self.growth_rates.max() == 0.0)
 
     @property
     def shapes(self) -> ComplexArray:
@@ -61,8 +68,10 @@ class Eigenvalues:
 
     def __repr__(self) -> str:
         upper = self.values[self.values.imag >= 0]  # one of each conjugate pair
-        modes = ", ".join(f"{v.real:+.3g}/s at {v.imag / (2 * np.pi):.4g} Hz" for v in upper)
-        return f"Eigenvalues({'stable' if self.stable else 'unstable'}: {modes})"
+        rates = (f"{v.real:+.3g}" if v.real else "0" for v in upper)
+        modes = ", ".join(f"{rate}/s at {v.imag / (2 * np.pi):.4g} Hz" for rate, v in zip(rates, upper))
+        kind = "stable" if self.stable else "marginal" if self.marginal else "unstable"
+        return f"Eigenvalues({kind}: {modes})"
 
 
 def eigenvalues(model: Any) -> Eigenvalues:
@@ -75,7 +84,7 @@ def eigenvalues(model: Any) -> Eigenvalues:
     Returns
     -------
     Eigenvalues
-        With `values`, `frequencies` (Hz), `growth_rates` (1/s), `stable`, `vectors`, `shapes`,
+        With `values`, `frequencies` (Hz), `growth_rates` (1/s), `stable`, `marginal`, `vectors`, `shapes`,
         `participation` and the `equilibrium`.
 
     Raises
@@ -90,13 +99,17 @@ def eigenvalues(model: Any) -> Eigenvalues:
     >>> import frictionlab as fl
     >>> fl.eigenvalues(fl.ModeCoupling())
     Eigenvalues(stable: -0.00323/s at 0.1894 Hz, -0.0968/s at 0.1894 Hz)
+    >>> fl.eigenvalues(fl.TwoBlocks())  # without damping
+    Eigenvalues(marginal: 0/s at 0.1592 Hz, 0/s at 0.2935 Hz)
     >>> found = fl.eigenvalues(fl.SliderOnBelt(mu_k=1.4))
     >>> found.stable, found.frequencies.round(2)[::2].tolist()
     (True, [13.51, 14.92, 15.71, 17.74, 25.63])
     """
     point = equilibrium(model)
-    pairs: Any = np.linalg.eig(jacobian(model, point.q))
+    matrix = jacobian(model, point.q)
+    pairs: Any = np.linalg.eig(matrix)
     values, vectors = pairs.eigenvalues.astype(complex), pairs.eigenvectors.astype(complex)
+    values.real[neutral(matrix, values)] = 0.0
     # The two of a conjugate pair agree exactly in |Im| and Re.
     order = np.lexsort((values.imag, values.real, np.abs(values.imag)))
     return Eigenvalues(values[order], vectors[:, order], point)

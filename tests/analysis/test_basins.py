@@ -102,6 +102,23 @@ def test_an_attractor_that_no_probe_found_is_reported(monkeypatch):
     assert [a.state[0] for a in found.attractors] == pytest.approx([-1.0, 1.0])
 
 
+def test_what_friction_holds_against_a_force_is_one_attractor_at_all_times():
+    """At N = 1.5 a mass within 0.5 of where the spring is slack never moves; its phase goes on."""
+    found = fl.basins(
+        fl.DenHartog(N=1.5),
+        ("x", [0.1, 0.2]),
+        ("phase", [0.0, 1.0, 4.0]),
+        transient=20.0,
+        window=20.0,
+        progress=False,
+    )
+    assert [a.kind for a in found.attractors] == ["equilibrium"] * 2
+    assert (found.labels == found.labels[:, :1]).all() or (found.labels == found.labels[:1]).all()
+    for attractor, x in zip(found.attractors, (0.1, 0.2)):
+        assert attractor.low[:2] == pytest.approx([x, 0.0], abs=1e-12)
+        assert attractor.high[2] - attractor.low[2] == pytest.approx(2 * np.pi, abs=0.01)
+
+
 def test_the_sliders_two_motions():
     """Near the equilibrium and far from it, as Fig. 7 has it at mu_k = 1.4."""
     model = fl.SliderOnBelt(mu_k=1.4, impact=fl.PlasticImpact("full"))

@@ -6,6 +6,7 @@ import sympy as sp
 
 import frictionlab as fl
 from frictionlab import plotting
+from tests.analysis.mode_coupling_cycle import cycle
 from tests.analysis.test_periodic_orbit import FLAT, TILTED, bistable
 from tests.hybrid.textbook import V, X, automaton, coulomb
 
@@ -137,6 +138,21 @@ def test_every_orbit_of_the_slider_is_what_newtons_method_finds_there():
         assert again.period == pytest.approx(found.period, rel=1e-11)
         assert again.multipliers[:3] == pytest.approx(found.multipliers[:3], abs=1e-7)
         assert found.residual < 1e-9
+
+
+def test_a_cycle_with_loss_of_contact_goes_on_to_both_bounds():
+    model = fl.ModeCoupling(c=0.1, mu_k=0.84)
+    orbit = fl.periodic_orbit(model, fl.steady_state(model, progress=False))
+    branch = followed(orbit, "mu_k", (0.7, 0.98))
+    assert branch.ends == ("bound", "bound")
+    assert specials(branch) == []
+    assert branch.stable.all()
+    for mu_k, found in zip(branch.values[::3], branch.orbits[::3]):
+        events = found.trajectory.events
+        (onset,) = events.state[events.target == "stick"][:, [0, 1, 3]]
+        again, times = cycle(onset, 0.1, mu_k)
+        assert again == pytest.approx(onset, abs=1e-8)  # orbits of a branch close to 1e-9 of their size
+        assert sum(times) == pytest.approx(found.period, abs=1e-8)
 
 
 def test_the_sliders_cycle_ends_where_stick_would_begin_at_the_static_limit():

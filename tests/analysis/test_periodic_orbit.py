@@ -5,6 +5,8 @@ import pytest
 import sympy as sp
 
 import frictionlab as fl
+from frictionlab.hybrid.admissible import violation
+from tests.analysis.mode_coupling_cycle import by_differences, cycle
 from tests.hybrid.textbook import V, X, automaton, ball, coulomb, oscillator
 
 FLAT = fl.SliderOnBelt(impact=fl.PlasticImpact("full")).without("geometry")
@@ -215,6 +217,34 @@ def test_the_sliders_multipliers_are_those_of_its_return_map(base, mu_k):
     assert np.abs(exact).min() < 1e-10
     assert orbit.stable
     assert [name for name, _ in orbit.modes] == ["slip+", "stick", "slip+", "separation"]
+
+
+# At 0.7431 and 0.9369 the gap is rounding on the wrong side of zero where the flight begins.
+@pytest.mark.parametrize("mu_k", [0.7, 0.7431, 0.84, 0.9369, 0.98])
+def test_a_cycle_with_loss_of_contact_is_that_of_another_integrator(mu_k):
+    model = fl.ModeCoupling(c=0.1, mu_k=mu_k)
+    orbit = fl.periodic_orbit(model, fl.steady_state(model, progress=False))
+    events = orbit.trajectory.events
+    (onset,) = events.state[events.target == "stick"][:, [0, 1, 3]]
+    again, times = cycle(onset, 0.1, mu_k)
+    assert again == pytest.approx(onset, abs=1e-10)
+    stays = dict(zip(["stick", "slip+", "separation", "slip+ again"], times))
+    assert [name for name, _ in orbit.modes] == ["slip+", "stick", "slip+", "separation"]
+    ours = [seconds for _, seconds in orbit.modes]
+    assert ours == pytest.approx(
+        [stays[n] for n in ("slip+ again", "stick", "slip+", "separation")], abs=1e-10
+    )
+    found = np.linalg.eigvals(by_differences(onset, 0.1, mu_k))
+    exact = multipliers(orbit)[:2]
+    assert all(np.abs(found - value).min() < 1e-7 for value in exact)
+    assert orbit.stable
+
+
+def test_no_condition_is_measured_by_its_own_rounding():
+    for mu_k in np.linspace(0.7, 0.98, 14):
+        model = fl.ModeCoupling(c=0.1, mu_k=mu_k)
+        orbit = fl.periodic_orbit(model, fl.steady_state(model, progress=False))
+        assert violation(orbit.trajectory) < 1e-13
 
 
 def test_the_orbit_is_what_the_motion_settles_to():

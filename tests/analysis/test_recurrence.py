@@ -3,15 +3,17 @@
 import numpy as np
 import pytest
 
+from frictionlab.analysis.fading import dies, fades
 from frictionlab.analysis.recurrence import NEVER, drifts, recurrence, repeats, swells
 
 SIZE = np.ones(2)
 K = 300
+TIME = 0.125  # between crossings; exact in binary, so that equal times are equal
 
 
 def found(states, tolerance=1e-6):
     states = np.asarray(states, dtype=float)
-    returns = recurrence(0.1 * np.arange(len(states)), states, SIZE, tolerance)
+    returns = recurrence(TIME * np.arange(len(states)), states, SIZE, tolerance)
     return returns, repeats(returns, tolerance)
 
 
@@ -29,7 +31,7 @@ def spiral(decay, turn, size=0.1):
 def test_a_cycle_has_its_period(period):
     returns, periodic = found(cyclic(*np.linspace(0.0, 1.0, period)))
     assert (returns.lag, periodic, returns.deviation) == (period, True, 0.0)
-    assert returns.period == pytest.approx(0.1 * period)
+    assert returns.period == pytest.approx(TIME * period)
 
 
 def test_a_cycle_has_to_be_seen_three_times():
@@ -86,6 +88,8 @@ def test_few_crossings_tell_nothing():
     for count in range(3):
         assert found(np.zeros((count, 2)))[0] == NEVER
     assert not drifts(np.arange(10.0).reshape(5, 2), SIZE)
+    assert not fades(np.arange(10.0).reshape(5, 2), SIZE)
+    assert not dies(np.arange(10.0).reshape(5, 2), SIZE)
 
 
 def test_a_size_that_doubles_swells():
@@ -96,3 +100,57 @@ def test_a_size_that_doubles_swells():
     assert swells(steady * np.exp(0.02 * t)[:, None])
     assert swells(steady * np.exp(-0.02 * t)[:, None])
     assert not swells(steady[:0])
+
+
+def test_a_state_that_comes_back_after_other_times_has_not_come_round():
+    """A section that misses some returns, at random, has the same state at each crossing."""
+    missed = np.cumsum(np.random.default_rng(2).integers(1, 4, K)) * TIME
+    returns = recurrence(missed, cyclic(0.5), SIZE, 1e-6)
+    assert not repeats(returns, 1e-6)
+    by_turns = np.cumsum(np.tile([1, 2], K // 2)) * TIME  # it misses every third
+    returns = recurrence(by_turns, cyclic(0.5), SIZE, 1e-6)
+    assert (returns.lag, returns.period) == (2, 3 * TIME)
+
+
+def test_a_state_that_is_met_twice_at_once_has_one_period():
+    returns = recurrence(np.repeat(TIME * np.arange(K // 2), 2), cyclic(0.5), SIZE, 1e-6)
+    assert (returns.lag, returns.period) == (2, TIME)
+
+
+def test_the_period_is_that_of_the_end_where_early_returns_were_missed():
+    times = TIME * np.append([0.0, 7.0, 12.0], 20 + np.arange(K - 3))
+    returns = recurrence(times, cyclic(0.5), SIZE, 1e-6)
+    assert (returns.lag, returns.period) == (1, TIME)
+
+
+def two_modes(*rates, N=2000, T=100.0):
+    """Coordinates and velocities of a chain of two masses whose modes of frequencies 1 and sqrt(3) decay."""
+    t = np.linspace(0.0, T, N)
+    values = np.array(rates) + 1j * np.array([1.0, np.sqrt(3.0)])
+    modes, shapes = np.exp(np.outer(t, values)), np.array([[1.0, 1.0], [0.7, -0.7]])
+    return np.column_stack([(modes @ shapes).real, (modes * values @ shapes).real])
+
+
+@pytest.mark.parametrize("rate", [-1e-2, -1e-4, -1e-6, -1e-8])
+def test_modes_that_beat_fade_however_slowly(rate):
+    one, both = two_modes(0.0, rate), two_modes(rate, rate)
+    assert fades(one, np.ptp(one, axis=0))
+    assert not dies(one, np.ptp(one, axis=0))
+    assert fades(both, np.ptp(both, axis=0))
+    assert fades(both[::-1], np.ptp(both, axis=0))
+
+
+def test_modes_that_beat_without_damping_do_not_fade():
+    kept = two_modes(0.0, 0.0)
+    assert not fades(kept, np.ptp(kept, axis=0))
+    assert not dies(kept, np.ptp(kept, axis=0))
+
+
+def test_what_nears_a_cycle_fades_but_does_not_die():
+    """r' = r (1 - r^2)/50 from outside: r = (1 - exp(-t/25)/2)^(-1/2)."""
+    t = np.linspace(0.0, 100.0, 4001)
+    r = (1.0 - 0.5 * np.exp(-t / 25)) ** -0.5
+    samples = np.column_stack([r * np.cos(t), r * np.sin(t)])
+    assert not dies(samples, np.ptp(samples, axis=0))
+    lost = np.column_stack([np.exp(-t / 25) * np.cos(t), np.exp(-t / 25) * np.sin(t)])
+    assert dies(lost, np.ptp(lost, axis=0))

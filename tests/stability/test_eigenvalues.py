@@ -9,8 +9,9 @@ import pytest
 import sympy
 
 from frictionlab.components import SlidingSeparation, StickSlip
-from frictionlab.models import SliderOnBelt
+from frictionlab.models import MassOnBelt, ModeCoupling, SliderOnBelt, TwoBlocks
 from frictionlab.stability import eigenvalues, equilibrium, jacobian
+from frictionlab.stability.conditioning import neutral
 
 # Claim C4: pairs of the coupled modes, with half a unit of the last printed digits.
 PAPER = {
@@ -118,3 +119,75 @@ def test_the_belt_may_run_backwards():
 def test_no_sliding_without_a_running_belt():
     with pytest.raises(ValueError, match="v must not be 0"):
         eigenvalues(SliderOnBelt(v=0))
+
+
+UNDAMPED = [
+    TwoBlocks(),
+    TwoBlocks(m1=1e-6, k2=1e6),
+    TwoBlocks(k12=1e-9),
+    MassOnBelt(),
+    MassOnBelt(k=1e10),
+    ModeCoupling(c=0.0, mu_k=0.2),
+    ModeCoupling(c=0.0, mu_k=ModeCoupling().critical_friction),
+    SliderOnBelt(c1=0, c2=0, c4=0, c5=0, c6=0),
+]
+
+
+@pytest.mark.parametrize("model", UNDAMPED, ids=repr)
+def test_without_damping_nothing_grows_and_nothing_decays(model):
+    found = eigenvalues(model)
+    assert (found.growth_rates == 0.0).all()
+    assert found.marginal
+    assert not found.stable
+    assert repr(found).startswith("Eigenvalues(marginal: 0/s at")
+
+
+def test_two_blocks_have_the_frequencies_of_the_closed_form():
+    found = eigenvalues(TwoBlocks(k12=1.2))
+    assert found.values.imag == pytest.approx([-1, 1, -np.sqrt(3.4), np.sqrt(3.4)], rel=1e-14)
+
+
+@pytest.mark.parametrize("c", [2e-12, 2e-6, 2e-3])
+def test_little_damping_is_damping(c):
+    """Rayleigh damping: every growth rate is -c/(2 m)."""
+    for model in (TwoBlocks(c=c), MassOnBelt(c=c), ModeCoupling(c=c, mu_k=0.2)):
+        found = eigenvalues(model)
+        assert found.growth_rates == pytest.approx(-c / 2, rel=1e-6, abs=1e-15)
+        assert found.stable
+        assert not found.marginal
+
+
+def test_what_barely_flutters_is_unstable():
+    """Beyond mu_c the growth rate is the root of what is left: 1e-10 beyond it is 2e-6 1/s."""
+    model = ModeCoupling(c=0.0)
+    k11, k12, k22 = model.stiffnesses
+    for beyond in (1e-10, 1e-6, 0.1):
+        mu_k = model.critical_friction + beyond
+        found = eigenvalues(model.replace(mu_k=mu_k))
+        root = np.sqrt(beyond * k12 * model.k3)  # of omega^2 = (k11 + k22)/2 +- i root
+        exact = np.sqrt(-(k11 + k22) / 2 + 1j * root).real
+        assert found.growth_rates.max() == pytest.approx(exact, rel=1e-4)
+        assert not found.stable
+        assert not found.marginal
+
+
+def test_critical_damping_is_stable_though_its_eigenvalue_has_no_condition_number():
+    for c in (2.0, 2.0 + 1e-12):
+        found = eigenvalues(MassOnBelt(c=c))
+        assert found.growth_rates == pytest.approx(-1.0, abs=1e-5)
+        assert found.stable
+
+
+def test_zero_is_told_beside_other_eigenvalues_of_its_frequency():
+    """A Jordan block at 0 and one at -5, a pair at rest and one that decays, turned at random."""
+    turned = np.linalg.qr(np.random.default_rng(0).normal(size=(8, 8)))[0]
+    block = np.zeros((8, 8))
+    block[:2, :2] = [[0, 1], [0, 0]]
+    block[2:4, 2:4] = [[-5, 1], [0, -5]]
+    block[4:6, 4:6] = [[0, 2], [-2, 0]]
+    block[6:, 6:] = [[-1e-6, 2], [-2, -1e-6]]
+    matrix = turned @ block @ turned.T
+    values = np.linalg.eigvals(matrix).astype(complex)
+    zero = np.abs(values.real) < 5e-7  # the double zero is known to the root of rounding
+    assert zero.sum() == 4
+    np.testing.assert_array_equal(neutral(matrix, values), zero)
