@@ -15,8 +15,9 @@ from frictionlab.automaton.on_demand import ModesOnDemand
 from frictionlab.models.given import given_model
 
 from .flow import Flow
-from .general import continued, newton_step, rest_points
+from .general import continued, rest_points
 from .steady import Steady
+from .zeros import newton_step
 
 Array = NDArray[np.float64]
 ROUNDING = 1e-9
@@ -111,7 +112,7 @@ def values_of(automaton: HybridAutomaton) -> tuple[float, ...]:
 
 def residual(flow: Flow, x: Array, values: Sequence[float]) -> float:
     """What Newton's method would still change, relative to the state."""
-    step = np.abs(newton_step(flow, x[:, None], values, 0.0)).max()
+    step = np.abs(newton_step(flow, x[:, None], values)).max()
     return float(step / max(np.abs(x).max(), np.finfo(float).tiny)) if step else 0.0
 
 
