@@ -14,7 +14,7 @@ from .steady import Steady
 from .view import steady
 
 Array = NDArray[np.float64]
-SAMPLES = 17  # values at which all equilibria are looked for: one branch may live between two of them
+SAMPLES = 9  # values at which all equilibria are looked for: one branch may live between two of them
 SAME, ROUNDING = 1e-6, 1e-12  # shares of a state and of the largest, to which two branches agree
 
 

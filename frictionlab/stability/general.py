@@ -12,7 +12,7 @@ from .flow import Flow
 from .zeros import CLOSE, EPSILON, ROUNDING, distinct, newton_step, solution, zeros_near
 
 Array = NDArray[np.float64]
-STARTS, SEARCH = 256, 64  # points to start from, and steps from each
+STARTS, SEARCH = 128, 64  # points to start from, and steps from each
 DECADES = 15.0  # by which a state may differ from the linearised flow's zero
 ROUNDS, NEAR = 8, (-9.0, 2.0)  # of starts from what is found, and decades of their distances from it
 STEPS, NEWTON = 16, 8
@@ -42,7 +42,7 @@ def rest_points(flow: Flow, values: Sequence[float]) -> Array:
 
 def _zeros(flow: Flow, values: Sequence[float], x: Array, scale: Array) -> Array:
     """The zeros that Newton's method finds from the starts."""
-    return distinct(*zeros_near(flow, _newton(flow, x, values, SEARCH), values, scale))
+    return distinct(*zeros_near(flow, _searched(flow, x, values), values, scale))
 
 
 def _nearby(flow: Flow, values: Sequence[float], found: Array, random: np.random.Generator) -> Array:
@@ -111,12 +111,24 @@ def _positive(sizes: Array) -> Array:
     return np.where(known > 0, known, np.where(largest > 0, largest, 1.0))
 
 
-def _newton(flow: Flow, x: Array, values: Sequence[Any], most: int = NEWTON) -> Array:
+def _newton(flow: Flow, x: Array, values: Sequence[Any]) -> Array:
     """Newton's method for each column until it has nothing left to do."""
-    for _ in range(most):
+    for _ in range(NEWTON):
         step = newton_step(flow, x, values)
         x = x + step
         if not (np.abs(step) > EPSILON * np.abs(x)).any():
+            break
+    return x
+
+
+def _searched(flow: Flow, x: Array, values: Sequence[float]) -> Array:
+    """The same from all starts, without those that have come to rest or have left the range of floats."""
+    x, going = x.copy(), np.arange(x.shape[1])
+    for _ in range(SEARCH):
+        step = newton_step(flow, x[:, going], values)
+        x[:, going] += step
+        going = going[(np.abs(step) > CLOSE * np.abs(x[:, going])).any(axis=0) & np.isfinite(step).all(axis=0)]
+        if not going.size:
             break
     return x
 

@@ -179,7 +179,7 @@ def hopf(
     bounds : (float, float)
         Narrow them to reach a later point.
     equilibrium : Equilibrium, optional
-        One of ``equilibria(model)``, to follow that alone.  By default all are followed that are found at 17
+        One of ``equilibria(model)``, to follow that alone.  By default all are followed that are found at 9
         values in the range; of a SliderOnBelt the one with F_N > 0 and the smallest gap.
 
     Returns

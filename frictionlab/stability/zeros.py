@@ -49,7 +49,7 @@ def zeros_near(flow: Flow, x: Array, values: Sequence[Any], scale: Array) -> tup
     x, step = _polished(flow, x[:, _roughly(flow, x, values, scale)], values)
     noise, moved, terms = _rounding(flow, x, values)
     least = ROUNDING * np.fmax(scale, terms)
-    forces = _times(np.abs(flow.jacobian(x, values)), np.fmax(np.abs(x), scale))
+    forces = _times(np.abs(flow.jacobian(x, values)), np.abs(x) + least)
     # A step of none is no sign of a zero at a singular matrix: the rates themselves have to vanish.
     solved = np.abs(flow.rhs(x, values)) <= np.fmax(CLOSE * forces, ALIKE * noise)
     settled = step <= np.fmax(CLOSE * np.abs(x) + least, ALIKE * moved)
