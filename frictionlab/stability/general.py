@@ -12,7 +12,7 @@ from .flow import Flow
 from .zeros import CLOSE, EPSILON, ROUNDING, distinct, newton_step, solution, zeros_near
 
 Array = NDArray[np.float64]
-STARTS, SEARCH = 128, 64  # points to start from, and steps from each
+STARTS, SEARCH = 192, 64  # points to start from, and steps from each
 DECADES = 15.0  # by which a state may differ from the linearised flow's zero
 ROUNDS, NEAR = 8, (-9.0, 2.0)  # of starts from what is found, and decades of their distances from it
 STEPS, NEWTON = 16, 8

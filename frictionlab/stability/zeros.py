@@ -15,6 +15,8 @@ EPSILON = float(np.finfo(float).eps)
 KNOWN, CLOSE, ROUNDING = 1e-6, 1e-9, 1e-14  # of a state: what may be unknown, and a last step; of its size
 POLISH, SHRINKS = 64, 0.9  # most steps, and how much one shrinks while it is not rounding alone
 NEIGHBOURS, AROUND = 16, 1e-8  # floats to see the flow's rounding at, and shares of their distances
+BENT = 1e-3  # relative change of the Jacobian from which on a flow's change is more than linear and rounding
+ORIGIN = 1e4  # times rounding: how far they are from a zero at the origin, as a share of the usual size
 ALIKE = 16.0  # times what is unknown of both: zeros so close are one
 
 
@@ -47,7 +49,7 @@ def zeros_near(flow: Flow, x: Array, values: Sequence[Any], scale: Array) -> tup
     too much is unknown: it is none.  `scale` (m, 1) is what states of no size are measured by.
     """
     x, step = _polished(flow, x[:, _roughly(flow, x, values, scale)], values)
-    noise, moved, terms = _rounding(flow, x, values)
+    noise, moved, terms = _rounding(flow, x, values, scale)
     least = ROUNDING * np.fmax(scale, terms)
     forces = _times(np.abs(flow.jacobian(x, values)), np.abs(x) + least)
     # A step of none is no sign of a zero at a singular matrix: the rates themselves have to vanish.
@@ -77,17 +79,21 @@ def _polished(flow: Flow, x: Array, values: Sequence[Any]) -> tuple[Array, Array
     return x, np.abs(step)
 
 
-def _rounding(flow: Flow, x: Array, values: Sequence[Any]) -> tuple[Array, Array, Array]:
+def _rounding(flow: Flow, x: Array, values: Sequence[Any], scale: Array) -> tuple[Array, Array, Array]:
     """What rounding changes of the flow, as seen at floats near by, and so of its zeros (m, N).
 
     And how large the terms are whose sum a state of a zero is: so much more than itself where they cancel.
     """
-    matrices = flow.jacobian(x, values)
+    matrices, random = flow.jacobian(x, values), np.random.default_rng(0)
     noise = np.zeros_like(x)
-    for share in np.random.default_rng(0).uniform(-AROUND, AROUND, size=(NEIGHBOURS, len(x), 1)):
-        ahead, back = x * (1 + share), x * (1 - share)  # both, since curvature is no rounding
-        change = flow.rhs(ahead, values) - flow.rhs(back, values)
-        noise = np.fmax(noise, np.abs(change - _times(matrices, ahead - back)))
+    for least in EPSILON * np.append(np.zeros(NEIGHBOURS), np.geomspace(1, ORIGIN, NEIGHBOURS)):
+        way = random.uniform(-1, 1, size=(len(x), 1)) * (AROUND * np.abs(x) + least * scale)
+        ahead, back = x + way, x - way  # both, since curvature is no rounding
+        linear = _times(matrices, ahead - back)
+        missed = np.abs(flow.rhs(ahead, values) - flow.rhs(back, values) - linear)
+        bend = np.abs(_times(flow.jacobian(ahead, values) - flow.jacobian(back, values), way))
+        bent = bend > BENT * _times(np.abs(matrices), np.abs(way))  # too far from a zero so near to the origin
+        noise = np.where(bent, noise, np.fmax(noise, missed))
     inverse = np.abs(solution(matrices, np.broadcast_to(np.eye(len(x)), matrices.shape)))
     terms = _times(inverse, _times(np.abs(matrices), np.abs(x)))
     return noise, EPSILON * terms + _times(inverse, noise), terms
@@ -99,10 +105,13 @@ def _times(matrices: Array, x: Array) -> Array:
 
 
 def distinct(x: Array, unknown: Array) -> Array:
-    """Zeros (m, K), each once, by their distance from the origin; what is unknown of them tells which are one."""
+    """Zeros (m, K), each once, by their distance from the origin; what is unknown of them tells which are one.
+
+    Of two as far away, as symmetric ones are but for rounding, the one with the larger first state is first.
+    """
     kept: list[int] = []
     for i in np.argsort(np.linalg.norm(x, axis=0), kind="stable"):
         apart = np.abs(x[:, kept] - x[:, [i]])
         if (apart > ALIKE * (unknown[:, kept] + unknown[:, [i]])).any(axis=0).all():
             kept.append(int(i))
-    return x[:, kept]
+    return x[:, sorted(kept, key=lambda i: (float(f"{np.linalg.norm(x[:, i]):.9e}"), *-x[:, i]))]
