@@ -143,8 +143,8 @@ def _vanished(points: list[Point]) -> float:
     """The parameter at which the amplitude comes to zero: near there it is a smooth function of its square.
 
     A line through the last two orbits would take their rounding to some five times itself.  So lines and
-    parabolas are fitted to the last dozen or fewer, and that with the least standard error at zero is taken: more
-    orbits mean less rounding, fewer of them less curvature.
+    parabolas are fitted to the last dozen or fewer, and that with the least standard error at zero is taken:
+    more orbits mean less rounding, fewer of them less curvature.
     """
     last = [p for p in points[-FITTED:] if p.modes == points[-1].modes]
     size = last[-1].scale[:-2]

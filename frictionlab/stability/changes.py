@@ -54,8 +54,9 @@ def stability_changes(
 ) -> tuple[StabilityChange, ...]:
     """Every change of stability of one equilibrium as a parameter grows.
 
-    It is followed from the model's own value of the parameter, as far as it exists.  The range is scanned, more finely where growth rates come near zero or two eigenvalues near each other,
-    down to some 1e-9 of it; each change is then solved for to rounding.
+    It is followed from the model's own value of the parameter, as far as it exists.  The range is scanned,
+    more finely where growth rates come near zero or two eigenvalues near each other, down to some 1e-9 of
+    it; each change is then solved for to rounding.
 
     Parameters
     ----------

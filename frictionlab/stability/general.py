@@ -127,7 +127,9 @@ def _searched(flow: Flow, x: Array, values: Sequence[float]) -> Array:
     for _ in range(SEARCH):
         step = newton_step(flow, x[:, going], values)
         x[:, going] += step
-        going = going[(np.abs(step) > CLOSE * np.abs(x[:, going])).any(axis=0) & np.isfinite(step).all(axis=0)]
+        going = going[
+            (np.abs(step) > CLOSE * np.abs(x[:, going])).any(axis=0) & np.isfinite(step).all(axis=0)
+        ]
         if not going.size:
             break
     return x

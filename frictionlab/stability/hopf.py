@@ -142,9 +142,7 @@ class HopfPoint:
         return np.where(rate * distance >= 0, rate * distance, np.nan)
 
 
-def hopf(
-    model: Any, parameter: str, bounds: Any, *, equilibrium: Equilibrium | None = None
-) -> HopfPoint:
+def hopf(model: Any, parameter: str, bounds: Any, *, equilibrium: Equilibrium | None = None) -> HopfPoint:
     """The first point in a range where flutter sets in or ends, and the kind of vibration that begins there.
 
     Of all equilibria that there are in the range, wherever they begin and end, the first such point on any;

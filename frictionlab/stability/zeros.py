@@ -92,8 +92,10 @@ def _rounding(flow: Flow, x: Array, values: Sequence[Any], scale: Array) -> tupl
         linear = _times(matrices, ahead - back)
         missed = np.abs(flow.rhs(ahead, values) - flow.rhs(back, values) - linear)
         bend = np.abs(_times(flow.jacobian(ahead, values) - flow.jacobian(back, values), way))
-        bent = bend > BENT * _times(np.abs(matrices), np.abs(way))  # too far from a zero so near to the origin
-        noise = np.where(bent, noise, np.fmax(noise, missed))
+        bent = bend > BENT * _times(
+            np.abs(matrices), np.abs(way)
+        )  # too far from a zero so near to the origin
+        noise = np.where(bent & (least > 0), noise, np.fmax(noise, missed))
     inverse = np.abs(solution(matrices, np.broadcast_to(np.eye(len(x)), matrices.shape)))
     terms = _times(inverse, _times(np.abs(matrices), np.abs(x)))
     return noise, EPSILON * terms + _times(inverse, noise), terms
@@ -105,7 +107,7 @@ def _times(matrices: Array, x: Array) -> Array:
 
 
 def distinct(x: Array, unknown: Array) -> Array:
-    """Zeros (m, K), each once, by their distance from the origin; what is unknown of them tells which are one.
+    """Zeros (m, K), each once, by their distance from the origin; those within what is unknown are one.
 
     Of two as far away, as symmetric ones are but for rounding, the one with the larger first state is first.
     """

@@ -9,6 +9,8 @@ from frictionlab import plotting
 from tests.analysis.test_periodic_orbit import FLAT, TILTED, bistable
 from tests.hybrid.textbook import V, X, automaton, coulomb
 
+pytestmark = pytest.mark.blas
+
 W = sp.Symbol("w")
 
 
