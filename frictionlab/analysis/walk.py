@@ -148,7 +148,7 @@ def _vanished(points: list[Point]) -> float:
     """
     last = [p for p in points[-FITTED:] if p.modes == points[-1].modes]
     size = last[-1].scale[:-2]
-    square = np.array([np.linalg.norm(p.scale[:-2] / size) ** 2 for p in last])
+    square = np.array([float(np.linalg.norm(p.scale[:-2] / size)) ** 2 for p in last])
     value = np.array([p.value for p in last]) - last[-1].value
     fits = [
         _at_zero(square[-count:], value[-count:], degree)

@@ -36,9 +36,10 @@ def steady_sliding(model: Any, start: Array | None = None) -> Steady:
     def pressed(x: Array, values: Sequence[Any]) -> Any:
         return (flow.margin(x, values) > 0) & ~_resting(key, values)
 
-    if start is not None:
-        solve = follower(flow, np.append(start, np.zeros(len(start))), values, pressed)
-    return Steady(model, model.coordinates, flow, values, solve)
+    if start is None:
+        return Steady(model, model.coordinates, flow, values, solve)
+    followed = follower(flow, np.append(start, np.zeros(len(start))), values, pressed)
+    return Steady(model, model.coordinates, flow, values, followed)
 
 
 @cache
