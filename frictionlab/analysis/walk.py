@@ -11,6 +11,7 @@ from frictionlab.automaton import HybridAutomaton
 
 from .arclength import Point, reversed_point, stepped
 from .edges import LOST, edge_kind
+from .recurrence import Array
 from .specials import Found, between
 
 BOUND, MOST, INTERRUPTED, HOPF = "bound", "most orbits", "interrupted", "Hopf"
@@ -19,6 +20,7 @@ HALVINGS = 40  # from there on, until both sides of such an end have met
 EASY, HARD = 3, 6  # iterations of Newton's method that make the next step longer, or shorter
 AWAY = 5  # lengths tried to get away from such an end, each a quarter of the one before
 BEND = 0.3  # largest change of a component of the tangent in a step
+FITTED, SPARE = 12, 3  # orbits at most, and more than a polynomial has coefficients at least, to see scatter
 SHRUNK = 1e-2  # share of the largest size so far below which an orbit has become an equilibrium
 
 
@@ -56,7 +58,7 @@ def walk(
             points.append(step.after)
             largest, end = np.maximum(largest, step.after.scale[:-2]), step.end
             if (step.after.scale[:-2] < SHRUNK * largest).all():
-                special.append(Found(HOPF, step.after, _vanished(point, step.after)))
+                special.append(Found(HOPF, step.after, _vanished([start, *points])))
                 end = HOPF
             if end:
                 return (yield Walk(points, special, end))
@@ -137,10 +139,34 @@ def _goes_on(point: Point, after: Point | None) -> bool:
     return bool(np.abs(np.abs(after.tangent[-2:]) - np.abs(point.tangent[-2:])).max() < BEND)
 
 
-def _vanished(point: Point, after: Point) -> float:
-    """The parameter at which the amplitude comes to zero, whose square goes linearly with the parameter."""
-    first, last = (float(np.linalg.norm(p.scale[:-2] / after.scale[:-2])) ** 2 for p in (point, after))
-    return after.value + (after.value - point.value) * last / (first - last)
+def _vanished(points: list[Point]) -> float:
+    """The parameter at which the amplitude comes to zero: near there it is a smooth function of its square.
+
+    A line through the last two orbits would take their rounding to some five times itself.  So lines and
+    parabolas are fitted to the last dozen or fewer, and that with the least standard error at zero is taken:
+    more orbits mean less rounding, fewer of them less curvature.
+    """
+    last = [p for p in points[-FITTED:] if p.modes == points[-1].modes]
+    size = last[-1].scale[:-2]
+    square = np.array([float(np.linalg.norm(p.scale[:-2] / size)) ** 2 for p in last])
+    value = np.array([p.value for p in last]) - last[-1].value
+    fits = [
+        _at_zero(square[-count:], value[-count:], degree)
+        for degree in (1, 2)
+        for count in range(degree + 1 + SPARE, len(last) + 1)
+    ]
+    if not fits:
+        return float(last[-1].value + np.polyfit(square[-2:], value[-2:], 1)[-1])
+    return last[-1].value + min(fits, key=lambda fit: fit[1])[0]
+
+
+def _at_zero(x: Array, y: Array, degree: int) -> tuple[float, float]:
+    """Where a fitted polynomial is at x = 0, and the standard error of that."""
+    powers = (x[:, None] / x.max()) ** np.arange(degree + 1)
+    inverse = np.linalg.pinv(powers)
+    left = y - powers @ (inverse @ y)
+    scatter = np.sqrt(left @ left / (len(x) - degree - 1))
+    return float(inverse[0] @ y), float(scatter * np.linalg.norm(inverse[0]))
 
 
 def _paced(length: float, after: Point, longest: float) -> float:

@@ -15,6 +15,7 @@ class Work(NamedTuple):
     """Scratch arrays of a run."""
 
     jets: np.ndarray
+    values: np.ndarray
     bounds: np.ndarray
     stack: np.ndarray
     intervals: np.ndarray

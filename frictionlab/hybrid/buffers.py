@@ -34,6 +34,7 @@ def new_work(slots: int, code: Code, order: int) -> Work:
     """Scratch arrays for one run."""
     return Work(
         jets=np.zeros((slots, columns(order))),
+        values=np.zeros((slots, columns(0))),
         bounds=np.zeros((slots, columns(order))),
         stack=np.zeros((DEPTH + 1, order + 1)),
         intervals=np.zeros((DEPTH + 1, 2)),

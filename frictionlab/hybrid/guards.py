@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from frictionlab.hybrid.compiled import kernel
+from frictionlab.hybrid.compiled import inlined, kernel
 from frictionlab.hybrid.jets import majorant, mode_jets, slope, states_at
 from frictionlab.hybrid.roots import isolate
 
 # Rounding errors are taken to be below this many ulps of the majorant.
-NOISE = 64 * 2.220446049250313e-16
+EPSILON = 2.220446049250313e-16
+NOISE = 64 * EPSILON
+RESOLVED = 8 * EPSILON  # a guard below this share of its terms is at its zero
 LOW = 2  # orders that nearly always decide, looked at first
 SUSPECT = 1e-9  # below this share of its terms, a leading coefficient is compared with its rounding error
-POLISH = 12  # steps of Newton's method; two do where the tolerance is 1e-15
-CONVERGED = 1e-8  # share of the step below which the last change of a zero is, if Newton's method converges
+POLISH = 12  # steps of Newton's method; one does where the tolerance is 1e-15
 NO_GUARD = -1
 
 
@@ -103,24 +104,44 @@ def first_event(code, absolute, mode, z, order, J, zeros, h, work):
     return h, hit, order_of_hit
 
 
+@inlined
+def is_inexact(code, guard, mode, order, s, J):
+    """Whether a guard's polynomial may differ from the guard at `s`; one affine in the states has the same."""
+    if code.guard_degrees[guard] < 2 or s == 0.0:
+        return False
+    return code.degrees[mode] >= order or truncated(J[code.function_slots[guard]], order, s)
+
+
+@inlined
+def truncated(c, order, s):
+    """Whether the last terms of a polynomial are above the rounding errors of its largest."""
+    power = s ** (order - 1)
+    last = abs(c[order - 1]) * power + abs(c[order]) * power * s
+    largest = 0.0
+    power = 1.0
+    for k in range(order + 1):
+        largest = max(largest, abs(c[k]) * power)
+        power *= s
+    return last > EPSILON * largest
+
+
 @kernel
-def at_zero(code, numbers, mode, guard, order, s, h, work):
+def at_zero(code, numbers, absolute, mode, guard, order, s, work):
     """Time of a guard's simple zero along the states' polynomials, near the zero `s` of its own.
 
     The guard's polynomial is truncated.  Where a run stops at its zero the guard itself is of the size of the
     tolerance, of either sign, and so is what vanishes with it: with mu_s = mu_k the acceleration after
-    stick.  Newton's method makes it zero up to rounding.  Where that does not converge `s` remains; the zero may
-    be just after the end `h` of the step.
+    stick.  Newton's method makes it zero up to rounding.  Where it does not converge `s` remains.
     """
     slot = code.function_slots[guard]
     time = s
-    last = h
     for _ in range(POLISH):
         states_at(work.jets, order, time, work.before)
-        mode_jets(code, numbers, mode, 0, work.before, work.bounds)
-        step = work.bounds[slot, 0] / slope(work.jets[slot], order, time)
-        if not abs(step) < 0.5 * last:  # rounding errors are all that is left, or it does not converge
+        mode_jets(code, numbers, mode, 0, work.before, work.values)
+        majorant(code, absolute, mode, 0, work.before, work.values, work.bounds)
+        if abs(work.values[slot, 0]) <= RESOLVED * work.bounds[slot, 0]:
+            return time
+        time -= work.values[slot, 0] / slope(work.jets[slot], order, time)
+        if not time >= 0.0:
             break
-        time -= step
-        last = abs(step)
-    return time if time >= 0.0 and last < CONVERGED * h else s
+    return s

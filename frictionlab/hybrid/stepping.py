@@ -20,7 +20,7 @@ from frictionlab.hybrid.bookkeeping import (
     time_left,
 )
 from frictionlab.hybrid.compiled import inlined, kernel
-from frictionlab.hybrid.guards import NO_GUARD, at_zero, first_event
+from frictionlab.hybrid.guards import NO_GUARD, at_zero, first_event, is_inexact
 from frictionlab.hybrid.handling import handle_event, repeated
 from frictionlab.hybrid.jets import copy, mode_jets, states_at
 from frictionlab.hybrid.powers import (
@@ -81,10 +81,9 @@ def take_step(code, numbers, absolute, order, tol, cursor, record, work):
     elif is_blind(code, order, mode, h, left):
         h = remainder_step(code, numbers, absolute, order, tol, mode, h, J, work.bounds)
     goes_on = False
-    whole = h
     h, guard, multiplicity = first_event(code, absolute, mode, cursor.state, order, J, work.zeros, h, work)
-    if guard != NO_GUARD and multiplicity == 1 and code.guard_degrees[guard] > 1 and h > 0.0:
-        h = at_zero(code, numbers, mode, guard, order, h, whole, work)
+    if guard != NO_GUARD and multiplicity == 1 and is_inexact(code, guard, mode, order, h, J):
+        h = at_zero(code, numbers, absolute, mode, guard, order, h, work)
         if h > left:  # not within this run
             h, guard = left, NO_GUARD
     if h > 0.0:

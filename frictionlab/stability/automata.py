@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import Any
 
 import numpy as np
@@ -15,8 +15,9 @@ from frictionlab.automaton.on_demand import ModesOnDemand
 from frictionlab.models.given import given_model
 
 from .flow import Flow
-from .general import continued, newton_step, rest_points
+from .general import continued, rest_points
 from .steady import Steady
+from .zeros import newton_step
 
 Array = NDArray[np.float64]
 ROUNDING = 1e-9
@@ -35,20 +36,34 @@ def automaton_of(model: Any) -> HybridAutomaton:
     return given_model(model, "a model such as SliderOnBelt or a HybridAutomaton").automaton()
 
 
-def steady_state_of(model: Any) -> Steady:
+def steady_state_of(model: Any, near: Array | None = None) -> Steady:
     """The steady state of the first mode that has one inside its guards, the nearest to the origin.
+
+    Or the nearest to the coordinates `near` (n,), or states where there are no coordinates.
 
     Raises
     ------
     ValueError
         If no mode has one.
     """
-    automaton = automaton_of(model)
     mode, flow, points = steady_states(model)
     if not points.size:
         raise no_equilibrium(model)
-    values = values_of(automaton)
-    return Steady(model, _names(automaton), flow, values, _follower(mode, flow, points[:, 0], values))
+    i = 0 if near is None else int(np.argmin(np.linalg.norm(points[: len(near)] - near[:, None], axis=0)))
+    return steady_from(model, mode, flow, points[:, i], values_of(automaton_of(model)))
+
+
+def steady_from(model: Any, mode: Mode, flow: Flow, x: Array, values: tuple[float, ...]) -> Steady:
+    """The steady state of a mode followed from `x` (m,), where it is at some values of the parameters."""
+    automaton, guards = automaton_of(model), tuple(event.function for event in mode.events)
+    return Steady(
+        model,
+        _names(automaton),
+        flow,
+        values_of(automaton),
+        follower(flow, x, values, partial(_lasts, mode, flow)),
+        guards,
+    )
 
 
 def no_equilibrium(model: Any) -> ValueError:
@@ -71,9 +86,12 @@ def modes_of_rest(automaton: HybridAutomaton, sliding: bool) -> Iterator[Mode]:
             yield automaton.modes[i]
 
 
-def steady_states(model: Any) -> tuple[Mode, Flow, Array]:
-    """The first mode with equilibria inside its guards, its flow, and them (m, K); else K is 0."""
-    automaton = automaton_of(model)
+def steady_states(model: Any, **changes: float) -> tuple[Mode, Flow, Array]:
+    """The first mode with equilibria inside its guards, its flow, and them (m, K); else K is 0.
+
+    With some parameters changed, which need not keep to the model's own rules.
+    """
+    automaton = automaton_of(model).replace(**changes)
     sliding, values = not isinstance(model, HybridAutomaton), tuple(automaton.parameters.items())
     return _inside(automaton.modes, sliding, automaton.states, values, automaton.coordinates)
 
@@ -111,16 +129,18 @@ def values_of(automaton: HybridAutomaton) -> tuple[float, ...]:
 
 def residual(flow: Flow, x: Array, values: Sequence[float]) -> float:
     """What Newton's method would still change, relative to the state."""
-    step = np.abs(newton_step(flow, x[:, None], values, 0.0)).max()
+    step = np.abs(newton_step(flow, x[:, None], values)).max()
     return float(step / max(np.abs(x).max(), np.finfo(float).tiny)) if step else 0.0
 
 
-def _follower(
-    mode: Mode, flow: Flow, x: Array, base: tuple[float, ...]
+def follower(
+    flow: Flow, x: Array, base: tuple[float, ...], lasts: Callable[[Array, Sequence[Any]], Any]
 ) -> Callable[[Sequence[Any], int], Array]:
+    """The `solve` of a :class:`Steady` that follows a zero of the flow from `x` (m,) at `base`."""
+
     def solve(values: Sequence[Any], count: int) -> Array:
         found = continued(flow, x, base, values, count)
-        found[:, ~_lasts(mode, flow, found, values)] = np.nan
+        found[:, ~lasts(found, values)] = np.nan
         return found
 
     return solve

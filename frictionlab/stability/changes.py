@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize.elementwise import find_root
 
+from .equilibria import Equilibrium
 from .scan import NEUTRAL, Brackets, Evaluate, brackets, growth, unstable_pairs
 from .steady import Steady
 from .view import check_bounds, check_parameter, steady
@@ -48,17 +49,23 @@ class StabilityChange:
     unstable: tuple[int, int]
 
 
-def stability_changes(model: Any, parameter: str, bounds: Any) -> tuple[StabilityChange, ...]:
-    """Every change of stability of the sliding equilibrium as a parameter grows.
+def stability_changes(
+    model: Any, parameter: str, bounds: Any, *, equilibrium: Equilibrium | None = None
+) -> tuple[StabilityChange, ...]:
+    """Every change of stability of one equilibrium as a parameter grows.
 
-    The range is scanned, more finely where growth rates come near zero or two eigenvalues near each other,
-    down to some 1e-9 of it; each change is then solved for to rounding.
+    It is followed from the model's own value of the parameter, as far as it exists.  The range is scanned,
+    more finely where growth rates come near zero or two eigenvalues near each other, down to some 1e-9 of
+    it; each change is then solved for to rounding.
 
     Parameters
     ----------
     model : Model or HybridAutomaton
     parameter : str
     bounds : (float, float)
+    equilibrium : Equilibrium, optional
+        One of ``equilibria(model)``; by default that of :func:`equilibrium`: of a SliderOnBelt the one with
+        F_N > 0 and the smallest gap, at each value anew; of others the one nearest to the origin.
 
     Returns
     -------
@@ -68,7 +75,7 @@ def stability_changes(model: Any, parameter: str, bounds: Any) -> tuple[Stabilit
     Raises
     ------
     ValueError
-        For an unknown parameter, or bounds that are none or break its rule.
+        For an unknown parameter, bounds that are none or break its rule, or an equilibrium of another model.
 
     Examples
     --------
@@ -76,13 +83,15 @@ def stability_changes(model: Any, parameter: str, bounds: Any) -> tuple[Stabilit
     >>> [f"{c.kind} at {c.value:.5f}" for c in fl.stability_changes(fl.SliderOnBelt(), "mu_k", (0, 3))]
     ['flutter at 1.51378']
     """
-    view = steady(model)
-    low, high = check_bounds(view, parameter, bounds)
+    view = steady(model, equilibrium)
+    low, high = check_bounds(view.model, view.parameters, parameter, bounds)
     return on_lines(view, parameter, (low, high), {})[0]
 
 
-def critical_value(model: Any, parameter: str, bounds: Any) -> float | None:
-    """The first value at which the sliding equilibrium loses stability as a parameter grows.
+def critical_value(
+    model: Any, parameter: str, bounds: Any, *, equilibrium: Equilibrium | None = None
+) -> float | None:
+    """The first value at which one equilibrium loses stability as a parameter grows.
 
     None where that does not happen in the range: the equilibrium is stable throughout, or unstable from
     the start; :func:`stability_changes` and :func:`eigenvalues` tell which.
@@ -92,6 +101,8 @@ def critical_value(model: Any, parameter: str, bounds: Any) -> float | None:
     model : Model or HybridAutomaton
     parameter : str
     bounds : (float, float)
+    equilibrium : Equilibrium, optional
+        As for :func:`stability_changes`.
 
     Raises
     ------
@@ -104,7 +115,7 @@ def critical_value(model: Any, parameter: str, bounds: Any) -> float | None:
     >>> round(fl.critical_value(fl.SliderOnBelt(), "mu_k", bounds=(0, 4)), 8)
     1.51378354
     """
-    return first_loss(stability_changes(model, parameter, bounds))
+    return first_loss(stability_changes(model, parameter, bounds, equilibrium=equilibrium))
 
 
 @dataclass(frozen=True, eq=False)
@@ -146,9 +157,9 @@ def critical_curve(model: Any, parameter: str, bounds: Any, *, over: tuple[str, 
         As :func:`stability_changes`, for both parameters; if they are the same, or there are no values.
     """
     view = steady(model)
-    low, high = check_bounds(view, parameter, bounds)
+    low, high = check_bounds(view.model, view.parameters, parameter, bounds)
     name, at = over[0], np.asarray(over[1], dtype=float).ravel()
-    check_parameter(view, name, at.tolist())
+    check_parameter(view.model, view.parameters, name, at.tolist())
     if name == parameter or not at.size:
         raise ValueError(
             f"over must be another parameter than {parameter!r} and at least one value of it, got {over!r}: "

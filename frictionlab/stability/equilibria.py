@@ -61,8 +61,9 @@ def equilibria(model: Any) -> tuple[Equilibrium, ...]:
     ----------
     model : Model or HybridAutomaton
         Of all but a SliderOnBelt the equilibria inside the guards of a mode, of the first mode that has any,
-        by their distance from the origin; they are searched with Newton's method from several starts.  Modes
-        of a model that hold something fast, such as stick, are left out.
+        by their distance from the origin; they are searched with Newton's method from starts in all decades,
+        and those that rounding can tell apart are told apart.  Modes of a model that hold something fast,
+        such as stick, are left out.
 
     Returns
     -------

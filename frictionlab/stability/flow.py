@@ -47,6 +47,11 @@ class Flow:
         return sorted({*range(len(self.states))} - {row for row, _ in self._partial})
 
     @cached_property
+    def unseen(self) -> list[int]:
+        """The states on which no rate depends."""
+        return sorted({*range(len(self.states))} - {column for _, column in self._partial})
+
+    @cached_property
     def linear(self) -> bool:
         """Whether the Jacobian is the same at every state."""
         states = {*self.states}

@@ -1,4 +1,4 @@
-"""Zeros of any flow: Newton's method, led to them by continuation from several starts."""
+"""Zeros of any flow: Newton's method from many starts, and zeros followed through parameters."""
 
 from __future__ import annotations
 
@@ -9,44 +9,71 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .flow import Flow
+from .zeros import CLOSE, EPSILON, ROUNDING, distinct, newton_step, solution, zeros_near
 
 Array = NDArray[np.float64]
-STARTS, STEPS, NEWTON, FINISH = 128, 16, 8, 40
-DECADES = 5.0  # by which half of the starts may differ from the linearised flow's zero
+STARTS, SEARCH = 192, 64  # points to start from, and steps from each
+DECADES = 15.0  # by which a state may differ from the linearised flow's zero
+ROUNDS, NEAR = 8, (-9.0, 2.0)  # of starts from what is found, and decades of their distances from it
+STEPS, NEWTON = 16, 8
 SHRINK = 0.25
-CLOSE, ROUNDING = 1e-9, 1e-14  # of the state and of its size: what a last step may still change
-ALIKE = 1e3  # times that: zeros so close are one
-EPSILON = float(np.finfo(float).eps)
 
 
 def rest_points(flow: Flow, values: Sequence[float]) -> Array:
     """The zeros (m, K) that are found, each once, by their distance from the origin.
 
-    From each start x0 the zeros of f(x) - (1 - s) f(x0) are followed from s = 0 to 1 (Newton homotopy).
+    Newton's method leads to a zero from within some factor of it, so the starts lie in all decades.  Where
+    several coordinates have several zeros each, few starts are near to all combinations: so it starts again
+    from what is found until that finds nothing more.
     """
     if _always_moves(flow, values):
         return np.zeros((len(flow.states), 0))
-    with np.errstate(all="ignore"):  # a path may leave the range of floats; it is dropped then
-        x, scale = _starts(flow, values)
-        rest = flow.rhs(x, values)
-        for s in np.linspace(0, 1, STEPS + 1)[1:]:
-            x = _newton(flow, x, values, (1 - s) * rest)
-        x = _newton(flow, x, values, 0.0, FINISH)
-        return _distinct(x[:, _solved(flow, x, values, scale)], scale[:, 0])
+    with np.errstate(all="ignore"):  # a start may lead out of the range of floats; it is dropped then
+        random = np.random.default_rng(0)
+        x, scale = _starts(flow, values, random)
+        found = _zeros(flow, values, x, scale)
+        for _ in range(0 if flow.linear else ROUNDS):
+            before = found.shape[1]
+            found = _zeros(flow, values, np.hstack([found, _nearby(flow, values, found, random)]), scale)
+            if not before < found.shape[1] < STARTS:  # nothing more, or every point of a line is a zero
+                break
+    return found
+
+
+def _zeros(flow: Flow, values: Sequence[float], x: Array, scale: Array) -> Array:
+    """The zeros that Newton's method finds from the starts."""
+    return distinct(*zeros_near(flow, _searched(flow, x, values), values, scale))
+
+
+def _nearby(flow: Flow, values: Sequence[float], found: Array, random: np.random.Generator) -> Array:
+    """Points (m, 2 STARTS) from which zeros may be found that are hard to find from afar; none of none.
+
+    Some have each coordinate about that of one zero or another.  At the others one rate alone is not zero, to
+    first order, so that Newton's method looks for other zeros of that rate with the others kept.
+    """
+    rows, count = found.shape
+    if not count:
+        return found
+    away = random.normal(size=(rows, STARTS)) * 10.0 ** random.uniform(*NEAR, size=STARTS)
+    combined = np.take_along_axis(found, random.integers(count, size=(rows, STARTS)), axis=1) * (1 + away)
+    base, rate = found[:, random.integers(count, size=STARTS)], random.integers(rows, size=STARTS)
+    only = solution(flow.jacobian(base, values), np.eye(rows)[rate][:, :, None])[:, :, 0].T
+    length = np.abs(base).max(axis=0) / np.abs(only).max(axis=0)
+    return np.hstack([combined, base + away[0] * length * only])
 
 
 def continued(flow: Flow, x: Array, base: Sequence[float], values: Sequence[Any], count: int) -> Array:
     """Zeros (m, count) for other values of the parameters, followed from `x` (m,) at `base`; NaN if lost."""
     found = np.repeat(x[:, None], count, axis=1)
     with np.errstate(all="ignore"):
-        first = newton_step(flow, found, values, 0.0)
-        second = newton_step(flow, found + first, values, 0.0)
+        first = newton_step(flow, found, values)
+        second = newton_step(flow, found + first, values)
         # Steps that shrink fast are safe (Newton-Kantorovich); otherwise in smaller changes of parameters.
         safe = np.abs(second).max(axis=0) <= SHRINK * np.abs(first).max(axis=0)
         steps = 1 if safe.all() else STEPS
         for s in np.linspace(0, 1, steps + 1)[1:]:
             between = [b if np.ndim(v) == 0 and v == b else b + s * (v - b) for b, v in zip(base, values)]
-            found = _newton(flow, found, between, 0.0)
+            found = _newton(flow, found, between)
         scale = _positive(np.abs(x)[:, None] + np.abs(first))
         found[:, ~_solved(flow, found, values, scale)] = np.nan
     return found
@@ -58,22 +85,23 @@ def _always_moves(flow: Flow, values: Sequence[float]) -> bool:
     return bool((rates[flow.free] != 0).any())
 
 
-def _starts(flow: Flow, values: Sequence[float]) -> tuple[Array, Array]:
+def _starts(flow: Flow, values: Sequence[float], random: np.random.Generator) -> tuple[Array, Array]:
     """The origin and points scattered about it (m, STARTS), and sizes of the states (m, 1).
 
     The origin alone where the flow is linear: there is no other zero to be led to.
 
-    The sizes are where the linearised flow's zero lies.  Half of the points lie further in and out too,
-    for zeros that it does not know of.
+    The sizes are where the linearised flow's zero lies.  The points lie in all decades about them: half of
+    them in one decade with all their coordinates, the others with each in one of its own.
     """
     origin = np.zeros((len(flow.states), 1))
-    scale = _positive(np.abs(newton_step(flow, origin, values, 0.0)))
+    scale = _positive(np.abs(newton_step(flow, origin, values)))
     if flow.linear:
         return origin, scale
-    random = np.random.default_rng(0)
-    scatter = random.normal(size=(len(origin), STARTS - 1))
+    scatter = random.normal(size=(len(origin), STARTS))
     scatter[:, ::2] *= 10.0 ** random.uniform(-DECADES, DECADES, size=scatter[:, ::2].shape)
-    return np.hstack([origin, 2 * scale * scatter]), scale
+    scatter[:, 1::2] *= 10.0 ** random.uniform(-DECADES, DECADES, size=scatter[0, 1::2].shape)
+    scatter[flow.unseen] = 0.0  # any value of these does
+    return np.hstack([origin, scale * scatter]), scale
 
 
 def _positive(sizes: Array) -> Array:
@@ -83,30 +111,28 @@ def _positive(sizes: Array) -> Array:
     return np.where(known > 0, known, np.where(largest > 0, largest, 1.0))
 
 
-def _newton(flow: Flow, x: Array, values: Sequence[Any], target: Any, most: int = NEWTON) -> Array:
-    for _ in range(most):
-        step = newton_step(flow, x, values, target)
+def _newton(flow: Flow, x: Array, values: Sequence[Any]) -> Array:
+    """Newton's method for each column until it has nothing left to do."""
+    for _ in range(NEWTON):
+        step = newton_step(flow, x, values)
         x = x + step
         if not (np.abs(step) > EPSILON * np.abs(x)).any():
             break
     return x
 
 
-def newton_step(flow: Flow, x: Array, values: Sequence[Any], target: Any) -> Array:
-    """The step (m, N) towards rhs = target; NaN where the flow is not finite."""
-    with np.errstate(all="ignore"):
-        matrices, rest = flow.jacobian(x, values), flow.rhs(x, values) - target
-    usable = np.isfinite(matrices).all(axis=(1, 2)) & np.isfinite(rest).all(axis=0)
-    step = np.full_like(x, np.nan)
-    step[:, usable] = -_solution(matrices[usable], rest.T[usable, :, None])[..., 0].T
-    return step
-
-
-def _solution(matrices: Array, right: Array) -> Any:
-    try:
-        return np.linalg.solve(matrices, right)
-    except np.linalg.LinAlgError:  # singular, as at a fold
-        return np.linalg.pinv(matrices) @ right
+def _searched(flow: Flow, x: Array, values: Sequence[float]) -> Array:
+    """The same from all starts, without those that have come to rest or have left the range of floats."""
+    x, going = x.copy(), np.arange(x.shape[1])
+    for _ in range(SEARCH):
+        step = newton_step(flow, x[:, going], values)
+        x[:, going] += step
+        going = going[
+            (np.abs(step) > CLOSE * np.abs(x[:, going])).any(axis=0) & np.isfinite(step).all(axis=0)
+        ]
+        if not going.size:
+            break
+    return x
 
 
 def _solved(flow: Flow, x: Array, values: Sequence[Any], scale: Array) -> Any:
@@ -114,14 +140,5 @@ def _solved(flow: Flow, x: Array, values: Sequence[Any], scale: Array) -> Any:
     size = np.fmax(np.abs(x), scale)
     forces = (np.abs(flow.jacobian(x, values)) @ size.T[:, :, None])[:, :, 0].T
     left = np.abs(flow.rhs(x, values)) <= CLOSE * forces
-    step = np.abs(newton_step(flow, x, values, 0.0))
+    step = np.abs(newton_step(flow, x, values))
     return left.all(axis=0) & (step <= CLOSE * np.abs(x) + ROUNDING * scale).all(axis=0)
-
-
-def _distinct(x: Array, scale: Array) -> Array:
-    kept: list[Array] = []
-    for column in x[:, np.argsort(np.linalg.norm(x, axis=0))].T:
-        bounds = (CLOSE * np.fmax(np.abs(column), np.abs(other)) + ROUNDING * scale for other in kept)
-        if all((np.abs(column - o) > ALIKE * bound).any() for o, bound in zip(kept, bounds)):
-            kept.append(column)
-    return np.array(kept).reshape(-1, len(x)).T

@@ -11,15 +11,18 @@ from numpy.typing import NDArray
 
 from frictionlab.models import SliderOnBelt
 
-from .automata import steady_states
-from .changes import StabilityChange, stability_changes
+from .automata import automaton_of
+from .branches import branches
+from .changes import StabilityChange, on_lines
+from .equilibria import Equilibrium
 from .multilinear import Point, along_functions
 from .normal_form import critical_pair, cubic, slope
 from .steady import Steady
-from .view import steady
+from .view import check_bounds, steady
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
+SYMMETRIC = 1e-9  # of the value or the range: two points so close are of symmetric equilibria
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,8 +142,11 @@ class HopfPoint:
         return np.where(rate * distance >= 0, rate * distance, np.nan)
 
 
-def hopf(model: Any, parameter: str, bounds: Any) -> HopfPoint:
+def hopf(model: Any, parameter: str, bounds: Any, *, equilibrium: Equilibrium | None = None) -> HopfPoint:
     """The first point in a range where flutter sets in or ends, and the kind of vibration that begins there.
+
+    Of all equilibria that there are in the range, wherever they begin and end, the first such point on any;
+    `state` tells on which.
 
     The eigenvalues say where steady sliding loses its stability, not what follows.  That is decided by the
     second and third derivatives of the flow, through the first Lyapunov coefficient
@@ -170,6 +176,9 @@ def hopf(model: Any, parameter: str, bounds: Any) -> HopfPoint:
     parameter : str
     bounds : (float, float)
         Narrow them to reach a later point.
+    equilibrium : Equilibrium, optional
+        One of ``equilibria(model)``, to follow that alone.  By default all are followed that are found at 9
+        values in the range; of a SliderOnBelt the one with F_N > 0 and the smallest gap.
 
     Returns
     -------
@@ -188,11 +197,29 @@ def hopf(model: Any, parameter: str, bounds: Any) -> HopfPoint:
     >>> point.criticality
     'subcritical'
     """
-    changes = stability_changes(model, parameter, bounds)
-    change = next((c for c in changes if c.kind == "flutter"), None)
-    if change is None:
+    views, (low, high) = _views(model, parameter, bounds, equilibrium)
+    found = [(change, view) for view in views for change in on_lines(view, parameter, (low, high), {})[0]]
+    flutter = [pair for pair in found if pair[0].kind == "flutter"]
+    if not flutter:
+        changes = sorted((change for change, _ in found), key=lambda change: change.value)
         raise ValueError(_nothing(parameter, bounds, changes))
-    return _described(steady(model), parameter, change)
+    first = min(change.value for change, _ in flutter)
+    # Of symmetric equilibria always the same one, whatever the rounding of their points.
+    alike = first + SYMMETRIC * max(abs(first), high - low)
+    change, view = next(pair for pair in flutter if pair[0].value <= alike)
+    return _described(view, parameter, change)
+
+
+def _views(
+    model: Any, parameter: str, bounds: Any, equilibrium: Equilibrium | None
+) -> tuple[list[Steady], tuple[float, float]]:
+    """The equilibria to follow, and the bounds, checked."""
+    if equilibrium is not None or isinstance(model, SliderOnBelt):
+        view = steady(model, equilibrium)
+        return [view], check_bounds(view.model, view.parameters, parameter, bounds)
+    known = {symbol.name: value for symbol, value in automaton_of(model).parameters.items()}
+    limits = check_bounds(model, known, parameter, bounds)
+    return branches(model, parameter, limits), limits
 
 
 def _nothing(parameter: str, bounds: Any, changes: Sequence[StabilityChange]) -> str:
@@ -230,10 +257,9 @@ def _described(view: Steady, parameter: str, change: StabilityChange) -> HopfPoi
 def _guards(view: Steady) -> tuple[Any, ...]:
     """The functions that stay positive while the model slides as in the flow: v_r, the gap."""
     if not isinstance(view.model, SliderOnBelt):
-        mode = steady_states(view.model)[0]
-    else:
-        sliding = ("slip", "slip+" if view.model.v > 0 else "slip-")
-        mode = next(mode for mode in view.model.automaton().modes if mode.name in sliding)
+        return view.guards
+    sliding = ("slip", "slip+" if view.model.v > 0 else "slip-")
+    mode = next(mode for mode in view.model.automaton().modes if mode.name in sliding)
     return tuple(event.function for event in mode.events)
 
 

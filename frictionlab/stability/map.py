@@ -98,7 +98,7 @@ def _checked(view: Steady, which: str, given: tuple[str, Any]) -> Array:
         ) from None
     if len(values) < 2 or not (np.diff(values) > 0).all():
         raise ValueError(f"the values of {which} must ascend, two at least, got {values}: sort them")
-    check_parameter(view, name, values.tolist())
+    check_parameter(view.model, view.parameters, name, values.tolist())
     return values
 
 

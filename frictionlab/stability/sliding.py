@@ -13,6 +13,7 @@ from frictionlab.models.assembly import derive
 from frictionlab.models.modes import build
 from frictionlab.models.symbols import Structure, numbers, parameter_symbols, structure, symbolic
 
+from .automata import follower
 from .flow import Flow
 from .pressed import pressed_gap
 from .statics import Statics, each_statics
@@ -21,14 +22,24 @@ from .steady import Steady
 Array = NDArray[np.float64]
 
 
-def steady_sliding(model: Any) -> Steady:
-    """Steady sliding of a model at the equilibrium with F_N > 0 and the smallest gap."""
-    key = structure(model)
+def steady_sliding(model: Any, start: Array | None = None) -> Steady:
+    """Steady sliding of a model at the equilibrium with F_N > 0 and the smallest gap.
+
+    Or at that whose coordinates are `start` (n,), followed from there.
+    """
+    key, values = structure(model), numbers(model)
+    flow = sliding_flow(key)
 
     def solve(values: Sequence[Any], count: int) -> Array:
         return _solved(key, values, count)
 
-    return Steady(model, model.coordinates, sliding_flow(key), numbers(model), solve)
+    def pressed(x: Array, values: Sequence[Any]) -> Any:
+        return (flow.margin(x, values) > 0) & ~_resting(key, values)
+
+    if start is None:
+        return Steady(model, model.coordinates, flow, values, solve)
+    followed = follower(flow, np.append(start, np.zeros(len(start))), values, pressed)
+    return Steady(model, model.coordinates, flow, values, followed)
 
 
 @cache

@@ -33,6 +33,8 @@ class Steady:
         The parameters, in the flow's order.
     solve : callable
         Values (numbers or arrays (N,)), and N -> states (m, N) of the equilibrium; NaN where there is none.
+    guards : tuple of sympy.Expr
+        What is positive while the motion goes on in this mode: v_r, the gap.
     """
 
     model: Any
@@ -40,6 +42,7 @@ class Steady:
     flow: Flow
     values: tuple[float, ...]
     solve: Callable[[Sequence[Any], int], Array]
+    guards: tuple[Any, ...] = ()
 
     @property
     def parameters(self) -> dict[str, float]:

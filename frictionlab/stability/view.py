@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -14,32 +14,57 @@ from frictionlab.models import Model, SliderOnBelt
 from frictionlab.models.namespace import about_all
 
 from .automata import steady_state_of
+from .equilibria import Equilibrium, equilibria
 from .sliding import steady_sliding
 from .steady import Steady
 
+SAME = 1e-12  # share of a coordinate: an equilibrium computed again is the same but for rounding
 
-def steady(model: Any) -> Steady:
-    """The steady motion of a model, or of an automaton.
+
+def steady(model: Any, equilibrium: Equilibrium | None = None) -> Steady:
+    """The steady motion of a model, or of an automaton: the usual one, or that of one of its equilibria.
 
     Raises
     ------
     TypeError
         If it is neither.
+    ValueError
+        If the equilibrium is none of the model.
     """
+    near = None if equilibrium is None else _checked(model, equilibrium)
     if isinstance(model, SliderOnBelt):
-        return steady_sliding(model)
-    return steady_state_of(model)
+        return steady_sliding(model, near)
+    return steady_state_of(model, near)
 
 
-def check_parameter(view: Steady, name: Any, values: Sequence[float]) -> None:
+def _checked(model: Any, equilibrium: Any) -> NDArray[np.float64]:
+    """The coordinates of one of the model's equilibria, pressed if it is a contact's."""
+    known = equilibria(model)
+    if not isinstance(equilibrium, Equilibrium) or not any(_same(e, equilibrium) for e in known):
+        raise ValueError(
+            f"equilibrium must be one of the {len(known)} of the model, got {equilibrium!r}: "
+            "take one from equilibria(model)"
+        )
+    if isinstance(model, SliderOnBelt) and not equilibrium.normal_force > 0:
+        raise ValueError(
+            f"equilibrium must have F_N > 0, got {equilibrium.normal_force:.4g} N: there is no contact"
+        )
+    return equilibrium.q
+
+
+def _same(one: Equilibrium, other: Equilibrium) -> bool:
+    return one.q.shape == other.q.shape and np.allclose(one.q, other.q, rtol=SAME, atol=0.0)
+
+
+def check_parameter(model: Any, known: Mapping[str, float], name: Any, values: Sequence[float]) -> None:
     """Refuse an unknown parameter, and values that break its own rule.
 
     Rules between parameters (mu_s is at least mu_k) do not matter here: no steady motion depends on both.
     """
-    if name not in view.parameters:
-        raise ValueError(f"no parameter is called {name!r}: {did_you_mean(name, view.parameters)}")
-    if isinstance(view.model, Model):
-        about = about_all(type(view.model), view.model.components)[name]
+    if name not in known:
+        raise ValueError(f"no parameter is called {name!r}: {did_you_mean(name, known)}")
+    if isinstance(model, Model):
+        about = about_all(type(model), model.components)[name]
         for value in values:
             checked(name, value, about)
 
@@ -52,11 +77,11 @@ def path_of(view: Steady, name: Any, values: Any) -> NDArray[np.float64]:
         at = np.empty(0)
     if not len(at):
         raise ValueError(f"values must be one number or more, got {values!r}: give those of {name}")
-    check_parameter(view, name, at.tolist())
+    check_parameter(view.model, view.parameters, name, at.tolist())
     return at
 
 
-def check_bounds(view: Steady, name: Any, bounds: Any) -> tuple[float, float]:
+def check_bounds(model: Any, known: Mapping[str, float], name: Any, bounds: Any) -> tuple[float, float]:
     """Two values of a parameter, in ascending order."""
     try:
         low, high = (float("nan") if isinstance(b, str) else float(b) for b in bounds)
@@ -64,5 +89,5 @@ def check_bounds(view: Steady, name: Any, bounds: Any) -> tuple[float, float]:
         low = high = float("nan")
     if not low < high:
         raise ValueError(f"bounds must be two numbers in ascending order, got {bounds!r}: give (low, high)")
-    check_parameter(view, name, (low, high))
+    check_parameter(model, known, name, (low, high))
     return low, high

@@ -10,6 +10,8 @@ from tests.analysis.mode_coupling_cycle import cycle
 from tests.analysis.test_periodic_orbit import FLAT, TILTED, bistable
 from tests.hybrid.textbook import V, X, automaton, coulomb
 
+pytestmark = pytest.mark.blas
+
 W = sp.Symbol("w")
 
 

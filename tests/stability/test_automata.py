@@ -9,6 +9,8 @@ import sympy
 import frictionlab as fl
 from tests.stability.linear import linear
 
+pytestmark = pytest.mark.blas
+
 X, Y, V, W = sympy.symbols("x y v w")
 NAMES = ("c", "k", "N", "belt", "mu_k", "mu_s", "v_s")
 C, K, N, BELT, MU_K, MU_S, V_S = sympy.symbols(NAMES)
@@ -132,6 +134,88 @@ def test_a_guard_ends_a_locus():
     model = automaton([V, p - X - C * V], [fl.Event("wall", 1 - X)], c=0.1, p=0.0)
     locus = fl.root_locus(model, "p", [0.0, 0.9, 1.1, 2.0, -5.0])
     np.testing.assert_array_equal(np.isnan(locus.values[:, 0]), [False, False, True, True, False])
+
+
+def product(x, roots):
+    return sympy.prod([x - sympy.Float(root) for root in roots])
+
+
+FAR_APART = [
+    (1e-3, 1.0, 1e3),
+    (1e-6, 1.0, 1e6),
+    (-1e6, 0.0, 1e-6),
+    (1.0, 1.0 + 1e-6),
+    (1.0, 1.0 + 1e-6, 1e6),
+    tuple(10.0**k for k in range(-6, 7)),
+]
+
+
+@pytest.mark.parametrize("roots", FAR_APART)
+def test_equilibria_far_apart_in_size_or_close_to_each_other(roots):
+    first = automaton([product(X, roots)], states=(X,), coordinates=0)
+    second = automaton([V, -C * V - product(X, roots)], c=0.1)
+    for model in (first, second):
+        found = sorted(e.q[0] for e in fl.equilibria(model))
+        np.testing.assert_allclose(found, sorted(roots), rtol=1e-13)
+
+
+def test_a_pair_of_equilibria_that_rounding_can_just_tell_apart():
+    """Of x^2 - 2.000001 x + 1.000001 rounding leaves 1e-10 unknown: two equilibria, not a cloud of them."""
+    roots = sympy.Rational(1), sympy.Rational(1000001, 1000000)
+    model = automaton([sympy.expand((X - roots[0]) * (X - roots[1]))], states=(X,), coordinates=0)
+    np.testing.assert_allclose(sorted(e.q[0] for e in fl.equilibria(model)), [1, 1.000001], atol=2e-9)
+
+
+@pytest.mark.parametrize("skew", [0.0, 0.5, 1.0])
+def test_equilibria_over_twelve_decades_in_several_coordinates(skew):
+    """Every combination of the roots of two cubics in x + skew y and y - 2 skew x."""
+    roots = (1e-6, 1.0, 1e6)
+    flow = [V, W, -V - product(X + skew * Y, roots), -W - product(Y - 2 * skew * X, roots)]
+    found = np.array([e.q for e in fl.equilibria(automaton(flow, states=(X, Y, V, W), coordinates=2))])
+    pairs = np.array([(a, b) for a in roots for b in roots])
+    expected = np.linalg.solve([[1, skew], [-2 * skew, 1]], pairs.T).T
+    assert len(found) == len(expected)
+    for point in expected:
+        # States of 1e6 whose sum is 1e-6 are known to their own rounding.
+        assert np.abs(found - point).max(axis=1).min() <= 1e-14 * np.abs(point).max()
+
+
+def test_what_rounding_makes_vanish_far_out_is_no_equilibrium():
+    """Of the Brusselator's one: at x = 1e-17, y = 1e32 the rates are small beside their slopes."""
+    flow = [sympy.Rational(1, 2) - 2 * X + X**2 * Y, X - X**2 * Y]
+    (only,) = fl.equilibria(automaton(flow, states=(X, Y), coordinates=0))
+    np.testing.assert_allclose(only.q, [0.5, 2.0], rtol=1e-14)
+
+
+def lorenz(rho):
+    p = sympy.Symbol("rho")
+    flow = [10 * (Y - X), X * (p - W) - Y, X * Y - sympy.Rational(8, 3) * W]
+    return automaton(flow, states=(X, Y, W), coordinates=0, rho=rho)
+
+
+@pytest.mark.parametrize("rho", [0.5, 10.0, 20.0, 28.0])
+@pytest.mark.parametrize("bounds", [(15, 30), (0.1, 100)])
+def test_a_hopf_point_of_equilibria_that_are_not_the_nearest(rho, bounds):
+    """Whether or not they exist at the model's own value, and at the lower bound."""
+    point = fl.hopf(lorenz(rho), "rho", bounds)
+    assert point.value == pytest.approx(470 / 19, rel=1e-12)
+    side = np.sqrt(8 / 3 * (470 / 19 - 1))
+    np.testing.assert_allclose(point.state, [side, side, 470 / 19 - 1], rtol=1e-11)
+
+
+def test_the_changes_of_any_one_equilibrium():
+    model = lorenz(20.0)
+    origin, *others = fl.equilibria(model)
+    assert fl.critical_value(model, "rho", (0.1, 30), equilibrium=origin) == pytest.approx(1, rel=1e-12)
+    for other in others:
+        (change,) = fl.stability_changes(model, "rho", (15, 30), equilibrium=other)
+        assert change.value == pytest.approx(470 / 19, rel=1e-12)
+        assert np.sign(fl.hopf(model, "rho", (15, 30), equilibrium=other).state[0]) == np.sign(other.q[0])
+    with pytest.raises(ValueError, match="equilibrium must be one of the 3 of the model, got 'None here'"):
+        fl.stability_changes(model, "rho", (15, 30), equilibrium="None here")
+    slider = fl.SliderOnBelt()
+    usual = fl.critical_value(slider, "mu_k", (0, 3), equilibrium=fl.equilibrium(slider))
+    assert usual == pytest.approx(fl.critical_value(slider, "mu_k", (0, 3)), rel=1e-12)
 
 
 NOWHERE = {

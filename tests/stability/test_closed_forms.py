@@ -8,6 +8,8 @@ import sympy as sp
 
 import frictionlab as fl
 
+pytestmark = pytest.mark.blas
+
 
 def automaton(rates, *, n, events=(), **parameters):
     """x'' = rates(x, v, parameters) for n coordinates x1 ... xn."""

@@ -13,6 +13,8 @@ from frictionlab.models import MassOnBelt, ModeCoupling, SliderOnBelt, TwoBlocks
 from frictionlab.stability import eigenvalues, equilibrium, jacobian
 from frictionlab.stability.conditioning import neutral
 
+pytestmark = pytest.mark.blas
+
 # Claim C4: pairs of the coupled modes, with half a unit of the last printed digits.
 PAPER = {
     0.3: [(-0.05 + 100j, 0.005 + 0.5j), (-0.04 + 89.4j, 0.005 + 0.05j)],

@@ -17,6 +17,8 @@ from frictionlab.stability import equilibria, equilibrium
 from frictionlab.stability.real_roots import real_roots
 from frictionlab.stability.view import steady
 
+pytestmark = pytest.mark.blas
+
 # Claims C1 to C3; x1 at mu_k = 1.4 is positive (erratum E1).
 PAPER = {
     0.3: [-0.0042, -0.0304, -0.0036, -0.0061, -0.0001],

@@ -15,6 +15,8 @@ from frictionlab.stability.hopf import hopf
 from frictionlab.stability.multilinear import Point, along, along_parameter
 from frictionlab.stability.sliding import sliding_flow
 
+pytestmark = pytest.mark.blas
+
 X, Y, Z = sp.symbols("x y z", real=True)
 P, A, B, R = sp.symbols("p A B r", real=True)
 

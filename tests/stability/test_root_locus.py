@@ -11,6 +11,8 @@ from hypothesis import strategies as st
 import frictionlab as fl
 from tests.stability.linear import P, linear, rotated
 
+pytestmark = pytest.mark.blas
+
 S = fl.SliderOnBelt
 GRIDS = (2, 3, 5, 8, 11, 33, 101, 1000)
 SQUARES = [1 + P, 2 - P, sympy.Rational(3, 2) + P / 3, 1 + 2 * P]

@@ -12,6 +12,8 @@ import frictionlab as fl
 from frictionlab.stability.view import steady
 from tests.stability.linear import P, linear
 
+pytestmark = pytest.mark.blas
+
 S = fl.SliderOnBelt
 UNDAMPED = dict.fromkeys(["c1", "c2", "c4", "c5", "c6"], 0.0)
 
