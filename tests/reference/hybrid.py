@@ -18,7 +18,7 @@ GRID = np.linspace(0.0, 1.0, 9)  # where the guards are looked at within a step
 START = 1e-3  # first step of a mode, in periods
 LAYER = 0.5  # share of the distance from a layer (or of its width) that the sliding speed may change in a step
 ROUNDING = 1e-11  # a guard below this, by its scale, is zero when a mode begins
-CAP = 60_000  # steps after which a run is given up: some ten seconds
+CAP = 25_000  # steps after which a run is given up: some eight seconds
 
 
 class Undecided(Exception):

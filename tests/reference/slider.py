@@ -72,7 +72,7 @@ class Slider(Rubbing):
         self.fastest = max(self.fastest, speed)
         closed = self.struck(z, 0.0)
         closing = self.closing(t, closed)
-        if closing > 0 and (self.p.e == 0 or speed * self.p.e < REST * self.fastest):
+        if closing > 0 and self.p.e < 1 and (self.p.e == 0 or speed * self.p.e < REST * self.fastest):
             delay = 2 * self.p.e * speed / (closing * (1 - self.p.e))
             return Next((self.sliding(closed),), closed, speed, delay)
         first = 0.2 * self.p.e * speed / closing if closing > 0 else np.inf
