@@ -74,7 +74,8 @@ class Slider(Rubbing):
         closing = self.closing(t, closed)
         if closing > 0 and self.p.e < 1 and (self.p.e == 0 or speed * self.p.e < REST * self.fastest):
             delay = 2 * self.p.e * speed / (closing * (1 - self.p.e))
-            return Next((self.sliding(closed),), closed, speed, delay)
+            later = self.struck(closed + delay * np.array(self.rate(("separation",), t, closed)), 0.0)
+            return Next((self.sliding(later),), later, speed, delay)
         first = 0.2 * self.p.e * speed / closing if closing > 0 else np.inf
         return Next(("separation",), self.struck(z, self.p.e), speed, first=first)
 
