@@ -21,7 +21,7 @@ def main() -> None:
     count: Counter[tuple[str, str]] = Counter()
     numbers = range(options.first, options.first + options.count)
     for number in (bar := tqdm(numbers, dynamic_ncols=True)):
-        case = generate(options.seed, number, options.model)
+        case = generate(options.seed, number, options.model, options.exact)
         verdict = judge(case)
         count[type(case.model).__name__, verdict.kind] += 1
         if verdict.failed:
@@ -44,6 +44,7 @@ def _options() -> argparse.Namespace:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--first", type=int, default=0, help="number of the first case")
     parser.add_argument("--model", choices=list(MAKERS), help="this model only")
+    parser.add_argument("--exact", action="store_true", help="all at the default tolerance")
     return parser.parse_args()
 
 

@@ -19,14 +19,16 @@ STIFF = 3000.0  # rates of decay times length: what a law that rises steeply cos
 RISING = ("Smooth", "RiseAndFall", "Bump", "Ripple", "Logarithm")  # laws with a branch that damps
 
 
-def generate(seed: int, number: int, model: str | None = None) -> Case:
-    """Case `number` of a seed, of any model or the one named."""
+def generate(seed: int, number: int, model: str | None = None, exact: bool = False) -> Case:
+    """Case `number` of a seed, of any model or the one named; `exact` leaves tolerance and order alone."""
     rng = Random(f"{seed} {number}")
     name = model or rng.choices(list(MAKERS), [weight for weight, _ in MAKERS.values()])[0]
     made, x0 = MAKERS[name][1](rng)
     period = float(twin(made).period)
     t_end = period * _log(rng, 4.0, 30.0)
     t_end = _short(min(t_end, STIFF / stiffness(made)))
+    if exact:
+        return Case(made, tuple(x0), t_end)
     tol = 1e-15 if rng.random() < 0.35 else rng.choice(TOLERANCES)
     return Case(made, tuple(x0), t_end, tol, order(rng, tol, 2 * pi * t_end / period))
 
@@ -49,7 +51,7 @@ def stiffness(model: Any) -> float:
     force = max(p.get(name, 0.0) for name in ("N", "N1", "N2", "F"))
     mass = min(p[name] for name in ("m", "M", "m1", "m2") if name in p)
     height = max(p["mu_k"], p.get("h", 0.0))
-    return height * force / (width * mass)
+    return max(height * force / (width * mass), 1e-9)
 
 
 def friction(rng: Random, speed: float, force: float) -> fl.FrictionLaw:

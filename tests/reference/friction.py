@@ -33,14 +33,14 @@ def _pressed(p: SimpleNamespace) -> Law:
         return p.F_ref**p.n * abs(N) ** share
 
     def kinetic(N: float, u: float) -> float:
-        return (p.mu_k + (p.mu_s - p.mu_k) * exp(-u / p.v_s)) * pressed(N)
+        return (p.mu_k + (p.mu_s - p.mu_k) * _fall(u / p.v_s)) * pressed(N)
 
     return Law(kinetic, lambda N: p.mu_s * pressed(N), ((0.0, p.v_s),))
 
 
 def _fall(x: float) -> float:
-    """e^-x for what may be far beyond a layer, or a little before it."""
-    return exp(-x) if x < 700 else 0.0
+    """e^-x; a step that is tried and refused may look far before the layer."""
+    return exp(-max(x, -50.0)) if x < 700 else 0.0
 
 
 def _ahead(x: float) -> float:
@@ -125,7 +125,7 @@ def _logarithm(p):
 
 def _nested(p):
     return (
-        lambda u: p.mu_k + (p.mu_s - p.mu_k) * _fall(3 * tanh((u / p.v_s) ** 2)) / cosh(min(u / p.v_2, 300.0)),
+        lambda u: p.mu_k + (p.mu_s - p.mu_k) * _fall(3 * tanh((u / p.v_s) ** 2)) / cosh(max(-300.0, min(u / p.v_2, 300.0))),
         ((0.0, p.v_s), (0.0, p.v_2)),
     )
 

@@ -103,6 +103,7 @@ class Walker:
     size: np.ndarray
     found: Motion = field(default_factory=Motion)
     fresh: bool = True
+    repeats: int = 0  # events at one instant
     h: float = 0.0
 
     def rate(self, t: float, z: np.ndarray) -> np.ndarray:
@@ -199,8 +200,10 @@ def _first(run: Walker, done: Step, at: Any) -> tuple[int, float] | None:
             return float(system.guards(mode, done.t + x * done.h, at(x))[i])
 
         zero = run.fresh and abs(g[0]) <= ROUNDING * max(1.0, np.abs(values).max())
-        if zero and (g[1:] <= 0).all() and g[-1] < 0:
-            raise Undecided(f"{mode} at {run.t!r} s does not last")
+        if zero and (g[1:] <= 0).all() and g[-1] < 0:  # due at the very start: another event at this instant
+            if run.repeats > 2 * len(values):
+                raise Undecided(f"{mode} at {run.t!r} s does not last")
+            return i, 0.0
         root = _root(along, g, 1 if zero else 0)
         if root is not None:
             found.append((root, i))
@@ -232,7 +235,7 @@ def _dip(along: Any, g: np.ndarray, j: int, first: int) -> float | None:
 def _settled(run: Walker, done: Step, guard: int, x: float) -> Step:
     """The step that ends at the event, corrected by Newton's method on the guard."""
     h = x * done.h
-    for _ in range(3):
+    for _ in range(3 if h else 0):
         done = step(run.rate, done.t, done.z, done.K[0], h)
         t, tiny = done.t + h, 1e-7 * run.system.period
         value = run.system.guards(run.mode, t, done.z_end)[guard]
@@ -262,7 +265,13 @@ def _event(run: Walker, guard: int, done: Step) -> None:
     t, source = float(done.t + done.h), run.mode
     after = run.system.leave(run.mode, guard, t, done.z_end)
     run.mode, run.z, run.t, run.fresh = after.mode, np.array(after.z), float(t + after.delay), True
-    run.found.events.append(Happening(run.t, name(source), name(run.mode), float(after.speed)))
+    happening = Happening(run.t, name(source), name(run.mode), float(after.speed))
+    last = run.found.events[-1:]
+    run.repeats = run.repeats + 1 if done.h == 0 else 0
+    if run.repeats and last:  # one event, which leads from where the first began to where the last ends
+        happening = last[0]._replace(target=happening.target)
+        run.found.events.pop()
+    run.found.events.append(happening)
     run.h = min(START * run.system.period, after.first)
 
 

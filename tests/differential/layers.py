@@ -1,0 +1,89 @@
+"""How exact and how quick the solver is where friction has a layer, against the same law without one.
+
+    python -m tests.differential.layers [--quick]
+
+Layers are 1, 0.1, 1e-2, 1e-3, 1e-4 m/s wide.  The table gives the largest error of a state by its size, whether
+the events are those of the reference, and the run time by that of Coulomb's law with the same mu_k and mu_s.
+"""
+
+from __future__ import annotations
+
+import argparse
+from dataclasses import replace
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+from tqdm import tqdm
+
+import frictionlab as fl
+from tests.differential import laws
+from tests.differential.case import Case
+from tests.differential.judge import AGREES, compared
+from tests.differential.predict import predict, sizes
+from tests.differential.twin import full
+from tests.reference.hybrid import Undecided
+
+WIDTHS = (1.0, 0.1, 1e-2, 1e-3, 1e-4)
+MU = {"mu_k": 0.3, "mu_s": 1.0}
+SCENES = {
+    "mass on belt": Case(fl.MassOnBelt(c=0.02, v=2.5, **MU), (4.0, 0.0), 60.0),
+    "two blocks": Case(fl.TwoBlocks(c=0.02, v=0.7, **MU), (1.5, -0.5, 0.0, 0.0), 60.0),
+    "slider": Case(fl.SliderOnBelt(impact=fl.PlasticImpact("full"), **MU), (0.0,) * 10, 0.5),
+}
+
+
+def curves(width: float) -> dict[str, Any]:
+    """Laws with a layer of a width, by name."""
+    return {
+        "Stribeck": fl.Stribeck(v_s=width, mu_v=0.02, **MU),
+        "exponential": fl.ExponentialDecay(v_s=width, **MU),
+        "tanh": laws.Smooth(v_s=width, **MU),
+        "fall by tanh": laws.Edge(v_s=width, u_0=0.3, **MU),
+        "sum": laws.TwoLayers(v_s=width, v_2=10 * width, **MU),
+        "product": laws.Product(v_s=width, v_2=10 * width, **MU),
+    }
+
+
+def row(case: Case) -> tuple[str, float, float]:
+    """Verdict, largest error of a predictable state by its size, seconds."""
+    run = fl.simulate(case.model, case.t_end, x0=case.x0, method=case.method, progress=False)
+    seconds = min(_timed(case) for _ in range(3))
+    try:
+        known = predict(case)
+    except Undecided as reason:
+        return f"undecided: {reason}", np.nan, seconds
+    if not run.status.ok:
+        return run.status.name.lower(), np.inf, seconds
+    run = fl.simulate(case.model, case.t_end, x0=case.x0, method=case.method, t_eval=known.t, progress=False)
+    verdict = compared(case, known, run)
+    states = full(case.model, run.states[:, : len(case.x0)].T).T
+    use = known.t <= known.horizon
+    off = (np.abs(states - known.states) / sizes(known.states))[use].max()
+    return "agree" if verdict.kind == AGREES else verdict.words or verdict.kind, float(off), seconds
+
+
+def _timed(case: Case) -> float:
+    start = perf_counter()
+    fl.simulate(case.model, case.t_end, x0=case.x0, method=case.method, t_eval=[case.t_end], progress=False)
+    return perf_counter() - start
+
+
+def main() -> None:
+    """Print the table."""
+    parser = argparse.ArgumentParser(prog="python -m tests.differential.layers", description=__doc__)
+    parser.add_argument("--quick", action="store_true", help="every other width")
+    widths = WIDTHS[:: 2 if parser.parse_args().quick else 1]
+    print(f"{'scene':13s} {'law':13s} {'v_s':>7s} {'error':>8s} {'time':>7s} {'ratio':>6s}  events and states")
+    for name, scene in SCENES.items():
+        usual = row(scene)[2]
+        cases = [(law, w, replace(scene, model=scene.model.replace(friction=curve)))
+                 for w in widths for law, curve in curves(w).items()]
+        for law, width, case in tqdm(cases, desc=name, leave=False):
+            words, off, seconds = row(case)
+            text = f"{name:13s} {law:13s} {width:7g} {off:8.1e} {seconds * 1e3:6.1f}m {seconds / usual:6.1f}  {words}"
+            tqdm.write(text)
+
+
+if __name__ == "__main__":
+    main()
