@@ -23,6 +23,8 @@ def shrink(case: Case, judged: Callable[[Case], Verdict] = judge, trials: int = 
     while better and trials > 0:
         better = False
         for simpler in simpler_cases(case):
+            if simpler == case:
+                continue
             trials -= 1
             other = judged(simpler)
             if other.kind == verdict.kind:

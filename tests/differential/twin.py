@@ -47,7 +47,10 @@ def twin(model: Any, shift: float = 0.0) -> System:
 
 def restitution(model: Any, p: SimpleNamespace) -> float:
     """Coefficient of restitution: none of a plastic impact, never above 1."""
-    return min(getattr(p, "e", 0.0), max(getattr(model.impact, "e", 0.0), 0.0) and 1.0)
+    law = model.impact
+    if getattr(law, "gap_rate", "full") != "full" and "phi" in model.coordinates:
+        raise ValueError(f"impact must bring the full gap rate to zero, got {law!r}: the twin knows no chatter")
+    return min(getattr(p, "e", 0.0), 1.0)
 
 
 def initial(model: Any, x0: Any, shift: float = 0.0) -> np.ndarray:

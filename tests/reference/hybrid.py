@@ -101,6 +101,7 @@ class Walker:
     z: np.ndarray
     mode: Any
     size: np.ndarray
+    cap: int
     found: Motion = field(default_factory=Motion)
     fresh: bool = True
     repeats: int = 0  # events at one instant
@@ -117,7 +118,7 @@ class Walker:
         return self.rtol * np.maximum(self.size, 1e-3)
 
 
-def integrate(system: System, z: Any, times: Any, rtol: float = 1e-13) -> Motion:
+def integrate(system: System, z: Any, times: Any, rtol: float = 1e-13, cap: int = CAP) -> Motion:
     """Run from z at 0 to the last of the ascending `times`, at which states are kept.
 
     Raises
@@ -126,10 +127,11 @@ def integrate(system: System, z: Any, times: Any, rtol: float = 1e-13) -> Motion
         Where it takes too long, or a mode does not last.
     """
     z, times = np.array(z, dtype=float), np.asarray(times, dtype=float)
-    run = Walker(system, times, rtol, 0.0, z, system.start(z), np.zeros(len(z)))
+    run = Walker(system, times, rtol, 0.0, z, system.start(z), np.zeros(len(z)), cap)
     run.h = START * system.period
-    while run.t < times[-1]:
-        _advance(run)
+    with np.errstate(all="ignore"):  # a step may be tried that is far too long
+        while run.t < times[-1]:
+            _advance(run)
     for _ in range(len(times) - len(run.found.t)):
         _keep(run, float(times[-1]), run.z)
     return run.found
@@ -154,7 +156,7 @@ def _accepted(run: Walker) -> tuple[Step, Any]:
     h = min(run.h, _layer_limit(run, f))
     while True:
         run.found.steps += 1
-        if run.found.steps > CAP or h < 1e-15 * max(run.t, run.system.period):
+        if run.found.steps > run.cap or h < 1e-15 * max(run.t, run.system.period):
             raise Undecided(f"at {run.t!r} s in {run.mode}, step {h!r} s")
         left = run.times[-1] - run.t
         done = step(run.rate, run.t, run.z, f, min(h, left))

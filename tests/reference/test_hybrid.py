@@ -43,8 +43,8 @@ def test_free_oscillation_keeps_its_energy():
 def test_den_hartogs_amplitude():
     r, f = 0.8, 0.3
     driven = {"m": 1.0, "c": 0.0, "k": 1.0, "N": f, "F": 1.0, "Omega": r, "mu_k": 1.0, "mu_s": 1.0}
-    motion = integrate(rubbing(DenHartog, **driven), [2.6, 0.0], np.linspace(0, 400, 40_001))
-    x = np.array(motion.states)[-2000:, 0]
+    motion = integrate(rubbing(DenHartog, **driven), [2.6, 0.0], np.linspace(390, 400, 1001))
+    x = np.array(motion.states)[:, 0]
     amplitude = np.sqrt((1 / (1 - r**2)) ** 2 - (f * np.sin(np.pi / r) / (r * (1 + np.cos(np.pi / r)))) ** 2)
     assert x.max() == pytest.approx(amplitude, abs=1e-4)  # the samples' distance, 0.01 s, squared
 
@@ -110,4 +110,4 @@ def test_no_layer_is_jumped_over(width):
 def test_what_cannot_be_told_is_said():
     """A decay of 1e9/s is beyond an explicit method."""
     with pytest.raises(Undecided):
-        integrate(belt("Smooth", v_s=1e-9), [0.1, 0.0], [100.0])
+        integrate(belt("Smooth", v_s=1e-9), [0.1, 0.0], [100.0], cap=1000)
