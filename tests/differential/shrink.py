@@ -12,6 +12,7 @@ from tests.differential.case import Case
 from tests.differential.judge import Verdict, judge
 
 TRIALS = 120  # cases judged in search of a simpler one
+SHORTEST = 0.1  # run, in periods of the model
 
 
 def shrink(case: Case, judged: Callable[[Case], Verdict] = judge, trials: int = TRIALS) -> tuple[Case, Verdict]:
@@ -42,7 +43,8 @@ def simpler_cases(case: Case) -> Iterator[Case]:
     if case.tol != 1e-15:
         yield replace(case, tol=1e-15)
     for factor in (0.25, 0.5, 0.8):
-        yield replace(case, t_end=_rounded(factor * case.t_end, 2))
+        if factor * case.t_end > SHORTEST * case.model.period:
+            yield replace(case, t_end=_rounded(factor * case.t_end, 2))
     for model in _models(case.model):
         if len(model.coordinates) == len(case.model.coordinates):
             yield replace(case, model=model)

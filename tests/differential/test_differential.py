@@ -74,9 +74,9 @@ def test_a_case_is_the_line_of_code_that_it_prints(model):
 
 def test_a_wrong_run_is_found():
     """A mass of one part in 1e6 more has the events a little later: not within the bound."""
-    case = Case(fl.MassOnBelt(v=0.5), (1.0, 0.0), 20.0)
+    case = Case(fl.MassOnBelt(v=0.5), (2.0, 0.0), 20.0)
     known = predict(case)
-    other = predict(Case(fl.MassOnBelt(v=0.5, m=1 + 1e-6), (1.0, 0.0), 20.0))
+    other = predict(Case(fl.MassOnBelt(v=0.5, m=1 + 1e-6), (2.0, 0.0), 20.0))
     late = np.abs([a.t - b.t for a, b in zip(known.events, other.events, strict=False)])
     assert (late > 10 * known.time_spread[: len(late)]).any()
     assert known.horizon == case.t_end
@@ -87,6 +87,12 @@ def test_what_cannot_be_foretold_is_not_compared():
     grazing = fl.MassOnBelt(v=0.5, friction=fl.Coulomb(mu_k=0.2, mu_s=0.4))
     known = predict(Case(grazing, (0.7, 0.0), 40.0))  # turns about 0.2 with the amplitude 0.5, the belt's speed
     assert known.horizon < 15.0
+
+
+def test_slip_that_ends_at_the_static_limit_by_symmetry_is_not_compared():
+    """mu_k = 0: from the limit to the limit, where rounding decides."""
+    case = Case(fl.MassOnBelt(mu_k=0.0, mu_s=0.5), (0.482, 0.2), 20.0)
+    assert predict(case).horizon < 5.0
 
 
 def test_the_shrinker_keeps_what_makes_a_case_fail():

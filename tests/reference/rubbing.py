@@ -21,6 +21,7 @@ class Rubbing(System):
     law: Law
     contacts = 1
     unilateral = False
+    margin = 0.0  # share by which the static limit differs where stick is decided: for runs nearby
 
     def __init__(self, p: SimpleNamespace, law: Law) -> None:
         self.p, self.law, self.layers = p, law, law.layers
@@ -67,7 +68,7 @@ class Rubbing(System):
 
     def decided(self, i: int, t: float, z: np.ndarray) -> str:
         """Stick or slip where v_r = 0."""
-        force, limit = self.holding(i, t, z), self.law.static(self.normal(i, z))
+        force, limit = self.holding(i, t, z), self.law.static(self.normal(i, z)) * (1 + self.margin)
         return "stick" if abs(force) < limit else "slip+" if force > 0 else "slip-"
 
     def friction(self, i: int, word: str, t: Any, z: Any) -> Any:
