@@ -2,8 +2,8 @@
 
     python -m tests.differential --count 2000 --seed 1 [--model MassOnBelt] [--exact] [--shrink] [--keep]
 
-Prints every failure as a line of code, then a table of what came out by model and kind.  --shrink makes failures
-simple first; --keep writes them to kept.txt, whose cases the suite runs from then on.
+Prints every failure as a line of code, then a table of what came out by model and kind.  --shrink makes
+failures simple first; --keep writes them to kept.txt, whose cases the suite runs from then on.
 """
 
 from __future__ import annotations
@@ -30,7 +30,9 @@ def main() -> None:
         case = generate(options.seed, number, options.model, options.exact)
         verdict = judge(case)
         count[type(case.model).__name__, verdict.kind] += 1
-        bar.set_postfix(failed=sum(n for (_, kind), n in count.items() if kind not in ("agrees", "undecided")))
+        bar.set_postfix(
+            failed=sum(n for (_, kind), n in count.items() if kind not in ("agrees", "undecided"))
+        )
         if verdict.failed:
             if options.shrink or options.keep:
                 case, verdict = shrink(case)
@@ -53,7 +55,9 @@ def table(count: Counter[tuple[str, str]]) -> str:
 
 def _options() -> argparse.Namespace:
     parser = argparse.ArgumentParser(
-        prog="python -m tests.differential", description=__doc__, formatter_class=argparse.RawTextHelpFormatter
+        prog="python -m tests.differential",
+        description=__doc__,
+        formatter_class=argparse.RawTextHelpFormatter,
     )
     parser.add_argument("--count", type=int, default=200, help="number of cases")
     parser.add_argument("--seed", type=int, default=1)

@@ -9,7 +9,7 @@ import numpy as np
 
 import frictionlab as fl
 from tests.differential.case import Case
-from tests.differential.predict import FAINT, Prediction, clear, near, predict, sizes
+from tests.differential.predict import FAINT, Prediction, clear, near, predict
 from tests.differential.twin import full, twin
 from tests.reference.hybrid import Happening, Undecided
 
@@ -20,7 +20,7 @@ AGREES, UNDECIDED = "agrees", "undecided"
 
 @dataclass(frozen=True)
 class Verdict:
-    """What a case came to: "agrees", "undecided", or a kind of failure; in words; largest share of a bound."""
+    """What a case came to: "agrees", "undecided" or a kind of failure; words; largest share of a bound."""
 
     kind: str
     words: str = ""
@@ -102,7 +102,10 @@ def _events(case: Case, known: Prediction, run: Any, found: list[Happening]) -> 
             worst, words = share, f"event {i} at {event.t:.9g}: off by {found[i].t - event.t:.2e}"
     extra = found[len(known.events) : len(known.events) + 1]
     if extra and extra[0].t < known.horizon * (1 - 1e-9):
-        return np.inf, f"event {len(known.events)}: {extra[0][1]} -> {extra[0][2]} at {extra[0].t:.9g} is not there"
+        return (
+            np.inf,
+            f"event {len(known.events)}: {extra[0][1]} -> {extra[0][2]} at {extra[0].t:.9g} is not there",
+        )
     return worst, words
 
 
@@ -117,7 +120,9 @@ def _states(case: Case, known: Prediction, run: Any, found: Any) -> tuple[float,
     shares[~use] = 0.0
     i, j = np.unravel_index(shares.argmax(), shares.shape)
     off = states[i, j] - known.states[i, j]
-    return float(shares[i, j]), f"state {j} at {known.t[i]:.6g}: off by {off:.2e}, horizon {known.horizon:.6g}"
+    return float(
+        shares[i, j]
+    ), f"state {j} at {known.t[i]:.6g}: off by {off:.2e}, horizon {known.horizon:.6g}"
 
 
 def _laws(case: Case, known: Prediction, run: Any, found: Any) -> tuple[float, str]:
@@ -134,6 +139,3 @@ def _laws(case: Case, known: Prediction, run: Any, found: Any) -> tuple[float, s
             if share > worst:
                 worst, words = share, f"{name}: {np.min(values):.2e} at {run.t[here][np.argmin(values)]:.6g}"
     return worst, words
-
-
-__all__ = ["Verdict", "compared", "judge", "sizes"]

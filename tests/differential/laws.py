@@ -1,4 +1,4 @@
-"""Friction laws as a user would write them: sums, products, powers and quotients of exp, tanh, sin and the like.
+"""Friction laws as a user would write them: sums, products, powers and quotients of exp, tanh, sin and so on.
 
 Their formulas stand a second time, as plain functions, in tests/reference/friction.py.
 """
@@ -80,7 +80,9 @@ class TwoLayers(Curve):
     v_2: float = _speed(0.2)
 
     def mu(self, u: Any) -> Any:
-        return self.mu_k + (self.mu_s - self.mu_k) * (fn.exp(-u / self.v_s) + fn.exp(-((u / self.v_2) ** 2))) / 2
+        return (
+            self.mu_k + (self.mu_s - self.mu_k) * (fn.exp(-u / self.v_s) + fn.exp(-((u / self.v_2) ** 2))) / 2
+        )
 
 
 @dataclass(frozen=True, repr=False)
@@ -90,7 +92,9 @@ class Product(Curve):
     v_2: float = _speed(0.2)
 
     def mu(self, u: Any) -> Any:
-        return self.mu_k + (self.mu_s - self.mu_k) * fn.exp(-((u / self.v_s) ** 2)) * (1 - fn.tanh(u / self.v_2) / 2)
+        return self.mu_k + (self.mu_s - self.mu_k) * fn.exp(-((u / self.v_s) ** 2)) * (
+            1 - fn.tanh(u / self.v_2) / 2
+        )
 
 
 @dataclass(frozen=True, repr=False)
@@ -119,7 +123,9 @@ class Ripple(Curve):
     h: float = _share(0.1)
 
     def mu(self, u: Any) -> Any:
-        return self.mu_k * (1 + self.h * fn.sin(u / self.v_2)) + (self.mu_s - self.mu_k) * fn.exp(-u / self.v_s)
+        return self.mu_k * (1 + self.h * fn.sin(u / self.v_2)) + (self.mu_s - self.mu_k) * fn.exp(
+            -u / self.v_s
+        )
 
 
 @dataclass(frozen=True, repr=False)
@@ -139,7 +145,9 @@ class Nested(Curve):
     v_2: float = _speed(0.2)
 
     def mu(self, u: Any) -> Any:
-        return self.mu_k + (self.mu_s - self.mu_k) * fn.exp(-3 * fn.tanh((u / self.v_s) ** 2)) / fn.cosh(u / self.v_2)
+        return self.mu_k + (self.mu_s - self.mu_k) * fn.exp(-3 * fn.tanh((u / self.v_s) ** 2)) / fn.cosh(
+            u / self.v_2
+        )
 
 
 @dataclass(frozen=True, repr=False)

@@ -2,8 +2,9 @@
 
     python -m tests.differential.layers [--quick]
 
-Layers are 1, 0.1, 1e-2, 1e-3, 1e-4 m/s wide.  The table gives the largest error of a state by its size, whether
-the events are those of the reference, and the run time by that of Coulomb's law with the same mu_k and mu_s.
+Layers are 1, 0.1, 1e-2, 1e-3, 1e-4 m/s wide.  The table gives the largest error of a state by its size, the
+run time by that of Coulomb's law with the same mu_k and mu_s, and whether events and states are those of the
+reference.
 """
 
 from __future__ import annotations
@@ -74,15 +75,20 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m tests.differential.layers", description=__doc__)
     parser.add_argument("--quick", action="store_true", help="every other width")
     widths = WIDTHS[:: 2 if parser.parse_args().quick else 1]
-    print(f"{'scene':13s} {'law':13s} {'v_s':>7s} {'error':>8s} {'time':>7s} {'ratio':>6s}  events and states")
+    print(
+        f"{'scene':13s} {'law':13s} {'v_s':>7s} {'error':>8s} {'time':>7s} {'ratio':>6s}  events and states"
+    )
     for name, scene in SCENES.items():
         usual = row(scene)[2]
-        cases = [(law, w, replace(scene, model=scene.model.replace(friction=curve)))
-                 for w in widths for law, curve in curves(w).items()]
+        cases = [
+            (law, w, replace(scene, model=scene.model.replace(friction=curve)))
+            for w in widths
+            for law, curve in curves(w).items()
+        ]
         for law, width, case in tqdm(cases, desc=name, leave=False):
             words, off, seconds = row(case)
-            text = f"{name:13s} {law:13s} {width:7g} {off:8.1e} {seconds * 1e3:6.1f}m {seconds / usual:6.1f}  {words}"
-            tqdm.write(text)
+            numbers = f"{width:7g} {off:8.1e} {seconds * 1e3:6.1f}m {seconds / usual:6.1f}"
+            tqdm.write(f"{name:13s} {law:13s} {numbers}  {words}")
 
 
 if __name__ == "__main__":

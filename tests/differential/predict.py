@@ -15,7 +15,9 @@ SAMPLES = 33
 NEAR = 1e-9  # share by which runs nearby differ in every number: the accuracy asked for at the default
 SLACK = 10.0  # the same in tolerances: of a looser one, a series that ends at tol leaves so much in a run
 FAR = 0.05  # runs nearby that are so far apart, in sizes or periods, foretell nothing more
-FAINT = 1e-4  # impacts below this, by the fastest, are left out: where they pile up, their number means nothing
+FAINT = (
+    1e-4  # impacts below this, by the fastest, are left out: where they pile up, their number means nothing
+)
 UNBOUNDED = 1e6
 
 
@@ -96,7 +98,9 @@ def sizes(states: np.ndarray) -> np.ndarray:
 
 def _grouped(amounts: np.ndarray) -> np.ndarray:
     half = amounts.shape[1] // 2
-    return np.repeat(np.stack([amounts[:, :half].max(axis=1), amounts[:, half:].max(axis=1)], axis=1), half, axis=1)
+    return np.repeat(
+        np.stack([amounts[:, :half].max(axis=1), amounts[:, half:].max(axis=1)], axis=1), half, axis=1
+    )
 
 
 def clear(times: np.ndarray, events: list[Happening], spread: np.ndarray, t_end: float) -> np.ndarray:

@@ -15,7 +15,9 @@ TRIALS = 120  # cases judged in search of a simpler one
 SHORTEST = 0.1  # run, in periods of the model
 
 
-def shrink(case: Case, judged: Callable[[Case], Verdict] = judge, trials: int = TRIALS) -> tuple[Case, Verdict]:
+def shrink(
+    case: Case, judged: Callable[[Case], Verdict] = judge, trials: int = TRIALS
+) -> tuple[Case, Verdict]:
     """The simplest case found that fails in the same kind of way, and its verdict."""
     verdict = judged(case)
     if not verdict.failed:

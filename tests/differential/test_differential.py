@@ -85,7 +85,9 @@ def test_a_wrong_run_is_found():
 def test_what_cannot_be_foretold_is_not_compared():
     """A slip that just stops short of stick: runs nearby do and do not stick."""
     grazing = fl.MassOnBelt(v=0.5, friction=fl.Coulomb(mu_k=0.2, mu_s=0.4))
-    known = predict(Case(grazing, (0.7, 0.0), 40.0))  # turns about 0.2 with the amplitude 0.5, the belt's speed
+    known = predict(
+        Case(grazing, (0.7, 0.0), 40.0)
+    )  # turns about 0.2 with the amplitude 0.5, the belt's speed
     assert known.horizon < 15.0
 
 

@@ -10,7 +10,14 @@ import numpy as np
 
 from tests.reference.friction import law
 from tests.reference.hybrid import System
-from tests.reference.oscillators import BouncingBall, DenHartog, ImpactOscillator, MassOnBelt, ModeCoupling, TwoBlocks
+from tests.reference.oscillators import (
+    BouncingBall,
+    DenHartog,
+    ImpactOscillator,
+    MassOnBelt,
+    ModeCoupling,
+    TwoBlocks,
+)
 from tests.reference.rubbing import Rubbing
 from tests.reference.slider import Slider
 
@@ -34,8 +41,8 @@ def shifted(model: Any, shift: float) -> SimpleNamespace:
 def twin(model: Any, shift: float = 0.0) -> System:
     """The reference system of a model, or one nearby.
 
-    Nearby, stick is also decided a little earlier or later than it ends: by symmetry a slip may begin and end at
-    the static limit, whatever the numbers are.
+    Nearby, stick is also decided a little earlier or later than it ends: by symmetry a slip may begin and end
+    at the static limit, whatever the numbers are.
     """
     found = _twin(model, shift)
     if isinstance(found, Rubbing):
@@ -61,7 +68,9 @@ def restitution(model: Any, p: SimpleNamespace) -> float:
     """Coefficient of restitution: none of a plastic impact, never above 1."""
     law = model.impact
     if getattr(law, "gap_rate", "full") != "full" and "phi" in model.coordinates:
-        raise ValueError(f"impact must bring the full gap rate to zero, got {law!r}: the twin knows no chatter")
+        raise ValueError(
+            f"impact must bring the full gap rate to zero, got {law!r}: the twin knows no chatter"
+        )
     return min(getattr(p, "e", 0.0), 1.0)
 
 

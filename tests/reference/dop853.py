@@ -1,7 +1,7 @@
 """One step of the Dormand-Prince method of order 8, with its dense output of order 7.
 
-E. Hairer, S. P. Nørsett, G. Wanner, Solving Ordinary Differential Equations I, 2nd ed., Springer 1993, section
-II.10.  The numbers of the method are those that scipy holds; step control and events are in hybrid.py.
+E. Hairer, S. P. Nørsett, G. Wanner, Solving Ordinary Differential Equations I, 2nd ed., Springer 1993,
+section II.10.  The numbers of the method are those that scipy holds; hybrid.py controls steps and events.
 """
 
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Friction laws as plain functions of numbers, written from their formulas; nothing here comes from the package.
+"""Friction laws as plain functions of numbers, written from their formulas; nothing comes from the package.
 
 A law is a friction force F(N, u), a static limit S(N), and its layers: where in the sliding speed u, and over
 which width, it bends.  Names are those of the classes that the tests give to the package.
@@ -125,7 +125,10 @@ def _logarithm(p):
 
 def _nested(p):
     return (
-        lambda u: p.mu_k + (p.mu_s - p.mu_k) * _fall(3 * tanh((u / p.v_s) ** 2)) / cosh(max(-300.0, min(u / p.v_2, 300.0))),
+        lambda u: (
+            p.mu_k
+            + (p.mu_s - p.mu_k) * _fall(3 * tanh((u / p.v_s) ** 2)) / cosh(max(-300.0, min(u / p.v_2, 300.0)))
+        ),
         ((0.0, p.v_s), (0.0, p.v_2)),
     )
 

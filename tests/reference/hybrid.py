@@ -1,9 +1,9 @@
-"""An event-driven integrator that shares nothing with the package: Runge-Kutta steps of order 8, Brent's method.
+"""An event-driven integrator that shares nothing with the package: Runge-Kutta of order 8, Brent's method.
 
-What a system is, see :class:`System`.  Two things a plain integrator gets wrong are taken care of here.  A layer
-of the friction law, such as exp(-(u/v_s)^2), is invisible to the error estimate while it is flat: so the sliding
-speed u may not change by more than a share of its distance from a layer within a step.  And dense output is less
-exact than a step: so an event that was found in it is settled by steps that end there.
+What a system is, see :class:`System`.  Two things a plain integrator gets wrong are taken care of here.  A
+layer of the friction law, such as exp(-(u/v_s)^2), is invisible to the error estimate while it is flat: so
+the sliding speed u may not change by more than a share of its distance from a layer within a step.  And dense
+output is less exact than a step: so an event that was found in it is settled by steps that end there.
 """
 
 from dataclasses import dataclass, field
@@ -16,7 +16,9 @@ from tests.reference.dop853 import Step, dense, error, step
 
 GRID = np.linspace(0.0, 1.0, 9)  # where the guards are looked at within a step
 START = 1e-3  # first step of a mode, in periods
-LAYER = 0.5  # share of the distance from a layer (or of its width) that the sliding speed may change in a step
+LAYER = (
+    0.5  # share of the distance from a layer (or of its width) that the sliding speed may change in a step
+)
 ROUNDING = 1e-11  # a guard below this, by its scale, is zero when a mode begins
 CAP = 25_000  # steps after which a run is given up: some eight seconds
 
@@ -35,8 +37,8 @@ class Happening(NamedTuple):
 
 
 class Next(NamedTuple):
-    """What follows an event: mode, state; of an impact its speed, where impacts pile up the time until they are
-    over, and a first step well below the next flight.
+    """What follows an event: mode, state; of an impact its speed, where impacts pile up the time until they
+    are over, and a first step well below the next flight.
     """
 
     mode: Any
@@ -47,7 +49,7 @@ class Next(NamedTuple):
 
 
 class System:
-    """What is integrated.  States are coordinates, then velocities; a mode is a tuple, one word for each contact.
+    """What is integrated.  States are coordinates, then velocities; a mode has one word for each contact.
 
     `guards` are positive while a mode lasts, one row each; they take one state (n,) or many (n, samples).
     """
@@ -217,10 +219,15 @@ def _root(along: Any, g: np.ndarray, first: int) -> float | None:
     for j in range(first, len(g)):
         dip = _dip(along, g, j, first)
         if dip is not None:
-            return brentq(along, GRID[j - 1], dip, xtol=1e-15)
+            return _brent(along, GRID[j - 1], dip)
         if g[j] <= 0:
-            return float(brentq(along, GRID[j - 1], GRID[j], xtol=1e-15)) if j > 0 and g[j - 1] > 0 else GRID[j]
+            return _brent(along, GRID[j - 1], GRID[j]) if j > 0 and g[j - 1] > 0 else float(GRID[j])
     return None
+
+
+def _brent(along: Any, left: float, right: float) -> float:
+    root: Any = brentq(along, left, right, xtol=1e-15)
+    return float(root)
 
 
 def _dip(along: Any, g: np.ndarray, j: int, first: int) -> float | None:
@@ -230,7 +237,8 @@ def _dip(along: Any, g: np.ndarray, j: int, first: int) -> float | None:
     bend = g[j - 1] - 2 * g[j] + g[j + 1]
     if g[j] - (g[j + 1] - g[j - 1]) ** 2 / (8 * bend) > 0.5 * g[j]:  # the parabola stays well above
         return None
-    low = minimize_scalar(along, bounds=(GRID[j - 1], GRID[j + 1]), method="bounded", options={"xatol": 1e-10})
+    options, bounds = {"xatol": 1e-10}, (GRID[j - 1], GRID[j + 1])
+    low: Any = minimize_scalar(along, bounds=bounds, method="bounded", options=options)
     return float(low.x) if low.fun < 0 else None
 
 

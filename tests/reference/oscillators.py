@@ -159,7 +159,9 @@ class Stopped(System):
         speed, push = abs(z[1]), -self.side * self.force(t, np.array([self.p.d, 0.0]))
         self.fastest = max(self.fastest, speed)
         if push > 0 and self.p.e < 1 and (self.p.e == 0 or speed * self.p.e < REST * self.fastest):
-            delay = 2 * self.p.e * speed / (push * (1 - self.p.e))  # flights of e, e^2, e^3 ... times the first
+            delay = (
+                2 * self.p.e * speed / (push * (1 - self.p.e))
+            )  # flights of e, e^2, e^3 ... times the first
             return Next(("contact",), np.array([self.p.d, 0.0]), speed, delay)
         first = 0.2 * self.p.e * speed / push if push > 0 else np.inf
         return Next(("flight",), np.array([self.p.d, -self.p.e * z[1]]), speed, first=first)

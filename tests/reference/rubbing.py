@@ -1,7 +1,8 @@
 """Bodies that rub, by Coulomb's rules: stick, slip and separation of each contact, whatever the friction law.
 
-The force that keeps a relative velocity as it is (`holding`) depends on the state alone in all of these systems,
-so that contacts decide one by one: they stick where it is within the static limit, and else slip its way.
+The force that keeps a relative velocity as it is (`holding`) depends on the state alone in all of these
+systems, so that contacts decide one by one: they stick where it is within the static limit, and else slip its
+way.
 """
 
 from types import SimpleNamespace

@@ -1,4 +1,4 @@
-"""The slider on the belt in doubles, by the equations of slider_equations.py; full gap rate or restitution."""
+"""The slider on the belt in doubles, by slider_equations.py; full gap rate or restitution."""
 
 from types import SimpleNamespace
 from typing import Any

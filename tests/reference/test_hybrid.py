@@ -2,6 +2,7 @@
 
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,12 +16,12 @@ from tests.reference.slider_equations import BASE
 COULOMB = {"mu_k": 0.5, "mu_s": 1.0}
 
 
-def rubbing(kind, name="Coulomb", **numbers):
+def rubbing(kind, name: Any = "Coulomb", **numbers):
     p = SimpleNamespace(**numbers)
     return kind(p, law(name, p))
 
 
-def belt(name="Coulomb", **changes):
+def belt(name: str = "Coulomb", **changes):
     numbers = {"m": 1.0, "c": 0.0, "k": 1.0, "N": 1.0, "v": 0.2, **COULOMB, **changes}
     return rubbing(MassOnBelt, name, **numbers)
 
