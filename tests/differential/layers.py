@@ -26,23 +26,24 @@ from tests.differential.twin import full
 from tests.reference.hybrid import Undecided
 
 WIDTHS = (1.0, 0.1, 1e-2, 1e-3, 1e-4)
-MU = {"mu_k": 0.3, "mu_s": 1.0}
+LIGHT, STEEP = {"mu_k": 0.3, "mu_s": 1.0}, {"mu_k": 1.2, "mu_s": 2.0}  # both with stick and slip in turn
 SCENES = {
-    "mass on belt": Case(fl.MassOnBelt(c=0.02, v=2.5, **MU), (4.0, 0.0), 60.0),
-    "two blocks": Case(fl.TwoBlocks(c=0.02, v=0.7, **MU), (1.5, -0.5, 0.0, 0.0), 60.0),
-    "slider": Case(fl.SliderOnBelt(impact=fl.PlasticImpact("full"), **MU), (0.0,) * 10, 0.5),
+    "mass on belt": Case(fl.MassOnBelt(c=0.02, v=2.5, **LIGHT), (4.0, 0.0), 60.0),
+    "two blocks": Case(fl.TwoBlocks(c=0.02, v=0.7, **LIGHT), (1.5, -0.5, 0.0, 0.0), 60.0),
+    "slider": Case(fl.SliderOnBelt(impact=fl.PlasticImpact("full"), **STEEP), (0.0,) * 10, 0.5),
 }
 
 
-def curves(width: float) -> dict[str, Any]:
-    """Laws with a layer of a width, by name."""
+def curves(width: float, model: Any) -> dict[str, Any]:
+    """Laws with a layer of a width, by name, with the coefficients of a model."""
+    mu = {"mu_k": model.mu_k, "mu_s": model.mu_s}
     return {
-        "Stribeck": fl.Stribeck(v_s=width, mu_v=0.02, **MU),
-        "exponential": fl.ExponentialDecay(v_s=width, **MU),
-        "tanh": laws.Smooth(v_s=width, **MU),
-        "fall by tanh": laws.Edge(v_s=width, u_0=0.3, **MU),
-        "sum": laws.TwoLayers(v_s=width, v_2=10 * width, **MU),
-        "product": laws.Product(v_s=width, v_2=10 * width, **MU),
+        "Stribeck": fl.Stribeck(v_s=width, mu_v=0.02, **mu),
+        "exponential": fl.ExponentialDecay(v_s=width, **mu),
+        "tanh": laws.Smooth(v_s=width, **mu),
+        "fall by tanh": laws.Edge(v_s=width, u_0=0.3, **mu),
+        "sum": laws.TwoLayers(v_s=width, v_2=10 * width, **mu),
+        "product": laws.Product(v_s=width, v_2=10 * width, **mu),
     }
 
 
@@ -83,7 +84,7 @@ def main() -> None:
         cases = [
             (law, w, replace(scene, model=scene.model.replace(friction=curve)))
             for w in widths
-            for law, curve in curves(w).items()
+            for law, curve in curves(w, scene.model).items()
         ]
         for law, width, case in tqdm(cases, desc=name, leave=False):
             words, off, seconds = row(case)
