@@ -72,6 +72,8 @@ def friction(rng: Random, speed: float, force: float) -> fl.FrictionLaw:
         own["mu_v"] *= own["v_s"] / speed
     if kind is OWN["Nested"]:  # cosh(710) overflows, in the law itself
         own["v_2"] = max(own["v_2"], speed / 50)
+    if kind is OWN["Ripple"]:  # thousands of waves cost the reference seconds
+        own["v_2"] = max(own["v_2"], speed / 100)
     fields = kind.__dataclass_fields__
     return kind(mu_k=mu_k, mu_s=mu_s, **{n: _short(x) for n, x in own.items() if n in fields})
 
