@@ -66,7 +66,8 @@ def _models(model: Any) -> Iterator[Any]:
         yield _changed(model, geometry=fl.MovingLoad())
     usual = type(model)().parameters
     for name, value in model.parameters.items():
-        for other in dict.fromkeys((usual.get(name, value), 0.0, _rounded(value, 1), _rounded(value, 2))):
+        none = 0.0 if name.startswith(("c", "mu_")) else value  # no damper, no friction; springs stay
+        for other in dict.fromkeys((usual.get(name, value), none, _rounded(value, 1), _rounded(value, 2))):
             if other != value and _digits(other) <= _digits(value):
                 yield _changed(model, **{name: other})
 

@@ -19,13 +19,13 @@ from tests.reference.friction import CURVES, law
 
 SEED = 20
 COUNT = {
-    "MassOnBelt": 10,
-    "DenHartog": 6,
+    "MassOnBelt": 12,
+    "DenHartog": 8,
     "ImpactOscillator": 5,
-    "TwoBlocks": 5,
+    "TwoBlocks": 6,
     "BouncingBall": 3,
     "ModeCoupling": 4,
-    "SliderOnBelt": 4,
+    "SliderOnBelt": 5,
 }
 RANDOM = [(model, number) for model, count in COUNT.items() for number in range(count)]
 LINES = (Path(__file__).parent / "kept.txt").read_text(encoding="utf-8").splitlines()
