@@ -38,7 +38,7 @@ def order(rng: Random, tol: float, radians: float) -> int | None:
     choice = rng.randint(4, 30)
     if rng.random() < 0.6:
         return None
-    step = (tol * factorial(choice)) ** (1 / choice)
+    step = (tol * factorial(choice - 1)) ** (1 / (choice - 1))  # the last term but one of a sine is below tol
     return choice if radians / step < STEPS else None
 
 
