@@ -54,9 +54,9 @@ def tanh_range(a, y, slope, d):
         t = math.tan(d)
         if y * t < 1.0:
             near = slope * t / (1.0 - y * t)
-    if d < abs(a):  # from tanh(z) = 1 - 2 q/(1 + q), q = exp(-2 z)
-        q = np.exp(-2.0 * abs(a))
-        far = 2.0 * q * np.expm1(2.0 * d) / (1.0 - q * np.exp(2.0 * d))
+    if d < abs(a):  # from tanh(z) = 1 - 2 q/(1 + q), q = exp(-2 z), which is at most w
+        w = np.exp(2.0 * (d - abs(a)))
+        far = -2.0 * w * np.expm1(-2.0 * d) / (1.0 - w)
     return min(near, far)
 
 

@@ -19,7 +19,7 @@ from frictionlab.automaton import Event, Mode, Reset
 
 from .resets import RATES, impact, rates_after
 from .scene import Scene
-from .symbols import symbol
+from .symbols import multiplied_out, symbol
 
 CHATTER = "chatter"
 SHORTEST = symbol("chatter")  # s, below which the solver replaces flights by their limit
@@ -59,7 +59,7 @@ def leaving_rate(scene: Scene) -> Any:
     if slope.has(rate) or slope == -1:
         return sympy.S.Zero
     fixed = -after.subs(rate, 0) / (1 + slope)
-    return sympy.expand(fixed.subs(other, scene.material_rate - scene.gap_rate))
+    return multiplied_out(fixed.subs(other, scene.material_rate - scene.gap_rate))
 
 
 def closing_acceleration(scene: Scene) -> Any:

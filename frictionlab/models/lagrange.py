@@ -20,7 +20,7 @@ from frictionlab.automaton.on_demand import ModesOnDemand, Sketch
 
 from .mechanics import Friction, Mechanics, Stop
 from .regimes import CLOSING, PHASE, End, Regime, rate_after, regimes
-from .symbols import symbol
+from .symbols import multiplied_out, symbol
 
 JOINT = " | "  # between the regimes of several contacts in a mode's name
 
@@ -151,9 +151,9 @@ def solved(found: System, chosen: Sequence[Regime]) -> tuple[list[Any], list[Any
     columns = sympy.Matrix.hstack(*(directions[i] for i in held))
     holding = (rows * inverse * columns).LUsolve(-along)
     for i, force in zip(held, holding, strict=True):
-        forces[i] = sympy.expand(force)
+        forces[i] = multiplied_out(force)
     # Expanded, what cancels is gone: a held velocity keeps its value to the last bit.
-    return [sympy.expand(a) for a in inverse * (free + columns * holding)], forces
+    return [multiplied_out(a) for a in inverse * (free + columns * holding)], forces
 
 
 def _mode(found: System, chosen: Sequence[Regime]) -> Mode:
@@ -204,7 +204,7 @@ def _projection(found: System, contact: Any) -> Reset:
     """v_r = 0 by an impulse along W: it removes only the rounding of the root."""
     w = found.direction(contact)
     jump = _kick(found, w, contact.relative_velocity / compliance(found, w))
-    return Reset({rate: sympy.expand(after) for rate, after in jump.items()})
+    return Reset({rate: multiplied_out(after) for rate, after in jump.items()})
 
 
 def _impact(found: System, contact: Stop, law: Any) -> Reset:
@@ -215,8 +215,8 @@ def _impact(found: System, contact: Stop, law: Any) -> Reset:
     # The place is put right as well, which removes only the rounding of the root: what comes to rest on the
     # stop is on it to the last bit.
     moved = zip(found.q, found.inverse * w * (contact.distance / compliance(found, w)), strict=True)
-    placed = {x: sympy.expand(x - change) for x, change in moved if change != 0}
-    kicked = {v: sympy.expand(after) for v, after in _kick(found, w, impulse).items()}
+    placed = {x: multiplied_out(x - change) for x, change in moved if change != 0}
+    kicked = {v: multiplied_out(after) for v, after in _kick(found, w, impulse).items()}
     return Reset({**placed, **kicked}, {contact.distance: order})
 
 

@@ -11,6 +11,7 @@ import sympy
 from frictionlab.components.impact import ImpactLaw, PlasticImpact
 
 from .mechanics import Friction, Stop
+from .symbols import multiplied_out
 
 OTHER = {"slip+": "slip-", "slip-": "slip+"}
 PHASE = "phase"
@@ -91,7 +92,7 @@ def _of_stop(contact: Stop, rate: Any) -> tuple[Regime, ...]:
 def rate_after(law: ImpactLaw, rate: Any) -> Any:
     """Rate at which the distance from a stop grows after an impact, from that before."""
     compliance = sympy.Symbol("compliance", positive=True)
-    return sympy.expand(rate + compliance * law.impulse(-rate, -rate, compliance))
+    return multiplied_out(rate + compliance * law.impulse(-rate, -rate, compliance))
 
 
 CLOSING = PlasticImpact("full")

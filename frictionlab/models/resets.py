@@ -10,6 +10,7 @@ from frictionlab.automaton import Reset
 from frictionlab.components.impact import ImpactLaw, PlasticImpact
 
 from .scene import Scene
+from .symbols import multiplied_out
 
 RATES = sympy.symbols("material_rate gap_rate compliance", real=True)
 
@@ -47,10 +48,10 @@ def impulse(scene: Scene, law: ImpactLaw) -> Any:
 def rates_after(scene: Scene, law: ImpactLaw) -> tuple[Any, Any]:
     """Material and full gap rate after the impact in terms of those before it, as the symbols of RATES."""
     material, full, compliance = RATES
-    if sympy.expand(scene.material_rate - scene.gap_rate) == 0:
+    if multiplied_out(scene.material_rate - scene.gap_rate) == 0:
         material = full
     change = compliance * law.impulse(material, full, compliance)
-    return sympy.expand(material - change), sympy.expand(full - change)
+    return multiplied_out(material - change), multiplied_out(full - change)
 
 
 def _jump(scene: Scene, law: ImpactLaw) -> Reset:

@@ -62,3 +62,11 @@ def numbers(model: Any) -> tuple[float, ...]:
 @cache
 def _names(key: Structure) -> tuple[str, ...]:
     return tuple(symbolic(key).parameters)
+
+
+def multiplied_out(expr: Any) -> Any:
+    """Products of sums as sums of products; what stands within a law's function stays as it is.
+
+    Taken apart, exp(v - x') is exp(v) exp(-x'), of which one factor may be above the largest number.
+    """
+    return sympy.expand(expr, power_exp=False, power_base=False, log=False)
