@@ -110,7 +110,7 @@ class External(Method):
             return bookkeeping.FINISHED if t >= end else failed
         guard += int(code.mode_guards[mode])
         arrays = code, run.problem.numbers, run.absolute
-        return handling.handle_event(*arrays, guard, 1, self.degree, cursor, record, run.work)
+        return handling.handle_event(*arrays, guard, 1, self.degree, 0.0, cursor, record, run.work)
 
     def _begin(self, problem: Problem) -> Run:
         self.count[0] = 0

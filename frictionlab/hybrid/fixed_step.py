@@ -18,7 +18,7 @@ from frictionlab.hybrid.bookkeeping import (
 from frictionlab.hybrid.compiled import inlined, kernel
 from frictionlab.hybrid.guards import NOISE
 from frictionlab.hybrid.jets import copy, majorant, mode_jets
-from frictionlab.hybrid.transitions import NO_MODE, UNBUILT, apply_reset, excluded
+from frictionlab.hybrid.transitions import NO_MODE, UNBUILT, Rounding, apply_reset, excluded
 
 HALVINGS = 50
 
@@ -84,7 +84,8 @@ def enter_by_values(code, numbers, absolute, guard, z, work):
     declared = code.declared[guard, 0]
     for mode in code.targets[guard]:
         if code.built[mode] == 0:
-            if excluded(code, numbers, absolute, mode, z, z, declared, J, work.bounds):
+            rounding = Rounding(z, NOISE)
+            if excluded(code, numbers, absolute, mode, z, rounding, declared, J, work.bounds):
                 continue
             return UNBUILT - mode
         mode_jets(code, numbers, mode, 0, z, J)

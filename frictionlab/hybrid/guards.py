@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from frictionlab.hybrid.compiled import inlined, kernel
 from frictionlab.hybrid.jets import majorant, mode_jets, slope, states_at
 from frictionlab.hybrid.roots import isolate
@@ -17,13 +19,14 @@ NO_GUARD = -1
 
 
 @kernel
-def leading(c, bound, declared, order):
+def leading(c, bound, declared, order, share):
     """First Taylor coefficient that is not zero; `order + 1` where all are.
 
-    The first `declared` coefficients are zero by construction, others where rounding explains them.
+    The first `declared` coefficients are zero by construction, others where they are below a share of their
+    bounds: NOISE where rounding explains them.
     """
     for k in range(declared, order + 1):
-        if abs(c[k]) > NOISE * bound[k]:
+        if abs(c[k]) > share * bound[k]:
             return k
     return order + 1
 
@@ -33,10 +36,10 @@ def leading_at(code, absolute, mode, slot, declared, z, order, J, bounds):
     """:func:`leading` of a slot; computes as much of the majorant `bounds` as it needs."""
     low = min(order, max(LOW, declared))
     majorant(code, absolute, mode, low, z, J, bounds)
-    k = leading(J[slot], bounds[slot], declared, low)
+    k = leading(J[slot], bounds[slot], declared, low, NOISE)
     if k > low and low < order:
         majorant(code, absolute, mode, order, z, J, bounds)
-        k = leading(J[slot], bounds[slot], declared, order)
+        k = leading(J[slot], bounds[slot], declared, order, NOISE)
     return k
 
 
@@ -106,7 +109,7 @@ def first_event(code, absolute, mode, z, order, J, zeros, h, work):
 
 @inlined
 def is_inexact(code, guard, mode, order, s, J):
-    """Whether a guard's polynomial may differ from the guard at `s`; one affine in the states has the same."""
+    """Whether a guard's polynomial may differ from the guard at `s`; that of an affine one does not."""
     if code.guard_degrees[guard] < 2 or s == 0.0:
         return False
     return code.degrees[mode] >= order or truncated(J[code.function_slots[guard]], order, s)
@@ -131,17 +134,23 @@ def at_zero(code, numbers, absolute, mode, guard, order, s, work):
 
     The guard's polynomial is truncated.  Where a run stops at its zero the guard itself is of the size of the
     tolerance, of either sign, and so is what vanishes with it: with mu_s = mu_k the acceleration after
-    stick.  Newton's method makes it zero up to rounding.  Where it does not converge `s` remains.
+    stick.  Newton's method makes it zero up to rounding.
     """
     slot = code.function_slots[guard]
-    time = s
+    time, best, least = s, s, math.inf
     for _ in range(POLISH):
         states_at(work.jets, order, time, work.before)
         mode_jets(code, numbers, mode, 0, work.before, work.values)
+        value = abs(work.values[slot, 0])
+        if value < least:
+            best = time
+        if not value < 0.5 * least:  # what is left is rounding, or Newton's method does not converge
+            break
         majorant(code, absolute, mode, 0, work.before, work.values, work.bounds)
-        if abs(work.values[slot, 0]) <= RESOLVED * work.bounds[slot, 0]:
-            return time
+        if value <= RESOLVED * work.bounds[slot, 0]:
+            break
+        least = value
         time -= work.values[slot, 0] / slope(work.jets[slot], order, time)
         if not time >= 0.0:
             break
-    return s
+    return best

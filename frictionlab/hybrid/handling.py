@@ -21,8 +21,10 @@ from frictionlab.hybrid.bookkeeping import (
     STALLED,
 )
 from frictionlab.hybrid.compiled import inlined, kernel
+from frictionlab.hybrid.guards import NOISE
 from frictionlab.hybrid.jets import copy
-from frictionlab.hybrid.transitions import NO_MODE, apply_reset, enter
+from frictionlab.hybrid.step_length import SLACK
+from frictionlab.hybrid.transitions import NO_MODE, Rounding, apply_reset, enter
 
 REPEATS = 50  # events or steps without advance of time after which the run is called stalled
 
@@ -61,16 +63,16 @@ def enter_limit(code, numbers, absolute, guard, order, cursor, work):
     copy(z, before)
     apply_reset(code, numbers, code.resets[guard, 1], z, work.jets)
     copy(code.declared[guard, 1], work.declared)
-    mode = enter(
-        code, numbers, absolute, code.limits, z, z, order, work.declared, work.zeros, work.jets, work.bounds
-    )
+    rounding = Rounding(z, NOISE)
+    arrays = work.declared, work.zeros, work.jets, work.bounds
+    mode = enter(code, numbers, absolute, code.limits, z, rounding, order, *arrays)
     if mode == NO_MODE:
         copy(before, z)
     return mode
 
 
 @kernel
-def close_event(code, numbers, absolute, guard, multiplicity, order, cursor, work):
+def close_event(code, numbers, absolute, guard, multiplicity, order, tol, cursor, work):
     """Reset the state after the guard's event and enter the next mode; returns (mode, closed)."""
     closing = 0
     if len(code.limits) and in_a_row(code, guard, CHATTER, SHORT_FLIGHTS, cursor):
@@ -84,25 +86,24 @@ def close_event(code, numbers, absolute, guard, multiplicity, order, cursor, wor
     if code.resets[guard, closing] < 0:
         work.declared[guard] = max(work.declared[guard], multiplicity)
     next_, z = code.targets[guard], cursor.state
-    mode = enter(
-        code, numbers, absolute, next_, z, z, order, work.declared, work.zeros, work.jets, work.bounds
-    )
+    arrays = work.declared, work.zeros, work.jets, work.bounds
+    mode = enter(code, numbers, absolute, next_, z, Rounding(z, NOISE), order, *arrays)
     if mode == NO_MODE:  # another event at this instant? Its guard is zero up to the rounding of the step
-        sizes = cursor.sizes
-        mode = enter(
-            code, numbers, absolute, next_, z, sizes, order, work.declared, work.zeros, work.jets, work.bounds
-        )
+        mode = enter(code, numbers, absolute, next_, z, Rounding(cursor.sizes, NOISE), order, *arrays)
+    if mode == NO_MODE:  # or up to what the step leaves out
+        left_out = Rounding(cursor.sizes, max(NOISE, SLACK * tol))
+        mode = enter(code, numbers, absolute, next_, z, left_out, order, *arrays)
     return mode, closing
 
 
 @kernel
-def handle_event(code, numbers, absolute, guard, multiplicity, order, cursor, record, work):
+def handle_event(code, numbers, absolute, guard, multiplicity, order, tol, cursor, record, work):
     """Record the event, change the mode; returns how the run goes on."""
     times, counts = cursor.times, cursor.counts
     row = counts[EVENTS]
     record.event_times[row] = times[NOW]
     copy(cursor.state, record.event_states[row, 0])
-    mode, closed = close_event(code, numbers, absolute, guard, multiplicity, order, cursor, work)
+    mode, closed = close_event(code, numbers, absolute, guard, multiplicity, order, tol, cursor, work)
     if mode < NO_MODE:  # a mode is to be derived first, as if the event were yet to happen
         copy(record.event_states[row, 0], cursor.state)
         return mode

@@ -28,12 +28,13 @@ from frictionlab.hybrid.bookkeeping import (
     time_left,
 )
 from frictionlab.hybrid.compiled import kernel
+from frictionlab.hybrid.guards import NOISE
 from frictionlab.hybrid.handling import repeated
 from frictionlab.hybrid.jets import COLUMNS, copy
 from frictionlab.hybrid.layout import Numbers
 from frictionlab.hybrid.native_lanes import FINE, LEFT, LENGTH, WIDTH
 from frictionlab.hybrid.stepping import advance
-from frictionlab.hybrid.transitions import NO_MODE, enter
+from frictionlab.hybrid.transitions import NO_MODE, Rounding, enter
 
 FEW = 2  # fewer than these in a mode go one by one
 AT_ONCE = 1000  # calls after which the kernel looks up
@@ -121,7 +122,8 @@ def begin(code, order, tol, runs, i, initial, record, work):
     absolute = Numbers(runs.sizes_of_constants[i], runs.sizes_of_terms[i])
     work.declared[:] = 0
     z, declared = runs.states[i], work.declared
-    mode = enter(code, numbers, absolute, initial, z, z, order, declared, work.zeros, work.jets, work.bounds)
+    arrays = declared, work.zeros, work.jets, work.bounds
+    mode = enter(code, numbers, absolute, initial, z, Rounding(z, NOISE), order, *arrays)
     runs.counts[i, MODE], runs.counts[i, READY] = mode, 1
     if mode == NO_MODE:
         runs.status[i] = NO_ADMISSIBLE_MODE

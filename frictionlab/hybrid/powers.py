@@ -1,8 +1,9 @@
 """Steps where a power has no Taylor series of full order: its base is zero, or nearly so.
 
-The force gap^1.5 of two spheres is such a power, at the onset and at the end of their contact.  Its coefficients
-grow like (rate/base)^k, beyond the largest number where the base is small.  Then the series ends earlier, which is
-enough: so near to zero little of the motion is at stake.  At zero itself the power counts as constant for a step.
+The force gap^1.5 of two spheres is such a power, at the onset and at the end of their contact.  Its
+coefficients grow like (rate/base)^k, beyond the largest number where the base is small.  Then the series
+ends earlier, which is enough: so near to zero little of the motion is at stake.  At zero itself the power
+counts as constant for a step.
 """
 
 from __future__ import annotations
@@ -29,10 +30,17 @@ def without_series(code, order, mode, J):
     """Whether the base of a power is zero, or too near to it."""
     first = code.mode_ops[mode]
     for i in range(first, code.mode_ops[mode + 1]):
-        base = J[code.ops[i, 1]]
-        if code.ops[i, 0] == POWER and not has_series(base[0], base[1], order):
-            return True
+        if code.ops[i, 0] == POWER:
+            base = J[code.ops[i, 1]]
+            if not has_series(base[0], base[1], order):
+                return True
     return False
+
+
+@kernel
+def is_near_zero(code, order, mode, J):
+    """Whether the base of a power is zero, or comes to zero within an instant."""
+    return without_series(code, order, mode, J) or scale_of_powers(code, mode, J) < INSTANT
 
 
 @kernel
@@ -51,16 +59,18 @@ def usable_order(code, order, mode, J):
 
 
 @kernel
-def shorter_series(code, numbers, mode, order, z, J):
-    """Jets up to a lower order where powers are near zero, all further coefficients zero; returns that order.
+def series_near_zero(code, numbers, mode, order, z, passes, J):
+    """Jets where a base is nearly zero; returns the order of the series, 0 where powers count as constant.
 
-    0 where the jets `J` at hand, for which powers count as constant, have to do.
+    `passes` says whether the step goes beyond the zero of the base.  The jets `J` at hand are those of the
+    full order, for which powers without a series count as constant; what is above the order is made zero.
     """
-    few = usable_order(code, order, mode, J)
-    if few < FEWEST:
+    few = 1 if passes else usable_order(code, order, mode, J)
+    if few < FEWEST and without_series(code, order, mode, J):
         return 0
-    mode_jets(code, numbers, mode, few, z, J)
-    J[:, few + 1 :] = 0.0
+    if few < order or without_series(code, order, mode, J):
+        mode_jets(code, numbers, mode, few, z, J)
+        J[:, few + 1 :] = 0.0
     return few
 
 
@@ -70,24 +80,26 @@ def scale_of_powers(code, mode, J):
     shortest = math.inf
     first = code.mode_ops[mode]
     for i in range(first, code.mode_ops[mode + 1]):
-        base = J[code.ops[i, 1]]
-        if code.ops[i, 0] == POWER and base[1] != 0.0:
-            shortest = min(shortest, abs(base[0] / base[1]))
+        if code.ops[i, 0] == POWER:
+            base = J[code.ops[i, 1]]
+            if base[1] != 0.0:
+                shortest = min(shortest, abs(base[0] / base[1]))
     return shortest
 
 
 @kernel
-def unresolved_time(code, absolute, mode, order, z, J, bounds):
-    """Time in which no base of a power that is nearly zero moves by more than its rounding error."""
+def unresolved_time(code, absolute, mode, z, J, bounds):
+    """Time in which no base that is within its rounding error moves by more than that; 0 where none is."""
     majorant(code, absolute, mode, 0, z, J, bounds)
     longest = math.inf
     first = code.mode_ops[mode]
     for i in range(first, code.mode_ops[mode + 1]):
-        a = code.ops[i, 1]
-        if code.ops[i, 0] == POWER and not has_series(J[a, 0], J[a, 1], order):
+        if code.ops[i, 0] == POWER:
+            a = code.ops[i, 1]
             error = ROUNDING * bounds[a, 0]
-            longest = min(longest, error / abs(J[a, 1]), math.sqrt(error / abs(J[a, 2])))
-    return longest
+            if abs(J[a, 0]) <= error:
+                longest = min(longest, error / abs(J[a, 1]), math.sqrt(error / abs(J[a, 2])))
+    return longest if longest < math.inf else 0.0
 
 
 @kernel

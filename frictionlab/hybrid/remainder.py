@@ -4,11 +4,11 @@ The last terms of a series show how fast it converges, unless a function in it i
 expansion point and not elsewhere in the step: exp(-(u/v_s)^2) far from u = 0, tanh(u/v_s), a pole to come.
 Cauchy's estimate sees these.  Where the states' polynomials keep a function within a distance M of its first
 value on the complex disc |s| <= R, its coefficient k is at most M/R^k; so all terms from k on add up to at
-most M (h/R)^k / (1 - h/R) within a step h < R.  M follows from one pass through the tape, in which every operation
-says how far its result may go when its operands go so far.  Every radius gives a bound, the best of some is
-taken.  Source: Jorba & Zou, Experimental Mathematics 14 (2005) 99-117, section 3, for the estimate; the disc
-in place of known coefficients is that of Taylor models (Neher, Jackson & Nedialkov, SIAM J. Numer. Anal. 45
-(2007) 236-262).
+most M (h/R)^k / (1 - h/R) within a step h < R.  M follows from one pass through the tape, in which every
+operation says how far its result may go when its operands go so far.  Every radius gives a bound, the best of
+some is taken.  Source: Jorba & Zou, Experimental Mathematics 14 (2005) 99-117, section 3, for steps from
+Cauchy's estimate; Neher, Jackson & Nedialkov, SIAM J. Numer. Anal. 45 (2007) 236-262, for remainders that are
+bounded by ranges.
 """
 
 from __future__ import annotations
@@ -156,7 +156,7 @@ def bound_affine(code, absolute, first, last, out, bounds):
 
 @kernel
 def bound_ranges(code, numbers, absolute, mode, order, radius, J, bounds):
-    """Write how far each slot goes on the disc of a radius, and how far without terms that are polynomials."""
+    """Write how far each slot goes on the disc of a radius, and how far without what is a polynomial."""
     for i in range(code.inputs):
         bounds[i, RANGE] = series_range(J[i], order, radius)
         bounds[i, REST] = 0.0
@@ -170,8 +170,8 @@ def bound_ranges(code, numbers, absolute, mode, order, radius, J, bounds):
             bounds[out, RANGE] = bounds[out, REST] = 0.0
         else:
             d = range_of(a, order, radius, J, bounds)
-            e = range_of(b, order, radius, J, bounds) if kind == PRODUCT or kind == QUOTIENT else d
-            if kind == PRODUCT or kind == SQUARE:
+            e = range_of(b, order, radius, J, bounds) if kind in (PRODUCT, QUOTIENT) else d
+            if kind in (PRODUCT, SQUARE):
                 bound_product(J, a, b, out, d, e, bounds)
             else:
                 reach = finite(operation_range(code, numbers, op, out, d, e, J))
@@ -198,7 +198,7 @@ def group_support(room, order, first, last, J):
 
 @kernel
 def supported(code, mode, order, tol, radius, shortest, J, bounds):
-    """Longest step that the ranges on the disc of a radius support: nothing leaves out more than its share."""
+    """Longest step that the ranges on the disc of a radius support: nobody leaves out more than allowed."""
     log_radius = log2(radius)
     log_room = log2(tol) + order * log_radius
     best = log_radius - math.log2(ROOM * MARGIN)

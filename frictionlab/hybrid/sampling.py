@@ -9,7 +9,7 @@ import numpy as np
 
 from frictionlab.hybrid.compiled import kernel
 from frictionlab.hybrid.jets import mode_jets, states_at
-from frictionlab.hybrid.powers import scale_of_powers, shorter_series, without_series
+from frictionlab.hybrid.powers import is_near_zero, scale_of_powers, series_near_zero
 
 
 @kernel
@@ -21,9 +21,9 @@ def sample(code, numbers, order, step_times, step_modes, step_states, steps, tim
         if step != current:
             mode, z = step_modes[step], step_states[step]
             mode_jets(code, numbers, mode, order, z, J)
-            if code.powers[mode] and without_series(code, order, mode, J):
-                if step_times[step, 1] < scale_of_powers(code, mode, J):  # as the step was taken
-                    shorter_series(code, numbers, mode, order, z, J)
+            if code.powers[mode] and is_near_zero(code, order, mode, J):  # as the step was taken
+                passes = step_times[step, 1] > scale_of_powers(code, mode, J)
+                series_near_zero(code, numbers, mode, order, z, passes, J)
             current = step
         states_at(J, order, times[i] - step_times[step, 0], out[i])
 

@@ -74,7 +74,7 @@ class Scipy(Method):
             cursor.times[bookkeeping.NOW] += length
             cursor.state[:] = solver.y if guard < 0 else solver.dense_output()(cursor.times[bookkeeping.NOW])
             if guard >= 0:
-                return _event(run, record, guard, self.degree)
+                return _event(run, record, guard, self.degree, self.rtol)
         if solver.status == "running":
             return bookkeeping.RUNNING
         cursor.times[bookkeeping.NOW] = cursor.times[bookkeeping.END]
@@ -148,7 +148,7 @@ def _record_step(cursor: bookkeeping.Cursor, record: bookkeeping.Record, length:
     cursor.counts[bookkeeping.STEPS] += 1
 
 
-def _event(run: Run, record: bookkeeping.Record, guard: int, order: int) -> int:
+def _event(run: Run, record: bookkeeping.Record, guard: int, order: int, tol: float) -> int:
     problem = run.problem
     arrays = problem.program.code, problem.numbers, run.absolute
-    return handling.handle_event(*arrays, guard, 1, order, run.cursor, record, run.work)
+    return handling.handle_event(*arrays, guard, 1, order, tol, run.cursor, record, run.work)

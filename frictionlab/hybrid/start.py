@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from frictionlab.hybrid.guards import NOISE
 from frictionlab.hybrid.layout import Numbers
 from frictionlab.hybrid.problem import Problem, Unbuilt
-from frictionlab.hybrid.transitions import UNBUILT, enter
+from frictionlab.hybrid.transitions import UNBUILT, Rounding, enter
 
 
 def start(problem: Problem, order: int, absolute: Numbers, work) -> int:
@@ -22,7 +23,16 @@ def start(problem: Problem, order: int, absolute: Numbers, work) -> int:
     program = problem.program
     candidates = program.initial if problem.mode is None else np.array([problem.mode], dtype=np.int64)
     work.declared[:] = 0
-    arguments = candidates, problem.x0, problem.x0, order, work.declared, work.zeros, work.jets, work.bounds
+    arguments = (
+        candidates,
+        problem.x0,
+        Rounding(problem.x0, NOISE),
+        order,
+        work.declared,
+        work.zeros,
+        work.jets,
+        work.bounds,
+    )
     mode = int(enter(program.code, problem.numbers, absolute, *arguments))
     if mode <= UNBUILT:
         raise Unbuilt(UNBUILT - mode)

@@ -24,9 +24,11 @@ from frictionlab.hybrid.guards import NO_GUARD, at_zero, first_event, is_inexact
 from frictionlab.hybrid.handling import handle_event, repeated
 from frictionlab.hybrid.jets import copy, mode_jets, states_at
 from frictionlab.hybrid.powers import (
+    FEWEST,
+    is_near_zero,
     onset_step,
     scale_of_powers,
-    shorter_series,
+    series_near_zero,
     unresolved_time,
     without_series,
 )
@@ -49,14 +51,14 @@ CLOCK = 1e-15  # share of the time that the clock shows as some of its last digi
 def step_near_zero(code, numbers, absolute, order, tol, mode, left, cursor, work):
     """Length of a step in which the base of a power is nearly zero; may change the jets."""
     J, z = work.jets, cursor.state
-    h = onset_step(code, numbers, order, tol, mode, left, J, work)
     scale = scale_of_powers(code, mode, J)
-    unresolved = unresolved_time(code, absolute, mode, order, z, J, work.bounds)
-    shortest = min(left, max(unresolved, CLOCK * cursor.times[NOW]))
-    if h > scale or shortest > scale:
-        return max(h, shortest)
-    few = shorter_series(code, numbers, mode, order, z, J)
-    if few == 0:
+    onset = 0.0
+    if without_series(code, order, mode, J):
+        onset = onset_step(code, numbers, order, tol, mode, left, J, work)
+    unresolved = unresolved_time(code, absolute, mode, z, J, work.bounds)
+    h = min(left, max(onset, unresolved, CLOCK * cursor.times[NOW]))
+    few = series_near_zero(code, numbers, mode, order, z, h > scale, J)
+    if few < FEWEST:
         return h
     return remainder_step(code, numbers, absolute, few, tol, mode, min(left, scale), J, work.bounds)
 
@@ -76,7 +78,7 @@ def take_step(code, numbers, absolute, order, tol, cursor, record, work):
     if not h > 0.0:
         return NOT_FINITE
     h = function_step(code, order, tol, mode, min(h, left), J)
-    if code.powers[mode] and without_series(code, order, mode, J):
+    if code.powers[mode] and is_near_zero(code, order, mode, J):
         h = step_near_zero(code, numbers, absolute, order, tol, mode, left, cursor, work)
     elif is_blind(code, order, mode, h, left):
         h = remainder_step(code, numbers, absolute, order, tol, mode, h, J, work.bounds)
@@ -101,7 +103,7 @@ def take_step(code, numbers, absolute, order, tol, cursor, record, work):
             note_sizes(record.step_states[row], cursor)
     if guard == NO_GUARD:
         return RUNNING if goes_on else repeated(counts)
-    return handle_event(code, numbers, absolute, guard, multiplicity, order, cursor, record, work)
+    return handle_event(code, numbers, absolute, guard, multiplicity, order, tol, cursor, record, work)
 
 
 @kernel

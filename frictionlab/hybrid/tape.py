@@ -60,8 +60,8 @@ class Tape:
     def degrees(self, guards: Sequence[int] = ()) -> list[float]:
         """Degree of each slot as a polynomial of the states; infinite where it is none.
 
-        A power of a guard counts as 1: it has no series at zero only, where the mode ends, and the terms of its
-        series tell how near that is.
+        A power of a guard counts as 1: it has no series at zero only, where the mode ends, and the terms of
+        its series tell how near that is.
         """
         degrees = [1.0] * self.inputs
         for kind, a, b in self.ops:

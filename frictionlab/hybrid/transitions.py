@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
+import numpy as np
+
 from frictionlab.hybrid.compiled import kernel
 from frictionlab.hybrid.guards import LOW, leading
 from frictionlab.hybrid.jets import has_native, majorant, mode_jets, reset_values
@@ -9,6 +13,13 @@ from frictionlab.hybrid.jets import has_native, majorant, mode_jets, reset_value
 NO_MODE = -1
 UNBUILT = -2  # and below: UNBUILT - mode where a mode is to be tried that has yet to be derived
 REFUSED, AT_ANOTHER_EVENT, UNDECIDED, ADMITTED = range(4)
+
+
+class Rounding(NamedTuple):
+    """What counts as zero: coefficients below a share of their bounds, for states of some sizes."""
+
+    sizes: np.ndarray
+    share: float
 
 
 @kernel
@@ -21,25 +32,24 @@ def apply_reset(code, numbers, reset, z, J):
 
 
 @kernel
-def admission(code, absolute, mode, sizes, order, declared, zeros, J, bounds):
+def admission(code, absolute, mode, rounding, order, declared, zeros, J, bounds):
     """Whether a mode can be entered, judged by its Taylor coefficients `J` up to `order`.
 
     Its constraints must be met up to rounding, and the first non-zero coefficient of every guard must be
     positive; where a guard has none up to `order` the matter is undecided.  A guard that is zero and falls,
-    though the event before does not say that it is zero, is at another event.  Rounding errors of the
-    states are those of numbers of the given `sizes`.  Writes how many leading coefficients of each guard
-    are zero.
+    though the event before does not say that it is zero, is at another event.  Writes how many leading
+    coefficients of each guard are zero.
     """
-    majorant(code, absolute, mode, order, sizes, J, bounds)
+    majorant(code, absolute, mode, order, rounding.sizes, J, bounds)
     for f in range(code.mode_constraints[mode], code.mode_constraints[mode + 1]):
         slot = code.function_slots[f]
-        if declared[f] == 0 and leading(J[slot], bounds[slot], 0, order) == 0:
+        if declared[f] == 0 and leading(J[slot], bounds[slot], 0, order, rounding.share) == 0:
             return REFUSED
     verdict = ADMITTED
     first = code.mode_guards[mode]
     for g in range(first, code.mode_guards[mode + 1]):
         slot = code.function_slots[g]
-        k = leading(J[slot], bounds[slot], declared[g], order)
+        k = leading(J[slot], bounds[slot], declared[g], order, rounding.share)
         zeros[g - first] = k
         if k > order:
             verdict = min(verdict, UNDECIDED)
@@ -51,7 +61,7 @@ def admission(code, absolute, mode, sizes, order, declared, zeros, J, bounds):
 
 
 @kernel
-def tried(code, numbers, absolute, mode, z, sizes, order, declared, zeros, J, bounds):
+def tried(code, numbers, absolute, mode, z, rounding, order, declared, zeros, J, bounds):
     """Whether a mode can be entered at `z`; if so, leaves all its jets in `J`.
 
     Values alone refuse most modes, and few orders nearly always decide; native code has all orders at once.
@@ -63,26 +73,26 @@ def tried(code, numbers, absolute, mode, z, sizes, order, declared, zeros, J, bo
             at_hand = order if full else upto
             mode_jets(code, numbers, mode, at_hand, z, J)
         if verdict == UNDECIDED:
-            verdict = admission(code, absolute, mode, sizes, upto, declared, zeros, J, bounds)
+            verdict = admission(code, absolute, mode, rounding, upto, declared, zeros, J, bounds)
         if verdict < UNDECIDED:
             break
     return verdict
 
 
 @kernel
-def excluded(code, numbers, absolute, mode, z, sizes, declared, J, bounds):
+def excluded(code, numbers, absolute, mode, z, rounding, declared, J, bounds):
     """Whether what is known of a mode that is not derived forbids to enter it at `z`."""
     mode_jets(code, numbers, mode, 0, z, J)
-    majorant(code, absolute, mode, 0, sizes, J, bounds)
+    majorant(code, absolute, mode, 0, rounding.sizes, J, bounds)
     for f in range(code.mode_constraints[mode], code.mode_constraints[mode + 1]):
         slot = code.function_slots[f]
-        if leading(J[slot], bounds[slot], declared[f], 0) == 0 and J[slot, 0] < 0.0:
+        if leading(J[slot], bounds[slot], declared[f], 0, rounding.share) == 0 and J[slot, 0] < 0.0:
             return True
     return False
 
 
 @kernel
-def enter(code, numbers, absolute, candidates, z, sizes, order, declared, zeros, J, bounds):
+def enter(code, numbers, absolute, candidates, z, rounding, order, declared, zeros, J, bounds):
     """First admissible mode of `candidates` at `z`, or NO_MODE; leaves its jets in `J`.
 
     A guard that vanishes identically stays zero, so it does not end the mode.  Where several events fall
@@ -93,15 +103,15 @@ def enter(code, numbers, absolute, candidates, z, sizes, order, declared, zeros,
     passed = NO_MODE
     for mode in candidates:
         if code.built[mode] == 0:
-            if excluded(code, numbers, absolute, mode, z, sizes, declared, J, bounds):
+            if excluded(code, numbers, absolute, mode, z, rounding, declared, J, bounds):
                 continue
             return UNBUILT - mode
-        verdict = tried(code, numbers, absolute, mode, z, sizes, order, declared, zeros, J, bounds)
+        verdict = tried(code, numbers, absolute, mode, z, rounding, order, declared, zeros, J, bounds)
         if verdict > AT_ANOTHER_EVENT:
             return mode
         if verdict == AT_ANOTHER_EVENT and passed == NO_MODE:
             passed = mode
     if passed != NO_MODE:
         mode_jets(code, numbers, passed, order, z, J)
-        admission(code, absolute, passed, sizes, order, declared, zeros, J, bounds)
+        admission(code, absolute, passed, rounding, order, declared, zeros, J, bounds)
     return passed

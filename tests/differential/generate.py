@@ -24,6 +24,7 @@ def generate(seed: int, number: int, model: str | None = None, exact: bool = Fal
     rng = Random(f"{seed} {number} {model}")
     name = model or rng.choices(list(MAKERS), [weight for weight, _ in MAKERS.values()])[0]
     made, x0 = MAKERS[name][1](rng)
+    made = _without_touching(made)
     period = float(twin(made).period)
     t_end = period * _log(rng, 4.0, 30.0)
     t_end = _short(min(t_end, STIFF / stiffness(made)))
@@ -31,6 +32,13 @@ def generate(seed: int, number: int, model: str | None = None, exact: bool = Fal
         return Case(made, tuple(x0), t_end)
     tol = 1e-15 if rng.random() < 0.35 else rng.choice(TOLERANCES)
     return Case(made, tuple(x0), t_end, tol, order(rng, tol, 2 * pi * t_end / period))
+
+
+def _without_touching(made: Any) -> Any:
+    """With a damper, where without one slip that begins at v_r = 0 touches v_r = 0 a period later."""
+    p = made.parameters
+    same = p.get("mu_k", 0.0) == p.get("mu_s", 1.0)
+    return made.replace(c=0.02) if same and p.get("c") == 0.0 else made
 
 
 def order(rng: Random, tol: float, radians: float) -> int | None:
