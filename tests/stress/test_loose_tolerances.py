@@ -18,7 +18,7 @@ PREDICTABLE = {
     "Den Hartog, weak friction": (fl.DenHartog(N=0.3), 40.0),
     "impact oscillator": (fl.ImpactOscillator(), 25.0),
     "mode coupling": (fl.ModeCoupling(mu_k=0.5, mu_s=0.5), 30.0),
-    "two blocks": (fl.TwoBlocks(), 30.0),
+    "two blocks": (fl.TwoBlocks(k1=1.3, N1=0.8), 30.0),
     "slider": (fl.SliderOnBelt(mu_k=1.4, mu_s=1.4, impact=FULL), 0.12),
 }
 
@@ -81,7 +81,7 @@ MAKERS = (
 
 @pytest.mark.parametrize("number", range(48))
 def test_no_run_ends_without_an_admissible_mode(number):
-    """Orders below 6 are left out: a ball that takes off from rest stalls, as its third term is one of the last."""
+    """Orders below 6 are left out: a mass that takes off from rest stalls, as its third term is among the last."""
     rng = Random(number)
     model, t_end = MAKERS[number % len(MAKERS)](rng)
     for _ in range(3):
