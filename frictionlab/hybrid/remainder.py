@@ -94,20 +94,25 @@ def power_range(exponent, base, d):
 
 
 @kernel
-def range_of(slot, order, radius, J, bounds):
+def range_of(slot, inputs, order, radius, J, bounds):
     """How far an operand goes: by the operations, or by its own series, where terms of these cancel."""
-    if bounds[slot, REST] == math.inf:
-        return math.inf
+    if slot < inputs or bounds[slot, REST] == math.inf:
+        return bounds[slot, RANGE]
     return min(bounds[slot, RANGE], series_range(J[slot], order, radius) + bounds[slot, REST])
 
 
 @inlined
 def series_range(c, order, radius):
-    """How far a polynomial goes on the disc at the most."""
-    total = 0.0
-    for k in range(order, 0, -1):
-        total = (total + abs(c[k])) * radius
-    return total
+    """How far a polynomial goes on the disc at the most; odd and even terms do not wait for each other."""
+    odd = even = 0.0
+    square = radius * radius
+    last = order - order % 2
+    if order > last:
+        odd = abs(c[order])
+    for k in range(last, 0, -2):
+        even = (even + abs(c[k])) * square
+        odd = odd * square + abs(c[k - 1])
+    return even + odd * radius
 
 
 @kernel
@@ -158,8 +163,10 @@ def bound_affine(code, absolute, first, last, out, bounds):
 def bound_ranges(code, numbers, absolute, mode, order, radius, J, bounds):
     """Write how far each slot goes on the disc of a radius, and how far without what is a polynomial."""
     for i in range(code.inputs):
-        bounds[i, RANGE] = series_range(J[i], order, radius)
-        bounds[i, REST] = 0.0
+        bounds[i, RANGE] = bounds[i, REST] = 0.0
+    for k in range(order, 0, -1):  # all states together: their chains of operations overlap
+        for i in range(code.inputs):
+            bounds[i, RANGE] = (bounds[i, RANGE] + abs(J[i, k])) * radius
     first = code.mode_ops[mode]
     for op in range(first, code.mode_ops[mode + 1]):
         out = code.inputs + op - first
@@ -169,8 +176,8 @@ def bound_ranges(code, numbers, absolute, mode, order, radius, J, bounds):
         elif kind == RATE:  # belongs to the recurrence of the next operation
             bounds[out, RANGE] = bounds[out, REST] = 0.0
         else:
-            d = range_of(a, order, radius, J, bounds)
-            e = range_of(b, order, radius, J, bounds) if kind in (PRODUCT, QUOTIENT) else d
+            d = range_of(a, code.inputs, order, radius, J, bounds)
+            e = range_of(b, code.inputs, order, radius, J, bounds) if kind in (PRODUCT, QUOTIENT) else d
             if kind in (PRODUCT, SQUARE):
                 bound_product(J, a, b, out, d, e, bounds)
             else:
