@@ -31,7 +31,7 @@ from frictionlab.hybrid.compiled import kernel
 from frictionlab.hybrid.handling import repeated
 from frictionlab.hybrid.jets import COLUMNS, copy
 from frictionlab.hybrid.layout import Numbers
-from frictionlab.hybrid.native_lanes import FINE, LEFT, LENGTH, WIDTH
+from frictionlab.hybrid.native_vectors import FINE, LEFT, LENGTH, WIDTH
 from frictionlab.hybrid.stepping import advance
 from frictionlab.hybrid.transitions import NO_MODE, enter
 
