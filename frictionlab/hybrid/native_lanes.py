@@ -8,21 +8,13 @@ event or anything rare, it is marked, and its state is left for the kernel of si
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any
 
 from frictionlab.hybrid.logarithms import exp2, log2
 from frictionlab.hybrid.loops import Values, repeat
 from frictionlab.hybrid.native import Function, body_of
-from frictionlab.hybrid.native_remainder import RemainderWriter
+from frictionlab.hybrid.native_remainder import RemainderWriter, Structure
 from frictionlab.hybrid.native_vectors import FINE, GUARD_TOL, LEFT, LENGTH, LOG_TOL
-
-
-class Structure(NamedTuple):
-    """What the length of a mode's steps depends on besides its operations."""
-
-    guards: tuple[int, ...]  # their slots
-    groups: tuple[int, ...]  # bounds of the coordinates, the velocities, the other states
-    degree: int  # of the polynomials
 
 
 def step_module_of(function: Function, structure: Structure, name: str) -> Any:
@@ -41,10 +33,6 @@ def step_module_of(function: Function, structure: Structure, name: str) -> Any:
 class _StepWriter(RemainderWriter):
     """Jets, length of the step, guards, and the state at the end."""
 
-    def __init__(self, ir: Any, body: Any, function: Function, structure: Structure) -> None:
-        super().__init__(ir, body, function)
-        self.guards, self.groups, self.degree = structure
-
     def write(self) -> None:
         self.jets()
         h, fine = self._length()
@@ -53,9 +41,11 @@ class _StepWriter(RemainderWriter):
         h = build.select(build.fcmp_ordered("<", left, h), left, h)
         for guard in self.guards:
             fine = build.and_(fine, self._resolved(guard, h))
-            fine = build.and_(fine, build.fcmp_ordered(">", self._smallest(guard, h), self._number(0.0)))
         if self.degree > 1:
-            fine = build.and_(fine, self._supported(h, self.degree, self.groups, self.guards))
+            h, usual = self._remainder_step(h, fine)
+            fine = build.and_(fine, usual)
+        for guard in self.guards:
+            fine = build.and_(fine, build.fcmp_ordered(">", self._smallest(guard, h), self._number(0.0)))
         one, zero = self._number(1.0), self._number(0.0)
         self._store(h, self.control, LENGTH)
         self._store(build.select(fine, one, zero), self.control, FINE)

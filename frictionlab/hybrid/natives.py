@@ -34,7 +34,8 @@ from frictionlab.hybrid import (
 )
 from frictionlab.hybrid.layout import Code, Program
 from frictionlab.hybrid.native import Function, module_of
-from frictionlab.hybrid.native_lanes import Structure, step_module_of
+from frictionlab.hybrid.native_lanes import step_module_of
+from frictionlab.hybrid.native_remainder import Structure
 
 LONG = 20_000  # jets of a mode after which its code pays: interpreted, they take as long as it does
 NAME, STEP = "jets", "step"
