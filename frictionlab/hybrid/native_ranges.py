@@ -1,5 +1,6 @@
-"""Ranges of functions on complex discs for all lanes: :func:`remainder.function_range` in the same operations.
+"""Ranges of functions on complex discs, as vector code.
 
+The operations are those of :func:`remainder.function_range`, the library's functions for each lane by itself.
 `d` is how far the argument goes from its value `a`; `y` and `slope` are the absolute values of the function
 and its derivative there.
 """

@@ -1,7 +1,7 @@
-"""Vector code for the longest step whose remainder is bounded: :func:`remainder.remainder_step` for all lanes.
+"""Vector code for the longest steps whose remainders are bounded.
 
-The operations are those of a single run in the same sequence, but for sums with a zero.  Radii are tried until
-every lane has its step.
+That is :func:`remainder.remainder_step` for all lanes: the operations are those of a single run in the same
+sequence, but that zeros are not added.  Radii are tried until every lane has its step.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ class RemainderWriter(RangeWriter):
         self.guards, self.groups, self.degree = structure
 
     def _remainder_step(self, h: Any, fine: Any) -> tuple[Any, Any]:
-        """Longest step up to `h` whose remainder is bounded where `fine`, and whether it is one of the usual."""
+        """Longest step up to `h` with a bounded remainder where `fine`, and whether it is a usual one."""
         build, zero = self.build, self._number(0.0)
         blind = build.and_(self._blind(h), fine)
 
