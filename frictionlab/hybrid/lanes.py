@@ -32,7 +32,7 @@ from frictionlab.hybrid.guards import NOISE
 from frictionlab.hybrid.handling import repeated
 from frictionlab.hybrid.jets import COLUMNS, copy
 from frictionlab.hybrid.layout import Numbers
-from frictionlab.hybrid.native_lanes import FINE, LEFT, LENGTH, WIDTH
+from frictionlab.hybrid.native_vectors import FINE, LEFT, LENGTH, WIDTH
 from frictionlab.hybrid.stepping import advance
 from frictionlab.hybrid.transitions import NO_MODE, Rounding, enter
 

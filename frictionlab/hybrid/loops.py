@@ -26,6 +26,23 @@ def repeat(build: Any, count: Any, carried: Values, body: Callable[[Any, Values]
     return [_phi(build, (old, before), (new, end)) for old, new in zip(carried, results, strict=True)]
 
 
+def repeat_while(
+    build: Any, goes_on: Any, carried: Values, body: Callable[[Values], tuple[Values, Any]]
+) -> Values:
+    """Write `carried, goes_on = body(carried)` while `goes_on`; returns what is carried in the end."""
+    before, inside, after = _blocks(build)
+    build.cbranch(goes_on, inside, after)
+    build.position_at_end(inside)
+    inner = [_phi(build, (value, before)) for value in carried]
+    results, goes_on = body(inner)
+    end = build.block
+    for phi, result in zip(inner, results, strict=True):
+        phi.add_incoming(result, end)
+    build.cbranch(goes_on, inside, after)
+    build.position_at_end(after)
+    return [_phi(build, (old, before), (new, end)) for old, new in zip(carried, results, strict=True)]
+
+
 def choose(build: Any, condition: Any, yes: Callable[[], Values], no: Callable[[], Values]) -> Values:
     """Write `yes() if condition else no()`; what is not wanted is not computed."""
     inside, other, after = (build.append_basic_block() for _ in range(3))

@@ -12,14 +12,12 @@ from typing import Any
 
 from frictionlab.hybrid.logarithms import exp2, log2
 from frictionlab.hybrid.loops import Values, repeat
-from frictionlab.hybrid.native import PARTS, Function, Writer, body_of
-
-WIDTH = 4
-LEFT, LENGTH, FINE, TOL, LOG_TOL, GUARD_TOL = range(6)  # rows of `control`, all of WIDTH numbers
-ROWS = 6
+from frictionlab.hybrid.native import Function, body_of
+from frictionlab.hybrid.native_remainder import RemainderWriter, Structure
+from frictionlab.hybrid.native_vectors import FINE, GUARD_TOL, LEFT, LENGTH, LOG_TOL
 
 
-def step_module_of(function: Function, guards: tuple[int, ...], groups: tuple[int, ...], name: str) -> Any:
+def step_module_of(function: Function, structure: Structure, name: str) -> Any:
     """LLVM module with the function `name`(z, constants, terms, J, control, order).
 
     All arrays have the lanes as their last axis.  Row LEFT of `control` holds the longest step wanted;
@@ -28,18 +26,12 @@ def step_module_of(function: Function, guards: tuple[int, ...], groups: tuple[in
     from llvmlite import ir
 
     body = body_of(ir, 5, name)
-    _StepWriter(ir, body, function, guards, groups).write()
+    _StepWriter(ir, body, function, structure).write()
     return body.module
 
 
-class _StepWriter(Writer):
+class _StepWriter(RemainderWriter):
     """Jets, length of the step, guards, and the state at the end."""
-
-    width = WIDTH
-
-    def __init__(self, ir: Any, body: Any, function: Function, guards: Any, groups: Any) -> None:
-        super().__init__(ir, body, function)
-        self.guards, self.groups, self.control = guards, groups, body.args[4]
 
     def write(self) -> None:
         self.jets()
@@ -49,6 +41,10 @@ class _StepWriter(Writer):
         h = build.select(build.fcmp_ordered("<", left, h), left, h)
         for guard in self.guards:
             fine = build.and_(fine, self._resolved(guard, h))
+        if self.degree > 1:
+            h, usual = self._remainder_step(h, fine)
+            fine = build.and_(fine, usual)
+        for guard in self.guards:
             fine = build.and_(fine, build.fcmp_ordered(">", self._smallest(guard, h), self._number(0.0)))
         one, zero = self._number(1.0), self._number(0.0)
         self._store(h, self.control, LENGTH)
@@ -88,15 +84,6 @@ class _StepWriter(Writer):
 
     def _last_but_one(self) -> Any:
         return self.build.sub(self.order, self.whole(1))
-
-    def _largest(self, first: int, last: int, k: Any) -> Any:
-        build, size = self.build, self._number(0.0)
-        column = self._ahead(self.J, k)
-        for i in range(first, last):
-            c = self._abs(self._at(i, column))
-            clean = build.select(build.fcmp_ordered("ord", c, c), c, self._number(float("inf")))
-            size = build.select(build.fcmp_unordered(">", c, size), clean, size)
-        return size
 
     def _resolved(self, slot: int, h: Any) -> Any:
         """Whether the series of a guard holds for the whole step."""
@@ -138,28 +125,3 @@ class _StepWriter(Writer):
 
         last = self._ahead(self.J, self.order)
         return repeat(build, self.order, [self._at(s, last) for s in states], term)
-
-    def _fours(self, count: Any, ahead: Any, behind: Any) -> Values:
-        def group(i: Any, sums: Values) -> Values:
-            j = self.build.shl(i, self.whole(2))
-            front, back = self._ahead(ahead, j), self._ahead(behind, self.build.neg(j))
-            return [self._further(front, back, part, total) for part, total in enumerate(sums)]
-
-        return repeat(self.build, count, [self._number(0.0)] * PARTS, group)
-
-    def _call(self, name: str, *arguments: Any) -> Any:
-        result = self._number(0.0)
-        for lane in range(WIDTH):
-            place = self.ir.IntType(32)(lane)
-            each = super()._call(name, *(self.build.extract_element(vector, place) for vector in arguments))
-            result = self.build.insert_element(result, each, place)
-        return result
-
-    def _max(self, a: Any, b: Any) -> Any:
-        return self.build.select(self.build.fcmp_ordered(">", b, a), b, a)
-
-    def _spread(self, value: Any) -> Any:
-        result = self._number(0.0)
-        for lane in range(WIDTH):
-            result = self.build.insert_element(result, value, self.ir.IntType(32)(lane))
-        return result

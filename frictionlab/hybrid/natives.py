@@ -21,10 +21,21 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from frictionlab.hybrid import compiled, instructions, logarithms, loops, native, native_lanes
+from frictionlab.hybrid import (
+    compiled,
+    instructions,
+    logarithms,
+    loops,
+    native,
+    native_lanes,
+    native_ranges,
+    native_remainder,
+    native_vectors,
+)
 from frictionlab.hybrid.layout import Code, Program
 from frictionlab.hybrid.native import Function, module_of
 from frictionlab.hybrid.native_lanes import step_module_of
+from frictionlab.hybrid.native_remainder import Structure
 
 LONG = 20_000  # jets of a mode after which its code pays: interpreted, they take as long as it does
 NAME, STEP = "jets", "step"
@@ -40,8 +51,7 @@ class Natives:
         self._functions = {mode: _function(program, mode) for mode in built}
         self._used = np.zeros(count, dtype=np.int64)
         self._asked: dict[int, Future[None]] = {}
-        groups = tuple(map(int, program.code.groups))
-        self._of_steps = {mode: (_guards(program.code, mode), groups) for mode in built}
+        self._of_steps = {mode: _structure(program.code, mode) for mode in built}
         addresses, steps = np.zeros((2, count), dtype=np.int64)
         self.code: Code = program.code._replace(native=addresses, lanes=steps)
         for mode, function in self._functions.items():
@@ -69,7 +79,7 @@ class Natives:
         """Compile a mode's step of several runs now."""
         function, more = self._functions[mode], self._of_steps[mode]
         with _uncollected():
-            code = _emitted(step_module_of(function, *more, NAME))
+            code = _emitted(step_module_of(function, more, NAME))
         _keep(code, _path(function, STEP, more))
         self.code.lanes[mode] = _loaded(code)
 
@@ -140,15 +150,17 @@ def _host() -> str:
     import llvmlite
 
     llvm = _llvm()
-    writers: Any = (native, native_lanes, instructions, loops, logarithms)
+    writers: Any = (native, native_lanes, native_ranges, native_remainder, native_vectors)
+    writers = (*writers, instructions, loops, logarithms)
     writer = "".join(Path(module.__file__).read_text(encoding="utf-8") for module in writers)
     cpu = llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten()
     return "\n".join([writer, llvmlite.__version__, llvm.get_default_triple(), *cpu])
 
 
-def _guards(code: Code, mode: int) -> tuple[int, ...]:
+def _structure(code: Code, mode: int) -> Structure:
     first, last = code.mode_guards[mode : mode + 2]
-    return tuple(map(int, code.function_slots[first:last]))
+    guards = tuple(map(int, code.function_slots[first:last]))
+    return Structure(guards, tuple(map(int, code.groups)), int(code.degrees[mode]))
 
 
 def _path(function: Function, what: str = NAME, more: object = None) -> Path | None:

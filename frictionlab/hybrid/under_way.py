@@ -9,7 +9,7 @@ import numpy as np
 from frictionlab.hybrid import bookkeeping, lanes, step_length
 from frictionlab.hybrid.buffers import aligned, columns, new_record, new_work
 from frictionlab.hybrid.layout import Numbers, Program
-from frictionlab.hybrid.native_lanes import GUARD_TOL, LOG_TOL, ROWS, TOL, WIDTH
+from frictionlab.hybrid.native_vectors import GUARD_TOL, LOG_TOL, ROWS, TOL, WIDTH
 from frictionlab.hybrid.natives import Natives, natives
 from frictionlab.hybrid.taylor import Taylor
 

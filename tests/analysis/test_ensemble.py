@@ -10,6 +10,7 @@ from frictionlab.automaton import HybridAutomaton, Mode
 from frictionlab.hybrid import natives
 from frictionlab.hybrid.program import program_of
 from frictionlab.hybrid.under_way import kept
+from tests.differential.laws import Smooth
 from tests.hybrid.textbook import ball
 
 FULL = fl.SliderOnBelt(mu_k=1.4, impact=fl.PlasticImpact("full"))
@@ -76,6 +77,74 @@ def test_lanes_with_powers_serve_every_order():
         for automaton, end in zip(automata, ends.states):
             alone = fl.solve(automaton, t_end, x0=[1.0, 0.5], method=method, progress=False)
             np.testing.assert_array_equal(end, alone.final_state)
+
+
+WIDTHS = (1.0, 0.1, 1e-3)  # of friction layers, m/s
+TOLS = (1e-15, 1e-9, 1e-4)
+MU_OF_LAYERS = {"mu_k": 0.5, "mu_s": 1.0}
+
+
+def layered(name, width):
+    """Models of one structure, their initial states, and the length of their runs."""
+    if name == "slider":
+        law = fl.ExponentialDecay(v_s=2.0 * width, **MU_OF_LAYERS)
+        model = fl.SliderOnBelt(friction=law, interface=fl.SlidingOnly())
+        return [model.replace(mu_k=float(mu)) for mu in np.linspace(0.2, 0.9, 6)], "rest", 0.3
+    if name == "Den Hartog":
+        models = [fl.DenHartog(Omega=float(w), N=0.3) for w in np.linspace(0.3, 1.5, 6)]
+        return models, "rest", 40.0
+    kinds = {"Stribeck": fl.Stribeck, "exponential": fl.ExponentialDecay, "tanh": Smooth}
+    model = fl.MassOnBelt(c=0.02, friction=kinds[name](v_s=width, **MU_OF_LAYERS))
+    starts = np.random.default_rng(1).normal(size=(6, 2))
+    return [model.replace(v=float(v)) for v in np.linspace(0.2, 2.0, 6)], starts, 20.0
+
+
+@pytest.mark.parametrize("width", WIDTHS)
+@pytest.mark.parametrize("name", ["Stribeck", "exponential", "tanh", "slider"])
+def test_steps_heed_friction_layers_as_those_of_a_run_alone(name, width):
+    same_as_alone(*layered(name, width))
+
+
+def test_steps_heed_functions_of_the_phase_as_those_of_a_run_alone():
+    same_as_alone(*layered("Den Hartog", 1.0))
+
+
+def same_as_alone(models, starts, t_end):
+    """At all tolerances, from the orders that polynomials of high degree share with other functions."""
+    compiled(models[0])
+    each = [starts] * len(models) if isinstance(starts, str) else starts
+    for tol in TOLS:
+        method = fl.Taylor(tol=tol)
+        ends = fl.ensemble(models, t_end, x0=starts, method=method, progress=False)
+        for i, (model, start) in enumerate(zip(models, each)):
+            alone = fl.simulate(model, t_end, x0=start, method=method, progress=False)
+            np.testing.assert_array_equal(ends.states[i], alone.final_state)
+            assert (ends.steps[i], ends.events[i]) == (alone.stats["steps"], len(alone.events))
+
+
+def every_function():
+    """A mode with each function of the tape, a quotient and a power, and parameters that set their scales."""
+    x, y, a, p = sp.symbols("x y a p")
+    bounded = (
+        sp.tanh(a * x) + sp.sin(a * y) * sp.cos(x) + sp.atan(a * x) / (1 + y**2) + sp.exp(-((a * x) ** 2))
+    )
+    grown = sp.log(2 + sp.cosh(y / 3)) - sp.sinh(x / 3) + sp.tan(y / (2 + x**2 + y**2)) + (1 + x**2) ** p
+    return HybridAutomaton(
+        (x, y), (Mode("m", (y, -x - y / 2 + bounded / 4 - grown / 8), (), ()),), {a: 1.0, p: 0.3}, 1
+    )
+
+
+def test_steps_heed_every_function_as_those_of_a_run_alone():
+    scene = every_function()
+    automata = [scene.replace(a=a) for a in (0.3, 1.0, 3.0, 10.0, 100.0)]
+    compiled(scene)
+    for tol in TOLS:
+        method = fl.Taylor(tol=tol)
+        ends = fl.ensemble(automata, 10.0, x0=[1.0, 0.5], method=method, progress=False)
+        for automaton, end, steps in zip(automata, ends.states, ends.steps):
+            alone = fl.solve(automaton, 10.0, x0=[1.0, 0.5], method=method, progress=False)
+            np.testing.assert_array_equal(end, alone.final_state)
+            assert steps == alone.stats["steps"]
 
 
 def test_the_grouping_makes_no_difference():

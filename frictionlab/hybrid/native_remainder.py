@@ -1,0 +1,251 @@
+"""Vector code for the longest steps whose remainders are bounded.
+
+That is :func:`remainder.remainder_step` for all lanes: the operations are those of a single run in the same
+sequence, but that zeros are not added.  Radii are tried until every lane has its step.
+"""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+from typing import Any, NamedTuple
+
+from frictionlab.hybrid.jets import AFFINE, POWER, PRODUCT, QUOTIENT, RATE, SQUARE
+from frictionlab.hybrid.logarithms import exp2, log2
+from frictionlab.hybrid.loops import Values, repeat, repeat_while
+from frictionlab.hybrid.native import Function
+from frictionlab.hybrid.native_ranges import RangeWriter
+from frictionlab.hybrid.native_vectors import LEFT, TOL, WIDTH
+from frictionlab.hybrid.powers import INSTANT
+from frictionlab.hybrid.remainder import FIRST_RADIUS, MARGIN, ROOM, SHRINK, TRIES
+from frictionlab.hybrid.step_length import SHARE, SLACK
+
+TOGETHER = 8  # polynomials that are summed in one loop: their sums fit into the registers
+
+
+class Structure(NamedTuple):
+    """What the length of a mode's steps depends on besides its operations."""
+
+    guards: tuple[int, ...]  # their slots
+    groups: tuple[int, ...]  # bounds of the coordinates, the velocities, the other states
+    degree: int  # of the polynomials
+
+
+class Bound(NamedTuple):
+    """How far a slot goes on the disc, and without its polynomial; None where that is of the first degree."""
+
+    reach: Any
+    rest: Any
+
+
+class RemainderWriter(RangeWriter):
+    """Writes the passes through the tape; `bounds` and `series` are what one knows of the slots."""
+
+    bounds: dict[int, Bound]
+    series: dict[int, Any]
+
+    def __init__(self, ir: Any, body: Any, function: Function, structure: Structure) -> None:
+        super().__init__(ir, body, function)
+        self.guards, self.groups, self.degree = structure
+
+    def _remainder_step(self, h: Any, fine: Any) -> tuple[Any, Any]:
+        """Longest step up to `h` with a bounded remainder where `fine`, and whether it is a usual one."""
+        build, zero = self.build, self._number(0.0)
+        blind = build.and_(self._blind(h), fine)
+
+        def attempt(carried: Values) -> tuple[Values, Any]:
+            best, radius, active, usual, tries = carried
+            support, known = self._support(radius, h)
+            enough = build.fcmp_ordered(">=", support, h)
+            better = build.not_(build.fcmp_ordered("<", support, best))
+            found = build.select(enough, h, build.select(better, support, best))
+            best = build.select(active, found, best)
+            usual = build.and_(usual, build.or_(build.not_(active), known))
+            active = build.and_(build.and_(active, usual), build.and_(better, build.not_(enough)))
+            radius, tries = build.fmul(radius, self._number(SHRINK)), build.add(tries, self.whole(1))
+            goes_on = build.and_(self._any(active), build.icmp_signed("<", tries, self.whole(TRIES)))
+            return [best, radius, active, usual, tries], goes_on
+
+        start = [zero, build.fmul(self._number(FIRST_RADIUS), h), blind, self._all(), self.whole(0)]
+        best, _, _, usual, _ = repeat_while(build, self._any(blind), start, attempt)
+        h = build.select(blind, best, h)
+        return h, build.and_(usual, build.fcmp_ordered(">", h, zero))
+
+    def _blind(self, h: Any) -> Any:
+        """As :func:`remainder.is_blind`."""
+        at_end = self.build.fcmp_ordered("==", h, self._load(self.control, LEFT))
+        always = self.build.icmp_signed(">=", self.whole(self.degree), self.order)
+        return self.build.select(always, self._all(), at_end)
+
+    def _all(self) -> Any:
+        return self.ir.Constant(self.ir.VectorType(self.ir.IntType(1), WIDTH), [1] * WIDTH)
+
+    def _any(self, lanes: Any) -> Any:
+        bits = self.build.bitcast(lanes, self.ir.IntType(WIDTH))
+        return self.build.icmp_unsigned("!=", bits, bits.type(0))
+
+    def _support(self, radius: Any, h: Any) -> tuple[Any, Any]:
+        """As :func:`remainder.supported`, and whether it is so by the first three terms of all groups."""
+        build, ir, known = self.build, self.ir, self._all()
+        self._bound_ranges(radius)
+        log_radius = log2(ir, build, radius)
+        room = build.fmul(self._as_number(self.order), log_radius)
+        room = build.fadd(log2(ir, build, self._load(self.control, TOL)), room)
+        best = build.fsub(log_radius, self._number(math.log2(ROOM * MARGIN)))
+        room_of_rates = build.fadd(room, log2(ir, build, self._order_less(-1)))
+        bounded = self._all()
+        for first, last in pairwise(self.groups):
+            rest = self._largest_rest(self.function.flow[first:last])
+            if rest is not None:
+                sizes = self._sizes(first, last)
+                longest = self._longest(build.fsub(room_of_rates, log2(ir, build, rest)), sizes)
+                leaves = build.fcmp_ordered(">", rest, self._number(0.0))
+                best = build.select(leaves, self._min(best, longest), best)
+                known = build.and_(known, build.or_(build.not_(leaves), self._some(sizes)))
+                bounded = build.and_(bounded, build.fcmp_ordered("<", rest, self._number(math.inf)))
+        least = log2(ir, build, build.fmul(self._number(SHARE), h))
+        room = build.fadd(room, build.fadd(self._number(math.log2(SLACK)), log_radius))
+        for slot in self.guards:
+            if self.bounds[slot].rest is not None:
+                best = self._min(best, self._max(least, self._guard_support(slot, room)))
+        longest = build.fmul(self._number(MARGIN), exp2(ir, build, best))
+        return self._where(bounded, longest, 0.0), known
+
+    def _largest_rest(self, slots: tuple[int, ...]) -> Any:
+        """The largest of some slots."""
+        largest = None
+        for slot in slots:
+            rest = self.bounds[slot].rest
+            if rest is not None:
+                largest = rest if largest is None else self._max(largest, rest)
+        return largest
+
+    def _sizes(self, first: int, last: int) -> Values:
+        """Of the first three terms of a group of states, at an instant after the start at the least."""
+        instant = self._number(INSTANT)
+        start, rate, second = (self._largest(first, last, self.whole(m)) for m in range(3))
+        moved = self._max(rate, self.build.fmul(second, instant))
+        return [self._max(start, self.build.fmul(moved, instant)), rate, second]
+
+    def _some(self, sizes: Values) -> Any:
+        largest = self._max(self._max(sizes[0], sizes[1]), sizes[2])
+        return self.build.fcmp_ordered(">", largest, self._number(0.0))
+
+    def _guard_support(self, slot: int, room: Any) -> Any:
+        build, rest = self.build, self.bounds[slot].rest
+        row = self._place(slot, self.J)
+        sizes = [self._abs(self._load(row, m)) for m in range(3)]
+        longest = self._longest(build.fsub(room, log2(self.ir, build, rest)), sizes)
+        longest = self._where(build.fcmp_ordered("<", rest, self._number(math.inf)), longest, -math.inf)
+        return self._where(build.fcmp_ordered(">", rest, self._number(0.0)), longest, math.inf)
+
+    def _longest(self, room: Any, sizes: Values) -> Any:
+        """As :func:`remainder.longest`."""
+        build = self.build
+        rooms = [build.fadd(room, log2(self.ir, build, size)) for size in sizes]
+        each = [build.fdiv(total, self._order_less(m - 1)) for m, total in enumerate(rooms)]
+        return self._max(self._max(each[0], each[1]), each[2])
+
+    def _order_less(self, m: int) -> Any:
+        """The order less `m`, as a number."""
+        return self._as_number(self.build.sub(self.order, self.whole(m)))
+
+    def _bound_ranges(self, radius: Any) -> None:
+        """The bounds of all slots that the states' rates and the guards depend on."""
+        inputs, ops = self.function.tape.inputs, list(enumerate(self.function.tape.ops))
+        needed, operands = {*self.function.flow, *self.guards}, set[int]()
+        for i, op in reversed(ops):
+            if inputs + i in needed:
+                needed.update(self._sources(*op))
+                operands.update(self._sources(*op) if op[0] != AFFINE else ())
+        states = {slot for slot in needed if slot < inputs}
+        self.series = self._on_radius(sorted(operands | states), radius)
+        self.bounds = {slot: Bound(self.series[slot], None) for slot in states}
+        for i, op in ops:
+            if inputs + i in needed:
+                self.bounds[inputs + i] = self._bound(i, *op)
+
+    def _sources(self, kind: int, a: int, b: int) -> list[int]:
+        """Slots whose ranges an operation depends on."""
+        if kind == AFFINE:
+            return [slot for slot, _ in self.function.tape.terms[a:b]]
+        if kind == RATE:  # belongs to the recurrence of the next operation
+            return []
+        return [a, b] if kind in (PRODUCT, SQUARE, QUOTIENT) else [a]
+
+    def _on_radius(self, slots: list[int], radius: Any) -> dict[int, Any]:
+        """How far the polynomials of slots go at the most."""
+        build, totals = self.build, []
+        for start in range(0, len(slots), TOGETHER):
+            some = slots[start : start + TOGETHER]
+
+            def term(i: Any, sums: Values, some: list[int] = some) -> Values:
+                column = self._ahead(self.J, build.sub(self.order, i))
+                sizes = [self._abs(self._at(slot, column)) for slot in some]
+                return [build.fmul(build.fadd(s, size), radius) for s, size in zip(sums, sizes)]
+
+            totals += repeat(build, self.order, [self._number(0.0)] * len(some), term)
+        return dict(zip(slots, totals))
+
+    def _bound(self, i: int, kind: int, a: int, b: int) -> Bound:
+        """Of the slot that an operation writes."""
+        if kind == AFFINE:
+            return self._affine_bound(a, b)
+        if kind == RATE:
+            return Bound(self._number(0.0), None)
+        if kind in (PRODUCT, SQUARE):
+            return self._product_bound(a, b)
+        reach = self._finite(self._operation_range(i, kind, a, b))
+        return Bound(reach, reach)
+
+    def _affine_bound(self, first: int, last: int) -> Bound:
+        build, zero = self.build, self._number(0.0)
+        reach, rest = zero, None
+        for j in range(first, last):
+            bound = self.bounds[self.function.tape.terms[j][0]]
+            factor = self._abs(self._load(self.terms, self.function.first[1] + j))
+            there = build.fcmp_ordered(">", factor, zero)
+            reach = build.fadd(reach, self._where(there, build.fmul(factor, bound.reach), 0.0))
+            if bound.rest is not None:
+                more = self._where(there, build.fmul(factor, bound.rest), 0.0)
+                rest = more if rest is None else build.fadd(rest, more)
+        return Bound(reach, rest)
+
+    def _product_bound(self, a: int, b: int) -> Bound:
+        """As :func:`remainder.bound_product`."""
+        build, d, e = self.build, self._range_of(a), self._range_of(b)
+        x, y, both = self._size(a), self._size(b), build.fmul(d, e)
+        reach = build.fadd(build.fadd(build.fmul(x, e), build.fmul(y, d)), both)
+        rest = self._number(0.0)
+        for size, slot in (x, b), (y, a):
+            if self.bounds[slot].rest is not None:
+                rest = build.fadd(rest, build.fmul(size, self.bounds[slot].rest))
+        return Bound(self._finite(reach), self._finite(build.fadd(rest, both)))
+
+    def _operation_range(self, i: int, kind: int, a: int, b: int) -> Any:
+        """As :func:`remainder.operation_range`."""
+        build, y, d = self.build, self._size(self.function.tape.inputs + i), self._range_of(a)
+        if kind == QUOTIENT:
+            e = self._range_of(b)
+            return self._quotient_range(build.fadd(d, build.fmul(y, e)), build.fsub(self._size(b), e))
+        at, zero = self._at(a, self.J), self._number(0.0)
+        if kind == POWER:
+            reach = self._power_range(self._exponent(i), at, d)
+        else:
+            reach = self._function_range(kind, at, y, self._size(b), d)
+        return build.select(build.fcmp_ordered("==", d, zero), zero, reach)
+
+    def _range_of(self, slot: int) -> Any:
+        """As :func:`remainder.range_of`."""
+        build, bound, series = self.build, self.bounds[slot], self.series[slot]
+        if bound.rest is None:
+            return self._min(bound.reach, series)
+        reach = self._min(bound.reach, build.fadd(series, bound.rest))
+        return self._where(build.fcmp_ordered("<", bound.rest, self._number(math.inf)), reach, math.inf)
+
+    def _size(self, slot: int) -> Any:
+        return self._abs(self._at(slot, self.J))
+
+    def _finite(self, bound: Any) -> Any:
+        """Infinite where it is no number, as 0 times infinity."""
+        return self._where(self.build.fcmp_ordered("ord", bound, bound), bound, math.inf)
