@@ -55,11 +55,12 @@ class RangeWriter(LaneWriter):
         return self._where(holds, reach, math.inf)
 
     def _saturated_range(self, a: Any, d: Any) -> Any:
-        """That of tanh(z) = 1 - 2 q/(1 + q), q = exp(-2 z)."""
-        build, two, size = self.build, self._number(2.0), self._abs(a)
-        q, twice = self._call("exp", build.fmul(self._number(-2.0), size)), build.fmul(two, d)
-        above = build.fmul(build.fmul(two, q), self._call("expm1", twice))
-        below = build.fsub(self._number(1.0), build.fmul(q, self._call("exp", twice)))
+        """That of tanh(z) = 1 - 2 q/(1 + q), q = exp(-2 z), which is at most w."""
+        build, size = self.build, self._abs(a)
+        w = self._call("exp", build.fmul(self._number(2.0), build.fsub(d, size)))
+        above = build.fmul(self._number(-2.0), w)
+        above = build.fmul(above, self._call("expm1", build.fmul(self._number(-2.0), d)))
+        below = build.fsub(self._number(1.0), w)
         return self._where(build.fcmp_ordered("<", d, size), build.fdiv(above, below), math.inf)
 
     def _atan_range(self, a: Any, d: Any) -> Any:

@@ -103,16 +103,11 @@ def range_of(slot, inputs, order, radius, J, bounds):
 
 @inlined
 def series_range(c, order, radius):
-    """How far a polynomial goes on the disc at the most; odd and even terms do not wait for each other."""
-    odd = even = 0.0
-    square = radius * radius
-    last = order - order % 2
-    if order > last:
-        odd = abs(c[order])
-    for k in range(last, 0, -2):
-        even = (even + abs(c[k])) * square
-        odd = odd * square + abs(c[k - 1])
-    return even + odd * radius
+    """How far a polynomial goes on the disc at the most."""
+    total = 0.0
+    for k in range(order, 0, -1):
+        total = (total + abs(c[k])) * radius
+    return total
 
 
 @kernel
