@@ -50,9 +50,7 @@ class Room(NamedTuple):
     sizes: np.ndarray
 
 
-def defects(
-    problem: Problem, raw: Raw, order: int, chosen: np.ndarray | None = None
-) -> Mapping[str, float]:
+def defects(problem: Problem, raw: Raw, order: int, chosen: np.ndarray | None = None) -> Mapping[str, float]:
     """The largest defect of a run's steps, or of those `chosen`, by the name of the mode."""
     program, steps = problem.program, steps_of(raw)
     if chosen is None:
