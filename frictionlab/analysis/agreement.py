@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from frictionlab.hybrid.taylor import Taylor
 from frictionlab.hybrid.trajectory import Trajectory
 
 from .recurrence import Array, sizes
@@ -47,9 +48,12 @@ class Stays(NamedTuple):
     closed: Array
 
 
-def sizes_of(run: Trajectory) -> Array:
-    """Size of a motion in each state: the largest range in its group, coordinates, velocities, others."""
-    states = run.states  # within steps too: at the events of dry friction all velocities are zero
+def sizes_of(run: Trajectory, samples: int | None = None) -> Array:
+    """Size of a motion, or of its first `samples`, in each state: the largest range in its group.
+
+    Groups are coordinates, velocities, others.
+    """
+    states = run.states[:samples]  # within steps too: at the events of dry friction all velocities are zero
     ranges, values = sizes(states), np.abs(states).max(axis=0)
     for group in groups(run.automaton.coordinates):
         largest = max(ranges[group].max(initial=0.0), STILL * values[group].max(initial=0.0))
@@ -87,20 +91,26 @@ def pile_up(run: Trajectory) -> float:
 def agreement(
     run: Trajectory, other: Trajectory, size: Array, most: float, until: float = np.inf
 ) -> Agreement:
-    """Compare two runs up to `until`, to an event in which they differ, or to a deviation beyond `most`."""
+    """Compare two runs up to `until`, to an event in which they differ, or to a deviation beyond `most`.
+
+    Of other methods than Taylor's `other` is looked at where its steps begin: between these the series that
+    stand for it may not converge, however exact it is.
+    """
     end = min(until, run.raw.t, other.raw.t)
     if not end > 0.0:
         return Agreement(0.0, 0.0, np.inf)
     longest = longest_stay(other, end)
     one, two = stays(run, TOGETHER * longest), stays(other, TOGETHER * longest)
     parted = first_difference(one, two, end, AT_THE_END * longest)
-    t = _times(two, min(end, parted))
-    t = t[_between(one, t) & _between(two, t) & (_count(one.first, t) == _count(two.first, t))]
+    end = min(end, parted)
+    taylor = other.description["method"]["name"] == Taylor.name
+    t = _times(two, end) if taylor else other.raw.step_times[:, 0]
+    t = t[(t <= end) & _between(one, t) & _between(two, t) & (_count(one.first, t) == _count(two.first, t))]
     deviation = np.abs((run(t) - other(t)) / size).max(axis=1, initial=0.0)
     beyond = np.flatnonzero(~(deviation <= most))
     if len(beyond):
         return Agreement(float(deviation[: beyond[0]].max(initial=0.0)), float(t[beyond[0]]), parted)
-    return Agreement(float(deviation.max(initial=0.0)), min(end, parted), parted)
+    return Agreement(float(deviation.max(initial=0.0)), end, parted)
 
 
 def first_difference(one: Stays, two: Stays, end: float, late: float) -> float:
@@ -125,7 +135,7 @@ def _times(found: Stays, end: float) -> Array:
     lengths = np.append(found.first, end) - begins
     within = (begins[:, None] + lengths[:, None] * WITHIN).ravel()
     t = np.unique(np.concatenate([np.linspace(0.0, end, GRID + 1), within]))
-    return t[(t >= 0.0) & (t <= end)]
+    return t[t >= 0.0]
 
 
 def _count(first: Array, t: Array) -> Any:

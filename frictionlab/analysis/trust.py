@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from frictionlab.hybrid.defect import defects
 from frictionlab.hybrid.trajectory import Trajectory
 
 SUSPECT = 1e4  # tolerances: sound steps stay hundreds below
+HARMLESS = 1e-9  # of the motion's size: below what any analysis here tells apart
 SAMPLE = 64  # steps of a mode that are looked at where a run is to cost next to nothing more
 
 
@@ -28,9 +31,9 @@ def warning_of(run: Trajectory) -> str | None:
     return sentence(defects(run._problem, run.raw, order, np.concatenate(steps)), tol)
 
 
-def sentence(defect, tol: float) -> str | None:
+def sentence(defect: Mapping[str, float], tol: float) -> str | None:
     """What is to be said of the defects of a run that was asked for a tolerance."""
-    bad = {mode: size for mode, size in defect.items() if not size <= SUSPECT * tol}
+    bad = {mode: size for mode, size in defect.items() if not size <= max(SUSPECT * tol, HARMLESS)}
     if not bad:
         return None
     worst = max(bad, key=bad.__getitem__)

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from frictionlab.hybrid.choice import method_of
+from frictionlab.hybrid.guards import EPSILON
 from frictionlab.hybrid.jets import HIGHEST
 from frictionlab.hybrid.methods import Method
 from frictionlab.hybrid.scipy_methods import Scipy
@@ -24,13 +25,14 @@ from .recurrence import Array
 from .steady_state import automaton_of, checked_start
 from .trust import sentence
 
-BESIDE = 1e-9  # of the motion's size: how far beside the start a run begins that shows what is predictable
+BESIDE = 1e-9  # of what moves at first: how far beside the start a run begins that shows what is predictable
+AT_FIRST = 80  # samples, of ten steps: some periods of the fastest vibration
 LOST = 1e-3  # of the motion's size: when that run is so far away, the motion is no longer predictable
 TRUSTED = 1e-4  # of the motion's size: runs that agree so well draw one line in a picture
 MORE_ORDERS, TIGHTER = 6, 0.1  # of the second run
 INDEPENDENT = 1e-12  # relative tolerance of the independent method
 STEPS = 20_000  # of the independent method, some ten seconds
-CHAOS = "a start changed by a billionth of the motion's size leads elsewhere."
+CHAOS = "a start changed by a billionth leads elsewhere."
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -45,8 +47,7 @@ class Verification:
         Largest deviation from the other runs up to `until`, as a share of the motion's size, which is that of
         the largest coordinate, velocity and other state.
     until : float
-        s: how far the motion can be predicted.  Beyond, a start changed by a billionth of the motion's size
-        leads elsewhere.
+        s: how far the motion can be predicted.  Beyond, a start changed by a billionth leads elsewhere.
     independent_until : float
         s: how far the independent method was compared.  It ends where events pile up.
     events_agree : bool
@@ -117,12 +118,24 @@ def verify(
     check_number("t_end", t_end, above=0.0, cure="give the length of the run in seconds")
     start = checked_start(model, x0, automaton_of(model))
     motion = _Motion(model, start, float(t_end), progress)
-    run, second = motion.run(chosen), motion.run(_second(chosen))
+    run = motion.run(chosen)
+    if not run.raw.t > 0.0:
+        raise ValueError(f"the motion must not end where it begins, it does: {run.status}")
+    second = motion.run(_second(chosen), t_end=run.raw.t)
     size = sizes_of(second)
-    until = min(agreement(motion.beside(second, size), second, size, LOST).until, run.raw.t)
+    until = agreement(motion.beside(second), second, size, LOST).until
     same = agreement(run, second, size, np.inf, until)
-    third = _independent(motion, second, size, until)
-    return _judged(run, second, until, (same, _compared(run, third, size)))
+    third = _independent(motion, second, size, until, 0.5)
+    other = _compared(run, third, size)
+    if _differ(other) and not _differ(same):  # its steps may have passed over something
+        third = _independent(motion, second, size, until, 0.0)
+        other = _compared(run, third, size)
+    found = same, other
+    why = _doubt(run, second, *found)
+    verdict = f"Do not trust this run: {why}." if why else _agreed(run, third, until, found)
+    agree = all(each.parted == np.inf for each in found)
+    error = max(each.error for each in found)
+    return Verification(run, error, until, found[1].until, agree, run.defect, not why, verdict)
 
 
 class _Motion:
@@ -147,20 +160,21 @@ class _Motion:
             run.description["model"] = self._model.to_dict()
         return run
 
-    def beside(self, run: Trajectory, size: Array) -> Trajectory:
+    def beside(self, run: Trajectory) -> Trajectory:
         """A run by the same method that starts a little beside another, in the same mode.
 
         In stick the velocities are held, at a stop both they and a coordinate: all states are moved where
         that is possible, else the coordinates, else the velocities.  The run itself where it is not.
         """
         method, n = method_of(Taylor(**_settings(run))), self._automaton.coordinates
+        size = np.minimum(sizes_of(run, AT_FIRST), sizes_of(run))
         signs = BESIDE * size * np.where(np.arange(len(size)) % 2, -1.0, 1.0)
         group = np.minimum(np.arange(len(size)) // n, 2) if n else np.zeros(len(size), dtype=int)
         for moved in (group < 2, group == 0, group == 1):
             for start in (self.start + signs * moved, self.start - signs * moved):
                 first = self.run(replace(method, max_steps=1), start).raw.step_modes
                 if len(first) and first[0] == run.raw.step_modes[0]:
-                    return self.run(method, start)
+                    return self.run(method, start, run.raw.t)
         return run
 
 
@@ -176,13 +190,18 @@ def _second(method: Method) -> Method:
     return replace(method, tol=TIGHTER * method.tol, order=order)
 
 
-def _independent(motion: _Motion, second: Trajectory, size: Array, until: float) -> Trajectory | None:
-    """The run by another method, up to where it can follow; None where that is nowhere."""
+def _independent(
+    motion: _Motion, second: Trajectory, size: Array, until: float, share: float
+) -> Trajectory | None:
+    """The run by another method, up to where it can follow; None where that is nowhere.
+
+    Its steps are at most a `share` of the shortest stay in a mode, but for what would need too many.
+    """
     end = min(until, pile_up(second))
     if not end > 0.0:
         return None
     lengths = _stays_up_to(second, end)[1]
-    step = max(0.5 * float(lengths.min()), end / STEPS)
+    step = max(share * float(lengths.min()), end / STEPS)
     tolerances = INDEPENDENT, INDEPENDENT * float(size.min())
     return motion.run(Scipy("DOP853", *tolerances, step, max_steps=3 * STEPS), t_end=end)
 
@@ -208,42 +227,50 @@ def _stays_up_to(run: Trajectory, end: float) -> tuple[Array, Array]:
     return begins[begins < end], lengths[begins < end]
 
 
-def _judged(
-    run: Trajectory, second: Trajectory, until: float, found: tuple[Agreement, Agreement]
-) -> Verification:
-    same, other = found
-    parted = min(each.parted for each in found)
-    error = max(each.error for each in found)
-    why = _doubt(run, second, error, parted)
-    independent = other.until
-    verdict = f"Do not trust this run: {why}." if why else _agreed(run, until, independent, error)
-    return Verification(run, error, until, independent, not parted < np.inf, run.defect, not why, verdict)
+def _differ(found: Agreement) -> bool:
+    return found.parted < np.inf or not found.error <= TRUSTED
 
 
-def _doubt(run: Trajectory, second: Trajectory, error: float, parted: float) -> str:
+def _doubt(run: Trajectory, second: Trajectory, same: Agreement, other: Agreement) -> str:
     """Why a run is not to be trusted; nothing where it is."""
+    for found, which in ((same, "a more exact one"), (other, "an independent one")):
+        if found.parted < np.inf:
+            return f"its events are not those of {which} from t = {found.parted:.4g} s on"
+        if not found.error <= TRUSTED:
+            return f"it deviates from {which} by {found.error:.1g} of the motion's size"
+    if second.raw.t < run.raw.t:
+        return f"a more exact one ends already at t = {second.raw.t:.6g} s: {second.status}"
     tol = run.description["method"].get("tol")
-    if parted < np.inf:
-        return f"its events are not those of a more exact run from t = {parted:.4g} s on"
-    if not error <= TRUSTED:
-        return f"it deviates from a more exact one by {error:.1g} of the motion's size"
-    if second.status is not run.status:
-        return f"it ends at {run.raw.t:.4g} s ({run.status.name}), a more exact one at {second.raw.t:.4g} s ({second.status})"
-    return (tol and sentence(run.defect, tol)) or ""
+    return "" if tol is None else sentence(run.defect, tol) or ""
 
 
-def _agreed(run: Trajectory, until: float, independent: float, error: float) -> str:
+def _agreed(
+    run: Trajectory, third: Trajectory | None, until: float, found: tuple[Agreement, Agreement]
+) -> str:
+    """What runs that agree say."""
     count = int((run.raw.event_times <= until).sum())
     events = {0: "without an event", 1: "with the same event"}.get(count, f"with the same {count} events")
-    whole = until == run.raw.t
-    text = f"agree to {max(error, 1e-16):.0e} of the motion's size"
+    agree = f"agree to {max(EPSILON, *(each.error for each in found)):.0e} of the motion's size"
+    whole, independent = until == run.raw.t, found[1].until
     if whole and independent == until:
-        text = f"All three runs {text} over {until:.4g} s, {events}."
+        text = f"All three runs {agree} over {until:.4g} s, {events}."
+    elif whole:
+        text = f"The runs {agree} over {until:.4g} s, {events}."
     else:
-        text = f"The runs {text} up to t = {until:.4g} s, {events}"
-        text += "." if whole else "; after that it cannot be predicted: " + CHAOS
+        text = (
+            f"The runs {agree} up to t = {until:.4g} s, {events}; after that it cannot be predicted: {CHAOS}"
+        )
     if independent < until:
         text += (
-            f" The independent method could follow up to t = {independent:.4g} s; then events are too close."
+            f" The independent method was compared up to t = {independent:.4g} s, {_obstacle(run, third)}."
         )
     return text if run.status.ok else f"{text} There the run ended: {run.status}."
+
+
+def _obstacle(run: Trajectory, third: Trajectory | None) -> str:
+    """What ended the comparison with the independent method."""
+    if third is not None and not third.status.ok:
+        return f"where it ended ({third.status})"
+    if third is None or third.raw.t == pile_up(run):
+        return "where events begin to pile up"
+    return "where a mode lasts too short a time for its steps"

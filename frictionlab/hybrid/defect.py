@@ -1,8 +1,9 @@
 """How well a run obeys its equations: the defect of its steps.
 
-Between two stored states a run is a polynomial in time, its dense output.  Put into the equations it leaves a
-residual x' - f(x), and where another method than the series chose the next state, a jump at its end.  Either, over
-a step and as a share of the motion's size, is what the step adds to the error: it compares with the tolerance.
+Between two stored states a run is a polynomial in time, its dense output.  Put into the equations it leaves
+a residual x' - f(x), and where another method than the series chose the next state, a jump at its end.
+Either, over a step and as a share of the motion's size, is what the step adds to the error: it compares with
+the tolerance.
 """
 
 from __future__ import annotations
@@ -154,7 +155,7 @@ def note_residuals(code, numbers, absolute, order, mode, s, room):
 
 @kernel
 def note_jump(code, order, mode, h, end, room):
-    """From the end of the polynomial to the state that the method came to, as far as it is beyond rounding."""
+    """From the end of the polynomial to the state that followed, as far as it is beyond rounding."""
     states_and_sums(order, h, room)
     for i in range(room.z.shape[0]):
         if end[i] == end[i]:

@@ -16,9 +16,9 @@ from frictionlab.hybrid.powers import scale_of_powers, shorter_series, without_s
 def series_of_step(code, numbers, mode, order, h, z, J):
     """The jets of which a step of length `h` from `z` consists, as the step was taken."""
     mode_jets(code, numbers, mode, order, z, J)
-    if code.powers[mode] and without_series(code, order, mode, J):
-        if h < scale_of_powers(code, mode, J):
-            shorter_series(code, numbers, mode, order, z, J)
+    near_zero = code.powers[mode] and without_series(code, order, mode, J)
+    if near_zero and h < scale_of_powers(code, mode, J):
+        shorter_series(code, numbers, mode, order, z, J)
 
 
 @kernel
