@@ -63,9 +63,7 @@ class SteadyState:
 
     @cached_property
     def warning(self) -> str | None:
-        """A sentence where steps of the window are far less exact than asked, as a law may be too sharp for its
-        series; else None.
-        """
+        """A sentence where steps of the window are far less exact than asked; else None."""
         return warning_of(self.trajectory)
 
     @property

@@ -120,7 +120,7 @@ def test_steps_beyond_the_reach_of_a_series_are_warned_of():
     sharp = automaton(fl.Mode("on", (V, -X - 0.1 * V - sp.tanh((X - 0.5) * 100))))
     run = fl.solve(sharp, 5.0, x0=[2.0, 0.0], progress=False)
     assert warning_of(run) is None
-    assert "steps in mode 'on' are wrong by up to" in warning_of(with_longer_steps(run))
+    assert "steps in mode 'on' are wrong by up to" in str(warning_of(with_longer_steps(run)))
 
 
 def test_a_steady_state_carries_the_warning():

@@ -26,8 +26,8 @@ def defect(run):
 def test_that_of_a_cut_series_is_its_last_term(order):
     """One step of x'' = -x from x = 1, v = 0, in polynomials of degree p.
 
-    Where p is even, x' lacks nothing, and v' lacks the term of -x in s^p/p!; where it is odd, v' lacks nothing,
-    and x' lacks the last term of v.  The polynomials' sizes are cos and sin but for less than that.
+    Where p is even, x' lacks nothing, and v' lacks the term of -x in s^p/p!; where it is odd, v' lacks
+    nothing, and x' lacks the last term of v.  The polynomials' sizes are cos and sin but for less than that.
     """
     t = 0.5
     run = fl.solve(oscillator(), t, x0=[1.0, 0.0], method=fl.Taylor(tol=0.09, order=order))
@@ -43,7 +43,7 @@ def test_a_mode_that_is_no_step_long_has_none():
     assert set(run.defect) == {"flight"}
     assert run.defect["flight"] == 0.0  # of a parabola: exact but for rounding, which does not count
     with pytest.raises(TypeError):
-        run.defect["flight"] = 1.0
+        run.defect["flight"] = 1.0  # pyright: ignore[reportIndexIssue]
 
 
 @pytest.mark.parametrize("tol", [1e-3, 1e-6, 1e-10])
