@@ -64,7 +64,7 @@ class Bifurcation:
 
     @property
     def warnings(self) -> tuple[str | None, ...]:
-        """Of each value what :attr:`SteadyState.warning` says; None where there is nothing to be said."""
+        """Of each value what ``SteadyState.warning`` says; None where there is nothing to be said."""
         return tuple(self.results.get(i, {}).get("warning") for i in range(len(self.values)))
 
     def section(self, name: str, *kinds: str) -> tuple[Array, Array]:

@@ -54,7 +54,7 @@ class Trajectory:
     final_state : (2n,) state at the end
     status : Status;  str(status) is a sentence
     stats : mapping: steps, events, accumulations closed, wall time in seconds
-    defect : mapping: largest relative error of a step, by the mode; see :attr:`defect`
+    defect : mapping: largest relative error of a step, by the mode
     sections : mapping of name to Points;  quadratures : mapping of name to the integral up to the end
     automaton : the automaton that ran;  source : the model it came from, if any
     description : mapping that :meth:`save` writes beside the arrays

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ import frictionlab as fl
 from frictionlab.analysis.agreement import Stays, first_difference
 from frictionlab.analysis.trust import warning_of
 from frictionlab.hybrid.trajectory import Trajectory
+from frictionlab.widgets.words import end_text
 from tests.analysis.test_continuation import logistic
 from tests.hybrid.textbook import V, X, automaton
 
@@ -77,7 +79,7 @@ def test_an_automaton_and_a_law_of_ones_own():
     found = fl.verify(spring, 10.0, x0=[1.0, 0.0])
     assert found.ok
     assert str(found).endswith("over 10 s, without an event.")
-    assert fl.verify(spring.replace(), 10.0).ok  # from rest, where nothing happens
+    assert fl.verify(spring, 10.0).ok  # from rest, where nothing happens
 
 
 def test_a_run_that_ends_early_says_so():
@@ -132,3 +134,16 @@ def test_a_steady_state_carries_the_warning():
     bad = replace(state, trajectory=with_longer_steps(state.trajectory))
     assert bad.warning == warning_of(bad.trajectory)
     assert bad.warning is not None
+
+
+def test_an_explorer_and_a_bifurcation_pass_it_on():
+    sharp = automaton(fl.Mode("on", (V, -X - 0.1 * V - sp.tanh((X - 0.5) * 100))))
+    run = fl.solve(sharp, 5.0, x0=[2.0, 0.0], progress=False)
+    assert end_text(SimpleNamespace(ran=True, run=run)) == ""
+    said = end_text(SimpleNamespace(ran=True, run=with_longer_steps(run)))
+    assert said.startswith("Do not trust this picture: steps in mode")
+    settings = {"transient": 1.0, "window": 1.0, "progress": False}
+    found = fl.bifurcation(A, "mu_k", [0.2, 1.4], **settings)
+    assert found.warnings == (None, None)
+    results = {**found.results, 1: {**found.results[1], "warning": "steps are wrong"}}
+    assert replace(found, results=results).warnings == (None, "steps are wrong")
