@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from frictionlab.analysis.simulate import load, simulate
     from frictionlab.analysis.steady_state import steady_state
     from frictionlab.analysis.sweep import sweep
+    from frictionlab.analysis.verify import Verification, verify
     from frictionlab.analysis.window import SteadyState
     from frictionlab.automaton import Event, HybridAutomaton, Mode, Reset
     from frictionlab.components import (
@@ -108,6 +109,7 @@ _HOMES = {
     "analysis.simulate": "simulate load",
     "analysis.steady_state": "steady_state",
     "analysis.sweep": "sweep",
+    "analysis.verify": "verify Verification",
     "analysis.window": "SteadyState",
     "automaton": "HybridAutomaton Mode Event Reset",
     "components": "ContactLaw CubicContact LinearContact HertzContact PolynomialContact FrictionLaw Coulomb "

@@ -174,6 +174,7 @@ def one(model: Any, x0: Any, options: dict[str, Any]) -> dict[str, Any]:
         "shares": dict(found.time_in_mode),
         "section": found.section.state[-KEPT:].tolist(),
         "final": found.trajectory.final_state.tolist(),
+        "warning": found.warning,
     }
 
 

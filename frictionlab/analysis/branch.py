@@ -62,6 +62,11 @@ class Bifurcation:
         """The model whose parameter was varied."""
         return Model.from_dict(self.asked["model"])
 
+    @property
+    def warnings(self) -> tuple[str | None, ...]:
+        """Of each value what ``SteadyState.warning`` says; None where there is nothing to be said."""
+        return tuple(self.results.get(i, {}).get("warning") for i in range(len(self.values)))
+
     def section(self, name: str, *kinds: str) -> tuple[Array, Array]:
         """Values of the parameter and of a state at all section points, for a scatter plot.
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -16,6 +17,7 @@ from .kinds import ENDED, EQUILIBRIUM, NON_PERIODIC, PERIODIC, kind_of, onsets_i
 from .recurrence import FEWEST, SHORTEST, Array, Recurrence, recurrence, repeats, sizes
 from .sections import STICK, Section, points, stick_onsets, turning
 from .spectrum import Spectrum, amplitude_spectrum
+from .trust import warning_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,6 +60,11 @@ class SteadyState:
     time_in_mode: Mapping[str, float]
     trajectory: Trajectory
     transient: float
+
+    @cached_property
+    def warning(self) -> str | None:
+        """A sentence where steps of the window are far less exact than asked; else None."""
+        return warning_of(self.trajectory)
 
     @property
     def settled(self) -> bool:

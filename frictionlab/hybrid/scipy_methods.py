@@ -33,6 +33,8 @@ class Scipy(Method):
         RK23, RK45, DOP853, Radau, BDF or LSODA.
     rtol, atol : float
         Relative and absolute tolerance.
+    max_step : float or None
+        Longest step in seconds, None for no limit: half of the shortest stay in a mode sees every event.
     max_steps, max_events : int
         A run that reaches one ends with a status and keeps what it has.
     """
@@ -44,11 +46,14 @@ class Scipy(Method):
     integrator: str = "DOP853"
     rtol: float = 1e-10
     atol: float = 1e-13
+    max_step: float | None = None
 
     def __post_init__(self) -> None:
         check_choice("integrator", self.integrator, NAMES)
         check_number("rtol", self.rtol, least=3e-14, below=1.0, cure="1e-10 is the default")
         check_number("atol", self.atol, least=0.0, cure="1e-13 is the default")
+        if self.max_step is not None:
+            check_number("max_step", self.max_step, above=0.0, cure="leave it out for no limit")
         self.check_caps()
 
     @property
@@ -98,6 +103,7 @@ class Scipy(Method):
 
         start, end = cursor.times[bookkeeping.NOW], cursor.times[bookkeeping.END]
         settings: dict[str, Any] = {"rtol": self.rtol, "atol": self.atol}
+        settings["max_step"] = np.inf if self.max_step is None else self.max_step
         if self.integrator in IMPLICIT:
             settings["jac"] = jacobian
         return getattr(integrate, self.integrator)(rates, start, cursor.state.copy(), end, **settings)

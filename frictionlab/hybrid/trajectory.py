@@ -13,6 +13,7 @@ import numpy as np
 
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.hybrid.buffers import columns
+from frictionlab.hybrid.defect import defects
 from frictionlab.hybrid.events import Events
 from frictionlab.hybrid.natives import natives
 from frictionlab.hybrid.outputs import evaluate
@@ -53,6 +54,7 @@ class Trajectory:
     final_state : (2n,) state at the end
     status : Status;  str(status) is a sentence
     stats : mapping: steps, events, accumulations closed, wall time in seconds
+    defect : mapping: largest relative error of a step, by the mode
     sections : mapping of name to Points;  quadratures : mapping of name to the integral up to the end
     automaton : the automaton that ran;  source : the model it came from, if any
     description : mapping that :meth:`save` writes beside the arrays
@@ -239,6 +241,17 @@ class Trajectory:
         closed = int(self.raw.event_codes[:, 2].sum())
         counts = {"steps": len(self.raw.step_modes), "events": len(self.raw.event_times)}
         return MappingProxyType(counts | {"accumulations": closed, "wall_time": self._wall_time})
+
+    @cached_property
+    def defect(self) -> Mapping[str, float]:
+        """Largest defect of the steps in each mode that was visited; of the run ``max(run.defect.values())``.
+
+        The residual |x' - f(x)| of the dense output times the length of the step, or the jump from its end
+        to the next state, as a share of the largest state of its group in that step: coordinates,
+        velocities, others.  What may be rounding does not count.  It compares with the tolerance.  The jump
+        tells of RK4 and scipy's methods, the residual of the Taylor series.
+        """
+        return defects(self._problem, self.raw, self.samples.order)
 
     @cached_property
     def sections(self) -> Mapping[str, Points]:

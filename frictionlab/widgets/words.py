@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from frictionlab.analysis.trust import warning_of
 from frictionlab.plotting.palette import unit
 
 
@@ -45,7 +46,10 @@ def error_text(error: Exception) -> str:
 
 
 def end_text(result: Any) -> str:
-    """A sentence where the run did not reach its end."""
-    if not result.ran or result.run.status.ok:
+    """A sentence where the run did not reach its end, or its steps are not as exact as they should be."""
+    if not result.ran:
         return ""
+    if result.run.status.ok:
+        warning = warning_of(result.run)
+        return "" if warning is None else escape(f"Do not trust this picture: {warning}.")
     return escape(f"The run ended at {result.run.raw.t:.4g} s: {result.run.status}.")

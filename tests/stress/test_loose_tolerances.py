@@ -81,7 +81,7 @@ MAKERS = (
 
 @pytest.mark.parametrize("number", range(48))
 def test_no_run_ends_without_an_admissible_mode(number):
-    """Orders below 6 are left out: a mass that takes off from rest stalls, as its third term is among the last."""
+    """Orders below 6 are left out: a mass that takes off from rest stalls there."""
     rng = Random(number)
     model, t_end = MAKERS[number % len(MAKERS)](rng)
     for _ in range(3):
