@@ -16,7 +16,7 @@ from frictionlab.hybrid.compiled import inlined, kernel
 
 # Kernels know the operations by these numbers, in the order of tape.NAMES.
 AFFINE, PRODUCT, SQUARE, QUOTIENT, RATE, POWER = 0, 1, 2, 3, 4, 5
-EXP, LOG, SIN, COS, TAN, TANH, SINH, COSH, ATAN = 6, 7, 8, 9, 10, 11, 12, 13, 14
+EXP, LOG, SIN, COS, TAN, TANH, SINH, COSH, ATAN, SECH2 = 6, 7, 8, 9, 10, 11, 12, 13, 14, 15
 
 HIGHEST = 60  # order that may be asked for
 COLUMNS = HIGHEST + 1  # no power of two, for which rows would lie on few sets of the cache
@@ -82,6 +82,9 @@ def function_value(kind, x):
         return np.sinh(x)
     if kind == COSH:
         return np.cosh(x)
+    if kind == SECH2:
+        q = np.exp(-2.0 * abs(x))
+        return 4.0 * q / ((1.0 + q) * (1.0 + q))
     return np.arctan(x)
 
 

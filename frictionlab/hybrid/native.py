@@ -11,7 +11,7 @@ from functools import partial
 from typing import Any, NamedTuple
 
 from frictionlab.hybrid.instructions import Instructions
-from frictionlab.hybrid.jets import COLUMNS, SMALLEST
+from frictionlab.hybrid.jets import COLUMNS, SECH2, SMALLEST
 from frictionlab.hybrid.logarithms import number
 from frictionlab.hybrid.loops import Values, choose, repeat
 from frictionlab.hybrid.tape import AFFINE, FUNCTIONS, POWER, PRODUCT, QUOTIENT, RATE, SQUARE, Tape
@@ -126,7 +126,16 @@ class Writer(Instructions):
             return build.fdiv(values[a], values[b])
         if kind == RATE:
             return self._number(0.0)
+        if kind == SECH2:
+            return self._sech2(values[a])
         return self._power_value(i, values[a]) if kind == POWER else self._call(SYMBOLS[kind], values[a])
+
+    def _sech2(self, a: Any) -> Any:
+        """As in :func:`jets.function_value`."""
+        build, one = self.build, self._number(1.0)
+        q = self._call("exp", build.fmul(self._number(-2.0), self._abs(a)))
+        below = build.fadd(one, q)
+        return build.fdiv(build.fmul(self._number(4.0), q), build.fmul(below, below))
 
     def _coefficient(self, i: int, kind: int, a: int, b: int, at: Order) -> Any:
         """Coefficient k > 0."""

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from frictionlab.hybrid.jets import ATAN, EXP, LOG, TAN, TANH
+from frictionlab.hybrid.jets import ATAN, EXP, LOG, SECH2, TAN, TANH
 from frictionlab.hybrid.native_vectors import LaneWriter
 from frictionlab.hybrid.remainder import FAR
 
@@ -25,6 +25,8 @@ class RangeWriter(LaneWriter):
             return self._log_range(a, d)
         if kind == TANH:
             return self._min(self._tan_range(y, slope, d), self._saturated_range(a, d))
+        if kind == SECH2:
+            return self._sech2_range(a, y, slope, d)
         if kind == TAN:
             return self._tan_range(y, slope, d)
         return self._atan_range(a, d) if kind == ATAN else self._sine_range(y, slope, d)
@@ -62,6 +64,32 @@ class RangeWriter(LaneWriter):
         above = build.fmul(above, self._call("expm1", build.fmul(self._number(-2.0), d)))
         below = build.fsub(self._number(1.0), w)
         return self._where(build.fcmp_ordered("<", d, size), build.fdiv(above, below), math.inf)
+
+    def _sech2_range(self, a: Any, y: Any, slope: Any, d: Any) -> Any:
+        return self._min(self._sech2_near(y, slope, d), self._sech2_far(a, d))
+
+    def _sech2_near(self, y: Any, slope: Any, d: Any) -> Any:
+        """From the addition theorem."""
+        build, one, two = self.build, self._number(1.0), self._number(2.0)
+        short = build.select(build.fcmp_ordered("<", two, d), two, d)
+        half = self._call("sinh", build.fmul(self._number(0.5), short))
+        share = build.fdiv(build.fmul(self._number(0.5), slope), y)
+        share = build.select(build.fcmp_ordered("<", one, share), one, share)
+        tanh = self._where(build.fcmp_ordered(">", y, self._number(0.0)), share, 1.0)
+        g = build.fmul(build.fmul(two, half), half)
+        g = build.fadd(g, build.fmul(tanh, self._call("sinh", short)))
+        rest = build.fsub(one, g)
+        reach = build.fmul(build.fmul(y, g), build.fsub(two, g))
+        reach = build.fdiv(reach, build.fmul(rest, rest))
+        return self._where(build.fcmp_ordered("<", g, one), reach, math.inf)
+
+    def _sech2_far(self, a: Any, d: Any) -> Any:
+        """By 4 q/(1 + q)^2, q = exp(-2 z)."""
+        build, size = self.build, self._abs(a)
+        w = self._call("exp", build.fmul(self._number(2.0), build.fsub(d, size)))
+        rest = build.fsub(self._number(1.0), w)
+        reach = build.fdiv(build.fmul(self._number(4.0), w), build.fmul(rest, rest))
+        return self._where(build.fcmp_ordered("<", d, size), reach, math.inf)
 
     def _atan_range(self, a: Any, d: Any) -> Any:
         build = self.build

@@ -28,6 +28,7 @@ from frictionlab.hybrid.jets import (
     PRODUCT,
     QUOTIENT,
     RATE,
+    SECH2,
     SQUARE,
     TAN,
     TANH,
@@ -60,6 +61,21 @@ def tanh_range(a, y, slope, d):
     return min(near, far)
 
 
+@inlined
+def sech2_range(a, y, slope, d):
+    """The same for 1/cosh(z)^2."""
+    near = far = math.inf
+    half = np.sinh(0.5 * min(d, 2.0))
+    tanh = min(0.5 * slope / y, 1.0) if y > 0.0 else 1.0
+    g = 2.0 * half * half + tanh * np.sinh(min(d, 2.0))  # bounds 1 - cosh(z)/cosh(a); above 1 before d = 2
+    if g < 1.0:
+        near = y * g * (2.0 - g) / ((1.0 - g) * (1.0 - g))
+    if d < abs(a):  # by 4 q/(1 + q)^2
+        w = np.exp(2.0 * (d - abs(a)))
+        far = 4.0 * w / ((1.0 - w) * (1.0 - w))
+    return min(near, far)
+
+
 @kernel
 def function_range(kind, a, y, slope, d):
     """Bound of |f(z) - f(a)| for complex |z - a| <= d, infinite where a pole or branch point is so near.
@@ -72,6 +88,8 @@ def function_range(kind, a, y, slope, d):
         return -np.log1p(-d / a) if d < a else math.inf
     if kind == TANH:
         return tanh_range(a, y, slope, d)
+    if kind == SECH2:
+        return sech2_range(a, y, slope, d)
     if kind == TAN:
         t = math.tan(d) if d < 1.5 else math.inf
         return slope * t / (1.0 - y * t) if y * t < 1.0 else math.inf

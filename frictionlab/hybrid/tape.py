@@ -18,10 +18,25 @@ import sympy as sp
 from frictionlab.automaton.mode import Expr
 
 AFFINE, PRODUCT, SQUARE, QUOTIENT, RATE, POWER = range(6)
+
+
+class sech2(sp.Function):
+    """1/cosh(a)^2, the derivative of tanh: 1 - tanh(a)^2 would lose its digits where tanh is saturated.
+
+    Lost there, they are lost in the layer too, when a step comes from afar.
+    """
+
+    nargs = 1
+
+    def fdiff(self, argindex: int = 1) -> Expr:
+        return -2 * sp.tanh(self.args[0]) * self
+
+
 # A function's derivative is lowered like any expression, so that its value is all that is new about it.
-FUNCTIONS: tuple[Any, ...] = (sp.exp, sp.log, sp.sin, sp.cos, sp.tan, sp.tanh, sp.sinh, sp.cosh, sp.atan)
+OF_USERS: tuple[Any, ...] = (sp.exp, sp.log, sp.sin, sp.cos, sp.tan, sp.tanh, sp.sinh, sp.cosh, sp.atan)
+FUNCTIONS = (*OF_USERS, sech2)
 NAMES = ("affine", "product", "square", "quotient", "rate", "power", *(f.__name__ for f in FUNCTIONS))
-ALLOWED = "+, -, *, /, constant exponents, " + ", ".join(f.__name__ for f in FUNCTIONS)
+ALLOWED = "+, -, *, /, constant exponents, " + ", ".join(f.__name__ for f in OF_USERS)
 
 CONSTANT = -1  # the key of the constant term in an affine combination {slot: coefficient}
 Affine = dict[int, Expr]
@@ -123,7 +138,7 @@ class TapeBuilder:
     def _function(self, expr: Expr) -> Affine:
         place = self._after_rate(POWER + 1 + FUNCTIONS.index(expr.func), self.slot(expr.args[0]))
         self._affine[expr] = {place: sp.S.One}  # its derivative may contain the function itself
-        derivative: Any = expr.fdiff()
+        derivative: Any = sech2(expr.args[0]) if expr.func is sp.tanh else expr.fdiff()
         kind, a, _ = self.tape.ops[place - self.tape.inputs]
         self.tape.ops[place - self.tape.inputs] = kind, a, self.slot(derivative)
         return self._affine[expr]

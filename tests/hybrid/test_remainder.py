@@ -9,7 +9,7 @@ import sympy
 import frictionlab as fl
 from frictionlab import HybridAutomaton, Mode, parameter
 from frictionlab.components import functions as fn
-from frictionlab.hybrid.jets import ATAN, COS, COSH, EXP, LOG, SIN, SINH, TAN, TANH
+from frictionlab.hybrid.jets import ATAN, COS, COSH, EXP, LOG, SECH2, SIN, SINH, TAN, TANH, function_value
 from frictionlab.hybrid.program import program_of
 from frictionlab.hybrid.remainder import function_range, power_range
 
@@ -24,6 +24,12 @@ KINDS = {
     "tanh": (TANH, np.tanh, lambda a: 1 / np.cosh(a) ** 2, lambda a: np.hypot(a, np.pi / 2)),
     "sinh": (SINH, np.sinh, np.cosh, lambda a: np.inf),
     "cosh": (COSH, np.cosh, np.sinh, lambda a: np.inf),
+    "sech2": (
+        SECH2,
+        lambda a: 1 / np.cosh(a) ** 2,
+        lambda a: -2 * np.tanh(a) / np.cosh(a) ** 2,
+        lambda a: np.hypot(a, np.pi / 2),
+    ),
     "atan": (ATAN, np.arctan, lambda a: 1 / (1 + a * a), lambda a: np.hypot(a, 1.0)),
 }
 
@@ -58,6 +64,18 @@ def test_what_is_saturated_or_tiny_has_no_range():
     assert function_range(TANH, 1e6, 1.0, 0.0, 1.1e6) == np.inf
     assert function_range(EXP, -1e6, 0.0, 0.0, 9e5) < 1e-300
     assert function_range(EXP, -1e6, 0.0, 0.0, 1e6 + 2.0) == pytest.approx(np.exp(2.0))
+
+
+def test_a_saturated_tanh_keeps_the_digits_of_its_slope():
+    """x' = tanh(x) has sinh(x) = sinh(x_0) e^t: from saturation far below zero back into the layer."""
+    x = sympy.Symbol("x", real=True)
+    automaton = HybridAutomaton((x,), (Mode("creep", (-sympy.tanh(x),)),), {}, 0)
+    for start in (-15.0, 17.0, 18.2):
+        run = fl.solve(automaton, abs(start), x0=[start])
+        exact = np.arcsinh(np.sinh(start) * np.exp(-abs(start)))
+        assert run.final_state[0] == pytest.approx(exact, abs=5e-15)
+    slope = function_value(SECH2, 18.0)
+    assert slope == pytest.approx(float(4 * sympy.exp(-36) / (1 + sympy.exp(-36)) ** 2), rel=1e-15)
 
 
 @pytest.mark.parametrize("exponent", [1.5, 0.1, 0.5, -0.7, 2.3])
