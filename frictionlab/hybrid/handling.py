@@ -98,7 +98,10 @@ def close_event(code, numbers, absolute, guard, multiplicity, order, tol, cursor
 
 @kernel
 def handle_event(code, numbers, absolute, guard, multiplicity, order, tol, cursor, record, work):
-    """Record the event, change the mode; returns how the run goes on."""
+    """Record the event, change the mode; returns how the run goes on.
+
+    `tol` is the share of the states by which the steps may miss the event.
+    """
     times, counts = cursor.times, cursor.counts
     row = counts[EVENTS]
     record.event_times[row] = times[NOW]
