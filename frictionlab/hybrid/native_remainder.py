@@ -17,7 +17,7 @@ from frictionlab.hybrid.native import Function
 from frictionlab.hybrid.native_ranges import RangeWriter
 from frictionlab.hybrid.native_vectors import LEFT, TOL, WIDTH
 from frictionlab.hybrid.powers import INSTANT
-from frictionlab.hybrid.remainder import FIRST_RADIUS, MARGIN, ROOM, SHRINK, TRIES
+from frictionlab.hybrid.remainder import ENOUGH, FIRST_RADIUS, MARGIN, ROOM, SHRINK, TRIES
 from frictionlab.hybrid.step_length import SHARE, SLACK
 
 TOGETHER = 8  # polynomials that are summed in one loop: their sums fit into the registers
@@ -56,9 +56,9 @@ class RemainderWriter(RangeWriter):
         def attempt(carried: Values) -> tuple[Values, Any]:
             best, radius, active, usual, tries = carried
             support, known = self._support(radius, h)
-            enough = build.fcmp_ordered(">=", support, h)
+            enough = build.fcmp_ordered(">=", support, build.fmul(self._number(ENOUGH), h))
             better = build.not_(build.fcmp_ordered("<", support, best))
-            found = build.select(enough, h, build.select(better, support, best))
+            found = build.select(enough, self._min(support, h), build.select(better, support, best))
             best = build.select(active, found, best)
             usual = build.and_(usual, build.or_(build.not_(active), known))
             active = build.and_(build.and_(active, usual), build.and_(better, build.not_(enough)))

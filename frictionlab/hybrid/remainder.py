@@ -44,6 +44,7 @@ MARGIN = (
     1.25  # what a step may be longer: bounds of ordinary motions are larger than their remainders by that
 )
 FAR = 700.0  # beyond, sinh overflows
+ENOUGH = 0.85  # share of a step that is taken without looking for a longer one, which costs as much
 TRIES = 200  # radii tried at the most: SHRINK to this power is below the smallest number
 
 
@@ -273,8 +274,8 @@ def remainder_step(code, numbers, absolute, order, tol, mode, h, J, bounds):
     for _ in range(TRIES):
         bound_ranges(code, numbers, absolute, mode, order, radius, J, bounds)
         support = supported(code, mode, order, tol, radius, SHARE * h, J, bounds)
-        if support >= h:
-            return h
+        if support >= ENOUGH * h:
+            return min(support, h)
         if support < best:
             break
         best = support
