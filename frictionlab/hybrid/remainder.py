@@ -219,7 +219,7 @@ def group_support(room, order, first, last, J):
 
 @kernel
 def supported(code, mode, order, tol, radius, shortest, J, bounds):
-    """Longest step that the ranges on the disc of a radius support: nobody leaves out more than allowed."""
+    """Longest step that the ranges on the disc of a radius support: no slot leaves out more than allowed."""
     log_radius = log2(radius)
     log_room = log2(tol) + order * log_radius
     best = log_radius - math.log2(ROOM * MARGIN)
