@@ -11,10 +11,23 @@ from typing import Any
 
 from frictionlab.hybrid import logarithms
 from frictionlab.hybrid.compiled import NUMBA
+from frictionlab.hybrid.loops import repeat
+
+PARTS = 4  # sums of a convolution or a series that do not wait for each other
 
 
 def _plain_fma(a, b, c):
     return a * b + c
+
+
+def _plain_sum(J, slot, groups, last, radius):
+    four = (radius * radius) * (radius * radius)
+    sums = [last] + [0.0] * (PARTS - 1)
+    for g in range(groups - 1, -1, -1):
+        for part in range(PARTS):
+            sums[part] = sums[part] * four + abs(J[slot, PARTS * g + 1 + part])
+    a, b, c, d = sums
+    return (a + radius * (b + radius * (c + radius * d))) * radius
 
 
 def _plain_log2(x):
@@ -27,6 +40,36 @@ def _plain_exp2(x):
 
 def _plain_call(address, *arguments):
     raise NotImplementedError("there is no native code without numba")
+
+
+def sum_by_fours(ir: Any, build: Any, row: Any, groups: Any, last: Any, radius: Any) -> Any:
+    """Instructions of :func:`sum_of_series` for the coefficients from `row` on."""
+    kind, half = ir.VectorType(ir.DoubleType(), PARTS), ir.IntType(32)
+    name = f"llvm.fabs.v{PARTS}f64"
+    fabs = build.module.globals.get(name) or ir.Function(build.module, ir.FunctionType(kind, [kind]), name)
+    square = build.fmul(radius, radius)
+    four = spread(ir, build, build.fmul(square, square))
+
+    def group(i: Any, carried: list[Any]) -> list[Any]:
+        from_end = build.shl(build.sub(build.sub(groups, i), groups.type(1)), groups.type(2))
+        place = build.bitcast(build.gep(row, [from_end]), kind.as_pointer())
+        size = build.call(fabs, [build.load(place, align=8)])
+        return [build.fadd(build.fmul(carried[0], four), size)]
+
+    start = build.insert_element(ir.Constant(kind, [0.0] * PARTS), last, half(0))
+    (sums,) = repeat(build, groups, [start], group)
+    total, *rest = (build.extract_element(sums, half(part)) for part in reversed(range(PARTS)))
+    for each in rest:
+        total = build.fadd(each, build.fmul(radius, total))
+    return build.fmul(total, radius)
+
+
+def spread(ir: Any, build: Any, number: Any) -> Any:
+    """A number as a vector of four."""
+    vector = ir.Constant(ir.VectorType(ir.DoubleType(), PARTS), ir.Undefined)
+    for lane in range(PARTS):
+        vector = build.insert_element(vector, number, ir.IntType(32)(lane))
+    return vector
 
 
 def _intrinsics() -> tuple[Any, ...]:
@@ -64,6 +107,24 @@ def _intrinsics() -> tuple[Any, ...]:
         """The same with one array more."""
         return types.void(types.int64, z, constants, terms, J, control, types.int64), by_address
 
+    @intrinsic
+    def sum_of_series(typing_context, J, slot, groups, last, radius):
+        """Sum of |J[slot, k]| radius^k from k = 1, so many groups of four; `last` stands for the terms after.
+
+        Four sums side by side, which is a vector.
+        """
+        number, whole = types.float64, types.int64
+
+        def code(context, builder, signature, arguments):
+            array, slot, groups, last, radius = arguments
+            rows = context.make_array(signature.args[0])(context, builder, array)
+            length = builder.extract_value(rows.shape, 1)
+            one = slot.type(1)
+            row = builder.gep(rows.data, [builder.add(builder.mul(slot, length), one)])
+            return sum_by_fours(ir, builder, row, groups, last, radius)
+
+        return number(J, whole, whole, number, number), code
+
     def of_one_number(emit: Any) -> Any:
         @intrinsic
         def function(typing_context, x):
@@ -74,8 +135,9 @@ def _intrinsics() -> tuple[Any, ...]:
 
         return function
 
-    return fma, call, call_step, of_one_number(logarithms.log2), of_one_number(logarithms.exp2)
+    of_one = of_one_number(logarithms.log2), of_one_number(logarithms.exp2)
+    return fma, call, call_step, sum_of_series, *of_one
 
 
-_PLAIN = _plain_fma, _plain_call, _plain_call, _plain_log2, _plain_exp2
-fma, call_native, call_native_step, log2, exp2 = _PLAIN if NUMBA is None else _intrinsics()
+_PLAIN = _plain_fma, _plain_call, _plain_call, _plain_sum, _plain_log2, _plain_exp2
+fma, call_native, call_native_step, sum_of_series, log2, exp2 = _PLAIN if NUMBA is None else _intrinsics()

@@ -41,6 +41,10 @@ class Code(NamedTuple):
     built: np.ndarray  # (modes,) whether it is derived; if not, its constraints must not be negative
     powers: np.ndarray  # (modes,) whether there are powers, whose base may be zero
     degrees: np.ndarray  # (modes,) of the polynomials in a mode, ENDLESS where there are other functions
+    ranges: np.ndarray  # (operations,) how its range on a disc is found, a :class:`tape.Range`
+    state_ranges: np.ndarray  # (modes, states) the same of the states
+    polynomial: np.ndarray  # (operations,) whether it is a polynomial of the states
+    polynomial_degrees: np.ndarray  # (modes,) the highest of those that are
     guard_degrees: np.ndarray  # (guards,) the same of the event functions
     groups: np.ndarray  # (4,) bounds of the coordinates, the velocities, the other states; integrals follow
 

@@ -10,13 +10,13 @@ from __future__ import annotations
 from functools import partial
 from typing import Any, NamedTuple
 
+from frictionlab.hybrid.arithmetic import PARTS
 from frictionlab.hybrid.instructions import Instructions
 from frictionlab.hybrid.jets import COLUMNS, SECH2, SMALLEST
 from frictionlab.hybrid.logarithms import number
 from frictionlab.hybrid.loops import Values, choose, repeat
 from frictionlab.hybrid.tape import AFFINE, FUNCTIONS, POWER, PRODUCT, QUOTIENT, RATE, SQUARE, Tape
 
-PARTS = 4  # sums of a convolution that do not wait for each other
 SYMBOLS = {POWER: "pow"} | {POWER + 1 + i: f.__name__ for i, f in enumerate(FUNCTIONS)}
 
 

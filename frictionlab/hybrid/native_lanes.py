@@ -42,8 +42,7 @@ class _StepWriter(RemainderWriter):
         for guard in self.guards:
             fine = build.and_(fine, self._resolved(guard, h))
         if self.degree > 1:
-            h, usual = self._remainder_step(h, fine)
-            fine = build.and_(fine, usual)
+            h, fine = self._remainder_step(h, fine)
         for guard in self.guards:
             fine = build.and_(fine, build.fcmp_ordered(">", self._smallest(guard, h), self._number(0.0)))
         one, zero = self._number(1.0), self._number(0.0)

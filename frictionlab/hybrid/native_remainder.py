@@ -10,7 +10,9 @@ import math
 from itertools import pairwise
 from typing import Any, NamedTuple
 
+from frictionlab.hybrid.arithmetic import PARTS
 from frictionlab.hybrid.jets import AFFINE, POWER, PRODUCT, QUOTIENT, RATE, SQUARE
+from frictionlab.hybrid.layout import ENDLESS
 from frictionlab.hybrid.logarithms import exp2, log2
 from frictionlab.hybrid.loops import Values, repeat, repeat_while
 from frictionlab.hybrid.native import Function
@@ -19,8 +21,9 @@ from frictionlab.hybrid.native_vectors import LEFT, TOL, WIDTH
 from frictionlab.hybrid.powers import INSTANT
 from frictionlab.hybrid.remainder import ENOUGH, FIRST_RADIUS, MARGIN, ROOM, SHRINK, TRIES
 from frictionlab.hybrid.step_length import SHARE, SLACK
+from frictionlab.hybrid.tape import Range
 
-TOGETHER = 8  # polynomials that are summed in one loop: their sums fit into the registers
+TOGETHER = 2  # polynomials that are summed in one loop: their sums fit into the registers
 
 
 class Structure(NamedTuple):
@@ -28,11 +31,12 @@ class Structure(NamedTuple):
 
     guards: tuple[int, ...]  # their slots
     groups: tuple[int, ...]  # bounds of the coordinates, the velocities, the other states
-    degree: int  # of the polynomials
+    degree: int  # of all functions, ENDLESS where there are others than polynomials
+    polynomial_degree: int  # of those that are polynomials
 
 
 class Bound(NamedTuple):
-    """How far a slot goes on the disc, and without its polynomial; None where that is of the first degree."""
+    """How far a slot goes on the disc, and without its polynomial; None for what is not asked for or zero."""
 
     reach: Any
     rest: Any
@@ -46,12 +50,16 @@ class RemainderWriter(RangeWriter):
 
     def __init__(self, ir: Any, body: Any, function: Function, structure: Structure) -> None:
         super().__init__(ir, body, function)
-        self.guards, self.groups, self.degree = structure
+        self.guards, self.groups, self.degree, self.polynomial_degree = structure
 
     def _remainder_step(self, h: Any, fine: Any) -> tuple[Any, Any]:
-        """Longest step up to `h` with a bounded remainder where `fine`, and whether it is a usual one."""
+        """Longest step up to `h` with a bounded remainder, and whether it is a usual one and `fine`."""
         build, zero = self.build, self._number(0.0)
-        blind = build.and_(self._blind(h), fine)
+        blind, hidden = self._blind(h)
+        fine = build.and_(fine, build.not_(hidden))
+        if self.degree < ENDLESS:  # then both are one
+            return h, fine
+        blind = build.and_(blind, fine)
 
         def attempt(carried: Values) -> tuple[Values, Any]:
             best, radius, active, usual, tries = carried
@@ -69,13 +77,18 @@ class RemainderWriter(RangeWriter):
         start = [zero, build.fmul(self._number(FIRST_RADIUS), h), blind, self._all(), self.whole(0)]
         best, _, _, usual, _ = repeat_while(build, self._any(blind), start, attempt)
         h = build.select(blind, best, h)
-        return h, build.and_(usual, build.fcmp_ordered(">", h, zero))
+        return h, build.and_(fine, build.and_(usual, build.fcmp_ordered(">", h, zero)))
 
-    def _blind(self, h: Any) -> Any:
-        """As :func:`remainder.is_blind`."""
-        at_end = self.build.fcmp_ordered("==", h, self._load(self.control, LEFT))
-        always = self.build.icmp_signed(">=", self.whole(self.degree), self.order)
-        return self.build.select(always, self._all(), at_end)
+    def _blind(self, h: Any) -> tuple[Any, Any]:
+        """Where :func:`remainder.is_blind`, and where not :func:`remainder.polynomials_visible` too."""
+        build = self.build
+        at_end = build.fcmp_ordered("==", h, self._load(self.control, LEFT))
+        blind = build.select(self._reaches_order(self.degree), self._all(), at_end)
+        hidden = build.select(self._reaches_order(self.polynomial_degree), self._all(), at_end)
+        return blind, build.and_(blind, hidden)
+
+    def _reaches_order(self, degree: int) -> Any:
+        return self.build.icmp_signed(">=", self.whole(degree), self.order)
 
     def _all(self) -> Any:
         return self.ir.Constant(self.ir.VectorType(self.ir.IntType(1), WIDTH), [1] * WIDTH)
@@ -151,46 +164,56 @@ class RemainderWriter(RangeWriter):
         return self._as_number(self.build.sub(self.order, self.whole(m)))
 
     def _bound_ranges(self, radius: Any) -> None:
-        """The bounds of all slots that the states' rates and the guards depend on."""
-        inputs, ops = self.function.tape.inputs, list(enumerate(self.function.tape.ops))
-        needed, operands = {*self.function.flow, *self.guards}, set[int]()
-        for i, op in reversed(ops):
-            if inputs + i in needed:
-                needed.update(self._sources(*op))
-                operands.update(self._sources(*op) if op[0] != AFFINE else ())
-        states = {slot for slot in needed if slot < inputs}
-        self.series = self._on_radius(sorted(operands | states), radius)
-        self.bounds = {slot: Bound(self.series[slot], None) for slot in states}
-        for i, op in ops:
-            if inputs + i in needed:
-                self.bounds[inputs + i] = self._bound(i, *op)
-
-    def _sources(self, kind: int, a: int, b: int) -> list[int]:
-        """Slots whose ranges an operation depends on."""
-        if kind == AFFINE:
-            return [slot for slot, _ in self.function.tape.terms[a:b]]
-        if kind == RATE:  # belongs to the recurrence of the next operation
-            return []
-        return [a, b] if kind in (PRODUCT, SQUARE, QUOTIENT) else [a]
+        """The bounds of what the rates and the guards depend on where they are no polynomials."""
+        tape = self.function.tape
+        ranges = tape.ranges((*self.function.flow, *self.guards), self.guards)
+        measured = [slot for slot, kind in enumerate(ranges) if kind in (Range.SERIES, Range.BOTH)]
+        self.series = self._on_radius(measured, radius)
+        polynomial = [degree < math.inf for degree in tape.degrees(self.guards)]
+        self.bounds = dict.fromkeys(range(tape.slots), Bound(None, None))
+        for slot, kind in enumerate(ranges):
+            if kind is Range.SERIES:
+                self.bounds[slot] = Bound(self.series[slot], None)
+            elif kind >= Range.OPERATION:
+                bound = self._bound(slot - tape.inputs, *tape.ops[slot - tape.inputs])
+                self.bounds[slot] = Bound(bound.reach, None) if polynomial[slot] else bound
 
     def _on_radius(self, slots: list[int], radius: Any) -> dict[int, Any]:
-        """How far the polynomials of slots go at the most."""
-        build, totals = self.build, []
+        """How far the polynomials of slots go at the most, as :func:`remainder.series_range`."""
+        build, square, parts = self.build, self.build.fmul(radius, radius), range(PARTS)
+        four, two = build.fmul(square, square), self.whole(2)
+        groups, rest = build.ashr(self.order, two), build.and_(self.order, self.whole(PARTS - 1))
+        totals: dict[int, Any] = {}
         for start in range(0, len(slots), TOGETHER):
             some = slots[start : start + TOGETHER]
 
-            def term(i: Any, sums: Values, some: list[int] = some) -> Values:
-                column = self._ahead(self.J, build.sub(self.order, i))
-                sizes = [self._abs(self._at(slot, column)) for slot in some]
-                return [build.fmul(build.fadd(s, size), radius) for s, size in zip(sums, sizes)]
+            def size(slot: int, k: Any) -> Any:
+                return self._abs(self._load(self._ahead(self._place(slot, self.J), k), 0))
 
-            totals += repeat(build, self.order, [self._number(0.0)] * len(some), term)
-        return dict(zip(slots, totals))
+            def term(i: Any, sums: Values, some: list[int] = some) -> Values:
+                k = build.sub(self.order, i)
+                return [build.fadd(build.fmul(s, radius), size(slot, k)) for slot, s in zip(some, sums)]
+
+            def group(i: Any, sums: Values, some: list[int] = some) -> Values:
+                before = build.shl(build.sub(build.sub(groups, i), self.whole(1)), two)
+                columns = [build.add(before, self.whole(1 + part)) for part in parts]
+                sizes = (size(slot, column) for slot in some for column in columns)
+                return [build.fadd(build.fmul(s, four), each) for s, each in zip(sums, sizes)]
+
+            zeros = [self._number(0.0)] * (PARTS - 1)
+            lasts = repeat(build, rest, [self._number(0.0)] * len(some), term)
+            sums = repeat(build, groups, [each for last in lasts for each in (last, *zeros)], group)
+            for j, slot in enumerate(some):
+                *lower, total = sums[PARTS * j : PARTS * (j + 1)]
+                for each in reversed(lower):
+                    total = build.fadd(each, build.fmul(radius, total))
+                totals[slot] = build.fmul(total, radius)
+        return totals
 
     def _bound(self, i: int, kind: int, a: int, b: int) -> Bound:
         """Of the slot that an operation writes."""
         if kind == AFFINE:
-            return self._affine_bound(a, b)
+            return self._affine_bound(self.function.tape.inputs + i, a, b)
         if kind == RATE:
             return Bound(self._number(0.0), None)
         if kind in (PRODUCT, SQUARE):
@@ -198,22 +221,29 @@ class RemainderWriter(RangeWriter):
         reach = self._finite(self._operation_range(i, kind, a, b))
         return Bound(reach, reach)
 
-    def _affine_bound(self, first: int, last: int) -> Bound:
+    def _affine_bound(self, out: int, first: int, last: int) -> Bound:
+        """As :func:`remainder.bound_affine`."""
         build, zero = self.build, self._number(0.0)
         reach, rest = zero, None
         for j in range(first, last):
             bound = self.bounds[self.function.tape.terms[j][0]]
             factor = self._abs(self._load(self.terms, self.function.first[1] + j))
             there = build.fcmp_ordered(">", factor, zero)
-            reach = build.fadd(reach, self._where(there, build.fmul(factor, bound.reach), 0.0))
+            if bound.reach is not None:
+                reach = build.fadd(reach, self._where(there, build.fmul(factor, bound.reach), 0.0))
             if bound.rest is not None:
                 more = self._where(there, build.fmul(factor, bound.rest), 0.0)
                 rest = more if rest is None else build.fadd(rest, more)
+        if out in self.series:
+            series = self.series[out] if rest is None else build.fadd(self.series[out], rest)
+            shorter = self._min(reach, series)
+            known = zero if rest is None else rest
+            reach = build.select(build.fcmp_ordered("<", known, self._number(math.inf)), shorter, reach)
         return Bound(reach, rest)
 
     def _product_bound(self, a: int, b: int) -> Bound:
         """As :func:`remainder.bound_product`."""
-        build, d, e = self.build, self._range_of(a), self._range_of(b)
+        build, d, e = self.build, self.bounds[a].reach, self.bounds[b].reach
         x, y, both = self._size(a), self._size(b), build.fmul(d, e)
         reach = build.fadd(build.fadd(build.fmul(x, e), build.fmul(y, d)), both)
         rest = self._number(0.0)
@@ -224,9 +254,9 @@ class RemainderWriter(RangeWriter):
 
     def _operation_range(self, i: int, kind: int, a: int, b: int) -> Any:
         """As :func:`remainder.operation_range`."""
-        build, y, d = self.build, self._size(self.function.tape.inputs + i), self._range_of(a)
+        build, y, d = self.build, self._size(self.function.tape.inputs + i), self.bounds[a].reach
         if kind == QUOTIENT:
-            e = self._range_of(b)
+            e = self.bounds[b].reach
             return self._quotient_range(build.fadd(d, build.fmul(y, e)), build.fsub(self._size(b), e))
         at, zero = self._at(a, self.J), self._number(0.0)
         if kind == POWER:
@@ -234,14 +264,6 @@ class RemainderWriter(RangeWriter):
         else:
             reach = self._function_range(kind, at, y, self._size(b), d)
         return build.select(build.fcmp_ordered("==", d, zero), zero, reach)
-
-    def _range_of(self, slot: int) -> Any:
-        """As :func:`remainder.range_of`."""
-        build, bound, series = self.build, self.bounds[slot], self.series[slot]
-        if bound.rest is None:
-            return self._min(bound.reach, series)
-        reach = self._min(bound.reach, build.fadd(series, bound.rest))
-        return self._where(build.fcmp_ordered("<", bound.rest, self._number(math.inf)), reach, math.inf)
 
     def _size(self, slot: int) -> Any:
         return self._abs(self._at(slot, self.J))

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
+from frictionlab.hybrid.arithmetic import PARTS
 from frictionlab.hybrid.loops import Values, repeat
-from frictionlab.hybrid.native import PARTS, Function, Writer
+from frictionlab.hybrid.native import Function, Writer
 
 WIDTH = 4
 LEFT, LENGTH, FINE, TOL, LOG_TOL, GUARD_TOL = range(6)  # rows of `control`, all of WIDTH numbers

@@ -22,6 +22,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from frictionlab.hybrid import (
+    arithmetic,
     compiled,
     instructions,
     logarithms,
@@ -31,6 +32,7 @@ from frictionlab.hybrid import (
     native_ranges,
     native_remainder,
     native_vectors,
+    tape,
 )
 from frictionlab.hybrid.layout import Code, Program
 from frictionlab.hybrid.native import Function, module_of
@@ -151,7 +153,7 @@ def _host() -> str:
 
     llvm = _llvm()
     writers: Any = (native, native_lanes, native_ranges, native_remainder, native_vectors)
-    writers = (*writers, instructions, loops, logarithms)
+    writers = (*writers, arithmetic, instructions, loops, logarithms, tape)
     writer = "".join(Path(module.__file__).read_text(encoding="utf-8") for module in writers)
     cpu = llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten()
     return "\n".join([writer, llvmlite.__version__, llvm.get_default_triple(), *cpu])
@@ -160,7 +162,8 @@ def _host() -> str:
 def _structure(code: Code, mode: int) -> Structure:
     first, last = code.mode_guards[mode : mode + 2]
     guards = tuple(map(int, code.function_slots[first:last]))
-    return Structure(guards, tuple(map(int, code.groups)), int(code.degrees[mode]))
+    groups = tuple(map(int, code.groups))
+    return Structure(guards, groups, int(code.degrees[mode]), int(code.polynomial_degrees[mode]))
 
 
 def _path(function: Function, what: str = NAME, more: object = None) -> Path | None:

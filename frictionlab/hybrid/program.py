@@ -6,6 +6,7 @@ values, which costs microseconds.
 
 from __future__ import annotations
 
+import math
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import lru_cache
@@ -20,7 +21,7 @@ from frictionlab.automaton import Event, HybridAutomaton, Mode, Reset
 from frictionlab.automaton.on_demand import ModesOnDemand, Sketch
 from frictionlab.hybrid.checks import check_structure
 from frictionlab.hybrid.layout import ENDLESS, NONE, Code, Numbers, Program, Section
-from frictionlab.hybrid.tape import POWER, ResetBuilder, Tape, TapeBuilder
+from frictionlab.hybrid.tape import POWER, Range, ResetBuilder, Tape, TapeBuilder
 from frictionlab.hybrid.vanishing import up_to_sign, vanishing
 
 NOWHERE = np.zeros(0, dtype=np.int64)
@@ -87,6 +88,19 @@ class _Lowered(NamedTuple):
         return self.tape.degrees(self.guards)
 
     @property
+    def ranges(self) -> list[Range]:
+        """How the range of each slot is found."""
+        return self.tape.ranges((*self.flow, *self.guards, *self.sections), self.guards)
+
+    @property
+    def polynomial(self) -> list[bool]:
+        return [degree < math.inf for degree in self.degrees]
+
+    @property
+    def polynomial_degree(self) -> float:
+        return max(degree for degree in self.degrees if degree < math.inf)
+
+    @property
     def guard_degrees(self) -> list[float]:
         degrees = self.degrees
         return [degrees[slot] for slot in self.guards]
@@ -113,9 +127,9 @@ class _Packer:
         lowered = [_mode(mode, self.states, self.sections, self.integrands) for mode in self.modes]
         tapes = [mode.tape for mode in lowered]
         resets = [self._event_resets(event) for _, event in self.events]
-        every = tapes + self.reset_tapes
+        every, inputs = tapes + self.reset_tapes, len(self.states)
         code = Code(
-            inputs=len(self.states),
+            inputs=inputs,
             ops=_ops(every),
             term_slots=_slots([slot for tape in every for slot, _ in tape.terms]),
             mode_ops=_ranges([len(tape.ops) for tape in tapes]),
@@ -138,6 +152,10 @@ class _Packer:
             built=_ints([not isinstance(mode, Sketch) for mode in self.modes]),
             powers=_ints([any(op[0] == POWER for op in tape.ops) for tape in tapes]),
             degrees=_ints([_finite(max(mode.degrees)) for mode in lowered]),
+            ranges=_ints([*_joined(mode.ranges[inputs:] for mode in lowered)]),
+            state_ranges=_ints([mode.ranges[:inputs] for mode in lowered], columns=inputs),
+            polynomial=_ints([*_joined(mode.polynomial[inputs:] for mode in lowered)]),
+            polynomial_degrees=_ints([_finite(mode.polynomial_degree) for mode in lowered]),
             guard_degrees=_ints([_finite(d) for mode in lowered for d in mode.guard_degrees]),
             groups=_ints([0, coordinates, 2 * coordinates, len(self.physical)]),
         )

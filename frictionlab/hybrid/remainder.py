@@ -17,7 +17,7 @@ import math
 
 import numpy as np
 
-from frictionlab.hybrid.arithmetic import exp2, log2
+from frictionlab.hybrid.arithmetic import PARTS, exp2, log2, sum_of_series
 from frictionlab.hybrid.compiled import inlined, kernel
 from frictionlab.hybrid.jets import (
     AFFINE,
@@ -35,16 +35,18 @@ from frictionlab.hybrid.jets import (
 )
 from frictionlab.hybrid.powers import INSTANT
 from frictionlab.hybrid.step_length import SHARE, SLACK, from_later_terms, largest
+from frictionlab.hybrid.tape import Range
 
+WHEN_BLIND, OPERATION, BOTH, SERIES = map(int, (Range.WHEN_BLIND, Range.OPERATION, Range.BOTH, Range.SERIES))
 RANGE, REST = 0, 1  # columns of the bounds: how far a slot goes on the disc, the same without its polynomial
-FIRST_RADIUS = 3.5  # radius tried first, in steps: that of most ordinary motions
+FIRST_RADIUS = 3.0  # radius tried first, in steps: that of most ordinary motions
 SHRINK = 0.75  # of one radius to the next
 ROOM = 1.1  # least radius in steps: the series of all terms is then at most eleven times its first
 MARGIN = (
     1.25  # what a step may be longer: bounds of ordinary motions are larger than their remainders by that
 )
 FAR = 700.0  # beyond, sinh overflows
-ENOUGH = 0.85  # share of a step that is taken without looking for a longer one, which costs as much
+ENOUGH = 0.83  # share of a step that is taken without looking for a longer one, which costs as much
 TRIES = 200  # radii tried at the most: SHRINK to this power is below the smallest number
 
 
@@ -112,24 +114,17 @@ def power_range(exponent, base, d):
     return abs(exponent) * steepest * d
 
 
-@kernel
-def range_of(slot, inputs, order, radius, J, bounds):
-    """How far an operand goes: by the operations, or by its own series, where terms of these cancel."""
-    if slot < inputs or bounds[slot, REST] == math.inf:
-        return bounds[slot, RANGE]
-    return min(bounds[slot, RANGE], series_range(J[slot], order, radius) + bounds[slot, REST])
+@inlined
+def series_range(J, slot, order, radius):
+    """How far the polynomial of a slot goes on the disc at the most."""
+    groups = order // PARTS
+    last = 0.0
+    for k in range(order, PARTS * groups, -1):
+        last = last * radius + abs(J[slot, k])
+    return sum_of_series(J, slot, groups, last, radius)
 
 
 @inlined
-def series_range(c, order, radius):
-    """How far a polynomial goes on the disc at the most."""
-    total = 0.0
-    for k in range(order, 0, -1):
-        total = (total + abs(c[k])) * radius
-    return total
-
-
-@kernel
 def operation_range(code, numbers, op, out, d, e, J):
     """How far the result of a quotient, power or function goes, where its operands go `d` and `e`."""
     kind, a, b = code.ops[op, 0], code.ops[op, 1], code.ops[op, 2]
@@ -144,14 +139,15 @@ def operation_range(code, numbers, op, out, d, e, J):
 
 
 @inlined
-def bound_product(J, a, b, out, d, e, bounds):
+def bound_product(J, a, b, out, d, e, known, bounds):
     """Bounds of a product a b = a_0 b_0 + a_0 (b - b_0) + b_0 (a - a_0) + (a - a_0)(b - b_0).
 
-    The terms in the middle leave out no more than the operands do, which go `d` and `e`.
+    The terms in the middle leave out no more than the operands do, which go `d` and `e`.  What a polynomial
+    leaves out may be `known`.
     """
     x, y = abs(J[a, 0]), abs(J[b, 0])
     bounds[out, RANGE] = finite(x * e + y * d + d * e)
-    bounds[out, REST] = finite(x * bounds[b, REST] + y * bounds[a, REST] + d * e)
+    bounds[out, REST] = 0.0 if known else finite(x * bounds[b, REST] + y * bounds[a, REST] + d * e)
 
 
 @inlined
@@ -161,42 +157,55 @@ def finite(bound):
 
 
 @inlined
-def bound_affine(code, absolute, first, last, out, bounds):
-    """Bounds of an affine combination of slots."""
+def bound_affine(code, absolute, op, out, order, radius, J, bounds):
+    """Bounds of an affine combination of slots; of some by their own series too, as terms may cancel."""
     reach = rest = 0.0
-    for j in range(first, last):
+    for j in range(code.ops[op, 1], code.ops[op, 2]):
         slot = code.term_slots[j]
         if absolute.terms[j] > 0.0:
             reach += absolute.terms[j] * bounds[slot, RANGE]
             rest += absolute.terms[j] * bounds[slot, REST]
+    if code.ranges[op] == BOTH and rest < math.inf:
+        reach = min(reach, series_range(J, out, order, radius) + rest)
     bounds[out, RANGE] = reach
     bounds[out, REST] = rest
 
 
-@kernel
-def bound_ranges(code, numbers, absolute, mode, order, radius, J, bounds):
-    """Write how far each slot goes on the disc of a radius, and how far without what is a polynomial."""
+@inlined
+def bound_ranges(code, numbers, absolute, mode, order, radius, visible, J, bounds):
+    """Write how far each slot goes on the disc of a radius, and how far without its polynomial.
+
+    `visible` says that the last terms show what polynomials leave out: it counts as nothing then.
+    """
+    least = OPERATION if visible else WHEN_BLIND
     for i in range(code.inputs):
-        bounds[i, RANGE] = bounds[i, REST] = 0.0
-    for k in range(order, 0, -1):  # all states together: their chains of operations overlap
-        for i in range(code.inputs):
-            bounds[i, RANGE] = (bounds[i, RANGE] + abs(J[i, k])) * radius
+        bounds[i, REST] = 0.0
+        if code.state_ranges[mode, i] >= least:
+            bounds[i, RANGE] = series_range(J, i, order, radius)
     first = code.mode_ops[mode]
     for op in range(first, code.mode_ops[mode + 1]):
         out = code.inputs + op - first
+        if code.ranges[op] < least:
+            bounds[out, REST] = 0.0
+            continue
+        if code.ranges[op] == SERIES:
+            bounds[out, RANGE], bounds[out, REST] = series_range(J, out, order, radius), 0.0
+            continue
         kind, a, b = code.ops[op, 0], code.ops[op, 1], code.ops[op, 2]
         if kind == AFFINE:
-            bound_affine(code, absolute, a, b, out, bounds)
+            bound_affine(code, absolute, op, out, order, radius, J, bounds)
         elif kind == RATE:  # belongs to the recurrence of the next operation
             bounds[out, RANGE] = bounds[out, REST] = 0.0
         else:
-            d = range_of(a, code.inputs, order, radius, J, bounds)
-            e = range_of(b, code.inputs, order, radius, J, bounds) if kind in (PRODUCT, QUOTIENT) else d
+            d = bounds[a, RANGE]
+            e = bounds[b, RANGE] if kind in (PRODUCT, QUOTIENT) else d
+            known = visible and code.polynomial[op] != 0
             if kind in (PRODUCT, SQUARE):
-                bound_product(J, a, b, out, d, e, bounds)
+                bound_product(J, a, b, out, d, e, known, bounds)
             else:
                 reach = finite(operation_range(code, numbers, op, out, d, e, J))
-                bounds[out, RANGE] = bounds[out, REST] = reach
+                bounds[out, RANGE] = reach
+                bounds[out, REST] = 0.0 if known else reach
 
 
 @inlined
@@ -217,7 +226,7 @@ def group_support(room, order, first, last, J):
     return from_later_terms(room, order + 1, first, last, J)
 
 
-@kernel
+@inlined
 def supported(code, mode, order, tol, radius, shortest, J, bounds):
     """Longest step that the ranges on the disc of a radius support: no slot leaves out more than allowed."""
     log_radius = log2(radius)
@@ -267,12 +276,21 @@ def is_blind(code, order, mode, h, left):
     return degree >= order or (degree > 1 and h == left)
 
 
-@kernel
-def remainder_step(code, numbers, absolute, order, tol, mode, h, J, bounds):
-    """Longest step up to `h` whose remainder is bounded by some tolerances; `bounds` is scratch."""
+@inlined
+def polynomials_visible(code, order, mode, h, left):
+    """Whether the last two terms tell what polynomials leave out."""
+    return code.polynomial_degrees[mode] < order and h < left
+
+
+@inlined
+def remainder_step(code, numbers, absolute, order, tol, mode, h, visible, J, bounds):
+    """Longest step up to `h` whose remainder is bounded by some tolerances; `bounds` is scratch.
+
+    `visible` says that the last terms of polynomials tell what these leave out.
+    """
     best, radius = 0.0, FIRST_RADIUS * h
     for _ in range(TRIES):
-        bound_ranges(code, numbers, absolute, mode, order, radius, J, bounds)
+        bound_ranges(code, numbers, absolute, mode, order, radius, visible, J, bounds)
         support = supported(code, mode, order, tol, radius, SHARE * h, J, bounds)
         if support >= ENOUGH * h:
             return min(support, h)

@@ -32,7 +32,7 @@ from frictionlab.hybrid.powers import (
     unresolved_time,
     without_series,
 )
-from frictionlab.hybrid.remainder import is_blind, remainder_step
+from frictionlab.hybrid.remainder import is_blind, polynomials_visible, remainder_step
 from frictionlab.hybrid.riders import record_sections
 from frictionlab.hybrid.step_length import function_step, step_length
 
@@ -60,7 +60,7 @@ def step_near_zero(code, numbers, absolute, order, tol, mode, left, cursor, work
     few = series_near_zero(code, numbers, mode, order, z, h > scale, J)
     if few < FEWEST:
         return h
-    return remainder_step(code, numbers, absolute, few, tol, mode, min(left, scale), J, work.bounds)
+    return remainder_step(code, numbers, absolute, few, tol, mode, min(left, scale), False, J, work.bounds)
 
 
 @inlined
@@ -81,7 +81,8 @@ def take_step(code, numbers, absolute, order, tol, cursor, record, work):
     if code.powers[mode] and is_near_zero(code, order, mode, J):
         h = step_near_zero(code, numbers, absolute, order, tol, mode, left, cursor, work)
     elif is_blind(code, order, mode, h, left):
-        h = remainder_step(code, numbers, absolute, order, tol, mode, h, J, work.bounds)
+        visible = polynomials_visible(code, order, mode, h, left)
+        h = remainder_step(code, numbers, absolute, order, tol, mode, h, visible, J, work.bounds)
     goes_on = False
     h, guard, multiplicity = first_event(code, absolute, mode, cursor.state, order, J, work.zeros, h, work)
     if guard != NO_GUARD and multiplicity == 1 and is_inexact(code, guard, mode, order, h, J):

@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from enum import IntEnum
 from typing import Any
 
 import sympy as sp
@@ -44,6 +45,16 @@ Affine = dict[int, Expr]
 
 class TapeError(ValueError):
     """An expression that the tape has no operation for."""
+
+
+class Range(IntEnum):
+    """How the range of a slot on a disc is found."""
+
+    UNUSED = 0  # no rate, guard or section depends on it
+    WHEN_BLIND = 1  # by its operands, where the last terms of polynomials do not tell
+    OPERATION = 2  # by its operands
+    BOTH = 3  # by its operands and by its own series, as terms of a sum may cancel
+    SERIES = 4  # by its own series, which is exact
 
 
 @dataclass
@@ -89,6 +100,58 @@ class Tape:
             else:
                 degrees.append(math.inf)
         return degrees
+
+    def operands(self, op: int) -> list[int]:
+        """Slots that an operation is of; none for a rate, which belongs to the next operation."""
+        kind, a, b = self.ops[op]
+        if kind == AFFINE:
+            return [slot for slot, _ in self.terms[a:b]]
+        if kind == RATE:
+            return []
+        return [a, b] if kind in (PRODUCT, SQUARE, QUOTIENT) else [a]
+
+    def ranges(self, outputs: Sequence[int], guards: Sequence[int]) -> list[Range]:
+        """How the range of each slot on a disc is found, where `outputs` are asked for their remainders.
+
+        Those of polynomials show in the last terms of their series, so what only they are made of is left
+        out, unless these terms do not tell.
+        """
+        degrees, linear = self.degrees(guards), self._linear()
+        curved, needed = {slot for slot in outputs if degrees[slot] == math.inf}, set[int]()
+        all_needed, factors = set(outputs), set[int]()
+        for op in reversed(range(len(self.ops))):
+            slot, operands, affine = self.inputs + op, self.operands(op), self.ops[op][0] == AFFINE
+            if slot in all_needed:
+                all_needed.update(operands)
+            if slot in curved or (slot in needed and slot not in linear):
+                curved.update(each for each in operands if degrees[each] == math.inf)
+                if slot in needed or not affine:
+                    needed.update(operands)
+                if not affine:
+                    factors.update(operands)
+        return [
+            Range.SERIES
+            if slot in needed & linear
+            else Range.BOTH
+            if slot in needed & factors and self._is_affine(slot)
+            else Range.OPERATION
+            if slot in needed | curved
+            else Range.WHEN_BLIND
+            if slot in all_needed
+            else Range.UNUSED
+            for slot in range(self.slots)
+        ]
+
+    def _linear(self) -> set[int]:
+        """States, and their affine combinations: their series are exact."""
+        linear = set(range(self.inputs))
+        for op in range(len(self.ops)):
+            if self.ops[op][0] == AFFINE and linear.issuperset(self.operands(op)):
+                linear.add(self.inputs + op)
+        return linear
+
+    def _is_affine(self, slot: int) -> bool:
+        return slot >= self.inputs and self.ops[slot - self.inputs][0] == AFFINE
 
     def counts(self) -> dict[str, int]:
         """Number of operations by name."""
