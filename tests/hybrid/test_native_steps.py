@@ -81,7 +81,7 @@ def test_a_polynomial_of_a_degree_as_high_as_the_order_is_left_to_runs_alone():
 
 
 def fine_and_shortened(automaton, methods):
-    """How many steps of lanes are fine, which are compared, and how many are shorter than last terms suggest."""
+    """How many steps of lanes are fine, which are compared, and how many the bound shortens."""
     program, numbers, code = with_step(automaton)
     fine = shortened = 0
     for method in methods:
