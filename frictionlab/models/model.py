@@ -13,7 +13,9 @@ from frictionlab.components.parameter import parameters_of
 
 from .description import Description, describe
 from .namespace import changed, chosen, owners, refuse_unknown, refuse_unnamed, signature
+from .nonlinearities import Nonlinearity, nonlinearities_of, without
 from .serialise import component_from_dict, component_to_dict
+from .sliding_statics import SlidingStatics
 
 if TYPE_CHECKING:
     from frictionlab.automaton import HybridAutomaton
@@ -68,6 +70,7 @@ class Model(Component):
 
     roles: ClassVar[Mapping[str, type]] = MappingProxyType({})
     reference: ClassVar[str] = ""
+    statics: ClassVar[SlidingStatics | None] = None
     __signature__: ClassVar[inspect.Signature]
 
     def __init__(self, *unnamed: Any, **given: Any) -> None:
@@ -145,17 +148,28 @@ class Model(Component):
         return type(self)(**{**own, **self.components, **changes})
 
     def without(self, *names: str) -> Self:
-        """The model without nonlinearities, where it has names for them.
+        """The model without some of its :attr:`nonlinearities`.
+
+        Parameters
+        ----------
+        *names : str
+            Of a SliderOnBelt "cubic", "nonsmooth", "geometry": LinearContact with the same k2, SlidingOnly,
+            FixedLoad take the components' places.
 
         Raises
         ------
         ValueError
-            If it has none: only `SliderOnBelt` does.
+            For another name.
         """
-        raise ValueError(
-            f"{type(self).__name__} has no nonlinearity to leave out by name, got {names!r}: "
-            "give it another law with replace(...)"
-        )
+        return self.replace(**without(self, names))
+
+    @property
+    def nonlinearities(self) -> Mapping[str, Nonlinearity]:
+        """What the model can be without, by name: the switches of `without`, `ablation` and `explore`.
+
+        They follow from the kinds of the components; a model of your own may have others.
+        """
+        return MappingProxyType(nonlinearities_of(self))
 
     def describe(self) -> Description:
         """Table of the parameters: symbol, value, unit, meaning."""
