@@ -12,6 +12,7 @@ from frictionlab.components.component import Component
 from frictionlab.components.parameter import parameters_of
 
 from .description import Description, describe
+from .mechanism import Mechanism, TiltingBelt
 from .namespace import changed, chosen, owners, refuse_unknown, refuse_unnamed, signature
 from .nonlinearities import Nonlinearity, nonlinearities_of, without
 from .serialise import component_from_dict, component_to_dict
@@ -162,6 +163,11 @@ class Model(Component):
             For another name.
         """
         return self.replace(**without(self, names))
+
+    @property
+    def mechanism(self) -> Mechanism | TiltingBelt | None:
+        """What the model looks like, for `animate` and `watch`; None where it does not say."""
+        return None
 
     @property
     def nonlinearities(self) -> Mapping[str, Nonlinearity]:

@@ -15,6 +15,7 @@ from frictionlab.components.interface import Interface, StickSlipSeparation
 from frictionlab.components.parameter import parameter
 
 from .mechanics import Friction, MechanicalModel, Mechanics
+from .mechanism import TiltingBelt
 from .model import with_signature
 from .sliding_statics import SlidingStatics
 
@@ -151,6 +152,11 @@ class SliderOnBelt(MechanicalModel):
     def coordinates(self) -> tuple[str, ...]:
         """Names of the coordinates: x1, y1 of the slider, x2, y2 and the angle phi of the belt."""
         return self.geometry.coordinates
+
+    @property
+    def mechanism(self) -> TiltingBelt:
+        """Fig. 1 of the paper."""
+        return TiltingBelt()
 
     def mechanics(self, q: Any, v: Any) -> Mechanics:
         """Two bodies; k3 lies at 45 degrees, k5 and k6 hold the belt at its two wheels."""

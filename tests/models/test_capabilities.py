@@ -52,3 +52,19 @@ def test_ablation_has_a_scene_for_each_choice(model):
     assert found.switches == names
     assert found.models[0] == model
     assert found[names] == 1 <= found[()]
+
+
+def test_it_is_animated(run):
+    animation = fl.animate(run, fps=2)
+    assert animation.to_jshtml().count("data:image/png") > 10
+
+
+def test_it_is_watched(run):
+    canvas = fl.watch(run)
+    columns = list(canvas.scene["columns"])
+    rows = np.frombuffer(canvas.rows, "<f4").reshape(-1, len(columns))
+    assert np.isfinite(rows).all()
+    assert len(rows) > 500
+    shown = rows[:, columns.index(canvas.scene["axes"][0])]
+    assert np.ptp(shown) > 0
+    assert shown[-1] == np.float32(run[canvas.scene["axes"][0]][-1])
