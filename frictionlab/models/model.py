@@ -6,7 +6,7 @@ import inspect
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self, TypeVar
 
 from frictionlab.components.component import Component
 from frictionlab.components.parameter import parameters_of
@@ -24,6 +24,14 @@ if TYPE_CHECKING:
     from .equations import Equations
 
 M = TypeVar("M", bound="Model")
+PITCH = 200.0  # Hz, as which an oscillation is heard
+
+
+class Tone(NamedTuple):
+    """What is heard of a model, and how much faster than the motion it is played."""
+
+    signal: str
+    pitch: float
 
 
 @dataclass(frozen=True, init=False, repr=False)
@@ -43,8 +51,10 @@ class Model(Component):
       prime, and what else there is.
 
     It may have `reference` (where it comes from), `period` (about how long an oscillation takes, by which
-    pictures choose what they show) and :meth:`release` (where a run from rest begins).  All the rest then
-    works: `simulate`, `eigenvalues`, `bifurcation`, `explore`, `plot_run`, files.
+    pictures choose what they show), :meth:`release` (where a run from rest begins), `mechanism` (what it
+    looks like), `nonlinearities` (what it can be without), `sound` and `statics`.  All the rest then works:
+    `simulate`, `eigenvalues`, `bifurcation`, `explore`, `plot_run`, files; with energies `energy_audit`, with
+    a mechanism `animate` and `watch`.
 
     Modes named "stick", "slip+", "slip-", "separation", and outputs named "gap", "normal_force",
     "friction_force", "relative_velocity" are drawn and checked as such.  A mode with constraints holds
@@ -163,6 +173,13 @@ class Model(Component):
             For another name.
         """
         return self.replace(**without(self, names))
+
+    @property
+    def sound(self) -> Tone:
+        """What `listen` plays: v_r, or the first coordinate's rate, with periods heard as 200 Hz."""
+        outputs = self.automaton().modes[0].outputs
+        heard = next((name for name in outputs if name.startswith("relative_velocity")), None)
+        return Tone(heard or f"{self.coordinates[0]}'", float(f"{PITCH * self.period:.3g}"))
 
     @property
     def mechanism(self) -> Mechanism | TiltingBelt | None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 from frictionlab.components.contact import ContactLaw, LinearContact
@@ -37,15 +38,15 @@ class Nonlinearity:
 
 def nonlinearities_of(model: Any) -> dict[str, Nonlinearity]:
     """Those that follow from the kinds of a model's components, in the order of its roles."""
-    known = [(name, base, *rest) for name, (base, *rest) in OF_COMPONENTS.items()]
-    return {
-        name: Nonlinearity(
-            about, lambda model, role=role, instead=instead: {role: instead(getattr(model, role))}
-        )
-        for name, base, about, instead in known
-        for role, kind in model.roles.items()
-        if kind is base
-    }
+    found = {}
+    for name, (base, about, instead) in OF_COMPONENTS.items():
+        for role in (role for role, kind in model.roles.items() if kind is base):
+            found[name] = Nonlinearity(about, partial(_replaced, role, instead))
+    return found
+
+
+def _replaced(role: str, instead: Callable[[Any], Any], model: Any) -> dict[str, Any]:
+    return {role: instead(getattr(model, role))}
 
 
 def without(model: Any, names: tuple[str, ...]) -> dict[str, Any]:

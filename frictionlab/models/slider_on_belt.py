@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
+from types import MappingProxyType, SimpleNamespace
 from typing import Any, ClassVar
 
 from frictionlab.components.contact import ContactLaw, CubicContact
@@ -18,6 +18,8 @@ from .mechanics import Friction, MechanicalModel, Mechanics
 from .mechanism import TiltingBelt
 from .model import with_signature
 from .sliding_statics import SlidingStatics
+
+ALL = ("x1", "y1", "x2", "y2", "phi")
 
 
 def _mass(
@@ -160,16 +162,17 @@ class SliderOnBelt(MechanicalModel):
 
     def mechanics(self, q: Any, v: Any) -> Mechanics:
         """Two bodies; k3 lies at 45 degrees, k5 and k6 hold the belt at its two wheels."""
-        phi, turning = (getattr(at, "phi", 0) for at in (q, v))  # 0 where the belt does not tilt
+        contact = self._contact(q, v)
+        q, v = _all(q), _all(v)
         slider = self.k1 * q.x1**2 + self.k3 * (q.x1 - q.y1) ** 2 / 2
-        belt = self.k5 * (q.y2 + self.l1 * phi) ** 2 + self.k6 * (q.y2 - self.l2 * phi) ** 2
-        dampers = self.c5 * (v.y2 + self.l1 * turning) ** 2 + self.c6 * (v.y2 - self.l2 * turning) ** 2
-        moving = self.M * (v.x1**2 + v.y1**2) + self.m * (v.x2**2 + v.y2**2) + self.J * turning**2
+        belt = self.k5 * (q.y2 + self.l1 * q.phi) ** 2 + self.k6 * (q.y2 - self.l2 * q.phi) ** 2
+        dampers = self.c5 * (v.y2 + self.l1 * v.phi) ** 2 + self.c6 * (v.y2 - self.l2 * v.phi) ** 2
+        moving = self.M * (v.x1**2 + v.y1**2) + self.m * (v.x2**2 + v.y2**2) + self.J * v.phi**2
         return Mechanics(
             kinetic=moving / 2,
             potential={"springs": (slider + self.k4 * q.x2**2 + belt) / 2, "preload": self.F * q.y1},
             dissipation=(self.c1 * v.x1**2 + self.c2 * v.y1**2 + self.c4 * v.x2**2 + dampers) / 2,
-            contacts=(self._contact(q, v),),
+            contacts=(contact,),
         )
 
     def _contact(self, q: Any, v: Any) -> Friction:
@@ -183,3 +186,8 @@ class SliderOnBelt(MechanicalModel):
             normal=self.geometry.normal(*at),
             impact=self.impact,
         )
+
+
+def _all(at: Any) -> SimpleNamespace:
+    """All coordinates, or their rates; those that the geometry leaves out are zero."""
+    return SimpleNamespace(**{name: getattr(at, name, 0) for name in ALL})

@@ -90,6 +90,11 @@ class Parts:
         """What the picture does to the run."""
         return f"displacements × {self.magnify:g}"
 
+    def outlines(self, frame: int) -> list[Array]:
+        """Lines (2, P) of all parts in a frame."""
+        lines = ((s.kind, outline(s.kind, s.rows[frame])) for s in self.shapes)
+        return [np.c_[x, x[:, :1]] if kind in ("block", "disc") else x for kind, x in lines]
+
     def handles(self) -> list[Any]:
         """Legend entries of the forces."""
         colours = {letter: colour for colour, letter in FORCES.values()}
@@ -98,9 +103,9 @@ class Parts:
             for name, size in self.forces.items()
         ]
 
-    def draw(self, ax: Axes) -> list[Artist]:
+    def draw(self, ax: Axes) -> list[Any]:
         """The artists of all shapes, as they are in the first frame."""
-        artists: list[Artist] = []
+        artists: list[Any] = []
         for shape in self.shapes:
             artists += _artists(shape)
         for artist in artists:
@@ -110,7 +115,7 @@ class Parts:
         self.move(artists, 0, None)
         return artists
 
-    def move(self, artists: list[Artist], frame: int, colour: str | None) -> list[Artist]:
+    def move(self, artists: list[Any], frame: int, colour: str | None) -> list[Artist]:
         """Put the artists where they are in a frame, the bodies in the colour of the mode."""
         left = iter(artists)
         for shape in self.shapes:

@@ -12,7 +12,7 @@ from frictionlab.models import Model
 from frictionlab.models.mechanism import Mechanism, TiltingBelt
 
 from .arrows import draw_forces, force_handles, newtons_per_metre, point
-from .draw_mechanism import draw_mechanism, move
+from .draw_mechanism import draw_mechanism, move, outlines
 from .frames import Frames, frames, is_tilting_belt, parameters
 from .mechanism import Mechanism as Sizes
 from .mechanism import mechanism as sizes_of
@@ -58,6 +58,15 @@ class BeltPicture:
     def note(self) -> str:
         """What the picture does to the run."""
         return f"displacements × {self.sizes.magnify:g}, tilt as it is"
+
+    @property
+    def limits(self) -> tuple[tuple[float, float], tuple[float, float]]:
+        """The picture's edges in x and in y."""
+        return self.sizes.limits
+
+    def outlines(self, frame: int) -> list[Array]:
+        """Lines (2, P) of all that moves in a frame."""
+        return outlines(self.sizes, frame)
 
     def handles(self) -> list[Any]:
         """Legend entries of the forces."""
