@@ -1,4 +1,4 @@
-"""`fl.ablation`: one study of the eight scenes that three nonlinearities, each on or off, make."""
+"""`fl.ablation`: one study of all scenes that a model's nonlinearities, each on or off, make."""
 
 from __future__ import annotations
 
@@ -12,17 +12,15 @@ from frictionlab.models.given import given_model
 
 from .tasks import check_function, check_workers, run_tasks
 
-SWITCHES = ("cubic", "nonsmooth", "geometry")
-
 
 @dataclass(frozen=True, eq=False)
 class Ablation:
-    """What a study gave for each of the eight scenes.
+    """What a study gave for each scene, eight of three nonlinearities.
 
     Parameters
     ----------
     without : tuple of tuples of str
-        The nonlinearities that each scene lacks; the first lacks none.
+        The nonlinearities that each scene lacks; the first lacks none, the last all.
     models : tuple
     results : tuple
         What the study returned.
@@ -38,19 +36,30 @@ class Ablation:
         for left_out, result in zip(self.without, self.results, strict=True):
             if set(left_out) == names:
                 return result
-        raise KeyError(f"no scene lacks {sorted(names)}: name some of {', '.join(SWITCHES)}")
+        raise KeyError(f"no scene lacks {sorted(names)}: name some of {', '.join(self.switches)}")
+
+    @property
+    def switches(self) -> tuple[str, ...]:
+        """Names of the nonlinearities."""
+        return self.without[-1]
 
     def __iter__(self) -> Iterator[tuple[tuple[str, ...], Any]]:
         return iter(zip(self.without, self.results, strict=True))
 
     def __str__(self) -> str:
-        rows = [(_scene(names), str(r)) for names, r in self]
+        rows = [(_scene(names, len(self.switches)), str(r)) for names, r in self]
         width = max(len(name) for name, _ in rows)
         return "\n".join(f"{name:{width}}  {result}" for name, result in rows)
 
 
-def _scene(without: tuple[str, ...]) -> str:
-    return f"without {', '.join(without)}" if without else "with all three"
+def _scene(without: tuple[str, ...], count: int) -> str:
+    """Words for a scene of a model that has so many nonlinearities."""
+    return f"without {', '.join(without)}" if without else f"with {all_of(count)}"
+
+
+def all_of(count: int) -> str:
+    """Words for all of so many nonlinearities."""
+    return {1: "it", 2: "both", 3: "all three"}.get(count, "all")
 
 
 def ablation(
@@ -61,13 +70,15 @@ def ablation(
     executor: Executor | None = None,
     progress: bool = True,
 ) -> Ablation:
-    """Put the eight scenes with the cubic contact, the non-smooth behaviours and the moving load on or off
-    through a study.
+    """Put all scenes with a model's :attr:`~Model.nonlinearities` on or off through a study.
+
+    Of a SliderOnBelt these are eight: with the cubic contact, the non-smooth behaviours and the moving load
+    on or off.
 
     Parameters
     ----------
-    model : SliderOnBelt
-        With all three.
+    model : Model
+        With all of its nonlinearities.
     study : callable
         Called as ``study(model)``: ``fl.steady_state``, or a function of your own.
     workers : int or None
@@ -86,7 +97,7 @@ def ablation(
     TypeError
         For what is no model, or no function.
     ValueError
-        For a model that cannot be without one of the three.
+        For a model that cannot be without one of them.
     RuntimeError
         Where the study of a scene fails, from its error.
 
@@ -100,14 +111,15 @@ def ablation(
     given_model(model, cure="write ablation(model, study), the model made, such as fl.SliderOnBelt()")
     check_function("study", study, "give one such as fl.steady_state")
     check_workers(workers)
-    left_out = tuple(tuple(compress(SWITCHES, choice)) for choice in product((0, 1), repeat=3))
+    switches = tuple(model.nonlinearities)
+    left_out = tuple(tuple(compress(switches, choice)) for choice in product((0, 1), repeat=len(switches)))
     models = tuple(model.without(*names) for names in left_out)
     results: dict[int, Any] = {}
     run_tasks(
         study,
         [(m,) for m in models],
         keep=results.__setitem__,
-        names=[f"the scene {_scene(names)}" for names in left_out],
+        names=[f"the scene {_scene(names, len(switches))}" for names in left_out],
         workers=workers,
         executor=executor,
         progress="ablation" if progress else None,

@@ -11,9 +11,9 @@ import numpy as np
 
 from frictionlab.hybrid.progress import DELAY
 from frictionlab.hybrid.trajectory import Trajectory
-from frictionlab.models import SliderOnBelt
+from frictionlab.models import MechanicalModel
 
-from .energy_terms import WORKS, jumps, powers, stored
+from .energy_terms import Balance
 from .recurrence import Array
 
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(10)
@@ -29,12 +29,13 @@ class EnergyAudit:
     t : array (N,)
         Times (s), those of the run.
     energies : mapping of str to array (N,)
-        J: "kinetic", "springs" (k1, k3 to k6), "contact" (the integral of F_N over the gap, none in flight)
-        and "preload" (F y1).
+        J: "kinetic"; those that the model names, as "springs" and "preload", or "potential"; and "contact",
+        the integral of F_N over the gap, none in flight.
     powers : mapping of str to array (N,)
-        W: "belt drive" F_T v; "friction" -F_T v_r; "dampers"; "impacts", where a limit of many replaces them;
-        and "moving load" F_N (gap rate + W_N . q'), -F_N phi (x1' - x2') with the paper's W_N, as the contact
-        does work of its own where W_N is not minus the gradient of the gap.
+        W: "dampers"; "impacts", where a limit of many replaces them; of contacts with friction "belt drive"
+        F_T v, v the speed of the belt, and "friction" -F_T v_r; where W_N is not minus the gradient of the
+        gap "moving load" F_N (gap rate + W_N . q'), -F_N phi (x1' - x2') with the paper's; and "loads".
+        "contact" is the power of an F_N that is not given as a function of the gap.
     works : mapping of str to array (N,)
         J: what each of them did from 0 to t, impacts with their jumps.
     turned_over : float
@@ -71,15 +72,17 @@ class EnergyAudit:
 def energy_audit(run: Trajectory, *, progress: bool = True) -> EnergyAudit:
     """The energy balance of a run: energies, powers, the work of each, and what is missing.
 
-    d/dt (kinetic + springs + contact + preload) = F_T v - F_T v_r - 2 D + F_N (gap rate + W_N . q'), and
-    velocities jump at impacts, Eqs. (10) to (12).  Works are Gauss quadratures of the run's Taylor
-    polynomials, step by step, exact to rounding.  Runs of other methods are audited as they are: what is
-    missing is their error.
+    Of the slider on a belt d/dt (kinetic + springs + preload + contact) = F_T v - F_T v_r - 2 D
+    + F_N (gap rate + W_N . q'), and velocities jump at impacts, Eqs. (10) to (12).  Every model that states
+    its energies (`MechanicalModel`) has a balance, with the terms that it has.
+
+    Works are Gauss quadratures of the run's Taylor polynomials, step by step, exact to rounding.  Runs of
+    other methods are audited as they are: what is missing is their error.
 
     Parameters
     ----------
     run : Trajectory
-        Of a `SliderOnBelt`.
+        Of a model, by :func:`simulate`.
     progress : bool
         Show a progress bar where it takes more than a second.
 
@@ -90,7 +93,7 @@ def energy_audit(run: Trajectory, *, progress: bool = True) -> EnergyAudit:
     Raises
     ------
     ValueError
-        For a run of an automaton without its model: it has no masses nor springs.
+        For a run of an automaton, or of a model that gives but an automaton: it has no masses nor springs.
 
     Examples
     --------
@@ -102,53 +105,56 @@ def energy_audit(run: Trajectory, *, progress: bool = True) -> EnergyAudit:
     >>> bool(audit.works["belt drive"][-1] > 0 > audit.works["friction"][-1])
     True
     """
-    model = _model(run)
+    balance = _balance(run)
     edges = np.unique(np.concatenate([[0.0], run.raw.step_times[:, 0], run.t, [run.raw.t]]))
-    net, gross = _integrals(run, model, edges, progress)
+    net, gross = _integrals(run, balance, edges, progress)
     at = np.searchsorted(edges, run.t)
-    works = {name: net[i][at] for i, name in enumerate(WORKS)}
-    gains = jumps(model, run.events.before, run.events.state)
+    modes = run._samples[2]
+    powers = balance.powers(run.states, modes)
+    works = {name: net[i][at] for i, name in enumerate(powers)}
+    gains = balance.jumps(run.events.before, run.events.state)
     summed = np.append(0.0, np.cumsum(gains, dtype=np.longdouble))
     works["impacts"] = works["impacts"] + summed[np.searchsorted(run.events.t, run.t, side="right")]
-    modes = run._samples[2]
-    energies = stored(model, run.automaton, run.states, modes)
+    energies = balance.energies(run.states, modes)
     largest = np.sum(np.abs(list(energies.values())), axis=0).max(initial=0.0)
     return EnergyAudit(
         t=run.t,
         energies=MappingProxyType(energies),
-        powers=MappingProxyType(powers(model, run.automaton, run.states, modes)),
+        powers=MappingProxyType(powers),
         works=MappingProxyType({name: np.asarray(work, dtype=float) for name, work in works.items()}),
         turned_over=float(largest + gross + np.abs(gains).sum()),
     )
 
 
-def _model(run: Any) -> SliderOnBelt:
+def _balance(run: Any) -> Balance:
     if not isinstance(run, Trajectory):
         raise TypeError(f"run must be a Trajectory, got {run!r}: give what frictionlab.simulate returns")
-    if not isinstance(run.source, SliderOnBelt):
+    if not isinstance(run.source, MechanicalModel):
+        of = type(run.automaton if run.source is None else run.source).__name__
         raise ValueError(
-            "run must be of a SliderOnBelt, an automaton alone has no masses nor springs: use fl.simulate"
+            f"run must be of a model that states its energies, got one of a {of}, which has no masses nor "
+            "springs: simulate a MechanicalModel"
         )
-    return run.source
+    return Balance(run.source, run.automaton)
 
 
-def _integrals(run: Trajectory, model: Any, edges: Array, progress: bool) -> tuple[Any, float]:
+def _integrals(run: Trajectory, balance: Balance, edges: Array, progress: bool) -> tuple[Any, float]:
     """Works (contributions, edges) since the first edge, and the sum of all sizes, J."""
     from tqdm.auto import tqdm
 
     starts = range(0, len(edges) - 1, CHUNK)
     shown = tqdm(starts, desc="energy audit", leave=False, delay=DELAY, disable=not progress)
-    parts = [_pieces(run, model, edges[i : i + CHUNK + 1]) for i in shown]
-    net = np.concatenate([np.zeros((len(WORKS), 1)), *(part for part, _ in parts)], axis=1)
+    parts = [_pieces(run, balance, edges[i : i + CHUNK + 1]) for i in shown]
+    net = np.concatenate([np.zeros((len(parts[0][0]), 1)), *(part for part, _ in parts)], axis=1)
     return np.cumsum(net, axis=1, dtype=np.longdouble), sum(size for _, size in parts)
 
 
-def _pieces(run: Trajectory, model: Any, edges: Array) -> tuple[Array, float]:
+def _pieces(run: Trajectory, balance: Balance, edges: Array) -> tuple[Array, float]:
     """The work (contributions, pieces) on each piece of a run between two edges, and the sum of all sizes."""
     half = np.diff(edges)[:, None] / 2.0
     t = (edges[:-1, None] + half * (1.0 + NODES)).ravel()
     steps = run._step_of(t)
-    found = powers(model, run.automaton, run._dense(t, steps), run._modes_of(t, steps))
+    found = balance.powers(run._dense(t, steps), run._modes_of(t, steps))
     weights = half * WEIGHTS
     each = [power.reshape(weights.shape) for power in found.values()]
     net = np.array([(power * weights).sum(axis=1) for power in each])

@@ -1,9 +1,10 @@
-"""Energies and powers of a slider on a belt at given states: the terms of its energy balance."""
+"""Energies and powers of a model at given states: the terms of its energy balance."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from functools import lru_cache
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -12,92 +13,171 @@ import sympy as sp
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.hybrid.formulas import formula
 from frictionlab.hybrid.outputs import evaluate
-from frictionlab.models.assembly import derive
-from frictionlab.models.energies import dissipation, kinetic_energy, potential_energy
-from frictionlab.models.symbols import Structure, parameter_symbols, structure
-from frictionlab.models.symbols import numbers as numbers_of
+from frictionlab.models.chatter import CHATTER
+from frictionlab.models.lagrange import number
+from frictionlab.models.mechanics import Friction
+from frictionlab.models.symbols import Structure, numbers, parameter_symbols, structure
+from frictionlab.models.system import JOINT, System, system_of
 
 from .recurrence import Array
 
-ENERGIES = ("kinetic", "springs", "contact", "preload")
-WORKS = ("belt drive", "friction", "dampers", "impacts", "moving load")
-ALL = ("x1", "y1", "x2", "y2", "phi")
 # Exact for contact laws that are polynomials in sqrt(gap).
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(12)
+GAP = sp.Symbol("gap_of_contact", real=True)
 
 
-def stored(model: Any, automaton: HybridAutomaton, states: Array, modes: Any) -> dict[str, Array]:
-    """The energies (J), each (N,), at states (N, 2n) in modes (N,) by number."""
-    q, v = _coordinates(model, states)
-    preload = model.F * q.y1
-    return {
-        "kinetic": kinetic_energy(model, v),
-        "springs": potential_energy(model, q) - preload,
-        "contact": np.where(_pressed(automaton)[modes], _contact_energy(model, states), 0.0),
-        "preload": preload,
-    }
+@dataclass(frozen=True, eq=False)
+class ContactTerms:
+    """What a contact has to do with energy.
+
+    Parameters
+    ----------
+    number : str
+        What tells its outputs from those of other contacts.
+    place : int
+        Which of the regimes in a mode's name is its own.
+    speed : callable or None
+        Of states and parameters: speed of the belt, m/s; None of a stop.
+    approach : callable or None
+        -W_N . q', m/s; None where the contact cannot be lost.
+    travel : callable or None
+        Gap rate less that: at which the contact does work of its own; None where it is zero by construction.
+    gap, law : callable or None
+        The gap (m), of states and parameters, and F_N (N), of the gap and the parameters.
+    """
+
+    number: str
+    place: int
+    speed: Callable[..., Any] | None = None
+    approach: Callable[..., Any] | None = None
+    travel: Callable[..., Any] | None = None
+    gap: Callable[..., Any] | None = None
+    law: Callable[..., Any] | None = None
 
 
-def powers(model: Any, automaton: HybridAutomaton, states: Array, modes: Any) -> dict[str, Array]:
-    """The powers (W), each (N,), that change the sum of the energies, between events."""
-    normal, friction, v_r = (
-        evaluate(automaton, name, states, modes)
-        for name in ("normal_force", "friction_force", "relative_velocity")
-    )
-    travel, material_rate = _rates(model, states)
-    pressed = _pressed(automaton)[modes]
-    return {
-        "belt drive": friction * model.v,
-        "friction": -friction * v_r,
-        "dampers": -2.0 * dissipation(model, _coordinates(model, states)[1]),
-        "impacts": np.where(pressed, 0.0, -normal * material_rate),
-        "moving load": np.where(pressed, normal * travel, 0.0),
-    }
+@dataclass(frozen=True, eq=False)
+class Terms:
+    """Energies (J) and powers (W) as functions of states and parameters, by their names."""
+
+    kinetic: Callable[..., Any]
+    potential: Mapping[str, Callable[..., Any]]
+    powers: Mapping[str, Callable[..., Any]]
+    contacts: tuple[ContactTerms, ...]
 
 
-def jumps(model: Any, before: Array, after: Array) -> Array:
-    """Energy (J) gained at events: velocities jump there, coordinates do not."""
-    first, last = (kinetic_energy(model, _coordinates(model, states)[1]) for states in (before, after))
-    return last - first
+class Balance:
+    """The terms of a model's energy balance at states (N, states) in modes (N,) by number."""
 
+    def __init__(self, model: Any, automaton: HybridAutomaton) -> None:
+        self.automaton, self._values = automaton, numbers(model)
+        self._terms = terms_of(structure(model))
 
-def _coordinates(model: Any, states: Array) -> tuple[SimpleNamespace, SimpleNamespace]:
-    """Coordinates and velocities by name; a model without the belt's rotation has phi = 0."""
-    n, zero = len(model.coordinates), dict.fromkeys(ALL, 0.0)
-    q, v = (dict(zip(model.coordinates, part.T, strict=True)) for part in (states[:, :n], states[:, n:]))
-    return SimpleNamespace(**zero | q), SimpleNamespace(**zero | v)
+    def energies(self, states: Array, modes: Any) -> dict[str, Array]:
+        """The energies (J), each (N,)."""
+        found = {"kinetic": self._at(self._terms.kinetic, states)}
+        found |= {name: self._at(energy, states) for name, energy in self._terms.potential.items()}
+        springs = [c for c in self._terms.contacts if c.law is not None]
+        if springs:
+            found["contact"] = np.sum([self._stored(contact, states, modes) for contact in springs], axis=0)
+        return found
 
+    def powers(self, states: Array, modes: Any) -> dict[str, Array]:
+        """The powers (W), each (N,), that change the sum of the energies, between events."""
+        found: dict[str, Any] = {}
+        for contact in self._terms.contacts:
+            for name, power in self._of_contact(contact, states, modes):
+                found[name] = found.get(name, 0.0) + power
+        return {name: self._at(power, states) for name, power in self._terms.powers.items()} | found
 
-def _pressed(automaton: HybridAutomaton) -> np.ndarray:
-    """Modes in which the contact's spring is at work: not in flight, nor in the limit of many impacts."""
-    return np.array([mode.name != "separation" and not mode.limit for mode in automaton.modes])
+    def jumps(self, before: Array, after: Array) -> Array:
+        """Energy (J) gained at events: velocities jump there, coordinates do not."""
+        return self._at(self._terms.kinetic, after) - self._at(self._terms.kinetic, before)
 
+    def _at(self, function: Any, states: Array) -> Array:
+        return np.broadcast_to(np.asarray(function(*states.T, *self._values), dtype=float), len(states))
 
-def _contact_energy(model: Any, states: Array) -> Array:
-    """The integral of F_N from 0 to the gap."""
-    gap = np.asarray(model.geometry.gap(*states[:, : len(model.coordinates)].T))
-    force = _law(structure(model))
-    shares = (1.0 + NODES) / 2.0  # of sqrt(gap), in which gap^1.5 is a polynomial too
-    at = (force(gap * share**2, *numbers_of(model)) * share for share in shares)
-    return gap * sum(w * f for w, f in zip(WEIGHTS, at, strict=True))
+    def _output(self, name: str, contact: ContactTerms, states: Array, modes: Any) -> Array:
+        return evaluate(self.automaton, name + contact.number, states, modes)
 
+    def _of_contact(self, contact: ContactTerms, states: Array, modes: Any) -> Any:
+        """Names and powers of a contact with friction."""
+        if contact.speed is None:
+            return
+        friction = self._output("friction_force", contact, states, modes)
+        yield "belt drive", friction * self._at(contact.speed, states)
+        yield "friction", -friction * self._output("relative_velocity", contact, states, modes)
+        if contact.approach is None:
+            return
+        normal, pressed = self._output("normal_force", contact, states, modes), self._pressed(contact)[modes]
+        approaching = self._at(contact.approach, states)
+        yield "impacts", np.where(pressed, 0.0, -normal * approaching)
+        if contact.law is None:  # what the contact stores is not known: all that F_N does is work
+            yield "contact", np.where(pressed, -normal * approaching, 0.0)
+        elif contact.travel is not None:
+            yield "moving load", np.where(pressed, normal * self._at(contact.travel, states), 0.0)
 
-def _rates(model: Any, states: Array) -> list[Array]:
-    """Full less material gap rate, and the material rate -W_N . q' (m/s)."""
-    found = _rate_functions(structure(model))(*states.T, *numbers_of(model))
-    return [np.broadcast_to(rate, len(states)) for rate in found]
+    def _stored(self, contact: ContactTerms, states: Array, modes: Any) -> Array:
+        """The integral of F_N from 0 to the gap; none in flight."""
+        law: Any = contact.law
+        gap = self._at(contact.gap, states)
+        shares = (1.0 + NODES) / 2.0  # of sqrt(gap), in which gap^1.5 is a polynomial too
+        at = (law(gap * share**2, *self._values) * share for share in shares)
+        energy = gap * sum(w * f for w, f in zip(WEIGHTS, at, strict=True))
+        return np.where(self._pressed(contact)[modes], energy, 0.0)
+
+    def _pressed(self, contact: ContactTerms) -> np.ndarray:
+        """Modes in which the contact's spring is at work: not in flight, nor in the limit of many impacts."""
+        apart = "separation", CHATTER
+        return np.array([name.split(JOINT)[contact.place] not in apart for name in self.automaton.names])
 
 
 @lru_cache(maxsize=64)
-def _rate_functions(key: Structure) -> Any:
-    s = derive(key)
-    return sp.lambdify(
-        [*s.q, *s.v, *parameter_symbols(key)], [sp.expand(s.gap_rate - s.material_rate), s.material_rate]
+def terms_of(key: Structure) -> Terms:
+    """The terms of a structure."""
+    found = system_of(key)
+    mechanics = found.mechanics
+    arguments = [*found.states, *parameter_symbols(key)]
+
+    def compiled(expression: Any) -> Callable[..., Any]:
+        return formula(arguments, sp.sympify(expression))
+
+    given = (
+        mechanics.potential if isinstance(mechanics.potential, Mapping) else {"potential": mechanics.stored}
+    )
+    return Terms(
+        kinetic=compiled(mechanics.kinetic),
+        potential={name: compiled(energy) for name, energy in given.items() if energy != 0},
+        powers={name: compiled(power) for name, power in _powers(found).items()},
+        contacts=tuple(_contact(found, i, compiled, key) for i in range(len(mechanics.contacts))),
     )
 
 
-@lru_cache(maxsize=64)
-def _law(key: Structure) -> Any:
-    """F_N as a function of the gap and the parameters: laws of one's own may be written for symbols."""
-    gap = sp.Symbol("gap_of_contact", real=True)
-    return formula([gap, *parameter_symbols(key)], derive(key).model.contact.force(gap))
+def _powers(found: System) -> dict[str, Any]:
+    """The powers of dampers, of loads, and of what moves with the time."""
+    damping = [sp.diff(found.mechanics.dissipation, rate) for rate in found.v]
+    powers = {"dampers": -_dot(damping, found.v), "impacts": sp.S.Zero}
+    if any(load != 0 for load in found.loads):
+        powers["loads"] = _dot(found.loads, found.v)
+    for phase in found.phase:
+        moved = sp.diff(found.mechanics.stored, phase) * found.mechanics.frequency
+        powers |= {} if moved == 0 else {"moving springs": moved}
+    return powers
+
+
+def _contact(found: System, i: int, compiled: Callable[..., Any], key: Structure) -> ContactTerms:
+    contact, numbered = found.mechanics.contacts[i], number(found, i)
+    if not isinstance(contact, Friction):
+        return ContactTerms(numbered, i)
+    speed = compiled(found.at_rest(contact.relative_velocity))
+    if contact.gap is None:
+        return ContactTerms(numbered, i, speed)
+    approach = -_dot(found.normal(contact), found.v)
+    travel = None if contact.normal is None else compiled(sp.expand(found.rate(contact.gap) - approach))
+    if not callable(contact.normal_force):
+        return ContactTerms(numbered, i, speed, compiled(approach))
+    law = formula([GAP, *parameter_symbols(key)], contact.normal_force(GAP))
+    return ContactTerms(numbered, i, speed, compiled(approach), travel, compiled(contact.gap), law)
+
+
+def _dot(one: Any, other: Any) -> Any:
+    return sum((a * b for a, b in zip(one, other, strict=True)), sp.S.Zero)

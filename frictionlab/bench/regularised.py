@@ -13,9 +13,8 @@ import numpy as np
 import sympy
 
 from frictionlab.hybrid.compiled import NUMBA
-from frictionlab.models.assembly import derive, states
-from frictionlab.models.scene import Scene
 from frictionlab.models.symbols import structure, symbol
+from frictionlab.models.system import system_of
 
 WIDTH = 1e-3  # m/s, over which friction turns round
 RTOL = 1e-9
@@ -23,13 +22,14 @@ RTOL = 1e-9
 
 def smooth(model: Any) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
     """States and their rates, with F_T = mu_k F_N tanh(v_r/width) and F_N only where the gap is closed."""
-    scene: Scene = derive(structure(model))
+    found = system_of(structure(model))
+    contact = found.rubbing
     numbers = {symbol(name): value for name, value in model.parameters.items()}
-    pressed = sympy.Piecewise((scene.normal_force, scene.gap > 0), (0, True))
-    friction = model.mu_k * pressed * sympy.tanh(scene.relative_velocity / WIDTH)
-    rows = zip(scene.forces(pressed), scene.tangent, scene.mass, strict=True)
-    rates = [*scene.v, *((force + w * friction) / mass for force, w, mass in rows)]
-    return states(model.coordinates), tuple(sympy.sympify(rate).subs(numbers) for rate in rates)
+    pressed = sympy.Piecewise((contact.pressing, contact.gap > 0), (0, True))
+    friction = model.mu_k * pressed * sympy.tanh(contact.relative_velocity / WIDTH)
+    rows = zip(found.forces(contact, pressed), found.direction(contact), found.masses, strict=True)
+    rates = [*found.v, *((force + w * friction) / mass for force, w, mass in rows)]
+    return found.states, tuple(sympy.sympify(rate).subs(numbers) for rate in rates)
 
 
 def run(model: Any, t_end: float) -> tuple[np.ndarray, float, int]:

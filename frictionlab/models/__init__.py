@@ -9,6 +9,7 @@ from .free_coulomb import FreeCoulomb
 from .impact_oscillator import ImpactOscillator
 from .mass_on_belt import MassOnBelt
 from .mechanics import Friction, MechanicalModel, Mechanics, Stop
+from .mechanism import Mechanism
 from .mode_coupling import ModeCoupling
 from .model import Model, with_signature
 from .slider_on_belt import SliderOnBelt
@@ -24,6 +25,7 @@ __all__ = [
     "MassOnBelt",
     "MechanicalModel",
     "Mechanics",
+    "Mechanism",
     "ModeCoupling",
     "Model",
     "ModelTable",

@@ -12,6 +12,7 @@ from frictionlab.components.parameter import parameter
 
 from .fields import mass
 from .mechanics import MechanicalModel, Mechanics, Stop
+from .mechanism import Block, Mechanism, Place, Wall
 from .model import with_signature
 
 
@@ -75,6 +76,12 @@ class BouncingBall(MechanicalModel):
     def release(self) -> Mapping[str, float]:
         """At the height h."""
         return {"y": self.h}
+
+    @property
+    def mechanism(self) -> Mechanism:
+        """A ball above the ground."""
+        ball = Block(Place(0.0, 0.2, up="y"), width=0.4, height=0.4, disc=True)
+        return Mechanism(Wall((-1.0, 0.0), (1.0, 0.0)), ball)
 
     def mechanics(self, q: Any, v: Any) -> Mechanics:
         """One mass, one stop."""

@@ -11,69 +11,81 @@ slider then takes off, with an error of the order of r, as the limit does not kn
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import sympy
 
 from frictionlab.automaton import Event, Mode, Reset
 
-from .resets import RATES, impact, rates_after
-from .scene import Scene
+from .mechanics import Friction
+from .regimes import AFTER_FLIGHT
+from .resets import RATES, compliance, impact, material_rate, rates_after
 from .symbols import multiplied_out, symbol
+
+if TYPE_CHECKING:
+    from .system import System
 
 CHATTER = "chatter"
 SHORTEST = symbol("chatter")  # s, below which the solver replaces flights by their limit
-AFTER = ("slip+", "slip-", "slip", "stick")
 
 
-def chatter(scene: Scene) -> Mode | None:
-    """The mode, for impact laws by which impacts throw off; None for the others."""
-    if "separation" not in scene.model.interface.modes:
-        return None
-    rate = leaving_rate(scene)
-    if rate == 0:
-        return None
-    closing = closing_acceleration(scene)
-    force = closing / scene.compliance
-    accelerations = [f / mass for f, mass in zip(scene.forces(force), scene.mass, strict=True)]
+def chatter(found: System) -> Mode | None:
+    """The mode of a single contact whose impacts throw off; None for others."""
+    for contact in found.mechanics.contacts[:1]:
+        if isinstance(contact, Friction) and contact.impact is not None and "separation" in contact.modes:
+            rate = leaving_rate(found, contact)
+            return None if rate == 0 else _limit(found, contact, rate)
+    return None
+
+
+def _limit(found: System, contact: Friction, rate: Any) -> Mode:
+    closing = closing_acceleration(found, contact)
+    force = closing / compliance(found, found.normal(contact))
     outputs = {
-        "gap": scene.gap,
+        "gap": contact.gap,
         "normal_force": force,
         "friction_force": sympy.S.Zero,
-        "relative_velocity": scene.relative_velocity,
+        "relative_velocity": contact.relative_velocity,
     }
-    flow, constraints = (*scene.v, *accelerations), (scene.gap, scene.gap_rate)
-    return Mode(CHATTER, flow, _ends(scene, rate, closing), constraints, outputs, limit=True)
+    flow = (*found.v, *_accelerations(found, contact, force))
+    constraints = (contact.gap, found.rate(contact.gap))
+    return Mode(CHATTER, flow, _ends(found, contact, rate, closing), constraints, outputs, limit=True)
 
 
-def leaving_rate(scene: Scene) -> Any:
+def leaving_rate(found: System, contact: Friction) -> Any:
     """Rate r at which the gap opens after an impact that it closed into at the rate r.
 
     Zero where no other rate is such, and for impact laws that are not linear in the rates.
     """
-    material, full, compliance = RATES
+    material, full, soft = RATES
     rate, other = sympy.symbols("rate other")
-    law = rates_after(scene, scene.model.impact)[1]
-    after = law.subs({material: rate + other, full: rate, compliance: scene.compliance}, simultaneous=True)
+    law, w = rates_after(found, contact, contact.impact)[1], found.normal(contact)
+    before = {material: rate + other, full: rate, soft: compliance(found, w)}
+    after = law.subs(before, simultaneous=True)
     slope = sympy.diff(after, rate)
     if slope.has(rate) or slope == -1:
         return sympy.S.Zero
     fixed = -after.subs(rate, 0) / (1 + slope)
-    return multiplied_out(fixed.subs(other, scene.material_rate - scene.gap_rate))
+    return multiplied_out(fixed.subs(other, material_rate(found, contact) - found.rate(contact.gap)))
 
 
-def closing_acceleration(scene: Scene) -> Any:
+def closing_acceleration(found: System, contact: Friction) -> Any:
     """Second derivative of the gap in flight, Eq. (9)."""
-    accelerations = [force / mass for force, mass in zip(scene.forces(0), scene.mass, strict=True)]
-    state = zip((*scene.q, *scene.v), (*scene.v, *accelerations), strict=True)
-    return sum(sympy.diff(scene.gap_rate, x) * rate for x, rate in state)
+    state = zip((*found.q, *found.v), (*found.v, *_accelerations(found, contact, 0)), strict=True)
+    gap_rate = found.rate(contact.gap)
+    return sum(sympy.diff(gap_rate, x) * rate for x, rate in state)
 
 
-def _ends(scene: Scene, rate: Any, closing: Any) -> tuple[Event, ...]:
+def _accelerations(found: System, contact: Friction, force: Any) -> list[Any]:
+    """Under a normal force and no friction."""
+    return list(found.inverse * sympy.Matrix(found.forces(contact, force)))
+
+
+def _ends(found: System, contact: Friction, rate: Any, closing: Any) -> tuple[Event, ...]:
     """Where flights come to nothing, and where they last twice as long as those replaced."""
-    targets = tuple(name for name in AFTER if name in scene.model.interface.modes)
-    landed = Reset(vanishing={scene.gap: 2, -scene.gap: 2})
+    targets = tuple(name for name in AFTER_FLIGHT if name in contact.modes)
+    landed = Reset(vanishing={contact.gap: 2, -contact.gap: 2})
     return (
         Event("leaving rate", rate, targets, landed),
-        Event("flight", SHORTEST * closing - rate, ("separation",), impact(scene)[0]),
+        Event("flight", SHORTEST * closing - rate, ("separation",), impact(found, contact)[0]),
     )

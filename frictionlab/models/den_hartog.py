@@ -13,6 +13,7 @@ from frictionlab.components.friction import Coulomb, FrictionLaw
 
 from .fields import damper, frequency, load, mass, normal, stiffness
 from .mechanics import Friction, Mechanics, SingleMass
+from .mechanism import Mechanism, Wall, held_block
 from .model import with_signature
 
 
@@ -70,6 +71,11 @@ class DenHartog(SingleMass):
     def period(self) -> float:
         """That of the force, s."""
         return 2 * pi / self.Omega
+
+    @property
+    def mechanism(self) -> Mechanism:
+        """A block on the ground, on a spring."""
+        return Mechanism(Wall((-1.2, 0.0), (1.2, 0.0)), *held_block("x"))
 
     def mechanics(self, q: Any, v: Any) -> Mechanics:
         """One mass, one contact with the ground, one force."""

@@ -12,6 +12,7 @@ from frictionlab.components.parameter import parameter
 
 from .fields import mass, natural_period, normal, stiffness
 from .mechanics import Friction, Mechanics, SingleMass
+from .mechanism import Mechanism, Wall, held_block
 from .model import with_signature
 
 
@@ -64,6 +65,11 @@ class FreeCoulomb(SingleMass):
     def release(self) -> Mapping[str, float]:
         """At x_0."""
         return {"x": self.x_0}
+
+    @property
+    def mechanism(self) -> Mechanism:
+        """A block on the ground, on a spring."""
+        return Mechanism(Wall((-1.2, 0.0), (1.2, 0.0)), *held_block("x"))
 
     def mechanics(self, q: Any, v: Any) -> Mechanics:
         """One mass, one contact with the ground."""

@@ -14,6 +14,7 @@ from frictionlab.components.parameter import parameter
 
 from .fields import damper, frequency, load, mass, stiffness
 from .mechanics import Mechanics, SingleMass, Stop
+from .mechanism import Block, Mechanism, Place, Spring, Wall
 from .model import with_signature
 
 
@@ -71,6 +72,14 @@ class ImpactOscillator(SingleMass):
     def release(self) -> Mapping[str, float]:
         """Where the spring is slack, or at a stop before that."""
         return {"x": min(0.0, self.d)}
+
+    @property
+    def mechanism(self) -> Mechanism:
+        """A block on a spring, and the stop, which it touches at d."""
+        block, edge = Place(0.0, 0.2, right="x"), Place(0.3, 0.2, right="d")
+        stop = Wall(edge.beside(0.0, -0.4), edge.beside(0.0, 0.4))
+        held = Spring(Place(-1.6, 0.2), block.beside(-0.3))
+        return Mechanism(Wall((-1.6, -0.2), (-1.6, 0.6)), held, stop, Block(block))
 
     def mechanics(self, q: Any, v: Any) -> Mechanics:
         """One mass, one stop, one force."""

@@ -1,25 +1,29 @@
-"""Lagrange's equations of a model with its contact forces, mode by mode."""
+"""Lagrange's equations of a model with its contact forces, mode by mode, as the paper writes them."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import sympy
 
 from .equations import LETTERS, Equations
 from .flow_equations import check_mode, equation, letters_of, of_time, written
-from .lagrange import System, number, solved, system
+from .impact_equations import impact_equations, impact_letters, stop_equations
+from .lagrange import number, solved
 from .latex import TIME
 from .mechanics import Friction, Stop
-from .regimes import Regime, rate_after
+from .regimes import Regime, sliding_friction
 from .symbols import structure, symbol, symbolic
+from .system import Pair, System, system
 
 
 class Written(NamedTuple):
-    """A system, and what its symbols are as functions of time."""
+    """A system, the same with a name for each F_N, and its symbols as functions of time."""
 
     system: System
+    named: System
     functions: Mapping[Any, Any]
 
     def __call__(self, expression: Any) -> Any:
@@ -27,75 +31,107 @@ class Written(NamedTuple):
 
 
 def equations(model: Any, mode: str) -> Equations:
-    """The equations of a mode, of "slip" in both directions, or of the "impact" on a stop.
+    """The equations of a mode, of "slip" in both directions, or of the "impact".
+
+    Where slip has two modes, "slip" gives both in one, with sgn(v_r) as in Eq. (3).
 
     Raises
     ------
     ValueError
         If the model has no such mode.
     """
-    found = system(symbolic(structure(model)))
-    chosen, single = found.combinations, len(found.mechanics.contacts) == 1
-    merged = ("slip",) * (single and "slip+" in chosen) + ("impact",) * (single and "flight" in chosen)
-    check_mode(mode, (*chosen, *merged))
-    functions = of_time((*found.q, *found.v), len(found.q))
-    if found.phase:
-        functions |= {found.phase[0]: found.mechanics.frequency * TIME}
-    write = Written(found, functions)
+    copy = symbolic(structure(model))
+    found = system(copy)
+    names = tuple(found.combinations)
+    check_mode(mode, (*names, *_others(found)))
     letters = {**LETTERS, **letters_of(model), **_letters(found)}
     if mode == "impact":
-        return Equations(mode, impact=_impact(write), letters=letters)
-    return _of_mode(write, mode, chosen["slip+" if mode == "slip" else mode], letters)
+        return _impact(copy, found, letters)
+    write = Written(found, _named_forces(found), _functions(found))
+    known = {"t": TIME, **{name: symbol(name) for name in model.parameters}}
+    chosen = write.named.combinations["slip+" if mode == "slip" and "slip+" in names else mode]
+    return _of_mode(write, mode, chosen, letters, known)
 
 
-def _of_mode(write: Written, mode: str, chosen: Sequence[Regime], letters: Mapping[str, str]) -> Equations:
-    found = write.system
-    forces = [_force(found, i) for i in range(len(chosen))]
-    named = {str(f.func): f for f in (*forces, *(write(x) for x in found.q))}
+def _others(found: System) -> tuple[str, ...]:
+    """What there are equations of beside the modes, of a single contact."""
+    if len(found.mechanics.contacts) != 1:
+        return ()
+    (contact,), modes = found.mechanics.contacts, found.combinations
+    hits = "contact" in modes or ("separation" in modes and getattr(contact, "impact", None) is not None)
+    return ("slip",) * ("slip+" in modes) + ("impact",) * hits
+
+
+def _functions(found: System) -> dict[Any, Any]:
+    functions = of_time((*found.q, *found.v), len(found.q))
+    if found.phase:
+        functions[found.phase[0]] = found.mechanics.frequency * TIME
+    return functions
+
+
+def _named_forces(found: System) -> System:
+    contacts = tuple(
+        replace(contact, normal_force=_named(found, "F_N", i)) if isinstance(contact, Friction) else contact
+        for i, contact in enumerate(found.mechanics.contacts)
+    )
+    return replace(found, mechanics=replace(found.mechanics, contacts=contacts))
+
+
+def _of_mode(
+    write: Written, mode: str, chosen: Sequence[Regime], letters: Mapping[str, str], known: Mapping[str, Any]
+) -> Equations:
+    found, each = write.system, range(len(chosen))
+    forces = [_force(found, i) for i in each]
+    rubbing = [i for i in each if isinstance(found.mechanics.contacts[i], Friction)]
+    others = [_named(found, name, i) for i in rubbing for name in ("F_N", "v_r")]
     return Equations(
         mode,
-        motion=_motion(write, forces, chosen),
-        forces=tuple(eq for i in range(len(chosen)) for eq in _forces(write, mode, chosen, i)),
+        motion=_motion(write, forces),
+        forces=tuple(eq for i in each for eq in _forces(write, mode, chosen, i)),
         definitions=_definitions(write),
-        constraint=tuple(equation(write(c), 0) for regime in chosen for c in regime.constraints),
-        conditions=tuple(c for i in range(len(chosen)) for c in _conditions(write, mode, chosen[i], i)),
-        symbols={"t": TIME, **named},
+        constraint=tuple(eq for regime in chosen for eq in _constraint(write, regime)),
+        conditions=tuple(c for i in each for c in _conditions(write, mode, chosen[i], i)),
+        symbols={**known, **{str(f.func): f for f in (*forces, *others, *map(write, found.q))}},
         letters=letters,
     )
 
 
-def _motion(write: Written, forces: Sequence[Any], chosen: Sequence[Regime]) -> tuple[Any, ...]:
-    """M q'' + what energies and dampers give = loads + sum of W F."""
+def _motion(write: Written, forces: Sequence[Any]) -> tuple[Any, ...]:
+    """Eq. (1): M q'' + what energies and dampers give = loads + sum of W F."""
     found = write.system
     second = sympy.Matrix([sympy.diff(write(x), TIME, 2) for x in found.q])
     left = found.mass * second + sympy.Matrix([write(r) for r in found.internal])
     right = sympy.Matrix([write(load) for load in found.loads])
     for i, (contact, force) in enumerate(zip(found.mechanics.contacts, forces, strict=True)):
         right += found.direction(contact) * force
-        right += found.pressed(contact, chosen[i].name) * _named(found, "F_N", i)
+        right += found.normal(contact) * _named(found, "F_N", i)
     return tuple(map(equation, left.applyfunc(write), right.applyfunc(write)))
 
 
 def _forces(write: Written, mode: str, chosen: Sequence[Regime], i: int) -> tuple[Any, ...]:
-    """F_N and F_T of a contact with friction; in stick F_T, and at a stop F_N, is what holds it."""
+    """Eqs. (2) and (3): F_N and F_T of a contact; in stick F_T, and at a stop F_N, is what holds it."""
     found, force = write.system, _force(write.system, i)
-    contact, value = found.mechanics.contacts[i], solved(found, chosen)[1][i]
+    contact = found.mechanics.contacts[i]
     if isinstance(contact, Stop):
-        return (equation(force, write(value)),)
+        return (equation(force, write(solved(write.named, chosen)[1][i])),)
+    normal, regime = _named(found, "F_N", i), chosen[i]
+    if regime.name.startswith("slip"):
+        friction = _friction(write, mode, regime, i)
+    else:
+        friction = write(solved(write.named, chosen)[1][i])
+    pressed = 0 if regime.name == "separation" else write(contact.pressing)
+    return equation(normal, pressed), equation(force, friction)
+
+
+def _friction(write: Written, mode: str, regime: Regime, i: int) -> Any:
+    """Eq. (3).  The sign is that of v_r, but of the belt's speed where the interface keeps it fixed."""
+    found = write.system
+    contact: Any = found.mechanics.contacts[i]
     normal, velocity = (_named(found, name, i) for name in ("F_N", "v_r"))
-    pressed = 0 if chosen[i].name == "separation" else write(contact.normal_force)
-    return equation(normal, pressed), equation(
-        force, _friction(mode, contact, chosen[i], velocity, normal, write(value))
-    )
-
-
-def _friction(mode: str, contact: Friction, regime: Regime, velocity: Any, normal: Any, value: Any) -> Any:
-    if not regime.name.startswith("slip"):
-        return value
-    if mode == "slip":
+    if mode == "slip" and regime.name == "slip+":
         return sympy.sign(velocity) * contact.law.kinetic(normal, sympy.Abs(velocity))
-    sign = 1 if regime.name == "slip+" else -1
-    return sign * contact.law.kinetic(normal, sign * velocity)
+    fixed = sympy.sign(found.at_rest(contact.relative_velocity))
+    return sliding_friction(contact, {"slip+": 1, "slip-": -1}.get(regime.name, fixed), normal, velocity)
 
 
 def _definitions(write: Written) -> tuple[Any, ...]:
@@ -104,29 +140,53 @@ def _definitions(write: Written) -> tuple[Any, ...]:
     return tuple(equation(_named(write.system, "v_r", i), write(v)) for i, v in rows)
 
 
+def _constraint(write: Written, regime: Regime) -> tuple[Any, ...]:
+    pair = None if regime.held is None else write.system.pair(regime.held)
+    if pair is None or len(regime.constraints) > 1:
+        return tuple(equation(write(c), 0) for c in regime.constraints)
+    return _together(write, pair)
+
+
+def _together(write: Written, pair: Pair) -> tuple[Any, ...]:
+    """Eq. (5): the second body's coordinate from the first one's, since the onset t_s of stick."""
+    one, two = (write(write.system.q[i]) for i in (pair.first, pair.second))
+    onset = symbol("t_s")
+    travelled = one - one.subs(TIME, onset) - pair.speed * (TIME - onset)
+    return (
+        equation(sympy.diff(two, TIME), sympy.diff(one, TIME) - pair.speed),
+        equation(sympy.diff(two, TIME, 2), sympy.diff(one, TIME, 2)),
+        equation(two, travelled + two.subs(TIME, onset)),
+    )
+
+
 def _conditions(write: Written, mode: str, regime: Regime, i: int) -> tuple[Any, ...]:
-    """What holds while the regime lasts."""
+    """What holds while the regime lasts: Eqs. (4), (8) and (9)."""
     found, contact = write.system, write.system.mechanics.contacts[i]
     if isinstance(contact, Stop):
         positive = _force(found, i) if regime.name == "contact" else write(contact.distance)
         return (sympy.Gt(positive, 0, evaluate=False),)
-    pressed = () if contact.gap is None else (sympy.Gt(write(contact.gap), 0, evaluate=False),)
     if regime.name == "separation":
         return (sympy.Lt(write(contact.gap), 0, evaluate=False),)
-    velocity = _named(found, "v_r", i)
+    normal, velocity = (_named(found, name, i) for name in ("F_N", "v_r"))
+    pressed = (sympy.Gt(normal, 0, evaluate=False),) if "separation" in contact.modes else ()
     if regime.name == "stick":
-        limit = contact.law.static_limit(_named(found, "F_N", i))
+        limit = contact.law.static_limit(normal)
         return (sympy.Le(sympy.Abs(_force(found, i)), limit, evaluate=False), *pressed)
+    if regime.name == "slip":
+        return pressed
     signs = {"slip": sympy.Ne, "slip+": sympy.Gt, "slip-": sympy.Lt}
     return (signs["slip" if mode == "slip" else regime.name](velocity, 0, evaluate=False), *pressed)
 
 
-def _impact(write: Written) -> tuple[Any, ...]:
-    """The rate of the distance after the impact from that before."""
-    stop: Any = write.system.mechanics.contacts[0]
-    before, after = symbol("rate-"), symbol("rate+")
-    rate = write(write.system.rate(stop.distance))
-    return (equation(before, rate), equation(after, rate_after(stop.law, before)))
+def _impact(copy: Any, found: System, letters: Mapping[str, str]) -> Equations:
+    contact = found.mechanics.contacts[0]
+    if isinstance(contact, Stop):
+        rate = written(found.rate(contact.distance), _functions(found))
+        return Equations("impact", impact=stop_equations(contact, rate), letters=letters)
+    impact, symbols = impact_equations(copy)
+    return Equations(
+        "impact", impact=impact, symbols=symbols, letters={**letters, **impact_letters(copy, letters)}
+    )
 
 
 def _force(found: System, i: int) -> Any:

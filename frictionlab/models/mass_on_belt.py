@@ -11,6 +11,7 @@ from frictionlab.components.friction import Coulomb, FrictionLaw
 
 from .fields import damper, mass, natural_period, normal, speed, stiffness
 from .mechanics import Friction, Mechanics, SingleMass
+from .mechanism import Belt, Mechanism, held_block
 from .model import with_signature
 
 
@@ -73,6 +74,11 @@ class MassOnBelt(SingleMass):
     def period(self) -> float:
         """That of the mass on its spring, s."""
         return natural_period(self.k, self.m)
+
+    @property
+    def mechanism(self) -> Mechanism:
+        """A block on a belt, on a spring."""
+        return Mechanism(Belt("v"), *held_block("x"))
 
     def mechanics(self, q: Any, v: Any) -> Mechanics:
         """One mass, one contact."""

@@ -1,16 +1,22 @@
-"""What a textbook model is made of: energies, loads and contacts, in arithmetic that needs no sympy."""
+"""What a model is made of: energies, loads and contacts, in arithmetic that needs no sympy."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
 
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.components.friction import FrictionLaw
 from frictionlab.components.impact import ImpactLaw
+from frictionlab.components.interface import Interface, StickSlipSeparation
 
 from .model import Model
+from .nonlinearities import Nonlinearity, nonlinearities_of
+
+if TYPE_CHECKING:
+    from .system import System
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,19 +29,41 @@ class Friction:
     ----------
     relative_velocity : Expr
         v_r, linear in the velocities, m/s.
-    normal_force : Expr
-        F_N, N.
+    normal_force : Expr or callable
+        F_N, N; of a contact with a gap best as a function of the gap, such as ``contact.force`` of a law,
+        as its integral is the energy that the contact stores.
     law : FrictionLaw
     gap : Expr or None
-        Compression of the contact, m, where the bodies may separate: F_N vanishes with it and acts along
-        minus its gradient, and there is no force while it is negative.  None for a contact that is never
-        lost, under a normal force that does no work.
+        Compression of the contact, m, where the bodies may separate: F_N vanishes with it, and there is no
+        force while it is negative.  None for a contact that is never lost, under a normal force that does
+        no work.
+    normal : tuple of Expr or None
+        W_N, where F_N enters, for each coordinate; by default minus the gradient of the gap, so that the
+        contact does no work but that of its spring.  :class:`Geometry` gives the paper's.
+    impact : ImpactLaw or None
+        What happens where the gap closes; by default nothing, as there is no mass at the contact.
+    interface : Interface or None
+        The regimes that the contact has; by default those of the model's `interface`.
     """
 
     relative_velocity: Any
     normal_force: Any
     law: FrictionLaw
     gap: Any = None
+    normal: tuple[Any, ...] | None = None
+    impact: ImpactLaw | None = None
+    interface: Interface | None = None
+
+    @property
+    def pressing(self) -> Any:
+        """F_N (N) as an expression."""
+        return self.normal_force(self.gap) if callable(self.normal_force) else self.normal_force
+
+    @property
+    def modes(self) -> tuple[str, ...]:
+        """Names of the regimes, in the order in which they are tried; a contact without a gap is not lost."""
+        names = (self.interface or StickSlipSeparation()).modes
+        return names if self.gap is not None else tuple(name for name in names if name != "separation")
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,10 +76,19 @@ class Stop:
         Distance from the stop, m, at least 0.
     law : ImpactLaw
         What happens where it comes to 0.
+    interface : Interface or None
+        By default the model's `interface`; one without separation knows no stop.
     """
 
     distance: Any
     law: ImpactLaw
+    interface: Interface | None = None
+
+    @property
+    def modes(self) -> tuple[str, ...]:
+        """Names of the regimes."""
+        names = (self.interface or StickSlipSeparation()).modes
+        return ("flight", "contact") if "separation" in names else ("flight",)
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,8 +97,10 @@ class Mechanics:
 
     Parameters
     ----------
-    kinetic, potential : Expr
-        Energies T(q, v) and V(q), J.
+    kinetic : Expr
+        Energy T(q, v), J.
+    potential : Expr or mapping of str to Expr
+        Energy V(q), J; or several by their names, such as "springs" and "gravity", of which V is the sum.
     dissipation : Expr
         Rayleigh's dissipation function D(v), W: half the power that the dampers take.
     contacts : tuple of Friction or Stop
@@ -79,10 +118,39 @@ class Mechanics:
     loads: Mapping[str, Any] = field(default_factory=dict)
     frequency: Any = None
 
+    @property
+    def stored(self) -> Any:
+        """V (J), of all that is stored by position."""
+        return sum(self.potential.values()) if isinstance(self.potential, Mapping) else self.potential
+
 
 @dataclass(frozen=True, init=False, repr=False)
 class MechanicalModel(Model):
-    """Base of the models that say what they are made of; modes, resets and equations follow from it."""
+    """Base of the models that say what they are made of; modes, resets and equations follow from it.
+
+    Beside its components a model has an `interface`: the regimes of its contacts, all by default.
+    """
+
+    interface: Interface = StickSlipSeparation()
+
+    def __init_subclass__(cls, **options: Any) -> None:
+        super().__init_subclass__(**options)
+        cls.roles = MappingProxyType({**cls.roles, "interface": Interface})
+
+    @property
+    def nonlinearities(self) -> Mapping[str, Nonlinearity]:
+        """Those of its components; of a model without contacts the interface is none."""
+        found = nonlinearities_of(self)
+        if not self.system().mechanics.contacts:
+            found.pop("nonsmooth", None)
+        return MappingProxyType(found)
+
+    def system(self) -> System:
+        """Lagrange's equations of its structure, in symbols."""
+        from .symbols import structure
+        from .system import system_of
+
+        return system_of(structure(self))
 
     def mechanics(self, q: Any, v: Any) -> Mechanics:
         """Energies, loads and contacts, at coordinates ``q.<name>`` and velocities ``v.<name>``."""

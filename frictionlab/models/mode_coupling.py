@@ -13,6 +13,7 @@ from frictionlab.components.friction import Coulomb, FrictionLaw
 from frictionlab.components.parameter import parameter
 
 from .fields import angle, damper, mass, natural_period, speed, stiffness
+from .mechanism import Mechanism, leaning, pressed_on_belt
 from .model import with_signature
 from .planar import PlanarSlider, inclined
 
@@ -103,6 +104,11 @@ class ModeCoupling(PlanarSlider):
         """omega_c at mu_c, rad/s."""
         k11, _, k22 = self.stiffnesses
         return ((k11 + k22) / (2 * self.m)) ** 0.5
+
+    @property
+    def mechanism(self) -> Mechanism:
+        """A body on its contact spring on a belt, and both inclined springs."""
+        return pressed_on_belt(*(leaning(a) for a in (self.a1, self.a2)))
 
     def springs(self, q: Any) -> Any:
         """Energy of both inclined springs, J."""

@@ -6,14 +6,17 @@ import inspect
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self, TypeVar
 
 from frictionlab.components.component import Component
 from frictionlab.components.parameter import parameters_of
 
 from .description import Description, describe
+from .mechanism import Mechanism, TiltingBelt
 from .namespace import changed, chosen, owners, refuse_unknown, refuse_unnamed, signature
+from .nonlinearities import Nonlinearity, nonlinearities_of, without
 from .serialise import component_from_dict, component_to_dict
+from .sliding_statics import SlidingStatics
 
 if TYPE_CHECKING:
     from frictionlab.automaton import HybridAutomaton
@@ -21,6 +24,14 @@ if TYPE_CHECKING:
     from .equations import Equations
 
 M = TypeVar("M", bound="Model")
+PITCH = 200.0  # Hz, as which an oscillation is heard
+
+
+class Tone(NamedTuple):
+    """What is heard of a model, and how much faster than the motion it is played."""
+
+    signal: str
+    pitch: float
 
 
 @dataclass(frozen=True, init=False, repr=False)
@@ -40,8 +51,10 @@ class Model(Component):
       prime, and what else there is.
 
     It may have `reference` (where it comes from), `period` (about how long an oscillation takes, by which
-    pictures choose what they show) and :meth:`release` (where a run from rest begins).  All the rest then
-    works: `simulate`, `eigenvalues`, `bifurcation`, `explore`, `plot_run`, files.
+    pictures choose what they show), :meth:`release` (where a run from rest begins), `mechanism` (what it
+    looks like), `nonlinearities` (what it can be without), `sound` and `statics`.  All the rest then works:
+    `simulate`, `eigenvalues`, `bifurcation`, `explore`, `plot_run`, files; with energies `energy_audit`, with
+    a mechanism `animate` and `watch`.
 
     Modes named "stick", "slip+", "slip-", "separation", and outputs named "gap", "normal_force",
     "friction_force", "relative_velocity" are drawn and checked as such.  A mode with constraints holds
@@ -68,6 +81,7 @@ class Model(Component):
 
     roles: ClassVar[Mapping[str, type]] = MappingProxyType({})
     reference: ClassVar[str] = ""
+    statics: ClassVar[SlidingStatics | None] = None
     __signature__: ClassVar[inspect.Signature]
 
     def __init__(self, *unnamed: Any, **given: Any) -> None:
@@ -145,17 +159,40 @@ class Model(Component):
         return type(self)(**{**own, **self.components, **changes})
 
     def without(self, *names: str) -> Self:
-        """The model without nonlinearities, where it has names for them.
+        """The model without some of its :attr:`nonlinearities`.
+
+        Parameters
+        ----------
+        *names : str
+            Of a SliderOnBelt "cubic", "nonsmooth", "geometry": LinearContact with the same k2, SlidingOnly,
+            FixedLoad take the components' places.
 
         Raises
         ------
         ValueError
-            If it has none: only `SliderOnBelt` does.
+            For another name.
         """
-        raise ValueError(
-            f"{type(self).__name__} has no nonlinearity to leave out by name, got {names!r}: "
-            "give it another law with replace(...)"
-        )
+        return self.replace(**without(self, names))
+
+    @property
+    def sound(self) -> Tone:
+        """What `listen` plays: v_r, or the first coordinate's rate, with periods heard as 200 Hz."""
+        outputs = self.automaton().modes[0].outputs
+        heard = next((name for name in outputs if name.startswith("relative_velocity")), None)
+        return Tone(heard or f"{self.coordinates[0]}'", float(f"{PITCH * self.period:.3g}"))
+
+    @property
+    def mechanism(self) -> Mechanism | TiltingBelt | None:
+        """What the model looks like, for `animate` and `watch`; None where it does not say."""
+        return None
+
+    @property
+    def nonlinearities(self) -> Mapping[str, Nonlinearity]:
+        """What the model can be without, by name: the switches of `without`, `ablation` and `explore`.
+
+        They follow from the kinds of the components; a model of your own may have others.
+        """
+        return MappingProxyType(nonlinearities_of(self))
 
     def describe(self) -> Description:
         """Table of the parameters: symbol, value, unit, meaning."""

@@ -41,7 +41,7 @@ class PlanarSlider(MechanicalModel):
             kinetic=self.m * (v.x**2 + v.y**2) / 2,
             potential=self.springs(q) - self.F * q.y,
             dissipation=self.c * (v.x**2 + v.y**2) / 2,
-            contacts=(Friction(self.v - v.x, self.normal_force(q.y), self.friction, gap=q.y),),
+            contacts=(Friction(self.v - v.x, self.normal_force, self.friction, gap=q.y),),
         )
 
 

@@ -4,17 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from functools import partial
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import sympy
 
-from frictionlab.components.impact import ImpactLaw, PlasticImpact
-
 from .mechanics import Friction, Stop
-from .symbols import multiplied_out
 
-OTHER = {"slip+": "slip-", "slip-": "slip+"}
+if TYPE_CHECKING:
+    from .system import System
+
 PHASE = "phase"
+# The regimes tried first after an event, in this order, as far as the contact has them.
+AFTER_SLIP = {"slip+": ("stick", "slip-"), "slip-": ("stick", "slip+")}
+AFTER_FLIGHT = ("slip+", "slip-", "slip", "stick")
 
 
 class End(NamedTuple):
@@ -52,34 +55,87 @@ class Regime:
     ends: Callable[[Any], tuple[End, ...]]
 
 
-def regimes(contact: Friction | Stop, rate: Callable[[Any], Any]) -> tuple[Regime, ...]:
-    """All regimes of a contact, in the order in which they are tried; `rate` differentiates by time."""
-    return (
-        _of_friction(contact) if isinstance(contact, Friction) else _of_stop(contact, rate(contact.distance))
-    )
+def regimes(contact: Friction | Stop, found: System) -> tuple[Regime, ...]:
+    """All regimes of a contact, in the order in which they are tried."""
+    if isinstance(contact, Stop):
+        return _of_stop(contact, found.rate(contact.distance))
+    return tuple(regime(contact, name, found) for name in contact.modes)
 
 
-def _of_friction(contact: Friction) -> tuple[Regime, ...]:
-    speed, normal, law = contact.relative_velocity, contact.normal_force, contact.law
-    lost = () if contact.gap is None else (End("gap", contact.gap, ("separation",)),)
-    limit = law.static_limit(normal)
+def regime(contact: Friction, name: str, found: System) -> Regime:
+    """One regime of a contact with friction.
+
+    Raises
+    ------
+    ValueError
+        If there is none of that name.
+    """
+    if name not in BUILDERS:
+        raise ValueError(f"no mode is called {name!r}: an interface may list {', '.join(BUILDERS)}")
+    return BUILDERS[name](contact, found)
+
+
+def sliding_friction(contact: Friction, sign: Any, normal: Any, speed: Any) -> Any:
+    """F_T while sliding towards `sign`."""
+    return sign * contact.law.kinetic(normal, sign * speed)
+
+
+def _slip(contact: Friction, found: System, name: str) -> Regime:
+    """Sliding in one direction, Eqs. (1) to (4)."""
+    sign, speed = 1 if name == "slip+" else -1, contact.relative_velocity
+    stops = End("v_r", sign * speed, _known(contact, AFTER_SLIP[name]), "project")
+    force = sliding_friction(contact, sign, contact.pressing, speed)
+    return Regime(name, force, None, (), lambda _: (stops, *_leaving(contact)))
+
+
+def _slip_on(contact: Friction, found: System) -> Regime:
+    """Sliding whose friction force keeps its sign, that of the belt's speed."""
+    speed = contact.relative_velocity
+    force = sliding_friction(contact, sympy.sign(found.at_rest(speed)), contact.pressing, speed)
+    return Regime("slip", force, None, (), lambda _: _leaving(contact))
+
+
+def _stick(contact: Friction, found: System) -> Regime:
+    """Sticking, Eqs. (5) to (8), until the force that holds leaves the cone."""
+    speed, limit = contact.relative_velocity, contact.law.static_limit(contact.pressing)
 
     def breaks(force: Any) -> tuple[End, ...]:
-        return (End("cone+", limit - force, ("slip+",)), End("cone-", limit + force, ("slip-",)), *lost)
+        forwards = End("cone+", limit - force, _known(contact, ("slip+",)))
+        backwards = End("cone-", limit + force, _known(contact, ("slip-",)))
+        return (forwards, backwards, *_leaving(contact))
 
-    def slip(name: str) -> Regime:
-        sign = 1 if name == "slip+" else -1
-        stops = End("v_r", sign * speed, ("stick", OTHER[name]), "project")
-        return Regime(name, sign * law.kinetic(normal, sign * speed), None, (), lambda _: (stops, *lost))
+    return Regime("stick", None, speed, (speed,), breaks)
 
-    found = Regime("stick", None, speed, (speed,), breaks), slip("slip+"), slip("slip-")
-    if contact.gap is None:
-        return found
-    lands = End("gap", -contact.gap, ("slip+", "slip-", "stick"))
-    return (*found, Regime("separation", sympy.S.Zero, None, (), lambda _: (lands,)))
+
+def _separation(contact: Friction, found: System) -> Regime:
+    """Flight, Eq. (9): no contact forces; it ends where the gap closes."""
+    jump = None if contact.impact is None else "impact"
+    lands = End("gap", -contact.gap, _known(contact, AFTER_FLIGHT), jump)
+    return Regime("separation", sympy.S.Zero, None, (), lambda _: (lands,))
+
+
+BUILDERS: dict[str, Callable[[Friction, Any], Regime]] = {
+    "stick": _stick,
+    "slip+": partial(_slip, name="slip+"),
+    "slip-": partial(_slip, name="slip-"),
+    "slip": _slip_on,
+    "separation": _separation,
+}
+
+
+def _leaving(contact: Friction) -> tuple[End, ...]:
+    # Bilateral contact is an interface without the mode that a lost contact would lead to.
+    targets = _known(contact, ("separation",))
+    return (End("gap", contact.gap, targets),) if targets else ()
+
+
+def _known(contact: Friction, names: tuple[str, ...]) -> tuple[str, ...]:
+    return tuple(name for name in names if name in contact.modes)
 
 
 def _of_stop(contact: Stop, rate: Any) -> tuple[Regime, ...]:
+    if "contact" not in contact.modes:
+        return (Regime("flight", sympy.S.Zero, None, (), lambda _: ()),)
     hits = End("impact", contact.distance, ("flight", "contact"), "impact")
     return (
         Regime("flight", sympy.S.Zero, None, (), lambda _: (hits,)),
@@ -87,12 +143,3 @@ def _of_stop(contact: Stop, rate: Any) -> tuple[Regime, ...]:
             "contact", None, rate, (contact.distance, rate), lambda force: (End("off", force, ("flight",)),)
         ),
     )
-
-
-def rate_after(law: ImpactLaw, rate: Any) -> Any:
-    """Rate at which the distance from a stop grows after an impact, from that before."""
-    compliance = sympy.Symbol("compliance", positive=True)
-    return multiplied_out(rate + compliance * law.impulse(-rate, -rate, compliance))
-
-
-CLOSING = PlasticImpact("full")

@@ -1,63 +1,112 @@
-"""What jumps at an event: the projection on stick, and the impact of a re-contact."""
+"""What jumps at an event: the projection on stick, the impact on a stop, and that of a re-contact."""
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import sympy
 
 from frictionlab.automaton import Reset
 from frictionlab.components.impact import ImpactLaw, PlasticImpact
 
-from .scene import Scene
-from .symbols import multiplied_out
+from .mechanics import Friction, Stop
+from .symbols import multiplied_out, symbol
+
+if TYPE_CHECKING:
+    from .system import System
 
 RATES = sympy.symbols("material_rate gap_rate compliance", real=True)
+CLOSING = PlasticImpact("full")  # ends an accumulation of impacts
 
 
-def projection(scene: Scene) -> Reset:
-    """v_r = 0, keeping the tangential momentum M x1' + m x2': it removes only the rounding of the root."""
-    one, two = scene.tangent.index(1), scene.tangent.index(-1)
-    heavy, light, belt = scene.mass[one], scene.mass[two], scene.model.v
-    together = (heavy * scene.v[one] + light * scene.v[two] + light * belt) / (heavy + light)
-    return Reset({scene.v[one]: together, scene.v[two]: together - belt})
+def projection(found: System, contact: Any) -> Reset:
+    """v_r = 0 by an impulse along W: it removes only the rounding of the root."""
+    pair = found.pair(contact.relative_velocity)
+    if pair is not None:
+        return _together(found, pair)
+    w = found.direction(contact)
+    jump = _kick(found, w, contact.relative_velocity / compliance(found, w))
+    return Reset({rate: multiplied_out(after) for rate, after in jump.items()})
 
 
-def impact(scene: Scene) -> tuple[Reset, Reset]:
-    """The re-contact under the model's impact law, and the one that closes an accumulation of them."""
-    return _jump(scene, scene.model.impact), _jump(scene, PlasticImpact("full"))
+def _together(found: System, pair: Any) -> Reset:
+    """The same between two bodies, which keep their momentum M x1' + m x2'."""
+    one, two, speed = pair
+    heavy, light = found.masses[one], found.masses[two]
+    together = (heavy * found.v[one] + light * found.v[two] + light * speed) / (heavy + light)
+    return Reset({found.v[one]: together, found.v[two]: together - speed})
 
 
-def velocities_after(scene: Scene, direction: Any, impulse: Any) -> dict[Any, Any]:
+def impact(found: System, contact: Friction | Stop) -> tuple[Reset, Reset]:
+    """The impact under the contact's law, and the one that closes an accumulation of them."""
+    if isinstance(contact, Stop):
+        return _on_stop(found, contact, contact.law), _on_stop(found, contact, CLOSING)
+    return _landing(found, contact, contact.impact), _landing(found, contact, CLOSING)
+
+
+def compliance(found: System, w: Any) -> Any:
+    """W^T M^-1 W (1/kg), the denominator of Eq. (14)."""
+    return (w.T * found.inverse * w)[0]
+
+
+def velocities_after(found: System, direction: Any, impulse: Any) -> dict[Any, Any]:
     """M dv = W p, Eqs. (10) to (12): the velocities that jump, after an impulse along W_N or W_T."""
-    rows = zip(scene.v, direction, scene.mass, strict=True)
-    return {rate: rate + w * impulse / mass for rate, w, mass in rows if w * impulse != 0}
+    return _kick(found, direction, impulse) if impulse != 0 else {}
 
 
-def friction_impulse(scene: Scene, law: ImpactLaw) -> Any:
+def _kick(found: System, w: Any, impulse: Any) -> dict[Any, Any]:
+    changes = [p * impulse / m for p, m in zip(w, found.masses)] or found.inverse * w * impulse
+    return {rate: rate + change for rate, change in zip(found.v, changes, strict=True) if change != 0}
+
+
+def material_rate(found: System, contact: Friction) -> Any:
+    """-W_N . q': the velocity at which the bodies approach at the contact's material points."""
+    return -sum(w * rate for w, rate in zip(found.normal(contact), found.v, strict=True))
+
+
+def friction_impulse(found: System, contact: Friction, law: ImpactLaw) -> Any:
     """The tangential impulse (N s) of the re-contact, along W_T; none in the paper."""
-    compliance = sum(w**2 / m for w, m in zip(scene.tangent, scene.mass, strict=True))
-    return law.friction(impulse(scene, law), scene.relative_velocity / compliance)
+    stopping = contact.relative_velocity / compliance(found, found.direction(contact))
+    return law.friction(impulse(found, contact, law), stopping)
 
 
-def impulse(scene: Scene, law: ImpactLaw) -> Any:
+def impulse(found: System, contact: Friction, law: ImpactLaw) -> Any:
     """The impulse p (N s) of the re-contact, Eq. (14)."""
-    return law.impulse(scene.material_rate, scene.gap_rate, scene.compliance)
+    rates = material_rate(found, contact), found.rate(contact.gap)
+    return law.impulse(*rates, compliance(found, found.normal(contact)))
 
 
-def rates_after(scene: Scene, law: ImpactLaw) -> tuple[Any, Any]:
+def rates_after(found: System, contact: Friction, law: Any) -> tuple[Any, Any]:
     """Material and full gap rate after the impact in terms of those before it, as the symbols of RATES."""
-    material, full, compliance = RATES
-    if multiplied_out(scene.material_rate - scene.gap_rate) == 0:
+    material, full, soft = RATES
+    if multiplied_out(material_rate(found, contact) - found.rate(contact.gap)) == 0:
         material = full
-    change = compliance * law.impulse(material, full, compliance)
+    change = soft * law.impulse(material, full, soft)
     return multiplied_out(material - change), multiplied_out(full - change)
 
 
-def _jump(scene: Scene, law: ImpactLaw) -> Reset:
+def _landing(found: System, contact: Friction, law: Any) -> Reset:
     # The gap is zero where this happens; its rate afterwards only if the law makes it so identically.
-    order = 2 if rates_after(scene, law)[1] == 0 else 1
-    rubbed = velocities_after(scene, scene.tangent, friction_impulse(scene, law))
-    pushed = velocities_after(scene, scene.normal, impulse(scene, law))
+    order = 2 if rates_after(found, contact, law)[1] == 0 else 1
+    rubbed = velocities_after(found, found.direction(contact), friction_impulse(found, contact, law))
+    pushed = velocities_after(found, found.normal(contact), impulse(found, contact, law))
     jump = rubbed | {rate: after.xreplace(rubbed) for rate, after in pushed.items()}
-    return Reset(jump, {scene.gap: order, -scene.gap: order})
+    return Reset(jump, {contact.gap: order, -contact.gap: order})
+
+
+def _on_stop(found: System, contact: Stop, law: Any) -> Reset:
+    """The impulse of an impact law; the distance is zero there, its rate if the law makes it so."""
+    w, rate = found.direction(contact), found.rate(contact.distance)
+    order = 2 if rate_after(law, symbol("rate")) == 0 else 1
+    # The place is put right as well, which removes only the rounding of the root: what comes to rest on the
+    # stop is on it to the last bit.
+    moved = zip(found.q, found.inverse * w * (contact.distance / compliance(found, w)), strict=True)
+    placed = {x: multiplied_out(x - change) for x, change in moved if change != 0}
+    after = _kick(found, w, law.impulse(-rate, -rate, compliance(found, w)))
+    return Reset({**placed, **{v: multiplied_out(a) for v, a in after.items()}}, {contact.distance: order})
+
+
+def rate_after(law: ImpactLaw, rate: Any) -> Any:
+    """Rate at which the distance from a stop grows after an impact, from that before."""
+    soft = sympy.Symbol("compliance", positive=True)
+    return multiplied_out(rate + soft * law.impulse(-rate, -rate, soft))

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, ClassVar, Self
+from types import MappingProxyType, SimpleNamespace
+from typing import Any, ClassVar
 
 from frictionlab.components.contact import ContactLaw, CubicContact
 from frictionlab.components.friction import Coulomb, FrictionLaw
@@ -14,13 +14,12 @@ from frictionlab.components.impact import ImpactLaw, PlasticImpact
 from frictionlab.components.interface import Interface, StickSlipSeparation
 from frictionlab.components.parameter import parameter
 
-from .model import Model, with_signature
-from .toggles import replacements
+from .mechanics import Friction, MechanicalModel, Mechanics
+from .mechanism import TiltingBelt
+from .model import with_signature
+from .sliding_statics import SlidingStatics
 
-if TYPE_CHECKING:
-    from frictionlab.automaton import HybridAutomaton
-
-    from .equations import Equations
+ALL = ("x1", "y1", "x2", "y2", "phi")
 
 
 def _mass(
@@ -67,7 +66,7 @@ def _length(number: int, wheel: str) -> Any:
 
 @with_signature
 @dataclass(frozen=True, init=False, repr=False)
-class SliderOnBelt(Model):
+class SliderOnBelt(MechanicalModel):
     """The 5-degree-of-freedom slider-on-belt system of Liu & Ouyang (2020), Eqs. (1) to (17).
 
     Every parameter is a keyword, those of the components too; defaults are Table 1 with mu_k = 0.3,
@@ -149,40 +148,46 @@ class SliderOnBelt(Model):
         }
     )
 
+    statics: ClassVar[SlidingStatics] = SlidingStatics(height="y1")
+
     @property
     def coordinates(self) -> tuple[str, ...]:
         """Names of the coordinates: x1, y1 of the slider, x2, y2 and the angle phi of the belt."""
         return self.geometry.coordinates
 
-    def derive(self) -> HybridAutomaton:
-        """The modes of the interface, and the limit of impacts that throw off."""
-        from .assembly import slider_automaton
+    @property
+    def mechanism(self) -> TiltingBelt:
+        """Fig. 1 of the paper."""
+        return TiltingBelt()
 
-        return slider_automaton(self)
+    def mechanics(self, q: Any, v: Any) -> Mechanics:
+        """Two bodies; k3 lies at 45 degrees, k5 and k6 hold the belt at its two wheels."""
+        contact = self._contact(q, v)
+        q, v = _all(q), _all(v)
+        slider = self.k1 * q.x1**2 + self.k3 * (q.x1 - q.y1) ** 2 / 2
+        belt = self.k5 * (q.y2 + self.l1 * q.phi) ** 2 + self.k6 * (q.y2 - self.l2 * q.phi) ** 2
+        dampers = self.c5 * (v.y2 + self.l1 * v.phi) ** 2 + self.c6 * (v.y2 - self.l2 * v.phi) ** 2
+        moving = self.M * (v.x1**2 + v.y1**2) + self.m * (v.x2**2 + v.y2**2) + self.J * v.phi**2
+        return Mechanics(
+            kinetic=moving / 2,
+            potential={"springs": (slider + self.k4 * q.x2**2 + belt) / 2, "preload": self.F * q.y1},
+            dissipation=(self.c1 * v.x1**2 + self.c2 * v.y1**2 + self.c4 * v.x2**2 + dampers) / 2,
+            contacts=(contact,),
+        )
 
-    def equations(self, mode: str) -> Equations:
-        """The equations of a mode (or of the "impact") as the paper writes them; LaTeX in a notebook.
+    def _contact(self, q: Any, v: Any) -> Friction:
+        at, rates = ([getattr(x, name) for name in self.coordinates] for x in (q, v))
+        tangent = self.geometry.tangent(*at)
+        return Friction(
+            relative_velocity=self.v - sum(w * rate for w, rate in zip(tangent, rates, strict=True)),
+            normal_force=self.contact.force,
+            law=self.friction,
+            gap=self.geometry.gap(*at),
+            normal=self.geometry.normal(*at),
+            impact=self.impact,
+        )
 
-        Raises
-        ------
-        ValueError
-            If the model has no such mode.
-        """
-        from .equations import equations
 
-        return equations(self, mode)
-
-    def without(self, *names: str) -> Self:
-        """The model without nonlinearities of the paper.
-
-        Parameters
-        ----------
-        *names : {"cubic", "nonsmooth", "geometry"}
-            LinearContact with the same k2, SlidingOnly, FixedLoad take the components' places.
-
-        Raises
-        ------
-        ValueError
-            For another name.
-        """
-        return self.replace(**replacements(self, names))
+def _all(at: Any) -> SimpleNamespace:
+    """All coordinates, or their rates; those that the geometry leaves out are zero."""
+    return SimpleNamespace(**{name: getattr(at, name, 0) for name in ALL})

@@ -13,6 +13,7 @@ from frictionlab.components.friction import Coulomb, FrictionLaw
 from frictionlab.components.parameter import parameter
 
 from .fields import angle, damper, mass, natural_period, speed, stiffness
+from .mechanism import Mechanism, leaning, pressed_on_belt
 from .model import with_signature
 from .planar import PlanarSlider, inclined
 
@@ -87,6 +88,11 @@ class SliderOnRigidBelt(PlanarSlider):
     def period(self) -> float:
         """That of the mass on its spring along the belt, s."""
         return natural_period(self.k1, self.m)
+
+    @property
+    def mechanism(self) -> Mechanism:
+        """A body on its contact spring on a belt, and two springs."""
+        return pressed_on_belt(leaning(0.0), leaning(self.a))
 
     def springs(self, q: Any) -> Any:
         """Energy of both springs, J."""

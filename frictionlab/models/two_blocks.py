@@ -11,6 +11,7 @@ from frictionlab.components.friction import Coulomb, FrictionLaw
 
 from .fields import damper, mass, natural_period, normal, speed, stiffness
 from .mechanics import Friction, MechanicalModel, Mechanics
+from .mechanism import Belt, Mechanism, Place, Spring, held_block
 from .model import with_signature
 
 
@@ -78,6 +79,14 @@ class TwoBlocks(MechanicalModel):
     def period(self) -> float:
         """That of the first block on its own spring, s."""
         return natural_period(self.k1, self.m1)
+
+    @property
+    def mechanism(self) -> Mechanism:
+        """Two blocks on one belt, each held by a spring, and a spring between them."""
+        one = held_block("x1", wall=-2.4, place=-0.9, number="_1")
+        two = held_block("x2", wall=2.4, place=0.9, number="_2")
+        between = Spring(Place(-0.6, 0.2, right="x1"), Place(0.6, 0.2, right="x2"))
+        return Mechanism(Belt("v", start=-2.0, end=2.0), *one, *two, between)
 
     def mechanics(self, q: Any, v: Any) -> Mechanics:
         """Two masses, two contacts."""

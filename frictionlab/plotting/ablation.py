@@ -1,4 +1,4 @@
-"""Small multiples of an ablation: one study, eight scenes."""
+"""Small multiples of an ablation: one study of all scenes."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from frictionlab.analysis.ablation import SWITCHES
+from frictionlab.analysis.ablation import all_of
 from frictionlab.analysis.bifurcation import Bifurcation
 from frictionlab.analysis.spectrum import Spectrum
 from frictionlab.analysis.window import SteadyState
@@ -22,10 +22,11 @@ from .spectrum import DECADES
 
 CYCLES = 3  # periods drawn of a periodic motion
 SECONDS = 2.0  # drawn of others
+COLUMNS = 4  # panels side by side
 
 
 def plot_ablation(ablation: Any, *, name: str = "x1") -> list[Axes]:
-    """Draw what a study gave for each of the eight scenes: eight small panels, or eight bars of numbers.
+    """Draw what a study gave for each scene: a small panel for each, or bars of numbers.
 
     Parameters
     ----------
@@ -38,7 +39,7 @@ def plot_ablation(ablation: Any, *, name: str = "x1") -> list[Axes]:
     Returns
     -------
     list of Axes
-        Of a new figure, ``axes[0].figure``: eight, each of its own scale, or one of bars.
+        Of a new figure, ``axes[0].figure``: one for each scene, of its own scale, or one of bars.
 
     Raises
     ------
@@ -49,14 +50,17 @@ def plot_ablation(ablation: Any, *, name: str = "x1") -> list[Axes]:
     if all(isinstance(result, Real) for result in known):
         return [_bars(ablation)]
     draw = _panel_of(known)
-    figure = RunFigure(figsize=(13.0, 6.0), layout="constrained")
-    panels = list(figure.subplots(2, 4).ravel())
+    count = len(ablation.results)
+    columns = min(COLUMNS, count)
+    rows = -(-count // columns)
+    figure = RunFigure(figsize=(3.25 * columns, 3.0 * rows), layout="constrained")
+    panels = list(figure.subplots(rows, columns, squeeze=False).ravel())
     for ax, (without, result) in zip(panels, ablation, strict=True):
         if result is None:
             ax.text(0.5, 0.5, "not done", ha="center", va="center", transform=ax.transAxes)
         else:
             draw(result, ax, name)
-        ax.set_title(_scene(without) + _outcome(result), fontsize=9.0)
+        ax.set_title(_scene(without, ablation.switches) + _outcome(result), fontsize=9.0)
     _finish(figure, panels)
     return panels
 
@@ -78,9 +82,9 @@ def _finish(figure: RunFigure, panels: list[Axes]) -> None:
     for i, ax in enumerate(panels):
         ax.tick_params(labelsize=8.0)
         ax.locator_params(axis="x", nbins=4)
-        if i < 4:
+        if i < len(panels) - COLUMNS:
             ax.set_xlabel("")
-        if i % 4:
+        if i % COLUMNS:
             ax.set_ylabel("")
     handles = {str(text): h for ax in panels for h, text in zip(*ax.get_legend_handles_labels())}
     if handles:
@@ -115,10 +119,10 @@ def _axis(name: str) -> str:
     return f"{label(name)} ({unit(name)})"
 
 
-def _scene(without: tuple[str, ...]) -> str:
+def _scene(without: tuple[str, ...], switches: tuple[str, ...]) -> str:
     if not without:
-        return "all three"
-    left = [name for name in SWITCHES if name not in without]
+        return all_of(len(switches)).replace("it", switches[0]) if switches else "all"
+    left = [name for name in switches if name not in without]
     return f"only {left[0]}" if len(left) == 1 else f"without {', '.join(without)}" if left else "none"
 
 
@@ -134,7 +138,7 @@ def _bars(ablation: Any) -> Axes:
     ax.bar_label(bars, ["" if np.isnan(v) else f"{v:.5g}" for v in values], padding=4)
     for i in np.flatnonzero(np.isnan(values)):
         ax.text(0.01, float(i), "none", va="center", transform=ax.get_yaxis_transform())
-    ax.set_yticks(range(len(values)), [_scene(without) for without, _ in ablation])
+    ax.set_yticks(range(len(values)), [_scene(without, ablation.switches) for without, _ in ablation])
     ax.invert_yaxis()
     known = values[~np.isnan(values)]
     if len(known) and known.min() > 0 and known.max() > SPAN * known.min():

@@ -1,4 +1,4 @@
-"""`fl.animate`: the slider on the tilting belt, and its phase plane, in slow motion."""
+"""`fl.animate`: a model's mechanism, and its phase plane, in slow motion."""
 
 from __future__ import annotations
 
@@ -8,24 +8,21 @@ from typing import Any
 
 import numpy as np
 from matplotlib.artist import Artist
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
-from matplotlib.quiver import Quiver
 
 from frictionlab.hybrid.validation import check_number
 
-from .arrows import draw_forces, force_handles, newtons_per_metre, point
-from .draw_mechanism import draw_mechanism, move
-from .frames import Frames, frames, parameters, refuse_others
-from .mechanism import Mechanism, mechanism, round_down
+from .mechanism import round_down
 from .moving import MovingFigure, RunAnimation
 from .palette import BLACK, mode_colours
+from .parts import Parts
 from .phase_plane import plot_phase_plane
-from .windows import Array, Window, limits
+from .pictures import BeltPicture, mechanism_of, picture_of
+from .windows import Array, Periods, Window, limits
 
 SECONDS = 6.0  # that an animation lasts, or somewhat longer, where no speed is given
-LAST = 0.3  # seconds of the run: some three oscillations of the paper's system
+LAST = Periods(3.0)
 SMALL = 9.0
 DPI = 80.0  # an animation in a notebook holds every frame as a picture
 
@@ -34,12 +31,9 @@ DPI = 80.0  # an animation in a notebook holds every frame as a picture
 class Scene:
     """What is drawn in the frames, and the artists that show it."""
 
-    frames: Frames
-    mechanism: Mechanism
-    preload: float
+    picture: BeltPicture | Parts
     colours: dict[str, str]
-    parts: dict[str, Any]
-    arrows: Quiver
+    parts: Any
     phase: Any
     title: Any
 
@@ -53,17 +47,19 @@ def animate(
     magnify: float | None = None,
     figure: Figure | None = None,
 ) -> RunAnimation:
-    """Animate a run: slider, springs and belt, coloured by mode, with the contact forces and the phase plane.
+    """Animate a run: the model's mechanism, coloured by mode, with the contact forces and the phase plane.
 
-    The slider stands on its contact spring (k2, k_nl) on the belt, which k4, k5 and k6 hold; dampers are left
-    out.  Forces are those on the slider.  Displacements and the belt's way are magnified, its tilt is not.
+    Dampers are left out.  Displacements and a belt's way are magnified, its tilt is not.  The slider of
+    :class:`SliderOnBelt` stands on its contact spring (k2, k_nl) on the belt, which k4, k5 and k6 hold;
+    forces are those on the slider.
 
     Parameters
     ----------
     run : Trajectory
-        Of a :class:`SliderOnBelt`.
+        Of a model that has a `mechanism`: of all of the package, or of one of your own that says in a few
+        lines what it looks like (:class:`~frictionlab.models.Mechanism`).
     window : float, (float, float) or None
-        The last so many seconds, from one time to another, or the whole run.
+        The last so many seconds, from one time to another, or the whole run; by default three periods.
     speed : float or None
         Seconds of the run in a second of the animation: 0.05 is twenty times slower than reality.  None makes
         it last some six to fifteen seconds.
@@ -82,8 +78,8 @@ def animate(
     Raises
     ------
     ValueError
-        For a run of anything else than a slider on a belt, a window outside the run, or speeds, rates and
-        factors that are not above zero.
+        For a run of a model without a mechanism, a window outside the run, or speeds, rates and factors that
+        are not above zero.
 
     Examples
     --------
@@ -93,21 +89,22 @@ def animate(
     >>> animation.to_jshtml().count("data:image/png")
     5
     """
-    refuse_others(run, "animate")
+    mechanism = mechanism_of(run, "animate")
     start, stop = limits(run, window)
     for name, value in {"speed": speed, "fps": fps, "magnify": magnify}.items():
         if value is not None:
             check_number(name, value, above=0.0)
     speed = speed or round_down((stop - start) / SECONDS)
     figure = MovingFigure(figsize=(11.0, 5.6), dpi=DPI, layout="constrained") if figure is None else figure
-    scene = _scene(run, figure, frame_times(start, stop, speed / fps), magnify)
+    picture = picture_of(run, mechanism, frame_times(start, stop, speed / fps), magnify)
+    scene = _scene(run, figure, picture)
     update = show_frame(scene, speed)
     moving = update(0)
     figure.draw_without_rendering()
     figure.set_layout_engine("none")  # nothing that moves changes the layout
     if isinstance(figure, MovingFigure):
         figure.moving = moving
-    count = len(scene.frames.t)
+    count = len(picture.t)
     return RunAnimation(figure, update, frames=count, interval=1000.0 / fps, blit=False, repeat=True)
 
 
@@ -116,25 +113,22 @@ def frame_times(start: float, stop: float, step: float) -> Array:
     return np.minimum(start + step * np.arange(int((stop - start) / step * (1 + 1e-12)) + 1), stop)
 
 
-def _scene(run: Any, figure: Figure, t: Array, magnify: float | None) -> Scene:
-    p, seen = parameters(run), frames(run, t)
+def _scene(run: Any, figure: Figure, picture: BeltPicture | Parts) -> Scene:
     left, right = figure.subplots(1, 2, width_ratios=(1.15, 1))
-    picture = mechanism(seen, v=p["v"], l1=p["l1"], l2=p["l2"], magnify=magnify)
     colours = mode_colours(run.automaton.names)
-    parts = draw_mechanism(left, picture)
-    arrows = draw_forces(left, newtons_per_metre(picture, seen, p["F"]))
-    plot_phase_plane(run, right, window=(float(t[0]), float(t[-1])))
+    drawn = picture.draw(left)
+    plot_phase_plane(run, right, name=picture.coordinate, window=(float(picture.t[0]), float(picture.t[-1])))
     (phase,) = right.plot([], [], "o", color=BLACK, markersize=9.0, markeredgecolor="white", zorder=5)
-    _legends(left, figure, seen, p["F"], {name: colours[name] for name in colours if name in seen.mode})
-    left.set_xlabel(f"displacements × {picture.magnify:g}, tilt as it is", fontsize=SMALL)
+    _legends(figure, picture, {name: colours[name] for name in colours if name in picture.mode})
+    left.set_xlabel(picture.note, fontsize=SMALL)
     # With a height of its own, or each draw without it would move it.
     title = left.set_title("", y=1.0, fontsize=SMALL + 2)
-    return Scene(seen, picture, p["F"], colours, parts, arrows, phase, title)
+    return Scene(picture, colours, drawn, phase, title)
 
 
-def _legends(ax: Axes, figure: Figure, seen: Frames, preload: float, colours: dict[str, str]) -> None:
+def _legends(figure: Figure, picture: BeltPicture | Parts, colours: dict[str, str]) -> None:
     modes = [Patch(facecolor=colour, edgecolor=BLACK, label=name) for name, colour in colours.items()]
-    handles = [*modes, *force_handles(seen, preload)]
+    handles = [*modes, *picture.handles()]
     figure.legend(
         handles=handles, loc="outside lower center", ncols=len(handles), frameon=False, fontsize=SMALL
     )
@@ -142,7 +136,7 @@ def _legends(ax: Axes, figure: Figure, seen: Frames, preload: float, colours: di
 
 def show_frame(scene: Scene, speed: float) -> Callable[[int], list[Artist]]:
     """The function that takes the picture to a frame."""
-    seen = scene.frames
+    seen = scene.picture
     step = float(seen.t[1] - seen.t[0]) if len(seen.t) > 1 else 1.0
     digits = max(0, int(np.ceil(-np.log10(step))))
     pace = f"{1 / speed:.3g} times slower" if speed < 1 else f"{speed:.3g} times faster"
@@ -150,11 +144,10 @@ def show_frame(scene: Scene, speed: float) -> Callable[[int], list[Artist]]:
 
     def update(frame: int) -> list[Artist]:
         mode = str(seen.mode[frame])
-        moved = move(scene.parts, scene.mechanism, frame, scene.colours.get(mode))
-        point(scene.arrows, scene.mechanism, seen, scene.preload, frame)
-        scene.phase.set_data([seen.x1[frame]], [seen.rate[frame]])
+        moved = seen.move(scene.parts, frame, scene.colours.get(mode))
+        scene.phase.set_data([seen.x[frame]], [seen.rate[frame]])
         scene.phase.set_markerfacecolor(scene.colours.get(mode, BLACK))
         scene.title.set_text(f"t = {seen.t[frame]:.{digits}f} s: {mode}; {pace}")
-        return [*moved, scene.arrows, scene.phase, scene.title]
+        return [*moved, scene.phase, scene.title]
 
     return update

@@ -13,6 +13,7 @@ from matplotlib.patches import Circle, Polygon, Rectangle
 from .mechanism import Mechanism
 from .palette import BLACK, GREY
 from .shapes import around, spring, tilted
+from .windows import Array
 
 WIDTH = 0.12  # of springs, as a share of the size
 PALE = "#F2F2F2"
@@ -85,6 +86,17 @@ def move(
         aside = mechanism.size * np.array(SPRINGS[name][1])
         artists[f"{name} name"].set_position((np.array(start) + np.array(end)) / 2 + aside)
     return list(artists.values())
+
+
+def outlines(mechanism: Mechanism, frame: int) -> list[Array]:
+    """Lines (2, P) of the moving parts in a frame: belt, springs, slider, and the foot's way to the belt."""
+    row, (width, height) = mechanism.row(frame), mechanism.block
+    loop = 2 * (sum(mechanism.wheels) + np.pi * mechanism.radius)
+    belt = around(np.linspace(0, loop, 200), mechanism.wheels, mechanism.radius)
+    springs = [spring(*both, WIDTH * mechanism.size) for both in ends(mechanism, row).values()]
+    corners = np.array([[-0.5, 0.5, 0.5, -0.5, -0.5], [0.0, 0.0, 1.0, 1.0, 0.0]]) * [[width], [height]]
+    slider = corners + np.array([[row["slider_x"]], [row["slider_y"]]])
+    return [tilted(belt, row["belt_x"], row["belt_y"], row["slope"]), *springs, slider]
 
 
 def hubs(mechanism: Mechanism, row: dict[str, float]) -> list[tuple[float, float]]:

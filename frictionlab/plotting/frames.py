@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from .shading import modes_at
-from .windows import Array, refuse_no_run
+from .windows import Array
 
 COORDINATES = ("x1", "y1", "x2", "y2")
 FORCES = ("normal_force", "friction_force")
@@ -56,13 +56,7 @@ def parameters(run: Any) -> dict[str, float]:
     return {str(symbol): float(value) for symbol, value in run.automaton.parameters.items()}
 
 
-def refuse_others(run: Any, function: str) -> None:
-    """Raise unless the run is one of a slider on a belt."""
-    refuse_no_run(run)
+def is_tilting_belt(run: Any) -> bool:
+    """Whether a run has all that the picture of the slider on the tilting belt shows."""
     has = {*run.names, *run.automaton.outputs, *parameters(run)}
-    missing = [name for name in (*COORDINATES, "x1'", "gap", *FORCES, *PARAMETERS) if name not in has]
-    if missing:
-        raise ValueError(
-            f"{function} needs a run of a slider on a belt, this one has no {', '.join(missing)}: "
-            "simulate a SliderOnBelt, or draw this one with the panels of frictionlab.plotting"
-        )
+    return has >= {*COORDINATES, "x1'", "gap", *FORCES, *PARAMETERS}

@@ -7,9 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionlab.models import SliderOnBelt
-
 from .automata import automaton_of, no_equilibrium, steady_from, steady_states, values_of
+from .statics import by_gap
 from .steady import Steady
 from .view import steady
 
@@ -21,14 +20,14 @@ SAME, ROUNDING = 1e-6, 1e-12  # shares of a state and of the largest, to which t
 def branches(model: Any, parameter: str, bounds: tuple[float, float]) -> list[Steady]:
     """The equilibria inside the guards of a mode at some values in the range, each followed from there.
 
-    Of a SliderOnBelt the one with the smallest gap.
+    Where they follow from the gap (`by_gap`) the one with the smallest gap.
 
     Raises
     ------
     ValueError
         If there is none in the range.
     """
-    if isinstance(model, SliderOnBelt):
+    if by_gap(model):
         return [steady(model)]
     at, found = np.linspace(*bounds, SAMPLES), []
     ways: list[Array] = []  # states (m, SAMPLES) of each branch, NaN where it is not

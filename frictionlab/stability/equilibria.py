@@ -10,7 +10,6 @@ import numpy as np
 import sympy
 from numpy.typing import NDArray
 
-from frictionlab.models import SliderOnBelt
 from frictionlab.models.symbols import numbers, structure
 
 from .automata import automaton_of, no_equilibrium, steady_states, values_of
@@ -18,7 +17,7 @@ from .automata import residual as left_over
 from .bracket import scanned
 from .pressed import FINEST, excess_polynomial, polished, reach
 from .real_roots import real_roots
-from .statics import Statics, residual, statics_of
+from .statics import Statics, by_gap, residual, statics_of
 
 Array = NDArray[np.float64]
 TOLERANCE = 1e-6
@@ -60,10 +59,10 @@ def equilibria(model: Any) -> tuple[Equilibrium, ...]:
     Parameters
     ----------
     model : Model or HybridAutomaton
-        Of all but a SliderOnBelt the equilibria inside the guards of a mode, of the first mode that has any,
-        by their distance from the origin; they are searched with Newton's method from starts in all decades,
-        and those that rounding can tell apart are told apart.  Modes of a model that hold something fast,
-        such as stick, are left out.
+        Where the model has no `statics` (SliderOnBelt has), the equilibria inside the guards of a mode, of
+        the first mode that has any, by their distance from the origin; they are searched with Newton's method
+        from starts in all decades, and those that rounding can tell apart are told apart.  Modes of a model
+        that hold something fast, such as stick, are left out.
 
     Returns
     -------
@@ -74,7 +73,7 @@ def equilibria(model: Any) -> tuple[Equilibrium, ...]:
     ValueError
         If the springs do not hold a coordinate (singular stiffness matrix).
     """
-    if not isinstance(model, SliderOnBelt):
+    if not by_gap(model):
         return _of_automaton(model)
     values = numbers(model)
     statics = statics_of(structure(model), values, model.coordinates)
@@ -107,7 +106,7 @@ def equilibrium(model: Any) -> Equilibrium:
     [-0.0042, -0.0304, -0.0036, -0.0061, -0.0001]
     """
     found = equilibria(model)
-    if not isinstance(model, SliderOnBelt):
+    if not by_gap(model):
         if not found:
             raise no_equilibrium(model)
         return found[0]

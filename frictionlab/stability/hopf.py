@@ -9,14 +9,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionlab.models import SliderOnBelt
-
 from .automata import automaton_of
 from .branches import branches
 from .changes import StabilityChange, on_lines
 from .equilibria import Equilibrium
 from .multilinear import Point, along_functions
 from .normal_form import critical_pair, cubic, slope
+from .statics import by_gap
 from .steady import Steady
 from .view import check_bounds, steady
 
@@ -214,7 +213,7 @@ def _views(
     model: Any, parameter: str, bounds: Any, equilibrium: Equilibrium | None
 ) -> tuple[list[Steady], tuple[float, float]]:
     """The equilibria to follow, and the bounds, checked."""
-    if equilibrium is not None or isinstance(model, SliderOnBelt):
+    if equilibrium is not None or by_gap(model):
         view = steady(model, equilibrium)
         return [view], check_bounds(view.model, view.parameters, parameter, bounds)
     known = {symbol.name: value for symbol, value in automaton_of(model).parameters.items()}
@@ -250,17 +249,8 @@ def _described(view: Steady, parameter: str, change: StabilityChange) -> HopfPoi
         pair.right,
         slope(at, matrix, pair, parameter),
         cubic(at, matrix, pair),
-        _reach(at, _guards(view), pair.right),
+        _reach(at, view.guards, pair.right),
     )
-
-
-def _guards(view: Steady) -> tuple[Any, ...]:
-    """The functions that stay positive while the model slides as in the flow: v_r, the gap."""
-    if not isinstance(view.model, SliderOnBelt):
-        return view.guards
-    sliding = ("slip", "slip+" if view.model.v > 0 else "slip-")
-    mode = next(mode for mode in view.model.automaton().modes if mode.name in sliding)
-    return tuple(event.function for event in mode.events)
 
 
 def _reach(at: Point, guards: tuple[Any, ...], vector: ComplexArray) -> float:

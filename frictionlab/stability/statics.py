@@ -14,8 +14,9 @@ import numpy as np
 import sympy
 from numpy.typing import NDArray
 
-from frictionlab.models.structure import structure_matrices
-from frictionlab.models.symbols import Structure, parameter_symbols, symbol, symbolic
+from frictionlab.models import Model
+from frictionlab.models.symbols import Structure, parameter_symbols, symbolic
+from frictionlab.models.system import System, system_of
 
 Array = NDArray[np.float64]
 GAP = sympy.Symbol("compression", real=True)
@@ -44,57 +45,70 @@ class Statics(NamedTuple):
     residual: Callable[..., Any]
 
 
+def by_gap(model: Any) -> bool:
+    """Whether a model's equilibria follow from the gap of its contact."""
+    return isinstance(model, Model) and model.statics is not None
+
+
 @cache
 def derived(key: Structure, hung: bool = False) -> Statics:
     """The statics of a structure.
 
-    `hung`: only the contact holds the slider's height, since k3 = 0.
+    `hung`: only the contact holds the slider's height, as no spring does.
     """
-    copy, p = symbolic(key), parameter_symbols(key)
-    normal, friction = _forces(copy, GAP)
-    matrices = structure_matrices(copy, copy.coordinates)
-    q = _deflections(copy, matrices, hung, normal, friction)
-    if hung:
-        # The gap is what the slider's height takes from it: slope -1.
-        height = copy.coordinates.index("y1")
-        q[height] = copy.geometry.gap(*q) - GAP
-        excess = _loads(copy, matrices, q, normal, friction)[height]
+    found, p = system_of(key), parameter_symbols(key)
+    height = _height(key) if hung else None
+    normal, friction = _forces(found, GAP)
+    q = _deflections(found, height, normal, friction)
+    if height is None:
+        excess = _gap(found, q) - GAP
     else:
-        excess = copy.geometry.gap(*q) - GAP
-    free = [symbol(name) for name in copy.coordinates]
+        # The gap is what the slider's height takes from it: slope -1.
+        q[height] = _gap(found, q) - GAP
+        excess = _loads(found, q, normal, friction)[height]
     arguments = [GAP, *p]
     return Statics(
         _compiled(arguments, q),
         _compiled(arguments, excess),
         _compiled(arguments, sympy.diff(excess, GAP)),
         _compiled(arguments, [normal, friction]),
-        _compiled([*free, *p], _balance(copy, matrices, free)),
+        _compiled([*found.q, *p], _balance(found)),
     )
 
 
-def _forces(copy: Any, gap: Any) -> tuple[Any, Any]:
+def _height(key: Structure) -> int:
+    """Index of the coordinate that the contact alone may hold."""
+    copy = symbolic(key)
+    return copy.coordinates.index(copy.statics.height)
+
+
+def _forces(found: System, gap: Any) -> tuple[Any, Any]:
     """F_N, Eq. (2), and F_T while sliding at the belt's speed, Eq. (3)."""
-    normal = copy.contact.force(gap)
-    return normal, sympy.sign(copy.v) * copy.friction.kinetic(normal, abs(copy.v))
+    contact: Any = found.rubbing  # F_N is a function of the gap
+    speed, normal = found.at_rest(contact.relative_velocity), contact.normal_force(gap)
+    return normal, sympy.sign(speed) * contact.law.kinetic(normal, abs(speed))
 
 
-def _deflections(copy: Any, matrices: Any, hung: bool, normal: Any, friction: Any) -> list[Any]:
-    free, q = [symbol(name) for name in copy.coordinates], [sympy.S.Zero] * len(copy.coordinates)
-    stiffness = sympy.Matrix(matrices.stiffness)
-    lever = sympy.Matrix(copy.geometry.normal(*free)).jacobian(free)
-    skipped = copy.coordinates.index("y1") if hung else None
-    flexibility, passes = _flexibility(stiffness, skipped), 2
+def _gap(found: System, q: Sequence[Any]) -> Any:
+    return found.rubbing.gap.xreplace(dict(zip(found.q, q, strict=True)))
+
+
+def _deflections(found: System, hung: int | None, normal: Any, friction: Any) -> list[Any]:
+    q, passes = [sympy.S.Zero] * len(found.q), 2
+    stiffness, lever = found.stiffness, found.normal(found.rubbing).jacobian(found.q)
+    flexibility = _flexibility(stiffness, hung)
     # With the paper's W_N the lever depends on coordinates that its moment does not move: two passes do.
     if not (flexibility * lever * flexibility * lever).is_zero_matrix:
-        flexibility, passes = _flexibility(stiffness - normal * lever, skipped), 1
+        flexibility, passes = _flexibility(stiffness - normal * lever, hung), 1
     for _ in range(passes):
-        q = list(flexibility * sympy.Matrix(_loads(copy, matrices, q, normal, friction)))
+        q = list(flexibility * sympy.Matrix(_loads(found, q, normal, friction)))
     return q
 
 
-def _loads(copy: Any, matrices: Any, q: Sequence[Any], normal: Any, friction: Any) -> list[Any]:
-    rows = zip(matrices.load, copy.geometry.normal(*q), copy.geometry.tangent(*q), strict=True)
-    return [f + w * normal + t * friction for f, w, t in rows]
+def _loads(found: System, q: Sequence[Any], normal: Any, friction: Any) -> list[Any]:
+    at = dict(zip(found.q, q, strict=True))
+    rows = zip(found.dead_loads, found.normal(found.rubbing), found.direction(found.rubbing), strict=True)
+    return [f + w.xreplace(at) * normal + t.xreplace(at) * friction for f, w, t in rows]
 
 
 def _flexibility(stiffness: Any, hung: int | None) -> Any:
@@ -111,11 +125,11 @@ def _flexibility(stiffness: Any, hung: int | None) -> Any:
     return inverse
 
 
-def _balance(copy: Any, matrices: Any, q: Sequence[Any]) -> list[Any]:
-    elastic = list(sympy.Matrix(matrices.stiffness) * sympy.Matrix(q))
-    normal, friction = _forces(copy, copy.geometry.gap(*q))
-    rows = zip(_loads(copy, matrices, q, normal, friction), elastic, strict=True)
-    return [*(load - held for load, held in rows), *elastic, *matrices.load, normal]
+def _balance(found: System) -> list[Any]:
+    elastic = list(found.stiffness * sympy.Matrix(found.q))
+    normal, friction = _forces(found, found.rubbing.gap)
+    rows = zip(_loads(found, found.q, normal, friction), elastic, strict=True)
+    return [*(load - held for load, held in rows), *elastic, *found.dead_loads, normal]
 
 
 def _compiled(arguments: list[Any], expression: Any) -> Callable[..., Any]:
@@ -139,8 +153,9 @@ def statics_of(key: Structure, values: Sequence[float], coordinates: Sequence[st
         If coordinates other than the slider's height are not held by the structure.
     """
     stiffness = _stiffness(key, values)
-    hung = not stiffness[:, coordinates.index("y1")].any()
-    held = _held(coordinates, hung)
+    height = _height(key)
+    hung = not stiffness[:, height].any()
+    held = _held(coordinates, height if hung else None)
     _refuse_singular(stiffness[np.ix_(held, held)], [coordinates[i] for i in held])
     return derived(key, hung)
 
@@ -159,16 +174,17 @@ def each_statics(
     if stiffness.ndim == 2:
         yield statics_of(key, values, coordinates), np.ones(count, dtype=bool)
         return
-    without = ~stiffness[:, :, coordinates.index("y1")].any(axis=1)
+    height = _height(key)
+    without = ~stiffness[:, :, height].any(axis=1)
     for hung in (False, True):
-        held = _held(coordinates, hung)
+        held = _held(coordinates, height if hung else None)
         firm = _weakest(stiffness[:, held][:, :, held])[0] > SINGULAR
         if (chosen := firm & (without == hung)).any():
             yield derived(key, hung), chosen
 
 
-def _held(coordinates: Sequence[str], hung: bool) -> list[int]:
-    return [i for i, name in enumerate(coordinates) if not (hung and name == "y1")]
+def _held(coordinates: Sequence[str], hung: int | None) -> list[int]:
+    return [i for i in range(len(coordinates)) if i != hung]
 
 
 def _stiffness(key: Structure, values: Sequence[Any]) -> Array:
@@ -181,8 +197,7 @@ def _stiffness(key: Structure, values: Sequence[Any]) -> Array:
 
 @cache
 def _compiled_stiffness(key: Structure) -> Callable[..., Any]:
-    copy = symbolic(key)
-    return _compiled(list(parameter_symbols(key)), structure_matrices(copy, copy.coordinates).stiffness)
+    return _compiled(list(parameter_symbols(key)), system_of(key).stiffness.tolist())
 
 
 def _weakest(stiffness: Array) -> tuple[Any, Any]:

@@ -10,12 +10,13 @@ from numpy.typing import NDArray
 
 from frictionlab.components.names import did_you_mean
 from frictionlab.components.validation import checked
-from frictionlab.models import Model, SliderOnBelt
+from frictionlab.models import Model
 from frictionlab.models.namespace import about_all
 
 from .automata import steady_state_of
 from .equilibria import Equilibrium, equilibria
 from .sliding import steady_sliding
+from .statics import by_gap
 from .steady import Steady
 
 SAME = 1e-12  # share of a coordinate: an equilibrium computed again is the same but for rounding
@@ -32,7 +33,7 @@ def steady(model: Any, equilibrium: Equilibrium | None = None) -> Steady:
         If the equilibrium is none of the model.
     """
     near = None if equilibrium is None else _checked(model, equilibrium)
-    if isinstance(model, SliderOnBelt):
+    if by_gap(model):
         return steady_sliding(model, near)
     return steady_state_of(model, near)
 
@@ -45,7 +46,7 @@ def _checked(model: Any, equilibrium: Any) -> NDArray[np.float64]:
             f"equilibrium must be one of the {len(known)} of the model, got {equilibrium!r}: "
             "take one from equilibria(model)"
         )
-    if isinstance(model, SliderOnBelt) and not equilibrium.normal_force > 0:
+    if by_gap(model) and not equilibrium.normal_force > 0:
         raise ValueError(
             f"equilibrium must have F_N > 0, got {equilibrium.normal_force:.4g} N: there is no contact"
         )

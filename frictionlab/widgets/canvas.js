@@ -1,6 +1,7 @@
-// The slider on the belt, its contact forces and its phase plane. Python sends the sizes once as `scene` and the
-// places as `rows`: 32-bit numbers, one row for every frame, with the columns of scene.columns. Lengths are metres,
-// y points up. The picture is that of frictionlab.plotting.draw_mechanism.
+// A model's mechanism, its contact forces and its phase plane. Python sends the sizes once as `scene` and the
+// places as `rows`: 32-bit numbers, one row for every frame, with the columns of scene.columns. y points up. The
+// pictures are those of frictionlab.plotting: of draw_mechanism for the slider on the tilting belt, whose lengths
+// are metres, and of parts for all that have scene.shapes.
 const PACES = [1, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01];
 const TURNS = 6, MARKS = 16, GREY = "#999999", PALE = "#F2F2F2";
 
@@ -102,6 +103,36 @@ function mechanism(c, width, height, scene, row) {
   c.restore();
 }
 
+function shape(c, scene, { kind, colour, first }, row, px) {
+  const v = row.all.subarray(first), [x, y, w, h] = v;
+  if (kind === "wall") line(c, [[x, y], [w, h]], 4 * px, colour);
+  if (kind === "spring") spring(c, [x, y], [w, h], scene.width, px);
+  if (kind === "arrow") arrow(c, x, y, w, h, colour, px);
+  if (kind === "belt") { // from x to y at the height w, its surface h along
+    line(c, [[x, w], [y, w]], 3 * px, colour);
+    for (let i = 0; i < scene.marks; i++) {
+      const way = (h + (y - x) * i / scene.marks) % (y - x), at = x + (way < 0 ? way + y - x : way);
+      line(c, [[at - 2 * px, w], [at + 2 * px, w]], 4 * px);
+    }
+  }
+  if (kind !== "block" && kind !== "disc") return;
+  c.beginPath();
+  kind === "disc" ? c.arc(x, y, w / 2, 0, 7) : c.rect(x - w / 2, y - h / 2, w, h);
+  Object.assign(c, { fillStyle: scene.colours[row.mode], strokeStyle: "black", lineWidth: 1.2 * px });
+  c.fill();
+  c.stroke();
+}
+
+function shapes(c, width, height, scene, row) { // arrows last, over the bodies
+  const [[x0, x1], [y0, y1]] = scene.limits, k = Math.min(width / (x1 - x0), height / (y1 - y0));
+  c.save();
+  c.translate((width - k * (x1 - x0)) / 2 - k * x0, (height + k * (y1 - y0)) / 2 + k * y0);
+  c.scale(k, -k);
+  const arrows = scene.shapes.filter(({ kind }) => kind === "arrow"), others = scene.shapes.filter(({ kind }) => kind !== "arrow");
+  for (const one of [...others, ...arrows]) shape(c, scene, one, row, 1 / k);
+  c.restore();
+}
+
 function ticks([low, high]) { // some four round numbers
   const rough = (high - low) / 5, power = 10 ** Math.floor(Math.log10(rough)), step = power * [1, 2, 5, 10].find((d) => d * power >= rough);
   const first = Math.ceil(low / step);
@@ -115,25 +146,25 @@ function phasePlane(c, width, height, scene, frames) { // the whole path; return
     const margin = 0.05 * (high - low) || 1e-9;
     return [low - margin, high + margin];
   };
-  const [xs, ys] = [range("x1"), range("rate")];
+  const [xs, ys] = [range(scene.axes[0]), range("rate")];
   const X = (v) => l + (v - xs[0]) / (xs[1] - xs[0]) * (width - l - r), Y = (v) => height - b - (v - ys[0]) / (ys[1] - ys[0]) * (height - b - t);
   let points = [];
   for (let i = 0; i < frames.count; i++) { // a line for each stay in a mode, up to the first point of the next
     const mode = frames.get(i, "mode"), old = frames.get(Math.max(0, i - 1), "mode");
-    points.push([X(frames.get(i, "x1")), Y(frames.get(i, "rate"))]);
+    points.push([X(frames.get(i, scene.axes[0])), Y(frames.get(i, "rate"))]);
     if (mode !== old || i === frames.count - 1) { line(c, points, 1.5, scene.colours[old]); points = points.slice(-1); }
   }
   line(c, [[l, t], [l, height - b], [width - r, height - b]], 1);
   Object.assign(c, { fillStyle: "black", font: "12px sans-serif", textAlign: "center", textBaseline: "top" });
   for (const v of ticks(xs)) { line(c, [[X(v), height - b], [X(v), height - b + 4]], 1); c.fillText(+v.toPrecision(3), X(v), height - b + 7); }
-  c.fillText("x₁ (m)", (l + width - r) / 2, height - b + 23);
+  c.fillText(scene.axes[1], (l + width - r) / 2, height - b + 23);
   Object.assign(c, { textAlign: "right", textBaseline: "middle" });
   for (const v of ticks(ys)) { line(c, [[l - 4, Y(v)], [l, Y(v)]], 1); c.fillText(+v.toPrecision(3), l - 7, Y(v)); }
   c.translate(12, (height - b + t) / 2);
   c.rotate(-Math.PI / 2);
   c.textAlign = "center";
-  c.fillText("x₁′ (m/s)", 0, 0);
-  return (row) => [X(row.x1), Y(row.rate)];
+  c.fillText(scene.axes[2], 0, 0);
+  return (row) => [X(row[scene.axes[0]]), Y(row.rate)];
 }
 
 function fit(canvas) { // one unit is a CSS pixel, sharp on dense screens
@@ -153,7 +184,8 @@ function render({ model, el }) {
   const pictures = [0, 1].map(() => html("canvas", { style }));
   const play = html("button", { textContent: "play", style: "width: 5em" });
   const scrub = html("input", { type: "range", min: 0, max: frames.count - 1, value: 0, style: "flex: 1 1 120px; min-width: 0", ariaLabel: "time" });
-  const named = (pace) => (pace === 1 ? "real time" : `${+(1 / pace).toPrecision(3)} times slower`);
+  const times = (factor) => `${+factor.toPrecision(3)} times`;
+  const named = (pace) => (pace === 1 ? "real time" : pace > 1 ? `${times(pace)} faster` : `${times(1 / pace)} slower`);
   const paces = [...new Set([...PACES, scene.speed])].sort((a, b) => b - a);
   const pace = html("select", { ariaLabel: "pace" }, paces.map((p) => html("option", { value: p, textContent: named(p), selected: p === scene.speed })));
   const state = html("span", { style: "width: 100%; font-variant-numeric: tabular-nums" });
@@ -169,7 +201,8 @@ function render({ model, el }) {
     const frame = Math.min(frames.count - 1, Math.floor(time / scene.step + 1e-6)), now = Object.fromEntries(columns.map((name) => [name, get(frame, name)]));
     const [[c, w, h], [p, pw, ph]] = surfaces;
     c.clearRect(0, 0, w, h);
-    mechanism(c, w, h, scene, now);
+    now.all = numbers.subarray(frame * columns.length, (frame + 1) * columns.length);
+    (scene.shapes ? shapes : mechanism)(c, w, h, scene, now);
     p.clearRect(0, 0, pw, ph);
     p.drawImage(path, 0, 0, pw, ph);
     p.beginPath();

@@ -9,20 +9,23 @@ import anywidget
 import numpy as np
 import traitlets
 
+from frictionlab.analysis.timescale import period_of, round_period_of
 from frictionlab.hybrid.validation import check_number
 from frictionlab.plotting.animation import frame_times
-from frictionlab.plotting.arrows import COLOURS, force_handles, newtons_per_metre
+from frictionlab.plotting.arrows import COLOURS
 from frictionlab.plotting.draw_mechanism import SPRINGS
-from frictionlab.plotting.frames import Frames, frames, parameters, refuse_others
-from frictionlab.plotting.mechanism import COLUMNS, Mechanism, mechanism
-from frictionlab.plotting.palette import mode_colours
-from frictionlab.plotting.windows import Window, limits
+from frictionlab.plotting.mechanism import COLUMNS
+from frictionlab.plotting.palette import mode_colours, unit
+from frictionlab.plotting.parts import MARKS, WIDTH, Parts
+from frictionlab.plotting.pictures import BeltPicture, mechanism_of, picture_of
+from frictionlab.plotting.windows import Periods, Window, limits
 
-LAST = 2.0  # seconds of the run
-RATE = 1000.0  # frames per second of the run: 50 a second at twenty times slower than real time
+LAST = Periods(20.0)
+FRAMES = 100.0  # in a period: 50 a second where a period takes two
 MOST = 200_000  # frames: ten megabytes
-SLOW = 0.05
-ALL_COLUMNS = (*COLUMNS, "normal_force", "friction_force", "x1", "rate", "mode")
+SECONDS = 2.0  # that a period takes at first
+BELT = (*COLUMNS, "normal_force", "friction_force", "x1", "rate", "mode")
+SUBSCRIPTS = str.maketrans("0123456789'", "₀₁₂₃₄₅₆₇₈₉′")
 
 
 class Canvas(anywidget.AnyWidget):
@@ -45,8 +48,8 @@ def watch(
     run: Any,
     *,
     window: Window = LAST,
-    speed: float = SLOW,
-    rate: float = RATE,
+    speed: float | None = None,
+    rate: float | None = None,
     magnify: float | None = None,
 ) -> Canvas:
     """Play a run in a notebook: the picture of :func:`frictionlab.animate`, with play, pause and scrub.
@@ -54,13 +57,15 @@ def watch(
     Parameters
     ----------
     run : Trajectory
-        Of a :class:`SliderOnBelt`.
+        Of a model that has a `mechanism`: of all of the package, or of one of your own that says in a few
+        lines what it looks like (:class:`~frictionlab.models.Mechanism`).
     window : float, (float, float) or None
-        The last so many seconds, from one time to another, or the whole run.
-    speed : float
-        Seconds of the run in a second, at first; the canvas offers real time and slow motion.
-    rate : float
-        Frames in a second of the run.
+        The last so many seconds, from one time to another, or the whole run; by default twenty periods.
+    speed : float or None
+        Seconds of the run in a second, at first; the canvas offers real time and slow motion.  None takes two
+        seconds for about a period.
+    rate : float or None
+        Frames in a second of the run; None makes a hundred in a period of the model.
     magnify : float or None
         Factor of the displacements; None makes the largest well seen.
 
@@ -72,8 +77,8 @@ def watch(
     Raises
     ------
     ValueError
-        For a run of anything else than a slider on a belt, a window outside the run or of more than 200000
-        frames, or factors that are not above zero.
+        For a run of a model without a mechanism, a window outside the run or of more than 200000 frames, or
+        factors that are not above zero.
 
     Examples
     --------
@@ -82,44 +87,57 @@ def watch(
     >>> len(canvas.rows) // 4 // len(canvas.scene["columns"])
     501
     """
-    refuse_others(run, "watch")
+    mechanism = mechanism_of(run, "watch")
     start, stop = limits(run, window)
     for name, value in {"speed": speed, "rate": rate, "magnify": magnify}.items():
         if value is not None:
             check_number(name, value, above=0.0)
+    rate = FRAMES / period_of(run.source) if rate is None else rate
+    speed = round_period_of(run.source) / SECONDS if speed is None else speed
     count = (stop - start) * rate
     if count > MOST:
         cure = "take a shorter window or a smaller rate"
         raise ValueError(f"window times rate must be at most {MOST} frames, got {count:.0f}: {cure}")
-    p, seen = parameters(run), frames(run, frame_times(start, stop, 1.0 / rate))
-    picture = mechanism(seen, v=p["v"], l1=p["l1"], l2=p["l2"], magnify=magnify)
+    picture = picture_of(run, mechanism, frame_times(start, stop, 1.0 / rate), magnify)
     names = list(run.automaton.names)
-    scene = _sizes(picture) | _texts(seen, p["F"], mode_colours(names))
-    scene |= {"scale": newtons_per_metre(picture, seen, p["F"]), "preload": p["F"], "speed": speed}
+    scene, rows = _belt(picture) if isinstance(picture, BeltPicture) else _parts(picture)
+    scene |= _texts(picture, mode_colours(names)) | {"note": picture.note, "speed": speed}
     scene |= {"start": start, "step": 1.0 / rate, "digits": max(0, int(np.ceil(np.log10(rate))))}
-    scene["note"] = f"displacements × {picture.magnify:g}, tilt as it is"
-    return Canvas(scene=scene, rows=_rows(picture, seen, names))
+    modes = np.array([names.index(mode) for mode in picture.mode], dtype=float)
+    return Canvas(scene=scene, rows=np.column_stack([*rows, modes]).astype("<f4").tobytes())
 
 
-def _sizes(picture: Mechanism) -> dict[str, Any]:
+def _belt(picture: BeltPicture) -> tuple[dict[str, Any], list[Any]]:
+    """Sizes of the slider on the tilting belt, and its columns but the mode."""
     names = ("size", "wheels", "radius", "block", "spring", "walls", "anchor", "limits", "reach")
-    return {name: getattr(picture, name) for name in names} | {"columns": ALL_COLUMNS}
+    scene = {name: getattr(picture.sizes, name) for name in names} | {"columns": BELT}
+    scene |= {"scale": picture.scale, "preload": picture.preload, "force_colours": COLOURS}
+    scene |= {"names": {name: aside for name, (_, aside) in SPRINGS.items()}}
+    seen = picture.frames
+    return scene, [picture.sizes.rows, seen.normal_force, seen.friction_force, seen.x1, seen.rate]
 
 
-def _texts(seen: Frames, preload: float, colours: dict[str, str]) -> dict[str, Any]:
-    """Colours and legend: the modes that occur, then the forces."""
-    legend = [(name, colour) for name, colour in colours.items() if name in seen.mode]
-    forces = [str(handle.get_label()).replace("$", "") for handle in force_handles(seen, preload)]
+def _parts(picture: Parts) -> tuple[dict[str, Any], list[Any]]:
+    """The shapes of a mechanism, each with the place of its first number, and its columns but the mode."""
+    shapes, columns = [], []
+    for i, shape in enumerate(picture.shapes):
+        shapes.append({"kind": shape.kind, "colour": shape.colour, "first": len(columns)})
+        columns += [f"{shape.kind}{i}.{j}" for j in range(shape.rows.shape[1])]
+    scene = {"shapes": shapes, "limits": picture.limits, "width": WIDTH, "marks": MARKS}
+    scene |= {"columns": (*columns, picture.coordinate, "rate", "mode")}
+    return scene, [*(shape.rows for shape in picture.shapes), picture.x, picture.rate]
+
+
+def _texts(picture: BeltPicture | Parts, colours: dict[str, str]) -> dict[str, Any]:
+    """Colours and legend: the modes that occur, then the forces; what the phase plane shows."""
+    legend = [(name, colour) for name, colour in colours.items() if name in picture.mode]
+    forces = [(str(h.get_label()).replace("$", ""), h.get_color()) for h in picture.handles()]
+    labels = (
+        f"{n.translate(SUBSCRIPTS)} ({unit(n)})" for n in (picture.coordinate, picture.coordinate + "'")
+    )
     return {
         "modes": list(colours),
         "colours": list(colours.values()),
-        "force_colours": COLOURS,
-        "legend": [*legend, *zip(forces, COLOURS)],
-        "names": {name: aside for name, (_, aside) in SPRINGS.items()},
+        "legend": [*legend, *forces],
+        "axes": [picture.coordinate, *labels],
     }
-
-
-def _rows(picture: Mechanism, seen: Frames, names: list[str]) -> bytes:
-    codes = np.array([names.index(mode) for mode in seen.mode], dtype=float)
-    moving = [seen.normal_force, seen.friction_force, seen.x1, seen.rate, codes]
-    return np.column_stack([picture.rows, *moving]).astype("<f4").tobytes()

@@ -9,22 +9,11 @@ from typing import Any
 import ipywidgets
 
 from frictionlab.components.component import Component
-from frictionlab.components.contact import LinearContact
-from frictionlab.components.geometry import FixedLoad
 from frictionlab.components.impact import PlasticImpact, RestitutionImpact
-from frictionlab.components.interface import SlidingOnly
-from frictionlab.models.toggles import replacements
+from frictionlab.models.nonlinearities import without
 
 from .sliders import dressed
 
-# Name of the nonlinearity -> role of the component that has it, and what the switch is called.
-SWITCHES: Mapping[str, tuple[str, str]] = MappingProxyType(
-    {
-        "cubic": ("contact", "cubic contact"),
-        "nonsmooth": ("interface", "stick, slip, separation"),
-        "geometry": ("geometry", "moving load, tilting belt"),
-    }
-)
 IMPACTS: Mapping[str, Component] = MappingProxyType(
     {
         "plastic, Eq. (13)": PlasticImpact("material"),
@@ -32,7 +21,6 @@ IMPACTS: Mapping[str, Component] = MappingProxyType(
         "restitution": RestitutionImpact(),
     }
 )
-LEFT_OUT = LinearContact, SlidingOnly, FixedLoad
 
 
 class ComponentControls:
@@ -41,15 +29,17 @@ class ComponentControls:
     Attributes
     ----------
     switches : dict of str to Checkbox
-        "cubic", "nonsmooth", "geometry", those that the model has.
+        One for each of the model's `nonlinearities`.
     impact : Dropdown or None
     """
 
     def __init__(self, model: Any) -> None:
         self._model = model
-        self._full = {role: _full(model, role) for role in model.roles}
-        has = {name: role for name, (role, _) in SWITCHES.items() if role in model.roles}
-        self.switches = {name: _switch(name, not _left_out(model, role)) for name, role in has.items()}
+        self._full = _with_all(model)
+        found = model.nonlinearities
+        self.switches = {
+            name: _switch(name, one.about, not one.missing(model)) for name, one in found.items()
+        }
         self.impact = _impact(model.impact) if "impact" in model.roles else None
 
     @property
@@ -66,28 +56,28 @@ class ComponentControls:
         ValueError
             If a law cannot do without its nonlinearity.
         """
-        chosen = dict(self._full)
+        chosen: dict[str, Any] = {}
         if self.impact:
             chosen["impact"] = self.impact.value
         off = [name for name, switch in self.switches.items() if not switch.value]
+        found = self._model.nonlinearities
+        for name in found:
+            if name not in off:
+                chosen |= self._full.get(name, {})
         # What the model lacks from the start it lacks by its own component.
-        lacking = [name for name in off if _left_out(self._model, SWITCHES[name][0])]
-        chosen |= {SWITCHES[name][0]: getattr(self._model, SWITCHES[name][0]) for name in lacking}
-        chosen |= replacements(self._model, tuple(name for name in off if name not in lacking))
+        lacking = {name for name in off if found[name].missing(self._model)}
+        chosen |= without(self._model, tuple(name for name in off if name not in lacking))
         return self._model.replace(**chosen)
 
 
-def _left_out(model: Any, role: str) -> bool:
-    return isinstance(getattr(model, role), LEFT_OUT)
+def _with_all(model: Any) -> dict[str, dict[str, Any]]:
+    """What gives a model each of the nonlinearities that it lacks: what models of its class have."""
+    usual = type(model)()
+    lacking = {name: one for name, one in model.nonlinearities.items() if one.missing(model)}
+    return {name: {key: getattr(usual, key) for key in one.without(model)} for name, one in lacking.items()}
 
 
-def _full(model: Any, role: str) -> Component:
-    """The model's component; where that lacks the nonlinearity, the one that models of its class have."""
-    return getattr(type(model), role) if _left_out(model, role) else getattr(model, role)
-
-
-def _switch(name: str, on: bool) -> Any:
-    text = SWITCHES[name][1]
+def _switch(name: str, text: str, on: bool) -> Any:
     switch = ipywidgets.Checkbox(on, indent=False)
     switch = dressed(switch, f"switch-{name}", text, f"switches a nonlinearity on and off: {text}")
     switch.layout.width = "auto"

@@ -162,7 +162,7 @@ def explore(model: Any = None, panels: Iterable[Any] = DEFAULT) -> Explorer:
     model : Model or None
         Where to start; None takes the paper's.
     panels : iterable of str or callable
-        "response", "phase", "forces", "spectrum", "eigenvalues", or functions that take a
+        "response", "phase", "forces", "spectrum", "eigenvalues", "mechanism", or functions that take a
         :class:`~frictionlab.widgets.result.Result` and return a
         :class:`~frictionlab.widgets.drawing.Drawing`.  What no panel asks for is not computed.
 

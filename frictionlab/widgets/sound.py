@@ -8,7 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from frictionlab.analysis.timescale import period_of
 from frictionlab.hybrid.validation import check_choice, check_number
+from frictionlab.models.model import PITCH, Model, Tone
 from frictionlab.plotting.windows import Array, Window, limits, refuse_no_run
 
 PEAK = 0.9  # of full scale: no player clips it
@@ -74,10 +76,10 @@ class Sound:
 
 def listen(
     run: Any,
-    signal: str = "relative_velocity",
+    signal: str | None = None,
     *,
     window: Window = None,
-    pitch: float = 20.0,
+    pitch: float | None = None,
     rate: int = 44100,
 ) -> Sound:
     """Make a quantity of a run audible.
@@ -88,12 +90,14 @@ def listen(
     Parameters
     ----------
     run : Trajectory
-    signal : str
+    signal : str or None
         An output, such as "relative_velocity", "friction_force", "normal_force", or a state, such as "x1'".
+        None takes what the model's `sound` says: the relative velocity, or the first coordinate's rate.
     window : float, (float, float) or None
         The last so many seconds, from one time to another, or the whole run.
-    pitch : float
-        How much faster: 20 takes 11 Hz to 220 Hz, and 20 s of a run last 1 s.
+    pitch : float or None
+        How much faster: 20 takes 11 Hz to 220 Hz, and 20 s of a run last 1 s.  None takes what the model's
+        `sound` says: its period is heard as 200 Hz.
     rate : int
         Samples a second of the sound.
 
@@ -117,6 +121,8 @@ def listen(
     Sound(friction_force, 0 s to 4 s of the run in 0.2 s, pitch 20 times that of the motion, 44100 Hz)
     """
     refuse_no_run(run)
+    usual = _usual(run)
+    signal, pitch = usual.signal if signal is None else signal, usual.pitch if pitch is None else pitch
     check_choice("signal", signal, (*run.automaton.outputs, *run.names))
     check_number("pitch", pitch, above=0.0)
     check_number("rate", rate, integer=True, least=1)
@@ -130,6 +136,14 @@ def listen(
     fine = start + np.arange(count * OVERSAMPLING) * (pitch / rate / OVERSAMPLING)
     samples = _low_pass(_values(run, signal, np.minimum(fine, stop)))
     return Sound(_scaled(_faded(samples, rate)), int(rate), signal, float(pitch), (start, stop))
+
+
+def _usual(run: Any) -> Tone:
+    """What the model says; of an automaton the relative velocity, or the first state."""
+    if isinstance(run.source, Model):
+        return run.source.sound
+    signal = "relative_velocity" if "relative_velocity" in run.automaton.outputs else run.names[0]
+    return Tone(signal, PITCH * period_of(run.source))
 
 
 def _values(run: Any, signal: str, t: Array) -> Array:

@@ -180,7 +180,9 @@ def test_wrong_runs_are_told():
     with pytest.raises(TypeError, match="run must be a Trajectory"):
         fl.energy_audit("run")
     model = SCENES["A"]
-    with pytest.raises(ValueError, match="run must be of a SliderOnBelt"):
+    with pytest.raises(
+        ValueError, match="run must be of a model that states its energies, got one of a HybridAutomaton"
+    ):
         fl.energy_audit(fl.solve(model.automaton(), 0.1, x0=np.zeros(8)))
 
 

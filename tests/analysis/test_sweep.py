@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 import frictionlab as fl
-from frictionlab.analysis.ablation import SWITCHES
 
 MODEL = fl.SliderOnBelt()
 QUIET = {"progress": False}
@@ -164,7 +163,7 @@ def test_an_ablation_has_eight_scenes(critical):
     for left_out, model in zip(critical.without, critical.models, strict=True):
         assert model == MODEL.without(*left_out)
     assert critical.without[0] == ()
-    assert set(critical.without[-1]) == set(SWITCHES)
+    assert set(critical.without[-1]) == {"cubic", "nonsmooth", "geometry"}
 
 
 def test_results_by_what_is_left_out(critical):

@@ -163,9 +163,11 @@ def test_it_can_be_explored(model):
     explorer.close()
 
 
-def test_it_says_that_it_has_no_names_for_nonlinearities(model):
-    with pytest.raises(ValueError, match="no nonlinearity to leave out by name"):
-        fl.ablation(model, lambda m: 1.0)
+def test_a_model_without_nonlinearities_by_name_says_so():
+    assert dict(VanDerPol().nonlinearities) == {}
+    assert VanDerPol().without() == VanDerPol()
+    with pytest.raises(ValueError, match="VanDerPol has no nonlinearity to leave out by name"):
+        VanDerPol().without("cubic")
 
 
 def test_a_start_may_leave_out_the_phase():

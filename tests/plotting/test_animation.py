@@ -214,7 +214,9 @@ def test_runs_of_other_automata_are_refused():
     mode = fl.Mode("fall", flow=(w, sp.Integer(-1)), events=())
     automaton = fl.HybridAutomaton(states=(h, w), modes=(mode,), coordinates=1, parameters={})
     run = fl.solve(automaton, 1.0, x0=[1.0, 0.0], progress=False)
-    with pytest.raises(ValueError, match="animate needs a run of a slider on a belt, this one has no x1, y1"):
+    with pytest.raises(
+        ValueError, match="animate needs a run of a model that has a mechanism, got one of a HybridAutomaton"
+    ):
         fl.animate(run)
 
 

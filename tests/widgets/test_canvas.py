@@ -90,7 +90,7 @@ def test_runs_of_other_automata_are_refused():
     h, w = sp.symbols("h w")
     mode = fl.Mode("fall", flow=(w, sp.Integer(-1)), events=())
     automaton = fl.HybridAutomaton(states=(h, w), modes=(mode,), coordinates=1, parameters={})
-    with pytest.raises(ValueError, match="watch needs a run of a slider on a belt"):
+    with pytest.raises(ValueError, match="watch needs a run of a model that has a mechanism"):
         fl.watch(fl.solve(automaton, 1.0, x0=[1.0, 0.0], progress=False))
 
 

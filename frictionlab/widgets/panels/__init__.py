@@ -11,6 +11,7 @@ from frictionlab.widgets.drawing import Drawing
 
 from .eigenvalues import eigenvalues
 from .forces import forces
+from .mechanism import mechanism
 from .phase import phase
 from .response import response
 from .spectrum import spectrum
@@ -22,6 +23,7 @@ PANELS: Mapping[str, Callable[[Any], Drawing]] = MappingProxyType(
         "forces": forces,
         "spectrum": spectrum,
         "eigenvalues": eigenvalues,
+        "mechanism": mechanism,
     }
 )
 

@@ -1,0 +1,149 @@
+"""What a model looks like, as data, which animations, the live canvas and the explorer draw.
+
+Lengths are in units of the picture.  A coordinate moves a point to the right or up; how far one metre takes
+it is chosen where it is drawn, so that the largest displacement is well seen::
+
+    @property
+    def mechanism(self):
+        mass = Place(0.0, 0.2, right="x")
+        return Mechanism(Wall((-1.5, 0.0), (-1.5, 0.8)), Spring(Place(-1.5, 0.4), mass), Block(mass))
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from frictionlab.components import functions
+
+
+@dataclass(frozen=True)
+class Place:
+    """A point: where it is drawn while its coordinates are zero, and what moves it.
+
+    Parameters
+    ----------
+    x, y : float
+    right, up : str
+        The coordinate, or the parameter that is a length, that moves it to the right or up, "-y" for the
+        other way; "" where nothing does.
+    """
+
+    x: float
+    y: float
+    right: str = ""
+    up: str = ""
+
+    def beside(self, x: float, y: float = 0.0) -> Place:
+        """A point that moves with this one."""
+        return Place(self.x + x, self.y + y, self.right, self.up)
+
+
+@dataclass(frozen=True)
+class Wall:
+    """A fixed line from one point to another; a ground, or a stop.
+
+    Parameters
+    ----------
+    start, end : (float, float) or Place
+    """
+
+    start: Any
+    end: Any
+
+
+@dataclass(frozen=True)
+class Spring:
+    """A spring between two points.
+
+    Parameters
+    ----------
+    start, end : Place
+    loose : str
+        Name of the modes in which its start hangs free, as the spring of a contact does in "separation".
+    """
+
+    start: Place
+    end: Place
+    loose: str = ""
+
+
+@dataclass(frozen=True)
+class Block:
+    """A body, by its centre, in the colour of its mode; `disc` for a ball as wide as high."""
+
+    at: Place
+    width: float = 0.6
+    height: float = 0.4
+    disc: bool = False
+
+
+@dataclass(frozen=True)
+class Belt:
+    """A belt whose surface, at a height `y`, moves at the speed that this parameter has, or at none."""
+
+    speed: str = ""
+    y: float = 0.0
+    start: float = -1.2
+    end: float = 1.2
+
+
+@dataclass(frozen=True)
+class Forces:
+    """Arrows of the contact forces on a body at `at`: friction to the right, the normal force upwards.
+
+    Parameters
+    ----------
+    at : Place
+    contact : str
+        What tells its outputs from those of other contacts: "_1", "_2".
+    """
+
+    at: Place
+    contact: str = ""
+
+
+@dataclass(frozen=True, init=False)
+class Mechanism:
+    """The parts of a picture, drawn in their order."""
+
+    parts: tuple[Any, ...]
+
+    def __init__(self, *parts: Any) -> None:
+        object.__setattr__(self, "parts", parts)
+
+
+@dataclass(frozen=True)
+class TiltingBelt:
+    """Fig. 1 of the paper: a slider on its contact spring, on a belt that tilts about two wheels.
+
+    Of models with the coordinates x1, y1, x2, y2 and perhaps phi, and the parameters v, F, l1 and l2.
+    """
+
+
+def held_block(
+    coordinate: str, *, wall: float = -1.6, place: float = 0.0, number: str = ""
+) -> tuple[Any, ...]:
+    """A block that slides along, the contact forces on it, and a spring that holds it at a wall."""
+    block, side = Place(place, 0.2, right=coordinate), 0.3 if wall > place else -0.3
+    held = Spring(Place(wall, 0.2), block.beside(side))
+    return Wall((wall, -0.2), (wall, 0.6)), held, Block(block), Forces(block, number)
+
+
+def leaning(angle: float) -> tuple[float, float]:
+    """Where the fixed end of a spring is that points to a body at this angle, downwards."""
+    return -1.6 * float(functions.cos(angle)), 1.6 * float(functions.sin(angle))
+
+
+def pressed_on_belt(*springs: tuple[float, float], speed: str = "v") -> Mechanism:
+    """A body, x along the belt and y into it, on its contact spring; others hold it, at so far from it."""
+    body = Place(0.0, 0.8, right="x", up="-y")
+    held = [part for x, y in springs for part in _held(body, x, y)]
+    contact = Spring(Place(0.0, 0.0, right="x"), body.beside(0.0, -0.2), loose="separation")
+    return Mechanism(Belt(speed), contact, *held, Block(body), Forces(body))
+
+
+def _held(body: Place, x: float, y: float) -> tuple[Any, ...]:
+    across = 0.15 / (x * x + y * y) ** 0.5
+    ends = ((body.x + x - s * y * across, body.y + y + s * x * across) for s in (1, -1))
+    return Wall(*ends), Spring(Place(body.x + x, body.y + y), body)

@@ -1,0 +1,147 @@
+"""What every model can say of itself: energies, nonlinearities, a mechanism, a sound."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import ClassVar
+
+import numpy as np
+import pytest
+
+import frictionlab as fl
+from frictionlab.components import ContactLaw, FrictionLaw
+from frictionlab.models import Friction, Mechanics, Mechanism, with_signature
+from frictionlab.models.mechanism import Belt, Block, Forces, Place, Spring
+
+NAMES = {name: getattr(fl, name) for name in fl.__all__ if name[0].isupper()}
+CALLS = [row.call for row in fl.list_models()]
+
+
+@pytest.fixture(params=CALLS)
+def model(request):
+    return eval(request.param, {"fl": fl, **NAMES})
+
+
+@pytest.fixture
+def run(model):
+    return fl.simulate(model, 10 * model.period, progress=False)
+
+
+def test_the_energy_balance_closes(run):
+    audit = fl.energy_audit(run, progress=False)
+    assert audit.turned_over > 0
+    assert audit.error < 1e-12
+    assert np.ptp(audit.energies["kinetic"]) > 0
+    assert (audit.powers["dampers"] <= 0).all()
+    if "friction" in audit.powers:
+        assert (audit.powers["friction"] <= 1e-12 * max(1.0, np.abs(audit.powers["belt drive"]).max())).all()
+
+
+def test_it_can_be_without_each_of_its_nonlinearities(model):
+    names = tuple(model.nonlinearities)
+    assert names
+    for name in names:
+        less = model.without(name)
+        assert model.nonlinearities[name].missing(less)
+        assert not model.nonlinearities[name].missing(model)
+        assert less.without(name) == less
+        assert fl.Model.from_dict(less.to_dict()) == less
+        assert fl.simulate(less, model.period, progress=False).status.ok
+    flow = model.without("nonsmooth").automaton()
+    assert [event.name for mode in flow.modes for event in mode.events if event.name != "period"] == []
+    with pytest.raises(ValueError, match="a model can be without '"):
+        model.without("friction")
+
+
+def test_ablation_has_a_scene_for_each_choice(model):
+    found = fl.ablation(model, lambda m: len(m.automaton().modes), progress=False)
+    names = tuple(model.nonlinearities)
+    assert len(found.results) == 2 ** len(names)
+    assert found.switches == names
+    assert found.models[0] == model
+    assert found[names] == 1 <= found[()]
+
+
+def test_it_is_animated(run):
+    animation = fl.animate(run, fps=2)
+    assert animation.to_jshtml().count("data:image/png") > 10
+
+
+def test_it_is_watched(run):
+    canvas = fl.watch(run)
+    columns = list(canvas.scene["columns"])
+    rows = np.frombuffer(canvas.rows, "<f4").reshape(-1, len(columns))
+    assert np.isfinite(rows).all()
+    assert len(rows) > 500
+    shown = rows[:, columns.index(canvas.scene["axes"][0])]
+    assert np.ptp(shown) > 0
+    assert shown[-1] == np.float32(run[canvas.scene["axes"][0]][-1])
+
+
+def test_it_is_heard(model, run):
+    sound = fl.listen(run)
+    assert (sound.signal, sound.pitch) == model.sound
+    assert sound.pitch == pytest.approx(200 * model.period, rel=5e-3)
+    assert np.abs(sound.samples).max() == pytest.approx(0.9)
+
+
+def test_it_is_explored_with_a_switch_for_each_nonlinearity_and_its_mechanism(model):
+    explorer = fl.explore(model, panels=("response", "mechanism"))
+    assert explorer.error is None
+    assert set(explorer.components.switches) == set(model.nonlinearities)
+    for name, one in model.nonlinearities.items():
+        switch = explorer.controls[f"switch-{name}"]
+        assert switch.value
+        switch.value = False
+        assert explorer.error is None
+        assert explorer.model == model.without(name)
+        assert one.missing(explorer.model)
+        switch.value = True
+        assert explorer.model == model
+    explorer.close()
+
+
+@with_signature
+@dataclass(frozen=True, init=False, repr=False)
+class Lifted(fl.MechanicalModel):
+    """A mass that a spring holds above a conveyor: a model as a user writes one."""
+
+    k: float = fl.parameter(4.0, unit="N/m", symbol="k", meaning="stiffness", range=(0.1, 10.0))
+    v: float = fl.parameter(0.3, unit="m/s", symbol="v", meaning="speed", range=(0.0, 1.0))
+    contact: ContactLaw = fl.CubicContact(k2=30.0, k_nl=100.0)
+    friction: FrictionLaw = fl.Coulomb(mu_k=0.4, mu_s=0.7)
+    roles: ClassVar[Mapping[str, type]] = MappingProxyType({"contact": ContactLaw, "friction": FrictionLaw})
+    coordinates = ("x", "y")
+    period = 3.0
+
+    @property
+    def mechanism(self):
+        body = Place(0.0, 0.5, right="x", up="-y")
+        return Mechanism(Belt("v"), Spring(Place(-1.5, 0.5), body), Block(body), Forces(body))
+
+    def mechanics(self, q, v):
+        return Mechanics(
+            kinetic=(v.x**2 + v.y**2) / 2,
+            potential={"spring": self.k * q.x**2 / 2, "weight": -9.81 * q.y},
+            contacts=(Friction(self.v - v.x, self.contact.force, self.friction, gap=q.y),),
+        )
+
+
+def test_a_model_of_ones_own_has_all_of_them():
+    model = Lifted()
+    run = fl.simulate(model, 10.0, x0=[0.0, 0.1, 0.0, 0.0], progress=False)
+    audit = fl.energy_audit(run, progress=False)
+    assert list(audit.energies) == ["kinetic", "spring", "weight", "contact"]
+    assert audit.error < 1e-12
+    assert tuple(model.nonlinearities) == ("cubic", "nonsmooth")
+    assert len(fl.ablation(model, lambda m: m.period, progress=False).results) == 4
+    assert len(fl.watch(run).rows) > 0
+    assert fl.listen(run).signal == "relative_velocity"
+    with pytest.raises(ValueError, match="needs a run of a model that has a mechanism, got one of a Plain"):
+        fl.watch(fl.simulate(Plain(), 1.0, x0=[0.0, 0.1, 0.0, 0.0], progress=False))
+
+
+class Plain(Lifted):
+    """The same that does not say what it looks like."""
+
+    mechanism = None
