@@ -16,20 +16,26 @@ from frictionlab._version import __version__
 
 if TYPE_CHECKING:
     from frictionlab import paper, testing
-    from frictionlab.analysis.ablation import ablation
-    from frictionlab.analysis.basins import Basins, BasinStability, basin_stability, basins, load_basins
-    from frictionlab.analysis.bifurcation import bifurcation
-    from frictionlab.analysis.branch import Bifurcation, load_bifurcation
-    from frictionlab.analysis.continuation import OrbitBranch, continue_orbit
-    from frictionlab.analysis.energy import EnergyAudit, energy_audit
-    from frictionlab.analysis.ensemble import Ends, ensemble
+    from frictionlab.analysis.basins.basins import (
+        Basins,
+        BasinStability,
+        basin_stability,
+        basins,
+        load_basins,
+    )
+    from frictionlab.analysis.continuation.continue_orbit import OrbitBranch, continue_orbit
+    from frictionlab.analysis.energy.energy_audit import EnergyAudit, energy_audit
+    from frictionlab.analysis.ensemble import BatchResult, ensemble
     from frictionlab.analysis.lyapunov import LyapunovSpectrum, lyapunov
-    from frictionlab.analysis.periodic_orbit import PeriodicOrbit, periodic_orbit
+    from frictionlab.analysis.orbits.periodic_orbit import PeriodicOrbit, periodic_orbit
     from frictionlab.analysis.simulate import load, simulate
-    from frictionlab.analysis.steady_state import steady_state
-    from frictionlab.analysis.sweep import sweep
-    from frictionlab.analysis.verify import Verification, verify
-    from frictionlab.analysis.window import SteadyState
+    from frictionlab.analysis.steady_state.result import SteadyState
+    from frictionlab.analysis.steady_state.steady_state import steady_state
+    from frictionlab.analysis.sweeps.ablation import ablation
+    from frictionlab.analysis.sweeps.bifurcation import bifurcation
+    from frictionlab.analysis.sweeps.bifurcation_result import Bifurcation, load_bifurcation
+    from frictionlab.analysis.sweeps.sweep import sweep
+    from frictionlab.analysis.verification.verify import Verification, verify
     from frictionlab.automaton import Event, HybridAutomaton, Mode, Reset
     from frictionlab.components import (
         ContactLaw,
@@ -56,13 +62,13 @@ if TYPE_CHECKING:
         functions,
         parameter,
     )
-    from frictionlab.hybrid.rk4 import RK4
-    from frictionlab.hybrid.scipy_methods import Scipy
+    from frictionlab.hybrid.methods.rk4 import RK4
+    from frictionlab.hybrid.methods.scipy_methods import Scipy
+    from frictionlab.hybrid.methods.taylor import Taylor
+    from frictionlab.hybrid.problem import Status
     from frictionlab.hybrid.solve import solve
-    from frictionlab.hybrid.status import Status
-    from frictionlab.hybrid.tangent_flow import TangentFlow, tangent_flow
-    from frictionlab.hybrid.taylor import Taylor
     from frictionlab.hybrid.trajectory import Trajectory
+    from frictionlab.hybrid.variational.tangent_flow import TangentFlow, tangent_flow
     from frictionlab.models import (
         BouncingBall,
         DenHartog,
@@ -89,50 +95,46 @@ if TYPE_CHECKING:
         stability_changes,
         stability_map,
     )
-    from frictionlab.widgets.bifurcation import explore_bifurcation
     from frictionlab.widgets.canvas import watch
-    from frictionlab.widgets.explorer import explore
+    from frictionlab.widgets.explorer import explore, explore_bifurcation, explore_stability
     from frictionlab.widgets.sound import Sound, listen
-    from frictionlab.widgets.stability import explore_stability
 
 # Public name -> module that holds it.
 _HOMES = {
-    "analysis.ablation": "ablation",
-    "analysis.basins": "basins basin_stability Basins BasinStability load_basins",
-    "analysis.bifurcation": "bifurcation",
-    "analysis.branch": "Bifurcation load_bifurcation",
-    "analysis.continuation": "continue_orbit OrbitBranch",
-    "analysis.energy": "energy_audit EnergyAudit",
-    "analysis.ensemble": "ensemble Ends",
+    "analysis.basins.basins": "basins basin_stability Basins BasinStability load_basins",
+    "analysis.continuation.continue_orbit": "continue_orbit OrbitBranch",
+    "analysis.energy.energy_audit": "energy_audit EnergyAudit",
+    "analysis.ensemble": "ensemble BatchResult",
     "analysis.lyapunov": "lyapunov LyapunovSpectrum",
-    "analysis.periodic_orbit": "periodic_orbit PeriodicOrbit",
+    "analysis.orbits.periodic_orbit": "periodic_orbit PeriodicOrbit",
     "analysis.simulate": "simulate load",
-    "analysis.steady_state": "steady_state",
-    "analysis.sweep": "sweep",
-    "analysis.verify": "verify Verification",
-    "analysis.window": "SteadyState",
+    "analysis.steady_state.result": "SteadyState",
+    "analysis.steady_state.steady_state": "steady_state",
+    "analysis.sweeps.ablation": "ablation",
+    "analysis.sweeps.bifurcation": "bifurcation",
+    "analysis.sweeps.bifurcation_result": "Bifurcation load_bifurcation",
+    "analysis.sweeps.sweep": "sweep",
+    "analysis.verification.verify": "verify Verification",
     "automaton": "HybridAutomaton Mode Event Reset",
-    "components": "ContactLaw CubicContact LinearContact HertzContact PolynomialContact FrictionLaw Coulomb "
-    "ExponentialDecay Stribeck WeakeningStrengthening PressureDependent MovingLoad FixedLoad ImpactLaw "
-    "PlasticImpact RestitutionImpact FrictionalImpact StickSlipSeparation StickSlip SlidingSeparation "
-    "SlidingOnly parameter functions",
-    "hybrid.rk4": "RK4",
-    "hybrid.scipy_methods": "Scipy",
+    "components": "ContactLaw CubicContact LinearContact HertzContact PolynomialContact FrictionLaw "
+    "Coulomb ExponentialDecay Stribeck WeakeningStrengthening PressureDependent MovingLoad FixedLoad "
+    "ImpactLaw PlasticImpact RestitutionImpact FrictionalImpact StickSlipSeparation StickSlip "
+    "SlidingSeparation SlidingOnly parameter functions",
+    "hybrid.methods.rk4": "RK4",
+    "hybrid.methods.scipy_methods": "Scipy",
+    "hybrid.methods.taylor": "Taylor",
+    "hybrid.problem": "Status",
     "hybrid.solve": "solve",
-    "hybrid.status": "Status",
-    "hybrid.tangent_flow": "tangent_flow TangentFlow",
-    "hybrid.taylor": "Taylor",
     "hybrid.trajectory": "Trajectory",
+    "hybrid.variational.tangent_flow": "tangent_flow TangentFlow",
     "models": "SliderOnBelt SliderOnRigidBelt MassOnBelt FreeCoulomb DenHartog ModeCoupling BouncingBall "
     "ImpactOscillator TwoBlocks Model MechanicalModel list_models",
     "plotting": "animate plot_run",
     "stability": "equilibria equilibrium eigenvalues root_locus stability_changes critical_value "
     "critical_curve stability_map hopf",
     "widgets.canvas": "watch",
+    "widgets.explorer": "explore_bifurcation explore explore_stability",
     "widgets.sound": "Sound listen",
-    "widgets.bifurcation": "explore_bifurcation",
-    "widgets.explorer": "explore",
-    "widgets.stability": "explore_stability",
 }
 _HOME = {name: module for module, names in _HOMES.items() for name in names.split()}
 _PACKAGES = ("paper", "testing")

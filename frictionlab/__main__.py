@@ -2,7 +2,7 @@
 
 import sys
 
-from frictionlab.cli import main
+from frictionlab.cli.command import main
 
 if __name__ == "__main__":
     sys.exit(main())

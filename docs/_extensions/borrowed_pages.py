@@ -2,7 +2,7 @@
 
 They are copied next to the site's own before these are read. A notebook is taken from the folder that
 the environment variable FRICTIONLAB_EXECUTED names, where the tests have left it executed
-(tests/test_tutorials.py); where it is not there, or its cells have changed since, it is executed while
+(tests/slow/docs/test_tutorials.py); where it is not there, or its cells have changed, it is executed while
 the site is built.
 """
 

@@ -1,7 +1,7 @@
 """The gallery: each script in docs/gallery is run, and gets a page with its text, its picture and its code.
 
 A script starts with a docstring, whose first line is the title, and leaves its picture in the variable
-`figure`. tests/test_gallery.py runs the same scripts.
+`figure`. tests/slow/docs/test_gallery.py runs the same scripts.
 """
 
 import ast

@@ -8,23 +8,24 @@ from typing import Any
 import numpy as np
 
 from frictionlab.automaton import HybridAutomaton
-from frictionlab.hybrid.checks import check_automaton
-from frictionlab.hybrid.choice import method_of
-from frictionlab.hybrid.compiled import waits_for_compiler
-from frictionlab.hybrid.ensemble import Ends, run_all, run_on
-from frictionlab.hybrid.lanes import advance_runs
-from frictionlab.hybrid.layout import Numbers
+from frictionlab.hybrid.compilation import needs_compilation
+from frictionlab.hybrid.ensemble.batch import BatchResult, advance_batch, integrate_batch
+from frictionlab.hybrid.ensemble.batch_state import Batch, new_batch
+from frictionlab.hybrid.ensemble.lanes import advance_batch_kernel
+from frictionlab.hybrid.methods.method_registry import method_of
+from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.hybrid.problem import Problem
-from frictionlab.hybrid.program import program_of
 from frictionlab.hybrid.progress import Progress
-from frictionlab.hybrid.solve import informed
-from frictionlab.hybrid.taylor import Taylor
-from frictionlab.hybrid.under_way import UnderWay, under_way
-from frictionlab.hybrid.validation import check_number
+from frictionlab.hybrid.solve import with_chatter_limit
+from frictionlab.hybrid.tape.automaton_checks import check_automaton
+from frictionlab.hybrid.tape.packing import program_of
+from frictionlab.hybrid.tape.program import Numbers
+from frictionlab.models.coercion import automaton_of
+from frictionlab.validation import check_number
 
-from .steady_state import automaton_of, checked_start
+from .initial_states import validate_initial_state
 
-__all__ = ["Ends", "ensemble"]
+__all__ = ["BatchResult", "ensemble"]
 
 
 def ensemble(
@@ -34,7 +35,7 @@ def ensemble(
     x0: Any = "rest",
     method: str | Taylor = "taylor",
     progress: bool = True,
-) -> Ends:
+) -> BatchResult:
     """Run many models of one structure from 0 to `t_end`, side by side on one core.
 
     Runs that are in the same mode take their steps together, as lanes of vector instructions.  Each takes the
@@ -91,21 +92,21 @@ def ensemble(
                 f"models must share their laws and interface, models[{i}] differs from models[0]: "
                 "call ensemble for each kind, or use fl.sweep"
             )
-    with Progress(t_end, progress, waits_for_compiler(advance_runs)) as bar:
-        return run_all(problems, chosen, bar)
+    with Progress(t_end, progress, needs_compilation(advance_batch_kernel)) as bar:
+        return integrate_batch(problems, chosen, bar)
 
 
-def begun(automaton: HybridAutomaton, states: np.ndarray, method: Taylor) -> UnderWay:
+def start_group(automaton: HybridAutomaton, states: np.ndarray, method: Taylor) -> Batch:
     """Runs of one automaton from some states (N, n), to be taken on; not checked."""
-    program, numbers = program_of(informed(automaton, method))
+    program, numbers = program_of(with_chatter_limit(automaton, method))
     rows = Numbers(*(np.tile(each, (len(states), 1)) for each in numbers))
-    return under_way(program, rows, states, method)
+    return new_batch(program, rows, states, method)
 
 
-def taken_on(group: UnderWay, t_end: float) -> None:
+def advance_group(group: Batch, t_end: float) -> None:
     """Take runs on to a time; it is not shown."""
     with Progress(t_end, False) as bar:
-        run_on(group, t_end, bar)
+        advance_batch(group, t_end, bar)
 
 
 def _problems(models: Sequence[Any], x0: Any, t_end: float, method: Taylor) -> list[Problem]:
@@ -118,9 +119,9 @@ def _problems(models: Sequence[Any], x0: Any, t_end: float, method: Taylor) -> l
     for i, model in enumerate(models):
         first.setdefault(id(model), i)
     automata = {key: _checked(models[i], i) for key, i in first.items()}
-    programs = {key: program_of(informed(automaton, method)) for key, automaton in automata.items()}
+    programs = {key: program_of(with_chatter_limit(automaton, method)) for key, automaton in automata.items()}
     return [
-        Problem(*programs[id(model)], checked_start(model, start, automata[id(model)]), t_end)
+        Problem(*programs[id(model)], validate_initial_state(model, start, automata[id(model)]), t_end)
         for model, start in zip(models, each)
     ]
 

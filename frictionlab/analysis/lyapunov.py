@@ -8,14 +8,14 @@ from typing import Any
 import numpy as np
 
 from frictionlab.automaton import HybridAutomaton
-from frictionlab.hybrid.growth import growth_along
-from frictionlab.hybrid.progress import DELAY
+from frictionlab.hybrid.progress import PROGRESS_DELAY
 from frictionlab.hybrid.solve import solve
-from frictionlab.hybrid.validation import check_number
+from frictionlab.hybrid.variational.tangent_flow import tangent_growth
+from frictionlab.models.coercion import automaton_of
+from frictionlab.validation import check_number
 
-from .recurrence import Array
-from .returns import scales
-from .steady_state import automaton_of, checked_start
+from .initial_states import validate_initial_state
+from .motion_scales import Array, state_scales
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -98,18 +98,20 @@ def lyapunov(
     check_number("t_end", t_end, above=0.0, cure="give the seconds to average over")
     check_number("blocks", blocks, integer=True, least=2, cure="20 parts are usual")
     automaton = automaton_of(model)
-    state = checked_start(model, x0, automaton)
+    state = validate_initial_state(model, x0, automaton)
     if transient:
         state = _run(automaton, transient, state, progress).final_state
     motion = _run(automaton, t_end / blocks, state, progress).states
-    size = scales(motion, automaton.coordinates)
+    size = state_scales(motion, automaton.coordinates)
     rows = np.linalg.qr(np.random.default_rng(0).normal(size=(len(size),) * 2))[0] * size
     from tqdm.auto import tqdm
 
     growths = []
-    for _ in tqdm(range(blocks + 1), desc="lyapunov", leave=False, delay=DELAY, disable=not progress):
+    for _ in tqdm(
+        range(blocks + 1), desc="lyapunov", leave=False, delay=PROGRESS_DELAY, disable=not progress
+    ):
         run = _run(automaton, t_end / blocks, state, False)
-        rows, growth = growth_along(run, rows, size)
+        rows, growth = tangent_growth(run, rows, size)
         growths.append(growth)
         state = run.final_state
     return _spectrum(np.array(growths[1:]) * blocks / t_end, state)

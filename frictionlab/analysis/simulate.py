@@ -1,4 +1,4 @@
-"""`fl.simulate`: run a model; `fl.load`: a saved run."""
+"""`fl.simulate`: run a model; `fl.load`: read a saved run."""
 
 from __future__ import annotations
 
@@ -6,20 +6,16 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from frictionlab.automaton import HybridAutomaton
-from frictionlab.hybrid.choice import method_of
-from frictionlab.hybrid.methods import Method
+from frictionlab.hybrid.methods.base import Method
+from frictionlab.hybrid.methods.method_registry import method_of
 from frictionlab.hybrid.solve import solve
-from frictionlab.hybrid.storage import read
+from frictionlab.hybrid.storage import read_run_file
 from frictionlab.hybrid.trajectory import Trajectory
-from frictionlab.hybrid.validation import check_choice
 from frictionlab.models import Model
-from frictionlab.models.given import given_model
-from frictionlab.stability import equilibrium
+from frictionlab.models.coercion import require_model
 
-NEAR = 1.01  # "near": the equilibrium displaced by one percent
+from .initial_states import model_initial_state
 
 
 def simulate(
@@ -79,35 +75,14 @@ def simulate(
         if isinstance(model, HybridAutomaton)
         else "write simulate(model, t_end)"
     )
-    model = given_model(model, cure=cure)
+    model = require_model(model, cure=cure)
     method_of(method)
     options: dict[str, Any] = {"sections": sections, "quadratures": quadratures, "progress": progress}
     automaton = model.automaton()
-    start = initial_state(model, x0, automaton)
+    start = model_initial_state(model, x0, automaton)
     run = solve(automaton, t_end, x0=start, method=method, t_eval=t_eval, source=model, **options)
     run.description["model"] = model.to_dict()
     return run
-
-
-def initial_state(model: Any, x0: Any, automaton: Any = None) -> Any:
-    """The state that a name stands for; of an array the states it leaves out are zero.
-
-    The model's automaton spares its assembly where it is at hand.
-    """
-    if not isinstance(model, Model):  # an automaton, whose start is an array
-        return x0
-    automaton = model.automaton() if automaton is None else automaton
-    n, names = len(model.coordinates), [symbol.name for symbol in automaton.states]
-    if not isinstance(x0, str):
-        return np.append(x0, np.zeros(len(names) - 2 * n)) if np.shape(x0) == (2 * n,) else x0
-    check_choice("x0", x0, ("rest", "near"), "or give numbers, one for each state")
-    start = np.zeros(len(names))
-    if x0 == "near":
-        start[:n] = NEAR * equilibrium(model).q
-        return start
-    for name, value in model.release().items():
-        start[names.index(name)] = value
-    return start
 
 
 def load(path: str | Path, model: Any = None) -> Trajectory:
@@ -125,7 +100,7 @@ def load(path: str | Path, model: Any = None) -> Trajectory:
     ValueError
         Where the file is no saved run, or its model cannot be made.
     """
-    stored = read(path)
+    stored = read_run_file(path)
     if model is None and "model" in stored.description:
         model = Model.from_dict(stored.description["model"])
     if model is None:

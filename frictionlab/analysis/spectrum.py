@@ -7,15 +7,17 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionlab.hybrid.validation import check_choice
+from frictionlab.validation import check_choice
 
-from .timescale import period_of, round_period_of
+from .motion_scales import oscillation_period, rounded_period
 
 Array = NDArray[np.float64]
-HARMONICS = 6.0  # of the model's own frequency that are shown
-LONGEST = 1000.0  # periods transformed at most: a thousandth of the frequency is more than a picture shows
+HARMONICS_SHOWN = 6.0  # of the model's own frequency that are shown
+MAX_PERIODS = (
+    1000.0  # periods transformed at most: a thousandth of the frequency is more than a picture shows
+)
 OVERSAMPLING = 16  # samples per period of f_max: kinks of the motion must not fold back into view
-FEWEST_LINES = 5
+MIN_LINES = 5
 
 
 class Spectrum(NamedTuple):
@@ -73,10 +75,10 @@ def amplitude_spectrum(
     """
     name = run.names[0] if name is None else name
     check_choice("name", name, run.names)
-    f_max = f_max or highest(run.source)
+    f_max = f_max or highest_frequency(run.source)
     stop = float(run.raw.t)
-    length = min(stop / 2, LONGEST * period_of(run.source)) if start is None else stop - start
-    if length * f_max < FEWEST_LINES:
+    length = min(stop / 2, MAX_PERIODS * oscillation_period(run.source)) if start is None else stop - start
+    if length * f_max < MIN_LINES:
         return None
     count = int(np.ceil(length * f_max * OVERSAMPLING))
     t = np.clip(stop - length + np.arange(count) * (length / count), 0.0, stop)
@@ -89,6 +91,6 @@ def amplitude_spectrum(
     return Spectrum(frequencies[kept], amplitudes[kept], 1 / length, stop - length, stop)
 
 
-def highest(source: Any) -> float:
+def highest_frequency(source: Any) -> float:
     """The highest frequency (Hz) that a spectrum of a model shows."""
-    return HARMONICS / round_period_of(source)
+    return HARMONICS_SHOWN / rounded_period(source)

@@ -1,8 +1,17 @@
 """A hybrid automaton as plain data: modes with a flow, event functions that guard them, resets.
 
-This package is the common language of the models, which write automata, and of the solver, which runs
-them.  It knows nothing of friction and does no work: expressions are sympy expressions in the state and
-parameter symbols, and :mod:`frictionlab.hybrid` turns them into numbers.
+The common language of the models, which write automata, and of the solver, which runs them.  It knows nothing
+of friction and computes nothing: expressions are sympy expressions in the symbols of states and parameters,
+which :mod:`frictionlab.hybrid` turns into numbers.
+
+``mode``
+    `Mode`, `Event`, `Reset`: one smooth regime, what ends it, what jumps then.
+``modes_on_demand``
+    `ModesOnDemand`: modes that are derived when a run first tries to enter them, and `Sketch`, what is known
+    of
+    a mode before.
+``hybrid_automaton``
+    `HybridAutomaton`: the modes over one state space, with the values of the parameters.
 """
 
 from __future__ import annotations

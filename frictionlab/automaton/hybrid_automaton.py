@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from .mode import Mode, Symbol, check_all
-from .on_demand import ModesOnDemand, Sketch
+from .mode import Mode, Symbol, check_elements
+from .modes_on_demand import ModesOnDemand, Sketch
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -47,7 +47,7 @@ class HybridAutomaton:
 
     def __post_init__(self) -> None:
         if not isinstance(self.modes, ModesOnDemand):
-            check_all("modes", self.modes, Mode)
+            check_elements("modes", self.modes, Mode)
         for what, symbols in {"states": self.states, "parameters": self.parameters}.items():
             if words := [s for s in symbols if isinstance(s, str)]:
                 raise TypeError(

@@ -90,7 +90,7 @@ class Mode:
     limit: bool = False
 
     def __post_init__(self) -> None:
-        check_all(f"the events of mode {self.name!r}", self.events, Event)
+        check_elements(f"the events of mode {self.name!r}", self.events, Event)
 
     @property
     def holds(self) -> bool:
@@ -98,7 +98,7 @@ class Mode:
         return bool(self.constraints)
 
 
-def check_all(what: str, given: Any, kind: type) -> None:
+def check_elements(what: str, given: Any, kind: type) -> None:
     """Raise unless it is a sequence of that kind."""
     if isinstance(given, kind):
         raise TypeError(

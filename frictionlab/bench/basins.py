@@ -1,7 +1,7 @@
 """Basin stability by events, each run as long as it takes, against a model made smooth.
 
-The bistable oscillator x'' + 0.1 x' + x = -sgn(v_r) (1 + exp(-2 |v_r|))/2 with v_r = x' - v_d sticks up to 1;
-made smooth it has tanh(v_r/width) for the sign.  Random initial states in -2 < x < 2, 0 < x' < 2.
+The bistable oscillator x'' + 0.1 x' + x = -sgn(v_r) (1 + exp(-2 |v_r|))/2 with v_r = x' - v_d sticks up
+to 1; made smooth it has tanh(v_r/width) for the sign.  Random initial states in -2 < x < 2, 0 < x' < 2.
 """
 
 from __future__ import annotations
@@ -14,24 +14,27 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from frictionlab.analysis.basins import BasinStability, basin_stability
-from frictionlab.analysis.markdown import markdown
+from frictionlab.analysis.basins.basins import BasinStability, basin_stability
+from frictionlab.analysis.tables import markdown_table
 from frictionlab.automaton import Event, HybridAutomaton, Mode, Reset
-from frictionlab.hybrid.compiled import NUMBA
-from frictionlab.hybrid.taylor import Taylor
+from frictionlab.hybrid.compilation import NUMBA
+from frictionlab.hybrid.methods.taylor import Taylor
 
-from .ready import make_lanes_ready, make_ready
+from .harness import warm_up, warm_up_lanes
 
-BELT, SHARE = 1.5, 0.30713  # of the initial states that go to the equilibrium, known independently
+BELT_SPEED, EQUILIBRIUM_SHARE = (
+    1.5,
+    0.30713,
+)  # of the initial states that go to the equilibrium, known independently
 RANGES = {"x": (-2.0, 2.0), "v": (0.0, 2.0)}
 WIDTHS = (1.0, 1e-1, 1e-2)
 T_END = 300.0  # of every run of the smooth model
-AT_REST = 0.1  # distance from the equilibrium within which such a run has settled
+REST_DISTANCE = 0.1  # distance from the equilibrium within which such a run has settled
 RTOL = 1e-6
 
 
 @dataclass(frozen=True)
-class Row:
+class BasinRow:
     """How, wall time in s of the runs that were timed, their number, the share found, wrong labels."""
 
     name: str
@@ -57,64 +60,64 @@ def oscillator(belt: float) -> HybridAutomaton:
     return HybridAutomaton((x, v, w), modes, {v_d: belt}, coordinates=1)
 
 
-def basins(samples: int = 10_000, some: int = 200, widths: Sequence[float] = WIDTHS) -> list[Row]:
+def basin_times(samples: int = 10_000, some: int = 200, widths: Sequence[float] = WIDTHS) -> list[BasinRow]:
     """The exact ones for all samples, the smooth models for the first of them; one worker each."""
-    make_ready(oscillator(BELT), Taylor())
-    make_lanes_ready(oscillator(BELT), Taylor())
+    warm_up(oscillator(BELT_SPEED), Taylor())
+    warm_up_lanes(oscillator(BELT_SPEED), Taylor())
     exact()
     begin = time.perf_counter()
     found = exact(samples)
     seconds = time.perf_counter() - begin
     resting = np.take([a.kind == "equilibrium" for a in found.attractors], found.labels)
-    rows = [Row("exact", seconds, samples, float(resting.mean()), 0)]
-    return rows + [_smooth(width, found.points[:some], resting[:some]) for width in widths]
+    rows = [BasinRow("exact", seconds, samples, float(resting.mean()), 0)]
+    return rows + [_smooth_row(width, found.points[:some], resting[:some]) for width in widths]
 
 
 def exact(samples: int = 500) -> BasinStability:
     """Basin stability of the automaton."""
 
     def complete(z: Any) -> list[float]:
-        return [z[0], z[1], float(np.exp(-2.0 * abs(z[1] - BELT)))]
+        return [z[0], z[1], float(np.exp(-2.0 * abs(z[1] - BELT_SPEED)))]
 
     options: dict[str, Any] = {"x0": complete, "transient": 1000.0, "workers": 1, "progress": False}
-    return basin_stability(oscillator(BELT), RANGES, samples, **options)
+    return basin_stability(oscillator(BELT_SPEED), RANGES, samples, **options)
 
 
-def _smooth(width: float, starts: np.ndarray, resting: np.ndarray) -> Row:
-    flow, at = smooth_flow(width), (1.0 + np.exp(-2.0 * BELT)) / 2.0
-    ends = [_end(flow, starts[0], 1.0)]  # compiles
+def _smooth_row(width: float, starts: np.ndarray, resting: np.ndarray) -> BasinRow:
+    flow, at = smooth_flow(width), (1.0 + np.exp(-2.0 * BELT_SPEED)) / 2.0
+    ends = [_final_state(flow, starts[0], 1.0)]  # compiles
     begin = time.perf_counter()
-    ends = np.array([_end(flow, start, T_END) for start in starts])
+    ends = np.array([_final_state(flow, start, T_END) for start in starts])
     seconds = time.perf_counter() - begin
-    found = np.hypot(ends[:, 0] - at, ends[:, 1]) < AT_REST
+    found = np.hypot(ends[:, 0] - at, ends[:, 1]) < REST_DISTANCE
     wrong = int((found != resting).sum())
-    return Row(f"tanh, width {width:g}, LSODA", seconds, len(starts), float(found.mean()), wrong)
+    return BasinRow(f"tanh, width {width:g}, LSODA", seconds, len(starts), float(found.mean()), wrong)
 
 
 def smooth_flow(width: float) -> Callable[..., Any]:
     """Right-hand side of the smooth model, compiled where there is numba."""
 
     def kernel(x: float, v: float) -> tuple[float, float]:
-        v_r = v - BELT
+        v_r = v - BELT_SPEED
         return v, -0.1 * v - x - np.tanh(v_r / width) * (0.5 + 0.5 * np.exp(-2.0 * np.abs(v_r)))
 
     compiled = kernel if NUMBA is None else NUMBA.njit(kernel)
     return lambda t, z: compiled(z[0], z[1])
 
 
-def _end(flow: Callable[..., Any], start: np.ndarray, t_end: float) -> np.ndarray:
+def _final_state(flow: Callable[..., Any], start: np.ndarray, t_end: float) -> np.ndarray:
     from scipy.integrate import solve_ivp
 
     return solve_ivp(flow, (0.0, t_end), start, method="LSODA", rtol=RTOL, atol=RTOL * 1e-2).y[:, -1]
 
 
-def table(rows: Sequence[Row]) -> str:
+def basin_table(rows: Sequence[BasinRow]) -> str:
     """The rows as Markdown: states a second, how many times slower that is, and what is wrong."""
     rates = [row.runs / row.seconds for row in rows]
     lines = (
         f"{r.name} | {r.runs} | {rate:,.0f} | {rates[0] / rate:.3g} | {r.share:.4f} "
-        f"| {np.sqrt(SHARE * (1 - SHARE) / r.runs):.4f} | {r.wrong}"
+        f"| {np.sqrt(EQUILIBRIUM_SHARE * (1 - EQUILIBRIUM_SHARE) / r.runs):.4f} | {r.wrong}"
         for r, rate in zip(rows, rates, strict=True)
     )
     head = "way | initial states | a second | x | share at rest | sampling error | labels that differ"
-    return markdown(head, lines)
+    return markdown_table(head, lines)

@@ -1,32 +1,75 @@
-"""Work against precision: scenes x methods, in turns, errors against references."""
+"""Work against precision: scenes x methods, timed in turns, errors against references.
+
+Whatever is compiled is compiled before anything is timed: kernels, and native code of all modes, as a
+long run has it. Times are medians of runs that are interleaved, so that a slow moment hits all.
+"""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from importlib.util import find_spec
 from statistics import median
 from typing import Any
 
-from frictionlab.analysis.markdown import markdown
-from frictionlab.hybrid.methods import Method
+import numpy as np
+
+from frictionlab.analysis.tables import markdown_table
+from frictionlab.automaton import HybridAutomaton
+from frictionlab.bench.peers.external import ExternalMethod
+from frictionlab.bench.peers.methods import METHODS, BenchMethod
+from frictionlab.hybrid.codegen.native_cache import native_code
+from frictionlab.hybrid.compilation import NUMBA
+from frictionlab.hybrid.methods.base import Method
+from frictionlab.hybrid.methods.taylor import Taylor
+from frictionlab.hybrid.problem import Status
 from frictionlab.hybrid.solve import solve
-from frictionlab.hybrid.status import Status
+from frictionlab.hybrid.tape.packing import program_of
 
-from . import regularised
-from .external import External
-from .ready import make_ready
+from .peers import regularised
 from .scenes import BenchScene
-from .ways import WAYS, Way
 
-OURS = "frictionlab, tol 1e-15"
-SLOW = 3.0  # s: a run longer than this is timed once
-BRIEF = 0.1  # s: a shorter one would be slowed down by what ran before it, which leaves the caches cold
+BASE_METHOD = "frictionlab, tol 1e-15"
+SINGLE_RUN_ABOVE = 3.0  # s: a run longer than this is timed once
+WARM_RUN_BELOW = (
+    0.1  # s: a shorter one would be slowed down by what ran before it, which leaves the caches cold
+)
+
+
+def warm_up(automaton: HybridAutomaton, method: Method) -> None:
+    """Compile what is missing, so that no mode is native code in one run and interpreted in the next."""
+    solve(automaton, 1e-9, x0=np.zeros(len(automaton.states)), method=method, progress=False)
+    if not isinstance(method, Taylor):
+        return
+    jets = native_code(program_of(automaton)[0])
+    for mode in np.flatnonzero(jets.code.native == 0) if NUMBA else ():
+        jets.compile(int(mode))
+
+
+def warm_up_lanes(automaton: HybridAutomaton, method: Taylor) -> None:
+    """The same for the steps of several runs side by side."""
+    native = native_code(program_of(automaton)[0])
+    for mode in np.flatnonzero(native.code.lanes == 0) if NUMBA else ():
+        native.compile_step(int(mode))
+
+
+def interleaved_medians(runs: Sequence[Callable[[], Any]], repeats: int) -> list[float]:
+    """Median wall time of each, after one run to warm up; in turns, so that a slow moment hits all."""
+    for run in runs:
+        run()
+    spent = [[_time_call(run) for run in runs] for _ in range(repeats)]
+    return [median(column) for column in zip(*spent, strict=True)]
+
+
+def _time_call(run: Callable[[], Any]) -> float:
+    begin = time.perf_counter()
+    run()
+    return time.perf_counter() - begin
 
 
 @dataclass(frozen=True)
-class Row:
+class WorkPrecisionRow:
     """A method on a scene: what it took, found and missed; `note` says why a number is not there."""
 
     scene: str
@@ -40,70 +83,78 @@ class Row:
     note: str = ""
 
 
-def measure(scene: BenchScene, ways: Sequence[Way] = WAYS, repeats: int = 3) -> list[Row]:
+def measure(
+    scene: BenchScene, ways: Sequence[BenchMethod] = METHODS, repeats: int = 3
+) -> list[WorkPrecisionRow]:
     """A row for every way; those whose package is absent say so."""
-    there = [way for way in ways if not way.needs or find_spec(way.needs)]
-    methods = {way.name: way.make(scene.automaton) for way in there}
+    there = [way for way in ways if not way.package or find_spec(way.package)]
+    methods = {way.name: way.create(scene.automaton) for way in there}
     for method in methods.values():
-        if isinstance(method, External):
+        if isinstance(method, ExternalMethod):
             method.prepare(scene.x0)
         else:
-            make_ready(scene.automaton, method)
-    runs = {name: _timed(scene, method) for name, method in methods.items()}
-    spent = {name: [seconds] if seconds > SLOW else [] for name, (_, seconds) in runs.items()}
+            warm_up(scene.automaton, method)
+    runs = {name: _time_run(scene, method) for name, method in methods.items()}
+    spent = {name: [seconds] if seconds > SINGLE_RUN_ABOVE else [] for name, (_, seconds) in runs.items()}
     for _ in range(repeats):
-        for name in [name for name in methods if runs[name][1] <= SLOW]:
-            if runs[name][1] < BRIEF:
-                _timed(scene, methods[name])
-            spent[name].append(_timed(scene, methods[name])[1])
+        for name in [name for name in methods if runs[name][1] <= SINGLE_RUN_ABOVE]:
+            if runs[name][1] < WARM_RUN_BELOW:
+                _time_run(scene, methods[name])
+            spent[name].append(_time_run(scene, methods[name])[1])
     rows = [
-        _row(scene, way, methods[way.name], runs[way.name][0], spent[way.name])
+        _measured_row(scene, way, methods[way.name], runs[way.name][0], spent[way.name])
         if way in there
-        else _absent(scene, way)
+        else _row_without_package(scene, way)
         for way in ways
     ]
-    return rows if scene.model is None else [*rows, _smoothed(scene)]
+    return rows if scene.model is None else [*rows, _regularised_row(scene)]
 
 
-def _smoothed(scene: BenchScene) -> Row:
+def _regularised_row(scene: BenchScene) -> WorkPrecisionRow:
     """Another model, not another method: its error is what smoothing does."""
     state, seconds, steps = regularised.run(scene.model, scene.t_end)
     name = "model made smooth, LSODA"
-    return Row(scene.name, "regularised", name, seconds, scene.error(state), 0, None, steps)
+    return WorkPrecisionRow(scene.name, "regularised", name, seconds, scene.error(state), 0, None, steps)
 
 
-def _absent(scene: BenchScene, way: Way) -> Row:
-    return Row(scene.name, way.family, way.name, *[None] * 5, note=f"{way.needs} is not installed")
+def _row_without_package(scene: BenchScene, way: BenchMethod) -> WorkPrecisionRow:
+    return WorkPrecisionRow(
+        scene.name, way.family, way.name, *[None] * 5, note=f"{way.package} is not installed"
+    )
 
 
-def _timed(scene: BenchScene, method: Method) -> tuple[Any, float]:
+def _time_run(scene: BenchScene, method: Method) -> tuple[Any, float]:
     begin = time.perf_counter()
     run = solve(scene.automaton, scene.t_end, x0=scene.x0, method=method, progress=False)
     return run, time.perf_counter() - begin
 
 
-def _row(scene: BenchScene, way: Way, method: Method, run: Any, spent: list[float]) -> Row:
+def _measured_row(
+    scene: BenchScene, way: BenchMethod, method: Method, run: Any, spent: list[float]
+) -> WorkPrecisionRow:
     note = "" if run.status is Status.FINISHED else run.status.name.lower().replace("_", " ")
     error = scene.error(run.final_state) if not note else None
-    found, steps = len(run.events), method.steps if isinstance(method, External) else run.stats["steps"]
+    found, steps = len(run.events), method.steps if isinstance(method, ExternalMethod) else run.stats["steps"]
     missed = scene.missed(found)
-    return Row(scene.name, way.family, way.name, median(spent), error, found, missed, steps, note)
+    return WorkPrecisionRow(
+        scene.name, way.family, way.name, median(spent), error, found, missed, steps, note
+    )
 
 
-def as_json(rows: Sequence[Row]) -> list[dict[str, Any]]:
+def as_json(rows: Sequence[WorkPrecisionRow]) -> list[dict[str, Any]]:
     """The rows as JSON has them."""
     return [asdict(row) for row in rows]
 
 
-def table(rows: Sequence[Row]) -> str:
+def work_precision_table(rows: Sequence[WorkPrecisionRow]) -> str:
     """One scene's rows as Markdown; times also as multiples of ours, events where the scene has any."""
-    base = next(row.seconds for row in rows if row.method == OURS)
+    base = next(row.seconds for row in rows if row.method == BASE_METHOD)
     heads = ["method", "wall time", "x", "error", "steps", "per step"]
     heads += ["events", "missed"] if any(row.events for row in rows) else []
-    return markdown(" | ".join(heads), (" | ".join(_cells(row, base)[: len(heads)]) for row in rows))
+    return markdown_table(" | ".join(heads), (" | ".join(_cells(row, base)[: len(heads)]) for row in rows))
 
 
-def _cells(row: Row, base: float | None) -> list[str]:
+def _cells(row: WorkPrecisionRow, base: float | None) -> list[str]:
     if row.seconds is None or base is None:
         return [row.method, row.note, *[""] * 6]
     error = row.note if row.error is None else f"{row.error:.1e}"

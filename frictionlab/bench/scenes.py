@@ -12,8 +12,8 @@ import sympy
 
 from frictionlab.automaton import Event, HybridAutomaton, Mode, Reset
 from frictionlab.components import PlasticImpact
+from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.hybrid.solve import solve
-from frictionlab.hybrid.taylor import Taylor
 from frictionlab.models import SliderOnBelt
 
 # States at the end by tests/reference/slider_mpmath.py with 40 digits, which shares no code with the package.
@@ -53,10 +53,12 @@ REFERENCES = {
         0.46489169620819055962,
     ),
 }
-STIFF = SliderOnBelt(mu_k=2.5, k_nl=1e7, F=800.0, k4=5e6, k5=5e6, k6=5e6).without("nonsmooth")
+STIFF_SLIDER = SliderOnBelt(mu_k=2.5, k_nl=1e7, F=800.0, k4=5e6, k5=5e6, k6=5e6).without("nonsmooth")
 # Fewest and most events that are right: the last one of "Coulomb" may come just after the end.
-EVENTS = {"A": (885, 885), "B": (886, 886), "Coulomb": (1999, 2000)}
-PERIOD = 5 + 2 * np.pi - 2 * np.arctan(2.5)  # of the Coulomb mass on a belt
+EVENT_COUNTS = {"A": (885, 885), "B": (886, 886), "Coulomb": (1999, 2000)}
+COULOMB_PERIOD = 5 + 2 * np.pi - 2 * np.arctan(2.5)  # of the Coulomb mass on a belt
+
+FULL_GAP_RATE_SLIDER = SliderOnBelt(mu_k=1.4, impact=PlasticImpact(penetration_rate="full"))
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,7 +105,7 @@ def scenes() -> dict[str, BenchScene]:
     found = (
         _model("A", "stick, slip and separation without the moving load", usual.without("geometry"), 20.0),
         _model("B", "with it, full gap rate", usual.replace(impact=PlasticImpact("full")), 20.0),
-        _model("C", "sliding only, stiff, strongly nonlinear", STIFF, 1.0),
+        _model("C", "sliding only, stiff, strongly nonlinear", STIFF_SLIDER, 1.0),
         _chatter(usual),
         _coulomb(),
         _linear(bare),
@@ -116,7 +118,7 @@ def _model(name: str, text: str, model: Any, t_end: float) -> BenchScene:
     rest = np.zeros(len(automaton.states))
     unlike = model if "separation" in model.interface.modes else None
     return BenchScene(
-        name, text, automaton, rest, t_end, lambda: np.array(REFERENCES[name]), unlike, EVENTS.get(name)
+        name, text, automaton, rest, t_end, lambda: np.array(REFERENCES[name]), unlike, EVENT_COUNTS.get(name)
     )
 
 
@@ -139,8 +141,8 @@ def _coulomb() -> BenchScene:
     stick = Mode("stick", (v, sympy.S.Zero), (Event("pulled", 1 - x, ("slip",)),), (belt - v,))
     slip = Mode("slip", (v, sympy.Rational(1, 2) - x), (Event("v_r", belt - v, ("stick",), held),))
     automaton, start = HybridAutomaton((x, v), (stick, slip), {belt: 0.2}, 1), np.array([0.0, 0.2])
-    text, t_end = "1000 cycles of stick and slip", 1000 * PERIOD
-    return BenchScene("Coulomb", text, automaton, start, t_end, lambda: start, events=EVENTS["Coulomb"])
+    text, t_end = "1000 cycles of stick and slip", 1000 * COULOMB_PERIOD
+    return BenchScene("Coulomb", text, automaton, start, t_end, lambda: start, events=EVENT_COUNTS["Coulomb"])
 
 
 def _linear(model: Any) -> BenchScene:

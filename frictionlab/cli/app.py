@@ -12,11 +12,11 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from .parser import OneLineParser
+from .parsing import OneLineParser
 
-FAILED = 1
-PORT = 8866
-CELL = "import frictionlab as fl\n\nfl.explore()"
+EXIT_FAILED = 1
+DEFAULT_PORT = 8866
+NOTEBOOK_CELL = "import frictionlab as fl\n\nfl.explore()"
 
 DESCRIPTION = """\
 Show the explorer (fl.explore) in the browser: sliders, switches and pictures,
@@ -32,7 +32,9 @@ exit status: 0 ended by ctrl-C; 1 Voila is not installed; 2 bad arguments."""
 
 # Voila's page asks a server elsewhere for a style sheet it can do without, and stays blank until that answers
 # or gives up: where it is forbidden to ask, it is there at once in a hall without network.
-POLICY = "default-src 'self' ws: data: blob: 'unsafe-inline' 'unsafe-eval'; frame-ancestors 'self'"
+CONTENT_SECURITY_POLICY = (
+    "default-src 'self' ws: data: blob: 'unsafe-inline' 'unsafe-eval'; frame-ancestors 'self'"
+)
 
 
 def add_app(commands: Any) -> OneLineParser:
@@ -45,7 +47,7 @@ def add_app(commands: Any) -> OneLineParser:
         formatter_class=argparse.RawDescriptionHelpFormatter,
         allow_abbrev=False,
     )
-    text = f"port of this machine (default: {PORT}, or any free one)"
+    text = f"port of this machine (default: {DEFAULT_PORT}, or any free one)"
     parser.add_argument("--port", type=int, metavar="N", help=text)
     parser.add_argument("--no-browser", action="store_true", help="open no browser, only print the address")
     return parser
@@ -54,13 +56,13 @@ def add_app(commands: Any) -> OneLineParser:
 def app_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
     """Serve until ctrl-C; returns the exit status."""
     if chosen.port is not None and not 1 <= chosen.port <= 65535:
-        parser.error(f"--port must be from 1 to 65535, got {chosen.port}: leave it out for {PORT}")
+        parser.error(f"--port must be from 1 to 65535, got {chosen.port}: leave it out for {DEFAULT_PORT}")
     if find_spec("voila") is None:
         cure = 'pip install "frictionlab[lab]"'
         sys.stderr.write(f"{parser.prog}: error: the page needs Voila, which is not installed: {cure}\n")
-        return FAILED
+        return EXIT_FAILED
     try:
-        port = _port(chosen.port)
+        port = _choose_port(chosen.port)
     except OSError as error:
         cure = "give another, or leave it out for any that is free"
         parser.error(f"--port {chosen.port} cannot be had ({error.strerror}): {cure}")
@@ -72,24 +74,30 @@ def app_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
     return 0
 
 
-def _port(asked: int | None) -> int:
+def _choose_port(asked: int | None) -> int:
     """The port asked for; without one the usual, or any if that is taken."""
     if asked is not None:
-        return _bound(asked)
+        return _bind_port(asked)
     try:
-        return _bound(PORT)
+        return _bind_port(DEFAULT_PORT)
     except OSError:
-        return _bound(0)
+        return _bind_port(0)
 
 
-def _bound(port: int) -> int:
+def _bind_port(port: int) -> int:
     # Voila would tell of failure in its log only.
     with socket.create_server(("localhost", port)) as probe:
         return probe.getsockname()[1]
 
 
 def _notebook() -> dict[str, Any]:
-    cell = {"cell_type": "code", "execution_count": None, "metadata": {}, "outputs": [], "source": CELL}
+    cell = {
+        "cell_type": "code",
+        "execution_count": None,
+        "metadata": {},
+        "outputs": [],
+        "source": NOTEBOOK_CELL,
+    }
     kernel = {"name": "python3", "display_name": "Python 3", "language": "python"}
     return {"cells": [cell], "metadata": {"kernelspec": kernel}, "nbformat": 4, "nbformat_minor": 4}
 
@@ -99,7 +107,7 @@ def _serve(notebook: Path, port: int, browser: bool) -> None:
 
     options = [str(notebook), f"--port={port}", "--Voila.port_retries=0", "--show_tracebacks=True"]
     options += ["--Voila.log_level=ERROR"] + ([] if browser else ["--no-browser"])
-    settings = {"headers": {"Content-Security-Policy": POLICY}}
+    settings = {"headers": {"Content-Security-Policy": CONTENT_SECURITY_POLICY}}
     signal.signal(signal.SIGINT, _stop)
     Voila.launch_instance(options, tornado_settings=settings)
 

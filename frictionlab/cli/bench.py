@@ -9,7 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from .parser import OneLineParser
+from .parsing import OneLineParser
 
 DESCRIPTION = """\
 Measure wall time and error of this solver and of others on scenes whose end is
@@ -49,7 +49,13 @@ def add_bench(commands: Any) -> OneLineParser:
 
 def bench_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
     """Measure and print; returns the exit status."""
-    from frictionlab.bench import harness, lesson, page, picture, switches
+    from frictionlab.bench import (
+        exact_and_fast_page,
+        harness,
+        nonlinearity_cost,
+        page_figures,
+        performance_page,
+    )
     from frictionlab.bench.scenes import scenes
 
     known = scenes()
@@ -59,57 +65,65 @@ def bench_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
     for name in names:
         if name not in known:
             parser.error(f"--scene must be one of {', '.join(known)}, got {name!r}")
-    rows, loads = [], [page.load()]
+    rows, loads = [], [performance_page.load_average()]
     for name in names:
         found = harness.measure(known[name], repeats=1 if chosen.quick else 3)
-        print(
-            f"\n{name}: {known[name].text}, {known[name].t_end:.6g} s\n\n{harness.table(found)}", flush=True
-        )
+        table = harness.work_precision_table(found)
+        print(f"\n{name}: {known[name].text}, {known[name].t_end:.6g} s\n\n{table}", flush=True)
         rows += found
-    loads.append(page.load())
-    switched = [] if chosen.scene else switches.switches(repeats=3 if chosen.quick else 15)
-    tables = [] if chosen.scene else _others(chosen.quick, switched)
+    loads.append(performance_page.load_average())
+    switched = [] if chosen.scene else nonlinearity_cost.nonlinearity_costs(repeats=3 if chosen.quick else 15)
+    tables = [] if chosen.scene else _measure_others(chosen.quick, switched)
     try:
         if chosen.output:
             folder = Path(chosen.output)
-            written = page.write(folder, rows, tables, loads), lesson.write(folder, rows, switched)
+            written = (
+                performance_page.write_performance(folder, rows, tables, loads),
+                exact_and_fast_page.write_exact_and_fast(folder, rows, switched),
+            )
             print(f"Pages in {written[0]} and {written[1]}")
         if chosen.json:
             Path(chosen.json).write_text(json.dumps(harness.as_json(rows), indent=1), encoding="utf-8")
         if chosen.picture:
-            picture.draw(rows).savefig(chosen.picture, dpi=110)
+            page_figures.draw_work_precision(rows).savefig(chosen.picture, dpi=110)
     except (OSError, ValueError) as error:
         sys.stderr.write(f"{parser.prog}: error: {error}\n")
         return 1
     return 0
 
 
-def _others(quick: bool, switched: list[Any]) -> list[str]:
-    from frictionlab.bench import basins, eigenproblems, ensembles, multipliers, startup, sweeps, switches
+def _measure_others(quick: bool, switched: list[Any]) -> list[str]:
+    from frictionlab.bench import basins, nonlinearity_cost, parallel_runs, stability_cost
 
     def costs() -> str:
-        starts = startup.starts(repeats)
-        return switches.switch_table(switched, starts.first, starts.imported)
+        starts = nonlinearity_cost.starts(repeats)
+        return nonlinearity_cost.nonlinearity_table(switched, starts.first, starts.imported)
 
     repeats = 1 if quick else 3
     measured = {
         "What each nonlinearity costs": costs,
-        "Native code": lambda: startup.native_table(startup.native_code(repeats)),
-        "Many runs": lambda: ensembles.table(ensembles.ensembles(repeats=repeats)),
-        "Fig. 9's sweep": lambda: sweeps.table(sweeps.sweeps(30.0 if quick else 300.0, 1)),
-        "Linear stability": lambda: eigenproblems.table(eigenproblems.eigenproblems(10_000, repeats)),
-        "Floquet multipliers": lambda: multipliers.table(multipliers.multipliers(repeats)),
-        "Basins": lambda: basins.table(basins.basins(10_000, 20 if quick else 200)),
-        "A step of an explorer's slider": lambda: _explorer(3 if quick else 10),
+        "Native code": lambda: nonlinearity_cost.native_table(nonlinearity_cost.native_code_times(repeats)),
+        "Many runs": lambda: parallel_runs.ensemble_table(parallel_runs.ensemble_times(repeats=repeats)),
+        "Fig. 9's sweep": lambda: parallel_runs.sweep_table(
+            parallel_runs.sweep_times(30.0 if quick else 300.0, 1)
+        ),
+        "Linear stability": lambda: stability_cost.eigenproblem_table(
+            stability_cost.eigenproblem_times(10_000, repeats)
+        ),
+        "Floquet multipliers": lambda: stability_cost.multiplier_table(
+            stability_cost.multiplier_times(repeats)
+        ),
+        "Basins": lambda: basins.basin_table(basins.basin_times(10_000, 20 if quick else 200)),
+        "A step of an explorer's slider": lambda: _explorer_table(3 if quick else 10),
     }
     tables = []
     for title, measure in measured.items():
-        tables.append(_kept(measure))
+        tables.append(_table_or_reason(measure))
         print(f"\n{title}\n\n{tables[-1]}", flush=True)
     return tables
 
 
-def _kept(measure: Callable[[], str]) -> str:
+def _table_or_reason(measure: Callable[[], str]) -> str:
     """A table, or why there is none: one that fails must not cost the others."""
     try:
         return measure()
@@ -117,7 +131,12 @@ def _kept(measure: Callable[[], str]) -> str:
         return f"Not measured: {type(error).__name__}: {error}\n"
 
 
-def _explorer(count: int) -> str:
-    from frictionlab.widgets import latency
+def _explorer_table(count: int) -> str:
+    from frictionlab.bench import explorer_latency
 
-    return latency.table({name: latency.latencies(m, count=count) for name, m in latency.SCENES.items()})
+    return explorer_latency.latency_table(
+        {
+            name: explorer_latency.latencies(m, count=count)
+            for name, m in explorer_latency.LATENCY_SCENES.items()
+        }
+    )

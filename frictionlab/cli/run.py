@@ -1,40 +1,293 @@
-"""`frictionlab run`: check, simulate, summarise, draw, save."""
+"""`frictionlab run`: check the options, simulate, summarise, draw, save.
+
+The options of the parameters are made from the parameters themselves; everything is checked before the
+run.  What is printed is plain ASCII, so that every terminal shows it.
+"""
 
 from __future__ import annotations
 
 import argparse
+import math
 import sys
+from collections.abc import Iterator
+from dataclasses import replace
+from functools import partial
 from typing import Any
 
-from . import choices, summary
-from .parser import OneLineParser
+from . import parsing
+from .parsing import OneLineParser
 
-EARLY, INTERRUPTED = 1, 130
+RUN_DESCRIPTION = """\
+Simulate the 5-degree-of-freedom slider on a moving belt of Liu & Ouyang (2020)
+and print a summary: sliding equilibrium, eigenvalues, events, share of time in
+each mode. With -o a picture of the run is drawn as well.
+
+Without options: mu_k = 1.4 and the paper's other values, 20 s from rest. There
+the sliding equilibrium is stable, yet from rest the system settles on a
+stick-slip vibration with lift-off; compare --x0 near."""
+
+RUN_EPILOG = """\
+examples:
+  frictionlab run -o first-run.png
+  frictionlab run --mu-k 2.5 --F 1000 --t-end 50 -o strong.pdf
+  frictionlab run --without geometry nonsmooth --x0 near
+  frictionlab run --impact full --save run.npz
+  frictionlab run --method rk4 --step 1e-4        (the paper's algorithm)
+
+Units are SI, angles are in radians.
+A saved run is read in Python with frictionlab.load("run.npz").
+
+exit status: 0 the end time was reached; 1 the run ended early;
+2 bad arguments; 130 stopped by ctrl-C (what was computed is kept)."""
+
+METHOD_NAMES = ("taylor", "rk4", "RK23", "RK45", "DOP853", "Radau", "BDF", "LSODA")
+DEFAULT_MU_K = 1.4
+
+IMPACT_LAWS = ("material", "full", "restitution")
+
+EXIT_FAILED, EXIT_INTERRUPTED = 1, 130
+
+
+def add_run(commands: Any) -> OneLineParser:
+    """Add the command `run`; returns its parser."""
+    parser = commands.add_parser(
+        "run",
+        help="simulate the slider on a belt, print a summary, draw a picture",
+        description=RUN_DESCRIPTION,
+        epilog=RUN_EPILOG,
+        formatter_class=partial(argparse.RawDescriptionHelpFormatter, max_help_position=28),
+        allow_abbrev=False,
+    )
+    _add_output(parser.add_argument_group("output"))
+    _add_run(parser.add_argument_group("run"))
+    _add_laws(parser.add_argument_group("laws"))
+    _add_parameters(parser)
+    return parser
+
+
+def _add_output(group: Any) -> None:
+    group.add_argument("-o", "--output", metavar="FILE", help="picture, e.g. run.png or .pdf (default: none)")
+    group.add_argument("--save", metavar="FILE", help="save the run as .npz (default: not saved)")
+    group.add_argument("-q", "--quiet", action="store_true", help="no progress bar")
+
+
+def _add_run(group: Any) -> None:
+    group.add_argument("--t-end", type=float, default=20.0, metavar="S", help="end time (default: 20 s)")
+    text = (
+        "initial state: rest, near (equilibrium displaced by 1 %%), "
+        "or numbers with commas, coordinates then velocities (default: rest)"
+    )
+    group.add_argument("--x0", default="rest", metavar="STATE", help=text)
+    group.add_argument("--method", default="taylor", help=f"{', '.join(METHOD_NAMES)} (default: taylor)")
+    group.add_argument(
+        "--tol", type=float, help="tolerance of taylor (1e-15) or, relative, of scipy's (1e-10)"
+    )
+    group.add_argument("--step", type=float, metavar="S", help="step of rk4 (default: 0.0002 s)")
+    group.add_argument("--max-steps", type=int, metavar="N", help="end the run after so many steps")
+
+
+def _add_laws(group: Any) -> None:
+    group.add_argument(
+        "--without",
+        nargs="+",
+        action="extend",
+        default=[],
+        metavar="NAME",
+        help="leave nonlinearities out: any of cubic, nonsmooth, geometry",
+    )
+    group.add_argument(
+        "--impact",
+        default="material",
+        metavar="LAW",
+        help="what a re-contact brings to zero: material (the approach to the belt's material point, Eq. 13) "
+        "or full (the gap's full rate); restitution reverses it (default: material)",
+    )
+
+
+def _add_parameters(parser: argparse.ArgumentParser) -> None:
+    from frictionlab.components import RestitutionImpact
+    from frictionlab.components.parameter import parameters_of
+    from frictionlab.models import SliderOnBelt
+
+    groups = {"parameters of the structure": SliderOnBelt, "parameters of the contact": SliderOnBelt.contact}
+    groups |= {"parameters of the friction": SliderOnBelt.friction}
+    groups |= {"parameters of --impact restitution": RestitutionImpact}
+    for title, component in groups.items():
+        group = parser.add_argument_group(title)
+        kind = component if isinstance(component, type) else type(component)
+        for name, about in parameters_of(kind).items():
+            _add_parameter(group, name, about)
+
+
+def _add_parameter(group: Any, name: str, about: Any) -> None:
+    default = DEFAULT_MU_K if name == "mu_k" else about.default
+    text = f"{about.meaning} (default: {default:g}{' ' * bool(about.unit)}{about.unit})"
+    option = f"--{name.replace('_', '-')}"
+    # No default here: only what was given must fit the laws chosen.
+    group.add_argument(
+        option, dest=f"parameter {name}", type=float, metavar="X", help=text.replace("%", "%%")
+    )
+
+
+def model_from_options(chosen: argparse.Namespace) -> Any:
+    """The model; raises ValueError or TypeError as the model does."""
+    from frictionlab.components import PlasticImpact, RestitutionImpact
+    from frictionlab.components.parameter import check_value, parameters_of
+    from frictionlab.models import SliderOnBelt
+    from frictionlab.validation import check_choice
+
+    check_choice("--impact", chosen.impact, IMPACT_LAWS)
+    impact = RestitutionImpact() if chosen.impact == "restitution" else PlasticImpact(chosen.impact)
+    # First the laws, then the numbers: one that belongs to a law left out is refused, not ignored.
+    laws = SliderOnBelt(impact=impact).without(*chosen.without)
+    values = {"mu_k": DEFAULT_MU_K, **_given_parameters(chosen)}
+    usual = replace(parameters_of(type(laws.friction))["mu_k"], default=DEFAULT_MU_K)
+    check_value("mu_k", values["mu_k"], usual)  # here, as the model's own message names another default
+    return laws.replace(**values)
+
+
+def _given_parameters(chosen: argparse.Namespace) -> dict[str, float]:
+    options = {name.removeprefix("parameter "): v for name, v in vars(chosen).items() if " " in name}
+    return {name: value for name, value in options.items() if value is not None}
+
+
+def method_from_options(chosen: argparse.Namespace) -> Any:
+    """The method with its settings."""
+    from frictionlab.hybrid.methods import method_registry
+    from frictionlab.hybrid.methods.rk4 import RK4
+
+    by_lower = {name.lower(): name for name in METHOD_NAMES}
+    method = method_registry.method_of(by_lower.get(chosen.method.lower(), chosen.method))
+    fixed = isinstance(method, RK4)
+    if chosen.step is not None and not fixed:
+        raise ValueError(f"--step is an option of --method rk4, got --method {chosen.method}: leave it out")
+    if chosen.tol is not None and fixed:
+        raise ValueError("--tol is no option of --method rk4, which has a fixed step: give --step instead")
+    tolerance = "tol" if method.name == "taylor" else "rtol"
+    given = {"step": chosen.step, tolerance: chosen.tol, "max_steps": chosen.max_steps}
+    return type(method)(**_method_settings(method) | {k: v for k, v in given.items() if v is not None})
+
+
+def _method_settings(method: Any) -> dict[str, Any]:
+    return {name: value for name, value in method.describe().items() if name != "name"}
+
+
+def initial_state_from_options(chosen: argparse.Namespace, model: Any) -> Any:
+    """The state that --x0 names, or the numbers it holds."""
+    from frictionlab.analysis.initial_states import model_initial_state
+
+    text, n = chosen.x0, 2 * len(model.coordinates)
+    if "," not in text:
+        return model_initial_state(model, text)
+    try:
+        state = [float(part) for part in text.split(",")]
+    except ValueError:
+        state = []
+    if len(state) != n or not all(map(math.isfinite, state)):
+        names = [*model.coordinates, *(f"{name}'" for name in model.coordinates)]
+        raise ValueError(f"--x0 must be rest, near or {n} numbers ({', '.join(names)}), got {text!r}")
+    return state
+
+
+def before(model: Any, method: Any, chosen: argparse.Namespace) -> str:
+    """What is run, and what is known without running it."""
+    return "\n".join([_job_line(model, method, chosen), *_equilibrium_lines(model)])
+
+
+def after(run: Any) -> str:
+    """What the run gave."""
+    return "\n".join([f"\nRun: {run.status}", *_event_lines(run), *_time_lines(run), _cost_line(run)])
+
+
+def _job_line(model: Any, method: Any, chosen: argparse.Namespace) -> str:
+    start = {"rest": "from rest", "near": "from near the equilibrium"}.get(chosen.x0, f"from {chosen.x0}")
+    return f"{model!r}\n{chosen.t_end:g} s {start}, {_method_line(method)}"
+
+
+def _method_line(method: Any) -> str:
+    about = method.describe()
+    name = about.get("integrator", about["name"])
+    return f"method {name}, " + ", ".join(f"{k} {about[k]:g}" for k in ("tol", "step", "rtol") if k in about)
+
+
+def _equilibrium_lines(model: Any) -> Iterator[str]:
+    """Equilibrium and eigenvalues, or one line that says why there are none."""
+    from frictionlab.stability import equilibrium
+
+    try:
+        point = equilibrium(model)
+        yield "\nSliding equilibrium"
+        for name, value in zip(model.coordinates, point.q, strict=True):
+            yield f"  {name:4} {value:+.6f} {'rad' if name == 'phi' else 'm'}"
+        forces = f"F_N {point.normal_force:.4f} N, F_T {point.friction_force:.4f} N"
+        yield f"  gap  {point.penetration:+.6f} m, {forces}"
+        yield from _eigenvalue_lines(model)
+    except ValueError as error:
+        yield f"\nNo sliding equilibrium: {error}"
+
+
+def _eigenvalue_lines(model: Any) -> Iterator[str]:
+    from frictionlab.stability import eigenvalues
+
+    try:
+        found = eigenvalues(model)
+    except ValueError as error:
+        yield f"\nNo eigenvalues: {error}"
+        return
+    lasting = f"{sum(found.growth_rates >= 0)} do not decay"
+    kind = "stable" if found.stable else "marginal" if found.marginal else "unstable"
+    verdict = kind if found.stable else f"{kind}: {lasting}"
+    yield f"\nEigenvalues there ({verdict})\n  frequency (Hz)  growth rate (1/s)  value (1/s)"
+    # Of a conjugate pair the one in the upper half-plane stands for both.
+    for value, frequency in zip(found.values, found.frequencies, strict=True):
+        if value.imag >= 0:
+            pair = f" +- {value.imag:.4f}i" if value.imag else ""
+            yield f"  {frequency:14.4f}  {value.real:+17.5f}  {value.real:+.5f}{pair}"
+
+
+def _event_lines(run: Any) -> Iterator[str]:
+    yield f"Events: {run.stats['events']}, accumulations closed: {run.stats['accumulations']}"
+    counts = run.events.counts()
+    width = max(map(len, counts), default=0)
+    for kind, count in counts.items():
+        yield f"  {kind:{width}}  {count:7d}"
+
+
+def _time_lines(run: Any) -> Iterator[str]:
+    total = sum(run.time_in_mode.values())
+    shares = (f"{name} {100 * seconds / (total or 1):.2f} %" for name, seconds in run.time_in_mode.items())
+    yield f"Time: {', '.join(shares)}"
+
+
+def _cost_line(run: Any) -> str:
+    return (
+        f"Computed {run.raw.t:g} s in {run.stats['steps']} steps, {run.stats['wall_time']:.3g} s of wall time"
+    )
 
 
 def run_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
     """Do what the options say; returns the exit status."""
     try:
-        model, options = _checked(chosen)
+        model, options = _check_options(chosen)
     except (ValueError, TypeError) as error:
         parser.error(str(error))
-    print(summary.before(model, options["method"], chosen), flush=True)
-    run = _simulated(model, chosen, options, parser)
-    print(summary.after(run), flush=True)
-    written = _written(run, chosen, parser)
-    return _code(run) or written
+    print(before(model, options["method"], chosen), flush=True)
+    run = _simulate(model, chosen, options, parser)
+    print(after(run), flush=True)
+    written = _write_files(run, chosen, parser)
+    return _exit_status(run) or written
 
 
-def _checked(chosen: argparse.Namespace) -> tuple[Any, dict[str, Any]]:
-    from frictionlab.hybrid.validation import check_number
+def _check_options(chosen: argparse.Namespace) -> tuple[Any, dict[str, Any]]:
+    from frictionlab.validation import check_number
 
     check_number("--t-end", chosen.t_end, above=0.0, cure="give the length of the run in seconds")
-    choices.check_files(chosen)
-    model = choices.model_of(chosen)
-    return model, {"method": choices.method_of(chosen), "x0": choices.start_of(chosen, model)}
+    parsing.check_files(chosen)
+    model = model_from_options(chosen)
+    return model, {"method": method_from_options(chosen), "x0": initial_state_from_options(chosen, model)}
 
 
-def _simulated(model: Any, chosen: argparse.Namespace, options: dict[str, Any], parser: OneLineParser) -> Any:
+def _simulate(model: Any, chosen: argparse.Namespace, options: dict[str, Any], parser: OneLineParser) -> Any:
     from frictionlab.analysis.simulate import simulate
 
     try:
@@ -43,7 +296,7 @@ def _simulated(model: Any, chosen: argparse.Namespace, options: dict[str, Any], 
         parser.error(str(error))
 
 
-def _written(run: Any, chosen: argparse.Namespace, parser: OneLineParser) -> int:
+def _write_files(run: Any, chosen: argparse.Namespace, parser: OneLineParser) -> int:
     try:
         if chosen.save is not None:
             print(f"Saved as {run.save(chosen.save)}")
@@ -54,11 +307,11 @@ def _written(run: Any, chosen: argparse.Namespace, parser: OneLineParser) -> int
             print(f"Picture in {chosen.output}")
     except OSError as error:  # a full disk, or a folder that has gone since the check
         sys.stderr.write(f"{parser.prog}: error: {error}\n")
-        return EARLY
+        return EXIT_FAILED
     return 0
 
 
-def _code(run: Any) -> int:
+def _exit_status(run: Any) -> int:
     if run.status.ok:
         return 0
-    return INTERRUPTED if run.status.name == "INTERRUPTED" else EARLY
+    return EXIT_INTERRUPTED if run.status.name == "INTERRUPTED" else EXIT_FAILED

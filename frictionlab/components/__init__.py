@@ -1,16 +1,27 @@
-"""Components: one small class for each law, in arithmetic that floats and sympy symbols share."""
+"""Components: one small class for each law, in arithmetic that floats and sympy symbols share.
+
+`component` is the base of all, a frozen dataclass whose fields are parameters (`parameter`) with unit, symbol
+and range. `contact`, `friction` and `impact` hold the laws, `geometry` the coordinates and the directions of
+the contact forces, `interface` the regimes of contact.  `functions` are exp, tanh and the like for laws;
+`names` suggests what a misspelt name may mean.  Nothing here imports sympy; numpy is imported in functions
+only.
+"""
 
 from __future__ import annotations
 
 from . import functions
 from .component import Component
-from .contact import ContactLaw, CubicContact, LinearContact
-from .contact_powers import HertzContact, PolynomialContact
-from .friction import Coulomb, FrictionLaw
-from .friction_curves import ExponentialDecay, PressureDependent, Stribeck, WeakeningStrengthening
+from .contact import ContactLaw, CubicContact, HertzContact, LinearContact, PolynomialContact
+from .friction import (
+    Coulomb,
+    ExponentialDecay,
+    FrictionLaw,
+    PressureDependent,
+    Stribeck,
+    WeakeningStrengthening,
+)
 from .geometry import FixedLoad, Geometry, MovingLoad
-from .impact import ImpactLaw, PlasticImpact, RestitutionImpact
-from .impact_friction import FrictionalImpact
+from .impact import FrictionalImpact, ImpactLaw, PlasticImpact, RestitutionImpact
 from .interface import Interface, SlidingOnly, SlidingSeparation, StickSlip, StickSlipSeparation
 from .parameter import Parameter, parameter
 

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, fields
 
-from .parameter import parameters_of
-from .validation import checked
+from .parameter import check_value, parameters_of
 
 
 @dataclass(frozen=True, repr=False)
@@ -18,7 +17,7 @@ class Component:
 
     def __post_init__(self) -> None:
         for name, about in parameters_of(type(self)).items():
-            object.__setattr__(self, name, checked(name, getattr(self, name), about))
+            object.__setattr__(self, name, check_value(name, getattr(self, name), about))
         self.check()
 
     def check(self) -> None:

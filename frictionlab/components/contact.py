@@ -1,4 +1,6 @@
-"""Contact laws: the normal force of the contact spring from its compression, the gap."""
+"""Contact laws: the normal force of the contact spring as a function of the penetration; linear, cubic,
+Hertz, polynomial.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +11,7 @@ from .component import Component
 from .parameter import parameter
 
 
-def _stiffness() -> Any:
+def _linear_stiffness() -> Any:
     return parameter(
         5e3,
         unit="N/m",
@@ -25,8 +27,8 @@ def _stiffness() -> Any:
 class ContactLaw(Component):
     """Base of the contact laws: a subclass gives :meth:`force`."""
 
-    def force(self, gap: Any) -> Any:
-        """Normal force (N) at a compression `gap` (m), positive where the bodies press on each other."""
+    def force(self, penetration: Any) -> Any:
+        """Normal force (N) at a penetration (m), positive where the bodies press on each other."""
         raise NotImplementedError(f"{type(self).__name__} must define force(gap)")
 
 
@@ -42,7 +44,7 @@ class CubicContact(ContactLaw):
         Cubic stiffness, N/m^3, at least 0.
     """
 
-    k2: float = _stiffness()
+    k2: float = _linear_stiffness()
     k_nl: float = parameter(
         1e4,
         unit="N/m^3",
@@ -53,9 +55,9 @@ class CubicContact(ContactLaw):
         log=True,
     )
 
-    def force(self, gap: Any) -> Any:
+    def force(self, penetration: Any) -> Any:
         """Normal force (N), Eq. (2)."""
-        return self.k2 * gap + self.k_nl * gap**3
+        return self.k2 * penetration + self.k_nl * penetration**3
 
 
 @dataclass(frozen=True, repr=False)
@@ -68,8 +70,73 @@ class LinearContact(ContactLaw):
         Linear stiffness, N/m, at least 0.
     """
 
-    k2: float = _stiffness()
+    k2: float = _linear_stiffness()
 
-    def force(self, gap: Any) -> Any:
+    def force(self, penetration: Any) -> Any:
         """Normal force (N)."""
-        return self.k2 * gap
+        return self.k2 * penetration
+
+
+@dataclass(frozen=True, repr=False)
+class HertzContact(ContactLaw):
+    """Two elastic bodies that touch in a point: F_N = k_h gap^(3/2).
+
+    The bodies must be able to separate, as the law has no value for a negative gap.
+
+    Parameters
+    ----------
+    k_h : float
+        Stiffness, N/m^1.5, at least 0; for two spheres 4/3 sqrt(R) E*, with the effective radius and modulus.
+
+    References
+    ----------
+    K. L. Johnson, Contact Mechanics, Cambridge University Press 1985, chapter 4.
+    """
+
+    k_h: float = parameter(
+        2.5e4,
+        unit="N/m^1.5",
+        symbol=r"k_{\mathrm{H}}",
+        meaning="Hertz contact stiffness",
+        minimum=0.0,
+        range=(1e3, 1e7),
+        log=True,
+    )
+
+    def force(self, penetration: Any) -> Any:
+        """Normal force (N)."""
+        return self.k_h * penetration**1.5
+
+
+def _polynomial_coefficient(n: int, default: float = 0.0) -> Any:
+    return parameter(
+        default,
+        unit="N/m" if n == 1 else f"N/m^{n}",
+        symbol=f"a_{n}",
+        meaning=f"contact stiffness of order {n}",
+        range=(0.0, 10.0 ** (n + 3)),
+    )
+
+
+@dataclass(frozen=True, repr=False)
+class PolynomialContact(ContactLaw):
+    """Spring with a polynomial of degree five: F_N = a1 gap + a2 gap^2 + ... + a5 gap^5.
+
+    Parameters
+    ----------
+    a1, a2, a3, a4, a5 : float
+        Coefficients, N/m^n.
+    """
+
+    a1: float = _polynomial_coefficient(1, 5e3)
+    a2: float = _polynomial_coefficient(2)
+    a3: float = _polynomial_coefficient(3)
+    a4: float = _polynomial_coefficient(4)
+    a5: float = _polynomial_coefficient(5)
+
+    def force(self, penetration: Any) -> Any:
+        """Normal force (N), by Horner's rule."""
+        total = 0
+        for a in (self.a5, self.a4, self.a3, self.a2, self.a1):
+            total = (total + a) * penetration
+        return total

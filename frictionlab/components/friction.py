@@ -1,4 +1,6 @@
-"""Friction laws: the friction force while sliding, and its limit while sticking."""
+"""Friction laws: the friction force while sliding, and its limit while sticking; Coulomb, and laws that
+depend on speed or pressure.
+"""
 
 from __future__ import annotations
 
@@ -6,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from .component import Component
+from .functions import exp
 from .parameter import parameter
 
 
@@ -63,3 +66,150 @@ class Coulomb(FrictionLaw):
     def static_limit(self, normal_force: Any) -> Any:
         """mu_s F_N (N): the right-hand side of Eq. (8)."""
         return self.mu_s * normal_force
+
+
+def _decay_speed() -> Any:
+    return parameter(
+        0.5,
+        unit="m/s",
+        symbol=r"v_{\mathrm{s}}",
+        meaning="speed over which friction decays",
+        exclusive_minimum=0.0,
+        range=(0.01, 10.0),
+        log=True,
+    )
+
+
+@dataclass(frozen=True, repr=False)
+class ExponentialDecay(Coulomb):
+    """Friction that decays with speed: mu = mu_k + (mu_s - mu_k) exp(-|v_r|/v_s).
+
+    Parameters
+    ----------
+    mu_k, mu_s : float
+        Coefficients of friction at high speed and at rest, 0 <= mu_k <= mu_s.
+    v_s : float
+        Decay speed, m/s, above 0.
+    """
+
+    v_s: float = _decay_speed()
+
+    def kinetic(self, normal_force: Any, speed: Any) -> Any:
+        """Friction force (N) at a sliding speed (m/s)."""
+        return (self.mu_k + (self.mu_s - self.mu_k) * exp(-speed / self.v_s)) * normal_force
+
+
+@dataclass(frozen=True, repr=False)
+class Stribeck(Coulomb):
+    """Stribeck's curve with viscous friction: mu = mu_k + (mu_s - mu_k) exp(-(v_r/v_s)^2) + mu_v |v_r|.
+
+    Parameters
+    ----------
+    mu_k, mu_s : float
+        Coefficients of kinetic and static friction, 0 <= mu_k <= mu_s.
+    v_s : float
+        Stribeck speed, m/s, above 0.
+    mu_v : float
+        Viscous coefficient, s/m, at least 0.
+
+    References
+    ----------
+    B. Armstrong-Helouvry, P. Dupont, C. Canudas de Wit, Automatica 30 (1994) 1083-1138.
+    """
+
+    v_s: float = _decay_speed()
+    mu_v: float = parameter(
+        0.0,
+        unit="s/m",
+        symbol=r"\mu_{\mathrm{v}}",
+        meaning="viscous coefficient of friction",
+        minimum=0.0,
+        range=(0.0, 1.0),
+    )
+
+    def kinetic(self, normal_force: Any, speed: Any) -> Any:
+        """Friction force (N) at a sliding speed (m/s)."""
+        decay = (self.mu_s - self.mu_k) * exp(-((speed / self.v_s) ** 2))
+        return (self.mu_k + decay + self.mu_v * speed) * normal_force
+
+
+@dataclass(frozen=True, repr=False)
+class WeakeningStrengthening(Coulomb):
+    """Friction that weakens and then grows: mu = mu_k + (mu_s - mu_k) exp(-|v_r|/v_s) + mu_v |v_r|/v_s.
+
+    Parameters
+    ----------
+    mu_k, mu_s : float
+        Dynamic and static coefficients, 0 <= mu_k <= mu_s.
+    v_s : float
+        Reference speed, m/s, above 0.
+    mu_v : float
+        Strengthening per reference speed, at least 0; friction is least at v_s log((mu_s - mu_k)/mu_v).
+
+    References
+    ----------
+    A. Papangelo, M. Ciavarella, N. Hoffmann, Nonlinear Dynamics 90 (2017) 2037-2046.
+    """
+
+    v_s: float = _decay_speed()
+    mu_v: float = parameter(
+        0.1,
+        symbol=r"\mu_{\mathrm{v}}",
+        meaning="strengthening of friction",
+        minimum=0.0,
+        range=(0.0, 1.0),
+    )
+
+    def kinetic(self, normal_force: Any, speed: Any) -> Any:
+        """Friction force (N) at a sliding speed (m/s)."""
+        ratio = speed / self.v_s
+        return (self.mu_k + (self.mu_s - self.mu_k) * exp(-ratio) + self.mu_v * ratio) * normal_force
+
+
+@dataclass(frozen=True, repr=False)
+class PressureDependent(Coulomb):
+    """Coefficients that fall with speed, and with pressure: F_T = mu(|v_r|) F_N (F_N/F_ref)^(-n).
+
+    Here mu = mu_k + (mu_s - mu_k) exp(-|v_r|/v_s).  With n = 1/3 friction follows the area of a Hertz
+    contact, which grows like F_N^(2/3).
+
+    Parameters
+    ----------
+    mu_k, mu_s : float
+        Coefficients at F_N = F_ref, at high speed and at rest, 0 <= mu_k <= mu_s.
+    v_s : float
+        Decay speed, m/s, above 0.
+    n : float
+        Exponent of the pressure, 0 to below 1; 0 is the law without pressure.
+    F_ref : float
+        Normal force (N) at which the coefficients hold, above 0.
+
+    References
+    ----------
+    K. L. Johnson, Contact Mechanics, Cambridge University Press 1985, chapter 4, for the area.
+    """
+
+    v_s: float = _decay_speed()
+    n: float = parameter(
+        1 / 3, symbol="n", meaning="exponent of the pressure", minimum=0.0, maximum=0.9, range=(0.0, 0.9)
+    )
+    F_ref: float = parameter(
+        200.0,
+        unit="N",
+        symbol=r"F_{\mathrm{ref}}",
+        meaning="normal force of the coefficients",
+        exclusive_minimum=0.0,
+        range=(10.0, 1000.0),
+        log=True,
+    )
+
+    def kinetic(self, normal_force: Any, speed: Any) -> Any:
+        """Friction force (N) at a sliding speed (m/s)."""
+        return (self.mu_k + (self.mu_s - self.mu_k) * exp(-speed / self.v_s)) * self._pressed(normal_force)
+
+    def static_limit(self, normal_force: Any) -> Any:
+        """Largest friction force (N) that sticking can bear."""
+        return self.mu_s * self._pressed(normal_force)
+
+    def _pressed(self, normal_force: Any) -> Any:
+        return self.F_ref**self.n * normal_force ** (1 - self.n)

@@ -6,7 +6,7 @@ import sys
 from typing import Any
 
 
-def _of(name: str, x: Any) -> Any:
+def _evaluate(name: str, x: Any) -> Any:
     if hasattr(x, "free_symbols"):  # of sympy, so that is loaded; laws themselves do without it
         return getattr(sys.modules["sympy"], name)(x)
     import numpy  # here, as the command line reads the laws' parameters and is to start quickly
@@ -16,44 +16,44 @@ def _of(name: str, x: Any) -> Any:
 
 def exp(x: Any) -> Any:
     """e^x."""
-    return _of("exp", x)
+    return _evaluate("exp", x)
 
 
 def log(x: Any) -> Any:
     """Natural logarithm."""
-    return _of("log", x)
+    return _evaluate("log", x)
 
 
 def sqrt(x: Any) -> Any:
     """Square root."""
-    return _of("sqrt", x)
+    return _evaluate("sqrt", x)
 
 
 def sin(x: Any) -> Any:
     """Sine of an angle in radians."""
-    return _of("sin", x)
+    return _evaluate("sin", x)
 
 
 def cos(x: Any) -> Any:
     """Cosine of an angle in radians."""
-    return _of("cos", x)
+    return _evaluate("cos", x)
 
 
 def tanh(x: Any) -> Any:
     """Hyperbolic tangent."""
-    return _of("tanh", x)
+    return _evaluate("tanh", x)
 
 
 def sinh(x: Any) -> Any:
     """Hyperbolic sine."""
-    return _of("sinh", x)
+    return _evaluate("sinh", x)
 
 
 def cosh(x: Any) -> Any:
     """Hyperbolic cosine."""
-    return _of("cosh", x)
+    return _evaluate("cosh", x)
 
 
 def arctan(x: Any) -> Any:
     """Angle in radians whose tangent is x."""
-    return _of("atan", x)
+    return _evaluate("atan", x)

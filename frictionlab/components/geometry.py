@@ -20,7 +20,7 @@ class Geometry(Component):
 
     coordinates: ClassVar[tuple[str, ...]]
 
-    def gap(self, *q: Any) -> Any:
+    def penetration(self, *q: Any) -> Any:
         """Compression of the contact (m) at the coordinates `q`; negative in flight."""
         raise NotImplementedError(f"{type(self).__name__} must define gap(...)")
 
@@ -57,7 +57,7 @@ class MovingLoad(Geometry):
             hint = did_you_mean(self.direction, DIRECTIONS)
             raise ValueError(f"direction must be 'vertical' or 'normal', got {self.direction!r}: {hint}")
 
-    def gap(self, x1: Any, y1: Any, x2: Any, y2: Any, phi: Any) -> Any:
+    def penetration(self, x1: Any, y1: Any, x2: Any, y2: Any, phi: Any) -> Any:
         """Compression (m), the bracket of Eq. (2); lengths in m, `phi` in rad."""
         return y2 - (x1 - x2) * phi - y1
 
@@ -76,7 +76,7 @@ class FixedLoad(Geometry):
 
     coordinates: ClassVar[tuple[str, ...]] = ("x1", "y1", "x2", "y2")
 
-    def gap(self, x1: Any, y1: Any, x2: Any, y2: Any) -> Any:
+    def penetration(self, x1: Any, y1: Any, x2: Any, y2: Any) -> Any:
         """Compression (m)."""
         return y2 - y1
 

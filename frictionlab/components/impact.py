@@ -1,8 +1,4 @@
-"""Impact laws: the impulse between slider and belt when they meet again.
-
-An impulse p along W_N changes the velocities by M dv = W_N p, Eqs. (10) to (12).  So it changes the
-gap rate by -compliance * p, where compliance = W_N^T M^-1 W_N = 1/M + 1/m + (x1 - x2)^2/J.
-"""
+"""Impact laws: the impulse of a re-contact; plastic, with restitution, and with friction in the impact."""
 
 from __future__ import annotations
 
@@ -13,35 +9,35 @@ from .component import Component
 from .names import did_you_mean
 from .parameter import parameter
 
-GAP_RATES = ("material", "full")
+PENETRATION_RATES = ("material", "full")
 
 
 @dataclass(frozen=True, repr=False)
 class ImpactLaw(Component):
     """Base of the impact laws: a subclass gives :meth:`impulse`."""
 
-    def impulse(self, material_rate: Any, gap_rate: Any, compliance: Any) -> Any:
+    def impulse(self, material_rate: Any, penetration_rate: Any, compliance: Any) -> Any:
         """Impulse (N s) of the re-contact.
 
         Parameters
         ----------
         material_rate : float
             Velocity (m/s) at which the slider approaches the belt's material point, -W_N^T v.
-        gap_rate : float
+        penetration_rate : float
             Time derivative of the gap (m/s); it has the slider's travel along the tilted belt as well.
         compliance : float
             W_N^T M^-1 W_N, 1/kg.
         """
         raise NotImplementedError(f"{type(self).__name__} must define impulse(...)")
 
-    def friction(self, impulse: Any, stopping: Any) -> Any:
+    def friction(self, impulse: Any, stopping_impulse: Any) -> Any:
         """Tangential impulse (N s) along the relative velocity; none in the paper.
 
         Parameters
         ----------
         impulse : float
             Normal impulse of the re-contact, N s.
-        stopping : float
+        stopping_impulse : float
             Tangential impulse that would bring the relative velocity to zero, N s; it has that one's sign.
         """
         return 0
@@ -53,23 +49,25 @@ class PlasticImpact(ImpactLaw):
 
     Parameters
     ----------
-    gap_rate : {"material", "full"}
+    penetration_rate : {"material", "full"}
         What the impact brings to zero: the velocity relative to the belt's material point, as the
         paper's Eq. (13) has it, or the full rate of the gap.
     """
 
-    gap_rate: str = "material"
+    penetration_rate: str = "material"
 
     def check(self) -> None:
         """The gap rate is one of two."""
-        if self.gap_rate not in GAP_RATES:
-            hint = did_you_mean(self.gap_rate, GAP_RATES)
-            raise ValueError(f"gap_rate must be 'material' or 'full', got {self.gap_rate!r}: {hint}")
+        if self.penetration_rate not in PENETRATION_RATES:
+            hint = did_you_mean(self.penetration_rate, PENETRATION_RATES)
+            raise ValueError(
+                f"penetration_rate must be 'material' or 'full', got {self.penetration_rate!r}: {hint}"
+            )
 
-    def impulse(self, material_rate: Any, gap_rate: Any, compliance: Any) -> Any:
+    def impulse(self, material_rate: Any, penetration_rate: Any, compliance: Any) -> Any:
         """Impulse (N s), Eq. (14), with the chosen rate in its numerator."""
-        rates = {"material": material_rate, "full": gap_rate}
-        return rates[self.gap_rate] / compliance
+        rates = {"material": material_rate, "full": penetration_rate}
+        return rates[self.penetration_rate] / compliance
 
 
 @dataclass(frozen=True, repr=False)
@@ -90,6 +88,63 @@ class RestitutionImpact(ImpactLaw):
         """At e = 0 the gap rate after the impact is zero by construction, not by rounding."""
         return PlasticImpact("full") if self.e == 0 else self
 
-    def impulse(self, material_rate: Any, gap_rate: Any, compliance: Any) -> Any:
+    def impulse(self, material_rate: Any, penetration_rate: Any, compliance: Any) -> Any:
         """Impulse (N s): (1 + e) gap_rate / compliance."""
-        return (1 + self.e) * gap_rate / compliance
+        return (1 + self.e) * penetration_rate / compliance
+
+
+def _impact_friction_coefficient() -> Any:
+    return parameter(
+        0.3,
+        symbol=r"\mu_{\mathrm{i}}",
+        meaning="coefficient of friction of impacts",
+        minimum=0.0,
+        range=(0.0, 1.0),
+    )
+
+
+def clip_to_cone(stopping_impulse: Any, limit: Any) -> Any:
+    """The stopping impulse, or what of it does not exceed the limit."""
+    return (abs(stopping_impulse + limit) - abs(stopping_impulse - limit)) / 2
+
+
+@dataclass(frozen=True, repr=False)
+class FrictionalImpact(RestitutionImpact):
+    """Newton's impact law with Coulomb's friction between the impulses: |p_T| <= mu_i p_N.
+
+    The tangential impulse stops the sliding where the cone allows it, and opposes it otherwise.  The normal
+    impulse is that for the velocities after the tangential one; the cone is that of the impulse without
+    it, which is the same but for a share of the belt's angle, by which the two are coupled.
+
+    Parameters
+    ----------
+    e : float
+        Coefficient of restitution, 0 (plastic) to 1 (elastic).
+    mu_i : float
+        Coefficient of friction of the impulses, at least 0.
+
+    References
+    ----------
+    C. Glocker, Set-Valued Force Laws: Dynamics of Non-Smooth Systems, Springer 2001.
+    """
+
+    mu_i: float = _impact_friction_coefficient()
+
+    def reduced(self) -> ImpactLaw:
+        """Without friction the law without; at e = 0 the gap rate afterwards is zero by construction."""
+        if self.mu_i == 0:
+            return super().reduced()
+        return _PlasticFrictionalImpact(mu_i=self.mu_i) if self.e == 0 else self
+
+    def friction(self, impulse: Any, stopping_impulse: Any) -> Any:
+        """Tangential impulse (N s): the stopping one, of mu_i times the normal impulse at most."""
+        return clip_to_cone(stopping_impulse, self.mu_i * impulse)
+
+
+@dataclass(frozen=True, repr=False)
+class _PlasticFrictionalImpact(PlasticImpact):
+    penetration_rate: str = "full"
+    mu_i: float = _impact_friction_coefficient()
+
+    def friction(self, impulse: Any, stopping_impulse: Any) -> Any:
+        return clip_to_cone(stopping_impulse, self.mu_i * impulse)

@@ -1,4 +1,6 @@
-"""Parameters: dataclass fields that hold a physical number, with its unit, symbol, meaning and range."""
+"""Parameters: dataclass fields that hold a physical number, with unit, symbol, meaning and range, and checks
+of their values.
+"""
 
 from __future__ import annotations
 
@@ -7,11 +9,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from inspect import get_annotations
+from math import isfinite
 from numbers import Real
 from types import MappingProxyType
 from typing import Any
 
-KEY = "frictionlab parameter"
+METADATA_KEY = "frictionlab parameter"
 
 
 @dataclass(frozen=True)
@@ -80,7 +83,7 @@ def parameter(
     _check_default(default)
     _check_range(range, log)
     about = Parameter(symbol, unit, meaning, default, minimum, exclusive_minimum, maximum, range, log)
-    return dataclasses.field(default=default, metadata={KEY: about})
+    return dataclasses.field(default=default, metadata={METADATA_KEY: about})
 
 
 def _check_default(default: Any) -> None:
@@ -111,7 +114,7 @@ def parameters_of(component: type) -> Mapping[str, Parameter]:
     A plain ``float`` field counts as a parameter without unit; every other field is *structure*.
     """
     _refuse_undecorated(component)
-    found = {f.name: _about(f) for f in dataclasses.fields(component)}
+    found = {f.name: _parameter_of_field(f) for f in dataclasses.fields(component)}
     return MappingProxyType({name: about for name, about in found.items() if about is not None})
 
 
@@ -122,8 +125,8 @@ def structure_of(component: type) -> tuple[str, ...]:
     return tuple(name for name in names if name not in parameters_of(component))
 
 
-def _about(field: dataclasses.Field[Any]) -> Parameter | None:
-    about = field.metadata.get(KEY)
+def _parameter_of_field(field: dataclasses.Field[Any]) -> Parameter | None:
+    about = field.metadata.get(METADATA_KEY)
     if about is not None:
         return about if about.symbol else dataclasses.replace(about, symbol=field.name)
     if field.type not in (float, "float"):
@@ -131,13 +134,57 @@ def _about(field: dataclasses.Field[Any]) -> Parameter | None:
     return Parameter(field.name, default=None if field.default is dataclasses.MISSING else field.default)
 
 
-def is_dataclass_of_its_own(component: type) -> bool:
+def is_decorated(component: type) -> bool:
     """Whether a class that adds fields is decorated; without it they would silently not be parameters."""
     return not get_annotations(component) or "__dataclass_fields__" in component.__dict__
 
 
 def _refuse_undecorated(component: type) -> None:
-    if not is_dataclass_of_its_own(component):
+    if not is_decorated(component):
         raise TypeError(
             f"{component.__name__} has fields but is no dataclass: write @dataclass(frozen=True) above it"
         )
+
+
+def check_value(name: str, value: Any, about: Parameter) -> float:
+    """The value as a float, if it is a finite real number within its bounds.
+
+    Raises
+    ------
+    TypeError
+        If it is no real number: text, a truth value, a complex number, an array.
+    ValueError
+        If it is not finite or out of bounds.
+    """
+    number = _finite_number(name, value, about)
+    if about.exclusive_minimum is not None and not number > about.exclusive_minimum:
+        raise ValueError(
+            _value_message(name, f"greater than {about.exclusive_minimum:g}", number, f"raise {name}", about)
+        )
+    if about.minimum is not None and not number >= about.minimum:
+        raise ValueError(_value_message(name, f"at least {about.minimum:g}", number, f"raise {name}", about))
+    if about.maximum is not None and not number <= about.maximum:
+        raise ValueError(_value_message(name, f"at most {about.maximum:g}", number, f"lower {name}", about))
+    return number
+
+
+def _finite_number(name: str, value: Any, about: Parameter) -> float:
+    if isinstance(value, bool) or not isinstance(value, Real):
+        what = f"{value!r} ({type(value).__name__})"
+        raise TypeError(_value_message(name, "one real number", what, "give a float", about))
+    try:
+        number = float(value)
+    except OverflowError:
+        number = float("inf")
+    if not isfinite(number):
+        raise ValueError(_value_message(name, "a finite number", number, "give a float", about))
+    return number
+
+
+def _value_message(name: str, rule: str, value: Any, cure: str, about: Parameter) -> str:
+    default = (
+        ""
+        if about.default is None
+        else f" (its default is {about.default:g}{' ' * bool(about.unit)}{about.unit})"
+    )
+    return f"{name} must be {rule}, got {value}: {cure}{default}"

@@ -1,0 +1,32 @@
+"""The solver: it runs any hybrid automaton and knows nothing of friction.
+
+Data pass in this order, and each part imports only from those before it:
+
+``compilation``
+    The decorators of all kernels: compiled by numba where it exists, plain Python where not.
+``llvm_instructions``
+    Arithmetic, loops and branches for what writes machine code: intrinsics of the kernels, and ``codegen``.
+``tape``
+    Expressions become a tape, a list of operations on numbered slots; an automaton becomes a `Program`, the
+    arrays
+    of all its tapes, guards, resets and sections, and `Numbers`, the values of its parameters.
+``kernels``
+    What is computed with these arrays: Taylor series (jets), the length of a step, the location of events,
+    the choice of the next mode, resets, the loop of steps.
+``codegen``
+    Machine code for the jets and steps of a mode that is used for long, with the same results to the last
+    bit.
+``problem``
+    `Problem`, what a method is given; `RunData`, the arrays that it gives back; `Status`, how a run ended.
+``methods``
+    `Taylor`, `RK4`, `Scipy`: classes that fill records of steps and events, and the registry of their names.
+``trajectory``, ``outputs``, ``storage``, ``accuracy``
+    `Trajectory`, the result of a run with samples, events, dense output; its named outputs; runs on disk;
+    the defect of its steps and the violation of its modes' conditions.
+``ensemble``
+    Many runs of one structure side by side.
+``variational``
+    How a run depends on its initial state: tangent flow, saltation matrices, growth of perturbations.
+``solve``
+    `fl.solve`, which checks the arguments and passes an automaton through all of this.
+"""

@@ -4,31 +4,30 @@ from __future__ import annotations
 
 import numpy as np
 
-from frictionlab.hybrid.guards import majorant
-from frictionlab.hybrid.jets import run_tape
-from frictionlab.hybrid.layout import Numbers
+from frictionlab.hybrid.kernels.jets import majorant, run_tape
 from frictionlab.hybrid.problem import Problem
+from frictionlab.hybrid.tape.program import Numbers
 from frictionlab.hybrid.trajectory import Trajectory
 
 
-def violation(run: Trajectory) -> float:
+def condition_violation(run: Trajectory) -> float:
     """Most that a sample of a run violates a condition of its mode, as a share of the condition's size.
 
     Event functions must not be negative, constraints must be zero.  The size of a condition is the largest
     sum of its absolute terms along the run, in whatever mode: where a flight begins the gap is all rounding,
     and a flight may be as short as one likes.
     """
-    states, modes, worst = run.states, run._samples[2], 0.0
+    states, modes, worst = run.states, run.sample_arrays[2], 0.0
     for mode in np.unique(modes):
         inside = states[modes == mode]
-        amounts, terms = _conditions(run._problem, mode, np.vstack([inside, run.raw.step_states]))
+        amounts, terms = _condition_values(run.problem, mode, np.vstack([inside, run.raw.step_states]))
         sizes = np.where(np.isfinite(terms), terms, 0.0).max(axis=0)  # elsewhere it may be none, as sqrt(gap)
         shares = amounts[: len(inside), sizes > 0] / sizes[sizes > 0]
         worst = max(worst, shares.max(initial=0.0))
     return float(worst)
 
 
-def _conditions(problem: Problem, mode: int, states: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _condition_values(problem: Problem, mode: int, states: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """By how much states (N, n) violate a mode's conditions (N, k), and the sums of their absolute terms."""
     code, numbers = problem.program.code, problem.numbers
     absolute, J = Numbers(*map(np.abs, numbers)), np.zeros((problem.program.slots, 1))

@@ -1,27 +1,53 @@
-"""Named quantities of a trajectory, computed from states by the formulas of each mode."""
+"""Named quantities of a trajectory: formulas of each mode as functions of arrays of states.
+
+Powers in them are those of the tape: a base that is below zero by rounding counts as zero.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
+import sympy as sp
+from sympy.printing.numpy import NumPyPrinter
 
 from frictionlab.automaton import HybridAutomaton, Mode
-from frictionlab.hybrid.formulas import formula
+
+
+def nonnegative_power(base: Any, exponent: Any) -> Any:
+    """A power whose base counts as zero where it is below, as gap^1.5 at a gap of -1e-18 m by rounding."""
+    with np.errstate(divide="ignore"):
+        return np.maximum(base, 0.0) ** exponent
+
+
+def array_function(arguments: Sequence[Any], expressions: Any) -> Callable[..., Any]:
+    """Function of arrays, in the order of the `arguments`, that gives the values of the expressions."""
+    modules: list[Any] = [{"power": nonnegative_power}, "numpy"]
+    return sp.lambdify(arguments, expressions, modules=modules, printer=_Printer, cse=True)
+
+
+class _Printer(NumPyPrinter):
+    def _print_Pow(self, expr: Any, rational: bool = False) -> str:
+        if expr.exp.is_integer:
+            return super()._print_Pow(expr, rational=rational)
+        return f"power({self._print(expr.base)}, {self._print(expr.exp)})"
 
 
 @lru_cache(maxsize=1024)
-def _formula(mode: Mode, name: str, states: tuple, parameters: tuple) -> Callable[..., np.ndarray]:
-    return formula([*states, *parameters], mode.outputs[name])
+def _output_function(mode: Mode, name: str, states: tuple, parameters: tuple) -> Callable[..., np.ndarray]:
+    return array_function([*states, *parameters], mode.outputs[name])
 
 
-def evaluate(automaton: HybridAutomaton, name: str, states: np.ndarray, modes: np.ndarray) -> np.ndarray:
+def evaluate_output(
+    automaton: HybridAutomaton, name: str, states: np.ndarray, modes: np.ndarray
+) -> np.ndarray:
     """Values (N,) of output `name` at `states` (N, n), each by the formula of its mode."""
     values = np.empty(len(states))
     parameters = tuple(automaton.parameters)
     for i in np.unique(modes):
         chosen = modes == i
-        function = _formula(automaton.modes[i], name, automaton.states, parameters)
+        function = _output_function(automaton.modes[i], name, automaton.states, parameters)
         values[chosen] = function(*states[chosen].T, *automaton.parameters.values())
     return values

@@ -1,17 +1,23 @@
-"""What every method is given to integrate, and what it gives back."""
+"""What every method is given to integrate, and what it gives back.
+
+A `Problem` is a program with its numbers, an initial state and an end.  Kernels fill records of fixed
+capacity; `RecordList` joins these to `RunData`, the arrays that a
+:class:`~frictionlab.hybrid.trajectory.Trajectory` wraps, and `Status` says in a sentence how the run ended.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from enum import Enum
 from typing import NamedTuple
 
 import numpy as np
 
-from frictionlab.hybrid.layout import Numbers, Program
-from frictionlab.hybrid.status import Status
+from frictionlab.hybrid.kernels.run_state import Record, new_record
+from frictionlab.hybrid.tape.program import Code, Numbers, Program
 
 
-class Unbuilt(Exception):
+class ModeNotDerived(Exception):
     """A run came to where a mode is to be tried that has yet to be derived; `mode` is its number."""
 
     def __init__(self, mode: int) -> None:
@@ -30,7 +36,7 @@ class Problem:
     mode: int | None = None
 
 
-class Raw(NamedTuple):
+class RunData(NamedTuple):
     """What a method computed, as arrays; :class:`~frictionlab.hybrid.trajectory.Trajectory` wraps it.
 
     A step is its start time, its length, its mode and the state at its start; an event its time, the
@@ -51,9 +57,61 @@ class Raw(NamedTuple):
     mode: int
     status: Status
 
-    def cut(self, states: int) -> Raw:
+    def cut(self, states: int) -> RunData:
         """The same without the integrals that follow the first `states` states."""
         if self.state.size == states:
             return self
         names = ("step_states", "event_states", "point_states", "state")
         return self._replace(**{name: getattr(self, name)[..., :states].copy() for name in names})
+
+
+class Status(Enum):
+    """End of a run; the value says what happened and what can be done."""
+
+    FINISHED = "finished: the end time was reached"
+    NO_ADMISSIBLE_MODE = (
+        "no admissible mode: after the last event no mode of the automaton could be entered; "
+        "check the model's laws there, or the initial state"
+    )
+    STALLED = (
+        "stalled: time no longer advances; the step or the dwell times fell below the resolution of time"
+    )
+    ACCUMULATED = "accumulation: events piled up in finite time; use accumulation='close' to pass such points"
+    NOT_FINITE = "not finite: the state overflowed; the motion is unbounded, end the run earlier"
+    STEP_CAP = "step cap: max_steps was reached before the end time; raise it to go on"
+    EVENT_CAP = "event cap: max_events was reached before the end time; raise it to go on"
+    INTERRUPTED = "interrupted: stopped by the user; what was computed is kept"
+    RUNNING = "running"
+
+    def __str__(self) -> str:
+        return self.value
+
+    @property
+    def ok(self) -> bool:
+        """Whether the end time was reached."""
+        return self is Status.FINISHED
+
+
+class RecordList:
+    """Records in the order in which they were filled."""
+
+    def __init__(self) -> None:
+        self._parts: list[Record] = []
+        self.steps = self.events = 0
+
+    def add(self, record: Record, steps: int, events: int, points: int) -> None:
+        """Keep the filled part of a record."""
+        lengths = [steps] * 3 + [events] * 3 + [points] * 3
+        cut = (
+            array[:n].copy() if n < len(array) else array for array, n in zip(record, lengths, strict=True)
+        )
+        self._parts.append(Record(*cut))
+        self.steps += int(steps)
+        self.events += int(events)
+
+    def raw(self, code: Code, t: float, state: np.ndarray, mode: int, status: Status) -> RunData:
+        """Everything joined."""
+        parts = self._parts or [new_record(code, 0, 0, 0)]
+        arrays = parts[0] if len(parts) == 1 else map(np.concatenate, zip(*parts, strict=True))
+        joined = dict(zip(Record._fields, arrays))
+        return RunData(**joined, t=float(t), state=state, mode=mode, status=status)

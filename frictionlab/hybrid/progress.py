@@ -9,7 +9,7 @@ import time
 from types import TracebackType
 from typing import Any
 
-DELAY = 1.0  # seconds before a bar is shown
+PROGRESS_DELAY = 1.0  # seconds before a bar is shown
 
 
 class Progress:
@@ -50,7 +50,7 @@ class Progress:
 
     def update(self, t: float) -> bool:
         """Show that time `t` was reached; True where the run is to stop."""
-        late = time.monotonic() - self._since > DELAY
+        late = time.monotonic() - self._since > PROGRESS_DELAY
         if self._show and late and self._bar is None and t < self._t_end:
             self._bar = self._new_bar()
         if self._bar is not None:

@@ -9,16 +9,16 @@ from typing import Any
 import numpy as np
 
 from frictionlab.automaton import HybridAutomaton, Mode
-from frictionlab.hybrid.checks import check_automaton, check_rider
-from frictionlab.hybrid.choice import method_of
-from frictionlab.hybrid.compiled import waits_for_compiler
-from frictionlab.hybrid.layout import Section
-from frictionlab.hybrid.methods import Method
-from frictionlab.hybrid.problem import Problem, Unbuilt
-from frictionlab.hybrid.program import program_of
+from frictionlab.hybrid.compilation import needs_compilation
+from frictionlab.hybrid.methods.base import Method
+from frictionlab.hybrid.methods.method_registry import method_of
+from frictionlab.hybrid.problem import ModeNotDerived, Problem
 from frictionlab.hybrid.progress import Progress
-from frictionlab.hybrid.trajectory import Samples, Trajectory
-from frictionlab.hybrid.validation import check_mapping, check_number, float_array, shown, suggestion
+from frictionlab.hybrid.tape.automaton_checks import check_automaton, check_section_or_quadrature
+from frictionlab.hybrid.tape.packing import program_of
+from frictionlab.hybrid.tape.program import Section
+from frictionlab.hybrid.trajectory import Sampling, Trajectory
+from frictionlab.validation import abbreviate, check_mapping, check_number, did_you_mean, float_array
 
 
 def solve(
@@ -76,19 +76,19 @@ def solve(
     state, times = _states(automaton, x0), _times(t_eval, t_end)
     asked = _sections(sections), _quadratures(quadratures)
     for name, rider in [*((name, section.function) for name, section in asked[0].items()), *asked[1].items()]:
-        check_rider(name, rider, automaton)
+        check_section_or_quadrature(name, rider, automaton)
     if any(asked) and not chosen.riders:
         raise ValueError(f"sections and quadratures need method='taylor', got {method!r}: change the method")
-    automaton = informed(automaton, chosen)
+    automaton = with_chatter_limit(automaton, chosen)
     modes, number = automaton.known_modes, _mode(automaton, mode)
     with_integrals = np.concatenate([state, np.zeros(len(asked[1]))])
     program, numbers = program_of(automaton, *asked, modes=modes)
     raw, begin = None, time.perf_counter()
-    with Progress(t_end, progress, waits_for_compiler(chosen.entry)) as bar:
+    with Progress(t_end, progress, needs_compilation(chosen.entry)) as bar:
         while raw is None:
             try:
                 raw = chosen.integrate(Problem(program, numbers, with_integrals, float(t_end), number), bar)
-            except Unbuilt as missing:
+            except ModeNotDerived as missing:
                 # Run again from the start: a mode is missing once in a process, mostly early in a run.
                 modes = _with_mode(automaton, missing.mode)
                 program, numbers = program_of(automaton, *asked, modes=modes)
@@ -99,7 +99,7 @@ def solve(
         automaton,
         problem,
         raw.cut(len(state)),
-        Samples(chosen.degree, chosen.parts, times),
+        Sampling(chosen.degree, chosen.parts, times),
         sections=tuple(asked[0]),
         quadratures=integrals,
         description={"method": chosen.describe(), "t_end": float(t_end)},
@@ -108,7 +108,7 @@ def solve(
     )
 
 
-def informed(automaton: HybridAutomaton, method: Method) -> HybridAutomaton:
+def with_chatter_limit(automaton: HybridAutomaton, method: Method) -> HybridAutomaton:
     """The automaton with the method's limit for chatter, if it asks for that."""
     names = [symbol.name for symbol in automaton.parameters]
     return automaton.replace(chatter=method.limits[1]) if "chatter" in names else automaton
@@ -118,9 +118,9 @@ def _states(automaton: HybridAutomaton, x0: Any) -> np.ndarray:
     try:
         state = np.array(x0, dtype=float)
     except (TypeError, ValueError) as error:
-        raise _bad_state(automaton, "must hold numbers for the states {}", shown(x0)) from error
+        raise _bad_state(automaton, "must hold numbers for the states {}", abbreviate(x0)) from error
     if state.shape != (len(automaton.states),):
-        got = f"{shown(x0)} of shape {state.shape}"
+        got = f"{abbreviate(x0)} of shape {state.shape}"
         raise _bad_state(automaton, "must hold one number per state {}", got)
     if not np.isfinite(state).all():
         raise _bad_state(automaton, "must be finite in all states {}", str(state.tolist()))
@@ -140,7 +140,7 @@ def _times(t_eval: Any, t_end: float) -> np.ndarray | None:
     times = float_array("t_eval", t_eval, f"give {rule}")
     if times.ndim != 1 or not len(times):
         raise ValueError(
-            f"t_eval must be an array of {rule}, one at least, got {shown(t_eval)}: "
+            f"t_eval must be an array of {rule}, one at least, got {abbreviate(t_eval)}: "
             "leave it out to have every step"
         )
     good = (np.diff(times, prepend=0.0) >= 0.0) & (times <= t_end)
@@ -162,8 +162,8 @@ def _section(name: str, asked: Any) -> Section:
     function, direction, *more = asked if isinstance(asked, tuple) and len(asked) > 1 else (asked, 0)
     if more or isinstance(function, (tuple, list)):
         raise ValueError(
-            f"section {name!r} must be an expression or a tuple (expression, direction), got {shown(asked)}: "
-            "write such a tuple, as (x, -1)"
+            f"section {name!r} must be an expression or a tuple (expression, direction), got "
+            f"{abbreviate(asked)}: write such a tuple, as (x, -1)"
         )
     check_number(
         f"the direction of section {name!r}", direction, integer=True, least=-1, most=1, cure="0 takes both"
@@ -181,7 +181,7 @@ def _mode(automaton: HybridAutomaton, mode: str | None) -> int | None:
         return None
     if mode not in automaton.names:
         names = ", ".join(map(repr, automaton.names))
-        raise ValueError(f"mode must be one of {names}, got {mode!r}{suggestion(mode, automaton.names)}")
+        raise ValueError(f"mode must be one of {names}, got {mode!r}{did_you_mean(mode, automaton.names)}")
     return automaton.names.index(mode)
 
 

@@ -12,23 +12,22 @@ import numpy as np
 
 from frictionlab._version import __version__
 from frictionlab.automaton import HybridAutomaton
-from frictionlab.automaton.on_demand import ModesOnDemand
-from frictionlab.hybrid.problem import Problem, Raw
-from frictionlab.hybrid.program import program_of
-from frictionlab.hybrid.status import Status
-from frictionlab.hybrid.trajectory import Samples, Trajectory
+from frictionlab.automaton.modes_on_demand import ModesOnDemand
+from frictionlab.hybrid.problem import Problem, RunData, Status
+from frictionlab.hybrid.tape.packing import program_of
+from frictionlab.hybrid.trajectory import Sampling, Trajectory
 
-FORMAT = 1
-ARRAYS = Raw._fields[:9]
+FILE_FORMAT = 1
+ARRAYS = RunData._fields[:9]
 
 
-def write(run: Trajectory, path: str | Path) -> Path:
+def write_run_file(run: Trajectory, path: str | Path) -> Path:
     """Write a run; the suffix .npz is added where it is missing."""
     path = Path(path)
     path = path if path.suffix == ".npz" else path.with_name(path.name + ".npz")
-    raw, program = run.raw, run._problem.program
+    raw, program = run.raw, run.problem.program
     about = {
-        "format": FORMAT,
+        "format": FILE_FORMAT,
         "version": __version__,
         "states": run.names,
         "parameters": {str(k): v for k, v in run.automaton.parameters.items()},
@@ -50,7 +49,7 @@ def write(run: Trajectory, path: str | Path) -> Path:
 
 
 @dataclass(frozen=True)
-class Stored:
+class StoredRun:
     """The content of a file."""
 
     about: dict[str, Any]
@@ -74,8 +73,8 @@ class Stored:
         program, numbers = program_of(automaton, modes=modes)
         arrays = {name: self.arrays[name] for name in (*ARRAYS, "state")}
         status = Status[about["status"]]
-        raw = Raw(**arrays, t=about["t"], mode=about["mode"], status=status)
-        samples = Samples(**about["samples"], t_eval=self.arrays.get("t_eval"))
+        raw = RunData(**arrays, t=about["t"], mode=about["mode"], status=status)
+        samples = Sampling(**about["samples"], t_eval=self.arrays.get("t_eval"))
         problem = Problem(program, numbers, raw.state, about["t"])
         return Trajectory(
             automaton,
@@ -90,8 +89,8 @@ class Stored:
         )
 
 
-def read(path: str | Path) -> Stored:
-    """Read a file that :func:`write` wrote.
+def read_run_file(path: str | Path) -> StoredRun:
+    """Read a file that :func:`write_run_file` wrote.
 
     Raises
     ------
@@ -104,8 +103,8 @@ def read(path: str | Path) -> Stored:
         about = json.loads(str(arrays.pop("about")))
     except (zipfile.BadZipFile, EOFError, ValueError, TypeError, KeyError, AttributeError) as error:
         raise ValueError(f"{path} is no saved run: write one with run.save(path)") from error
-    if about.get("format") != FORMAT:
+    if about.get("format") != FILE_FORMAT:
         raise ValueError(
-            f"{path} has format {about.get('format')}, this version reads {FORMAT}: update frictionlab"
+            f"{path} has format {about.get('format')}, this version reads {FILE_FORMAT}: update frictionlab"
         )
-    return Stored(about, arrays)
+    return StoredRun(about, arrays)

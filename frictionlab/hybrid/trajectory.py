@@ -1,9 +1,15 @@
-"""The result of a run: samples, events, dense output, named quantities."""
+"""The result of a run: samples, events, dense output, named quantities.
+
+`RunData` holds the state at the start of every step; samples and dense output are computed from it when they
+are asked for, by the Taylor series of the step.
+"""
 
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Mapping
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
@@ -12,24 +18,57 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from frictionlab.automaton import HybridAutomaton
-from frictionlab.hybrid.buffers import columns
-from frictionlab.hybrid.defect import defects
-from frictionlab.hybrid.events import Events
-from frictionlab.hybrid.natives import natives
-from frictionlab.hybrid.outputs import evaluate
-from frictionlab.hybrid.problem import Problem, Raw
-from frictionlab.hybrid.sampling import sample, subdivide
-from frictionlab.hybrid.validation import suggestion
+from frictionlab.hybrid.accuracy import defects
+from frictionlab.hybrid.codegen.native_cache import native_code
+from frictionlab.hybrid.kernels.run_state import jet_columns
+from frictionlab.hybrid.kernels.taylor_steps import sample_states, subdivide_steps
+from frictionlab.hybrid.outputs import evaluate_output
+from frictionlab.hybrid.problem import Problem, RunData
+from frictionlab.validation import did_you_mean
 
 
-class Points(NamedTuple):
+@dataclass(frozen=True)
+class Events:
+    """Every event of a run, one row each.
+
+    Attributes
+    ----------
+    t : (E,) times, in seconds
+    source, target : (E,) names of the modes left and entered ("" where none could be entered)
+    guard : (E,) names of the event functions that reached zero
+    state, before : (E, states) state after and before the reset
+    closed : (E,) whether the event closed an accumulation
+    """
+
+    t: np.ndarray
+    source: np.ndarray
+    target: np.ndarray
+    guard: np.ndarray
+    state: np.ndarray
+    before: np.ndarray
+    closed: np.ndarray
+
+    def __len__(self) -> int:
+        return len(self.t)
+
+    def counts(self) -> dict[str, int]:
+        """Number of events by kind, e.g. ``{"slip+ -> stick": 10}``, the most frequent first."""
+        kinds = Counter(f"{a} -> {b}" for a, b in zip(self.source, self.target, strict=True))
+        return dict(kinds.most_common())
+
+    def __repr__(self) -> str:
+        kinds = ", ".join(f"{kind}: {n}" for kind, n in self.counts().items())
+        return f"Events({len(self)}: {kinds})" if kinds else "Events(0)"
+
+
+class SectionPoints(NamedTuple):
     """Crossings of a section: times (P,) and states (P, states)."""
 
     t: np.ndarray
     state: np.ndarray
 
 
-class Samples(NamedTuple):
+class Sampling(NamedTuple):
     """How a run is sampled: order of the dense output, parts of a step, or the times asked for."""
 
     order: int
@@ -69,7 +108,7 @@ class Trajectory:
     True
     >>> float(run.normal_force.max().round(1))  # an output, N
     196.6
-    >>> run.output("gap", [0.01, 0.02]).round(4)  # at other times
+    >>> run.output("penetration", [0.01, 0.02]).round(4)  # at other times
     array([0.009 , 0.0263])
     >>> {mode: round(seconds, 4) for mode, seconds in run.time_in_mode.items() if seconds}
     {'stick': 0.0345, 'slip+': 0.0155}
@@ -79,8 +118,8 @@ class Trajectory:
         self,
         automaton: HybridAutomaton,
         problem: Problem,
-        raw: Raw,
-        samples: Samples,
+        raw: RunData,
+        samples: Sampling,
         *,
         sections: tuple[str, ...] = (),
         quadratures: Mapping[str, float] | None = None,
@@ -93,7 +132,7 @@ class Trajectory:
         self.quadratures = MappingProxyType(dict(quadratures or {}))
         self.description = dict(description or {})
         self.section_names = sections
-        self._problem, self._wall_time = problem, wall_time
+        self.problem, self._wall_time = problem, wall_time
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -101,34 +140,34 @@ class Trajectory:
         return tuple(str(state) for state in self.automaton.states)
 
     @cached_property
-    def _samples(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def sample_arrays(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         raw = self.raw
         if self.samples.t_eval is not None:
             t = self.samples.t_eval[self.samples.t_eval <= raw.t]
-            steps = self._step_of(t)
-            return t, self._dense(t, steps), self._modes_of(t, steps)
-        t, steps = subdivide(raw.step_times, self.samples.parts)
+            steps = self.step_at(t)
+            return t, self.states_in_steps(t, steps), self.mode_at(t, steps)
+        t, steps = subdivide_steps(raw.step_times, self.samples.parts)
         t, steps = np.append(t, raw.t), np.append(steps, len(raw.step_modes))
-        return t, self._dense(t, steps), self._modes_of(t, steps)
+        return t, self.states_in_steps(t, steps), self.mode_at(t, steps)
 
-    def _step_of(self, t: np.ndarray) -> np.ndarray:
+    def step_at(self, t: np.ndarray) -> np.ndarray:
         """Step that holds each time; one past the last step stands for the final state."""
         steps = np.searchsorted(self.raw.step_times[:, 0], t, side="right") - 1
         return np.where(t >= self.raw.t, len(self.raw.step_modes), steps)
 
-    def _dense(self, t: np.ndarray, steps: np.ndarray) -> np.ndarray:
-        raw, program, order = self.raw, self._problem.program, self.samples.order
+    def states_in_steps(self, t: np.ndarray, steps: np.ndarray) -> np.ndarray:
+        raw, program, order = self.raw, self.problem.program, self.samples.order
         out = np.empty((len(t), raw.state.size))
         inside = steps < len(raw.step_modes)
         part = np.empty((int(inside.sum()), raw.state.size))
-        J = np.zeros((program.slots, columns(order)))
+        J = np.zeros((program.slots, jet_columns(order)))
         stored = raw.step_times, raw.step_modes, raw.step_states
-        code = natives(program).code
-        sample(code, self._problem.numbers, order, *stored, steps[inside], t[inside], part, J)
+        code = native_code(program).code
+        sample_states(code, self.problem.numbers, order, *stored, steps[inside], t[inside], part, J)
         out[inside], out[~inside] = part, raw.state
         return out
 
-    def _modes_of(self, t: np.ndarray, steps: np.ndarray) -> np.ndarray:
+    def mode_at(self, t: np.ndarray, steps: np.ndarray) -> np.ndarray:
         return np.append(self.raw.step_modes, self.raw.mode)[steps]
 
     def __call__(self, t: Any) -> np.ndarray:
@@ -147,16 +186,16 @@ class Trajectory:
             )
         order = np.argsort(times, kind="stable")
         states = np.empty((len(times), self.raw.state.size))
-        states[order] = self._dense(times[order], self._step_of(times[order]))
+        states[order] = self.states_in_steps(times[order], self.step_at(times[order]))
         return states if np.ndim(t) else states[0]
 
     @property
     def t(self) -> np.ndarray:
-        return self._samples[0]
+        return self.sample_arrays[0]
 
     @property
     def states(self) -> np.ndarray:
-        return self._samples[1]
+        return self.sample_arrays[1]
 
     @property
     def q(self) -> np.ndarray:
@@ -169,25 +208,25 @@ class Trajectory:
 
     @cached_property
     def mode(self) -> np.ndarray:
-        return self._mode_names(self._samples[2])
+        return self._mode_names(self.sample_arrays[2])
 
     def _mode_names(self, codes: np.ndarray) -> np.ndarray:
         return np.array([*self.automaton.names, ""])[codes]
 
     def __getitem__(self, name: str) -> np.ndarray:
-        """A state by name, e.g. ``run["x1'"]``, or an output, e.g. ``run["gap"]``; sampled as `t`."""
+        """A state by name, e.g. ``run["x1'"]``, or an output, e.g. ``run["penetration"]``; sampled as `t`."""
         if name in self.names:
             return self.states[:, self.names.index(name)]
         if name in self.automaton.outputs:
             return self.output(name)
         known = [*self.names, *self.automaton.outputs]
-        raise KeyError(f"the run has no {name!r}{suggestion(name, known)}; it has {', '.join(known)}")
+        raise KeyError(f"the run has no {name!r}{did_you_mean(name, known)}; it has {', '.join(known)}")
 
     def __getattr__(self, name: str) -> np.ndarray:
         automaton = self.__dict__.get("automaton")
         if automaton is None or name not in automaton.outputs:
             known = [*dir(type(self)), *(automaton.outputs if automaton else ())]
-            raise AttributeError(f"a Trajectory has no attribute {name!r}{suggestion(name, known)}")
+            raise AttributeError(f"a Trajectory has no attribute {name!r}{did_you_mean(name, known)}")
         return self.output(name)
 
     def __dir__(self) -> list[str]:
@@ -203,16 +242,16 @@ class Trajectory:
         """
         known = list(self.automaton.outputs)
         if name not in known:
-            hint = f": write run[{name!r}]" if name in self.names else suggestion(name, known)
+            hint = f": write run[{name!r}]" if name in self.names else did_you_mean(name, known)
             raise KeyError(f"the run has no output {name!r}{hint}; it has {', '.join(known) or 'none'}")
         if t is None:
-            return evaluate(self.automaton, name, self.states, self._samples[2])
+            return evaluate_output(self.automaton, name, self.states, self.sample_arrays[2])
         times = np.asarray(t, dtype=float)
-        return evaluate(self.automaton, name, self(times), self._modes_of(times, self._step_of(times)))
+        return evaluate_output(self.automaton, name, self(times), self.mode_at(times, self.step_at(times)))
 
     @cached_property
     def events(self) -> Events:
-        raw, program = self.raw, self._problem.program
+        raw, program = self.raw, self.problem.program
         guards = raw.event_codes[:, 0]
         return Events(
             t=raw.event_times,
@@ -251,20 +290,20 @@ class Trajectory:
         velocities, others.  What may be rounding does not count.  It compares with the tolerance.  The jump
         tells of RK4 and scipy's methods, the residual of the Taylor series.
         """
-        return defects(self._problem, self.raw, self.samples.order)
+        return defects(self.problem, self.raw, self.samples.order)
 
     @cached_property
-    def sections(self) -> Mapping[str, Points]:
+    def sections(self) -> Mapping[str, SectionPoints]:
         raw = self.raw
         chosen = {name: raw.point_sections == i for i, name in enumerate(self.section_names)}
-        points = {k: Points(raw.point_times[m], raw.point_states[m]) for k, m in chosen.items()}
+        points = {k: SectionPoints(raw.point_times[m], raw.point_states[m]) for k, m in chosen.items()}
         return MappingProxyType(points)
 
     def save(self, path: str | Path) -> Path:
         """Write the run to an npz file, which :func:`frictionlab.load` reads; returns its path."""
-        from frictionlab.hybrid.storage import write
+        from frictionlab.hybrid.storage import write_run_file
 
-        return write(self, path)
+        return write_run_file(self, path)
 
     def to_dataframe(self) -> Any:
         """The samples as a pandas DataFrame, indexed by time (needs the extra ``data``)."""

@@ -1,20 +1,29 @@
-"""Models: what a composition of components means as a hybrid automaton."""
+"""Models: compositions of parameters and components, and what they mean as hybrid automata.
+
+`model` is the base of all models: one namespace of parameters (`parameter_namespace`), copies with changes,
+files (`serialisation`), switches (`nonlinearities`).  A model is derived once for its structure, on a copy
+whose parameters are sympy symbols (`symbols`); `assembly` puts the numbers back and gives the
+`HybridAutomaton` that the solver runs. `mechanical` derives automata from energies and contacts, `library`
+holds the nine models, `description` shows a model as a table and as equations.  `coercion` tells models and
+automata from anything else.
+"""
 
 from __future__ import annotations
 
-from .bouncing_ball import BouncingBall
-from .catalogue import ModelTable, list_models
-from .den_hartog import DenHartog
-from .free_coulomb import FreeCoulomb
-from .impact_oscillator import ImpactOscillator
-from .mass_on_belt import MassOnBelt
-from .mechanics import Friction, MechanicalModel, Mechanics, Stop
+from .library.bouncing_ball import BouncingBall
+from .library.catalogue import ModelTable, list_models
+from .library.den_hartog import DenHartog
+from .library.free_coulomb import FreeCoulomb
+from .library.impact_oscillator import ImpactOscillator
+from .library.mass_on_belt import MassOnBelt
+from .library.mode_coupling import ModeCoupling
+from .library.slider_on_belt import SliderOnBelt
+from .library.slider_on_rigid_belt import SliderOnRigidBelt
+from .library.two_blocks import TwoBlocks
+from .mechanical.mechanical_model import MechanicalModel
+from .mechanical.mechanics import Friction, Mechanics, Stop
 from .mechanism import Mechanism
-from .mode_coupling import ModeCoupling
 from .model import Model, with_signature
-from .slider_on_belt import SliderOnBelt
-from .slider_on_rigid_belt import SliderOnRigidBelt
-from .two_blocks import TwoBlocks
 
 __all__ = [
     "BouncingBall",

@@ -7,23 +7,23 @@ from typing import Any
 
 from frictionlab.automaton import HybridAutomaton
 
-from .symbols import Structure, structure, symbol, symbolic
+from .symbols import Structure, structure_of_component, symbol, symbolic_copy
 
 
-def states(coordinates: tuple[str, ...]) -> tuple[Any, ...]:
+def state_symbols(coordinates: tuple[str, ...]) -> tuple[Any, ...]:
     """Symbols of the coordinates, then of their velocities."""
     return tuple(symbol(name) for name in (*coordinates, *(name + "'" for name in coordinates)))
 
 
 @lru_cache(maxsize=256)
-def assemble(key: Structure) -> HybridAutomaton:
+def automaton_of_structure(key: Structure) -> HybridAutomaton:
     """States and modes of a structure, without the numbers."""
-    return symbolic(key).derive()
+    return symbolic_copy(key).derive()
 
 
-def automaton(model: Any) -> HybridAutomaton:
+def automaton_of_model(model: Any) -> HybridAutomaton:
     """The automaton of a model; models of one structure share their `modes` object."""
-    derived = assemble(structure(model))
+    derived = automaton_of_structure(structure_of_component(model))
     numbers = {symbol(name): value for name, value in model.parameters.items()}
     numbers |= dict(derived.parameters)
     return HybridAutomaton(derived.states, derived.modes, numbers, derived.coordinates)

@@ -10,18 +10,24 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self, TypeVar
 
 from frictionlab.components.component import Component
 from frictionlab.components.parameter import parameters_of
+from frictionlab.models.description.parameter_table import ParameterTable, parameter_table
+from frictionlab.models.mechanical.mechanics import SlidingStatics
 
-from .description import Description, describe
 from .mechanism import Mechanism, TiltingBelt
-from .namespace import changed, chosen, owners, refuse_unknown, refuse_unnamed, signature
 from .nonlinearities import Nonlinearity, nonlinearities_of, without
-from .serialise import component_from_dict, component_to_dict
-from .sliding_statics import SlidingStatics
+from .parameter_namespace import (
+    check_component,
+    model_signature,
+    parameter_owners,
+    refuse_positional,
+    refuse_unknown,
+    with_values,
+)
+from .serialisation import component_from_dict, component_to_dict
 
 if TYPE_CHECKING:
     from frictionlab.automaton import HybridAutomaton
-
-    from .equations import Equations
+    from frictionlab.models.description.equations import Equations
 
 M = TypeVar("M", bound="Model")
 PITCH = 200.0  # Hz, as which an oscillation is heard
@@ -56,7 +62,7 @@ class Model(Component):
     `simulate`, `eigenvalues`, `bifurcation`, `explore`, `plot_run`, files; with energies `energy_audit`, with
     a mechanism `animate` and `watch`.
 
-    Modes named "stick", "slip+", "slip-", "separation", and outputs named "gap", "normal_force",
+    Modes named "stick", "slip+", "slip-", "separation", and outputs named "penetration", "normal_force",
     "friction_force", "relative_velocity" are drawn and checked as such.  A mode with constraints holds
     something fast; steady sliding is looked for in the others.
 
@@ -86,17 +92,18 @@ class Model(Component):
 
     def __init__(self, *unnamed: Any, **given: Any) -> None:
         cls = type(self)
-        refuse_unnamed(unnamed, cls)
+        refuse_positional(unnamed, cls)
         components = {
-            role: chosen(role, base, given.pop(role, getattr(cls, role))) for role, base in self.roles.items()
+            role: check_component(role, base, given.pop(role, getattr(cls, role)))
+            for role, base in self.roles.items()
         }
         refuse_unknown(given, cls, self.roles, components)
         for name, about in parameters_of(cls).items():
             object.__setattr__(self, name, given.get(name, about.default))
-        owner = owners(cls, components)
+        owner = parameter_owners(cls, components)
         for role, component in components.items():
             values = {name: value for name, value in given.items() if owner[name] == role}
-            object.__setattr__(self, role, changed(component, values))
+            object.__setattr__(self, role, with_values(component, values))
         self.__post_init__()
 
     @property
@@ -194,15 +201,15 @@ class Model(Component):
         """
         return MappingProxyType(nonlinearities_of(self))
 
-    def describe(self) -> Description:
+    def describe(self) -> ParameterTable:
         """Table of the parameters: symbol, value, unit, meaning."""
-        return describe(self)
+        return parameter_table(self)
 
     def automaton(self) -> HybridAutomaton:
         """The hybrid automaton; models that differ in numbers only share its `modes` object."""
-        from .assembly import automaton
+        from .assembly import automaton_of_model
 
-        return automaton(self)
+        return automaton_of_model(self)
 
     def equations(self, mode: str) -> Equations:
         """The equations of a mode as sympy equations; LaTeX in a notebook.
@@ -212,9 +219,9 @@ class Model(Component):
         ValueError
             If the model has no such mode.
         """
-        from .flow_equations import equations
+        from frictionlab.models.description.equations import flow_equations
 
-        return equations(self, mode)
+        return flow_equations(self, mode)
 
     def to_dict(self) -> dict[str, Any]:
         """The model as data that JSON can hold."""
@@ -249,7 +256,7 @@ class Model(Component):
 
 def with_signature(cls: type[M]) -> type[M]:
     """Give a model class the signature that help and tab completion show."""
-    cls.__signature__ = signature(cls, {role: getattr(cls, role) for role in cls.roles})
+    cls.__signature__ = model_signature(cls, {role: getattr(cls, role) for role in cls.roles})
     return cls
 
 
@@ -259,7 +266,7 @@ def _differences(model: Model) -> list[str]:
     same = {
         role for role, component in model.components.items() if type(component) is type(getattr(usual, role))
     }
-    names = owners(type(model), model.components)
+    names = parameter_owners(type(model), model.components)
     values = [
         n for n, role in names.items() if not role or (role in same and not _restructured(model, usual, role))
     ]
@@ -271,4 +278,4 @@ def _differences(model: Model) -> list[str]:
 def _restructured(model: Model, usual: Model, role: str) -> bool:
     """Whether a component of the default's class differs in more than parameters."""
     mine, its = getattr(model, role), getattr(usual, role)
-    return changed(its, {n: getattr(mine, n) for n in parameters_of(type(its))}) != mine
+    return with_values(its, {n: getattr(mine, n) for n in parameters_of(type(its))}) != mine

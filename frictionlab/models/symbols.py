@@ -1,20 +1,23 @@
 """Symbols, and the copy of a model that has them for values.
 
-A model is derived once for its *structure*: the classes of its components and those of their fields that
-are no parameters.  The copy made here runs no checks, since there is nothing to check about a symbol.
+A model is derived once for its *structure*: the classes of its components and those of their fields that are
+no parameters.  The copy made here runs no checks, since there is nothing to check about a symbol.  The
+methods of its laws say what is wrong where they cannot answer with symbols.
 """
 
 from __future__ import annotations
 
-from functools import cache
+from collections.abc import Callable
+from functools import cache, wraps
 from typing import Any, NamedTuple
 
 import sympy
 
+from frictionlab.components import ContactLaw, FrictionLaw, ImpactLaw
 from frictionlab.components.component import Component
 from frictionlab.components.parameter import parameters_of, structure_of
 
-from .explained import explain
+LAW_METHODS = ("force", "kinetic", "static_limit", "impulse", "friction")
 
 
 @cache
@@ -30,43 +33,72 @@ class Structure(NamedTuple):
     values: tuple[Any, ...]
 
 
-def structure(component: Component) -> Structure:
+def structure_of_component(component: Component) -> Structure:
     """The structure of a component, and of the components it is made of."""
     reduced = component.reduced()
     values = (getattr(reduced, name) for name in structure_of(type(reduced)))
-    return Structure(type(reduced), tuple(structure(v) if isinstance(v, Component) else v for v in values))
+    return Structure(
+        type(reduced), tuple(structure_of_component(v) if isinstance(v, Component) else v for v in values)
+    )
 
 
-def symbolic(key: Structure) -> Any:
+def symbolic_copy(key: Structure) -> Any:
     """A component of that structure with the symbols of its parameters for values."""
     copy = object.__new__(key.component)
     for name in parameters_of(key.component):
         object.__setattr__(copy, name, symbol(name))
     for name, value in zip(structure_of(key.component), key.values, strict=True):
-        object.__setattr__(copy, name, symbolic(value) if isinstance(value, Structure) else value)
-    explain(copy)
+        object.__setattr__(copy, name, symbolic_copy(value) if isinstance(value, Structure) else value)
+    explain_errors(copy)
     return copy
 
 
 def parameter_symbols(key: Structure) -> tuple[sympy.Symbol, ...]:
-    """Symbols of all parameters of a structure, in the order of :func:`numbers`."""
-    return tuple(map(symbol, _names(key)))
+    """Symbols of all parameters of a structure, in the order of :func:`structure_values`."""
+    return tuple(map(symbol, _parameter_names(key)))
 
 
-def numbers(model: Any) -> tuple[float, ...]:
+def structure_values(model: Any) -> tuple[float, ...]:
     """Values of the parameters that the model's structure has, in one order."""
     values = model.parameters
-    return tuple(values[name] for name in _names(structure(model)))
+    return tuple(values[name] for name in _parameter_names(structure_of_component(model)))
 
 
 @cache
-def _names(key: Structure) -> tuple[str, ...]:
-    return tuple(symbolic(key).parameters)
+def _parameter_names(key: Structure) -> tuple[str, ...]:
+    return tuple(symbolic_copy(key).parameters)
 
 
-def multiplied_out(expr: Any) -> Any:
+def expand_products(expr: Any) -> Any:
     """Products of sums as sums of products; what stands within a law's function stays as it is.
 
     Taken apart, exp(v - x') is exp(v) exp(-x'), of which one factor may be above the largest number.
     """
     return sympy.expand(expr, power_exp=False, power_base=False, log=False)
+
+
+def explain_errors(copy: Component) -> None:
+    """Make the methods of a law's symbolic copy name themselves in what they raise."""
+    for name in LAW_METHODS if isinstance(copy, (ContactLaw, FrictionLaw, ImpactLaw)) else ():
+        if hasattr(copy, name):
+            object.__setattr__(copy, name, _with_explanation(getattr(copy, name), type(copy).__name__))
+
+
+def _with_explanation(method: Callable[..., Any], law: str) -> Callable[..., Any]:
+    @wraps(method)
+    def explained(*arguments: Any) -> Any:
+        try:
+            value = method(*arguments)
+        except TypeError as error:
+            raise TypeError(
+                f"{law}.{method.__name__} must be a formula that takes symbols too, and fails with them "
+                f"({error}): write it with + - * / ** and fl.functions (exp, tanh, ...), without if, min, "
+                "max, math or numpy; what changes at a value is a mode of its own"
+            ) from error
+        if value is None:
+            raise TypeError(
+                f"{law}.{method.__name__} must return a force or an impulse, got None: write return in front"
+            )
+        return value
+
+    return explained

@@ -8,13 +8,24 @@ Dynamics (2020).
 Fig. 6: eigenvalues with and without the geometrical nonlinearity, F = 1000 N, l1 = 0.1 m, l2 = 0.3 m
 with GN: 0 -> 1 at mu_k 0.6897 (12.88 Hz), 1 -> 2 at 1.1943 (17.66 Hz), 2 -> 1 at 2.0890 (13.44 Hz)
 without GN: 0 -> 1 at mu_k 1.8717 (16.48 Hz)
+
+    registry         `figure` and `claims`: which there are, and the modules that compute them
+    scenes           solver settings, models and grids of parameters that the paper's computations use
+    steady_states    steady states that figures and claims share, computed once; results in words
+    figures/         the figures as results: data, summary, picture
+    checks/          the claims, each computed in up to three ways, with a verdict
+    step_study       what a fixed step does to a motion
+    report           all of it as pages: `frictionlab reproduce`
+
+A Setting goes down from registry or report; steady states come up from the sweeps; figures and checks
+make results of them.
 """
 
 from __future__ import annotations
 
-from .claims import Claim, Claims, Verdict
+from .checks.claim import Claim, Claims, Verdict
+from .figures.paper_figure import PaperFigure
 from .registry import claims, figure
-from .result import PaperFigure
-from .steps import StepStudy, step_study
+from .step_study import StepStudy, step_study
 
 __all__ = ["Claim", "Claims", "PaperFigure", "StepStudy", "Verdict", "claims", "figure", "step_study"]

@@ -4,32 +4,39 @@ from __future__ import annotations
 
 from importlib import import_module
 from pathlib import Path
+from typing import Any
 
-from .claims import Claim, Claims
-from .compare import compare
-from .result import PaperFigure
-from .setting import Setting
+from frictionlab.paper.checks.claim import Claim, Claims, compare
+from frictionlab.paper.figures.paper_figure import PaperFigure
 
-# Number -> module with `figure(number)`: linear stability, which no algorithm and no impact law changes.
-FIGURES = {2: "coalescence", 3: "coalescence", 4: "critical", 5: "critical", 6: "two_pairs"}
-# Number -> module with `figure(number, setting)`: steady states.
+from .scenes import Setting
+
+# Number -> module and function of the number: linear stability, which no algorithm and no impact law changes.
+FIGURES = {
+    2: "figures.linear_stability:coalescence_figure",
+    3: "figures.linear_stability:coalescence_figure",
+    4: "figures.linear_stability:critical_figure",
+    5: "figures.linear_stability:critical_figure",
+    6: "figures.linear_stability:two_pairs_figure",
+}
+# Number -> module and function of the number and the setting: steady states.
 STEADY = {
-    **dict.fromkeys((7, 8), "responses"),
-    **dict.fromkeys(range(9, 15), "branches"),
-    15: "preload",
-    **dict.fromkeys((16, 17), "smoothness"),
-    18: "frequencies",
+    **dict.fromkeys((7, 8), "figures.bifurcations:motion_figure"),
+    **dict.fromkeys(range(9, 15), "figures.bifurcations:friction_figure"),
+    15: "figures.bifurcations:preload_figure",
+    **dict.fromkeys((16, 17), "figures.stiff_structure:nonsmooth_figure"),
+    18: "figures.stiff_structure:frequency_figure",
 }
 EVERY_FIGURE = FIGURES | STEADY
 WITHOUT_GEOMETRY = (13, 14)  # where both impact laws are the same
 # Claim -> module with `CHECKS`, name -> function that gives the Claim.
-CLAIMS: dict[str, str] = {f"C{i}": "linear_claims" for i in range(1, 9)}
+CLAIMS: dict[str, str] = {f"C{i}": "checks.linear_stability" for i in range(1, 9)}
 # Claim -> module with `CHECKS`, name -> Question.
 STEADY_CLAIMS = {
-    **dict.fromkeys(("C9", "C10"), "response_claims"),
-    **dict.fromkeys((f"C{i}" for i in range(11, 16)), "contact_claims"),
-    **dict.fromkeys((f"C{i}" for i in range(16, 21)), "geometry_claims"),
-    **dict.fromkeys((f"C{i}" for i in range(21, 26)), "nonsmooth_claims"),
+    **dict.fromkeys(("C9", "C10"), "checks.all_nonlinearities"),
+    **dict.fromkeys((f"C{i}" for i in range(11, 16)), "checks.all_nonlinearities"),
+    **dict.fromkeys((f"C{i}" for i in range(16, 21)), "checks.without_geometry"),
+    **dict.fromkeys((f"C{i}" for i in range(21, 26)), "checks.nonsmooth"),
 }
 EVERY_CLAIM = CLAIMS | STEADY_CLAIMS
 
@@ -85,8 +92,13 @@ def figure(
     check_figure(number, algorithm, impact)
     setting = Setting(algorithm, impact, quick, workers, progress, None if resume is None else Path(resume))
     if number in FIGURES:
-        return import_module(f"{__package__}.{FIGURES[number]}").figure(number)
-    return import_module(f"{__package__}.{STEADY[number]}").figure(number, setting)
+        return _function(FIGURES[number])(number)
+    return _function(STEADY[number])(number, setting)
+
+
+def _function(place: str) -> Any:
+    module, name = place.split(":")
+    return getattr(import_module(f"{__package__}.{module}"), name)
 
 
 def check_figure(number: int, algorithm: str, impact: str) -> None:

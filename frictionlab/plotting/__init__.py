@@ -1,28 +1,33 @@
 """Figures of runs, stability and sweeps: plain functions that draw into `ax` and return the artists made.
 
 None of them uses pyplot, so a figure is freed with its last reference and no window opens.
+
+    figure                  figures that show themselves in a notebook, the axes to draw into, legends
+    style                   colours of modes and lines, names and units of states and parameters
+    drawing                 a panel as data: curves, labels, limits (the explorers' panels give these)
+    runs/                   panels of one run, and `plot_run`, which is four of them
+    root_locus, stability_boundaries            eigenvalues and stability against parameters
+    bifurcation, basins, energy, ablation       what analyses found
+    animation/              the slider on its belt, frame by frame
+
+A result of an analysis comes in, artists go out; nothing is computed here but samples of a run.
 """
 
 from __future__ import annotations
 
 from .ablation import plot_ablation
-from .animation import animate
+from .animation.animate import animate
 from .basins import plot_basin_stability, plot_basins
-from .bifurcation import plot_bifurcation, plot_intensity
-from .critical import plot_critical
-from .displacements import plot_displacements
+from .bifurcation import plot_bifurcation, plot_intensity, plot_orbit_branch
 from .energy import plot_energies, plot_works
 from .figure import RunFigure
-from .forces import plot_contact_forces
-from .locus import plot_frequencies, plot_growth_rates
-from .orbit_branch import plot_orbit_branch
-from .phase_plane import plot_phase_plane
-from .rates import plot_rates
-from .root_locus import plot_root_locus
-from .run import plot_run
-from .shading import shade_modes
-from .spectrum import Spectrum, amplitude_spectrum, plot_spectrum
-from .stability_map import plot_stability_map
+from .root_locus import plot_frequencies, plot_growth_rates, plot_root_locus
+from .runs.overview import plot_run
+from .runs.phase_plane import plot_phase_plane
+from .runs.spectrum import Spectrum, amplitude_spectrum, plot_spectrum
+from .runs.time_histories import plot_contact_forces, plot_displacements, plot_rates
+from .runs.time_window import shade_modes
+from .stability_boundaries import plot_critical, plot_stability_map
 
 __all__ = [
     "RunFigure",

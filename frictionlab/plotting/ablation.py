@@ -9,19 +9,19 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from frictionlab.analysis.ablation import all_of
-from frictionlab.analysis.bifurcation import Bifurcation
 from frictionlab.analysis.spectrum import Spectrum
-from frictionlab.analysis.window import SteadyState
+from frictionlab.analysis.steady_state.result import SteadyState
+from frictionlab.analysis.sweeps.ablation import all_of
+from frictionlab.analysis.sweeps.bifurcation import Bifurcation
+from frictionlab.plotting.runs.phase_plane import plot_phase_plane
+from frictionlab.plotting.runs.spectrum import DECADES
 
-from .bifurcation import SPAN, plot_bifurcation
+from .bifurcation import LOG_SCALE_RATIO, plot_bifurcation
 from .figure import RunFigure, axes_or_new
-from .palette import BLACK, BLUE, GREY, label, unit
-from .phase_plane import plot_phase_plane
-from .spectrum import DECADES
+from .style import BLACK, BLUE, GREY, state_label, state_unit
 
-CYCLES = 3  # periods drawn of a periodic motion
-SECONDS = 2.0  # drawn of others
+SHOWN_PERIODS = 3  # periods drawn of a periodic motion
+SHOWN_SECONDS = 2.0  # drawn of others
 COLUMNS = 4  # panels side by side
 
 
@@ -49,7 +49,7 @@ def plot_ablation(ablation: Any, *, name: str = "x1") -> list[Axes]:
     known = [result for result in ablation.results if result is not None]
     if all(isinstance(result, Real) for result in known):
         return [_bars(ablation)]
-    draw = _panel_of(known)
+    draw = _panel_for(known)
     count = len(ablation.results)
     columns = min(COLUMNS, count)
     rows = -(-count // columns)
@@ -60,12 +60,12 @@ def plot_ablation(ablation: Any, *, name: str = "x1") -> list[Axes]:
             ax.text(0.5, 0.5, "not done", ha="center", va="center", transform=ax.transAxes)
         else:
             draw(result, ax, name)
-        ax.set_title(_scene(without, ablation.switches) + _outcome(result), fontsize=9.0)
-    _finish(figure, panels)
+        ax.set_title(_scene_title(without, ablation.switches) + _motion_title(result), fontsize=9.0)
+    _share_labels(figure, panels)
     return panels
 
 
-def _panel_of(results: Iterable[Any]) -> Any:
+def _panel_for(results: Iterable[Any]) -> Any:
     kinds = {type(result) for result in results}
     panels = {SteadyState: _phase_plane, Bifurcation: _points, Spectrum: _spectrum}
     if len(kinds) != 1 or not kinds <= panels.keys():
@@ -77,7 +77,7 @@ def _panel_of(results: Iterable[Any]) -> Any:
     return panels[kinds.pop()]
 
 
-def _finish(figure: RunFigure, panels: list[Axes]) -> None:
+def _share_labels(figure: RunFigure, panels: list[Axes]) -> None:
     """Labels at the outer panels only, and one legend for all."""
     for i, ax in enumerate(panels):
         ax.tick_params(labelsize=8.0)
@@ -99,9 +99,9 @@ def _phase_plane(result: Any, ax: Axes, name: str) -> None:
         ax.plot(x, rate, "+", color=BLACK, markersize=9.0, label="equilibrium")
         ax.set(ylim=(-1.0, 1.0))
     else:
-        seconds = CYCLES * result.period if result.kind == "periodic" else SECONDS
+        seconds = SHOWN_PERIODS * result.period if result.kind == "periodic" else SHOWN_SECONDS
         plot_phase_plane(run, ax, name=name, window=min(seconds, float(run.raw.t)))
-    ax.set(xlabel=_axis(name), ylabel=_axis(f"{name}'"))
+    ax.set(xlabel=_state_axis_label(name), ylabel=_state_axis_label(f"{name}'"))
 
 
 def _points(result: Any, ax: Axes, name: str) -> None:
@@ -112,21 +112,21 @@ def _spectrum(result: Any, ax: Axes, name: str) -> None:
     ax.semilogy(result.frequencies, result.amplitudes, color=BLACK, linewidth=0.8)
     top = float(result.amplitudes.max())
     ax.set(xlim=(0.0, result.frequencies[-1]), ylim=(top * 10.0**-DECADES, 2 * top) if top > 0 else None)
-    ax.set(xlabel="frequency (Hz)", ylabel=f"amplitude of {_axis(name)}")
+    ax.set(xlabel="frequency (Hz)", ylabel=f"amplitude of {_state_axis_label(name)}")
 
 
-def _axis(name: str) -> str:
-    return f"{label(name)} ({unit(name)})"
+def _state_axis_label(name: str) -> str:
+    return f"{state_label(name)} ({state_unit(name)})"
 
 
-def _scene(without: tuple[str, ...], switches: tuple[str, ...]) -> str:
+def _scene_title(without: tuple[str, ...], switches: tuple[str, ...]) -> str:
     if not without:
         return all_of(len(switches)).replace("it", switches[0]) if switches else "all"
     left = [name for name in switches if name not in without]
     return f"only {left[0]}" if len(left) == 1 else f"without {', '.join(without)}" if left else "none"
 
 
-def _outcome(result: Any) -> str:
+def _motion_title(result: Any) -> str:
     kind = getattr(result, "kind", "")
     return f"\n{kind}" if isinstance(kind, str) and kind else ""
 
@@ -138,10 +138,10 @@ def _bars(ablation: Any) -> Axes:
     ax.bar_label(bars, ["" if np.isnan(v) else f"{v:.5g}" for v in values], padding=4)
     for i in np.flatnonzero(np.isnan(values)):
         ax.text(0.01, float(i), "none", va="center", transform=ax.get_yaxis_transform())
-    ax.set_yticks(range(len(values)), [_scene(without, ablation.switches) for without, _ in ablation])
+    ax.set_yticks(range(len(values)), [_scene_title(without, ablation.switches) for without, _ in ablation])
     ax.invert_yaxis()
     known = values[~np.isnan(values)]
-    if len(known) and known.min() > 0 and known.max() > SPAN * known.min():
+    if len(known) and known.min() > 0 and known.max() > LOG_SCALE_RATIO * known.min():
         ax.set_xscale("log")
     ax.axvline(0.0, color=GREY, linewidth=0.8)
     ax.margins(x=0.15)

@@ -12,12 +12,11 @@ from matplotlib.container import BarContainer
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from .figure import axes_or_new
-from .legends import legend_beside
-from .palette import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILLION, YELLOW, label, unit
+from .figure import axes_or_new, legend_beside
+from .style import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILLION, YELLOW, state_label, state_unit
 
 COLOURS = (SKY, ORANGE, GREEN, YELLOW, PURPLE, BLUE, VERMILLION)  # of attractors, in turn
-NONE = {"not settled yet": GREY, "ended early": "#444444"}
+UNCLASSIFIED_COLOURS = {"not settled yet": GREY, "ended early": "#444444"}
 HATCH = "////"
 
 
@@ -69,7 +68,12 @@ def plot_basins(found: Any, ax: Axes | None = None, *, legend: bool = True) -> B
     )
     limits = ax.get_xlim(), ax.get_ylim()
     lines = [line for a in found.attractors if a.settled for line in _attractor(found, a, ax)]
-    ax.set(xlim=limits[0], ylim=limits[1], xlabel=_initial(found.x), ylabel=_initial(found.y))
+    ax.set(
+        xlim=limits[0],
+        ylim=limits[1],
+        xlabel=_initial_state_label(found.x),
+        ylabel=_initial_state_label(found.y),
+    )
     if legend:
         legend_beside(ax, _handles(found, colours))
     return BasinArtists(mesh, lines)
@@ -99,7 +103,8 @@ def plot_basin_stability(found: Any, ax: Axes | None = None) -> BarContainer:
 def _colours(found: Any) -> list[str]:
     settled = [a.name for a in found.attractors if a.settled]
     return [
-        COLOURS[settled.index(a.name) % len(COLOURS)] if a.settled else NONE[a.kind] for a in found.attractors
+        COLOURS[settled.index(a.name) % len(COLOURS)] if a.settled else UNCLASSIFIED_COLOURS[a.kind]
+        for a in found.attractors
     ]
 
 
@@ -110,8 +115,8 @@ def _attractor(found: Any, attractor: Any, ax: Axes) -> list[Line2D]:
     return ax.plot(x, y, style, color=BLACK, linewidth=1.4, label=attractor.name)
 
 
-def _initial(name: str) -> str:
-    return f"initial {label(name)} ({unit(name)})"
+def _initial_state_label(name: str) -> str:
+    return f"initial {state_label(name)} ({state_unit(name)})"
 
 
 def _handles(found: Any, colours: list[str]) -> list[Any]:

@@ -1,8 +1,12 @@
-"""Steady states against a parameter: section points, and the intensity of the motion."""
+"""Motions against a parameter: section points and intensity of steady states; branches of periodic orbits.
+
+Branches are solid where the orbit is stable and dashed where it is not, with their special points.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import groupby
 from typing import Any
 
 import numpy as np
@@ -10,15 +14,27 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from frictionlab.analysis.kinds import ENDED
+from frictionlab.analysis.steady_state.classification import ENDED
 
-from .figure import axes_or_new
-from .legends import legend_beside
-from .palette import BLACK, BLUE, GREY, VERMILLION, label, line_style, unit
-from .parameters import parameter_label
+from .figure import axes_or_new, legend_beside
+from .style import (
+    BLACK,
+    BLUE,
+    DASHED,
+    GREEN,
+    GREY,
+    ORANGE,
+    PURPLE,
+    SKY,
+    VERMILLION,
+    line_style,
+    parameter_label,
+    state_label,
+    state_unit,
+)
 
 Array = NDArray[np.float64]
-STYLES: dict[str, dict[str, Any]] = {
+MOTION_STYLES: dict[str, dict[str, Any]] = {
     "periodic": {"color": BLUE, "marker": ".", "markersize": 4.0},
     "non-periodic": {"color": VERMILLION, "marker": ".", "markersize": 2.0},
     "not settled yet": {"color": GREY, "marker": ".", "markersize": 3.0},
@@ -26,8 +42,19 @@ STYLES: dict[str, dict[str, Any]] = {
     "equilibrium": {"color": BLACK, "marker": "_", "markersize": 6.0},
 }
 AT_REST = "equilibrium"
-FOOT = 0.03  # of the axes' height: where marks are of what ended early, mostly for having grown beyond bounds
-SPAN = 30.0  # largest over smallest intensity above which the axis is logarithmic
+EARLY_END_HEIGHT = (
+    0.03  # of the axes' height: where marks are of what ended early, mostly for having grown beyond bounds
+)
+LOG_SCALE_RATIO = 30.0  # largest over smallest intensity above which the axis is logarithmic
+
+SPECIAL_POINT_STYLES = {
+    "fold": (VERMILLION, "o"),
+    "period doubling": (ORANGE, "s"),
+    "Neimark-Sacker": (PURPLE, "D"),
+    "grazing": (GREEN, "^"),
+    "mode change": (SKY, "v"),
+    "Hopf": (BLACK, "*"),
+}
 
 
 def plot_bifurcation(
@@ -56,17 +83,22 @@ def plot_bifurcation(
         For an unknown state.
     """
     state: str = name or result.names[0]
-    groups = {kind: result.section(state, kind) for kind in STYLES}
+    groups = {kind: result.section(state, kind) for kind in MOTION_STYLES}
     ax = axes_or_new(ax)
     lines = []
     for kind, (values, states) in groups.items():
         if kind == ENDED:
-            states, where = np.full(len(values), FOOT), ax.get_xaxis_transform()
+            states, where = np.full(len(values), EARLY_END_HEIGHT), ax.get_xaxis_transform()
         else:
             where = ax.transData
         if len(values):
-            lines += ax.plot(values, states, linestyle="none", label=kind, transform=where, **STYLES[kind])
-    ax.set(xlabel=_parameter(result), ylabel=f"{label(state)} at {_where(result)} ({unit(state)})")
+            lines += ax.plot(
+                values, states, linestyle="none", label=kind, transform=where, **MOTION_STYLES[kind]
+            )
+    ax.set(
+        xlabel=_swept_parameter_label(result),
+        ylabel=f"{state_label(state)} at {_section_text(result)} ({state_unit(state)})",
+    )
     if legend:
         legend_beside(ax)
     return lines
@@ -102,8 +134,8 @@ def plot_intensity(
         Where the parameters differ, or there are not as many labels as results.
     """
     results = [results] if hasattr(results, "kinds") else list(results)
-    labels = [_start(result) for result in results] if labels is None else list(labels)
-    _refuse_mixed(results, labels)
+    labels = [_start_text(result) for result in results] if labels is None else list(labels)
+    _check_one_parameter(results, labels)
     ax = axes_or_new(ax)
     lines = []
     for i, (result, text) in enumerate(zip(results, labels)):
@@ -112,17 +144,17 @@ def plot_intensity(
         resting = np.array(result.kinds) == AT_REST
         hollow = {"color": style["color"], "markerfacecolor": "white", "linestyle": "none", "markersize": 4.0}
         ax.plot(result.values[resting], result.intensities[resting], "o", label="_at rest", **hollow)
-    _scale(ax, results)
-    ax.set(xlabel=_parameter(results[0]), ylabel=r"intensity $L_{\mathrm{s}}$ (m$^{2}$)")
+    _set_intensity_scale(ax, results)
+    ax.set(xlabel=_swept_parameter_label(results[0]), ylabel=r"intensity $L_{\mathrm{s}}$ (m$^{2}$)")
     if legend and len(lines) > 1:
         legend_beside(ax)
     return lines
 
 
-def _scale(ax: Axes, results: list[Any]) -> None:
+def _set_intensity_scale(ax: Axes, results: list[Any]) -> None:
     moving = np.concatenate([r.intensities[np.array(r.kinds) != AT_REST] for r in results])
     moving = moving[moving > 0]  # NaN, of what is not done, is dropped too
-    if len(moving) and moving.max() > SPAN * moving.min():
+    if len(moving) and moving.max() > LOG_SCALE_RATIO * moving.min():
         foot = 10.0 ** np.floor(np.log10(moving.min()))
         ax.set_yscale("symlog", linthresh=foot, linscale=0.3)
         ax.set_ylim(-0.1 * foot, None)
@@ -130,29 +162,99 @@ def _scale(ax: Axes, results: list[Any]) -> None:
         ax.set_ylim(0.0 if len(moving) else None, None)
 
 
-def _parameter(result: Any) -> str:
+def _swept_parameter_label(result: Any) -> str:
     return parameter_label(result.model, result.parameter)
 
 
-def _where(result: Any) -> str:
-    section = result.asked["section"]
+def _section_text(result: Any) -> str:
+    section = result.specification["section"]
     if section is None or section == "stick":
         return "the onset of stick" if section else "the section"
     text, direction = (section, 0) if isinstance(section, str) else section
     return f"{text} = 0" + {1: ", rising", -1: ", falling"}.get(direction, "")
 
 
-def _start(result: Any) -> str:
-    x0 = result.asked["x0"]
+def _start_text(result: Any) -> str:
+    x0 = result.specification["x0"]
     return {"rest": "from rest", "near": "from near the equilibrium", "continue": "continued"}.get(
         x0 if isinstance(x0, str) else "", "from a state"
     )
 
 
-def _refuse_mixed(results: list[Any], labels: list[str]) -> None:
+def _check_one_parameter(results: list[Any], labels: list[str]) -> None:
     names = sorted({result.parameter for result in results})
     if len(names) != 1:
         got = ", ".join(names) or "no result"
         raise ValueError(f"results must be over one parameter, got {got}: draw them apart")
     if len(labels) != len(results):
         raise ValueError(f"there must be a label for each of {len(results)} results, got {len(labels)}")
+
+
+def plot_orbit_branch(branch: Any, ax: Axes | None = None, *, name: str | None = None) -> list[Line2D]:
+    """Draw the largest value of a state along each orbit, or the period, against the parameter.
+
+    Parameters
+    ----------
+    branch : OrbitBranch
+    ax : Axes or None
+        None draws into a new figure, ``lines[0].axes.figure``.
+    name : str or None
+        The state, e.g. "x1"; None draws the period.
+
+    Returns
+    -------
+    list of Line2D
+        The stretches of equal stability along the branch, then the special points of each kind.
+
+    Raises
+    ------
+    ValueError
+        For an unknown state.
+
+    Examples
+    --------
+    >>> import frictionlab as fl
+    >>> model = fl.SliderOnBelt(mu_k=1.4).without("geometry")
+    >>> branch = fl.continue_orbit(fl.periodic_orbit(model, fl.simulate(model, 30.0)), "mu_k", (1.3, 1.5))
+    >>> [line.get_label() for line in plot_orbit_branch(branch, name="x1")]
+    ['stable']
+    """
+    _check_state_name(branch, name)
+    ax = axes_or_new(ax)
+    heights, lines = np.array([_orbit_measure(orbit, name) for orbit in branch.orbits]), []
+    for stable, part in _stability_intervals(branch.stable):
+        style: dict[str, Any] = {"linestyle": "-" if stable else DASHED, "linewidth": 1.4, "color": BLUE}
+        lines += ax.plot(branch.values[part], heights[part], **style)
+        lines[-1].set_label("stable" if stable else "unstable")
+    for kind in dict.fromkeys(special.kind for special in branch.special):
+        chosen = [special for special in branch.special if special.kind == kind]
+        at = (
+            [special.value for special in chosen],
+            [_orbit_measure(special.orbit, name) for special in chosen],
+        )
+        colour, marker = SPECIAL_POINT_STYLES[kind]
+        lines += ax.plot(*at, marker, color=colour, label=kind)
+    text = "period (s)" if name is None else f"largest {state_label(name)} ({state_unit(name)})"
+    ax.set(xlabel=parameter_label(branch.orbits[0].model, branch.parameter), ylabel=text)
+    legend_beside(ax, list({str(line.get_label()): line for line in lines}.values()))
+    return lines
+
+
+def _check_state_name(branch: Any, name: str | None) -> None:
+    names = branch.orbits[0].trajectory.names
+    if name is not None and name not in names:
+        raise ValueError(f"name must be one of {', '.join(names)}, or None for the period, got {name!r}")
+
+
+def _orbit_measure(orbit: Any, name: str | None) -> float:
+    return orbit.period if name is None else float(orbit.trajectory[name].max())
+
+
+def _stability_intervals(stable: np.ndarray) -> list[tuple[bool, slice]]:
+    """Each stretch of equal stability, with the first orbit of the next, so that the line has no gaps."""
+    found, start = [], 0
+    for value, group in groupby(stable.tolist()):
+        count = len(list(group))
+        found.append((value, slice(start, start + count + 1)))
+        start += count
+    return found

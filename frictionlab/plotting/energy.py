@@ -8,10 +8,10 @@ from typing import Any
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
-from .figure import axes_or_new
-from .legends import legend_beside
-from .palette import BLACK, BLUE, DASHED, GREEN, ORANGE, PURPLE, SKY, VERMILLION
-from .windows import Array
+from frictionlab.plotting.runs.time_window import Array
+
+from .figure import axes_or_new, legend_beside
+from .style import BLACK, BLUE, DASHED, GREEN, ORANGE, PURPLE, SKY, VERMILLION
 
 ENERGIES = {"kinetic": BLUE, "springs": GREEN, "contact": VERMILLION, "preload": ORANGE}
 WORKS = {
@@ -44,7 +44,7 @@ def plot_energies(audit: Any, ax: Axes | None = None) -> list[Line2D]:
     >>> [line.get_label() for line in plot_energies(audit)]
     ['kinetic', 'springs', 'contact', 'preload', 'sum']
     """
-    return _drawn(audit, ax, audit.energies, ENERGIES, audit.total, "energy (J)", "Energies")
+    return _draw_contributions(audit, ax, audit.energies, ENERGIES, audit.total, "energy (J)", "Energies")
 
 
 def plot_works(audit: Any, ax: Axes | None = None) -> list[Line2D]:
@@ -69,12 +69,12 @@ def plot_works(audit: Any, ax: Axes | None = None) -> list[Line2D]:
     ['belt drive', 'friction', 'dampers', 'impacts', 'moving load', 'sum']
     """
     title = f"Work since the start; the balance misses {audit.error:.1g} of the energy turned over"
-    return _drawn(
+    return _draw_contributions(
         audit, ax, audit.works, WORKS, audit.total - audit.total[0], "work from 0 to $t$ (J)", title
     )
 
 
-def _drawn(
+def _draw_contributions(
     audit: Any,
     ax: Axes | None,
     parts: Mapping[str, Array],

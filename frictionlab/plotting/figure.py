@@ -1,12 +1,21 @@
-"""A figure that shows itself in a notebook without pyplot."""
+"""Figures without pyplot: they show themselves in a notebook; legends stand where they cover no data.
+
+`RunFigure` is what every function here makes where it is given no axes.  `AnimatedFigure` keeps the
+picture of what does not move, for films of many frames.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from io import BytesIO
 from typing import Any
 
+import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.image import imsave
 
 
 class RunFigure(Figure):
@@ -25,3 +34,57 @@ def axes_or_new(ax: Axes | None, **options: Any) -> Axes:
         return ax
     settings = {"figsize": (7.0, 4.0), "layout": "constrained"} | options
     return RunFigure(**settings).add_subplot()
+
+
+def legend_beside(ax: Axes, handles: list[Any] | None = None) -> None:
+    """A legend of everything labelled in `ax`, or of `handles`, to the right of it."""
+    handles = ax.get_legend_handles_labels()[0] if handles is None else handles
+    if handles:
+        ax.legend(handles=handles, loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False, fontsize=9.0)
+
+
+class AnimatedFigure(RunFigure):
+    """A figure that keeps the picture of its still parts: to draw all in every frame takes far longer."""
+
+    moving_artists: Sequence[Artist] = ()
+    _still: tuple[Any, Any] = (None, None)
+
+    def savefig(self, fname: Any, *, transparent: bool | None = None, **options: Any) -> None:
+        """Write a file; from the kept picture where it is PNG or raw pixels, as writers of animations ask."""
+        kind = options.get("format")
+        if (
+            not self.moving_artists
+            or kind not in ("png", "rgba")
+            or transparent
+            or options.get("bbox_inches")
+        ):
+            return super().savefig(fname, transparent=transparent, **options)
+        dpi = options.get("dpi", "figure")
+        pixels = self.pixels(self.dpi if dpi == "figure" else dpi)
+        return imsave(fname, pixels, format="png") if kind == "png" else fname.write(pixels.tobytes())
+
+    def pixels(self, dpi: float) -> np.ndarray:
+        """The picture as (height, width, 4) bytes."""
+        canvas, usual = self.canvas, self.dpi
+        self.dpi = dpi
+        try:
+            return self._drawn(FigureCanvasAgg(self))
+        finally:
+            self.dpi = usual
+            self.set_canvas(canvas)
+
+    def _drawn(self, canvas: FigureCanvasAgg) -> np.ndarray:
+        renderer, size = canvas.get_renderer(), canvas.get_width_height()
+        if self._still[0] != size:
+            self._show_moving(False)
+            self.draw(renderer)
+            self._show_moving(True)
+            self._still = size, renderer.copy_from_bbox(self.bbox)
+        renderer.restore_region(self._still[1])
+        for artist in sorted(self.moving_artists, key=lambda artist: artist.get_zorder()):
+            artist.draw(renderer)
+        return np.array(canvas.buffer_rgba())
+
+    def _show_moving(self, visible: bool) -> None:
+        for artist in self.moving_artists:
+            artist.set_visible(visible)

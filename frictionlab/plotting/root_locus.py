@@ -1,4 +1,4 @@
-"""A root locus in the complex plane."""
+"""A root locus: frequencies and growth rates against the parameter, or the complex plane."""
 
 from __future__ import annotations
 
@@ -8,13 +8,136 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
+from matplotlib.lines import Line2D
+from numpy.typing import NDArray
 
-from .figure import axes_or_new
-from .locus import ZERO, chosen_modes
-from .palette import BLACK
-from .parameters import parameter_label, parameter_value
+from .figure import axes_or_new, legend_beside
+from .style import BLACK, GREY, line_style, parameter_label, parameter_value_text
 
-COLOURS = "viridis"
+Array = NDArray[np.float64]
+LINE_WIDTH, GROWING_LINE_WIDTH = 1.2, 3.2
+GROWING_LABEL = "heavy: the mode grows"
+ZERO_LINE: dict[str, Any] = {"color": GREY, "linewidth": 0.8, "zorder": 1}
+
+LOCUS_COLOUR_MAP = "viridis"
+
+
+def plot_frequencies(
+    locus: Any,
+    ax: Axes | None = None,
+    *,
+    modes: Sequence[int] | None = None,
+    label: str | None = None,
+    color: str | None = None,
+    linestyle: Any = None,
+    legend: bool = True,
+) -> list[Line2D]:
+    """Draw the frequencies of the modes against the parameter, heavy where a mode grows.
+
+    Parameters
+    ----------
+    locus : RootLocus
+    ax : Axes or None
+        None draws into a new figure, ``lines[0].axes.figure``.
+    modes : sequence of int or None
+        Columns of ``locus.values``; None draws all modes.
+    label : str or None
+        What the lines are called together, for several loci in one panel; None calls them mode 0, mode 1, ...
+    color, linestyle : matplotlib's, or None
+        For all lines; None gives each mode its own.
+    legend : bool
+        Whether to put a legend beside the panel.
+
+    Returns
+    -------
+    list of Line2D
+        A line for every mode, Hz, then the heavy parts of those that grow somewhere.
+
+    Raises
+    ------
+    ValueError
+        For a mode that the locus does not have.
+
+    Examples
+    --------
+    >>> import frictionlab as fl
+    >>> from frictionlab.plotting import plot_frequencies
+    >>> lines = plot_frequencies(fl.root_locus(fl.SliderOnBelt(), "mu_k", [1.0, 1.5, 2.0]), modes=[1, 2])
+    >>> lines[0].axes.get_ylabel()
+    'frequency (Hz)'
+    """
+    ax = axes_or_new(ax)
+    lines = _draw_modes(locus, ax, locus.frequencies, modes, label, color, linestyle)
+    return _label_locus_axes(locus, ax, lines, "frequency (Hz)", legend)
+
+
+def plot_growth_rates(
+    locus: Any,
+    ax: Axes | None = None,
+    *,
+    modes: Sequence[int] | None = None,
+    label: str | None = None,
+    color: str | None = None,
+    linestyle: Any = None,
+    legend: bool = True,
+) -> list[Line2D]:
+    """Draw the growth rates of the modes against the parameter, with the line of zero growth.
+
+    Parameters, returned artists (1/s) and errors are those of :func:`plot_frequencies`.
+    """
+    ax = axes_or_new(ax)
+    lines = _draw_modes(locus, ax, locus.growth_rates, modes, label, color, linestyle)
+    ax.axhline(0.0, **ZERO_LINE)
+    return _label_locus_axes(locus, ax, lines, "growth rate (1/s)", legend)
+
+
+def select_modes(locus: Any, modes: Sequence[int] | None) -> list[int]:
+    """The columns to draw, checked; all where none are named."""
+    count = locus.values.shape[1]
+    chosen = list(range(count)) if modes is None else [int(mode) for mode in modes]
+    if not chosen or not all(0 <= mode < count for mode in chosen):
+        raise ValueError(f"modes must be numbers from 0 to {count - 1}, got {modes!r}: leave it out for all")
+    return chosen
+
+
+def _draw_modes(
+    locus: Any,
+    ax: Axes,
+    values: Array,
+    modes: Sequence[int] | None,
+    label: str | None,
+    color: str | None,
+    linestyle: Any,
+) -> list[Line2D]:
+    chosen = select_modes(locus, modes)
+    lines, heavy = [], []
+    for i, mode in enumerate(chosen):
+        own = line_style(mode, "")
+        style = {"color": color or own["color"], "linestyle": linestyle or own["linestyle"]}
+        name = f"mode {mode}" if label is None else (label if i == 0 else f"_{label}")
+        lines += ax.plot(locus.at, values[:, mode], label=name, linewidth=LINE_WIDTH, **style)
+        growing = np.where(locus.growth_rates[:, mode] > 0, values[:, mode], np.nan)
+        if np.isfinite(growing).any():
+            heavy += ax.plot(locus.at, growing, label="_grows", linewidth=GROWING_LINE_WIDTH, **style)
+    return lines + heavy
+
+
+def _label_locus_axes(locus: Any, ax: Axes, lines: list[Line2D], ylabel: str, legend: bool) -> list[Line2D]:
+    ax.set(xlabel=parameter_label(locus.model, locus.parameter), ylabel=ylabel)
+    ax.margins(x=0)
+    if legend:
+        heavy = (
+            [growing_legend_handle()]
+            if any(line.get_linewidth() == GROWING_LINE_WIDTH for line in ax.lines)
+            else []
+        )
+        legend_beside(ax, ax.get_legend_handles_labels()[0] + heavy)
+    return lines
+
+
+def growing_legend_handle() -> Line2D:
+    """The heavy line's entry in a legend."""
+    return Line2D([], [], color=GREY, linewidth=GROWING_LINE_WIDTH, label=GROWING_LABEL)
 
 
 def plot_root_locus(
@@ -43,29 +166,32 @@ def plot_root_locus(
         For a mode that the locus does not have.
     """
     ax = axes_or_new(ax)
-    chosen = chosen_modes(locus, modes)
-    ax.axvline(0.0, **ZERO)
-    curves = [_coloured(locus, ax, mode) for mode in chosen]
+    chosen = select_modes(locus, modes)
+    ax.axvline(0.0, **ZERO_LINE)
+    curves = [_draw_coloured_curve(locus, ax, mode) for mode in chosen]
     ax.autoscale_view()
     ax.set(xlabel="growth rate (1/s)", ylabel="angular frequency (rad/s)")
     ax.figure.colorbar(curves[0], ax=ax, label=parameter_label(locus.model, locus.parameter))
-    _mark_ends(locus, ax, chosen)
+    _mark_end_values(locus, ax, chosen)
     return curves
 
 
-def _mark_ends(locus: Any, ax: Axes, modes: list[int]) -> None:
+def _mark_end_values(locus: Any, ax: Axes, modes: list[int]) -> None:
     known = np.flatnonzero(np.isfinite(locus.values[:, modes]).all(axis=1))
     for row, marker in (known[0], "o"), (known[-1], "x"):
-        ends, name = locus.values[row, modes], parameter_value(locus.model, locus.parameter, locus.at[row])
+        ends, name = (
+            locus.values[row, modes],
+            parameter_value_text(locus.model, locus.parameter, locus.at[row]),
+        )
         ax.plot(ends.real, ends.imag, marker, color=BLACK, markersize=5, zorder=3, label=name)
     ax.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, frameon=False)
 
 
-def _coloured(locus: Any, ax: Axes, mode: int) -> LineCollection:
+def _draw_coloured_curve(locus: Any, ax: Axes, mode: int) -> LineCollection:
     points = np.column_stack([locus.values[:, mode].real, locus.values[:, mode].imag])
     pieces = np.stack([points[:-1], points[1:]], axis=1)
     known = np.isfinite(pieces).all(axis=(1, 2))
-    curve = LineCollection(list(pieces[known]), cmap=COLOURS, linewidth=2.0, capstyle="round")
+    curve = LineCollection(list(pieces[known]), cmap=LOCUS_COLOUR_MAP, linewidth=2.0, capstyle="round")
     curve.set_array(0.5 * (locus.at[:-1] + locus.at[1:])[known])
     curve.set_clim(float(locus.at.min()), float(locus.at.max()))
     ax.add_collection(curve)

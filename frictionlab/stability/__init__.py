@@ -1,14 +1,27 @@
-"""Stability of steady sliding: equilibria, eigenvalues, and how they change with the parameters."""
+"""Stability of equilibria and of steady sliding: eigenvalues, and how they change with the parameters.
+
+All analyses see one thing, an `EquilibriumProblem` (`equilibrium_problem`): equilibria and state matrices as
+functions of arrays of parameters.  `equilibrium_points` makes one of a model or an automaton, through the
+`Flow` of a mode (`flow`); `eigenproblems` gives eigenvalues and root loci; `boundaries` finds where stability
+changes along one parameter or in a plane of two, and what vibration begins there (Hopf points).
+`state_matrices` has the linear algebra on stacks of matrices that all of them use.
+"""
 
 from __future__ import annotations
 
-from .boundary import Boundary
-from .changes import CriticalCurve, StabilityChange, critical_curve, critical_value, stability_changes
-from .eigen import Eigenvalues, eigenvalues, jacobian
-from .equilibria import Equilibrium, equilibria, equilibrium
-from .hopf import HopfPoint, hopf
-from .locus import RootLocus, root_locus
-from .map import StabilityMap, stability_map
+from .boundaries.boundary_curves import Boundary
+from .boundaries.hopf import HopfPoint, hopf
+from .boundaries.stability_changes import (
+    CriticalCurve,
+    StabilityChange,
+    critical_curve,
+    critical_value,
+    stability_changes,
+)
+from .boundaries.stability_map import StabilityMap, stability_map
+from .eigenproblems.eigenvalues import Eigenvalues, eigenvalues, jacobian
+from .eigenproblems.root_locus import RootLocus, root_locus
+from .equilibrium_points.equilibria import Equilibrium, equilibria, equilibrium
 
 __all__ = [
     "Boundary",

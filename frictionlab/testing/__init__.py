@@ -7,7 +7,7 @@
 
 from __future__ import annotations
 
-from .laws import check_law
-from .models import check_model
+from .law_checks import check_law
+from .model_checks import check_model
 
 __all__ = ["check_law", "check_model"]

@@ -9,20 +9,19 @@ import anywidget
 import numpy as np
 import traitlets
 
-from frictionlab.analysis.timescale import period_of, round_period_of
-from frictionlab.hybrid.validation import check_number
-from frictionlab.plotting.animation import frame_times
-from frictionlab.plotting.arrows import COLOURS
-from frictionlab.plotting.draw_mechanism import SPRINGS
-from frictionlab.plotting.mechanism import COLUMNS
-from frictionlab.plotting.palette import mode_colours, unit
-from frictionlab.plotting.parts import MARKS, WIDTH, Parts
-from frictionlab.plotting.pictures import BeltPicture, mechanism_of, picture_of
-from frictionlab.plotting.windows import Periods, Window, limits
+from frictionlab.analysis.motion_scales import oscillation_period, rounded_period
+from frictionlab.plotting.animation.animate import frame_times
+from frictionlab.plotting.animation.artists import FORCE_COLOURS, SPRING_LABELS
+from frictionlab.plotting.animation.parts import MARKS, WIDTH, Parts
+from frictionlab.plotting.animation.run_picture import BeltPicture, mechanism_of, picture_of
+from frictionlab.plotting.animation.tilting_belt import COLUMNS
+from frictionlab.plotting.runs.time_window import Periods, Window, window_limits
+from frictionlab.plotting.style import mode_colours, state_unit
+from frictionlab.validation import check_number
 
-LAST = Periods(20.0)
+DEFAULT_WINDOW = Periods(20.0)
 FRAMES = 100.0  # in a period: 50 a second where a period takes two
-MOST = 200_000  # frames: ten megabytes
+MAX_FRAMES = 200_000  # frames: ten megabytes
 SECONDS = 2.0  # that a period takes at first
 BELT = (*COLUMNS, "normal_force", "friction_force", "x1", "rate", "mode")
 SUBSCRIPTS = str.maketrans("0123456789'", "₀₁₂₃₄₅₆₇₈₉′")
@@ -47,7 +46,7 @@ class Canvas(anywidget.AnyWidget):
 def watch(
     run: Any,
     *,
-    window: Window = LAST,
+    window: Window = DEFAULT_WINDOW,
     speed: float | None = None,
     rate: float | None = None,
     magnify: float | None = None,
@@ -88,20 +87,20 @@ def watch(
     501
     """
     mechanism = mechanism_of(run, "watch")
-    start, stop = limits(run, window)
+    start, stop = window_limits(run, window)
     for name, value in {"speed": speed, "rate": rate, "magnify": magnify}.items():
         if value is not None:
             check_number(name, value, above=0.0)
-    rate = FRAMES / period_of(run.source) if rate is None else rate
-    speed = round_period_of(run.source) / SECONDS if speed is None else speed
+    rate = FRAMES / oscillation_period(run.source) if rate is None else rate
+    speed = rounded_period(run.source) / SECONDS if speed is None else speed
     count = (stop - start) * rate
-    if count > MOST:
+    if count > MAX_FRAMES:
         cure = "take a shorter window or a smaller rate"
-        raise ValueError(f"window times rate must be at most {MOST} frames, got {count:.0f}: {cure}")
+        raise ValueError(f"window times rate must be at most {MAX_FRAMES} frames, got {count:.0f}: {cure}")
     picture = picture_of(run, mechanism, frame_times(start, stop, 1.0 / rate), magnify)
     names = list(run.automaton.names)
     scene, rows = _belt(picture) if isinstance(picture, BeltPicture) else _parts(picture)
-    scene |= _texts(picture, mode_colours(names)) | {"note": picture.note, "speed": speed}
+    scene |= _labels_and_colours(picture, mode_colours(names)) | {"note": picture.note, "speed": speed}
     scene |= {"start": start, "step": 1.0 / rate, "digits": max(0, int(np.ceil(np.log10(rate))))}
     modes = np.array([names.index(mode) for mode in picture.mode], dtype=float)
     return Canvas(scene=scene, rows=np.column_stack([*rows, modes]).astype("<f4").tobytes())
@@ -111,8 +110,8 @@ def _belt(picture: BeltPicture) -> tuple[dict[str, Any], list[Any]]:
     """Sizes of the slider on the tilting belt, and its columns but the mode."""
     names = ("size", "wheels", "radius", "block", "spring", "walls", "anchor", "limits", "reach")
     scene = {name: getattr(picture.sizes, name) for name in names} | {"columns": BELT}
-    scene |= {"scale": picture.scale, "preload": picture.preload, "force_colours": COLOURS}
-    scene |= {"names": {name: aside for name, (_, aside) in SPRINGS.items()}}
+    scene |= {"scale": picture.scale, "preload": picture.preload, "force_colours": FORCE_COLOURS}
+    scene |= {"names": {name: aside for name, (_, aside) in SPRING_LABELS.items()}}
     seen = picture.frames
     return scene, [picture.sizes.rows, seen.normal_force, seen.friction_force, seen.x1, seen.rate]
 
@@ -128,12 +127,12 @@ def _parts(picture: Parts) -> tuple[dict[str, Any], list[Any]]:
     return scene, [*(shape.rows for shape in picture.shapes), picture.x, picture.rate]
 
 
-def _texts(picture: BeltPicture | Parts, colours: dict[str, str]) -> dict[str, Any]:
+def _labels_and_colours(picture: BeltPicture | Parts, colours: dict[str, str]) -> dict[str, Any]:
     """Colours and legend: the modes that occur, then the forces; what the phase plane shows."""
     legend = [(name, colour) for name, colour in colours.items() if name in picture.mode]
     forces = [(str(h.get_label()).replace("$", ""), h.get_color()) for h in picture.handles()]
     labels = (
-        f"{n.translate(SUBSCRIPTS)} ({unit(n)})" for n in (picture.coordinate, picture.coordinate + "'")
+        f"{n.translate(SUBSCRIPTS)} ({state_unit(n)})" for n in (picture.coordinate, picture.coordinate + "'")
     )
     return {
         "modes": list(colours),

@@ -1,4 +1,8 @@
-"""`fl.explore`: a model with sliders, and what it does."""
+"""`fl.explore`, `fl.explore_stability`, `fl.explore_bifurcation`: a model with sliders, and what it does.
+
+`Explorer` holds controls and picture together: a change of a control is read into Settings, a Result is
+made of them, the panels draw it.  The three functions differ in their panels.
+"""
 
 from __future__ import annotations
 
@@ -7,22 +11,27 @@ from functools import partial
 from typing import Any
 
 from frictionlab.models import SliderOnBelt
-from frictionlab.models.given import given_model
+from frictionlab.models.coercion import require_model
+from frictionlab.widgets.controls.model_controls import ComponentControls, ParameterControls
+from frictionlab.widgets.controls.run_controls import RunControls
+from frictionlab.widgets.controls.sliders import check_parameter, equal_within_rounding, refine_step
+from frictionlab.widgets.panels.bifurcation import BifurcationPanel
+from frictionlab.widgets.panels.standard import (
+    CriticalValuePanel,
+    eigenvalues,
+    phase,
+    response,
+    select_panels,
+)
+from frictionlab.widgets.rendering.picture import Picture
 
-from .busy import Busy
-from .components import ComponentControls
-from .face import Face
-from .latest import Latest
-from .panels import panels_of
-from .parameters import ParameterControls
-from .picture import Picture
+from .layout import Layout
+from .messages import error_text
 from .result import Result
-from .running import RunControls
-from .settings import Settings, settings_of
-from .sliders import refine, same
-from .words import error_text
+from .settings import Settings, default_settings
+from .update_scheduler import BusyIndicator, UpdateScheduler
 
-DEFAULT = ("response", "phase", "forces", "spectrum", "eigenvalues")
+DEFAULT_PANELS = ("response", "phase", "forces", "spectrum", "eigenvalues")
 
 
 class Explorer:
@@ -37,7 +46,7 @@ class Explorer:
     controls : mapping of str to widget
         Set the ``value`` of one and the picture follows.  Each has its name as a CSS class, ``fl-<name>``.
     picture : Picture
-    face : Face
+    layout : Face
         What it says in words.
     widget : Box
         All of it, to be put into an application.
@@ -46,23 +55,23 @@ class Explorer:
     def __init__(self, settings: Settings, panels: dict[str, Any]) -> None:
         self.settings, self.result, self.error = settings, Result(settings), None
         self.updates = 0  # computed so far
-        self.latest = Latest(self._update)
+        self.scheduler = UpdateScheduler(self._update)
         self.components, self.running = ComponentControls(settings.model), RunControls(settings)
         self.parameters = ParameterControls(settings.model, self._changed)
         self.extra = {n: c for panel in panels.values() for n, c in getattr(panel, "controls", {}).items()}
         self._first = {name: control.value for name, control in self._others.items()}
-        self.picture, self.busy, self.face = Picture(panels), Busy(), Face()
+        self.picture, self.busy, self.layout = Picture(panels), BusyIndicator(), Layout()
         for control in self._others.values():
             control.observe(self._changed, names="value")
-        self.face.compare.observe(self._compare, names="value")
-        self.face.reset.on_click(self.reset)
+        self.layout.compare.observe(self._compare, names="value")
+        self.layout.reset.on_click(self.reset)
         for name, panel in panels.items():
             if hasattr(panel, "pick"):
                 self.picture.images[name].on_click(partial(self._clicked, name))
         shown = *self.extra.values(), *self.components.controls.values()
         shown = *shown, self.parameters.widget, self.running.widget
-        self.widget = self.face.arranged(self.busy.widget, shown, self.picture.widget)
-        self.latest.request()
+        self.widget = self.layout.arrange(self.busy.widget, shown, self.picture.widget)
+        self.scheduler.request()
 
     @property
     def model(self) -> Any:
@@ -77,7 +86,7 @@ class Explorer:
     @property
     def controls(self) -> dict[str, Any]:
         """Every control by its name."""
-        buttons = {"compare": self.face.compare, "reset": self.face.reset}
+        buttons = {"compare": self.layout.compare, "reset": self.layout.reset}
         return {**self.parameters.sliders, **self._others, **buttons}
 
     @property
@@ -87,22 +96,22 @@ class Explorer:
 
     def reset(self, _: Any = None) -> None:
         """All controls back to the values of the start."""
-        with self.latest.held():
+        with self.scheduler.batch():
             self.parameters.reset()
             for name, control in self._others.items():
                 control.value = self._first[name]
-            self.face.compare.value = False
+            self.layout.compare.value = False
 
     def click(self, panel: str, x: float, y: float) -> None:
         """Do what a click at these data coordinates of a panel does."""
-        with self.latest.held():
+        with self.scheduler.batch():
             for name, value in self.picture.panels[panel].pick(x, y).items():
-                refine(self.controls[name], value)
+                refine_step(self.controls[name], value)
                 self.controls[name].value = value
 
     def close(self) -> None:
         """Take the widgets away and free what they hold."""
-        self.latest.cancel()
+        self.scheduler.cancel()
         for control in (*self.controls.values(), *self.picture.images.values(), self.widget):
             control.close()
 
@@ -110,30 +119,30 @@ class Explorer:
         return self.widget._repr_mimebundle_(**options)
 
     def _clicked(self, panel: str, x: float, y: float) -> None:
-        place = self.picture.tiles[panel].place(x, y)
-        if place is not None:
-            self.click(panel, *place)
+        data_coordinates = self.picture.tiles[panel].data_coordinates(x, y)
+        if data_coordinates is not None:
+            self.click(panel, *data_coordinates)
 
     def _changed(self, change: Any) -> None:
-        if not same(change["new"], change["old"]):
-            self.latest.request()
+        if not equal_within_rounding(change["new"], change["old"]):
+            self.scheduler.request()
 
     def _update(self) -> None:
-        with self.busy.mark():
+        with self.busy.show_while_busy():
             try:
                 settings = self._read()
                 result = self.result if settings == self.settings else Result(settings)
                 self.busy.left = self.picture.draw(result)
-                self.face.describe(result)
+                self.layout.describe(result)
             except Exception as error:  # whatever a law of one's own may raise is told, not lost in a log
                 self.error, self.busy.left = error, None
-                self.face.tell(error_text(error))
+                self.layout.show_message(error_text(error))
                 return
             self.settings, self.result, self.error = settings, result, None
-            self.running.widget.layout.display = "" if result.ran else "none"
+            self.running.widget.layout.display = "" if result.has_run else "none"
             self.updates += 1
         if self.busy.left:
-            self.latest.soon()
+            self.scheduler.request_later()
 
     def _read(self) -> Settings:
         model = self.components.model()
@@ -142,13 +151,13 @@ class Explorer:
 
     def _compare(self, change: Any) -> None:
         if change["new"]:
-            self.picture.keep()
+            self.picture.freeze()
         else:
-            self.picture.forget()
-        self.latest.request()
+            self.picture.unfreeze()
+        self.scheduler.request()
 
 
-def explore(model: Any = None, panels: Iterable[Any] = DEFAULT) -> Explorer:
+def explore(model: Any = None, panels: Iterable[Any] = DEFAULT_PANELS) -> Explorer:
     """Change a model with sliders and watch what it does.
 
     Every parameter has a slider, made from its symbol, unit, meaning and range: those of your own laws too.
@@ -164,7 +173,7 @@ def explore(model: Any = None, panels: Iterable[Any] = DEFAULT) -> Explorer:
     panels : iterable of str or callable
         "response", "phase", "forces", "spectrum", "eigenvalues", "mechanism", or functions that take a
         :class:`~frictionlab.widgets.result.Result` and return a
-        :class:`~frictionlab.widgets.drawing.Drawing`.  What no panel asks for is not computed.
+        :class:`~frictionlab.plotting.drawing.Drawing`.  What no panel asks for is not computed.
 
     Returns
     -------
@@ -185,10 +194,10 @@ def explore(model: Any = None, panels: Iterable[Any] = DEFAULT) -> Explorer:
     >>> explorer.model, explorer.result.eigenvalues.stable
     (SliderOnBelt(mu_k=1.6), False)
     """
-    return Explorer(settings_of(start_of(model)), panels_of(panels))
+    return Explorer(default_settings(starting_model(model)), select_panels(panels))
 
 
-def start_of(model: Any) -> Any:
+def starting_model(model: Any) -> Any:
     """The model to start from.
 
     Raises
@@ -196,4 +205,85 @@ def start_of(model: Any) -> Any:
     TypeError
         If it is none.
     """
-    return SliderOnBelt() if model is None else given_model(model)
+    return SliderOnBelt() if model is None else require_model(model)
+
+
+def explore_stability(model: Any = None, parameter: str = "mu_k", over: str = "F") -> Explorer:
+    """Move a model through a plane of two parameters and watch its eigenvalues.
+
+    Sliders move it, or a click into the plane.
+
+    Parameters
+    ----------
+    model : Model or None
+        Where to start; None takes the paper's.
+    parameter, over : str
+        The parameter whose critical value is drawn, against the other one.
+
+    Returns
+    -------
+    Explorer
+
+    Raises
+    ------
+    TypeError
+        If it is no model.
+    ValueError
+        For an unknown parameter, or twice the same.
+
+    Examples
+    --------
+    >>> import frictionlab as fl
+    >>> explorer = fl.explore_stability()
+    >>> explorer.controls["mu_k"].value = 1.6
+    >>> explorer.result.eigenvalues.stable
+    False
+    """
+    model = starting_model(model)
+    for name in (parameter, over):
+        check_parameter(model, name)
+    if parameter == over:
+        raise ValueError(f"over must be another parameter than {parameter!r}: take for example 'F'")
+    panels = {"eigenvalues": eigenvalues, "critical": CriticalValuePanel(model, parameter, over)}
+    return Explorer(default_settings(model), panels)
+
+
+def explore_bifurcation(model: Any = None, parameter: str = "mu_k") -> Explorer:
+    """Zoom into a bifurcation diagram, and see the motion at any value of the parameter.
+
+    The range slider says what is looked at; values in between are computed when it gets narrower.  The
+    parameter's own slider selects the value whose response is shown, and so does a click into the diagram.
+
+    Parameters
+    ----------
+    model : Model or None
+        None takes the paper's.
+    parameter : str
+
+    Returns
+    -------
+    Explorer
+
+    Raises
+    ------
+    TypeError
+        If it is no model.
+    ValueError
+        For an unknown parameter.
+
+    Examples
+    --------
+    >>> import frictionlab as fl
+    >>> explorer = fl.explore_bifurcation(fl.SliderOnBelt().without("geometry"))
+    >>> explorer.controls["range"].value = (1.2, 1.5)
+    >>> [round(float(x), 3) for x in explorer.picture.tiles["bifurcation"].ax.get_xlim()]
+    [1.2, 1.5]
+    """
+    model = starting_model(model)
+    check_parameter(model, parameter)
+    panels = {"bifurcation": BifurcationPanel(model, parameter), "response": response, "phase": phase}
+    explorer = Explorer(default_settings(model), panels)
+    for name, slider in explorer.parameters.sliders.items():
+        # Another parameter means another diagram: it is computed when the slider is let go.
+        slider.continuous_update = name == parameter
+    return explorer

@@ -8,16 +8,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from frictionlab.analysis.motion_scales import rounded_period
 from frictionlab.analysis.simulate import simulate
 from frictionlab.analysis.spectrum import Spectrum, amplitude_spectrum
-from frictionlab.analysis.timescale import round_period_of
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.stability import Eigenvalues, eigenvalues
 
-from .settings import Settings, capped
+from .settings import Settings, limit_steps
 
 Array = NDArray[np.float64]
-PER_PERIOD, FEWEST, MOST = 40, 800, 20_000  # samples of what is shown
+SAMPLES_PER_PERIOD, MIN_SAMPLES, MAX_SAMPLES = 40, 800, 20_000  # samples of what is shown
 
 
 class Result:
@@ -30,7 +30,7 @@ class Result:
     run : Trajectory
     eigenvalues : Eigenvalues or None
         With the equilibrium; None where there is none.
-    why_none : str
+    no_equilibrium_reason : str
         Why there is none; empty where there is one.
     """
 
@@ -41,10 +41,10 @@ class Result:
     def run(self) -> Trajectory:
         s = self.settings
         # No bar: one that has come and gone leaves "model not found" on Voila's page.
-        return simulate(s.model, s.t_end, x0=s.x0, method=capped(s.method), progress=False)
+        return simulate(s.model, s.t_end, x0=s.x0, method=limit_steps(s.method), progress=False)
 
     @property
-    def ran(self) -> bool:
+    def has_run(self) -> bool:
         """Whether anybody has asked for the run."""
         return "run" in self.__dict__
 
@@ -60,7 +60,7 @@ class Result:
         return self._linear[0]
 
     @property
-    def why_none(self) -> str:
+    def no_equilibrium_reason(self) -> str:
         return self._linear[1]
 
     @cached_property
@@ -76,7 +76,14 @@ class Result:
     def times(self) -> Array:
         """Times (s) of the part of the run that is shown, at equal distances."""
         start, stop = self._span
-        count = int(np.clip((stop - start) / round_period_of(self.model) * PER_PERIOD, FEWEST, MOST)) + 1
+        count = (
+            int(
+                np.clip(
+                    (stop - start) / rounded_period(self.model) * SAMPLES_PER_PERIOD, MIN_SAMPLES, MAX_SAMPLES
+                )
+            )
+            + 1
+        )
         return np.clip(np.linspace(start, stop, count), start, stop)
 
     @cached_property

@@ -9,21 +9,24 @@ from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import frictionlab
-from frictionlab.analysis.timescale import round_period_of
+from frictionlab.analysis.motion_scales import rounded_period
 from frictionlab.components.component import Component
-from frictionlab.hybrid.methods import Method
-from frictionlab.hybrid.taylor import Taylor
+from frictionlab.hybrid.methods.base import Method
+from frictionlab.hybrid.methods.taylor import Taylor
 
-PERIODS, SHOWN = 200, 10  # of the model: simulated, and shown; 20 s and 1 s of the slider on a belt
+SIMULATED_PERIODS, SHOWN_PERIODS = (
+    200,
+    10,
+)  # of the model: simulated, and shown; 20 s and 1 s of the slider on a belt
 
 # Under Eq. (13) flights of the slider that are shorter than a third of the distance between two samples are
 # replaced by their limit: displacements are right to some 1e-5 of the motion, rates, which zigzag in flight,
 # to less than a pixel, and it is ten times as fast.  The tolerance makes less than 1e-5 of the motion over
 # 20 s, far less than a pixel; shorter series spare some 25 % where events leave them little time.
-QUICK = Taylor(tol=1e-7, chatter=4e-4)
-SHARP = 1e-10  # tolerance where it is told whether a motion repeats
+QUICK_METHOD = Taylor(tol=1e-7, chatter=4e-4)
+PERIODICITY_TOLERANCE = 1e-10  # tolerance where it is told whether a motion repeats
 
-MOST_STEPS = 300_000  # 100 s of the paper's system with all its chatter have 200 000
+MAX_STEPS = 300_000  # 100 s of the paper's system with all its chatter have 200 000
 
 
 @dataclass(frozen=True)
@@ -52,29 +55,37 @@ class Settings:
     coordinate: str
 
 
-def settings_of(model: Any, method: Method = QUICK) -> Settings:
+def default_settings(model: Any, method: Method = QUICK_METHOD) -> Settings:
     """Those that an explorer begins with: the model's own time scale says how long a run is."""
-    period = round_period_of(model)
-    return Settings(model, PERIODS * period, "rest", method, SHOWN * period, model.coordinates[0])
+    period = rounded_period(model)
+    return Settings(
+        model, SIMULATED_PERIODS * period, "rest", method, SHOWN_PERIODS * period, model.coordinates[0]
+    )
 
 
-def capped(method: Method) -> Method:
+def limit_steps(method: Method) -> Method:
     """The method with an end to what a motion without bounds may cost: its steps get ever shorter."""
-    return replace(method, max_steps=MOST_STEPS) if isinstance(method, Taylor) else method
+    return replace(method, max_steps=MAX_STEPS) if isinstance(method, Taylor) else method
 
 
-def sharp(method: Method) -> Method:
+def tighten_tolerance(method: Method) -> Method:
     """The method with so small a tolerance that a motion that repeats is seen to."""
-    return replace(method, tol=min(method.tol, SHARP)) if isinstance(method, Taylor) else method
+    return (
+        replace(method, tol=min(method.tol, PERIODICITY_TOLERANCE)) if isinstance(method, Taylor) else method
+    )
 
 
-def snippet(settings: Settings) -> str:
+def python_snippet(settings: Settings) -> str:
     """Python that makes the model and the run again."""
     start = settings.x0 if isinstance(settings.x0, str) else list(settings.x0)
-    described = _public(f"{type(settings.model).__name__}, {settings.model!r}").partition(", ")[2]
-    arguments = f"model, {settings.t_end!r}, x0={start!r}{_method(settings.method)}"
+    described = _with_package_prefix(f"{type(settings.model).__name__}, {settings.model!r}").partition(", ")[
+        2
+    ]
+    arguments = f"model, {settings.t_end!r}, x0={start!r}{_method_argument(settings.method)}"
     run = f"run = fl.simulate({arguments})"
-    return "\n".join(["import frictionlab as fl", *_imports(settings.model), f"model = {described}", run])
+    return "\n".join(
+        ["import frictionlab as fl", *_import_lines(settings.model), f"model = {described}", run]
+    )
 
 
 def to_json(settings: Settings) -> str:
@@ -91,7 +102,7 @@ def to_json(settings: Settings) -> str:
     return json.dumps(data, indent=1)
 
 
-def _method(method: Method) -> str:
+def _method_argument(method: Method) -> str:
     """The method as an argument, with what differs from its defaults."""
     usual = type(method)()
     differs = [f.name for f in fields(method) if getattr(method, f.name) != getattr(usual, f.name)]
@@ -99,14 +110,14 @@ def _method(method: Method) -> str:
     return "" if method == Taylor() else f", method=fl.{type(method).__name__}({values})"
 
 
-def _public(text: str) -> str:
+def _with_package_prefix(text: str) -> str:
     """The text with fl. before every class of the package's own that is called in it."""
     return re.sub(r"\b([A-Z]\w*)\(", lambda m: f"fl.{m[0]}" if m[1] in frictionlab.__all__ else m[0], text)
 
 
-def _imports(model: Any) -> Iterator[str]:
+def _import_lines(model: Any) -> Iterator[str]:
     """What makes the names of laws known that are not the package's own."""
-    for cls in dict.fromkeys(_classes(model)):
+    for cls in dict.fromkeys(_component_classes(model)):
         if cls.__name__ in frictionlab.__all__ and cls.__module__.startswith("frictionlab."):
             continue
         if cls.__module__ == "__main__":
@@ -115,7 +126,7 @@ def _imports(model: Any) -> Iterator[str]:
             yield f"from {cls.__module__} import {cls.__name__}"
 
 
-def _classes(component: Component) -> Iterator[type]:
+def _component_classes(component: Component) -> Iterator[type]:
     yield type(component)
     for value in getattr(component, "components", {}).values():
-        yield from _classes(value)
+        yield from _component_classes(value)

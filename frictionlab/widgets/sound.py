@@ -8,17 +8,17 @@ from typing import Any
 
 import numpy as np
 
-from frictionlab.analysis.timescale import period_of
-from frictionlab.hybrid.validation import check_choice, check_number
+from frictionlab.analysis.motion_scales import oscillation_period
 from frictionlab.models.model import PITCH, Model, Tone
-from frictionlab.plotting.windows import Array, Window, limits, refuse_no_run
+from frictionlab.plotting.runs.time_window import Array, Window, check_run, window_limits
+from frictionlab.validation import check_choice, check_number
 
-PEAK = 0.9  # of full scale: no player clips it
-FADE = 0.01  # seconds at both ends, at most a tenth of the sound: a cut waveform clicks
+PEAK_LEVEL = 0.9  # of full scale: no player clips it
+FADE_TIME = 0.01  # seconds at both ends, at most a tenth of the sound: a cut waveform clicks
 OVERSAMPLING = 8  # stick-slip has corners and impacts are jumps, whose high harmonics must not fold back
-SILENT = 1e-9  # a signal that varies by less than this share of its size is rounding, not sound
-FEWEST = 16  # samples
-PART = 200_000  # samples computed at a time
+SILENCE_LEVEL = 1e-9  # a signal that varies by less than this share of its size is rounding, not sound
+MIN_SAMPLES = 16  # samples
+CHUNK_SAMPLES = 200_000  # samples computed at a time
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,22 +120,22 @@ def listen(
     >>> fl.listen(run, "friction_force")
     Sound(friction_force, 0 s to 4 s of the run in 0.2 s, pitch 20 times that of the motion, 44100 Hz)
     """
-    refuse_no_run(run)
+    check_run(run)
     usual = _usual(run)
     signal, pitch = usual.signal if signal is None else signal, usual.pitch if pitch is None else pitch
     check_choice("signal", signal, (*run.automaton.outputs, *run.names))
     check_number("pitch", pitch, above=0.0)
     check_number("rate", rate, integer=True, least=1)
-    start, stop = limits(run, window)
+    start, stop = window_limits(run, window)
     count = int((stop - start) / pitch * rate * (1 + 1e-12))
-    if count < FEWEST:
+    if count < MIN_SAMPLES:
         cure = "take a longer window or a smaller pitch"
         raise ValueError(
-            f"window must last at least {FEWEST * pitch / rate:.3g} s, got {stop - start:g} s: {cure}"
+            f"window must last at least {MIN_SAMPLES * pitch / rate:.3g} s, got {stop - start:g} s: {cure}"
         )
     fine = start + np.arange(count * OVERSAMPLING) * (pitch / rate / OVERSAMPLING)
-    samples = _low_pass(_values(run, signal, np.minimum(fine, stop)))
-    return Sound(_scaled(_faded(samples, rate)), int(rate), signal, float(pitch), (start, stop))
+    samples = _low_pass(_signal_samples(run, signal, np.minimum(fine, stop)))
+    return Sound(_normalize(_fade(samples, rate)), int(rate), signal, float(pitch), (start, stop))
 
 
 def _usual(run: Any) -> Tone:
@@ -143,22 +143,22 @@ def _usual(run: Any) -> Tone:
     if isinstance(run.source, Model):
         return run.source.sound
     signal = "relative_velocity" if "relative_velocity" in run.automaton.outputs else run.names[0]
-    return Tone(signal, PITCH * period_of(run.source))
+    return Tone(signal, PITCH * oscillation_period(run.source))
 
 
-def _values(run: Any, signal: str, t: Array) -> Array:
+def _signal_samples(run: Any, signal: str, t: Array) -> Array:
     """The signal less its mean; nothing where it does not vary beyond rounding."""
     from tqdm.auto import tqdm
 
     # In parts, as all states of every sample would fill the memory.
-    parts = np.array_split(t, len(t) // PART + 1)
+    parts = np.array_split(t, len(t) // CHUNK_SAMPLES + 1)
     x = np.concatenate(
-        [_at(run, signal, part) for part in tqdm(parts, desc="listen", leave=False, delay=1.0)]
+        [_signal_at(run, signal, part) for part in tqdm(parts, desc="listen", leave=False, delay=1.0)]
     )
-    return x - x.mean() if np.ptp(x) > SILENT * np.abs(x).max() else np.zeros_like(x)
+    return x - x.mean() if np.ptp(x) > SILENCE_LEVEL * np.abs(x).max() else np.zeros_like(x)
 
 
-def _at(run: Any, signal: str, t: Array) -> Array:
+def _signal_at(run: Any, signal: str, t: Array) -> Array:
     return run(t)[:, run.names.index(signal)] if signal in run.names else run.output(signal, t)
 
 
@@ -168,13 +168,13 @@ def _low_pass(fine: Array) -> Array:
     return resample_poly(fine, 1, OVERSAMPLING)
 
 
-def _scaled(x: Array) -> Array:
+def _normalize(x: Array) -> Array:
     largest = np.abs(x).max()
-    return PEAK * x / largest if largest > 0 else x
+    return PEAK_LEVEL * x / largest if largest > 0 else x
 
 
-def _faded(x: Array, rate: int) -> Array:
+def _fade(x: Array, rate: int) -> Array:
     """With ends that rise from zero and fall to it as half a cosine."""
-    n = max(1, min(round(FADE * rate), len(x) // 10))
+    n = max(1, min(round(FADE_TIME * rate), len(x) // 10))
     ramp = 0.5 - 0.5 * np.cos(np.pi * np.arange(n) / n)
     return x * np.concatenate([ramp, np.ones(len(x) - 2 * n), ramp[::-1]])

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import pytest
 
 import frictionlab as fl
-from frictionlab.widgets.tile import MARGINS
+from frictionlab.widgets.rendering.tile import AXES_RECTANGLE
 from tests.browser.screen import PATIENCE, changed, flip, press, seen, settled
 from tests.browser.servers import CLICKED, free_port, serving, write_notebook
 
@@ -205,7 +205,7 @@ def test_a_click_into_the_plane_moves_the_point_there(shown):
     )
     force = float(shown.page.locator(".plane .fl-F .widget-readout").first.inner_text())
     low, high = fl.explore_stability().picture.tiles["critical"].ax.get_xlim()
-    across = (0.5 - MARGINS[0]) / MARGINS[2]
+    across = (0.5 - AXES_RECTANGLE[0]) / AXES_RECTANGLE[2]
     assert force == pytest.approx(low + across * (high - low), abs=0.01 * (high - low))
 
 
@@ -217,7 +217,7 @@ def test_a_click_into_the_diagram_selects_the_value_there(shown):
     readout = page.locator(".diagram .fl-mu_k .widget-readout").first
     low, high = map(float, page.locator(".diagram .fl-range .widget-readout").inner_text().split("–"))
     across, before = 0.75, readout.inner_text()
-    click(page, ".diagram .fl-panel-bifurcation img", MARGINS[0] + across * MARGINS[2], 0.5)
+    click(page, ".diagram .fl-panel-bifurcation img", AXES_RECTANGLE[0] + across * AXES_RECTANGLE[2], 0.5)
     page.wait_for_function(
         "(before) => document.querySelector('.diagram .fl-mu_k .widget-readout').innerText !== before",
         arg=before,

@@ -67,7 +67,7 @@ def _twin(model: Any, shift: float) -> System:
 def restitution(model: Any, p: SimpleNamespace) -> float:
     """Coefficient of restitution: none of a plastic impact, never above 1."""
     law = model.impact
-    if getattr(law, "gap_rate", "full") != "full" and "phi" in model.coordinates:
+    if getattr(law, "penetration_rate", "full") != "full" and "phi" in model.coordinates:
         raise ValueError(
             f"impact must bring the full gap rate to zero, got {law!r}: the twin knows no chatter"
         )

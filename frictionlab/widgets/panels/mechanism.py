@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from frictionlab.plotting.palette import BLACK
-from frictionlab.plotting.pictures import mechanism_of, picture_of
-from frictionlab.widgets.drawing import Curve, Drawing
+from frictionlab.plotting.animation.run_picture import mechanism_of, picture_of
+from frictionlab.plotting.drawing import Curve, Drawing
+from frictionlab.plotting.style import BLACK
 
 FRAMES = 200  # by which displacements are magnified, so that the largest is well seen
 

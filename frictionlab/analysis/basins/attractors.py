@@ -1,0 +1,163 @@
+"""Attractors in numbers that tell them apart (kind, period, ranges), and the catalogue of those known."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy.spatial import KDTree
+
+from frictionlab.analysis.motion_scales import Array, state_groups
+from frictionlab.analysis.steady_state.classification import EQUILIBRIUM, NON_PERIODIC, PERIODIC
+
+MIN_RANGE_SHARE = (
+    1e-2  # smallest range of a state, as a share of the largest in its group, or of motions to attractors
+)
+PERIOD_RTOL = 1e-3
+RANGE_RTOL = {EQUILIBRIUM: 1e-2, PERIODIC: 1e-2, NON_PERIODIC: 0.1}  # share of the attractors' size
+
+UNDECIDED = -1
+
+AttractorData = dict[str, Any]  # an attractor as data that JSON can hold
+
+
+@dataclass(frozen=True, eq=False)
+class Attractor:
+    """What motions settle to.
+
+    Parameters
+    ----------
+    name : str
+        "equilibrium", "period 6.316 s", "non-periodic"; others of the same name are numbered.  Two more stand
+        for no attractor: "not settled yet" and "ended early".
+    kind : str
+        As of :func:`frictionlab.steady_state`.
+    period : float
+        s; NaN where the motion is not periodic.
+    state : array (n,)
+        On the attractor.
+    low, high : array (n,)
+        Smallest and largest value of each state.
+    path : array (K, n)
+        Some of its points, in their order in time.
+    """
+
+    name: str
+    kind: str
+    period: float
+    state: Array
+    low: Array
+    high: Array
+    path: Array
+
+    @property
+    def settled(self) -> bool:
+        """Whether it is an attractor."""
+        return self.kind in RANGE_RTOL
+
+
+def transient_ranges(probed: Sequence[AttractorData]) -> Array:
+    """The range (n,) of each state over the motions that led to attractors; zeros where none did."""
+    reached = [np.array(a["reach"]) for a in probed if a["kind"] in RANGE_RTOL]
+    if not reached:
+        return np.zeros(len(probed[0]["state"]) if probed else 0)
+    low, high = np.min(reached, axis=0)[0], np.max(reached, axis=0)[1]
+    return high - low
+
+
+def attractor_scale(attractors: Sequence[AttractorData], spread: Array, coordinates: int) -> Array:
+    """The range (n,) of each state over all attractors, or over the motions to them where none is known.
+
+    It is at least a share of the latter, below which no two attractors are told apart.
+    """
+    known = [a for a in attractors if a["kind"] in RANGE_RTOL]
+    size = np.array(spread)
+    if known:
+        size = np.max([a["high"] for a in known], axis=0) - np.min([a["low"] for a in known], axis=0)
+        size = np.maximum(size, MIN_RANGE_SHARE * spread)
+    for group in state_groups(coordinates):
+        size[group] = np.maximum(size[group], MIN_RANGE_SHARE * size[group].max(initial=0.0))
+    return np.where(size > 0, size, 1.0)
+
+
+def same_attractor(one: AttractorData, other: AttractorData, size: Array) -> bool:
+    """Whether two are one attractor: of one kind, one period and one range in each state."""
+    if one["kind"] != other["kind"] or one["kind"] not in RANGE_RTOL:
+        return one["kind"] == other["kind"]
+    if one["kind"] == PERIODIC and abs(one["period"] / other["period"] - 1.0) > PERIOD_RTOL:
+        return False
+    apart = [np.abs(np.subtract(one[side], other[side])) / size for side in ("low", "high")]
+    return bool(np.max(apart) < RANGE_RTOL[one["kind"]])
+
+
+class AttractorCatalogue:
+    """Attractors that are known, in the order in which they were found.
+
+    Parameters
+    ----------
+    size : array (n,)
+        By which differences of states are measured.
+    rtol : float
+        Share of it within which a state is on an attractor.
+    """
+
+    def __init__(self, size: Array, rtol: float) -> None:
+        self.found: list[AttractorData] = []
+        self._size, self._rtol = size, rtol
+        self._trees: list[Any] = []
+
+    def copy(self) -> AttractorCatalogue:
+        """One that goes on by itself."""
+        other = AttractorCatalogue(self._size, self._rtol)
+        other.found, other._trees = [*self.found], [*self._trees]
+        return other
+
+    def known(self, found: AttractorData) -> int:
+        """Index of an attractor, `UNDECIDED` where it is new."""
+        return next(
+            (i for i, other in enumerate(self.found) if same_attractor(found, other, self._size)), UNDECIDED
+        )
+
+    def place(self, found: AttractorData, points: Array | None = None) -> int:
+        """Index of an attractor; one that is new is added.  Its points (K, n) tell who has reached it."""
+        index = self.known(found)
+        if index != UNDECIDED:
+            return index
+        self.found.append(found)
+        self._trees.append(None if points is None or not len(points) else KDTree(points / self._size))
+        return len(self.found) - 1
+
+    def reached(self, states: Array) -> np.ndarray:
+        """Index of the attractor that each state (N, n) is on, `UNDECIDED` where there is none."""
+        index, scaled = np.full(len(states), UNDECIDED), states / self._size
+        for i, tree in enumerate(self._trees):
+            if tree is None:
+                continue
+            box = (scaled > tree.mins - 2 * self._rtol) & (scaled < tree.maxes + 2 * self._rtol)
+            about = np.flatnonzero(box.all(axis=1) & (index == UNDECIDED))  # a tree is slower than its box
+            if len(about):
+                distance = tree.query(scaled[about], p=np.inf, distance_upper_bound=self._rtol)[0]
+                index[about[distance < self._rtol]] = i
+        return index
+
+
+def name_attractors(attractors: Sequence[AttractorData]) -> tuple[Attractor, ...]:
+    """The attractors, with a name for each."""
+    names = [_name(a) for a in attractors]
+    counts = [names[: i + 1].count(name) for i, name in enumerate(names)]
+    full = [f"{name} ({count})" if count > 1 else name for name, count in zip(names, counts)]
+    return tuple(_attractor(name, a) for name, a in zip(full, attractors))
+
+
+def _name(found: AttractorData) -> str:
+    return f"period {found['period']:.4g} s" if found["kind"] == PERIODIC else found["kind"]
+
+
+def _attractor(name: str, found: AttractorData) -> Attractor:
+    state = np.array(found["state"])
+    low, high = (np.array(found.get(side, np.full_like(state, np.nan))) for side in ("low", "high"))
+    path = np.array(found.get("path", [])).reshape(-1, len(state))
+    period = np.nan if found["period"] is None else found["period"]
+    return Attractor(name, found["kind"], period, state, low, high, path)

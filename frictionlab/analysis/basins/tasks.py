@@ -1,0 +1,201 @@
+"""The tasks of `fl.basins`: probes of some initial states, which give the attractors, then all states in
+groups.
+
+A group is run side by side and looked at from time to time; a run that is on a known attractor is stopped.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from concurrent.futures import Executor
+from hashlib import sha256
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from frictionlab.analysis.ensemble import advance_group, start_group
+from frictionlab.analysis.motion_scales import Array
+from frictionlab.analysis.steady_state.classification import ENDED
+from frictionlab.analysis.steady_state.steady_state import check_steady_state_arguments
+from frictionlab.analysis.sweeps.journal import Journal
+from frictionlab.analysis.sweeps.task_runner import check_workers, run_tasks
+from frictionlab.automaton import HybridAutomaton
+from frictionlab.hybrid.ensemble.batch_state import Batch, select_runs
+from frictionlab.hybrid.kernels.run_state import FINISHED
+from frictionlab.models import Model
+from frictionlab.models.coercion import automaton_of
+
+from .attractor_probe import BasinSettings, add_ranges, attractor_points, classify_attractor, probe_attractor
+from .attractors import UNDECIDED, AttractorCatalogue, AttractorData, attractor_scale, transient_ranges
+
+PROBE_COUNT = 12  # initial states from which the attractors are looked for first
+MIN_GROUP_SIZE, MAX_GROUP_SIZE = (
+    250,
+    1000,
+)  # initial states in a task: what is done once for each should not count,
+TARGET_TASK_COUNT = 16  # and yet there should be some for every processor
+
+CHECKS_PER_TRANSIENT = 20  # looks at the runs within the transient, evenly
+EARLY_CHECKS = 4  # and before the first of them
+
+
+def state_names(model: Any) -> tuple[str, ...]:
+    """Names of the states, as a run has them."""
+    return tuple(map(str, automaton_of(model).states))
+
+
+def run_basin_tasks(
+    model: Any,
+    starts: Array,
+    about: dict[str, Any],
+    settings: dict[str, Any],
+    workers: int | None,
+    executor: Executor | None,
+    resume: str | Path | None,
+    progress: bool,
+) -> tuple[dict[str, Any], dict[int, Any]]:
+    """What was asked, and the results of all tasks: those of the probes first, then those of the groups."""
+    check_workers(workers)
+    transient, window, section, tolerance = (
+        settings[k] for k in ("transient", "window", "section", "tolerance")
+    )
+    check_steady_state_arguments(model, starts[0], transient, window, None, section, tolerance)
+    automaton, chosen = automaton_of(model), _probe_indices(len(starts))
+    size = max(MIN_GROUP_SIZE, min(MAX_GROUP_SIZE, len(starts) // TARGET_TASK_COUNT))
+    groups = [starts[i : i + size] for i in range(0, len(starts), size)]
+    layout = {"count": len(starts), "group": size, "probes": len(chosen), "starts": _digest(starts.tobytes())}
+    specification = _basin_arguments(model, automaton, {**about, **layout}, settings)
+    journal = Journal(specification, resume)
+    run: dict[str, Any] = {"workers": workers, "executor": executor}
+    done = run_tasks(
+        probe_attractor,
+        [(automaton, starts[i], settings) for i in chosen],
+        keep=journal.keep,
+        names=[f"initial state {i}" for i in chosen],
+        done=journal.results.keys(),
+        progress="attractors" if progress else None,
+        **run,
+    )
+    if done:
+        probed = [journal.results[i] for i in range(len(chosen))]
+        known = catalogue_of_probes(automaton, probed, settings)
+        settings = {**settings, "spread": transient_ranges(probed)}
+        run_tasks(
+            label_initial_states,
+            [(automaton, group, known, settings) for group in groups],
+            keep=lambda i, result: journal.keep(i + len(chosen), result),
+            names=[f"initial states from {i * size} on" for i in range(len(groups))],
+            done={i - len(chosen) for i in journal.results},
+            progress=f"basins, {size} states each" if progress else None,
+            **run,
+        )
+    journal.close()
+    return specification, journal.results
+
+
+def _probe_indices(count: int) -> list[int]:
+    """Which initial states are run first: some at random, as a grid's rows may be alike."""
+    drawn = np.random.default_rng(0).choice(count, min(PROBE_COUNT, count), replace=False)
+    return np.sort(drawn).tolist()
+
+
+def _basin_arguments(
+    model: Any, automaton: HybridAutomaton, about: dict[str, Any], settings: dict[str, Any]
+) -> dict[str, Any]:
+    identity = model.to_dict() if isinstance(model, Model) else _digest(_automaton_text(automaton).encode())
+    data = {"model": identity, "states": list(state_names(model)), "coordinates": automaton.coordinates}
+    return {**data, **about, **settings, "method": settings["method"].describe()}
+
+
+def _automaton_text(automaton: HybridAutomaton) -> str:
+    """All of an automaton in words; equal ones have equal texts."""
+    modes = [
+        (
+            m.name,
+            m.flow,
+            m.constraints,
+            m.limit,
+            [(e.name, e.function, e.targets, *_reset_text(e)) for e in m.events],
+        )
+        for m in automaton.modes
+    ]
+    return str((automaton.states, modes, {str(k): v for k, v in automaton.parameters.items()}))
+
+
+def _reset_text(event: Any) -> list[Any]:
+    return [(dict(r.jump), dict(r.vanishing)) for r in (event.reset, event.accumulation) if r is not None]
+
+
+def _digest(content: bytes) -> str:
+    return sha256(content).hexdigest()
+
+
+def catalogue_of_probes(
+    automaton: HybridAutomaton, probed: Sequence[AttractorData], settings: BasinSettings
+) -> AttractorCatalogue:
+    """A catalogue of what probes found, each once."""
+    size = attractor_scale(probed, transient_ranges(probed), automaton.coordinates)
+    catalogue = AttractorCatalogue(size, settings["rtol"])
+    for each in probed:
+        if catalogue.known(each) == UNDECIDED:
+            catalogue.place(each, attractor_points(automaton, each, settings))
+    return catalogue
+
+
+def check_times(transient: float) -> Array:
+    """Times of the looks at the runs: first each twice the one before, for what settles soon."""
+    even = transient / CHECKS_PER_TRANSIENT
+    return np.array(
+        [
+            *(even / 2**k for k in range(EARLY_CHECKS, 0, -1)),
+            *(even * k for k in range(1, CHECKS_PER_TRANSIENT + 1)),
+        ]
+    )
+
+
+def label_initial_states(
+    automaton: HybridAutomaton, starts: Array, known: AttractorCatalogue, settings: BasinSettings
+) -> dict[str, list[Any]]:
+    """One task: which attractors the starts (N, n) go to.
+
+    Runs are looked at from time to time; who has come to a known attractor is run no further.  What is left
+    after the transient is examined one by one.
+
+    Returns
+    -------
+    dict
+        "labels": N indices, those beyond the known attractors into "found".
+    """
+    catalogue, states = known.copy(), np.array(starts, dtype=float)
+    labels, left = np.full(len(states), UNDECIDED), np.arange(len(states))
+    group = start_group(automaton, states, settings["method"])
+    for t in check_times(settings["transient"]):
+        advance_group(group, t)
+        states[left], labels[left] = group.runs.states, _labels_of_runs(group, catalogue)
+        goes_on = labels[left] == UNDECIDED
+        group, left = select_runs(group, goes_on), left[goes_on]
+        if not len(left):
+            break
+    for i in left:
+        labels[i] = catalogue.reached(states[i : i + 1])[0]
+        if labels[i] == UNDECIDED:
+            labels[i] = _label_after_transient(automaton, states[i], catalogue, settings)
+    return {"labels": labels.tolist(), "found": catalogue.found[len(known.found) :]}
+
+
+def _labels_of_runs(group: Batch, catalogue: AttractorCatalogue) -> np.ndarray:
+    """Which attractor each run is on; runs that ended early are on that of their kind."""
+    labels = catalogue.reached(group.runs.states)
+    for i in np.flatnonzero(group.runs.status != FINISHED):
+        labels[i] = catalogue.place({"kind": ENDED, "period": None, "state": group.runs.states[i].tolist()})
+    return labels
+
+
+def _label_after_transient(
+    automaton: HybridAutomaton, state: Array, catalogue: AttractorCatalogue, settings: BasinSettings
+) -> int:
+    """What the motion from a state comes to, the transient being over."""
+    found = classify_attractor(automaton, state, settings["spread"], settings)
+    points = attractor_points(automaton, found, settings)
+    return catalogue.place(add_ranges(found, points), points)

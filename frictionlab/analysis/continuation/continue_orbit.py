@@ -1,0 +1,220 @@
+"""`fl.continue_orbit`: a periodic orbit followed through a parameter, around folds, stable or not."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from frictionlab.analysis.motion_scales import Array
+from frictionlab.analysis.orbits.periodic_orbit import PeriodicOrbit, mode_sequence
+from frictionlab.hybrid.progress import PROGRESS_DELAY
+from frictionlab.hybrid.solve import solve
+from frictionlab.models.coercion import automaton_of
+from frictionlab.validation import check_number, did_you_mean
+
+from .driver import INTERRUPTED, MAX_POINTS, BranchHalf, follow_branch
+from .pseudo_arclength import BranchPoint, first_point, reversed_point, with_parameter_as_state
+from .special_points import SpecialPoint, floquet_multipliers
+
+
+@dataclass(frozen=True, eq=False)
+class SpecialOrbit:
+    """A special point of a branch.
+
+    Parameters
+    ----------
+    kind : str
+        "fold", "period doubling", "Neimark-Sacker"; "grazing", where a stay in another mode comes or goes
+        that begins and ends in one mode; "mode change", another change of the modes; "Hopf", where the orbit
+        shrinks to an equilibrium.
+    value : float
+        Of the parameter.
+    orbit : PeriodicOrbit
+        There, or for "grazing", "mode change" and "Hopf" the last one before; the value of "Hopf" is
+        extrapolated to no amplitude.
+    """
+
+    kind: str
+    value: float
+    orbit: PeriodicOrbit
+
+
+@dataclass(frozen=True, eq=False)
+class OrbitBranch:
+    """A branch of closed orbits.
+
+    Parameters
+    ----------
+    parameter : str
+    values : array (N,)
+        The parameter along the branch: it turns back at folds.
+    orbits : tuple of PeriodicOrbit
+    special : tuple of SpecialOrbit
+        In their order along the branch.
+    ends : (str, str)
+        Why the branch ends at its first and at its last orbit: "bound", "grazing", "mode change", "Hopf",
+        "no orbit found", "most orbits" or "interrupted".
+    """
+
+    parameter: str
+    values: Array
+    orbits: tuple[PeriodicOrbit, ...]
+    special: tuple[SpecialOrbit, ...]
+    ends: tuple[str, str]
+
+    @property
+    def periods(self) -> Array:
+        """Periods (N,), s."""
+        return np.array([orbit.period for orbit in self.orbits])
+
+    @property
+    def multipliers(self) -> Array:
+        """Floquet multipliers (N, n), the largest first."""
+        return np.array([orbit.multipliers for orbit in self.orbits])
+
+    @property
+    def stable(self) -> np.ndarray:
+        """Whether each orbit is stable (N,)."""
+        return np.array([orbit.stable for orbit in self.orbits])
+
+    def __repr__(self) -> str:
+        special = ", ".join(f"{s.kind} at {s.value:.6g}" for s in self.special) or "nothing special"
+        low, high = self.values.min(), self.values.max()
+        return f"OrbitBranch({self.parameter} {low:.6g} to {high:.6g}, {len(self.orbits)} orbits, {special})"
+
+
+def continue_orbit(
+    orbit: PeriodicOrbit,
+    parameter: str,
+    bounds: tuple[float, float],
+    *,
+    step: float = 0.1,
+    max_points: int = 400,
+    progress: bool = True,
+) -> OrbitBranch:
+    """Follow a closed orbit through a parameter, by pseudo-arclength continuation.
+
+    Both ways from the orbit, to the bounds or to where the branch ends.  The derivative by the parameter is
+    that of the tangent flow with the parameter as one state more.  Folds, period doublings and
+    Neimark-Sacker points are located by the multipliers, and where the sequence of modes changes by halving
+    the step until both sides meet.  Source: Seydel, Practical Bifurcation and Stability Analysis (2010).
+
+    Parameters
+    ----------
+    orbit : PeriodicOrbit
+    parameter : str
+        Of its model; it must not be one that the structure of the equations depends on.
+    bounds : (float, float)
+        Smallest and largest value of the parameter.
+    step : float
+        Longest step, as a share of the motion's size, the period and the distance of the bounds together.
+    max_points : int
+        Orbits after which to stop, in each direction.
+    progress : bool
+        Show a progress bar where it takes more than a second.  Ctrl-C ends with the orbits found so far.
+
+    Returns
+    -------
+    OrbitBranch
+
+    Raises
+    ------
+    ValueError
+        For bad arguments, before any work is done.
+
+    Examples
+    --------
+    >>> import frictionlab as fl
+    >>> model = fl.SliderOnBelt(mu_k=1.4).without("geometry")
+    >>> orbit = fl.periodic_orbit(model, fl.simulate(model, 30.0))
+    >>> branch = fl.continue_orbit(orbit, "mu_k", (1.3, 1.5))
+    >>> branch.ends, bool(branch.stable.all())
+    (('bound', 'bound'), True)
+    """
+    value = _check(orbit, parameter, bounds, step, max_points)
+    automaton = with_parameter_as_state(automaton_of(orbit.model), parameter)
+    start = first_point(automaton, np.append(orbit.state, value), orbit.period, bounds[1] - bounds[0])
+    halves = []
+    for point in (reversed_point(start), start):
+        found = BranchHalf([], [], MAX_POINTS)
+        try:
+            for now in _with_progress_bar(
+                follow_branch(automaton, point, bounds, step, max_points), bounds, progress
+            ):
+                found = now
+        except KeyboardInterrupt:
+            halves.append(found._replace(end=INTERRUPTED))
+            break
+        halves.append(found)
+    if len(halves) < 2:
+        halves.append(BranchHalf([], [], INTERRUPTED))
+    back, ahead = halves
+    points = [*back.points[::-1], start, *ahead.points]
+    special = [*back.special[::-1], *ahead.special]
+    return OrbitBranch(
+        parameter=parameter,
+        values=np.array([point.value for point in points]),
+        orbits=tuple(_orbit_at(orbit.model, parameter, point) for point in points),
+        special=tuple(_special_orbit(orbit.model, parameter, found) for found in special),
+        ends=(back.end, ahead.end),
+    )
+
+
+def _check(orbit: Any, parameter: str, bounds: Any, step: float, max_points: int) -> float:
+    """The parameter's value, where all arguments are as they should be."""
+    if not isinstance(orbit, PeriodicOrbit):
+        raise TypeError(f"orbit must be a PeriodicOrbit, got {orbit!r}: find one with fl.periodic_orbit")
+    known = {s.name: value for s, value in automaton_of(orbit.model).parameters.items()}
+    if parameter not in known or parameter == "chatter":
+        names = [name for name in known if name != "chatter"]
+        hint = did_you_mean(parameter, names)
+        raise ValueError(f"parameter must be one of {', '.join(names)}, got {parameter!r}{hint}")
+    value = known[parameter]
+    low, high = bounds
+    check_number("bounds[0]", low, most=value, cure=f"the orbit is at {parameter} = {value:g}")
+    check_number("bounds[1]", high, least=value, above=low, cure=f"the orbit is at {parameter} = {value:g}")
+    for bound in bounds:
+        orbit.model.replace(**{parameter: bound})  # a model refuses values out of its range
+    check_number("step", step, above=0.0, cure="0.1 is usual")
+    check_number(
+        "max_points", max_points, integer=True, least=1, cure="give the number of orbits to stop after"
+    )
+    return value
+
+
+def _with_progress_bar(
+    walks: Iterator[BranchHalf], bounds: tuple[float, float], progress: bool
+) -> Iterator[BranchHalf]:
+    from tqdm.auto import tqdm
+
+    bar = tqdm(
+        walks, desc="continue orbit", unit=" orbits", leave=False, delay=PROGRESS_DELAY, disable=not progress
+    )
+    for found in bar:
+        if found.points:
+            bar.set_postfix_str(f"{found.points[-1].value:.4g} in {bounds[0]:.4g} to {bounds[1]:.4g}")
+        yield found
+
+
+def _orbit_at(model: Any, parameter: str, point: BranchPoint) -> PeriodicOrbit:
+    """The closed orbit as an object of its own, of the model with the parameter's value."""
+    here = model.replace(**{parameter: point.value})
+    start = point.shot.run.raw.step_states[0][:-1]
+    run = solve(automaton_of(here), point.period, x0=start, progress=False)
+    return PeriodicOrbit(
+        model=here,
+        period=point.period,
+        state=start.copy(),
+        monodromy=point.monodromy.copy(),
+        multipliers=floquet_multipliers(point.monodromy),
+        modes=mode_sequence(run),
+        residual=point.shot.residual,
+        trajectory=run,
+    )
+
+
+def _special_orbit(model: Any, parameter: str, found: SpecialPoint) -> SpecialOrbit:
+    return SpecialOrbit(found.kind, found.value, _orbit_at(model, parameter, found.point))

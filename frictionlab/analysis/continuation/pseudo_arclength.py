@@ -1,0 +1,238 @@
+"""Pseudo-arclength steps along a branch of periodic orbits: tangent predictor, Newton corrector on a normal
+plane.
+
+The parameter is one more state, of zero rate, so that the tangent flow has the derivative by it, events
+included. Unknown are the state z, the period T and the parameter; u = (z/size, T/period, parameter/span).
+Source: Seydel, Practical Bifurcation and Stability Analysis, 3rd ed., Springer 2010.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import lru_cache
+from typing import Any, NamedTuple
+
+import numpy as np
+import sympy as sp
+
+from frictionlab.analysis.motion_scales import AT_REST_RTOL, Array, state_ranges, state_scales
+from frictionlab.analysis.orbits.orbit_guess import OrbitGuess
+from frictionlab.analysis.orbits.shooting import RESIDUAL_ROUNDING, ShootingResult, check_orbit
+from frictionlab.automaton import HybridAutomaton, Mode
+from frictionlab.hybrid.problem import Status
+from frictionlab.hybrid.solve import solve
+from frictionlab.hybrid.variational.saltation import SaltationError
+from frictionlab.hybrid.variational.tangent_flow import end_rates, tangent_flow
+
+MAX_CORRECTOR_ITERATIONS = 12
+RESIDUAL_TOLERANCE = 1e-9  # largest residual of an orbit, as a share of the motion's size
+FAMILY_SINGULAR_RATIO = (
+    1e-9  # least over largest singular value below which there are closed orbits in every neighbourhood
+)
+MAX_PREDICTION_ERROR = (
+    0.01  # how far from its prediction, beyond the length of the step, an orbit may be found
+)
+MIN_CONTRACTION = 0.5  # a residual that shrinks less has reached rounding, or will not converge
+
+
+class BranchPoint(NamedTuple):
+    """A closed orbit on a branch.
+
+    `state` (n + 1,) ends with the parameter; `scale` (n + 2,) is what u is measured by, the period last but
+    one; `tangent` (n + 2,) is du/ds; `modes` are those that events lead to; `cost` counts iterations.
+    """
+
+    shot: ShootingResult
+    state: Array
+    period: float
+    scale: Array
+    tangent: Array
+    modes: tuple[str, ...]
+    cost: int
+
+    @property
+    def value(self) -> float:
+        """The parameter."""
+        return float(self.state[-1])
+
+    @property
+    def monodromy(self) -> Array:
+        """Derivative (n, n) of the state after a period by the state."""
+        return self.shot.matrix[:-1, :-1]
+
+
+def with_parameter_as_state(automaton: HybridAutomaton, parameter: str) -> HybridAutomaton:
+    """The automaton with a parameter as its last state, of zero rate."""
+    symbol = next(s for s in automaton.parameters if s.name == parameter)
+    others = {s: value for s, value in automaton.parameters.items() if s is not symbol}
+    return HybridAutomaton(
+        (*automaton.states, symbol),
+        _modes_with_constant(automaton.modes),
+        others,
+        automaton.coordinates,
+    )
+
+
+@lru_cache(maxsize=64)
+def _modes_with_constant(modes: tuple[Mode, ...]) -> tuple[Mode, ...]:
+    """The modes with a state of zero rate after the others; remembered, as tapes are by the modes."""
+    return tuple(replace(mode, flow=(*mode.flow, sp.S.Zero)) for mode in modes)
+
+
+def first_point(automaton: HybridAutomaton, state: Array, period: float, span: float) -> BranchPoint:
+    """The point of a closed orbit whose state ends with the parameter; its parameter grows along s."""
+    shot = _shooting_result(automaton, state, period, np.ones(len(state)))
+    scale = _point_scale(automaton, shot, period, span)
+    tangent = _tangent(shot, state, period, scale)
+    return _centre_in_stay(
+        automaton,
+        BranchPoint(
+            shot,
+            state,
+            period,
+            scale,
+            tangent * (np.sign(tangent[-1]) or 1.0),
+            cyclic_mode_sequence(shot.run),
+            MAX_CORRECTOR_ITERATIONS,
+        ),
+    )
+
+
+def reversed_point(point: BranchPoint) -> BranchPoint:
+    """The same, to go the other way."""
+    return point._replace(tangent=-point.tangent)
+
+
+def continuation_step(
+    automaton: HybridAutomaton, point: BranchPoint, step: float, value: float | None = None
+) -> BranchPoint:
+    """The closed orbit about `step` further along the branch, or near there at a value of the parameter.
+
+    Raises
+    ------
+    ValueError
+        Where Newton's method finds none there.
+    """
+    scale, size = point.scale, np.append(point.scale[:-2], point.scale[-1])
+    across, missed = point.tangent, np.inf
+    aim = np.append(point.state[:-1], [point.period, point.value]) + step * point.tangent * scale
+    if value is not None:
+        aim[-1], across = value, np.eye(len(aim))[-1]
+    start = aim
+    for cost in range(MAX_CORRECTOR_ITERATIONS):
+        state, period = np.append(start[:-2], start[-1]), float(start[-2])
+        if not 0.0 < period < 2.0 * point.period:
+            raise ValueError("the period leaves its range")
+        shot = _shooting_result(automaton, state, period, size)
+        if shot.residual <= RESIDUAL_ROUNDING or (
+            shot.residual < RESIDUAL_TOLERANCE and shot.residual > MIN_CONTRACTION * missed and cost
+        ):
+            break
+        if cost > 2 and shot.residual > 2.0 * missed:
+            raise ValueError("Newton's method diverges")
+        missed = shot.residual
+        start = start + scale * _corrector_step(shot, period, scale, across, (start - aim) / scale)
+        start[-1] = start[-1] if value is None else value
+    if not shot.residual < RESIDUAL_TOLERANCE:
+        raise ValueError(f"no closed orbit found: the residual is {shot.residual:.2g}")
+    if np.linalg.norm((start - aim) / scale) > MAX_PREDICTION_ERROR + abs(step):
+        raise ValueError("the closed orbit found is of another branch")
+    check_orbit(shot, OrbitGuess(state, period, size))
+    return _next_point(automaton, point, shot, state, period, cost)
+
+
+def _next_point(
+    automaton: HybridAutomaton,
+    before: BranchPoint,
+    shot: ShootingResult,
+    state: Array,
+    period: float,
+    cost: int,
+) -> BranchPoint:
+    """The point of an orbit found: its tangent points on, its state is far from events."""
+    scale = _point_scale(automaton, shot, period, float(before.scale[-1]))
+    tangent = _tangent(shot, state, period, scale)
+    ahead = float(tangent @ (before.tangent * before.scale / scale)) < 0.0
+    tangent = -tangent if ahead else tangent
+    return _centre_in_stay(
+        automaton, BranchPoint(shot, state, period, scale, tangent, cyclic_mode_sequence(shot.run), cost)
+    )
+
+
+def _shooting_result(automaton: HybridAutomaton, state: Array, period: float, size: Array) -> ShootingResult:
+    run = solve(automaton, period, x0=state, progress=False)
+    if run.status is Status.INTERRUPTED:
+        raise KeyboardInterrupt
+    if not run.status.ok:
+        raise SaltationError(f"the motion ends after {run.raw.t:g} s: {run.status}")
+    missed = float(np.abs((run.final_state - state) / size).max())
+    return ShootingResult(run, tangent_flow(run, progress=False).matrix, missed)
+
+
+def _point_scale(automaton: HybridAutomaton, shot: ShootingResult, period: float, span: float) -> Array:
+    states = shot.run.states[:, :-1]
+    found, values = state_scales(states, automaton.coordinates), np.abs(states).max(axis=0)
+    still = (
+        state_ranges(states) < AT_REST_RTOL * values
+    )  # a state that rests may change along the branch by what it is
+    return np.append(np.where(still, np.maximum(found, values), found), [period, span])
+
+
+def _corrector_rows(shot: ShootingResult, period: float, scale: Array) -> Array:
+    """Derivative (n + 1, n + 2) by u of what closes the orbit, and the direction of the flow at its start."""
+    first, last = (rate[:-1] / scale[:-2] for rate in end_rates(shot.run))
+    n, matrix = len(first), shot.matrix[:-1]
+    by_state = matrix[:, :-1] * scale[:n] / scale[:n, None] - np.eye(n)
+    by_value = matrix[:, -1] * scale[-1] / scale[:n]
+    flow = np.append(first / np.linalg.norm(first), [0.0, 0.0])
+    return np.vstack([np.column_stack([by_state, last * scale[-2], by_value]), flow])
+
+
+def _tangent(shot: ShootingResult, state: Array, period: float, scale: Array) -> Array:
+    """The tangent du/ds, but for its sign; ValueError where there is more than one."""
+    _, sizes, rows = np.linalg.svd(_corrector_rows(shot, period, scale))
+    if sizes[-1] < FAMILY_SINGULAR_RATIO * sizes[0]:
+        raise ValueError(
+            "the orbit is one of a family at one value of the parameter: it has no single branch"
+        )
+    return rows[-1]
+
+
+def _corrector_step(shot: ShootingResult, period: float, scale: Array, across: Array, off: Array) -> Array:
+    """Newton's step for u: it closes the orbit, normal to the flow, and stays on the plane `across`."""
+    missed = (shot.run.final_state - shot.run.raw.step_states[0])[:-1] / scale[:-2]
+    matrix = np.vstack([_corrector_rows(shot, period, scale), across])
+    left: Any = np.concatenate([missed, [0.0], [across @ off]])
+    return np.linalg.lstsq(matrix, -left, rcond=1e-13)[0]
+
+
+def _centre_in_stay(automaton: HybridAutomaton, point: BranchPoint) -> BranchPoint:
+    """The point with its state moved on to the middle of the longest stay without constraints."""
+    run, tangent, scale = point.shot.run, point.tangent, point.scale
+    middle = _middle_of_free_stay(automaton, run)
+    if not middle > 0.0:
+        return point
+    part = solve(automaton, middle, x0=point.state, progress=False)
+    physical = np.append(tangent[:-2], tangent[-1]) * np.append(scale[:-2], scale[-1])
+    carried = (tangent_flow(part, progress=False).matrix @ physical)[:-1] / scale[:-2]
+    flow = end_rates(part)[1][:-1] / scale[:-2]
+    carried -= flow * (flow @ carried) / (flow @ flow)
+    moved = np.append(carried, tangent[-2:])
+    return point._replace(state=part.final_state, tangent=moved / np.linalg.norm(moved))
+
+
+def _middle_of_free_stay(automaton: HybridAutomaton, run: Any) -> float:
+    """Time of the middle of the longest stay in a mode without constraints; 0 where there are no events."""
+    t, period = run.events.t, run.raw.t
+    if not len(t):
+        return 0.0
+    free = [mode.name for mode in automaton.modes if not mode.constraints]
+    lengths = np.where(np.isin(run.events.target, free), np.diff(np.append(t, t[0] + period)), 0.0)
+    i = int(np.argmax(lengths))
+    return float((t[i] + 0.5 * lengths[i]) % period)
+
+
+def cyclic_mode_sequence(run: Any) -> tuple[str, ...]:
+    """The modes that the events of a closed orbit lead to, begun where that is first in the alphabet."""
+    names = tuple(run.events.target.tolist())
+    return min((names[i:] + names[:i] for i in range(len(names))), default=())

@@ -1,0 +1,76 @@
+"""Scales of a motion: the range of each state, by which differences are measured, and the period of an
+oscillation.
+
+States are measured in three groups, coordinates, velocities and others, as each group has a unit of its own.
+"""
+
+from __future__ import annotations
+
+from math import floor, log10
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from frictionlab.hybrid.trajectory import Trajectory
+from frictionlab.models import Model
+
+Array = NDArray[np.float64]
+
+MIN_RANGE_RTOL = (
+    1e-6  # range of a coordinate, as a share of the largest of them, below which it counts as that
+)
+AT_REST_RTOL = 1e-9  # share of a coordinate's values below which it does not move
+
+LEAST_MOTION_RTOL = 1e-6  # of its values: a motion of less is measured by this much of them
+
+DEFAULT_PERIOD = 0.1  # s, of the slider on a belt
+
+
+def state_ranges(states: Any) -> Array:
+    """Range of each state over a motion; zero where there is none."""
+    states = np.asarray(states, dtype=float)
+    return states.max(axis=0) - states.min(axis=0) if len(states) else np.zeros(states.shape[1])
+
+
+def state_groups(coordinates: int) -> tuple[slice, slice, slice]:
+    """Coordinates, velocities, other states: each has a unit of its own."""
+    return slice(coordinates), slice(coordinates, 2 * coordinates), slice(2 * coordinates, None)
+
+
+def state_scales(states: Array, coordinates: int) -> Array:
+    """The range of each state, by which differences are measured.
+
+    It is at least a share of the largest in its group, as what dies away need not come back.  A group that
+    does not move is measured by its values.
+    """
+    found, values = state_ranges(states), np.abs(states).max(axis=0)
+    for group in state_groups(coordinates):
+        largest = found[group].max(initial=0.0) or values[group].max(initial=0.0) or 1.0
+        found[group] = np.maximum(found[group], MIN_RANGE_RTOL * largest)
+    return found
+
+
+def motion_size(run: Trajectory, samples: int | None = None) -> Array:
+    """Size of a motion, or of its first `samples`, in each state: the largest range in its group.
+
+    Groups are coordinates, velocities, others.
+    """
+    states = run.states[:samples]  # within steps too: at the events of dry friction all velocities are zero
+    ranges, values = state_ranges(states), np.abs(states).max(axis=0)
+    for group in state_groups(run.automaton.coordinates):
+        largest = max(ranges[group].max(initial=0.0), LEAST_MOTION_RTOL * values[group].max(initial=0.0))
+        ranges[group] = largest or 1.0
+    return ranges
+
+
+def oscillation_period(source: Any) -> float:
+    """That of a model, s; of an automaton that of the slider on a belt."""
+    return source.period if isinstance(source, Model) else DEFAULT_PERIOD
+
+
+def rounded_period(source: Any) -> float:
+    """The same as 1, 2 or 5 times a power of ten, from below."""
+    period = oscillation_period(source) * (1 + 1e-9)
+    power = 10.0 ** floor(log10(period))
+    return next(round(s * power, 12) for s in (5.0, 2.0, 1.0) if s * power <= period)

@@ -1,0 +1,148 @@
+"""Newton's method for periodic orbits, single shooting on a Poincare section normal to the flow, and checks
+of its result.
+
+The checks are independent of how an orbit was found: it moves, returns in the mode in which it begins, keeps
+the conditions of its modes, and its monodromy matrix maps the direction of the flow upon itself.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from frictionlab.analysis.motion_scales import Array, state_ranges
+from frictionlab.automaton import HybridAutomaton
+from frictionlab.hybrid.admissible import condition_violation
+from frictionlab.hybrid.solve import solve
+from frictionlab.hybrid.trajectory import Trajectory
+from frictionlab.hybrid.variational.saltation import SaltationError
+from frictionlab.hybrid.variational.tangent_flow import end_rates, tangent_flow
+
+from .orbit_guess import OrbitGuess
+
+MAX_ITERATIONS = 40
+MAX_HALVINGS = 8
+RESIDUAL_ROUNDING = 1e-14  # residual that cannot become smaller
+FAMILY_RCOND = 1e-11  # directions in which orbits are this near to a family are left as they are
+MAX_PERIOD_FACTOR = 2.0  # by which factor the period may change in one iteration
+
+MIN_ORBIT_SIZE = 1e-3  # share of the guess's size below which an orbit is but an equilibrium
+MAX_VIOLATION = 1e-6  # share of a condition's terms by which it may be violated
+FLOW_DIRECTION_RTOL = 1e-6  # share by which the monodromy matrix may miss the direction of the flow
+
+
+class ShootingResult(NamedTuple):
+    """One period tried: the run, its fundamental matrix, and its residual, scaled by the motion's size."""
+
+    run: Trajectory
+    matrix: Array
+    residual: float
+
+
+def shoot(automaton: HybridAutomaton, guess: OrbitGuess, tolerance: float) -> ShootingResult:
+    """The closed orbit near a guess.
+
+    Unknown are the state z and the period T: the flow after T is z.
+
+    Raises
+    ------
+    ValueError
+        Where Newton's method does not get below the tolerance.
+    """
+    z, period = guess.state, guess.period
+    shot = _shooting_result(automaton, z, period, guess.size)
+    for _ in range(MAX_ITERATIONS):
+        if shot.residual <= RESIDUAL_ROUNDING:
+            break
+        step = _newton_step(shot, period, guess.size)
+        better = _damped_step(automaton, z, period, step, guess.size, shot.residual)
+        if better is None:
+            break
+        z, period, shot = better
+    if not shot.residual <= tolerance:
+        raise ValueError(
+            "no periodic orbit found near the guess: Newton's method reached a residual of "
+            f"{shot.residual:.2g} of the motion's size at period {period:.6g} s, asked for is {tolerance:g}: "
+            "give a guess nearer to an orbit"
+        )
+    return shot
+
+
+def _shooting_result(automaton: HybridAutomaton, z: Array, period: float, size: Array) -> ShootingResult:
+    run = solve(automaton, period, x0=z, progress=False)
+    if not run.status.ok:
+        raise SaltationError(f"a motion near the guess ends after {run.raw.t:g} s: {run.status}")
+    missed = float(np.abs((run.final_state - z) / size).max())
+    return ShootingResult(run, tangent_flow(run, progress=False).matrix, missed)
+
+
+def _newton_step(shot: ShootingResult, period: float, size: Array) -> Array:
+    """Newton's step for (z / size, T / period): the least that closes the orbit.
+
+    At a closed orbit it is normal to the flow, so that z moves on a Poincare section.
+    """
+    last = end_rates(shot.run)[1] / size
+    matrix = shot.matrix * size / size[:, None] - np.eye(len(size))
+    gap = (shot.run.final_state - shot.run.raw.step_states[0]) / size
+    return np.linalg.lstsq(np.column_stack([matrix, last * period]), -gap, rcond=FAMILY_RCOND)[0]
+
+
+def _damped_step(
+    automaton: HybridAutomaton, z: Array, period: float, step: Array, size: Array, residual: float
+) -> tuple[Array, float, ShootingResult] | None:
+    """The step, or the largest half, quarter ... of it that lessens the residual; None where none does."""
+    for share in 0.5 ** np.arange(MAX_HALVINGS):
+        other, longer = z + share * step[:-1] * size, period * (1.0 + share * step[-1])
+        if not period / MAX_PERIOD_FACTOR < longer < period * MAX_PERIOD_FACTOR:
+            continue
+        try:
+            shot = _shooting_result(automaton, other, longer, size)
+        except SaltationError:
+            continue
+        if shot.residual < residual:
+            return other, longer, shot
+    return None
+
+
+def check_motion(shot: ShootingResult, guess: OrbitGuess) -> None:
+    """Raise for what closes because it does not move."""
+    if (state_ranges(shot.run.states) / guess.size).max() < MIN_ORBIT_SIZE:
+        raise ValueError(
+            "no periodic orbit found near the guess: Newton's method reached an equilibrium, "
+            f"{shot.run.raw.step_states[0]}: give a guess nearer to an orbit"
+        )
+
+
+def check_return_mode(shot: ShootingResult) -> None:
+    """Raise for what closes in its states only.
+
+    At zero relative velocity, between kinetic and static friction, both slip and stick may begin: what slips
+    away from such a state and comes back to stick there does not repeat.
+    """
+    names = shot.run.automaton.names
+    first, last = names[int(shot.run.raw.step_modes[0])], names[shot.run.raw.mode]
+    if first != last:
+        raise ValueError(
+            f"no periodic orbit found near the guess: what Newton's method reached begins in mode {first!r} "
+            f"and comes back to the same state in mode {last!r}: give a guess nearer to an orbit"
+        )
+
+
+def check_orbit(shot: ShootingResult, guess: OrbitGuess) -> None:
+    """Raise for an orbit that ends in another mode than it begins in, that breaks a condition of its modes,
+    or whose monodromy matrix is useless.
+    """
+    check_return_mode(shot)
+    if (amount := condition_violation(shot.run)) > MAX_VIOLATION:
+        raise ValueError(
+            f"the orbit found violates a condition of its modes by {amount:.2g}: give another guess"
+        )
+    first, last = (rate / guess.size for rate in end_rates(shot.run))
+    matrix = shot.matrix * guess.size / guess.size[:, None]
+    missed = np.abs(matrix @ first - last).max() / (np.abs(matrix) @ np.abs(first)).max()
+    if not missed < FLOW_DIRECTION_RTOL:
+        raise ValueError(
+            f"the monodromy matrix misses the flow's direction by {missed:.2g}: "
+            "the orbit is too unstable for single shooting; take other parameters"
+        )

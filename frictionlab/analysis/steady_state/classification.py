@@ -1,0 +1,145 @@
+"""The kind of motion in a run: equilibrium, periodic, non-periodic, or not settled yet.
+
+Recurrence at a section is looked at first, then decay and drift over the whole window.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from frictionlab.analysis.motion_scales import Array, state_ranges
+from frictionlab.hybrid.trajectory import SectionPoints, Trajectory
+
+from .decay import all_parts_decay, part_decays
+from .forcing_phase import covers_period, only_phase_resets, phase_on_circle
+from .poincare_sections import STICK, Section, section_crossings, stick_onsets, turning_section
+from .recurrence import (
+    MIN_CROSSINGS,
+    MIN_PERIODS_SEEN,
+    MIN_SETTLING_FACTOR,
+    NEAR_RECURRENCE_RTOL,
+    Recurrence,
+    amplitude_changes,
+    crossings_drift,
+    find_recurrence,
+    is_periodic,
+)
+
+EQUILIBRIUM, PERIODIC, NON_PERIODIC = "equilibrium", "periodic", "non-periodic"
+UNSETTLED, ENDED = "not settled yet", "ended early"
+REST_AMPLITUDE_RTOL = 1e-3  # size of a dying motion, as a share of the coordinates, that counts as at rest
+MIN_DECAY_FACTOR = 1.4  # by which factor it has to shrink from the first quarter of the window to the last
+NO_MOTION_RTOL = 1e-9
+EVEN_SAMPLES = 8001
+
+
+def kind_of_motion(run: Trajectory, crossings: Array, returns: Recurrence, tolerance: float) -> str:
+    """The kind of motion in a run with these crossings (K, m) of a section, which return so nearly.
+
+    Crossings are those of :func:`frictionlab.analysis.steady_state.forcing_phase.phase_on_circle`.
+    """
+    resting = _at_rest(run)
+    if resting is not None:
+        return EQUILIBRIUM if resting else UNSETTLED
+    if is_periodic(returns, tolerance):
+        return PERIODIC
+    if _decays_slowly(run):
+        return EQUILIBRIUM
+    near = returns.deviation < NEAR_RECURRENCE_RTOL or returns.shrinking > MIN_SETTLING_FACTOR
+    return UNSETTLED if len(crossings) < MIN_CROSSINGS or near or _has_trend(run, crossings) else NON_PERIODIC
+
+
+def _at_rest(run: Trajectory) -> bool | None:
+    """Whether a motion without events has come to rest; None where it is not on its way there."""
+    if not only_phase_resets(run):
+        return None
+    x = _even_samples(run)[:, : run.automaton.coordinates or None]
+    first, *_, last = (float(state_ranges(part).max()) for part in np.array_split(x, 4))
+    if state_ranges(x).max() <= NO_MOTION_RTOL * np.abs(x).max():
+        return covers_period(run)  # what a force holds now it may move later on
+    if len(run.events):
+        return None
+    if last <= NO_MOTION_RTOL * np.abs(x).max():
+        return True
+    return last < REST_AMPLITUDE_RTOL * np.abs(x).max() if last < first / MIN_DECAY_FACTOR else None
+
+
+def _decays_slowly(run: Trajectory) -> bool:
+    """Whether a motion without events has all but died, too slowly to shrink much within the window."""
+    if len(run.events):
+        return False
+    x = _even_samples(run)
+    coordinates = x[:, : run.automaton.coordinates or None]
+    small = state_ranges(coordinates).max() < REST_AMPLITUDE_RTOL * np.abs(coordinates).max()
+    return bool(small and all_parts_decay(x, state_ranges(x)))
+
+
+def _has_trend(run: Trajectory, crossings: Array) -> bool:
+    """Whether a motion that does not repeat goes one way all along."""
+    size = state_ranges(phase_on_circle(run, run.raw.step_states))
+    if (
+        crossings_drift(crossings, size)
+        or amplitude_changes(run.raw.step_states)
+        or part_decays(crossings, size)
+    ):
+        return True
+    x = phase_on_circle(run, _even_samples(run))
+    return part_decays(x, state_ranges(x), evenly=not only_phase_resets(run))
+
+
+def _even_samples(run: Trajectory) -> Array:
+    """States (N, m) at even times."""
+    return run(np.linspace(0.0, run.raw.t, EVEN_SAMPLES))
+
+
+def onsets_per_period(run: Trajectory, period: float) -> int:
+    """Transitions from slip to stick in a period: their mean over all whole periods of the run."""
+    times = run.events.t[stick_onsets(run)]
+    if not len(times):
+        return 0
+    count = max(1, int((times[-1] - times[0]) / period + 0.5))
+    # Half a thousandth of a period aside, so that rounding does not count both ends.
+    return round(int((times > times[-1] - (count - 5e-4) * period).sum()) / count)
+
+
+class MotionClass(NamedTuple):
+    """What a run tells: crossings of a section, how they repeat, the kind of motion, its period (s)."""
+
+    section: SectionPoints
+    returns: Recurrence
+    kind: str
+    period: float
+
+
+def classify_run(run: Trajectory, section: Section | None, tolerance: float) -> MotionClass:
+    """The kind of motion in a run and its period; arguments as of `steady_state`."""
+    if not run.status.ok:
+        # Nothing repeats, and what grows without bounds may have a million crossings.
+        end = SectionPoints(np.array([run.raw.t]), run.final_state[None])
+        return MotionClass(end, Recurrence(0, np.nan, np.nan, np.nan), ENDED, np.nan)
+    if section is None:
+        section = STICK if stick_onsets(run).sum() >= MIN_PERIODS_SEEN else turning_section(run.automaton)
+    crossings = section_crossings(run, section)
+    states, returns = _section_recurrence(run, crossings, tolerance)
+    if section == STICK and not is_periodic(returns, tolerance):
+        # Where the belt's speed is but touched, stick begins or not as rounding has it.
+        turns, other = _section_recurrence(
+            run, section_crossings(run, turning_section(run.automaton)), tolerance
+        )
+        if is_periodic(other, tolerance) or len(states) < MIN_CROSSINGS:
+            states, returns = turns, other
+    kind = kind_of_motion(run, states, returns, tolerance)
+    return MotionClass(crossings, returns, kind, returns.period if kind == PERIODIC else np.nan)
+
+
+def _section_recurrence(
+    run: Trajectory, crossings: SectionPoints, tolerance: float
+) -> tuple[Array, Recurrence]:
+    """The states at crossings of a section, clocks as points on a circle, and how they repeat."""
+    states, size = (
+        phase_on_circle(run, crossings.state),
+        state_ranges(phase_on_circle(run, run.raw.step_states)),
+    )
+    return states, find_recurrence(crossings.t, states, size, tolerance)

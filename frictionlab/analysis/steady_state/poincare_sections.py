@@ -1,0 +1,156 @@
+"""Poincare sections of a run: onsets of stick, or zeros of an expression of the states."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+import numpy as np
+import sympy
+
+from frictionlab.components.names import did_you_mean
+from frictionlab.hybrid.outputs import array_function
+from frictionlab.hybrid.trajectory import SectionPoints, Trajectory
+from frictionlab.validation import check_number
+
+STICK = "stick"
+NAME_PATTERN = re.compile(r"(?<![\w.])[A-Za-z_]\w*'?")
+ARITHMETIC_PATTERN = re.compile(r"(?!.*\.\s*[A-Za-z_])[\w\s.+*/()'-]+")
+BISECTIONS = 40
+EVENT_TIME_ATOL = 1e-9  # seconds to an event that are but rounding
+Section = str | tuple[str, int]
+
+
+def section_function(automaton: Any, section: Section) -> dict[str, Any]:
+    """The section as :func:`frictionlab.solve` takes it; nothing for the onset of stick, which is an event.
+
+    Parameters
+    ----------
+    automaton : HybridAutomaton
+    section : "stick", str or (str, int)
+        "stick": transitions from slip to stick.  Else an expression of the states ("x1'", "x1 - x2") or an
+        output's name ("penetration"), and the direction in which it passes zero: 1 rising, -1 falling,
+        0 both.
+
+    Raises
+    ------
+    ValueError
+        For an unknown name in the expression, or what is none; for another direction; for "stick" where
+        no mode has that name.
+    """
+    if isinstance(section, str) and section == STICK:
+        if STICK not in automaton.names:
+            modes = ", ".join(automaton.names)
+            raise ValueError(f"section 'stick' needs a mode of that name, got {modes}: leave it out")
+        return {}
+    text, direction = (section, 0) if isinstance(section, str) else _check_pair(section)
+    check_number("the section's direction", direction, integer=True, least=-1, most=1, cure="0 takes both")
+    return {"section": (parse_section(automaton, text), direction)}
+
+
+def _check_pair(section: Any) -> Any:
+    if isinstance(section, (tuple, list)) and len(section) == 2 and isinstance(section[0], str):
+        return section
+    raise ValueError(f'section must be "stick", an expression, or (expression, direction), got {section!r}')
+
+
+def parse_section(automaton: Any, text: str) -> Any:
+    """The text as an expression of the automaton's states and parameters; x' is the rate of x.
+
+    The name of an output is returned as it is.
+    """
+    if text in automaton.outputs:
+        return text
+    symbols = {_identifier(symbol.name): symbol for symbol in (*automaton.states, *automaton.parameters)}
+    unknown = [word for word in NAME_PATTERN.findall(text) if _identifier(word) not in symbols]
+    if unknown:
+        known = [symbol.name for symbol in automaton.states]
+        hint = did_you_mean(unknown[0], known)
+        raise ValueError(f"section {text!r} has the unknown name {unknown[0]!r}: {hint}")
+    found = symbols.get(_identifier(text)) or _parse(
+        text, symbols
+    )  # a name alone needs no parser, which is slow
+    if not isinstance(found, sympy.Expr) or not found.free_symbols & {*automaton.states}:
+        raise ValueError(f'section must be an expression of the states such as "x1 - x2", got {text!r}')
+    return found
+
+
+def _parse(text: str, symbols: dict[str, Any]) -> Any:
+    """What sympy makes of it, None where that is nothing; its parser evaluates, so it sees but arithmetic."""
+    if not ARITHMETIC_PATTERN.fullmatch(text):
+        return None
+    try:
+        return sympy.parse_expr(_identifier(text), local_dict=symbols)
+    except Exception:  # a parser's errors are many
+        return None
+
+
+def _identifier(name: str) -> str:
+    return name.replace("'", "_rate")
+
+
+def sections_to_record(automaton: Any, section: Section | None) -> dict[str, Any]:
+    """What a run has to record for recurrence to be looked at: beside onsets of stick where it turns."""
+    return section_function(automaton, section or turning_section(automaton)) or section_function(
+        automaton, turning_section(automaton)
+    )
+
+
+def turning_section(automaton: Any) -> tuple[str, int]:
+    """Where the first coordinate is largest; without coordinates, where the first state passes zero."""
+    return (str(automaton.states[automaton.coordinates]), -1)
+
+
+def section_crossings(run: Trajectory, section: Section) -> SectionPoints:
+    """Crossings of the section in a run: times (K,), states (K, m).
+
+    At an onset of stick the state after it, at other events that before.
+    """
+    if section == STICK:
+        chosen = stick_onsets(run)
+        return SectionPoints(run.events.t[chosen], run.events.state[chosen])
+    found = run.sections.get("section")
+    return _states_before_events(
+        run, found or _search_crossings(run, *section_function(run.automaton, section)["section"])
+    )
+
+
+def _states_before_events(run: Trajectory, found: SectionPoints) -> SectionPoints:
+    """The crossings, with the state before an event where one is at an event: either may have been found."""
+    events = run.events
+    if not len(events):
+        return found
+    i = np.clip(np.searchsorted(events.t, found.t - EVENT_TIME_ATOL), 0, len(events) - 1)
+    at_event = np.abs(events.t[i] - found.t) <= EVENT_TIME_ATOL
+    states = np.where(at_event[:, None], events.before[i], found.state)
+    return SectionPoints(np.where(at_event, events.t[i], found.t), states)
+
+
+def stick_onsets(run: Trajectory) -> Any:
+    """Which events lead from slip to stick."""
+    events = run.events
+    return (events.target == STICK) & ~np.isin(events.source, (STICK, "separation", "chatter"))
+
+
+def _search_crossings(run: Trajectory, function: Any, direction: int) -> SectionPoints:
+    """For methods that record no sections: changes of sign between samples, found by bisection."""
+    level = _section_values(run, function)
+    value = level(run.t)
+    rising = (value[:-1] < 0) & (value[1:] >= 0) & (direction >= 0)
+    falling = (value[:-1] > 0) & (value[1:] <= 0) & (direction <= 0)
+    i = np.flatnonzero(rising | falling)
+    low, high, sign = run.t[i], run.t[i + 1], np.sign(value[i])
+    for _ in range(BISECTIONS if len(i) else 0):
+        middle = 0.5 * (low + high)
+        before = np.sign(level(middle)) == sign
+        low, high = np.where(before, middle, low), np.where(before, high, middle)
+    return SectionPoints(low, run(low))
+
+
+def _section_values(run: Trajectory, function: Any) -> Any:
+    """The section's function of times."""
+    if isinstance(function, str):
+        return lambda t: run.output(function, t)
+    parameters = run.automaton.parameters
+    compiled = array_function([*run.automaton.states, *parameters], function)
+    return lambda t: compiled(*run(t).T, *parameters.values())

@@ -1,0 +1,127 @@
+"""`fl.ablation`: one study of all models that nonlinearities, each on or off, make."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from concurrent.futures import Executor
+from dataclasses import dataclass
+from itertools import compress, product
+from typing import Any
+
+from frictionlab.models.coercion import require_model
+
+from .task_runner import check_function, check_workers, run_tasks
+
+
+@dataclass(frozen=True, eq=False)
+class Ablation:
+    """What a study gave for each scene, eight of three nonlinearities.
+
+    Parameters
+    ----------
+    without : tuple of tuples of str
+        The nonlinearities that each scene lacks; the first lacks none, the last all.
+    models : tuple
+    results : tuple
+        What the study returned.
+    """
+
+    without: tuple[tuple[str, ...], ...]
+    models: tuple[Any, ...]
+    results: tuple[Any, ...]
+
+    def __getitem__(self, without: str | tuple[str, ...]) -> Any:
+        """The result without these nonlinearities: ``found["geometry"]``, ``found["cubic", "geometry"]``."""
+        names = {without} if isinstance(without, str) else set(without)
+        for left_out, result in zip(self.without, self.results, strict=True):
+            if set(left_out) == names:
+                return result
+        raise KeyError(f"no scene lacks {sorted(names)}: name some of {', '.join(self.switches)}")
+
+    @property
+    def switches(self) -> tuple[str, ...]:
+        """Names of the nonlinearities."""
+        return self.without[-1]
+
+    def __iter__(self) -> Iterator[tuple[tuple[str, ...], Any]]:
+        return iter(zip(self.without, self.results, strict=True))
+
+    def __str__(self) -> str:
+        rows = [(_scene(names, len(self.switches)), str(r)) for names, r in self]
+        width = max(len(name) for name, _ in rows)
+        return "\n".join(f"{name:{width}}  {result}" for name, result in rows)
+
+
+def _scene(without: tuple[str, ...], count: int) -> str:
+    """Words for a scene of a model that has so many nonlinearities."""
+    return f"without {', '.join(without)}" if without else f"with {all_of(count)}"
+
+
+def all_of(count: int) -> str:
+    """Words for all of so many nonlinearities."""
+    return {1: "it", 2: "both", 3: "all three"}.get(count, "all")
+
+
+def ablation(
+    model: Any,
+    study: Callable[[Any], Any],
+    *,
+    workers: int | None = None,
+    executor: Executor | None = None,
+    progress: bool = True,
+) -> Ablation:
+    """Put all scenes with a model's :attr:`~Model.nonlinearities` on or off through a study.
+
+    Of a SliderOnBelt these are eight: with the cubic contact, the non-smooth behaviours and the moving load
+    on or off.
+
+    Parameters
+    ----------
+    model : Model
+        With all of its nonlinearities.
+    study : callable
+        Called as ``study(model)``: ``fl.steady_state``, or a function of your own.
+    workers : int or None
+        Threads; None takes one for each processor.
+    executor : concurrent.futures.Executor or None
+        Used instead of threads, as by :func:`bifurcation`.
+    progress : bool
+
+    Returns
+    -------
+    Ablation
+        After ctrl-C with None for the scenes that were not done.
+
+    Raises
+    ------
+    TypeError
+        For what is no model, or no function.
+    ValueError
+        For a model that cannot be without one of them.
+    RuntimeError
+        Where the study of a scene fails, from its error.
+
+    Examples
+    --------
+    >>> import frictionlab as fl
+    >>> found = fl.ablation(fl.SliderOnBelt(), lambda m: fl.critical_value(m, "mu_k", (0, 4)))
+    >>> found["geometry"] > found[()]
+    True
+    """
+    require_model(model, cure="write ablation(model, study), the model made, such as fl.SliderOnBelt()")
+    check_function("study", study, "give one such as fl.steady_state")
+    check_workers(workers)
+    switches = tuple(model.nonlinearities)
+    left_out = tuple(tuple(compress(switches, choice)) for choice in product((0, 1), repeat=len(switches)))
+    models = tuple(model.without(*names) for names in left_out)
+    results: dict[int, Any] = {}
+    run_tasks(
+        study,
+        [(m,) for m in models],
+        keep=results.__setitem__,
+        names=[f"the scene {_scene(names, len(switches))}" for names in left_out],
+        workers=workers,
+        executor=executor,
+        progress="ablation" if progress else None,
+    )
+    return Ablation(left_out, models, tuple(results.get(i) for i in range(len(models))))

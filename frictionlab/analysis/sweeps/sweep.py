@@ -1,0 +1,178 @@
+"""`fl.sweep`: any function of a model over a grid of parameters and initial states."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Executor
+from dataclasses import dataclass
+from itertools import product
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from frictionlab.analysis.initial_states import check_initial_state
+from frictionlab.analysis.tables import import_optional
+from frictionlab.models.coercion import require_model
+from frictionlab.validation import check_mapping, float_array
+
+from .journal import Journal
+from .task_runner import check_function, check_workers, run_tasks
+
+
+@dataclass(frozen=True, eq=False)
+class Sweep:
+    """Results over a grid of parameters and initial states.
+
+    Parameters
+    ----------
+    over : mapping of str to array
+        Parameters and their values, one axis of the grid each.
+    x0 : tuple
+        Initial states, the last axis; empty where the function takes none.
+    results : object array
+        What the function returned; None for what was not done (after ctrl-C).
+    """
+
+    over: Mapping[str, NDArray[np.float64]]
+    x0: tuple[Any, ...]
+    results: NDArray[np.object_]
+
+    def to_array(self) -> NDArray[np.float64]:
+        """The results as numbers; NaN for those that are None."""
+        return np.vectorize(lambda r: np.nan if r is None else float(r), otypes=[float])(self.results)
+
+    def to_dataframe(self) -> Any:
+        """One row for each point of the grid, as a pandas DataFrame (needs the extra ``data``).
+
+        Mappings have a column for each key, other results one named "result".
+        """
+        pd = import_optional("pandas", "to_dataframe")
+        axes = {**self.over, **({"x0": self.labels()} if self.x0 else {})}
+        index = pd.MultiIndex.from_product(list(axes.values()), names=list(axes))
+        return pd.DataFrame([_row(result) for result in self.results.ravel()], index=index)
+
+    def to_xarray(self) -> Any:
+        """The table of :meth:`to_dataframe` as an xarray Dataset, a dimension for each parameter (needs the
+        extra ``data``).
+
+        Values of a parameter have to differ.
+        """
+        import_optional("xarray", "to_xarray")
+        return self.to_dataframe().to_xarray()
+
+    def labels(self) -> list[str]:
+        """What each initial state is called: its name, or its place."""
+        return [start if isinstance(start, str) else f"state {i}" for i, start in enumerate(self.x0)]
+
+
+def sweep(
+    function: Callable[..., Any],
+    model: Any,
+    over: Mapping[str, Any],
+    *,
+    x0: Sequence[Any] = (),
+    workers: int | None = None,
+    executor: Executor | None = None,
+    resume: str | Path | None = None,
+    progress: bool = True,
+) -> Sweep:
+    """Call a function with the model at each point of a grid of parameters.
+
+    Parameters
+    ----------
+    function : callable
+        Called as ``function(model)``, or as ``function(model, start)`` where `x0` is given.
+    model : Model
+    over : mapping of str to array_like
+        Parameters and their values.
+    x0 : sequence
+        Initial states: names, or arrays (2n,), as :func:`simulate` takes them.
+    workers, executor
+        As :func:`bifurcation`.
+    resume : path or None
+        File in which results are kept as they come; if it is there, what it holds is not computed again.
+        They have to be numbers, texts, or lists and mappings of such.  Of the function the file knows only
+        the name: give every function, and every setting that it has inside, a file of its own.
+    progress : bool
+
+    Returns
+    -------
+    Sweep
+        After ctrl-C with what was done.
+
+    Raises
+    ------
+    TypeError
+        For an unknown parameter, what is no function, or no model.
+    ValueError
+        For a value that breaks a rule or a bad initial state; like the others before any work is done.
+    OSError
+        Where the file cannot be written.
+    RuntimeError
+        Where the function fails, from its error; what was done before is in the file.
+
+    Examples
+    --------
+    >>> import frictionlab as fl
+    >>> found = fl.sweep(lambda m: fl.equilibrium(m).normal_force, fl.SliderOnBelt(), {"F": [100, 200]})
+    >>> found.to_array().round(2)
+    array([ 60.75, 121.54])
+    """
+    check_function("function", function, "write sweep(function, model, over)")
+    require_model(model, cure="write sweep(function, model, over), the model made, such as fl.SliderOnBelt()")
+    check_workers(workers)
+    axes = _axes(over)
+    points = list(product(*axes.values()))
+    models = [model.replace(**dict(zip(axes, map(float, point)))) for point in points]
+    if isinstance(x0, str):
+        raise ValueError(f"x0 must be a sequence of initial states, got {x0!r}: write [{x0!r}]")
+    starts = [s if isinstance(s, str) else np.asarray(s, dtype=float).tolist() for s in x0]
+    for start in starts:
+        check_initial_state(model, start)
+    specification = {"function": _name(function), "model": model.to_dict(), "x0": starts}
+    journal = Journal({**specification, "over": {k: v.tolist() for k, v in axes.items()}}, resume)
+    tasks = [(m, start) for m in models for start in x0] if starts else [(m,) for m in models]
+    run_tasks(
+        function,
+        tasks,
+        keep=journal.keep,
+        names=[_point(axes, points[i // (len(starts) or 1)]) for i in range(len(tasks))],
+        done=frozenset(journal.results),
+        workers=workers,
+        executor=executor,
+        progress="sweep" if progress else None,
+    )
+    journal.close()
+    results = np.empty(len(tasks), dtype=object)
+    for i, result in journal.results.items():
+        results[i] = result
+    shape = [len(values) for values in axes.values()] + ([len(starts)] if starts else [])
+    return Sweep(axes, tuple(x0), results.reshape(shape))
+
+
+def _axes(over: Mapping[str, Any]) -> dict[str, NDArray[np.float64]]:
+    cure = 'give each its values, such as {"mu_k": [0.5, 1.0]}'
+    check_mapping("over", over, cure)
+    axes = {name: float_array(f"over[{name!r}]", values, cure).ravel() for name, values in over.items()}
+    empty = [name for name, values in axes.items() if not len(values)]
+    if empty or not axes:
+        raise ValueError(
+            f"over must hold values of each parameter, got none of {', '.join(empty) or 'any'}: {cure}"
+        )
+    return axes
+
+
+def _point(axes: Mapping[str, Any], point: tuple[float, ...]) -> str:
+    return ", ".join(f"{name} = {value:g}" for name, value in zip(axes, point))
+
+
+def _name(function: Callable[..., Any]) -> str:
+    return getattr(function, "__qualname__", type(function).__name__)
+
+
+def _row(result: Any) -> Mapping[str, Any]:
+    if result is None:
+        return {}
+    return result if isinstance(result, Mapping) else {"result": result}

@@ -1,0 +1,141 @@
+"""Comparison of two runs of one motion: in their events, and in their states between events.
+
+Events close together (two at once, the last bounces of a Zeno accumulation) count as one.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from frictionlab.analysis.motion_scales import Array
+from frictionlab.hybrid.methods.taylor import Taylor
+from frictionlab.hybrid.trajectory import Trajectory
+
+SIMULTANEOUS_SHARE = 1e-5  # of the longest stay in a mode: events nearer to each other count as one
+ACCUMULATION_SHARE = 1e-3  # of it: stays so short that lead to an accumulation belong to it
+END_MARGIN_SHARE = (
+    1e-3  # of the longest stay: so near to the end one run may have an event that the other has not
+)
+COMPARISON_TIMES = 2000  # times at which states are compared, besides some within every stay
+SAMPLES_WITHIN_STAY = np.array([0.1, 0.5, 0.9])
+
+
+class RunComparison(NamedTuple):
+    """Whether two runs agree.
+
+    Parameters
+    ----------
+    error : float
+        Largest deviation up to `until`, as a share of the motion's size.
+    until : float
+        s: up to where they were compared, or came apart.
+    differs_at : float
+        s: the first event in which they differ; infinite where there is none.
+    """
+
+    error: float
+    until: float
+    differs_at: float
+
+
+class ModeStays(NamedTuple):
+    """Events, those close together as one: when the first and the last of them happen, the mode entered,
+    whether an accumulation was closed."""
+
+    first: Array
+    last: Array
+    mode: Array
+    closed: Array
+
+
+def mode_stays(run: Trajectory, together: float) -> ModeStays:
+    """A run's events, where those within `together` seconds of the one before count as one."""
+    t, events = run.raw.event_times, run.events
+    if not len(t):
+        return ModeStays(t, t, events.target, events.closed)
+    new = np.diff(t, prepend=-np.inf) > together
+    begins = np.flatnonzero(new)
+    ends = np.append(begins[1:], len(t)) - 1
+    return ModeStays(t[begins], t[ends], events.target[ends], np.logical_or.reduceat(events.closed, begins))
+
+
+def longest_stay(run: Trajectory, end: float) -> float:
+    """The longest time in `run` up to `end` without an event, s."""
+    t = run.raw.event_times
+    return float(np.diff(t[t < end], prepend=0.0, append=end).max())
+
+
+def accumulation_time(run: Trajectory) -> float:
+    """Time between the last event by itself and the first that pile up; infinite where none do."""
+    found = mode_stays(run, ACCUMULATION_SHARE * longest_stay(run, run.raw.t))
+    closed = np.flatnonzero(found.closed)
+    if not len(closed):
+        return np.inf
+    i = closed[0]
+    return 0.5 * float(found.first[i] + (found.last[i - 1] if i else 0.0))
+
+
+def compare_runs(
+    run: Trajectory, other: Trajectory, size: Array, max_deviation: float, until: float = np.inf
+) -> RunComparison:
+    """Compare two runs up to `until`, to an event that differs, or to a deviation beyond `max_deviation`.
+
+    Of other methods than Taylor's `other` is looked at where its steps begin: between these the series that
+    stand for it may not converge, however exact it is.
+    """
+    end = min(until, run.raw.t, other.raw.t)
+    if not end > 0.0:
+        return RunComparison(0.0, 0.0, np.inf)
+    longest = longest_stay(other, end)
+    one, two = mode_stays(run, SIMULTANEOUS_SHARE * longest), mode_stays(other, SIMULTANEOUS_SHARE * longest)
+    differs_at = first_event_difference(one, two, end, END_MARGIN_SHARE * longest)
+    end = min(end, differs_at)
+    taylor = other.description["method"]["name"] == Taylor.name
+    t = _comparison_times(two, end) if taylor else other.raw.step_times[:, 0]
+    t = t[
+        (t <= end)
+        & _outside_accumulations(one, t)
+        & _outside_accumulations(two, t)
+        & (_events_before(one.first, t) == _events_before(two.first, t))
+    ]
+    deviation = np.abs((run(t) - other(t)) / size).max(axis=1, initial=0.0)
+    beyond = np.flatnonzero(~(deviation <= max_deviation))
+    if len(beyond):
+        return RunComparison(float(deviation[: beyond[0]].max(initial=0.0)), float(t[beyond[0]]), differs_at)
+    return RunComparison(float(deviation.max(initial=0.0)), end, differs_at)
+
+
+def first_event_difference(one: ModeStays, two: ModeStays, end: float, late: float) -> float:
+    """When two runs first have different events before `end`; infinite where they have the same.
+
+    Events number k of both are the same where they lead to the same mode, and each comes before number
+    k + 1 of the other: so it is noted if two are missing and all others look alike.
+    """
+    n = min(len(one.first), len(two.first))
+    earlier = np.minimum(one.first[:n], two.first[:n])
+    differs = one.mode[:n] != two.mode[:n]
+    for a, b in ((one.first, two.first), (two.first, one.first)):
+        differs |= a[:n] >= np.append(b, [np.inf, np.inf])[1 : n + 1]
+    further = np.concatenate([one.first[n:], two.first[n:]])
+    times = np.concatenate([earlier[differs], further])
+    return float(times[times < end - late].min(initial=np.inf))
+
+
+def _comparison_times(found: ModeStays, end: float) -> Array:
+    """Times at which states are compared: a grid, and some within every stay."""
+    begins = np.append(0.0, found.last)
+    lengths = np.append(found.first, end) - begins
+    within = (begins[:, None] + lengths[:, None] * SAMPLES_WITHIN_STAY).ravel()
+    t = np.unique(np.concatenate([np.linspace(0.0, end, COMPARISON_TIMES + 1), within]))
+    return t[t >= 0.0]
+
+
+def _events_before(first: Array, t: Array) -> Any:
+    return np.searchsorted(first, t, side="right")
+
+
+def _outside_accumulations(found: ModeStays, t: Array) -> Any:
+    """Whether no events that are close together are under way."""
+    return _events_before(found.first, t) == _events_before(found.last, t)

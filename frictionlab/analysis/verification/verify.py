@@ -1,0 +1,291 @@
+"""`fl.verify`: whether a run can be trusted, from two more runs and one from a neighbouring state."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from frictionlab.analysis.initial_states import validate_initial_state
+from frictionlab.analysis.motion_scales import Array, motion_size
+from frictionlab.hybrid.kernels.jets import MACHINE_EPSILON, MAX_ORDER
+from frictionlab.hybrid.methods.base import Method
+from frictionlab.hybrid.methods.method_registry import method_of
+from frictionlab.hybrid.methods.scipy_methods import Scipy
+from frictionlab.hybrid.methods.taylor import Taylor
+from frictionlab.hybrid.problem import Status
+from frictionlab.hybrid.solve import solve
+from frictionlab.hybrid.trajectory import Trajectory
+from frictionlab.models import Model
+from frictionlab.models.coercion import automaton_of
+from frictionlab.validation import check_number
+
+from .defect_warning import defect_message
+from .run_comparison import (
+    SIMULTANEOUS_SHARE,
+    RunComparison,
+    accumulation_time,
+    compare_runs,
+    longest_stay,
+    mode_stays,
+)
+
+NEIGHBOUR_OFFSET = (
+    1e-9  # of what moves at first: how far beside the start a run begins that shows what is predictable
+)
+FIRST_SAMPLES = 80  # samples, of ten steps: some periods of the fastest vibration
+UNPREDICTABLE_DEVIATION = (
+    1e-3  # of the motion's size: when that run is so far away, the motion is no longer predictable
+)
+TRUSTED_DEVIATION = 1e-4  # of the motion's size: runs that agree so well draw one line in a picture
+EXTRA_ORDERS, TOLERANCE_FACTOR = 6, 0.1  # of the second run
+INDEPENDENT_RTOL = 1e-12  # relative tolerance of the independent method
+MAX_INDEPENDENT_STEPS = 20_000  # of the independent method, some ten seconds
+TIME_RTOL = 1e-6  # share of a time by which two runs may differ that find the same
+UNPREDICTABLE_MESSAGE = "a start changed by a billionth leads elsewhere."
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Verification:
+    """What several runs of one motion say about the first; printed, it is a verdict in a sentence or two.
+
+    Parameters
+    ----------
+    run : Trajectory
+        The run in question.
+    error : float
+        Largest deviation from the other runs up to `until`, as a share of the motion's size, which is that of
+        the largest coordinate, velocity and other state.
+    until : float
+        s: how far the motion can be predicted.  Beyond, a start changed by a billionth leads elsewhere.
+    independent_until : float
+        s: how far the independent method was compared.  It ends where events pile up.
+    events_agree : bool
+        Whether the events up to `until` are the same, in the same sequence.
+    defect : mapping
+        That of the run: largest relative error of a step, by the mode.
+    ok : bool
+        Whether the run can be trusted up to `until`.
+    verdict : str
+    """
+
+    run: Trajectory
+    error: float
+    until: float
+    independent_until: float
+    events_agree: bool
+    defect: Mapping[str, float]
+    ok: bool
+    verdict: str
+
+    def __str__(self) -> str:
+        return self.verdict
+
+    def __repr__(self) -> str:
+        return f"Verification({self.verdict})"
+
+
+def verify(
+    model: Any, t_end: float, *, x0: Any = "rest", method: str | Method = "taylor", progress: bool = True
+) -> Verification:
+    """Run a model, and check the run by others.
+
+    A second run has series of a higher order and a tighter tolerance.  A third is by DOP853 of scipy, which
+    shares the equations but neither series nor root finder nor steps; where events pile up (chatter, a ball
+    that comes to rest) it cannot follow, and is compared up to there.  A fourth begins a billionth beside
+    the start and tells how far the motion can be predicted: what is chaotic is not compared.
+
+    Parameters
+    ----------
+    model : Model or HybridAutomaton
+    t_end : float
+        End time in seconds, positive.
+    x0 : "rest", "near" or array_like (n,)
+        Of an automaton "rest" (all states zero) or an array.
+    method : "taylor", Taylor, RK4, Scipy, ...
+        Of the run in question.
+    progress : bool
+
+    Returns
+    -------
+    Verification
+
+    Raises
+    ------
+    ValueError
+        For bad arguments, before any work is done.
+    KeyboardInterrupt
+        After ctrl-C.
+
+    Examples
+    --------
+    >>> import frictionlab as fl
+    >>> found = fl.verify(fl.SliderOnBelt(mu_k=1.4).without("geometry"), 1.0)
+    >>> found.ok, found.until, found.events_agree
+    (True, 1.0, True)
+    """
+    chosen = method_of(method)
+    check_number("t_end", t_end, above=0.0, cure="give the length of the run in seconds")
+    start = validate_initial_state(model, x0, automaton_of(model))
+    motion = _RunSetup(model, start, float(t_end), progress)
+    run = motion.run(chosen)
+    if not run.raw.t > 0.0:
+        raise ValueError(f"the motion must not end where it begins, it does: {run.status}")
+    second = motion.run(_more_exact_method(chosen), t_end=run.raw.t)
+    size = motion_size(second)
+    until = compare_runs(motion.beside(second), second, size, UNPREDICTABLE_DEVIATION).until
+    if math.isclose(until, run.raw.t, rel_tol=TIME_RTOL):  # the start beside ends a little earlier
+        until = run.raw.t
+    same = compare_runs(run, second, size, np.inf, until)
+    third = _independent_run(motion, second, size, until, 0.5)
+    other = _compare_independent(run, third, size)
+    if _differ(other) and not _differ(same):  # its steps may have passed over something
+        third = _independent_run(motion, second, size, until, 0.0)
+        other = _compare_independent(run, third, size)
+    found = same, other
+    why = _reason_for_doubt(run, second, *found)
+    verdict = f"Do not trust this run: {why}." if why else _agreement_message(run, third, until, found)
+    agree = all(each.differs_at == np.inf for each in found)
+    error = max(each.error for each in found)
+    return Verification(run, error, until, found[1].until, agree, run.defect, not why, verdict)
+
+
+class _RunSetup:
+    """What is run, by several methods."""
+
+    def __init__(self, model: Any, start: Array, t_end: float, progress: bool) -> None:
+        self._model, self._automaton, self._progress = model, automaton_of(model), progress
+        self.start, self._t_end = start, t_end
+
+    def run(self, method: Method, start: Array | None = None, t_end: float | None = None) -> Trajectory:
+        run = solve(
+            self._automaton,
+            self._t_end if t_end is None else t_end,
+            x0=self.start if start is None else start,
+            method=method,
+            progress=self._progress,
+            source=None if self._model is self._automaton else self._model,
+        )
+        if run.status is Status.INTERRUPTED:
+            raise KeyboardInterrupt
+        if isinstance(self._model, Model):
+            run.description["model"] = self._model.to_dict()
+        return run
+
+    def beside(self, run: Trajectory) -> Trajectory:
+        """A run by the same method that starts a little beside another, in the same mode.
+
+        In stick the velocities are held, at a stop both they and a coordinate: all states are moved where
+        that is possible, else the coordinates, else the velocities.  The run itself where it is not.
+        """
+        method, n = method_of(Taylor(**_method_settings(run))), self._automaton.coordinates
+        size = np.minimum(motion_size(run, FIRST_SAMPLES), motion_size(run))
+        signs = NEIGHBOUR_OFFSET * size * np.where(np.arange(len(size)) % 2, -1.0, 1.0)
+        group = np.minimum(np.arange(len(size)) // n, 2) if n else np.zeros(len(size), dtype=int)
+        for moved in (group < 2, group == 0, group == 1):
+            for start in (self.start + signs * moved, self.start - signs * moved):
+                first = self.run(replace(method, max_steps=1), start).raw.step_modes
+                if len(first) and first[0] == run.raw.step_modes[0]:
+                    return self.run(method, start, run.raw.t)
+        return run
+
+
+def _method_settings(run: Trajectory) -> dict[str, Any]:
+    return {name: value for name, value in run.description["method"].items() if name != "name"}
+
+
+def _more_exact_method(method: Method) -> Method:
+    """Another order and a tighter tolerance; of other methods the Taylor method itself."""
+    if not isinstance(method, Taylor):
+        return Taylor()
+    order = min(MAX_ORDER, method.degree + EXTRA_ORDERS)
+    return replace(method, tol=TOLERANCE_FACTOR * method.tol, order=order)
+
+
+def _independent_run(
+    motion: _RunSetup, second: Trajectory, size: Array, until: float, share: float
+) -> Trajectory | None:
+    """The run by another method, up to where it can follow; None where that is nowhere.
+
+    Its steps are at most a `share` of the shortest stay in a mode, but for what would need too many.
+    """
+    end = min(until, accumulation_time(second))
+    if not end > 0.0:
+        return None
+    lengths = _stays_before(second, end)[1]
+    step = max(share * float(lengths.min()), end / MAX_INDEPENDENT_STEPS)
+    tolerances = INDEPENDENT_RTOL, INDEPENDENT_RTOL * float(size.min())
+    return motion.run(Scipy("DOP853", *tolerances, step, max_steps=3 * MAX_INDEPENDENT_STEPS), t_end=end)
+
+
+def _compare_independent(run: Trajectory, third: Trajectory | None, size: Array) -> RunComparison:
+    """With the independent run; that it misses what lasts less than two of its steps is no difference."""
+    if third is None:
+        return RunComparison(0.0, 0.0, np.inf)
+    found = compare_runs(run, third, size, np.inf)
+    if found.differs_at < np.inf:
+        begins, lengths = _stays_before(run, run.raw.t)
+        near = np.searchsorted(begins, found.differs_at)
+        if lengths[max(near - 1, 0) : near + 2].min() < 2.0 * _method_settings(third)["max_step"]:
+            return found._replace(differs_at=np.inf)
+    return found
+
+
+def _stays_before(run: Trajectory, end: float) -> tuple[Array, Array]:
+    """When the stays before `end` begin, and how long they last; the one under way there lasts on."""
+    found = mode_stays(run, SIMULTANEOUS_SHARE * longest_stay(run, end))
+    begins = np.append(0.0, found.last)
+    lengths = np.append(found.first, max(run.raw.t, end)) - begins
+    return begins[begins < end], lengths[begins < end]
+
+
+def _differ(found: RunComparison) -> bool:
+    return found.differs_at < np.inf or not found.error <= TRUSTED_DEVIATION
+
+
+def _reason_for_doubt(run: Trajectory, second: Trajectory, same: RunComparison, other: RunComparison) -> str:
+    """Why a run is not to be trusted; nothing where it is."""
+    for found, which in ((same, "a more exact one"), (other, "an independent one")):
+        if found.differs_at < np.inf:
+            return f"its events are not those of {which} from t = {found.differs_at:.4g} s on"
+        if not found.error <= TRUSTED_DEVIATION:
+            return f"it deviates from {which} by {found.error:.1g} of the motion's size"
+    if second.raw.t < run.raw.t * (1 - TIME_RTOL):
+        return f"a more exact one ends already at t = {second.raw.t:.6g} s: {second.status}"
+    tol = run.description["method"].get("tol")
+    return "" if tol is None else defect_message(run.defect, tol) or ""
+
+
+def _agreement_message(
+    run: Trajectory, third: Trajectory | None, until: float, found: tuple[RunComparison, RunComparison]
+) -> str:
+    """What runs that agree say."""
+    count = int((run.raw.event_times <= until).sum())
+    events = {0: "without an event", 1: "with the same event"}.get(count, f"with the same {count} events")
+    agree = f"agree to {max(MACHINE_EPSILON, *(each.error for each in found)):.0e} of the motion's size"
+    whole, independent = until == run.raw.t, found[1].until
+    if whole and independent == until:
+        text = f"All three runs {agree} over {until:.4g} s, {events}."
+    elif whole:
+        text = f"The runs {agree} over {until:.4g} s, {events}."
+    else:
+        text = f"The runs {agree} up to t = {until:.4g} s, {events}; "
+        text += f"after that it cannot be predicted: {UNPREDICTABLE_MESSAGE}"
+    if independent < until:
+        limit = _comparison_limit(run, third)
+        text += f" The independent method was compared up to t = {independent:.4g} s, {limit}."
+    return text if run.status.ok else f"{text} There the run ended: {run.status}."
+
+
+def _comparison_limit(run: Trajectory, third: Trajectory | None) -> str:
+    """What ended the comparison with the independent method."""
+    if third is not None and third.status is Status.STEP_CAP:
+        return f"where it had taken {len(third.raw.step_modes)} steps"
+    if third is not None and not third.status.ok:
+        return f"where it ended ({third.status})"
+    if third is None or math.isclose(third.raw.t, accumulation_time(run), rel_tol=TIME_RTOL):
+        return "where events begin to pile up"
+    return "where a mode lasts too short a time for its steps"

@@ -1,0 +1,183 @@
+"""Another tool's integrator as a method: it integrates and finds the events, resets and modes are ours.
+
+Tools are given a mode's flow, event functions and Jacobian as functions of floats, compiled by numba
+where it is installed.
+"""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Callable
+from dataclasses import dataclass, field, fields
+from functools import cached_property, lru_cache
+from typing import Any, ClassVar, NamedTuple
+
+import numpy as np
+import sympy
+
+from frictionlab.automaton import HybridAutomaton, Mode
+from frictionlab.hybrid.compilation import NUMBA
+from frictionlab.hybrid.kernels import event_handling, run_state
+from frictionlab.hybrid.methods.base import ActiveRun, Method
+from frictionlab.hybrid.methods.scipy_methods import CHATTER_DWELL
+from frictionlab.hybrid.problem import Problem, RecordList, Status
+
+Array = Any
+
+SAME_INSTANT = 1e-12  # s: a zero so soon after the start of a mode is the one just left
+MAX_RESTARTS = 3  # times that such a zero is passed over
+WARM_UP_TIME = 1e-6  # s
+
+
+class CompiledMode(NamedTuple):
+    """A mode: functions of (z, out) that write into `out`; the numbers of the parameters are inside."""
+
+    rates: Callable[[Array, Array], None]
+    guards: Callable[[Array, Array], None]
+    jacobian: Callable[[Array, Array], None]  # of the rates, row by row
+    count: int  # guards
+
+
+@lru_cache(maxsize=64)
+def compile_mode(mode: Mode, states: tuple[Any, ...], values: tuple[tuple[Any, float], ...]) -> CompiledMode:
+    """Functions of a mode with these parameter values; compiled by numba where it is installed."""
+    numbers = dict(values)
+    flow = [sympy.sympify(e).subs(numbers) for e in mode.flow]
+    guards = [sympy.sympify(event.function).subs(numbers) for event in mode.events]
+    jacobian = list(sympy.Matrix(flow).jacobian(states))
+    return CompiledMode(
+        _compile_function(states, flow),
+        _compile_function(states, guards),
+        _compile_function(states, jacobian),
+        len(guards),
+    )
+
+
+def _compile_function(states: tuple[Any, ...], expressions: list[Any]) -> Callable[[Array, Array], None]:
+    """f(z, out), from the source that sympy prints."""
+    z = [sympy.Symbol(f"z{i}") for i in range(len(states))]
+    shared, results = sympy.cse([e.xreplace(dict(zip(states, z, strict=True))) for e in expressions])
+    lines = ["def function(z, out):", *(f"    z{i} = z[{i}]" for i in range(len(z)))]
+    lines += [f"    {name} = {sympy.pycode(value)}" for name, value in shared]
+    lines += [f"    out[{i}] = {sympy.pycode(value)}" for i, value in enumerate(results)] or ["    pass"]
+    space: dict[str, Any] = {"math": np}
+    exec("\n".join(lines), space)
+    return NUMBA.njit(space["function"]) if NUMBA else space["function"]
+
+
+@dataclass(frozen=True)
+class ExternalMethod(Method):
+    """Base of the adapters: a subclass gives :meth:`to_event`.
+
+    Parameters
+    ----------
+    automaton : HybridAutomaton
+        What is to be run: other tools need its expressions.
+    max_steps : int
+        Of the tool's own steps; a run that reaches it ends with a status.
+    """
+
+    entry: ClassVar[Any] = staticmethod(event_handling.handle_event)
+
+    automaton: HybridAutomaton
+    count: list[int] = field(default_factory=lambda: [0], init=False, repr=False, compare=False)
+
+    @property
+    def degree(self) -> int:
+        return 20
+
+    @property
+    def limits(self) -> tuple[float, float]:
+        return 0.0, CHATTER_DWELL
+
+    @property
+    def steps(self) -> int:
+        """The tool's own steps in the last run."""
+        return self.count[0]
+
+    def prepare(self, z: np.ndarray) -> None:
+        """Have compiled what every mode needs, so that no run that is timed does."""
+        with np.errstate(all="ignore"):
+            for mode in range(len(self.automaton.modes)):
+                self.to_event(mode, z.copy(), 0.0, WARM_UP_TIME)
+
+    @abstractmethod
+    def to_event(
+        self, mode: int, z: np.ndarray, t: float, t_end: float
+    ) -> tuple[float, np.ndarray, int, int]:
+        """Integrate in a mode up to its first event or the end: time, state, its guard or -1, steps."""
+
+    @cached_property
+    def values(self) -> tuple[tuple[Any, float], ...]:
+        """The parameters with their numbers; that of the limit of chatter is the method's, as in `solve`."""
+        numbers = self.automaton.parameters.items()
+        return tuple(
+            (symbol, CHATTER_DWELL if symbol.name == "chatter" else number) for symbol, number in numbers
+        )
+
+    @cached_property
+    def modes(self) -> list[CompiledMode]:
+        """The compiled functions of all modes; kept, as looking them up by expressions takes its time."""
+        return [compile_mode(mode, self.automaton.states, self.values) for mode in self.automaton.modes]
+
+    def describe(self) -> dict[str, Any]:
+        """Name and settings without the automaton, whose copy would take a share of a run."""
+        settings = {f.name: getattr(self, f.name) for f in fields(self) if f.init and f.name != "automaton"}
+        return {"name": self.name, **settings}
+
+    def advance(self, run: ActiveRun, record: run_state.Record) -> int:
+        """Flows up to their events, each entered as one step, until a buffer is full or the run ends."""
+        counts, status = run.cursor.counts, run_state.RUNNING
+        room = min(len(record.step_modes), len(record.event_times))
+        while status == run_state.RUNNING and counts[run_state.STEPS] < room and self.steps < self.max_steps:
+            status = self._flow(run, record)
+        return status
+
+    def _flow(self, run: ActiveRun, record: run_state.Record) -> int:
+        cursor, code = run.cursor, run.problem.program.code
+        times, counts = cursor.times, cursor.counts
+        mode = int(counts[run_state.MODE])
+        now, end = float(times[run_state.NOW]), float(times[run_state.END])
+        t, z, guard, steps = self.to_event(mode, cursor.state.copy(), now, end)
+        self.count[0] += steps
+        row = counts[run_state.STEPS]
+        record.step_times[row] = now, t - now
+        record.step_modes[row] = mode
+        record.step_states[row] = cursor.state
+        counts[run_state.STEPS] += 1
+        times[run_state.NOW], cursor.state[:] = t, z
+        if guard < 0:
+            failed = run_state.RUNNING if self.steps >= self.max_steps else run_state.NOT_FINITE
+            return run_state.FINISHED if t >= end else failed
+        guard += int(code.mode_guards[mode])
+        arrays = code, run.problem.numbers, run.absolute
+        return event_handling.handle_event(*arrays, guard, 1, self.degree, 0.0, cursor, record, run.work)
+
+    def _begin(self, problem: Problem) -> ActiveRun:
+        self.count[0] = 0
+        return super()._begin(problem)
+
+    def _status(self, status: Status, pieces: RecordList) -> Status:
+        capped = status is Status.RUNNING and self.steps >= self.max_steps
+        return Status.STEP_CAP if capped else super()._status(status, pieces)
+
+
+@dataclass(frozen=True)
+class RestartedMethod(ExternalMethod):
+    """Base for tools whose clock starts at zero in every mode: a subclass gives :meth:`flow`."""
+
+    @abstractmethod
+    def flow(self, mode: int, z: np.ndarray, length: float) -> tuple[float, np.ndarray, int, int]:
+        """As :meth:`to_event`, in the time since the start."""
+
+    def to_event(
+        self, mode: int, z: np.ndarray, t: float, t_end: float
+    ) -> tuple[float, np.ndarray, int, int]:
+        now, guard, total = t, 0, 0
+        for _ in range(MAX_RESTARTS):
+            passed, z, guard, steps = self.flow(mode, z, t_end - now)
+            now, total = now + passed if passed < t_end - now else t_end, total + steps
+            # The zero just left, which rounding has made fall once more: to go on from behind it is enough.
+            if guard < 0 or now - t >= SAME_INSTANT:
+                break
+        return now, z, guard, total

@@ -1,0 +1,170 @@
+"""Many eigenvalue problems against a loop; Floquet multipliers against finite differences."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from frictionlab.analysis.orbits.periodic_orbit import PeriodicOrbit, periodic_orbit
+from frictionlab.analysis.simulate import simulate
+from frictionlab.analysis.tables import markdown_table
+from frictionlab.hybrid.methods.taylor import Taylor
+from frictionlab.hybrid.variational.tangent_flow import tangent_flow
+from frictionlab.models import SliderOnBelt
+from frictionlab.stability import eigenvalues, root_locus, stability_changes
+
+from .harness import interleaved_medians, warm_up
+from .scenes import FULL_GAP_RATE_SLIDER
+
+LOOP_STRIDE = 20  # the loop solves one problem in so many and is scaled up
+EIGENPROBLEM_MODEL = SliderOnBelt()
+
+DIFFERENCE_STEPS = (1e-4, 1e-6, 1e-8)  # of finite differences, as a share of the motion's range in each state
+
+
+@dataclass(frozen=True)
+class EigenproblemRow:
+    """What was done, wall time in s, largest difference of an eigenvalue from those of the loop in 1/s."""
+
+    name: str
+    seconds: float
+    difference: float
+
+
+def eigenproblem_times(count: int = 10_000, repeats: int = 3) -> list[EigenproblemRow]:
+    """Equilibrium and eigenvalues for `count` values of mu_k: tracked all at once, and in a loop."""
+    values = np.linspace(0.0, 3.0, count)
+    some = values[::LOOP_STRIDE]
+    at_once, loop, changes = interleaved_medians(
+        [
+            lambda: root_locus(EIGENPROBLEM_MODEL, "mu_k", values),
+            lambda: _eigenvalues_in_loop(some),
+            _find_changes,
+        ],
+        repeats,
+    )
+    scale = count / len(some)
+    return [
+        EigenproblemRow(f"{count} values, modes tracked (root_locus)", at_once, _largest_difference(some)),
+        EigenproblemRow(f"{count} values, one after another (eigenvalues)", loop * scale, 0.0),
+        EigenproblemRow("every stability change from mu_k 0 to 3 (stability_changes)", changes, 0.0),
+    ]
+
+
+def _eigenvalues_in_loop(values: Any) -> list[Any]:
+    return [eigenvalues(EIGENPROBLEM_MODEL.replace(mu_k=float(value))).values for value in values]
+
+
+def _find_changes() -> Any:
+    return stability_changes(EIGENPROBLEM_MODEL, "mu_k", (0.0, 3.0))
+
+
+def _largest_difference(values: Any) -> float:
+    tracked = np.sort_complex(root_locus(EIGENPROBLEM_MODEL, "mu_k", values).values)
+    upper = np.array([np.sort_complex(one[one.imag > 0]) for one in _eigenvalues_in_loop(values)])
+    return float(np.abs(tracked - upper).max())
+
+
+def eigenproblem_table(rows: list[EigenproblemRow]) -> str:
+    """The rows as Markdown; times also as multiples of the first."""
+    lines = (
+        f"{r.name} | {r.seconds:.3g} s | {r.seconds / rows[0].seconds:.2g} | {r.difference:.0e}" for r in rows
+    )
+    return markdown_table("eigenvalue problems | wall time | x | difference, 1/s", lines)
+
+
+@dataclass(frozen=True)
+class MultiplierRow:
+    """How, wall time in s, runs of a period, errors of the multipliers 1 and 0, and of the largest other."""
+
+    scene: str
+    name: str
+    seconds: float
+    runs: int
+    known: float
+    other: float
+
+
+def multiplier_times(repeats: int = 5) -> list[MultiplierRow]:
+    """Scenes A and B at mu_k = 1.4: a cycle of slip, stick, slip and flight."""
+    return [row for name in ("A", "B") for row in _scene_rows(name, repeats)]
+
+
+def _scene_rows(name: str, repeats: int) -> list[MultiplierRow]:
+    model = FULL_GAP_RATE_SLIDER.without("geometry") if name == "A" else FULL_GAP_RATE_SLIDER
+    warm_up(model.automaton(), Taylor())
+    orbit = periodic_orbit(model, simulate(model, 60.0, progress=False))
+    count = len(orbit.state)
+    ways: dict[str, tuple[Callable[[], np.ndarray], int]] = {
+        "tangent tape": (partial(monodromy_by_tape, orbit), 1)
+    }
+    for step in DIFFERENCE_STEPS:
+        ways[f"central differences, step {step:.0e}"] = (
+            partial(monodromy_by_differences, orbit, step),
+            2 * count,
+        )
+    seconds = interleaved_medians([way for way, _ in ways.values()], repeats)
+    reference = _largest_other(monodromy_extrapolated(orbit))
+    return [
+        _multiplier_row(name, text, spent, runs, way(), reference)
+        for (text, (way, runs)), spent in zip(ways.items(), seconds, strict=True)
+    ]
+
+
+def monodromy_by_tape(orbit: PeriodicOrbit) -> np.ndarray:
+    """Monodromy matrix of one run and its tangent flow."""
+    return tangent_flow(_run_period(orbit, orbit.state), progress=False).matrix
+
+
+def monodromy_by_differences(orbit: PeriodicOrbit, step: float) -> np.ndarray:
+    """Monodromy matrix of two runs for each state."""
+    size = np.ptp(orbit.trajectory.states, axis=0)
+    ends = [
+        (_state_after_period(orbit, off), _state_after_period(orbit, -off)) for off in step * np.diag(size)
+    ]
+    columns = [(plus - minus) / (2.0 * step) for plus, minus in ends]
+    return np.column_stack(columns) / size
+
+
+def monodromy_extrapolated(orbit: PeriodicOrbit) -> np.ndarray:
+    """Differences of two steps, extrapolated: what errors are measured by."""
+    return (4.0 * monodromy_by_differences(orbit, 1e-5) - monodromy_by_differences(orbit, 2e-5)) / 3.0
+
+
+def _run_period(orbit: PeriodicOrbit, state: Any) -> Any:
+    return simulate(orbit.model, orbit.period, x0=state, progress=False)
+
+
+def _state_after_period(orbit: PeriodicOrbit, off: np.ndarray) -> np.ndarray:
+    return _run_period(orbit, orbit.state + off).final_state
+
+
+def _largest_other(matrix: np.ndarray) -> float:
+    """Size of the largest multiplier but that along the orbit."""
+    values = np.linalg.eigvals(matrix)
+    return float(np.abs(np.delete(values, np.argmin(np.abs(values - 1.0)))).max())
+
+
+def _multiplier_row(
+    scene: str, name: str, seconds: float, runs: int, matrix: np.ndarray, reference: float
+) -> MultiplierRow:
+    values = np.linalg.eigvals(matrix)
+    known = max(np.abs(values - 1.0).min(), np.abs(values).min())
+    return MultiplierRow(scene, name, seconds, runs, float(known), abs(_largest_other(matrix) - reference))
+
+
+def multiplier_table(rows: Sequence[MultiplierRow]) -> str:
+    """The rows as Markdown; times also as multiples of the scene's first."""
+    first = {row.scene: row.seconds for row in reversed(rows)}
+    lines = (
+        f"{r.scene} | {r.name} | {r.runs} | {1e3 * r.seconds:.3g} ms | {r.seconds / first[r.scene]:.2f} "
+        f"| {r.known:.1e} | {r.other:.1e}"
+        for r in rows
+    )
+    return markdown_table(
+        "scene | way | runs | wall time | x | error of 1 and 0 | of the largest other", lines
+    )

@@ -1,0 +1,165 @@
+"""`frictionlab figure` and `frictionlab reproduce`: one figure of the paper, or all as a page."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+from typing import Any
+
+from . import parsing
+from .parsing import OneLineParser, add_sweep_options, check_workers
+
+EXIT_FAILED = 1
+
+FIGURE_DESCRIPTION = """\
+Compute a figure of the paper (Liu & Ouyang 2020), print its numbers and draw
+it."""
+
+FIGURE_EPILOG = """\
+examples:
+  frictionlab figure 2                 (writes fig2.png)
+  frictionlab figure 6 -o pairs.pdf
+  frictionlab figure 9 --algorithm paper -o fig9.png
+  frictionlab figure 12 --impact full --quick
+
+exit status: 0 the picture was written; 1 it could not be; 2 bad arguments;
+130 stopped by ctrl-C."""
+
+DEFAULT_FOLDER = "docs"
+
+REPRODUCE_DESCRIPTION = """\
+Check every claim of the paper (Liu & Ouyang 2020) by the exact solver, with both
+impact laws, and by the paper's algorithm; draw every figure; write
+reproduction.md with the pictures beside it."""
+
+REPRODUCE_EPILOG = """\
+examples:
+  frictionlab reproduce                          (docs/reproduction.md)
+  frictionlab reproduce --quick -o check         (a few minutes, coarser grids)
+  frictionlab reproduce --resume sweeps          (goes on after ctrl-C)
+
+exit status: 0 the page was written; 1 it could not be; 2 bad arguments;
+130 stopped by ctrl-C (with --resume, what was computed is kept)."""
+
+
+def add_figure(commands: Any) -> OneLineParser:
+    """Add the command `figure`; returns its parser."""
+    parser = commands.add_parser(
+        "figure",
+        help="compute and draw a figure of the paper",
+        description=FIGURE_DESCRIPTION,
+        epilog=FIGURE_EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        allow_abbrev=False,
+    )
+    parser.add_argument("number", type=int, metavar="N", help="the paper's number: 2 to 18")
+    parser.add_argument(
+        "-o", "--output", metavar="FILE", help="picture, e.g. fig2.png or .pdf (default: figN.png)"
+    )
+    _add_figure_options(
+        parser.add_argument_group("figures 7 to 18, which are of steady states and take minutes")
+    )
+    parser.set_defaults(save=None)
+    return parser
+
+
+def _add_figure_options(group: Any) -> None:
+    group.add_argument(
+        "--algorithm",
+        default="exact",
+        metavar="NAME",
+        help="exact, or paper: fixed steps of 0.0002 s (default: exact)",
+    )
+    group.add_argument(
+        "--impact",
+        default="paper",
+        metavar="LAW",
+        help="paper: Eq. 13 as printed; full: the gap's full rate; not for 13 and 14 (default: paper)",
+    )
+    group.add_argument("--quick", action="store_true", help="a coarser grid")
+    add_sweep_options(group)
+
+
+def figure_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
+    """Check, compute, print and draw; returns the exit status."""
+    from frictionlab.paper import figure
+    from frictionlab.paper.registry import check_figure
+
+    chosen.output = f"fig{chosen.number}.png" if chosen.output is None else chosen.output
+    try:
+        options = _figure_options(chosen)
+        check_figure(chosen.number, options["algorithm"], options["impact"])
+        check_workers(chosen.workers)
+        parsing.check_files(chosen)
+    except ValueError as error:
+        parser.error(str(error))
+    result = figure(chosen.number, **options)
+    print(result, flush=True)
+    return _write_picture(result, chosen.output, parser)
+
+
+def _figure_options(chosen: argparse.Namespace) -> dict[str, Any]:
+    impact = {"full": "full gap rate"}.get(chosen.impact, chosen.impact)
+    names = "algorithm", "quick", "workers", "resume"
+    return {name: getattr(chosen, name) for name in names} | {"impact": impact}
+
+
+def _write_picture(result: Any, path: str, parser: OneLineParser) -> int:
+    try:
+        result.plot().savefig(path)
+    except OSError as error:  # a full disk, or a folder that has gone since the check
+        sys.stderr.write(f"{parser.prog}: error: {error}\n")
+        return EXIT_FAILED
+    print(f"Picture in {path}")
+    return 0
+
+
+def add_reproduce(commands: Any) -> OneLineParser:
+    """Add the command `reproduce`; returns its parser."""
+    parser = commands.add_parser(
+        "reproduce",
+        help="check every claim of the paper and draw every figure",
+        description=REPRODUCE_DESCRIPTION,
+        epilog=REPRODUCE_EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        allow_abbrev=False,
+    )
+    parser.add_argument(
+        "-o",
+        "--output",
+        default=DEFAULT_FOLDER,
+        metavar="FOLDER",
+        help=f"takes the page (default: {DEFAULT_FOLDER})",
+    )
+    parser.add_argument("--quick", action="store_true", help="coarser grids: a quarter of the time")
+    parser.add_argument("-q", "--quiet", action="store_true", help="no progress bar")
+    add_sweep_options(parser)
+    return parser
+
+
+def reproduce_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
+    """Check, compute and write; returns the exit status."""
+    from frictionlab.paper.report import reproduce
+    from frictionlab.paper.scenes import Setting
+
+    try:
+        check_workers(chosen.workers)
+        for option, path in (("-o", chosen.output), ("--resume", chosen.resume)):
+            _check_folder(option, path)
+    except ValueError as error:
+        parser.error(str(error))
+    resume = None if chosen.resume is None else Path(chosen.resume)
+    options = {"quick": chosen.quick, "workers": chosen.workers, "progress": not chosen.quiet}
+    try:
+        page = reproduce(chosen.output, Setting(**options, resume=resume))
+    except OSError as error:
+        sys.stderr.write(f"{parser.prog}: error: {error}\n")
+        return EXIT_FAILED
+    print(f"Page in {page}")
+    return 0
+
+
+def _check_folder(option: str, path: str | None) -> None:
+    if path is not None and Path(path).exists() and not Path(path).is_dir():
+        raise ValueError(f"{option} must be a folder, {path!r} is a file: give another")

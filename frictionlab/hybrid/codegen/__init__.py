@@ -1,0 +1,15 @@
+"""Machine code of modes, written with llvmlite, which gives what the kernels give to the last bit.
+
+``jet_codegen``
+    The jets of a mode (:mod:`frictionlab.hybrid.kernels.jets`), for one run, and for several side by side
+    (lanes).
+``remainder_codegen``
+    The ranges and bounds of :mod:`frictionlab.hybrid.kernels.remainder`, for lanes.
+``step_codegen``
+    A whole step without an event, for lanes.
+``native_cache``
+    When a mode's code is compiled (in the background, once it has been used for long), and where it is kept.
+
+From a `Program` the cache takes the tape of a mode (`ModeTape`), a writer turns it into an LLVM module, and
+the address of the compiled function goes into the program's `Code`, where the kernels find it.
+"""

@@ -1,0 +1,336 @@
+"""Machine code of a mode's jets: its operations in sequence, within a loop over the orders asked for.
+
+It does the same operations in the same sequence as :func:`frictionlab.hybrid.kernels.jets.run_tape`, so its
+results are those of the interpreter to the last bit, and a run may change from one to the other at any step.
+It leaves out the rows of slots that nobody reads; of the rates it keeps the values.  `LaneWriter` writes the
+same for several runs side by side: every value has one number for each run (lane).
+"""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import Any, NamedTuple
+
+from frictionlab.hybrid.kernels.arithmetic import PARTS
+from frictionlab.hybrid.kernels.jets import INVERSE_LARGEST_COEFFICIENT, JET_COLUMNS
+from frictionlab.hybrid.llvm_instructions import Instructions, Values, llvm_constant, write_branch, write_loop
+from frictionlab.hybrid.tape.operations import (
+    AFFINE,
+    FUNCTIONS,
+    POWER,
+    PRODUCT,
+    QUOTIENT,
+    RATE,
+    SECH2,
+    SQUARE,
+)
+from frictionlab.hybrid.tape.tape import Tape
+
+LIBRARY_SYMBOLS = {POWER: "pow"} | {POWER + 1 + i: f.__name__ for i, f in enumerate(FUNCTIONS)}
+
+LANE_COUNT = 4
+LEFT, LENGTH, REGULAR, TOL, LOG_TOL, GUARD_TOL = range(6)  # rows of `control`, all of LANE_COUNT numbers
+CONTROL_ROWS = 6
+
+
+class ModeTape(NamedTuple):
+    """What the code of one mode is made from."""
+
+    tape: Tape
+    first: tuple[int, int]  # place of the tape's operations, and of its terms, among all
+    flow: tuple[int, ...]  # slot that holds each state's derivative
+    kept: frozenset[int]  # slots whose rows are wanted
+
+
+class OrderInLoop(NamedTuple):
+    """The order at hand: k = 4 fours + 1 + rest, as a number too, and the place of column k of J."""
+
+    fours: Any
+    rest: int
+    number: Any
+    column: Any
+
+
+def jets_module(function: ModeTape, name: str) -> Any:
+    """LLVM module with the function `name`(z, constants, terms, J, order)."""
+    from llvmlite import ir
+
+    body = empty_function(ir, 4, name)
+    JetWriter(ir, body, function).write()
+    return body.module
+
+
+def empty_function(ir: Any, arrays: int, name: str) -> Any:
+    """An empty function `name` of so many arrays, none of which overlap, and the order."""
+    pointers = [ir.DoubleType().as_pointer()] * arrays
+    signature = ir.FunctionType(ir.VoidType(), [*pointers, ir.IntType(64)])
+    body = ir.Function(ir.Module(name=name), signature, name)
+    for argument in body.args[:arrays]:
+        argument.add_attribute("noalias")
+    return body
+
+
+class JetWriter(Instructions):
+    """Writes the recurrences; `values` are those of all slots at the order at hand."""
+
+    def __init__(self, ir: Any, body: Any, function: ModeTape) -> None:
+        super().__init__(ir, ir.IRBuilder(body.append_basic_block()), JET_COLUMNS)
+        self.function = function
+        self.z, self.constants, self.terms, self.J = body.args[:4]
+        self.order = body.args[-1]
+        self.values: dict[int, Any] = {}
+        operands = {slot for kind, a, b in function.tape.ops if kind != AFFINE for slot in (a, b)}
+        outputs = {function.tape.inputs + i for i, op in enumerate(function.tape.ops) if op[0] > SQUARE}
+        self.stored = function.kept | operands | outputs | set(range(function.tape.inputs))
+
+    def write(self) -> None:
+        self.jets()
+        self.build.ret_void()
+
+    def jets(self) -> None:
+        """Columns 0 to `order` of J."""
+        for i in range(self.function.tape.inputs):
+            self._set(i, self.J, self._load(self.z, i))
+        self._operations(None)
+        for slot in sorted({*self.function.flow} - self.stored):
+            self._store(self.values[slot], self.J, slot * self.row)
+        self._prepare_powers()
+        done = self.build.append_basic_block()
+        write_loop(self.build, self.order, self._rates(), partial(self._columns, done))
+        self.build.branch(done)
+        self.build.position_at_end(done)
+
+    def _rates(self) -> Values:
+        return [self.values[slot] for slot in self.function.flow]
+
+    def _columns(self, done: Any, fours: Any, rates: Values) -> Values:
+        """The next four columns, so that what a convolution leaves after groups of four is known."""
+        build, first = self.build, self.build.shl(fours, self.whole(2))
+        for rest in range(PARTS):
+            k = build.add(first, self.whole(rest + 1))
+            at = OrderInLoop(fours, rest, self._as_number(k), self._ahead(self.J, k))
+            rates = self._column(at, rates)
+            following = build.append_basic_block()
+            build.cbranch(build.icmp_signed("==", k, self.order), done, following)
+            build.position_at_end(following)
+        return rates
+
+    def _column(self, at: OrderInLoop, rates: Values) -> Values:
+        """A column, from the rates in the one before; returns its own rates."""
+        share = self.build.fdiv(self._number(1.0), at.number)
+        for state, rate in enumerate(rates):
+            self._set(state, at.column, self.build.fmul(rate, share))
+        self._operations(at)
+        return self._rates()
+
+    def _operations(self, at: OrderInLoop | None) -> None:
+        for i, (kind, a, b) in enumerate(self.function.tape.ops):
+            value = self._value(i, kind, a, b) if at is None else self._coefficient(i, kind, a, b, at)
+            self._set(self.function.tape.inputs + i, self.J if at is None else at.column, value)
+
+    def _value(self, i: int, kind: int, a: int, b: int) -> Any:
+        """Coefficient 0."""
+        build, values = self.build, self.values
+        if kind == AFFINE:
+            return self._affine(a, b, self._load(self.constants, self.function.first[0] + i))
+        if kind in (PRODUCT, SQUARE):  # a square's operands are the same
+            return build.fmul(values[a], values[b])
+        if kind == QUOTIENT:
+            return build.fdiv(values[a], values[b])
+        if kind == RATE:
+            return self._number(0.0)
+        if kind == SECH2:
+            return self._sech2(values[a])
+        return (
+            self._power_value(i, values[a]) if kind == POWER else self._call(LIBRARY_SYMBOLS[kind], values[a])
+        )
+
+    def _sech2(self, a: Any) -> Any:
+        """As in :func:`jets.function_value`."""
+        build, one = self.build, self._number(1.0)
+        q = self._call("exp", build.fmul(self._number(-2.0), self._abs(a)))
+        below = build.fadd(one, q)
+        return build.fdiv(build.fmul(self._number(4.0), q), build.fmul(below, below))
+
+    def _coefficient(self, i: int, kind: int, a: int, b: int, at: OrderInLoop) -> Any:
+        """Coefficient k > 0."""
+        build, values, out = self.build, self.values, self.function.tape.inputs + i
+        if kind == AFFINE:
+            return self._affine(a, b, None)
+        if kind == PRODUCT:
+            return self._product(a, b, at)
+        if kind == SQUARE:
+            return self._square(a, at)
+        if kind == QUOTIENT:
+            total = build.fsub(values[a], self._convolution(b, out, at, 1))
+            return build.fdiv(total, self._at(b, self.J))
+        if kind == RATE:
+            return build.fmul(at.number, values[a])
+        if kind == POWER:
+            return self._power(i, a, out, at)
+        return build.fdiv(self._convolution(out - 1, b, at, 1), at.number)
+
+    def _affine(self, first: int, last: int, total: Any) -> Any:
+        for j in range(first, last):
+            slot, value = self.function.tape.terms[j][0], self._load(self.terms, self.function.first[1] + j)
+            factor = self.values[slot]
+            total = self.build.fmul(value, factor) if total is None else self._fma(value, factor, total)
+        return self._number(0.0) if total is None else total
+
+    def _product(self, a: int, b: int, at: OrderInLoop) -> Any:
+        total = self._convolution(a, b, at, 0)
+        total = self._fma(self._at(a, self.J), self.values[b], total)
+        return self._fma(self.values[a], self._at(b, self.J), total)
+
+    def _square(self, a: int, at: OrderInLoop) -> Any:
+        """Each pair once; of the (k - 1)/2 pairs, groups of four leave two more where `fours` is odd."""
+        build, two = self.build, self._number(2.0)
+        ahead, behind, parts = self._groups(a, a, at, build.ashr(at.fours, self.whole(1)))
+        odd = build.icmp_signed("!=", build.and_(at.fours, self.whole(1)), self.whole(0))
+        single = at.rest // 2
+        parts = write_branch(
+            build,
+            odd,
+            lambda: self._rest(2 + single, ahead, behind, parts),
+            lambda: self._rest(single, ahead, behind, parts),
+        )
+        total = build.fmul(two, self._in_pairs(parts))
+        if at.rest % 2 == 1:
+            middle = self._ahead(
+                self.J, build.add(build.shl(at.fours, self.whole(1)), self.whole(1 + single))
+            )
+            total = self._fma(self._at(a, middle), self._at(a, middle), total)
+        return self._fma(build.fmul(two, self._at(a, self.J)), self.values[a], total)
+
+    def _prepare_powers(self) -> None:
+        """What the base of a power is to be larger than, relative to its rate, to have a series."""
+        if any(kind == POWER for kind, _, _ in self.function.tape.ops):
+            build, kind, one = self.build, self.ir.DoubleType(), self.whole(1)
+            order = build.select(build.icmp_signed(">", self.order, one), self.order, one)
+            exponent = build.fdiv(kind(1.0), build.sitofp(order, kind))
+            self.shortest = self._spread(
+                self._called("pow", kind, kind(INVERSE_LARGEST_COEFFICIENT), exponent)
+            )
+
+    def _power_value(self, i: int, base: Any) -> Any:
+        build, exponent, regular = self.build, self._exponent(i), self._regular(base)
+        value = self._call("pow", build.select(regular, base, self._number(1.0)), exponent)
+        return build.select(regular, value, self._limit(exponent))
+
+    def _power(self, i: int, a: int, out: int, at: OrderInLoop) -> Any:
+        build, base, exponent = self.build, self._at(a, self.J), self._exponent(i)
+        rate = self._abs(self._at(a, self._ahead(self.J, self.whole(1))))
+        has_series = build.fcmp_ordered(">", base, build.fmul(self.shortest, rate))
+        rates, plain = self._convolution(out - 1, out, at, 1), self._convolution(a, out, at, 1)
+        total = build.fmul(build.fadd(exponent, self._number(1.0)), rates)
+        total = build.fadd(total, build.fmul(build.fneg(at.number), plain))
+        total = build.fdiv(total, build.fmul(at.number, base))
+        total = build.select(has_series, total, self._number(0.0))
+        return build.select(self._regular(base), total, self._limit(exponent))
+
+    def _exponent(self, i: int) -> Any:
+        return self._load(self.constants, self.function.first[0] + i)
+
+    def _regular(self, base: Any) -> Any:
+        return self.build.fcmp_ordered(">", base, self._number(0.0))
+
+    def _limit(self, exponent: Any) -> Any:
+        """Of a power where its base goes to zero."""
+        negative = self.build.fcmp_ordered("<", exponent, self._number(0.0))
+        return self.build.select(negative, self._number(float("inf")), self._number(0.0))
+
+    def _convolution(self, a: int, b: int, at: OrderInLoop, more: int) -> Any:
+        """Sum over 1 <= j < k + `more` of the coefficients j of a and k - j of b."""
+        whole, rest = divmod(at.rest + more, PARTS)
+        ahead, behind, parts = self._groups(a, b, at, self.build.add(at.fours, self.whole(whole)))
+        return self._in_pairs(self._rest(rest, ahead, behind, parts))
+
+    def _groups(self, a: int, b: int, at: OrderInLoop, fours: Any) -> tuple[Any, Any, Values]:
+        """The sums of as many groups of four pairs, and the places of the next pair."""
+        ahead = self._place(a, self._ahead(self.J, self.whole(1)))
+        behind = self._place(b, self._ahead(at.column, self.whole(-1)))
+        parts = self._fours(fours, ahead, behind)
+        done = self.build.shl(fours, self.whole(2))
+        return self._ahead(ahead, done), self._ahead(behind, self.build.neg(done)), parts
+
+    def _rest(self, count: int, ahead: Any, behind: Any, parts: Values) -> Values:
+        """Further pairs, one for each of the first sums."""
+        return [self._further(ahead, behind, j, parts[j]) for j in range(count)] + parts[count:]
+
+    def _further(self, ahead: Any, behind: Any, j: int, part: Any) -> Any:
+        return self._fma(self._load(ahead, j), self._load(behind, -j), part)
+
+    def _in_pairs(self, parts: Values) -> Any:
+        return self.build.fadd(self.build.fadd(parts[0], parts[1]), self.build.fadd(parts[2], parts[3]))
+
+    def _fours(self, count: Any, ahead: Any, behind: Any) -> Values:
+        """The four sums of as many groups of four pairs, as one vector."""
+        build, four = self.build, self.ir.VectorType(self.ir.DoubleType(), PARTS)
+        turned = self.ir.Constant(self.ir.VectorType(self.ir.IntType(32), PARTS), list(range(PARTS))[::-1])
+
+        def group(i: Any, sums: Values) -> Values:
+            j = build.shl(i, self.whole(2))
+            forward = self._vector(self._ahead(ahead, j), 0, four)
+            backward = self._vector(self._ahead(behind, build.neg(j)), 1 - PARTS, four)
+            return [
+                self._intrinsic("fma", forward, build.shuffle_vector(backward, backward, turned), sums[0])
+            ]
+
+        (total,) = write_loop(build, count, [llvm_constant(self.ir, four, 0.0)], group)
+        return [build.extract_element(total, self.ir.IntType(32)(j)) for j in range(PARTS)]
+
+    def _set(self, slot: int, column: Any, value: Any) -> None:
+        self.values[slot] = value
+        if slot in self.stored:
+            self._store(value, column, slot * self.row)
+
+
+class LaneWriter(JetWriter):
+    """The recurrences, and what else all lanes do at once."""
+
+    width = LANE_COUNT
+
+    def __init__(self, ir: Any, body: Any, function: ModeTape) -> None:
+        super().__init__(ir, body, function)
+        self.control = body.args[4]
+
+    def _largest(self, first: int, last: int, k: Any) -> Any:
+        """Largest coefficient k of the states [first, last); infinite where one is no number."""
+        build, size = self.build, self._number(0.0)
+        column = self._ahead(self.J, k)
+        for i in range(first, last):
+            c = self._abs(self._at(i, column))
+            clean = build.select(build.fcmp_ordered("ord", c, c), c, self._number(float("inf")))
+            size = build.select(build.fcmp_unordered(">", c, size), clean, size)
+        return size
+
+    def _fours(self, count: Any, ahead: Any, behind: Any) -> Values:
+        def group(i: Any, sums: Values) -> Values:
+            j = self.build.shl(i, self.whole(2))
+            front, back = self._ahead(ahead, j), self._ahead(behind, self.build.neg(j))
+            return [self._further(front, back, part, total) for part, total in enumerate(sums)]
+
+        return write_loop(self.build, count, [self._number(0.0)] * PARTS, group)
+
+    def _call(self, name: str, *arguments: Any) -> Any:
+        result = self._number(0.0)
+        for lane in range(LANE_COUNT):
+            place = self.ir.IntType(32)(lane)
+            each = super()._call(name, *(self.build.extract_element(vector, place) for vector in arguments))
+            result = self.build.insert_element(result, each, place)
+        return result
+
+    def _max(self, a: Any, b: Any) -> Any:
+        return self.build.select(self.build.fcmp_ordered(">", b, a), b, a)
+
+    def _min(self, a: Any, b: Any) -> Any:
+        return self.build.select(self.build.fcmp_ordered("<", b, a), b, a)
+
+    def _where(self, condition: Any, value: Any, otherwise: float) -> Any:
+        return self.build.select(condition, value, self._number(otherwise))
+
+    def _spread(self, value: Any) -> Any:
+        result = self._number(0.0)
+        for lane in range(LANE_COUNT):
+            result = self.build.insert_element(result, value, self.ir.IntType(32)(lane))
+        return result

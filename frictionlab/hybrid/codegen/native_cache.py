@@ -1,0 +1,204 @@
+"""Native code on demand: compiled in the background once a mode has been run for long, and kept in a folder.
+
+Only structure is compiled, never parameter values.  Since native code gives what the interpreter gives to the
+last bit, it does not matter when a run changes over.
+"""
+
+from __future__ import annotations
+
+import gc
+import hashlib
+import os
+import tempfile
+from collections.abc import Iterable, Iterator
+from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import contextmanager, suppress
+from functools import cache
+from itertools import accumulate
+from pathlib import Path
+from typing import Any
+from weakref import WeakKeyDictionary
+
+import numpy as np
+
+from frictionlab.hybrid import compilation, llvm_instructions
+from frictionlab.hybrid.codegen import jet_codegen, remainder_codegen, step_codegen
+from frictionlab.hybrid.codegen.jet_codegen import ModeTape, jets_module
+from frictionlab.hybrid.codegen.remainder_codegen import StepStructure
+from frictionlab.hybrid.codegen.step_codegen import lane_step_module
+from frictionlab.hybrid.kernels import arithmetic
+from frictionlab.hybrid.tape import tape
+from frictionlab.hybrid.tape.program import Code, Program
+
+COMPILE_AFTER = 20_000  # jets of a mode after which its code pays: interpreted, they take as long as it does
+NAME, STEP = "jets", "step"
+_MADE: WeakKeyDictionary[Program, NativeCode] = WeakKeyDictionary()
+_ENGINES: list[Any] = []  # own the code, so they live as long as the process
+
+
+class NativeCode:
+    """The native jets of a program's modes, of all orders up to HIGHEST."""
+
+    def __init__(self, program: Program) -> None:
+        built, count = np.flatnonzero(program.code.built).tolist(), len(program.tapes)
+        self._functions = {mode: _mode_tape(program, mode) for mode in built}
+        self._used = np.zeros(count, dtype=np.int64)
+        self._asked: dict[int, Future[None]] = {}
+        self._of_steps = {mode: _step_structure(program.code, mode) for mode in built}
+        addresses, steps = np.zeros((2, count), dtype=np.int64)
+        self.code: Code = program.code._replace(native=addresses, lanes=steps)
+        for mode, function in self._functions.items():
+            addresses[mode] = _load_from_cache(_path(function))
+            steps[mode] = _load_from_cache(_path(function, STEP, self._of_steps[mode]))
+
+    def used(self, modes: np.ndarray) -> None:
+        """Take note of jets that were computed, by their modes; have what is long compiled."""
+        if compilation.NUMBA is None:
+            return
+        self._used += np.bincount(modes, minlength=len(self._used))
+        for mode in np.flatnonzero((self._used > COMPILE_AFTER) & (self.code.native == 0)).tolist():
+            if mode not in self._asked:
+                self._asked[mode] = _worker().submit(self.compile, mode)
+
+    def compile(self, mode: int) -> None:
+        """Compile a mode now."""
+        function = self._functions[mode]
+        with _garbage_collection_off():
+            code = _emit_object(jets_module(function, NAME))
+        _store(code, _path(function))
+        self.code.native[mode] = _load_object(code)
+
+    def compile_step(self, mode: int) -> None:
+        """Compile a mode's step of several runs now."""
+        function, more = self._functions[mode], self._of_steps[mode]
+        with _garbage_collection_off():
+            code = _emit_object(lane_step_module(function, more, NAME))
+        _store(code, _path(function, STEP, more))
+        self.code.lanes[mode] = _load_object(code)
+
+    def share(self, modes: Iterable[int]) -> None:
+        """Have the steps of several runs in these modes compiled."""
+        for mode in modes if compilation.NUMBA is not None else ():
+            if not (self.code.lanes[mode] or self.code.powers[mode]) and ~mode not in self._asked:
+                self._asked[~mode] = _worker().submit(self.compile_step, mode)
+
+
+def native_code(program: Program) -> NativeCode:
+    """Those of a program, made once."""
+    if program not in _MADE:
+        _MADE[program] = NativeCode(program)
+    return _MADE[program]
+
+
+@contextmanager
+def _garbage_collection_off() -> Iterator[None]:
+    """Without collecting garbage: instructions are many objects that all stay, looked at each time."""
+    was_on = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if was_on:
+            gc.enable()
+
+
+def _mode_tape(program: Program, mode: int) -> ModeTape:
+    code = program.code
+    flow = tuple(map(int, code.flow[mode]))
+    kept = {*map(int, code.sections[mode])}
+    for ranges in (code.mode_guards, code.mode_constraints):
+        kept.update(map(int, code.function_slots[ranges[mode] : ranges[mode + 1]]))
+    terms = [0, *accumulate(len(tape.terms) for tape in program.tapes)]
+    first = int(code.mode_ops[mode]), terms[mode]
+    return ModeTape(program.tapes[mode], first, flow, frozenset(kept))
+
+
+@cache
+def _worker() -> ThreadPoolExecutor:
+    return ThreadPoolExecutor(1, "frictionlab-compiler")
+
+
+@cache
+def _llvm() -> Any:
+    """llvmlite's binding, ready to compile for this machine."""
+    import llvmlite.binding as llvm
+
+    llvm.initialize_native_target()
+    llvm.initialize_native_asmprinter()
+    return llvm
+
+
+@cache
+def _machine() -> Any:
+    llvm = _llvm()
+    features = llvm.get_host_cpu_features().flatten()
+    target = llvm.Target.from_default_triple()
+    # More optimisation takes twice as long and gains nothing.
+    return target.create_target_machine(cpu=llvm.get_host_cpu_name(), features=features, opt=1, jit=True)
+
+
+@cache
+def _host() -> str:
+    """What compiled code depends on besides the function and the kernels, by which the folder is named."""
+    import llvmlite
+
+    llvm = _llvm()
+    writers: Any = (jet_codegen, step_codegen, remainder_codegen)
+    writers = (*writers, arithmetic, llvm_instructions, tape)
+    writer = "".join(Path(module.__file__).read_text(encoding="utf-8") for module in writers)
+    cpu = llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten()
+    return "\n".join([writer, llvmlite.__version__, llvm.get_default_triple(), *cpu])
+
+
+def _step_structure(code: Code, mode: int) -> StepStructure:
+    first, last = code.mode_guards[mode : mode + 2]
+    guards = tuple(map(int, code.function_slots[first:last]))
+    groups = tuple(map(int, code.groups))
+    return StepStructure(guards, groups, int(code.degrees[mode]), int(code.polynomial_degrees[mode]))
+
+
+def _path(function: ModeTape, what: str = NAME, more: object = None) -> Path | None:
+    if not compilation.CACHE_FOLDER:
+        return None
+    tape = function.tape
+    structure = (tape.inputs, tape.ops, [slot for slot, _ in tape.terms], sorted(function.kept))
+    text = repr((structure, function.first, function.flow, more)) + _host()
+    return Path(compilation.CACHE_FOLDER) / f"{what}-{hashlib.sha256(text.encode()).hexdigest()[:24]}.o"
+
+
+def _load_from_cache(path: Path | None) -> int:
+    """Address of code that an earlier process has compiled, else 0."""
+    if compilation.NUMBA is None:
+        return 0
+    with suppress(OSError):
+        return _load_object(path.read_bytes()) if path is not None and path.exists() else 0
+    return 0
+
+
+def _emit_object(module: Any) -> bytes:
+    return _machine().emit_object(_llvm().parse_assembly(str(module)))
+
+
+def _load_object(code: bytes) -> int:
+    llvm = _llvm()
+    engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), _machine_of_engine())
+    engine.add_object_file(llvm.ObjectFileRef.from_data(code))
+    engine.finalize_object()
+    _ENGINES.append(engine)
+    return int(engine.get_function_address(NAME))
+
+
+def _machine_of_engine() -> Any:
+    """An engine takes its machine over, so each has one of its own."""
+    return _llvm().Target.from_default_triple().create_target_machine(jit=True)
+
+
+def _store(code: bytes, path: Path | None) -> None:
+    """Write it beside and rename, so that nobody reads half a file."""
+    if path is None:
+        return
+    with suppress(OSError):
+        handle, name = tempfile.mkstemp(dir=path.parent)
+        with os.fdopen(handle, "wb") as file:
+            file.write(code)
+        os.replace(name, path)

@@ -1,0 +1,392 @@
+"""Vector code for the longest steps whose remainders are bounded, and for ranges of functions on complex
+discs.
+
+That is :mod:`frictionlab.hybrid.kernels.remainder` for all lanes: the operations are those of a single run in
+the same sequence, but that zeros are not added; the library's functions are called for each lane by itself.
+Radii are tried until every lane has its step.  In the ranges `d` is how far the argument goes from its value
+`a`; `y` and `slope` are the absolute values of the function and its derivative there.
+"""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+from typing import Any, NamedTuple
+
+from frictionlab.hybrid.codegen.jet_codegen import LANE_COUNT, LEFT, TOL, LaneWriter, ModeTape
+from frictionlab.hybrid.kernels.arithmetic import PARTS
+from frictionlab.hybrid.kernels.powers import INSTANT
+from frictionlab.hybrid.kernels.remainder import (
+    BOUND_EXCESS,
+    FIRST_RADIUS,
+    MIN_RADIUS_IN_STEPS,
+    RADIUS_FACTOR,
+    RADIUS_TRIES,
+    SINH_LIMIT,
+    SUFFICIENT_SHARE,
+)
+from frictionlab.hybrid.kernels.step_length import FUNCTION_TOL_FACTOR, MIN_FUNCTION_STEP_SHARE
+from frictionlab.hybrid.llvm_instructions import Values, write_exp2, write_log2, write_loop, write_while_loop
+from frictionlab.hybrid.tape.operations import (
+    AFFINE,
+    ATAN,
+    EXP,
+    LOG,
+    POWER,
+    PRODUCT,
+    QUOTIENT,
+    RATE,
+    SECH2,
+    SQUARE,
+    TAN,
+    TANH,
+)
+from frictionlab.hybrid.tape.program import NOT_POLYNOMIAL
+from frictionlab.hybrid.tape.tape import Range
+
+POLYNOMIALS_PER_LOOP = 2  # polynomials that are summed in one loop: their sums fit into the registers
+
+
+class RangeWriter(LaneWriter):
+    """Writes the ranges of functions, quotients and powers."""
+
+    def _function_range(self, kind: int, a: Any, y: Any, slope: Any, d: Any) -> Any:
+        if kind == EXP:
+            return self._exp_range(a, y, d)
+        if kind == LOG:
+            return self._log_range(a, d)
+        if kind == TANH:
+            return self._min(self._tan_range(y, slope, d), self._saturated_range(a, d))
+        if kind == SECH2:
+            return self._sech2_range(a, y, slope, d)
+        if kind == TAN:
+            return self._tan_range(y, slope, d)
+        return self._atan_range(a, d) if kind == ATAN else self._sine_range(y, slope, d)
+
+    def _quotient_range(self, numerator: Any, least: Any) -> Any:
+        """A quotient by no less than `least`, infinite where that is not above zero."""
+        ratio = self.build.fdiv(numerator, least)
+        return self._where(self.build.fcmp_ordered(">", least, self._number(0.0)), ratio, math.inf)
+
+    def _exp_range(self, a: Any, y: Any, d: Any) -> Any:
+        build = self.build
+        near = build.fmul(y, self._call("expm1", d))
+        far = self._call("exp", build.fadd(a, d))
+        return build.select(build.fcmp_ordered("<", d, self._number(1.0)), near, far)
+
+    def _log_range(self, a: Any, d: Any) -> Any:
+        build = self.build
+        reach = build.fneg(self._call("log1p", build.fdiv(build.fneg(d), a)))
+        return self._where(build.fcmp_ordered("<", d, a), reach, math.inf)
+
+    def _tan_range(self, y: Any, slope: Any, d: Any) -> Any:
+        """From the addition theorem, for tan and tanh."""
+        build, one = self.build, self._number(1.0)
+        t = self._call("tan", d)
+        grown = build.fmul(y, t)
+        reach = build.fdiv(build.fmul(slope, t), build.fsub(one, grown))
+        holds = build.and_(build.fcmp_ordered("<", d, self._number(1.5)), build.fcmp_ordered("<", grown, one))
+        return self._where(holds, reach, math.inf)
+
+    def _saturated_range(self, a: Any, d: Any) -> Any:
+        """That of tanh(z) = 1 - 2 q/(1 + q), q = exp(-2 z), which is at most w."""
+        build, size = self.build, self._abs(a)
+        w = self._call("exp", build.fmul(self._number(2.0), build.fsub(d, size)))
+        above = build.fmul(self._number(-2.0), w)
+        above = build.fmul(above, self._call("expm1", build.fmul(self._number(-2.0), d)))
+        below = build.fsub(self._number(1.0), w)
+        return self._where(build.fcmp_ordered("<", d, size), build.fdiv(above, below), math.inf)
+
+    def _sech2_range(self, a: Any, y: Any, slope: Any, d: Any) -> Any:
+        return self._min(self._sech2_near(y, slope, d), self._sech2_far(a, d))
+
+    def _sech2_near(self, y: Any, slope: Any, d: Any) -> Any:
+        """From the addition theorem."""
+        build, one, two = self.build, self._number(1.0), self._number(2.0)
+        short = build.select(build.fcmp_ordered("<", two, d), two, d)
+        half = self._call("sinh", build.fmul(self._number(0.5), short))
+        share = build.fdiv(build.fmul(self._number(0.5), slope), y)
+        share = build.select(build.fcmp_ordered("<", one, share), one, share)
+        tanh = self._where(build.fcmp_ordered(">", y, self._number(0.0)), share, 1.0)
+        g = build.fmul(build.fmul(two, half), half)
+        g = build.fadd(g, build.fmul(tanh, self._call("sinh", short)))
+        rest = build.fsub(one, g)
+        reach = build.fmul(build.fmul(y, g), build.fsub(two, g))
+        reach = build.fdiv(reach, build.fmul(rest, rest))
+        return self._where(build.fcmp_ordered("<", g, one), reach, math.inf)
+
+    def _sech2_far(self, a: Any, d: Any) -> Any:
+        """By 4 q/(1 + q)^2, q = exp(-2 z)."""
+        build, size = self.build, self._abs(a)
+        w = self._call("exp", build.fmul(self._number(2.0), build.fsub(d, size)))
+        rest = build.fsub(self._number(1.0), w)
+        reach = build.fdiv(build.fmul(self._number(4.0), w), build.fmul(rest, rest))
+        return self._where(build.fcmp_ordered("<", d, size), reach, math.inf)
+
+    def _atan_range(self, a: Any, d: Any) -> Any:
+        build = self.build
+        room = self._intrinsic("sqrt", build.fadd(self._number(1.0), build.fmul(a, a)))
+        room = build.fsub(room, d)
+        away = build.fcmp_ordered(">", room, self._number(0.0))
+        return self._where(away, build.fdiv(d, build.fmul(room, room)), math.inf)
+
+    def _sine_range(self, y: Any, slope: Any, d: Any) -> Any:
+        """That of sin, cos, sinh and cosh."""
+        build = self.build
+        half = self._call("sinh", build.fmul(self._number(0.5), d))
+        even = build.fmul(build.fmul(build.fmul(self._number(2.0), y), half), half)
+        reach = build.fadd(even, build.fmul(slope, self._call("sinh", d)))
+        return self._where(build.fcmp_ordered("<", d, self._number(SINH_LIMIT)), reach, math.inf)
+
+    def _power_range(self, exponent: Any, base: Any, d: Any) -> Any:
+        build, less = self.build, self.build.fsub(exponent, self._number(1.0))
+        near, far = (self._call("pow", end, less) for end in (build.fsub(base, d), build.fadd(base, d)))
+        reach = build.fmul(build.fmul(self._abs(exponent), self._max(near, far)), d)
+        return self._where(build.fcmp_ordered("<", d, base), reach, math.inf)
+
+
+class StepStructure(NamedTuple):
+    """What the length of a mode's steps depends on besides its operations."""
+
+    guards: tuple[int, ...]  # their slots
+    groups: tuple[int, ...]  # bounds of the coordinates, the velocities, the other states
+    degree: int  # of all functions, NOT_POLYNOMIAL where there are others than polynomials
+    polynomial_degree: int  # of those that are polynomials
+
+
+class RangeBound(NamedTuple):
+    """How far a slot goes on the disc, and without its polynomial; None for what is not asked for or zero."""
+
+    reach: Any
+    rest: Any
+
+
+class RemainderWriter(RangeWriter):
+    """Writes the passes through the tape; `bounds` and `series` are what one knows of the slots."""
+
+    bounds: dict[int, RangeBound]
+    series: dict[int, Any]
+
+    def __init__(self, ir: Any, body: Any, function: ModeTape, structure: StepStructure) -> None:
+        super().__init__(ir, body, function)
+        self.guards, self.groups, self.degree, self.polynomial_degree = structure
+
+    def _remainder_step(self, h: Any, fine: Any) -> tuple[Any, Any]:
+        """Longest step up to `h` with a bounded remainder, and whether it is a usual one and `fine`."""
+        build, zero = self.build, self._number(0.0)
+        blind, hidden = self._blind(h)
+        fine = build.and_(fine, build.not_(hidden))
+        if self.degree < NOT_POLYNOMIAL:  # then both are one
+            return h, fine
+        blind = build.and_(blind, fine)
+
+        def attempt(carried: Values) -> tuple[Values, Any]:
+            best, radius, active, usual, tries = carried
+            support, known = self._support(radius, h)
+            enough = build.fcmp_ordered(">=", support, build.fmul(self._number(SUFFICIENT_SHARE), h))
+            better = build.not_(build.fcmp_ordered("<", support, best))
+            found = build.select(enough, self._min(support, h), build.select(better, support, best))
+            best = build.select(active, found, best)
+            usual = build.and_(usual, build.or_(build.not_(active), known))
+            active = build.and_(build.and_(active, usual), build.and_(better, build.not_(enough)))
+            radius, tries = build.fmul(radius, self._number(RADIUS_FACTOR)), build.add(tries, self.whole(1))
+            goes_on = build.and_(self._any(active), build.icmp_signed("<", tries, self.whole(RADIUS_TRIES)))
+            return [best, radius, active, usual, tries], goes_on
+
+        start = [zero, build.fmul(self._number(FIRST_RADIUS), h), blind, self._all(), self.whole(0)]
+        best, _, _, usual, _ = write_while_loop(build, self._any(blind), start, attempt)
+        h = build.select(blind, best, h)
+        return h, build.and_(fine, build.and_(usual, build.fcmp_ordered(">", h, zero)))
+
+    def _blind(self, h: Any) -> tuple[Any, Any]:
+        """As :func:`remainder.needs_remainder`, and where not :func:`remainder.polynomials_visible` too."""
+        build = self.build
+        at_end = build.fcmp_ordered("==", h, self._load(self.control, LEFT))
+        blind = build.select(self._reaches_order(self.degree), self._all(), at_end)
+        hidden = build.select(self._reaches_order(self.polynomial_degree), self._all(), at_end)
+        return blind, build.and_(blind, hidden)
+
+    def _reaches_order(self, degree: int) -> Any:
+        return self.build.icmp_signed(">=", self.whole(degree), self.order)
+
+    def _all(self) -> Any:
+        return self.ir.Constant(self.ir.VectorType(self.ir.IntType(1), LANE_COUNT), [1] * LANE_COUNT)
+
+    def _any(self, lanes: Any) -> Any:
+        bits = self.build.bitcast(lanes, self.ir.IntType(LANE_COUNT))
+        return self.build.icmp_unsigned("!=", bits, bits.type(0))
+
+    def _support(self, radius: Any, h: Any) -> tuple[Any, Any]:
+        """As :func:`remainder.supported_step`, and whether by the first three terms of all groups."""
+        build, ir, known = self.build, self.ir, self._all()
+        self._bound_ranges(radius)
+        log_radius = write_log2(ir, build, radius)
+        room = build.fmul(self._as_number(self.order), log_radius)
+        room = build.fadd(write_log2(ir, build, self._load(self.control, TOL)), room)
+        best = build.fsub(log_radius, self._number(math.log2(MIN_RADIUS_IN_STEPS * BOUND_EXCESS)))
+        room_of_rates = build.fadd(room, write_log2(ir, build, self._order_less(-1)))
+        bounded = self._all()
+        for first, last in pairwise(self.groups):
+            rest = self._largest_rest(self.function.flow[first:last])
+            if rest is not None:
+                sizes = self._sizes(first, last)
+                longest = self._longest(build.fsub(room_of_rates, write_log2(ir, build, rest)), sizes)
+                leaves = build.fcmp_ordered(">", rest, self._number(0.0))
+                best = build.select(leaves, self._min(best, longest), best)
+                known = build.and_(known, build.or_(build.not_(leaves), self._some(sizes)))
+                bounded = build.and_(bounded, build.fcmp_ordered("<", rest, self._number(math.inf)))
+        least = write_log2(ir, build, build.fmul(self._number(MIN_FUNCTION_STEP_SHARE), h))
+        room = build.fadd(room, build.fadd(self._number(math.log2(FUNCTION_TOL_FACTOR)), log_radius))
+        for slot in self.guards:
+            if self.bounds[slot].rest is not None:
+                best = self._min(best, self._max(least, self._guard_support(slot, room)))
+        longest = build.fmul(self._number(BOUND_EXCESS), write_exp2(ir, build, best))
+        return self._where(bounded, longest, 0.0), known
+
+    def _largest_rest(self, slots: tuple[int, ...]) -> Any:
+        """The largest of some slots."""
+        largest = None
+        for slot in slots:
+            rest = self.bounds[slot].rest
+            if rest is not None:
+                largest = rest if largest is None else self._max(largest, rest)
+        return largest
+
+    def _sizes(self, first: int, last: int) -> Values:
+        """Of the first three terms of a group of states, at an instant after the start at the least."""
+        instant = self._number(INSTANT)
+        start, rate, second = (self._largest(first, last, self.whole(m)) for m in range(3))
+        moved = self._max(rate, self.build.fmul(second, instant))
+        return [self._max(start, self.build.fmul(moved, instant)), rate, second]
+
+    def _some(self, sizes: Values) -> Any:
+        largest = self._max(self._max(sizes[0], sizes[1]), sizes[2])
+        return self.build.fcmp_ordered(">", largest, self._number(0.0))
+
+    def _guard_support(self, slot: int, room: Any) -> Any:
+        build, rest = self.build, self.bounds[slot].rest
+        row = self._place(slot, self.J)
+        sizes = [self._abs(self._load(row, m)) for m in range(3)]
+        longest = self._longest(build.fsub(room, write_log2(self.ir, build, rest)), sizes)
+        longest = self._where(build.fcmp_ordered("<", rest, self._number(math.inf)), longest, -math.inf)
+        return self._where(build.fcmp_ordered(">", rest, self._number(0.0)), longest, math.inf)
+
+    def _longest(self, room: Any, sizes: Values) -> Any:
+        """As :func:`remainder.log2_longest_step`."""
+        build = self.build
+        rooms = [build.fadd(room, write_log2(self.ir, build, size)) for size in sizes]
+        each = [build.fdiv(total, self._order_less(m - 1)) for m, total in enumerate(rooms)]
+        return self._max(self._max(each[0], each[1]), each[2])
+
+    def _order_less(self, m: int) -> Any:
+        """The order less `m`, as a number."""
+        return self._as_number(self.build.sub(self.order, self.whole(m)))
+
+    def _bound_ranges(self, radius: Any) -> None:
+        """The bounds of what the rates and the guards depend on where they are no polynomials."""
+        tape = self.function.tape
+        ranges = tape.ranges((*self.function.flow, *self.guards), self.guards)
+        measured = [slot for slot, kind in enumerate(ranges) if kind in (Range.SERIES, Range.BOTH)]
+        self.series = self._on_radius(measured, radius)
+        polynomial = [degree < math.inf for degree in tape.degrees(self.guards)]
+        self.bounds = dict.fromkeys(range(tape.slots), RangeBound(None, None))
+        for slot, kind in enumerate(ranges):
+            if kind is Range.SERIES:
+                self.bounds[slot] = RangeBound(self.series[slot], None)
+            elif kind >= Range.OPERATION:
+                bound = self._bound(slot - tape.inputs, *tape.ops[slot - tape.inputs])
+                self.bounds[slot] = RangeBound(bound.reach, None) if polynomial[slot] else bound
+
+    def _on_radius(self, slots: list[int], radius: Any) -> dict[int, Any]:
+        """How far the polynomials of slots go at the most, as :func:`remainder.series_range`."""
+        build, square, parts = self.build, self.build.fmul(radius, radius), range(PARTS)
+        four, two = build.fmul(square, square), self.whole(2)
+        groups, rest = build.ashr(self.order, two), build.and_(self.order, self.whole(PARTS - 1))
+        totals: dict[int, Any] = {}
+        for start in range(0, len(slots), POLYNOMIALS_PER_LOOP):
+            some = slots[start : start + POLYNOMIALS_PER_LOOP]
+
+            def size(slot: int, k: Any) -> Any:
+                return self._abs(self._load(self._ahead(self._place(slot, self.J), k), 0))
+
+            def term(i: Any, sums: Values, some: list[int] = some) -> Values:
+                k = build.sub(self.order, i)
+                return [build.fadd(build.fmul(s, radius), size(slot, k)) for slot, s in zip(some, sums)]
+
+            def group(i: Any, sums: Values, some: list[int] = some) -> Values:
+                before = build.shl(build.sub(build.sub(groups, i), self.whole(1)), two)
+                columns = [build.add(before, self.whole(1 + part)) for part in parts]
+                sizes = (size(slot, column) for slot in some for column in columns)
+                return [build.fadd(build.fmul(s, four), each) for s, each in zip(sums, sizes)]
+
+            zeros = [self._number(0.0)] * (PARTS - 1)
+            lasts = write_loop(build, rest, [self._number(0.0)] * len(some), term)
+            sums = write_loop(build, groups, [each for last in lasts for each in (last, *zeros)], group)
+            for j, slot in enumerate(some):
+                *lower, total = sums[PARTS * j : PARTS * (j + 1)]
+                for each in reversed(lower):
+                    total = build.fadd(each, build.fmul(radius, total))
+                totals[slot] = build.fmul(total, radius)
+        return totals
+
+    def _bound(self, i: int, kind: int, a: int, b: int) -> RangeBound:
+        """Of the slot that an operation writes."""
+        if kind == AFFINE:
+            return self._affine_bound(self.function.tape.inputs + i, a, b)
+        if kind == RATE:
+            return RangeBound(self._number(0.0), None)
+        if kind in (PRODUCT, SQUARE):
+            return self._product_bound(a, b)
+        reach = self._finite(self._operation_range(i, kind, a, b))
+        return RangeBound(reach, reach)
+
+    def _affine_bound(self, out: int, first: int, last: int) -> RangeBound:
+        """As :func:`remainder.bound_affine`."""
+        build, zero = self.build, self._number(0.0)
+        reach, rest = zero, None
+        for j in range(first, last):
+            bound = self.bounds[self.function.tape.terms[j][0]]
+            factor = self._abs(self._load(self.terms, self.function.first[1] + j))
+            there = build.fcmp_ordered(">", factor, zero)
+            if bound.reach is not None:
+                reach = build.fadd(reach, self._where(there, build.fmul(factor, bound.reach), 0.0))
+            if bound.rest is not None:
+                more = self._where(there, build.fmul(factor, bound.rest), 0.0)
+                rest = more if rest is None else build.fadd(rest, more)
+        if out in self.series:
+            series = self.series[out] if rest is None else build.fadd(self.series[out], rest)
+            shorter = self._min(reach, series)
+            known = zero if rest is None else rest
+            reach = build.select(build.fcmp_ordered("<", known, self._number(math.inf)), shorter, reach)
+        return RangeBound(reach, rest)
+
+    def _product_bound(self, a: int, b: int) -> RangeBound:
+        """As :func:`remainder.bound_product`."""
+        build, d, e = self.build, self.bounds[a].reach, self.bounds[b].reach
+        x, y, both = self._size(a), self._size(b), build.fmul(d, e)
+        reach = build.fadd(build.fadd(build.fmul(x, e), build.fmul(y, d)), both)
+        rest = self._number(0.0)
+        for size, slot in (x, b), (y, a):
+            if self.bounds[slot].rest is not None:
+                rest = build.fadd(rest, build.fmul(size, self.bounds[slot].rest))
+        return RangeBound(self._finite(reach), self._finite(build.fadd(rest, both)))
+
+    def _operation_range(self, i: int, kind: int, a: int, b: int) -> Any:
+        """As :func:`remainder.operation_range`."""
+        build, y, d = self.build, self._size(self.function.tape.inputs + i), self.bounds[a].reach
+        if kind == QUOTIENT:
+            e = self.bounds[b].reach
+            return self._quotient_range(build.fadd(d, build.fmul(y, e)), build.fsub(self._size(b), e))
+        at, zero = self._at(a, self.J), self._number(0.0)
+        if kind == POWER:
+            reach = self._power_range(self._exponent(i), at, d)
+        else:
+            reach = self._function_range(kind, at, y, self._size(b), d)
+        return build.select(build.fcmp_ordered("==", d, zero), zero, reach)
+
+    def _size(self, slot: int) -> Any:
+        return self._abs(self._at(slot, self.J))
+
+    def _finite(self, bound: Any) -> Any:
+        """Infinite where it is no number, as 0 times infinity."""
+        return self._where(self.build.fcmp_ordered("ord", bound, bound), bound, math.inf)

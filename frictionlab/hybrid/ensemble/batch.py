@@ -1,0 +1,122 @@
+"""Many runs of one structure at once: the Taylor method, and of each run only its end."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from frictionlab.hybrid.codegen.native_cache import COMPILE_AFTER
+from frictionlab.hybrid.ensemble import batch_state, lanes
+from frictionlab.hybrid.ensemble.batch_state import Batch, new_batch
+from frictionlab.hybrid.kernels import run_state
+from frictionlab.hybrid.methods.base import STATUS_OF_CODE
+from frictionlab.hybrid.methods.taylor import Taylor, is_affine
+from frictionlab.hybrid.problem import Problem, Status
+from frictionlab.hybrid.progress import Progress
+from frictionlab.hybrid.tape.program import Numbers
+
+STEPS_PER_ROUND = 100_000  # steps between two looks at the progress bar and ctrl-C
+CODE_OF_STATUS = {
+    **{status: code for code, status in STATUS_OF_CODE.items()},
+    Status.INTERRUPTED: run_state.RUNNING,
+    Status.STEP_CAP: lanes.CAPPED,
+    Status.EVENT_CAP: lanes.CAPPED,
+}
+
+
+@dataclass(frozen=True)
+class BatchResult:
+    """How runs ended, a row for each.
+
+    Parameters
+    ----------
+    t : array (N,)
+    states : array (N, n)
+    modes : int array (N,)
+    steps, events : int array (N,)
+    status : tuple of Status
+    """
+
+    t: np.ndarray
+    states: np.ndarray
+    modes: np.ndarray
+    steps: np.ndarray
+    events: np.ndarray
+    status: tuple[Status, ...]
+
+
+def integrate_batch(problems: Sequence[Problem], method: Taylor, progress: Progress) -> BatchResult:
+    """Run problems that share a program to their ends; each as it would run alone, to the last bit."""
+    constants, terms = (np.array(rows) for rows in zip(*(problem.numbers for problem in problems)))
+    states = np.array([problem.x0 for problem in problems])
+    group = new_batch(problems[0].program, Numbers(constants, terms), states, method)
+    advance_batch(group, problems[0].t_end, progress)
+    return batch_result(group)
+
+
+def advance_batch(group: Batch, t_end: float, progress: Progress) -> None:
+    """Take runs on to a time; those that ended early stay where they are."""
+    runs = group.runs
+    goes_on = (runs.status == run_state.RUNNING) | (runs.status == run_state.FINISHED)
+    runs.times[goes_on, run_state.END] = t_end
+    runs.status[goes_on] = run_state.RUNNING
+    if is_affine(group.program):
+        return _advance_one_by_one(group, np.flatnonzero(goes_on), progress)
+    with np.errstate(all="ignore"):
+        _advance_side_by_side(group, goes_on, progress)
+
+
+def _advance_one_by_one(group: Batch, which: np.ndarray, progress: Progress) -> None:
+    """Where a step is a product with a matrix, for each run another, there is nothing to share."""
+    runs = group.runs
+    for i in which:
+        numbers, (now, end) = Numbers(runs.constants[i], runs.terms[i]), runs.times[i, :2]
+        raw = group.method.integrate(Problem(group.program, numbers, runs.states[i], end - now), progress)
+        runs.states[i], runs.counts[i, run_state.MODE] = raw.state, raw.mode
+        runs.times[i, run_state.NOW] = end if raw.status is Status.FINISHED else now + raw.t
+        runs.totals[i] += len(raw.step_modes), len(raw.event_times)
+        runs.status[i] = CODE_OF_STATUS[raw.status]
+
+
+def _advance_side_by_side(group: Batch, goes_on: np.ndarray, progress: Progress) -> None:
+    runs, program, arrays = group.runs, group.program, (group.record, group.work)
+    settings = group.native.code, group.method.degree, group.method.tol
+    # Jets that were at hand are so no longer: such a run begins anew.  All do so the first time.
+    begins = goes_on & (runs.counts[:, run_state.JETS_READY] != 0)
+    _fill_queues(runs, goes_on & ~begins)
+    lanes.begin_runs(*settings, runs, np.flatnonzero(begins), program.initial, *arrays)
+    left, interrupted, share = True, False, runs.times[:, run_state.NOW]
+    while left and not interrupted:
+        waiting = np.flatnonzero(
+            runs.queued >= lanes.MIN_RUNS_FOR_LANES
+        )  # afterwards there may be nobody left
+        left = lanes.advance_batch_kernel(*settings, runs, group.lanes, *arrays, STEPS_PER_ROUND)
+        if runs.totals[:, 0].sum() > COMPILE_AFTER:
+            group.native.share(waiting.tolist())
+        interrupted = progress.update(float(share.mean()))
+
+
+def _fill_queues(runs: batch_state.BatchRuns, which: np.ndarray) -> None:
+    """Have some runs wait, each in the queue of its mode, and nobody else."""
+    modes = runs.counts[:, run_state.MODE]
+    for mode in range(len(runs.queued)):
+        waiting = np.flatnonzero(which & (modes == mode))
+        runs.queue[mode, : len(waiting)] = waiting
+        runs.queued[mode] = len(waiting)
+
+
+def batch_result(group: Batch) -> BatchResult:
+    """Where runs stand."""
+    runs = group.runs
+    status = tuple(_status(int(s), totals, runs.caps) for s, totals in zip(runs.status, runs.totals))
+    modes, now = runs.counts[:, run_state.MODE], runs.times[:, run_state.NOW]
+    steps, events = runs.totals.T.copy()
+    return BatchResult(now.copy(), runs.states, modes.copy(), steps, events, status)
+
+
+def _status(status: int, totals: np.ndarray, caps: np.ndarray) -> Status:
+    if status == lanes.CAPPED:
+        return Status.STEP_CAP if totals[0] >= caps[0] else Status.EVENT_CAP
+    return Status.INTERRUPTED if status == run_state.RUNNING else STATUS_OF_CODE[status]

@@ -1,0 +1,131 @@
+"""Runs of one structure on their way: their arrays, as the kernels of lanes take them.
+
+`BatchRuns` has a row for each run; `Lanes` holds those that step side by side, whose last axis is the lane.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+
+from frictionlab.hybrid.codegen.jet_codegen import CONTROL_ROWS, GUARD_TOL, LANE_COUNT, LOG_TOL, TOL
+from frictionlab.hybrid.codegen.native_cache import NativeCode, native_code
+from frictionlab.hybrid.kernels import run_state, step_length
+from frictionlab.hybrid.kernels.run_state import jet_columns, new_record, new_scratch
+from frictionlab.hybrid.methods.taylor import Taylor
+from frictionlab.hybrid.tape.program import Numbers, Program
+
+FREE = -1
+
+CACHE_LINE_BYTES = 64  # bytes
+
+
+@dataclass(frozen=True, eq=False)
+class Batch:
+    """Runs that can be taken on and on, with what they share."""
+
+    program: Program
+    method: Taylor
+    native: NativeCode
+    runs: BatchRuns
+    lanes: Lanes
+    record: run_state.Record
+    work: run_state.Scratch
+
+
+def new_batch(program: Program, numbers: Numbers, states: np.ndarray, method: Taylor) -> Batch:
+    """Runs at time 0; `numbers` and `states` have a row for each."""
+    code, order = program.code, method.degree
+    return Batch(
+        program,
+        method,
+        native_code(program),
+        _new_runs(program, numbers, states, method),
+        _new_lanes(program, numbers, method),
+        new_record(code, 1, 2, 0),
+        new_scratch(program.slots, code, order),
+    )
+
+
+def select_runs(group: Batch, which: np.ndarray) -> Batch:
+    """Some of the runs, which go on without the others."""
+    shared = ("signs", "caps", "queue", "queued")
+    rows = {name: array[which] for name, array in group.runs._asdict().items() if name not in shared}
+    queue = np.zeros((len(group.runs.queued), len(rows["status"])), dtype=np.int64)
+    return replace(group, runs=group.runs._replace(**rows, queue=queue))
+
+
+def _new_runs(program: Program, numbers: Numbers, states: np.ndarray, method: Taylor) -> BatchRuns:
+    count, modes = len(states), len(program.modes)
+    counts = np.zeros((count, run_state.COUNTS), dtype=np.int64)
+    counts[:, run_state.JETS_READY], counts[:, run_state.STOPS_AT_ZENO] = 1, method.raises
+    return BatchRuns(
+        states=states.copy(),
+        sizes=np.abs(states),
+        times=np.tile(run_state.initial_times(0.0, method.limits), (count, 1)),
+        counts=counts,
+        signs=np.zeros(0, dtype=np.int64),
+        constants=numbers.constants,
+        terms=numbers.terms,
+        sizes_of_constants=np.abs(numbers.constants),
+        sizes_of_terms=np.abs(numbers.terms),
+        totals=np.zeros((count, 2), dtype=np.int64),
+        caps=np.array([method.max_steps, method.max_events]),
+        status=np.full(count, run_state.RUNNING),
+        queue=np.zeros((modes, count), dtype=np.int64),
+        queued=np.zeros(modes, dtype=np.int64),
+    )
+
+
+def _new_lanes(program: Program, numbers: Numbers, method: Taylor) -> Lanes:
+    control = aligned_zeros(CONTROL_ROWS, LANE_COUNT)
+    control[TOL], control[LOG_TOL] = method.tol, np.log2(method.tol)
+    control[GUARD_TOL] = method.tol * step_length.FUNCTION_TOL_FACTOR
+    return Lanes(
+        runs=np.full(LANE_COUNT, FREE),
+        z=aligned_zeros(program.code.inputs, LANE_COUNT),
+        constants=aligned_zeros(numbers.constants.shape[1], LANE_COUNT),
+        terms=aligned_zeros(numbers.terms.shape[1], LANE_COUNT),
+        jets=aligned_zeros(program.slots, jet_columns(method.degree), LANE_COUNT),
+        control=control,
+    )
+
+
+class BatchRuns(NamedTuple):
+    """All runs, one row each."""
+
+    states: np.ndarray
+    sizes: np.ndarray  # these, times and counts as Cursor has them
+    times: np.ndarray
+    counts: np.ndarray
+    signs: np.ndarray
+    constants: np.ndarray
+    terms: np.ndarray
+    sizes_of_constants: np.ndarray  # absolute values
+    sizes_of_terms: np.ndarray
+    totals: np.ndarray  # (runs, 2) steps and events
+    caps: np.ndarray  # (2,)
+    status: np.ndarray
+    queue: np.ndarray  # (modes, runs)
+    queued: np.ndarray  # (modes,)
+
+
+class Lanes(NamedTuple):
+    """The runs that step together; the last axis of all arrays is the seat."""
+
+    runs: np.ndarray  # FREE where a seat is free
+    z: np.ndarray
+    constants: np.ndarray
+    terms: np.ndarray
+    jets: np.ndarray
+    control: np.ndarray
+
+
+def aligned_zeros(*shape: int) -> np.ndarray:
+    """Zeros that begin with a cache line, so that no vector of lanes lies across two."""
+    size = int(np.prod(shape))
+    room = np.zeros(size + CACHE_LINE_BYTES // 8)
+    first = -room.ctypes.data % CACHE_LINE_BYTES // 8
+    return room[first : first + size].reshape(shape)

@@ -1,0 +1,206 @@
+"""Kernels for many runs of one structure: those in the same mode take their steps side by side.
+
+Runs wait in a queue for each mode.  Up to LANE_COUNT of the longest queue are loaded into lanes; a step of
+all lanes is one call of the mode's native code (:mod:`frictionlab.hybrid.codegen.step_codegen`).  A run that
+meets an event, or anything rare, leaves its lane, goes through the kernels of single runs and to the queue of
+its next mode, and the lane is given to the next run in the queue.  Every run takes the steps that it would
+take alone, so its numbers depend on no other run.
+"""
+
+from __future__ import annotations
+
+from frictionlab.hybrid.codegen.jet_codegen import LANE_COUNT, LEFT, LENGTH, REGULAR
+from frictionlab.hybrid.compilation import kernel
+from frictionlab.hybrid.ensemble.batch_state import FREE
+from frictionlab.hybrid.kernels.arithmetic import call_lane_step
+from frictionlab.hybrid.kernels.event_handling import count_repeat
+from frictionlab.hybrid.kernels.event_location import COEFFICIENT_ROUNDING
+from frictionlab.hybrid.kernels.jets import JET_COLUMNS, copy_vector
+from frictionlab.hybrid.kernels.mode_selection import NO_MODE, Rounding, select_mode
+from frictionlab.hybrid.kernels.run_state import (
+    END,
+    EVENTS,
+    FINISHED,
+    JETS_READY,
+    MODE,
+    NO_ADMISSIBLE_MODE,
+    NOW,
+    RUNNING,
+    STEPS,
+    RunState,
+    advance_clock,
+    remaining_time,
+)
+from frictionlab.hybrid.kernels.taylor_steps import advance_taylor
+from frictionlab.hybrid.tape.program import Numbers
+
+MIN_RUNS_FOR_LANES = 2  # fewer than these in a mode go one by one
+MAX_CALLS = 1000  # calls after which the kernel looks up
+CAPPED = -1  # the status of a run that has reached its cap of steps or events
+
+
+@kernel
+def run_state_of(runs, i):
+    """A run as the kernels of single runs know it."""
+    return RunState(runs.states[i], runs.sizes[i], runs.times[i], runs.counts[i], runs.signs)
+
+
+@kernel
+def record_step_end(runs, i, status):
+    """Note how a step ended; True where the run is over."""
+    counts, totals = runs.counts[i], runs.totals[i]
+    totals[0] += counts[STEPS]
+    totals[1] += counts[EVENTS]
+    counts[STEPS] = counts[EVENTS] = 0
+    if status == RUNNING and not runs.times[i, NOW] < runs.times[i, END]:
+        status = FINISHED
+    elif status == RUNNING and (totals[0] >= runs.caps[0] or totals[1] >= runs.caps[1]):
+        status = CAPPED
+    runs.status[i] = status
+    return status != RUNNING
+
+
+@kernel
+def enqueue(runs, i):
+    """Put a run into the queue of its mode."""
+    mode = runs.counts[i, MODE]
+    runs.queue[mode, runs.queued[mode]] = i
+    runs.queued[mode] += 1
+
+
+@kernel
+def advance_single(code, order, tol, runs, i, most, record, work):
+    """Up to `most` steps of one run, and on while its jets are at hand; then it waits, or is over."""
+    numbers = Numbers(runs.constants[i], runs.terms[i])
+    absolute = Numbers(runs.sizes_of_constants[i], runs.sizes_of_terms[i])
+    cursor = run_state_of(runs, i)
+    while most > 0 or runs.counts[i, JETS_READY]:
+        most -= 1  # the record has room for one step
+        status = advance_taylor(code, numbers, absolute, order, tol, cursor, record, work)
+        if record_step_end(runs, i, status):
+            return
+    enqueue(runs, i)
+
+
+@kernel
+def begin_run(code, order, tol, runs, i, initial, record, work):
+    """Choose the first mode of a run, and take its first step."""
+    numbers = Numbers(runs.constants[i], runs.terms[i])
+    absolute = Numbers(runs.sizes_of_constants[i], runs.sizes_of_terms[i])
+    work.declared[:] = 0
+    z, declared = runs.states[i], work.declared
+    arrays = declared, work.zeros, work.jets, work.bounds
+    mode = select_mode(code, numbers, absolute, initial, z, Rounding(z, COEFFICIENT_ROUNDING), order, *arrays)
+    runs.counts[i, MODE], runs.counts[i, JETS_READY] = mode, 1
+    if mode == NO_MODE:
+        runs.status[i] = NO_ADMISSIBLE_MODE
+    else:
+        advance_single(code, order, tol, runs, i, 0, record, work)
+
+
+@kernel
+def begin_runs(code, order, tol, runs, which, initial, record, work):
+    """Begin some of them."""
+    for i in which:
+        begin_run(code, order, tol, runs, i, initial, record, work)
+
+
+@kernel
+def load_lane(runs, lanes, lane, i):
+    """Give a run a seat."""
+    lanes.runs[lane] = i
+    copy_vector(runs.states[i], lanes.z[:, lane])
+    copy_vector(runs.constants[i], lanes.constants[:, lane])
+    copy_vector(runs.terms[i], lanes.terms[:, lane])
+
+
+@kernel
+def load_lanes(runs, lanes, mode):
+    """Give free seats to who waits; returns how many are taken."""
+    taken = 0
+    for lane in range(LANE_COUNT):
+        if lanes.runs[lane] == FREE and runs.queued[mode] > 0:
+            runs.queued[mode] -= 1
+            load_lane(runs, lanes, lane, runs.queue[mode, runs.queued[mode]])
+        if lanes.runs[lane] != FREE:
+            taken += 1
+            i = lanes.runs[lane]
+            lanes.control[LEFT, lane] = remaining_time(runs.times[i])
+    return taken
+
+
+@kernel
+def release_lanes(runs, lanes):
+    """Free all seats; who sat there waits again."""
+    for lane in range(LANE_COUNT):
+        i = lanes.runs[lane]
+        if i != FREE:
+            copy_vector(lanes.z[:, lane], runs.states[i])
+            enqueue(runs, i)
+        lanes.runs[lane] = FREE
+
+
+@kernel
+def accept_lane_step(runs, lanes, lane):
+    """Note a step that was fine."""
+    i = lanes.runs[lane]
+    goes_on = advance_clock(runs.times[i], lanes.control[LENGTH, lane], lanes.control[LEFT, lane])
+    runs.counts[i, STEPS] = 1
+    if record_step_end(runs, i, RUNNING if goes_on else count_repeat(runs.counts[i])):
+        copy_vector(lanes.z[:, lane], runs.states[i])
+        lanes.runs[lane] = FREE
+
+
+@kernel
+def finish_lane_step(code, order, tol, runs, lanes, lane, record, work):
+    """The rest of a step that was not fine, from the jets that are there."""
+    i = lanes.runs[lane]
+    lanes.runs[lane] = FREE
+    for slot in range(work.jets.shape[0]):
+        copy_vector(lanes.jets[slot, : order + 1, lane], work.jets[slot])
+    work.zeros[:] = 0
+    copy_vector(lanes.z[:, lane], runs.states[i])
+    runs.counts[i, JETS_READY] = 1
+    advance_single(code, order, tol, runs, i, 0, record, work)
+
+
+@kernel
+def advance_lanes(code, order, tol, runs, lanes, mode, record, work):
+    """Steps of the runs in a mode, until few are left in it; returns how many calls it took."""
+    calls = 0
+    while calls < MAX_CALLS and load_lanes(runs, lanes, mode) >= MIN_RUNS_FOR_LANES:
+        calls += 1
+        arrays = lanes.z, lanes.constants, lanes.terms, lanes.jets, lanes.control
+        call_lane_step(code.lanes[mode], *arrays, order)
+        for lane in range(LANE_COUNT):
+            if lanes.runs[lane] == FREE:
+                continue
+            if lanes.control[REGULAR, lane] != 0.0:
+                accept_lane_step(runs, lanes, lane)
+            else:
+                finish_lane_step(code, order, tol, runs, lanes, lane, record, work)
+    release_lanes(runs, lanes)
+    return calls
+
+
+@kernel
+def advance_batch_kernel(code, order, tol, runs, lanes, record, work, rounds):
+    """Go on for about so many steps; returns whether any run is left."""
+    while rounds > 0:
+        mode = 0
+        for other in range(1, runs.queued.shape[0]):
+            if runs.queued[other] > runs.queued[mode]:
+                mode = other
+        if runs.queued[mode] == 0:
+            return False
+        if (
+            code.lanes[mode] != 0
+            and lanes.jets.shape[1] == JET_COLUMNS
+            and runs.queued[mode] >= MIN_RUNS_FOR_LANES
+        ):
+            rounds -= LANE_COUNT * advance_lanes(code, order, tol, runs, lanes, mode, record, work)
+        else:
+            runs.queued[mode] -= 1
+            advance_single(code, order, tol, runs, runs.queue[mode, runs.queued[mode]], 20, record, work)
+            rounds -= 20
+    return True

@@ -1,0 +1,143 @@
+"""Operations that Python does not have: a fused multiply-add, calls by address, quick logarithms.
+
+Intrinsics of numba, for use in a @kernel; without numba they are plain arithmetic, and calls are never
+reached, as there are no addresses.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from frictionlab.hybrid import llvm_instructions
+from frictionlab.hybrid.compilation import NUMBA
+from frictionlab.hybrid.llvm_instructions import write_loop
+
+PARTS = 4  # sums of a convolution or a series that do not wait for each other
+
+
+def _plain_fma(a, b, c):
+    return a * b + c
+
+
+def _plain_sum(J, slot, groups, last, radius):
+    four = (radius * radius) * (radius * radius)
+    sums = [last] + [0.0] * (PARTS - 1)
+    for g in range(groups - 1, -1, -1):
+        for part in range(PARTS):
+            sums[part] = sums[part] * four + abs(J[slot, PARTS * g + 1 + part])
+    a, b, c, d = sums
+    return (a + radius * (b + radius * (c + radius * d))) * radius
+
+
+def _plain_log2(x):
+    return math.log2(x) if x > 0.0 else -1023.0
+
+
+def _plain_exp2(x):
+    return 2.0 ** min(max(x, -1000.0), 1000.0)
+
+
+def _plain_call(address, *arguments):
+    raise NotImplementedError("there is no native code without numba")
+
+
+def sum_by_fours(ir: Any, build: Any, row: Any, groups: Any, last: Any, radius: Any) -> Any:
+    """Instructions of :func:`sum_of_series` for the coefficients from `row` on."""
+    kind, half = ir.VectorType(ir.DoubleType(), PARTS), ir.IntType(32)
+    name = f"llvm.fabs.v{PARTS}f64"
+    fabs = build.module.globals.get(name) or ir.Function(build.module, ir.FunctionType(kind, [kind]), name)
+    square = build.fmul(radius, radius)
+    four = spread(ir, build, build.fmul(square, square))
+
+    def group(i: Any, carried: list[Any]) -> list[Any]:
+        from_end = build.shl(build.sub(build.sub(groups, i), groups.type(1)), groups.type(2))
+        place = build.bitcast(build.gep(row, [from_end]), kind.as_pointer())
+        size = build.call(fabs, [build.load(place, align=8)])
+        return [build.fadd(build.fmul(carried[0], four), size)]
+
+    start = build.insert_element(ir.Constant(kind, [0.0] * PARTS), last, half(0))
+    (sums,) = write_loop(build, groups, [start], group)
+    total, *rest = (build.extract_element(sums, half(part)) for part in reversed(range(PARTS)))
+    for each in rest:
+        total = build.fadd(each, build.fmul(radius, total))
+    return build.fmul(total, radius)
+
+
+def spread(ir: Any, build: Any, number: Any) -> Any:
+    """A number as a vector of four."""
+    vector = ir.Constant(ir.VectorType(ir.DoubleType(), PARTS), ir.Undefined)
+    for lane in range(PARTS):
+        vector = build.insert_element(vector, number, ir.IntType(32)(lane))
+    return vector
+
+
+def _intrinsics() -> tuple[Any, ...]:
+    from llvmlite import ir
+    from numba import types
+    from numba.extending import intrinsic
+
+    @intrinsic
+    def fma(typing_context, a, b, c):
+        """a*b + c, rounded once."""
+        number = types.float64
+
+        def code(context, builder, signature, arguments):
+            return builder.fma(*arguments)
+
+        return number(number, number, number), code
+
+    def by_address(context, builder, signature, arguments):
+        address, *arrays, order = arguments
+        passed = [
+            context.make_array(kind)(context, builder, array).data
+            for kind, array in zip(signature.args[1:-1], arrays, strict=True)
+        ] + [order]
+        kind = ir.FunctionType(ir.VoidType(), [each.type for each in passed])
+        builder.call(builder.inttoptr(address, kind.as_pointer()), passed)
+        return context.get_dummy_value()
+
+    @intrinsic
+    def call(typing_context, address, z, constants, terms, J, order):
+        """Call native(z, constants, terms, J, order) at an address, with pointers to the arrays' data."""
+        return types.void(types.int64, z, constants, terms, J, types.int64), by_address
+
+    @intrinsic
+    def call_step(typing_context, address, z, constants, terms, J, control, order):
+        """The same with one array more."""
+        return types.void(types.int64, z, constants, terms, J, control, types.int64), by_address
+
+    @intrinsic
+    def sum_of_series(typing_context, J, slot, groups, last, radius):
+        """Sum of |J[slot, k]| radius^k from k = 1, so many groups of four; `last` stands for the terms after.
+
+        Four sums side by side, which is a vector.
+        """
+        number, whole = types.float64, types.int64
+
+        def code(context, builder, signature, arguments):
+            array, slot, groups, last, radius = arguments
+            rows = context.make_array(signature.args[0])(context, builder, array)
+            length = builder.extract_value(rows.shape, 1)
+            one = slot.type(1)
+            row = builder.gep(rows.data, [builder.add(builder.mul(slot, length), one)])
+            return sum_by_fours(ir, builder, row, groups, last, radius)
+
+        return number(J, whole, whole, number, number), code
+
+    def of_one_number(emit: Any) -> Any:
+        @intrinsic
+        def function(typing_context, x):
+            def code(context, builder, signature, arguments):
+                return emit(ir, builder, arguments[0])
+
+            return types.float64(types.float64), code
+
+        return function
+
+    of_one = of_one_number(llvm_instructions.write_log2), of_one_number(llvm_instructions.write_exp2)
+    return fma, call, call_step, sum_of_series, *of_one
+
+
+_PLAIN = _plain_fma, _plain_call, _plain_call, _plain_sum, _plain_log2, _plain_exp2
+fma, call_jets, call_lane_step, sum_of_series, log2, exp2 = _PLAIN if NUMBA is None else _intrinsics()

@@ -1,0 +1,301 @@
+"""Taylor coefficients through a tape: the inner loop of everything.
+
+A jet array J has one row per slot and one column per order: slot(t + s) = sum_k J[slot, k] s^k.  Rows are of
+one length for all orders, JET_COLUMNS, so that native code, which has it built in, serves them all.
+Gradients of the slots by the states are computed in the same way (forward mode). Recurrences: Jorba & Zou,
+Experimental Mathematics 14 (2005) 99-117, section 2.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from frictionlab.hybrid.compilation import inlined, kernel
+from frictionlab.hybrid.kernels.arithmetic import call_jets, fma
+from frictionlab.hybrid.tape.operations import (
+    AFFINE,
+    COS,
+    COSH,
+    EXP,
+    LOG,
+    POWER,
+    PRODUCT,
+    RATE,
+    SECH2,
+    SIN,
+    SINH,
+    SQUARE,
+    TAN,
+    TANH,
+)
+
+MAX_ORDER = 60  # order that may be asked for
+JET_COLUMNS = MAX_ORDER + 1  # no power of two, for which rows would lie on few sets of the cache
+INVERSE_LARGEST_COEFFICIENT = 1e-290  # its inverse is how large a coefficient of a power may be
+
+# Rounding errors are taken to be below this many ulps of the majorant.
+MACHINE_EPSILON = 2.220446049250313e-16
+
+
+@kernel
+def convolution(J, a, b, first, last, k):
+    """Sum of J[a, j] J[b, k - j] over first <= j <= last, in four lanes that do not wait for each other."""
+    one = two = three = four = 0.0
+    j = first
+    while j + 3 <= last:
+        one = fma(J[a, j], J[b, k - j], one)
+        two = fma(J[a, j + 1], J[b, k - j - 1], two)
+        three = fma(J[a, j + 2], J[b, k - j - 2], three)
+        four = fma(J[a, j + 3], J[b, k - j - 3], four)
+        j += 4
+    if j <= last:
+        one = fma(J[a, j], J[b, k - j], one)
+    if j + 1 <= last:
+        two = fma(J[a, j + 1], J[b, k - j - 1], two)
+    if j + 2 <= last:
+        three = fma(J[a, j + 2], J[b, k - j - 2], three)
+    return (one + two) + (three + four)
+
+
+@kernel
+def product_coefficient(J, a, b, k):
+    """Coefficient k of the product of two slots; what has just been computed comes last."""
+    if k == 0:
+        return J[a, 0] * J[b, 0]
+    total = convolution(J, a, b, 1, k - 1, k)
+    return fma(J[a, k], J[b, 0], fma(J[a, 0], J[b, k], total))
+
+
+@kernel
+def square_coefficient(J, a, k):
+    """Coefficient k of the square of a slot: each pair of terms once."""
+    if k == 0:
+        return J[a, 0] * J[a, 0]
+    total = 2.0 * convolution(J, a, a, 1, (k - 1) // 2, k)
+    if k % 2 == 0:
+        total = fma(J[a, k // 2], J[a, k // 2], total)
+    return fma(2.0 * J[a, 0], J[a, k], total)
+
+
+@kernel
+def function_value(kind, x):
+    """Value of a function."""
+    if kind == EXP:
+        return np.exp(x)
+    if kind == LOG:
+        return np.log(x)
+    if kind == SIN:
+        return np.sin(x)
+    if kind == COS:
+        return np.cos(x)
+    if kind == TAN:
+        return np.tan(x)
+    if kind == TANH:
+        return np.tanh(x)
+    if kind == SINH:
+        return np.sinh(x)
+    if kind == COSH:
+        return np.cosh(x)
+    if kind == SECH2:
+        q = np.exp(-2.0 * abs(x))
+        return 4.0 * q / ((1.0 + q) * (1.0 + q))
+    return np.arctan(x)
+
+
+@kernel
+def function_coefficient(kind, a, slope, out, k, sign, values, J):
+    """Coefficient k of a function of slot a, its derivative s in `slope`: the sum of j a_j s_(k-j) / k."""
+    if k > 0:
+        return convolution(J, out - 1, slope, 1, k, k) / k
+    if sign > 0.0:  # besides its own rounding error there is the argument's
+        return abs(values[out, 0]) + abs(values[slope, 0]) * J[a, 0]
+    return function_value(kind, J[a, 0])
+
+
+@inlined
+def has_series(base, rate, order):
+    """Whether a power's Taylor coefficients are numbers: they grow like (rate/base)^k."""
+    return base > INVERSE_LARGEST_COEFFICIENT ** (1.0 / max(order, 1)) * abs(rate)
+
+
+@kernel
+def power_coefficient(exponent, a, out, k, order, sign, values, J):
+    """Coefficient k of a power of slot a, which is not below zero.
+
+    Where a is zero or nearly so, as at the onset of contact with a force gap^1.5, there is no series: then
+    the power counts as constant, and :mod:`frictionlab.hybrid.kernels.powers` finds a step in which it may.
+    """
+    base = values[a, 0]
+    if not base > 0.0:
+        return math.inf if exponent < 0.0 else 0.0
+    if k > 0 and not has_series(base, values[a, 1], order):
+        return 0.0
+    if k == 0 and sign > 0.0:
+        return abs(values[out, 0]) * (1.0 + abs(exponent) * J[a, 0] / base)
+    if k == 0:
+        return base**exponent
+    total = (exponent + 1.0) * convolution(J, out - 1, out, 1, k, k)
+    total += sign * k * convolution(J, a, out, 1, k, k)
+    if sign > 0.0:
+        total += k * J[a, 0] * abs(values[out, k])
+    return total / (k * base)
+
+
+@kernel
+def run_tape(code, numbers, first, last, order, flow, sign, values, J):
+    """Coefficients 0 to `order` of the slots that the operations [first, last) write.
+
+    ``flow[i]`` is the slot that holds the derivative of state i, whose column 0 is given.  `sign` is -1;
+    with +1, absolute values for numbers and states and the jets themselves as `values`, the recurrences
+    give a majorant of the jets, which times the machine epsilon bounds their rounding errors.  Otherwise
+    `values` is `J`.
+    """
+    ops, slots, constants, terms = code.ops, code.term_slots, numbers.constants, numbers.terms
+    inputs = code.inputs
+    for k in range(order + 1):
+        for i in range(first, last):
+            kind = ops[i, 0]
+            a = ops[i, 1]
+            b = ops[i, 2]
+            out = inputs + i - first
+            total = 0.0
+            if kind == AFFINE:
+                if k == 0:
+                    total = constants[i]
+                for j in range(a, b):
+                    total = fma(terms[j], J[slots[j], k], total)
+            elif kind == PRODUCT:
+                total = product_coefficient(J, a, b, k)
+            elif kind == SQUARE:
+                total = square_coefficient(J, a, k)
+            elif kind == RATE:
+                total = k * J[a, k]
+            elif kind == POWER:
+                total = power_coefficient(constants[i], a, out, k, order, sign, values, J)
+            elif kind > POWER:
+                total = function_coefficient(kind, a, b, out, k, sign, values, J)
+            else:
+                total = J[a, k] + sign * convolution(J, b, out, 1, k, k)
+                divisor = values[b, 0]  # the majorant's own would be too large where terms cancel
+                if sign > 0.0:
+                    total += J[b, 0] * abs(values[out, k])  # the divisor's rounding error
+                    divisor = abs(divisor)
+                total /= divisor
+            J[out, k] = total
+        if k < order:
+            share = 1.0 / (k + 1)
+            for i in range(inputs):
+                J[i, k + 1] = J[flow[i], k] * share
+
+
+@inlined
+def has_native_jets(code, mode, J):
+    """Whether there is native code for a mode's jets, and rows of `J` are as long as it takes them."""
+    return code.native[mode] != 0 and J.shape[1] == JET_COLUMNS
+
+
+@inlined
+def mode_jets(code, numbers, mode, order, z, J):
+    """Taylor coefficients up to `order` of a mode's slots at the state `z`.
+
+    Native code leaves out the slots of intermediate results, and of rates all but their values.
+    """
+    if has_native_jets(code, mode, J):
+        call_jets(code.native[mode], z, numbers.constants, numbers.terms, J, order)
+        return
+    for i in range(z.shape[0]):
+        J[i, 0] = z[i]
+    run_tape(code, numbers, code.mode_ops[mode], code.mode_ops[mode + 1], order, code.flow[mode], -1.0, J, J)
+
+
+@kernel
+def majorant(code, absolute, mode, order, z, jets, J):
+    """Majorant of the `jets` at `z`; `absolute` are the absolute values of the tape's numbers."""
+    for i in range(z.shape[0]):
+        J[i, 0] = abs(z[i])
+    first, last = code.mode_ops[mode], code.mode_ops[mode + 1]
+    run_tape(code, absolute, first, last, order, code.flow[mode], 1.0, jets, J)
+
+
+@kernel
+def reset_values(code, numbers, reset, z, J):
+    """Values, in column 0 of `J`, of the slots of a reset at the state `z`."""
+    for i in range(z.shape[0]):
+        J[i, 0] = z[i]
+    first, last = code.reset_ops[reset], code.reset_ops[reset + 1]
+    run_tape(code, numbers, first, last, 0, code.reset_out[reset], -1.0, J, J)
+
+
+@inlined
+def polynomial_value(c, n, s):
+    """Value at `s` of the polynomial with coefficients c[0..n]."""
+    total = c[n]
+    for k in range(n - 1, -1, -1):
+        total = total * s + c[k]
+    return total
+
+
+@kernel
+def polynomial_slope(c, n, s):
+    """Derivative at `s` of the polynomial with coefficients c[0..n]."""
+    total = n * c[n]
+    for k in range(n - 1, 0, -1):
+        total = total * s + k * c[k]
+    return total
+
+
+@inlined
+def copy_vector(source, target):
+    """Copy a vector; numba compiles a loop much faster than an assignment to a slice."""
+    for i in range(source.shape[0]):
+        target[i] = source[i]
+
+
+@inlined
+def states_at(J, order, s, z):
+    """Write the states at time `s` after the expansion point into `z`."""
+    copy_vector(J[: z.shape[0], order], z)
+    for k in range(order - 1, -1, -1):  # all states together: their chains of operations overlap
+        for i in range(z.shape[0]):
+            z[i] = z[i] * s + J[i, k]
+
+
+@inlined
+def state_rates(code, numbers, mode, z, J, dz):
+    """Time derivative of the states; leaves the values of all slots in column 0 of `J`."""
+    mode_jets(code, numbers, mode, 0, z, J)
+    for i in range(z.shape[0]):
+        dz[i] = J[code.flow[mode, i], 0]
+
+
+@kernel
+def slot_gradients(code, numbers, mode, z, J, T):
+    """Forward mode through a mode's tape at `z`: T[slot, i] is the slot's derivative by state i."""
+    inputs, first, last = code.inputs, code.mode_ops[mode], code.mode_ops[mode + 1]
+    T[:inputs] = 0.0
+    for i in range(inputs):
+        J[i, 0] = z[i]
+        T[i, i] = 1.0
+    run_tape(code, numbers, first, last, 0, code.flow[mode], -1.0, J, J)
+    for op in range(first, last):
+        kind, a, b, out = code.ops[op, 0], code.ops[op, 1], code.ops[op, 2], inputs + op - first
+        for i in range(inputs):
+            if kind == AFFINE:
+                T[out, i] = 0.0
+                for j in range(a, b):
+                    T[out, i] += numbers.terms[j] * T[code.term_slots[j], i]
+            elif kind == PRODUCT:
+                T[out, i] = J[a, 0] * T[b, i] + J[b, 0] * T[a, i]
+            elif kind == SQUARE:
+                T[out, i] = 2.0 * J[a, 0] * T[a, i]
+            elif kind == RATE:
+                T[out, i] = 0.0
+            elif kind == POWER:
+                slope = numbers.constants[op] * J[out, 0] / J[a, 0] if J[a, 0] > 0.0 else 0.0
+                T[out, i] = slope * T[a, i]
+            elif kind > POWER:
+                T[out, i] = J[b, 0] * T[a, i]
+            else:
+                T[out, i] = (T[a, i] - J[out, 0] * T[b, i]) / J[b, 0]

@@ -1,0 +1,121 @@
+"""The next mode: resets, and the first mode that is admissible at a state.
+
+A mode can be entered where its constraints hold and the first non-zero Taylor coefficient of each of its
+event functions is positive, so that it lasts.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from frictionlab.hybrid.compilation import kernel
+from frictionlab.hybrid.kernels.event_location import LOW_ORDER, leading_order
+from frictionlab.hybrid.kernels.jets import has_native_jets, majorant, mode_jets, reset_values
+
+NO_MODE = -1
+NOT_DERIVED = -2  # and below: NOT_DERIVED - mode where a mode is to be tried that has yet to be derived
+REFUSED, AT_ANOTHER_EVENT, UNDECIDED, ADMITTED = range(4)
+
+
+class Rounding(NamedTuple):
+    """What counts as zero: coefficients below a share of their bounds, for states of some sizes."""
+
+    sizes: np.ndarray
+    share: float
+
+
+@kernel
+def apply_reset(code, numbers, reset, z, J):
+    """Overwrite the state by its values after the reset number `reset`; none for -1."""
+    if reset >= 0:
+        reset_values(code, numbers, reset, z, J)
+        for i in range(z.shape[0]):
+            z[i] = J[code.reset_out[reset, i], 0]
+
+
+@kernel
+def admissibility(code, absolute, mode, rounding, order, declared, zeros, J, bounds):
+    """Whether a mode can be entered, judged by its Taylor coefficients `J` up to `order`.
+
+    Its constraints must be met up to rounding, and the first non-zero coefficient of every guard must be
+    positive; where a guard has none up to `order` the matter is undecided.  A guard that is zero and falls,
+    though the event before does not say that it is zero, is at another event.  Writes how many leading
+    coefficients of each guard are zero.
+    """
+    majorant(code, absolute, mode, order, rounding.sizes, J, bounds)
+    for f in range(code.mode_constraints[mode], code.mode_constraints[mode + 1]):
+        slot = code.function_slots[f]
+        if declared[f] == 0 and leading_order(J[slot], bounds[slot], 0, order, rounding.share) == 0:
+            return REFUSED
+    verdict = ADMITTED
+    first = code.mode_guards[mode]
+    for g in range(first, code.mode_guards[mode + 1]):
+        slot = code.function_slots[g]
+        k = leading_order(J[slot], bounds[slot], declared[g], order, rounding.share)
+        zeros[g - first] = k
+        if k > order:
+            verdict = min(verdict, UNDECIDED)
+        elif J[slot, k] < 0.0:
+            if k == 0 or declared[g] > 0:
+                return REFUSED
+            verdict = AT_ANOTHER_EVENT
+    return verdict
+
+
+@kernel
+def try_mode(code, numbers, absolute, mode, z, rounding, order, declared, zeros, J, bounds):
+    """Whether a mode can be entered at `z`; if so, leaves all its jets in `J`.
+
+    Values alone refuse most modes, and few orders nearly always decide; native code has all orders at once.
+    """
+    verdict, at_hand = UNDECIDED, -1
+    for upto in (0, min(LOW_ORDER, order), order):
+        if upto > at_hand:
+            full = upto > 0 and (verdict == ADMITTED or has_native_jets(code, mode, J))
+            at_hand = order if full else upto
+            mode_jets(code, numbers, mode, at_hand, z, J)
+        if verdict == UNDECIDED:
+            verdict = admissibility(code, absolute, mode, rounding, upto, declared, zeros, J, bounds)
+        if verdict < UNDECIDED:
+            break
+    return verdict
+
+
+@kernel
+def is_excluded(code, numbers, absolute, mode, z, rounding, declared, J, bounds):
+    """Whether what is known of a mode that is not derived forbids to enter it at `z`."""
+    mode_jets(code, numbers, mode, 0, z, J)
+    majorant(code, absolute, mode, 0, rounding.sizes, J, bounds)
+    for f in range(code.mode_constraints[mode], code.mode_constraints[mode + 1]):
+        slot = code.function_slots[f]
+        if leading_order(J[slot], bounds[slot], declared[f], 0, rounding.share) == 0 and J[slot, 0] < 0.0:
+            return True
+    return False
+
+
+@kernel
+def select_mode(code, numbers, absolute, candidates, z, rounding, order, declared, zeros, J, bounds):
+    """First admissible mode of `candidates` at `z`, or NO_MODE; leaves its jets in `J`.
+
+    A guard that vanishes identically stays zero, so it does not end the mode.  Where several events fall
+    upon one instant no mode may be admissible after the first of them; then the first mode is entered that
+    is at another event, which ends it at once.  Where a mode comes to be tried that is not derived it is
+    returned as NOT_DERIVED - mode.
+    """
+    passed = NO_MODE
+    for mode in candidates:
+        if code.built[mode] == 0:
+            if is_excluded(code, numbers, absolute, mode, z, rounding, declared, J, bounds):
+                continue
+            return NOT_DERIVED - mode
+        verdict = try_mode(code, numbers, absolute, mode, z, rounding, order, declared, zeros, J, bounds)
+        if verdict > AT_ANOTHER_EVENT:
+            return mode
+        if verdict == AT_ANOTHER_EVENT and passed == NO_MODE:
+            passed = mode
+    if passed != NO_MODE:
+        mode_jets(code, numbers, passed, order, z, J)
+        admissibility(code, absolute, passed, rounding, order, declared, zeros, J, bounds)
+    return passed

@@ -1,0 +1,314 @@
+"""What a Taylor series leaves out, bounded where its last terms do not tell.
+
+The last terms of a series show how fast it converges, unless a function in it is tiny or saturated at the
+expansion
+point and not elsewhere in the step: exp(-(u/v_s)^2) far from u = 0, tanh(u/v_s), a pole to come.  Cauchy's
+estimate
+sees these.  Where the states' polynomials keep a function within a distance M of its first value on the
+complex disc
+|s| <= R, its coefficient k is at most M/R^k; so all terms from k on add up to at most M (h/R)^k / (1 - h/R)
+within a
+step h < R.  M follows from one pass through the tape, in which every operation says how far its result may go
+when its
+operands go so far.  Every radius gives a bound, the best of some is taken.  Sources: Jorba & Zou,
+Experimental
+Mathematics 14 (2005) 99-117, section 3, for steps from Cauchy's estimate; Neher, Jackson & Nedialkov, SIAM J.
+Numer.
+Anal. 45 (2007) 236-262, for remainders that are bounded by ranges.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from frictionlab.hybrid.compilation import inlined, kernel
+from frictionlab.hybrid.kernels.arithmetic import PARTS, exp2, log2, sum_of_series
+from frictionlab.hybrid.kernels.powers import INSTANT
+from frictionlab.hybrid.kernels.step_length import (
+    FUNCTION_TOL_FACTOR,
+    MIN_FUNCTION_STEP_SHARE,
+    largest_coefficient,
+    log2_step_from_later_terms,
+)
+from frictionlab.hybrid.tape.operations import (
+    AFFINE,
+    ATAN,
+    EXP,
+    LOG,
+    POWER,
+    PRODUCT,
+    QUOTIENT,
+    RATE,
+    SECH2,
+    SQUARE,
+    TAN,
+    TANH,
+)
+from frictionlab.hybrid.tape.tape import Range
+
+WHEN_BLIND, OPERATION, BOTH, SERIES = map(int, (Range.WHEN_BLIND, Range.OPERATION, Range.BOTH, Range.SERIES))
+REACH, REST = 0, 1  # columns of the bounds: how far a slot goes on the disc, the same without its polynomial
+FIRST_RADIUS = 3.0  # radius tried first, in steps: that of most ordinary motions
+RADIUS_FACTOR = 0.75  # of one radius to the next
+MIN_RADIUS_IN_STEPS = (
+    1.1  # least radius in steps: the series of all terms is then at most eleven times its first
+)
+BOUND_EXCESS = (
+    1.25  # what a step may be longer: bounds of ordinary motions are larger than their remainders by that
+)
+SINH_LIMIT = 700.0  # beyond, sinh overflows
+SUFFICIENT_SHARE = 0.83  # share of a step that is taken without looking for a longer one, which costs as much
+RADIUS_TRIES = 200  # radii tried at the most: RADIUS_FACTOR to this power is below the smallest number
+
+
+@inlined
+def tanh_range(a, y, slope, d):
+    """Bound of |tanh(z) - tanh(a)| for |z - a| <= d; `y` and `slope` are the values at `a`."""
+    near = far = math.inf
+    if d < 1.5:  # from the addition theorem
+        t = math.tan(d)
+        if y * t < 1.0:
+            near = slope * t / (1.0 - y * t)
+    if d < abs(a):  # from tanh(z) = 1 - 2 q/(1 + q), q = exp(-2 z), which is at most w
+        w = np.exp(2.0 * (d - abs(a)))
+        far = -2.0 * w * np.expm1(-2.0 * d) / (1.0 - w)
+    return min(near, far)
+
+
+@inlined
+def sech2_range(a, y, slope, d):
+    """The same for 1/cosh(z)^2."""
+    near = far = math.inf
+    half = np.sinh(0.5 * min(d, 2.0))
+    tanh = min(0.5 * slope / y, 1.0) if y > 0.0 else 1.0
+    g = 2.0 * half * half + tanh * np.sinh(min(d, 2.0))  # bounds 1 - cosh(z)/cosh(a); above 1 before d = 2
+    if g < 1.0:
+        near = y * g * (2.0 - g) / ((1.0 - g) * (1.0 - g))
+    if d < abs(a):  # by 4 q/(1 + q)^2
+        w = np.exp(2.0 * (d - abs(a)))
+        far = 4.0 * w / ((1.0 - w) * (1.0 - w))
+    return min(near, far)
+
+
+@kernel
+def function_range(kind, a, y, slope, d):
+    """Bound of |f(z) - f(a)| for complex |z - a| <= d, infinite where a pole or branch point is so near.
+
+    `y` and `slope` are the absolute values of f and its derivative at `a`.
+    """
+    if kind == EXP:  # `y` may be below the smallest number where `a` is far below zero
+        return y * np.expm1(d) if d < 1.0 else np.exp(a + d)
+    if kind == LOG:
+        return -np.log1p(-d / a) if d < a else math.inf
+    if kind == TANH:
+        return tanh_range(a, y, slope, d)
+    if kind == SECH2:
+        return sech2_range(a, y, slope, d)
+    if kind == TAN:
+        t = math.tan(d) if d < 1.5 else math.inf
+        return slope * t / (1.0 - y * t) if y * t < 1.0 else math.inf
+    if kind == ATAN:  # its poles are at i and -i
+        room = math.sqrt(1.0 + a * a) - d
+        return d / (room * room) if room > 0.0 else math.inf
+    if not d < SINH_LIMIT:
+        return math.inf
+    half = np.sinh(0.5 * d)
+    return 2.0 * y * half * half + slope * np.sinh(d)  # sin, cos, sinh, cosh
+
+
+@kernel
+def power_range(exponent, base, d):
+    """The same for a power of a positive base, by the largest slope."""
+    if not d < base:
+        return math.inf
+    steepest = max((base - d) ** (exponent - 1.0), (base + d) ** (exponent - 1.0))
+    return abs(exponent) * steepest * d
+
+
+@inlined
+def series_range(J, slot, order, radius):
+    """How far the polynomial of a slot goes on the disc at the most."""
+    groups = order // PARTS
+    last = 0.0
+    for k in range(order, PARTS * groups, -1):
+        last = last * radius + abs(J[slot, k])
+    return sum_of_series(J, slot, groups, last, radius)
+
+
+@inlined
+def operation_range(code, numbers, op, out, d, e, J):
+    """How far the result of a quotient, power or function goes, where its operands go `d` and `e`."""
+    kind, a, b = code.ops[op, 0], code.ops[op, 1], code.ops[op, 2]
+    if kind == QUOTIENT:
+        least = abs(J[b, 0]) - e
+        return (d + abs(J[out, 0]) * e) / least if least > 0.0 else math.inf
+    if d == 0.0:
+        return 0.0
+    if kind == POWER:
+        return power_range(numbers.constants[op], J[a, 0], d)
+    return function_range(kind, J[a, 0], abs(J[out, 0]), abs(J[b, 0]), d)
+
+
+@inlined
+def bound_product(J, a, b, out, d, e, known, bounds):
+    """Bounds of a product a b = a_0 b_0 + a_0 (b - b_0) + b_0 (a - a_0) + (a - a_0)(b - b_0).
+
+    The terms in the middle leave out no more than the operands do, which go `d` and `e`.  What a polynomial
+    leaves out may be `known`.
+    """
+    x, y = abs(J[a, 0]), abs(J[b, 0])
+    bounds[out, REACH] = infinite_if_nan(x * e + y * d + d * e)
+    bounds[out, REST] = 0.0 if known else infinite_if_nan(x * bounds[b, REST] + y * bounds[a, REST] + d * e)
+
+
+@inlined
+def infinite_if_nan(bound):
+    """A bound; infinite where it is no number, as 0 times infinity."""
+    return bound if bound == bound else math.inf
+
+
+@inlined
+def bound_affine(code, absolute, op, out, order, radius, J, bounds):
+    """Bounds of an affine combination of slots; of some by their own series too, as terms may cancel."""
+    reach = rest = 0.0
+    for j in range(code.ops[op, 1], code.ops[op, 2]):
+        slot = code.term_slots[j]
+        if absolute.terms[j] > 0.0:
+            reach += absolute.terms[j] * bounds[slot, REACH]
+            rest += absolute.terms[j] * bounds[slot, REST]
+    if code.ranges[op] == BOTH and rest < math.inf:
+        reach = min(reach, series_range(J, out, order, radius) + rest)
+    bounds[out, REACH] = reach
+    bounds[out, REST] = rest
+
+
+@inlined
+def bound_ranges(code, numbers, absolute, mode, order, radius, visible, J, bounds):
+    """Write how far each slot goes on the disc of a radius, and how far without its polynomial.
+
+    `visible` says that the last terms show what polynomials leave out: it counts as nothing then.
+    """
+    least = OPERATION if visible else WHEN_BLIND
+    for i in range(code.inputs):
+        bounds[i, REST] = 0.0
+        if code.state_ranges[mode, i] >= least:
+            bounds[i, REACH] = series_range(J, i, order, radius)
+    first = code.mode_ops[mode]
+    for op in range(first, code.mode_ops[mode + 1]):
+        out = code.inputs + op - first
+        if code.ranges[op] < least:
+            bounds[out, REST] = 0.0
+            continue
+        if code.ranges[op] == SERIES:
+            bounds[out, REACH], bounds[out, REST] = series_range(J, out, order, radius), 0.0
+            continue
+        kind, a, b = code.ops[op, 0], code.ops[op, 1], code.ops[op, 2]
+        if kind == AFFINE:
+            bound_affine(code, absolute, op, out, order, radius, J, bounds)
+        elif kind == RATE:  # belongs to the recurrence of the next operation
+            bounds[out, REACH] = bounds[out, REST] = 0.0
+        else:
+            d = bounds[a, REACH]
+            e = bounds[b, REACH] if kind in (PRODUCT, QUOTIENT) else d
+            known = visible and code.polynomial[op] != 0
+            if kind in (PRODUCT, SQUARE):
+                bound_product(J, a, b, out, d, e, known, bounds)
+            else:
+                reach = infinite_if_nan(operation_range(code, numbers, op, out, d, e, J))
+                bounds[out, REACH] = reach
+                bounds[out, REST] = 0.0 if known else reach
+
+
+@inlined
+def log2_longest_step(room, power, size0, size1, size2):
+    """Binary logarithm of the longest h with h^power <= 2^room max(size_m h^m), m = 0, 1, 2."""
+    best = max((room + log2(size0)) / power, (room + log2(size1)) / (power - 1))
+    return max(best, (room + log2(size2)) / (power - 2))
+
+
+@kernel
+def log2_group_support(room, order, first, last, J):
+    """The same for the size of the states [first, last), at an instant after the start at the least."""
+    size1 = largest_coefficient(J, first, last, 1)
+    size2 = largest_coefficient(J, first, last, 2)
+    size0 = max(largest_coefficient(J, first, last, 0), max(size1, size2 * INSTANT) * INSTANT)
+    if size0 > 0.0 or size1 > 0.0 or size2 > 0.0:
+        return log2_longest_step(room, order + 1, size0, size1, size2)
+    return log2_step_from_later_terms(room, order + 1, first, last, J)
+
+
+@inlined
+def supported_step(code, mode, order, tol, radius, shortest, J, bounds):
+    """Longest step that the ranges on the disc of a radius support: no slot leaves out more than allowed."""
+    log_radius = log2(radius)
+    log_room = log2(tol) + order * log_radius
+    best = log_radius - math.log2(MIN_RADIUS_IN_STEPS * BOUND_EXCESS)
+    for group in range(4):
+        first = code.groups[group]
+        last = code.groups[group + 1] if group < 3 else code.inputs
+        rest = 0.0
+        for i in range(first, last):
+            rest = max(rest, bounds[code.flow[mode, i], REST])
+        if rest > 0.0:
+            if rest == math.inf:
+                return 0.0
+            room = log_room + log2(order + 1.0) - log2(rest)
+            best = min(best, log2_group_support(room, order, first, last, J))
+    least = log2(shortest)
+    log_room += math.log2(FUNCTION_TOL_FACTOR) + log_radius
+    for g in range(code.mode_guards[mode], code.mode_guards[mode + 1]):
+        slot = code.function_slots[g]
+        best = min(best, max(least, log2_function_support(slot, log_room, order, J, bounds)))
+    for section in range(code.sections.shape[1]):
+        slot = code.sections[mode, section]
+        best = min(best, max(least, log2_function_support(slot, log_room, order, J, bounds)))
+    return BOUND_EXCESS * exp2(best)
+
+
+@kernel
+def log2_function_support(slot, log_room, order, J, bounds):
+    """Logarithm of the longest step that the range of a guard or section supports."""
+    rest = bounds[slot, REST]
+    if rest == 0.0:
+        return math.inf
+    if rest == math.inf:
+        return -math.inf
+    c = J[slot]
+    return log2_longest_step(log_room - log2(rest), order + 1, abs(c[0]), abs(c[1]), abs(c[2]))
+
+
+@inlined
+def needs_remainder(code, order, mode, h, left):
+    """Whether the last two terms of the series may not tell how long a step may be.
+
+    They do in polynomials, but for those of so high a degree that all terms are zero.
+    """
+    degree = code.degrees[mode]
+    return degree >= order or (degree > 1 and h == left)
+
+
+@inlined
+def polynomials_visible(code, order, mode, h, left):
+    """Whether the last two terms tell what polynomials leave out."""
+    return code.polynomial_degrees[mode] < order and h < left
+
+
+@inlined
+def remainder_step(code, numbers, absolute, order, tol, mode, h, visible, J, bounds):
+    """Longest step up to `h` whose remainder is bounded by some tolerances; `bounds` is scratch.
+
+    `visible` says that the last terms of polynomials tell what these leave out.
+    """
+    best, radius = 0.0, FIRST_RADIUS * h
+    for _ in range(RADIUS_TRIES):
+        bound_ranges(code, numbers, absolute, mode, order, radius, visible, J, bounds)
+        support = supported_step(code, mode, order, tol, radius, MIN_FUNCTION_STEP_SHARE * h, J, bounds)
+        if support >= SUFFICIENT_SHARE * h:
+            return min(support, h)
+        if support < best:
+            break
+        best = support
+        radius *= RADIUS_FACTOR
+    return best

@@ -1,0 +1,160 @@
+"""What a run carries along: where it stands, its clock, its scratch arrays, and the record that it leaves.
+
+Kernels allocate nothing: a `Record` has room for so many steps and events, and is filled, taken away, and
+replaced by a new one.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from frictionlab.hybrid.compilation import inlined
+from frictionlab.hybrid.kernels.jets import JET_COLUMNS
+from frictionlab.hybrid.kernels.roots import MAX_DEPTH
+from frictionlab.hybrid.tape.program import Code
+
+RUNNING, FINISHED, NO_ADMISSIBLE_MODE, STALLED, ZENO, NOT_FINITE = range(6)
+
+
+class Scratch(NamedTuple):
+    """Scratch arrays of a run."""
+
+    jets: np.ndarray
+    values: np.ndarray
+    bounds: np.ndarray
+    stack: np.ndarray
+    intervals: np.ndarray
+    scaled: np.ndarray
+    roots: np.ndarray
+    multiplicity: np.ndarray
+    declared: np.ndarray
+    zeros: np.ndarray
+    before: np.ndarray
+
+
+class RunState(NamedTuple):
+    """Where a run stands.  ``times``: now, end, entry into the mode, limit of the dwell time, that for
+    events that have a limit mode, and what the sum of the steps is beyond now;
+    ``counts``: mode, steps, events, section points, short dwells in a row by either limit, accumulations
+    closed, events without advance, whether the jets are at hand, whether an accumulation ends the run, and
+    the number of the current cell of a fixed time grid;
+    ``sizes``: what the rounding errors of the state at the last event are relative to."""
+
+    state: np.ndarray
+    sizes: np.ndarray
+    times: np.ndarray
+    counts: np.ndarray
+    signs: np.ndarray
+
+
+NOW, END, ENTERED, DWELL, CHATTER, CARRY = range(6)
+(
+    MODE,
+    STEPS,
+    EVENTS,
+    POINTS,
+    SHORT_DWELLS,
+    SHORT_FLIGHTS,
+    ZENO_COUNT,
+    REPEATED,
+    JETS_READY,
+    STOPS_AT_ZENO,
+    CELL,
+) = range(11)
+COUNTS = 11
+
+
+class Record(NamedTuple):
+    """Buffers of what a run leaves: steps, events and section points."""
+
+    step_times: np.ndarray  # (capacity, 2) start and length
+    step_modes: np.ndarray
+    step_states: np.ndarray
+    event_times: np.ndarray
+    event_codes: np.ndarray  # (capacity, 3) guard, mode entered (-1: none), whether an accumulation closed
+    event_states: np.ndarray  # (capacity, 2, states) before and after
+    point_times: np.ndarray
+    point_sections: np.ndarray
+    point_states: np.ndarray
+
+
+def new_run_state(
+    state: np.ndarray, mode: int, t_end: float, limits: tuple[float, float], raises: bool
+) -> RunState:
+    """Cursor at time 0 in `mode`, whose jets are at hand; without sections."""
+    counts = np.zeros(COUNTS, dtype=np.int64)
+    counts[MODE], counts[JETS_READY], counts[STOPS_AT_ZENO] = mode, 1, raises
+    signs = np.zeros(0, dtype=np.int64)
+    return RunState(state.copy(), np.abs(state), initial_times(t_end, limits), counts, signs)
+
+
+def initial_times(t_end: float, limits: tuple[float, float]) -> np.ndarray:
+    """Times of a cursor at 0."""
+    return np.array([0.0, t_end, 0.0, *limits, 0.0])
+
+
+@inlined
+def remaining_time(times):
+    """From now to the end."""
+    return (times[END] - times[NOW]) - times[CARRY]
+
+
+@inlined
+def advance_clock(times, h, left):
+    """Go on by `h`, of `left` at most; returns whether the clock shows it.
+
+    What rounding takes from the sum is carried to the next step (Knuth's two-sum): steps of nearly one
+    length are rounded nearly alike, which would add up to 2e-8 s in 1e4 s.
+    """
+    before = times[NOW]
+    if h == left:
+        times[NOW], times[CARRY] = times[END], 0.0
+    else:
+        h += times[CARRY]
+        now = before + h
+        shown = now - before
+        times[NOW], times[CARRY] = now, (before - (now - shown)) + (h - shown)
+    return times[NOW] > before
+
+
+def new_record(code: Code, steps: int, events: int, points: int) -> Record:
+    """Empty buffers."""
+    n = code.inputs
+    return Record(
+        np.empty((steps, 2)),
+        np.empty(steps, dtype=np.int64),
+        np.empty((steps, n)),
+        np.empty(events),
+        np.empty((events, 3), dtype=np.int64),
+        np.empty((events, 2, n)),
+        np.empty(points),
+        np.empty(points, dtype=np.int64),
+        np.empty((points, n)),
+    )
+
+
+def new_scratch(slots: int, code: Code, order: int) -> Scratch:
+    """Scratch arrays for one run."""
+    return Scratch(
+        jets=np.zeros((slots, jet_columns(order))),
+        values=np.zeros((slots, jet_columns(0))),
+        bounds=np.zeros((slots, jet_columns(order))),
+        stack=np.zeros((MAX_DEPTH + 1, order + 1)),
+        intervals=np.zeros((MAX_DEPTH + 1, 2)),
+        scaled=np.zeros(order + 1),
+        roots=np.zeros(order + 2),
+        multiplicity=np.zeros(order + 2, dtype=np.int64),
+        declared=np.zeros(len(code.function_slots), dtype=np.int64),
+        zeros=np.zeros(max(1, len(code.targets)), dtype=np.int64),
+        before=np.zeros(code.inputs),
+    )
+
+
+def jet_columns(order: int) -> int:
+    """Length of a row of jets: as native code has it, longer for orders that only the interpreter knows."""
+    return max(JET_COLUMNS, order + 1)
+
+
+CLOCK_RESOLUTION = 1e-15  # share of the time that the clock shows as some of its last digits

@@ -1,0 +1,160 @@
+"""The solver's loop, all in one kernel: step by Taylor polynomial, event, reset, next mode; and its dense
+output.
+
+The loop runs until the end, an end that is an error, or a full record, after which it can be called again.
+Steps are stored by the state at their start; for dense output the polynomial is computed again from it, which
+needs a twentieth of the memory and costs a jet per step looked at.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from frictionlab.hybrid.compilation import inlined, kernel
+from frictionlab.hybrid.kernels.event_handling import count_repeat, handle_event
+from frictionlab.hybrid.kernels.event_location import (
+    NO_GUARD,
+    first_event,
+    is_guard_truncated,
+    refine_event_time,
+)
+from frictionlab.hybrid.kernels.jets import copy_vector, mode_jets, states_at
+from frictionlab.hybrid.kernels.powers import (
+    MIN_USEFUL_ORDER,
+    has_base_near_zero,
+    lacks_series,
+    onset_step,
+    time_to_zero_base,
+    truncate_series_near_zero,
+    unresolved_time,
+)
+from frictionlab.hybrid.kernels.remainder import needs_remainder, polynomials_visible, remainder_step
+from frictionlab.hybrid.kernels.run_state import (
+    CLOCK_RESOLUTION,
+    END,
+    EVENTS,
+    FINISHED,
+    JETS_READY,
+    MODE,
+    NOT_FINITE,
+    NOW,
+    POINTS,
+    RUNNING,
+    STEPS,
+    advance_clock,
+    remaining_time,
+)
+from frictionlab.hybrid.kernels.section_events import record_section_events
+from frictionlab.hybrid.kernels.step_length import function_step, step_length
+
+
+@kernel
+def step_series(code, numbers, mode, order, h, z, J):
+    """The jets of which a step of length `h` from `z` consists, as the step was taken."""
+    mode_jets(code, numbers, mode, order, z, J)
+    if code.powers[mode] and has_base_near_zero(code, order, mode, J):
+        passes = h > time_to_zero_base(code, mode, J)
+        truncate_series_near_zero(code, numbers, mode, order, z, passes, J)
+
+
+@kernel
+def sample_states(code, numbers, order, step_times, step_modes, step_states, steps, times, out, J):
+    """Write the states at ascending `times`, each within the step of number ``steps[i]``, into `out`."""
+    current = -1
+    for i in range(times.shape[0]):
+        step = steps[i]
+        if step != current:
+            mode, h = step_modes[step], step_times[step, 1]
+            step_series(code, numbers, mode, order, h, step_states[step], J)
+            current = step
+        states_at(J, order, times[i] - step_times[step, 0], out[i])
+
+
+def subdivide_steps(step_times: np.ndarray, parts: int) -> tuple[np.ndarray, np.ndarray]:
+    """Times that cut every step into `parts`, ends left out, and the step each belongs to."""
+    share = np.arange(parts) / parts
+    times = step_times[:, :1] + step_times[:, 1:] * share
+    steps = np.repeat(np.arange(len(step_times)), parts)
+    return times.ravel(), steps
+
+
+@inlined
+def record_sizes(start, cursor):
+    """Note what the state's rounding errors are relative to, after a step from `start`."""
+    for i in range(start.shape[0]):
+        cursor.sizes[i] = max(abs(start[i]), abs(cursor.state[i]))
+
+
+@kernel
+def power_onset_step(code, numbers, absolute, order, tol, mode, left, cursor, work):
+    """Length of a step in which the base of a power is nearly zero; may change the jets."""
+    J, z = work.jets, cursor.state
+    scale = time_to_zero_base(code, mode, J)
+    onset = 0.0
+    if lacks_series(code, order, mode, J):
+        onset = onset_step(code, numbers, order, tol, mode, left, J, work)
+    unresolved = unresolved_time(code, absolute, mode, z, J, work.bounds)
+    h = min(left, max(onset, unresolved, CLOCK_RESOLUTION * cursor.times[NOW]))
+    few = truncate_series_near_zero(code, numbers, mode, order, z, h > scale, J)
+    if few < MIN_USEFUL_ORDER:
+        return h
+    return remainder_step(code, numbers, absolute, few, tol, mode, min(left, scale), False, J, work.bounds)
+
+
+@inlined
+def take_taylor_step(code, numbers, absolute, order, tol, cursor, record, work):
+    """One step, up to an event if there is one; returns how the run goes on."""
+    times, counts, J = cursor.times, cursor.counts, work.jets
+    mode = counts[MODE]
+    if counts[JETS_READY] == 0:
+        mode_jets(code, numbers, mode, order, cursor.state, J)
+        for g in range(work.zeros.shape[0]):
+            work.zeros[g] = 0
+    counts[JETS_READY] = 0
+    left = remaining_time(times)
+    h = step_length(code, order, tol, J)
+    if not h > 0.0:
+        return NOT_FINITE
+    h = function_step(code, order, tol, mode, min(h, left), J)
+    if code.powers[mode] and has_base_near_zero(code, order, mode, J):
+        h = power_onset_step(code, numbers, absolute, order, tol, mode, left, cursor, work)
+    elif needs_remainder(code, order, mode, h, left):
+        visible = polynomials_visible(code, order, mode, h, left)
+        h = remainder_step(code, numbers, absolute, order, tol, mode, h, visible, J, work.bounds)
+    goes_on = False
+    h, guard, multiplicity = first_event(code, absolute, mode, cursor.state, order, J, work.zeros, h, work)
+    if guard != NO_GUARD and multiplicity == 1 and is_guard_truncated(code, guard, mode, order, h, J):
+        h = refine_event_time(code, numbers, absolute, mode, guard, order, h, work)
+        if h > left:  # not within this run
+            h, guard = left, NO_GUARD
+    if h > 0.0:
+        row = counts[STEPS]
+        record.step_times[row, 0] = times[NOW]
+        record.step_times[row, 1] = h
+        record.step_modes[row] = mode
+        copy_vector(cursor.state, record.step_states[row])
+        counts[STEPS] += 1
+        if code.sections.shape[1]:
+            record_section_events(code, order, mode, h, cursor, record, work)
+        states_at(J, order, h, cursor.state)
+        goes_on = advance_clock(times, h, left)
+        if guard != NO_GUARD:
+            record_sizes(record.step_states[row], cursor)
+    if guard == NO_GUARD:
+        return RUNNING if goes_on else count_repeat(counts)
+    return handle_event(code, numbers, absolute, guard, multiplicity, order, tol, cursor, record, work)
+
+
+@kernel
+def advance_taylor(code, numbers, absolute, order, tol, cursor, record, work):
+    """Run until the end, an error, or until a buffer may be full (RUNNING)."""
+    times, counts = cursor.times, cursor.counts
+    room = record.point_times.shape[0] - (order + 2) * code.sections.shape[1]
+    while times[NOW] < times[END]:
+        full = counts[STEPS] == record.step_modes.shape[0] or counts[EVENTS] == record.event_times.shape[0]
+        if full or counts[POINTS] > room:
+            return RUNNING
+        status = take_taylor_step(code, numbers, absolute, order, tol, cursor, record, work)
+        if status != RUNNING:
+            return status
+    return FINISHED

@@ -1,0 +1,17 @@
+"""Methods of integration: each a frozen dataclass with its settings, and the kernels that are its own.
+
+``base``
+    `Method`: settings that end a run, the first mode, and the loop that hands out records and joins them.
+``taylor``
+    `Taylor`, the exact event-driven method, and the matrix by which it steps through linear scenes without
+    events.
+``rk4``
+    `RK4`, the algorithm of the paper's Fig. 19.
+``scipy_methods``
+    `Scipy`: scipy's integrators on the same automaton.
+``method_registry``
+    A method by its name.
+
+`Method.integrate` takes a `Problem` and gives `RunData`; in between it calls the method's `advance`, which
+fills a `Record` until that is full or the run ends.
+"""

@@ -1,0 +1,33 @@
+"""Methods by name."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from frictionlab.hybrid.methods.base import Method
+from frictionlab.hybrid.methods.rk4 import RK4
+from frictionlab.hybrid.methods.scipy_methods import INTEGRATORS, Scipy
+from frictionlab.hybrid.methods.taylor import Taylor
+from frictionlab.validation import did_you_mean
+
+
+def method_of(method: Any) -> Method:
+    """The method itself, or the one of that name with its default settings.
+
+    Raises
+    ------
+    ValueError
+        Where there is no such method.
+    """
+    if isinstance(method, Method):
+        return method
+    named = {"taylor": Taylor, "rk4": RK4}
+    if method in named:
+        return named[method]()
+    if method in INTEGRATORS:
+        return Scipy(method)
+    known = [*named, *INTEGRATORS]
+    names = ", ".join(map(repr, known))
+    raise ValueError(
+        f"method must be a frictionlab method or one of {names}, got {method!r}{did_you_mean(method, known)}"
+    )

@@ -1,0 +1,161 @@
+"""scipy's integrators on the same automaton, for cross-checks."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+
+from frictionlab.hybrid.kernels import event_handling, run_state
+from frictionlab.hybrid.kernels.jets import slot_gradients, state_rates
+from frictionlab.hybrid.methods.base import ActiveRun, Method
+from frictionlab.validation import check_choice, check_number
+
+CHATTER_DWELL = 1e-6  # s: shorter flights are below what the tolerances resolve
+IMPLICIT_INTEGRATORS = ("Radau", "BDF", "LSODA")
+INTEGRATORS = ("RK23", "RK45", "DOP853", *IMPLICIT_INTEGRATORS)
+
+
+@dataclass(frozen=True)
+class Scipy(Method):
+    """One of scipy's integrators, stopped at every event.
+
+    An event is seen where a guard changes its sign between the ends of a step, as in
+    :func:`scipy.integrate.solve_ivp`; two zeros within one step are missed.  The implicit ones are given
+    the exact Jacobian: finite differences at states as small as `atol`, as after a start from rest, are
+    rounding errors alone.
+
+    Parameters
+    ----------
+    integrator : str
+        RK23, RK45, DOP853, Radau, BDF or LSODA.
+    rtol, atol : float
+        Relative and absolute tolerance.
+    max_step : float or None
+        Longest step in seconds, None for no limit: half of the shortest stay in a mode sees every event.
+    max_steps, max_events : int
+        A run that reaches one ends with a status and keeps what it has.
+    """
+
+    name: ClassVar[str] = "scipy"
+    entry: ClassVar[Any] = staticmethod(event_handling.handle_event)
+    parts: ClassVar[int] = 4
+
+    integrator: str = "DOP853"
+    rtol: float = 1e-10
+    atol: float = 1e-13
+    max_step: float | None = None
+
+    def __post_init__(self) -> None:
+        check_choice("integrator", self.integrator, INTEGRATORS)
+        check_number("rtol", self.rtol, least=3e-14, below=1.0, cure="1e-10 is the default")
+        check_number("atol", self.atol, least=0.0, cure="1e-13 is the default")
+        if self.max_step is not None:
+            check_number("max_step", self.max_step, above=0.0, cure="leave it out for no limit")
+        self.check_caps()
+
+    @property
+    def limits(self) -> tuple[float, float]:
+        return 0.0, CHATTER_DWELL
+
+    @property
+    def degree(self) -> int:
+        return 20
+
+    def advance(self, run: ActiveRun, record: run_state.Record) -> int:
+        """Run up to the next event, the end, or a full buffer."""
+        cursor = run.cursor
+        solver = self._solver(run)
+        guards = _Guards(run)
+        while solver.status == "running" and cursor.counts[run_state.STEPS] < len(record.step_modes):
+            solver.step()
+            if solver.status == "failed" or not np.isfinite(solver.y).all():
+                return run_state.NOT_FINITE
+            length, guard = guards.first(solver)
+            if length > 0.0:
+                _record_step(cursor, record, length)
+            cursor.times[run_state.NOW] += length
+            cursor.state[:] = solver.y if guard < 0 else solver.dense_output()(cursor.times[run_state.NOW])
+            if guard >= 0:
+                return _handle_event(run, record, guard, self.degree, self.rtol)
+        if solver.status == "running":
+            return run_state.RUNNING
+        cursor.times[run_state.NOW] = cursor.times[run_state.END]
+        return run_state.FINISHED
+
+    def _solver(self, run: ActiveRun) -> Any:
+        from scipy import integrate
+
+        problem, cursor = run.problem, run.cursor
+        code, mode = run.natives.code, int(cursor.counts[run_state.MODE])
+
+        def rates(t: float, z: np.ndarray) -> np.ndarray:
+            out = np.empty_like(z)
+            state_rates(code, problem.numbers, mode, z, run.work.jets, out)
+            return out
+
+        def jacobian(t: float, z: np.ndarray) -> np.ndarray:
+            tangents = np.empty((problem.program.slots, len(z)))
+            slot_gradients(code, problem.numbers, mode, np.ascontiguousarray(z), run.work.jets, tangents)
+            return tangents[code.flow[mode]]
+
+        start, end = cursor.times[run_state.NOW], cursor.times[run_state.END]
+        settings: dict[str, Any] = {"rtol": self.rtol, "atol": self.atol}
+        settings["max_step"] = np.inf if self.max_step is None else self.max_step
+        if self.integrator in IMPLICIT_INTEGRATORS:
+            settings["jac"] = jacobian
+        return getattr(integrate, self.integrator)(rates, start, cursor.state.copy(), end, **settings)
+
+
+class _Guards:
+    """Values of the current mode's guards along scipy's steps."""
+
+    def __init__(self, run: ActiveRun) -> None:
+        self._run = run
+        code, self._mode = run.problem.program.code, int(run.cursor.counts[run_state.MODE])
+        self._guards = range(code.mode_guards[self._mode], code.mode_guards[self._mode + 1])
+
+    def _values(self, z: np.ndarray) -> np.ndarray:
+        run, code = self._run, self._run.natives.code
+        state_rates(
+            code, run.problem.numbers, self._mode, np.ascontiguousarray(z), run.work.jets, np.empty_like(z)
+        )
+        return run.work.jets[code.function_slots[self._guards.start : self._guards.stop], 0].copy()
+
+    def first(self, solver: Any) -> tuple[float, int]:
+        """Length of the step up to the first guard that fails at its end, and the guard (-1: none)."""
+        start, end = self._run.cursor.times[run_state.NOW], solver.t
+        failing = np.flatnonzero(self._values(solver.y) < 0.0)
+        if not failing.size:
+            return end - start, -1
+        dense = solver.dense_output()
+        places = [self._root(lambda t, i=i: self._values(dense(t))[i], start, end) for i in failing]
+        first = int(np.argmin(places))
+        return places[first] - start, self._guards.start + int(failing[first])
+
+    def _root(self, function: Any, start: float, end: float) -> float:
+        """Zero between the start, where the guard holds, and the end, where it does not."""
+        from scipy import optimize
+
+        brentq: Any = optimize.brentq
+        if function(end) >= 0.0:  # the dense output ends a rounding error beside the step
+            return end
+        # After an event it may be zero at the start by construction, of any sign: find where it is positive.
+        parts = start + (end - start) * 0.5 ** np.arange(1, 40)
+        left = next((t for t in parts if function(t) > 0.0), end)
+        return start if left == end else float(brentq(function, left, end, xtol=1e-15, rtol=1e-15))
+
+
+def _record_step(cursor: run_state.RunState, record: run_state.Record, length: float) -> None:
+    row = cursor.counts[run_state.STEPS]
+    record.step_times[row] = cursor.times[run_state.NOW], length
+    record.step_modes[row] = cursor.counts[run_state.MODE]
+    record.step_states[row] = cursor.state
+    cursor.counts[run_state.STEPS] += 1
+
+
+def _handle_event(run: ActiveRun, record: run_state.Record, guard: int, order: int, tol: float) -> int:
+    problem = run.problem
+    arrays = problem.program.code, problem.numbers, run.absolute
+    return event_handling.handle_event(*arrays, guard, 1, order, tol, run.cursor, record, run.work)

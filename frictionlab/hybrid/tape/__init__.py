@@ -1,0 +1,21 @@
+"""From sympy expressions to the arrays that the kernels run on.
+
+``operations``
+    The operations and functions that a tape may hold, and their numbers.
+``tape``
+    `Tape`, operations on numbered slots, and `TapeBuilder`, which lowers expressions onto one; equal
+    subexpressions
+    share a slot.
+``program``
+    `Program`: the arrays of a whole automaton (`Code`), and `Numbers`, its coefficients for one set of
+    values.
+``packing``
+    `program_of`: lowers every mode and reset of an automaton, packs the tapes, and remembers the result by
+    structure.
+    Also which functions are zero by construction after an event.
+``automaton_checks``
+    One clear error for an automaton that is not well formed.
+
+An automaton's structure goes through `packing` once; new values of parameters cost one call of
+`Program.numbers`.
+"""

@@ -1,0 +1,118 @@
+"""Is an automaton well formed?  One clear error before any work is done."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import lru_cache
+from math import isfinite
+from typing import Any
+
+import sympy as sp
+
+from frictionlab.automaton import Event, HybridAutomaton, Mode
+from frictionlab.validation import abbreviate, check_number
+
+
+def check_automaton(automaton: Any) -> None:
+    """Raise TypeError for what is none, ValueError for a parameter whose value is no finite number."""
+    if not isinstance(automaton, HybridAutomaton):
+        cure = "write solve(automaton, t_end, x0=...)"
+        cure = "use fl.simulate for a model" if hasattr(automaton, "automaton") else cure
+        raise TypeError(f"automaton must be a HybridAutomaton, got {abbreviate(automaton)}: {cure}")
+    for symbol, value in automaton.parameters.items():
+        if type(value) is float and isfinite(value):  # as those of models are, before every run
+            continue
+        number = float(value) if getattr(value, "is_real", False) else value  # of sympy, such as pi
+        check_number(f"the parameter {symbol}", number, cure=f"give it one, such as replace({symbol}=1.0)")
+
+
+def check_structure(
+    states: Sequence[sp.Symbol],
+    modes: Sequence[Mode],
+    parameters: Sequence[sp.Symbol],
+    coordinates: int,
+) -> None:
+    """Raise ValueError with what was got, what was expected and the cure."""
+    names = [mode.name for mode in modes]
+    if not modes:
+        raise ValueError("an automaton needs at least one mode, got none: add a frictionlab.Mode")
+    if len(set(names)) < len(names):
+        raise ValueError(f"mode names must differ, got {names}: rename one")
+    if not 0 <= 2 * coordinates <= len(states):
+        raise ValueError(
+            f"coordinates must leave room for as many velocities among the {len(states)} states, "
+            f"got {coordinates}: list the coordinates first, then their velocities"
+        )
+    known = tuple(names), tuple(states), frozenset((*states, *parameters))
+    for mode in modes:
+        _check_mode(mode, *known)
+
+
+def check_section_or_quadrature(name: str, function: Any, automaton: HybridAutomaton) -> None:
+    """Raise ValueError where a section or quadrature asks for what the automaton does not have."""
+    outputs = automaton.outputs
+    known = {*automaton.states, *automaton.parameters}
+    if isinstance(function, str):
+        strange = [] if function in outputs else [function]
+    else:
+        strange = sorted(map(str, _symbols(name, function) - known))
+    if strange:
+        raise ValueError(
+            f"the section or quadrature {name!r} uses {strange}: write it with the states and parameters "
+            f"({', '.join(sorted(map(str, known)))}), or give an output's name "
+            f"({', '.join(outputs) or 'there is none'})"
+        )
+
+
+def _symbols(name: str, function: Any) -> set:
+    try:
+        return sp.sympify(function).free_symbols
+    except (AttributeError, sp.SympifyError):
+        raise ValueError(
+            f"the section or quadrature {name!r} must be an expression of the states, or an output's name, "
+            f"got {abbreviate(function)}: write it with the automaton's symbols"
+        ) from None
+
+
+@lru_cache(maxsize=4096)  # modes that are derived one by one come again and again
+def _check_mode(
+    mode: Mode, names: tuple[str, ...], states: tuple[sp.Symbol, ...], known: frozenset[sp.Symbol]
+) -> None:
+    if len(mode.flow) != len(states):
+        raise ValueError(
+            f"the flow of mode {mode.name!r} must have one expression per state ({len(states)}), "
+            f"got {len(mode.flow)}: give each state its time derivative"
+        )
+    for event in mode.events:
+        if unknown := [name for name in event.targets if name not in names]:
+            raise ValueError(
+                f"event {event.name!r} of mode {mode.name!r} leads to {unknown}, "
+                f"but the modes are {list(names)}: correct its targets"
+            )
+        _check_resets(event, mode, states)
+    for what, expr in _expressions(mode):
+        if strange := sp.sympify(expr).free_symbols - known:
+            raise ValueError(
+                f"{what} of mode {mode.name!r} uses {sorted(map(str, strange))}, which is neither a state "
+                "nor a parameter: add it to the automaton's parameters"
+            )
+
+
+def _check_resets(event: Event, mode: Mode, states: tuple[sp.Symbol, ...]) -> None:
+    for reset in filter(None, (event.reset, event.accumulation)):
+        if strange := [symbol for symbol in reset.jump if symbol not in states]:
+            raise ValueError(
+                f"the reset of event {event.name!r} of mode {mode.name!r} may give values to states only "
+                f"({', '.join(sorted(map(str, states)))}), got one for {', '.join(map(str, strange))}: "
+                "take the symbol that the automaton's states hold, with the same assumptions"
+            )
+
+
+def _expressions(mode: Mode):
+    yield from (("the flow", expr) for expr in mode.flow)
+    yield from (("a constraint", expr) for expr in mode.constraints)
+    yield from ((f"output {name!r}", expr) for name, expr in mode.outputs.items())
+    for event in mode.events:
+        yield f"event {event.name!r}", event.function
+        for reset in filter(None, (event.reset, event.accumulation)):
+            yield from ((f"the reset of event {event.name!r}", expr) for expr in reset.jump.values())

@@ -1,0 +1,282 @@
+"""Sympy expressions lowered to a tape: a list of operations on numbered slots.
+
+The first slots are the states, every operation writes one more.  There are few operations, each with a
+recurrence for Taylor coefficients (:mod:`frictionlab.hybrid.kernels.jets`), and the numbers in them (the
+coefficients of affine combinations) are expressions of the parameters alone.  So a tape depends on the
+structure of a model; its parameter values fill in afterwards.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from enum import IntEnum
+from typing import Any
+
+import sympy as sp
+
+from frictionlab.automaton.mode import Expr
+from frictionlab.hybrid.tape.operations import (
+    AFFINE,
+    ALLOWED_OPERATIONS,
+    FUNCTIONS,
+    OPERATION_NAMES,
+    POWER,
+    PRODUCT,
+    QUOTIENT,
+    RATE,
+    SQUARE,
+    sech2,
+)
+
+CONSTANT_TERM = -1  # the key of the constant term in an affine combination {slot: coefficient}
+AffineTerms = dict[int, Expr]
+
+
+class TapeError(ValueError):
+    """An expression that the tape has no operation for."""
+
+
+class Range(IntEnum):
+    """How the range of a slot on a disc is found."""
+
+    UNUSED = 0  # no rate, guard or section depends on it
+    WHEN_BLIND = 1  # by its operands, where the last terms of polynomials do not tell
+    OPERATION = 2  # by its operands
+    BOTH = 3  # by its operands and by its own series, as terms of a sum may cancel
+    SERIES = 4  # by its own series, which is exact
+
+
+@dataclass
+class Tape:
+    """Operations in the order of their execution.
+
+    ``ops`` holds (kind, a, b): two slots, or for an affine combination the range [a, b) of ``terms``;
+    its constant is ``constants[i]``.  Operation i writes slot ``inputs + i``.  A function f(a), and a power
+    with the exponent ``constants[i]``, follow upon the rate t a' of their argument; b is the slot of f'(a),
+    which may come later, as it is needed in lower orders only.
+    """
+
+    inputs: int
+    ops: list[tuple[int, int, int]] = field(default_factory=list)
+    constants: list[Expr] = field(default_factory=list)
+    terms: list[tuple[int, Expr]] = field(default_factory=list)
+
+    @property
+    def slots(self) -> int:
+        """Number of slots in use."""
+        return self.inputs + len(self.ops)
+
+    def emit(self, kind: int, a: int, b: int, constant: Expr = sp.S.Zero) -> int:
+        """Append an operation, return the slot it writes."""
+        self.ops.append((kind, a, b))
+        self.constants.append(constant)
+        return self.slots - 1
+
+    def degrees(self, guards: Sequence[int] = ()) -> list[float]:
+        """Degree of each slot as a polynomial of the states; infinite where it is none.
+
+        A power of a guard counts as 1: it has no series at zero only, where the mode ends, and the terms of
+        its series tell how near that is.
+        """
+        degrees = [1.0] * self.inputs
+        for kind, a, b in self.ops:
+            if kind == AFFINE:
+                degrees.append(max([0.0, *(degrees[slot] for slot, _ in self.terms[a:b])]))
+            elif kind in (PRODUCT, SQUARE):
+                degrees.append(degrees[a] + degrees[b])
+            elif kind == RATE or (kind == POWER and a in guards):
+                degrees.append(1.0)
+            else:
+                degrees.append(math.inf)
+        return degrees
+
+    def operands(self, op: int) -> list[int]:
+        """Slots that an operation is of; none for a rate, which belongs to the next operation."""
+        kind, a, b = self.ops[op]
+        if kind == AFFINE:
+            return [slot for slot, _ in self.terms[a:b]]
+        if kind == RATE:
+            return []
+        return [a, b] if kind in (PRODUCT, SQUARE, QUOTIENT) else [a]
+
+    def ranges(self, outputs: Sequence[int], guards: Sequence[int]) -> list[Range]:
+        """How the range of each slot on a disc is found, where `outputs` are asked for their remainders.
+
+        Those of polynomials show in the last terms of their series, so what only they are made of is left
+        out, unless these terms do not tell.
+        """
+        degrees, linear = self.degrees(guards), self._linear()
+        curved, needed = {slot for slot in outputs if degrees[slot] == math.inf}, set[int]()
+        all_needed, factors = set(outputs), set[int]()
+        for op in reversed(range(len(self.ops))):
+            slot, operands, affine = self.inputs + op, self.operands(op), self.ops[op][0] == AFFINE
+            if slot in all_needed:
+                all_needed.update(operands)
+            if slot in curved or (slot in needed and slot not in linear):
+                curved.update(each for each in operands if degrees[each] == math.inf)
+                if slot in needed or not affine:
+                    needed.update(operands)
+                if not affine:
+                    factors.update(operands)
+        return [
+            Range.SERIES
+            if slot in needed & linear
+            else Range.BOTH
+            if slot in needed & factors and self._is_affine(slot)
+            else Range.OPERATION
+            if slot in needed | curved
+            else Range.WHEN_BLIND
+            if slot in all_needed
+            else Range.UNUSED
+            for slot in range(self.slots)
+        ]
+
+    def _linear(self) -> set[int]:
+        """States, and their affine combinations: their series are exact."""
+        linear = set(range(self.inputs))
+        for op in range(len(self.ops)):
+            if self.ops[op][0] == AFFINE and linear.issuperset(self.operands(op)):
+                linear.add(self.inputs + op)
+        return linear
+
+    def _is_affine(self, slot: int) -> bool:
+        return slot >= self.inputs and self.ops[slot - self.inputs][0] == AFFINE
+
+    def counts(self) -> dict[str, int]:
+        """Number of operations by name."""
+        kinds = [op[0] for op in self.ops]
+        return {name: kinds.count(kind) for kind, name in enumerate(OPERATION_NAMES)}
+
+
+class TapeBuilder:
+    """Lowers expressions onto one tape; equal subexpressions share a slot."""
+
+    def __init__(self, states: Sequence[Any]) -> None:
+        self.tape = Tape(len(states))
+        self._states = {state: i for i, state in enumerate(states)}
+        self._affine: dict[Expr, AffineTerms] = {}
+        self._slots: dict[object, int] = {}
+
+    def slot(self, expr: Expr) -> int:
+        """Slot that holds `expr`, emitting what is missing."""
+        return self._materialise(self._lower(sp.sympify(expr)))
+
+    def constant(self, expr: Expr) -> bool:
+        """Whether `expr` depends on the parameters alone."""
+        return self._states.keys().isdisjoint(expr.free_symbols)
+
+    def _lower(self, expr: Expr) -> AffineTerms:
+        if expr not in self._affine:
+            self._affine[expr] = self._lower_new(expr)
+        return self._affine[expr]
+
+    def _lower_new(self, expr: Expr) -> AffineTerms:
+        if self.constant(expr):
+            return {CONSTANT_TERM: expr} if expr != 0 else {}
+        if expr in self._states:
+            return {self._states[expr]: sp.S.One}
+        if expr.is_Add:
+            return _total([self._term(arg) for arg in expr.args])
+        if expr.is_Mul:
+            return self._mul(expr)
+        if expr.is_Pow and expr.exp.is_Integer:
+            return {self._power(expr.base, int(expr.exp)): sp.S.One}
+        if expr.is_Pow and self.constant(expr.exp):
+            return {self._after_rate(POWER, self.slot(expr.base), expr.exp): sp.S.One}
+        if expr.func in FUNCTIONS:
+            return self._function(expr)
+        raise TapeError(f"the tape has no operation for {expr}: write it with {ALLOWED_OPERATIONS}")
+
+    def _function(self, expr: Expr) -> AffineTerms:
+        place = self._after_rate(POWER + 1 + FUNCTIONS.index(expr.func), self.slot(expr.args[0]))
+        self._affine[expr] = {place: sp.S.One}  # its derivative may contain the function itself
+        derivative: Any = sech2(expr.args[0]) if expr.func is sp.tanh else expr.fdiff()
+        kind, a, _ = self.tape.ops[place - self.tape.inputs]
+        self.tape.ops[place - self.tape.inputs] = kind, a, self.slot(derivative)
+        return self._affine[expr]
+
+    def _after_rate(self, kind: int, a: int, constant: Expr = sp.S.Zero) -> int:
+        self.tape.emit(RATE, a, a)
+        return self.tape.emit(kind, a, a, constant)
+
+    def _term(self, expr: Expr) -> AffineTerms:
+        """A summand: a multiple of a non-linear sum refers to its slot instead of copying its terms."""
+        factor, rest = expr.as_independent(*self._states, as_Add=False)
+        if rest.is_Add and factor != 1 and not self._linear(rest):
+            return {self.slot(rest): factor}
+        return self._lower(expr)
+
+    def _linear(self, expr: Expr) -> bool:
+        return all(slot < self.tape.inputs for slot in self._lower(expr))
+
+    def _mul(self, expr: Expr) -> AffineTerms:
+        factor, rest = expr.as_independent(*self._states, as_Add=False)
+        factors: Any = sp.Mul.make_args(rest)
+        if len(factors) == 1:
+            return {slot: factor * value for slot, value in self._lower(rest).items()}
+        below = [f for f in factors if f.is_Pow and f.exp.is_Integer and f.exp < 0]
+        above = [f for f in factors if f not in below]
+        slot = self._product(above) if above else self.slot(sp.S.One)
+        if below:
+            slot = self._binary(QUOTIENT, slot, self._product([1 / f for f in below]))
+        return {slot: factor}
+
+    def _product(self, factors: Sequence[Expr]) -> int:
+        slots = [self.slot(f) for f in factors]
+        result = slots[0]
+        for other in slots[1:]:
+            result = self._binary(PRODUCT, *sorted((result, other)))
+        return result
+
+    def _power(self, base: Expr, exponent: int) -> int:
+        if exponent < 0:
+            return self._binary(QUOTIENT, self.slot(sp.S.One), self._power(base, -exponent))
+        if exponent == 1:
+            return self.slot(base)
+        half = self._power(base, exponent // 2)
+        square = self._binary(SQUARE, half, half)
+        return square if exponent % 2 == 0 else self._binary(PRODUCT, *sorted((self.slot(base), square)))
+
+    def _binary(self, kind: int, a: int, b: int) -> int:
+        if a == b and kind == PRODUCT:
+            kind = SQUARE
+        key = (kind, a, b)
+        if key not in self._slots:
+            self._slots[key] = self.tape.emit(kind, a, b)
+        return self._slots[key]
+
+    def _materialise(self, combination: AffineTerms) -> int:
+        if len(combination) == 1:
+            ((slot, factor),) = combination.items()
+            if slot != CONSTANT_TERM and factor == 1:
+                return slot
+        key = frozenset(combination.items())
+        if key not in self._slots:
+            terms = self.tape.terms
+            first = len(terms)
+            # By slot, so that what is computed last is added last and nothing waits for it.
+            ordered = sorted(slot for slot in combination if slot != CONSTANT_TERM)
+            terms.extend((slot, combination[slot]) for slot in ordered)
+            constant = combination.get(CONSTANT_TERM, sp.S.Zero)
+            self._slots[key] = self.tape.emit(AFFINE, first, len(terms), constant)
+        return self._slots[key]
+
+
+class ResetBuilder(TapeBuilder):
+    """A reset is a function of one state, with no series: it may have corners."""
+
+    def _lower_new(self, expr: Expr) -> AffineTerms:
+        if expr.func is sp.Abs:
+            slot = self.slot(expr.args[0])
+            return {self._after_rate(POWER, self._binary(SQUARE, slot, slot), sp.Rational(1, 2)): sp.S.One}
+        return super()._lower_new(expr)
+
+
+def _total(parts: Sequence[AffineTerms]) -> AffineTerms:
+    total: AffineTerms = {}
+    for part in parts:
+        for slot, value in part.items():
+            total[slot] = total.get(slot, sp.S.Zero) + value
+    return {slot: value for slot, value in total.items() if value != 0}

@@ -1,0 +1,249 @@
+"""`fl.tangent_flow`: how a motion depends on its initial state, and how fast perturbations grow.
+
+For the growth tangent vectors are kept apart by orthonormalising them after every step (Gram-Schmidt).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from frictionlab.hybrid.compilation import kernel
+from frictionlab.hybrid.kernels.jets import copy_vector
+from frictionlab.hybrid.methods.base import RECORD_CAPACITY
+from frictionlab.hybrid.progress import PROGRESS_DELAY
+from frictionlab.hybrid.trajectory import Events, Trajectory
+from frictionlab.hybrid.variational.saltation import (
+    EventCrossing,
+    SaltationError,
+    constraint_gradients,
+    linearise_mode,
+    saltation_matrix,
+)
+from frictionlab.hybrid.variational.tangent_jets import MIN_TANGENT_STEP_SHARE, carry_step, carry_steps
+
+LOST_SHARE = 1e-12  # share of a vector's length that is left by rounding alone where an event takes it all
+
+
+@dataclass(frozen=True, eq=False)
+class TangentFlow:
+    """Derivative of a run's final state by its initial state.
+
+    Parameters
+    ----------
+    matrix : array (n, n)
+        The fundamental matrix: entry (i, j) is the derivative of final state i by initial state j.  Over one
+        period of a periodic motion it is the monodromy matrix.
+    events : Events
+        The run's events.
+    saltations : array (E, n, n)
+        The saltation matrix of each.
+    """
+
+    matrix: np.ndarray
+    events: Events
+    saltations: np.ndarray
+
+
+def tangent_flow(run: Trajectory, *, progress: bool = True) -> TangentFlow:
+    """Fundamental matrix of a run: its variational equation, with a saltation matrix at every event.
+
+    The series are those of the run's tape, differentiated operation by operation, so that the matrix is as
+    exact as the run.  Where stick begins the matrix loses a rank: neighbours stick as well.  In a run that
+    starts in a mode with constraints (stick) only perturbations that keep them have a derivative; others are
+    projected upon these first.  Where a run starts on the boundary of its mode (at rest on the belt) the
+    derivative is that for neighbours inside.
+
+    Parameters
+    ----------
+    run : Trajectory
+        Made by method "taylor".
+    progress : bool
+        Show a progress bar where it takes more than a second.
+
+    Returns
+    -------
+    TangentFlow
+
+    Raises
+    ------
+    ValueError
+        Where the derivative does not exist or is not known: at an accumulation of impacts or chatter that was
+        closed, a grazing event, two events at one instant, an end without admissible mode, or a run of
+        another method.  The message says when and why.
+
+    Examples
+    --------
+    >>> import frictionlab as fl
+    >>> model = fl.SliderOnBelt(mu_k=1.4).without("geometry")
+    >>> run = fl.simulate(model, 0.05, x0="near")
+    >>> fl.tangent_flow(run).matrix.shape
+    (8, 8)
+    """
+    check_taylor_run(run)
+    frame, matrices = carry_frame(run, initial_frame(run), progress)
+    return TangentFlow(frame, run.events, np.array(matrices).reshape(-1, *frame.shape))
+
+
+def initial_frame(run: Trajectory) -> np.ndarray:
+    """The perturbations (n, n) that a run's first mode admits: the unit matrix, constraints projected out."""
+    program, numbers, raw = run.problem.program, run.problem.numbers, run.raw
+    frame = np.eye(raw.state.size)
+    if not len(raw.step_modes):
+        return frame
+    mode, z = int(raw.step_modes[0]), raw.step_states[0]
+    fixed = constraint_gradients(program, mode, linearise_mode(program, numbers, mode, z))
+    return frame - np.linalg.pinv(fixed) @ fixed if len(fixed) else frame
+
+
+def carry_frame(run: Trajectory, frame: np.ndarray, progress: bool) -> tuple[np.ndarray, list[np.ndarray]]:
+    """Columns (n, m), tangent vectors at a run's start, carried to its end; and the saltation matrices."""
+    from tqdm.auto import tqdm
+
+    rows, matrices = np.ascontiguousarray(frame.T), []
+    shown = tqdm(
+        list(smooth_segments(run)),
+        desc="tangent flow",
+        leave=False,
+        delay=PROGRESS_DELAY,
+        disable=not progress,
+    )
+    for part, event in shown:
+        carry_rows(carry_steps, run, part, rows)
+        if event is not None:
+            matrices.append(event_saltation(run, event))
+            rows = np.ascontiguousarray(rows @ matrices[-1].T)
+    return rows.T.copy(), matrices
+
+
+def smooth_segments(run: Trajectory) -> Iterator[tuple[slice, int | None]]:
+    """A run as slices of its steps, none too long to be interrupted, each with the event at its end."""
+    starts = run.raw.step_times[:, 0]
+    ends = [*np.searchsorted(starts, run.raw.event_times).tolist(), len(starts)]
+    for i, (first, last) in enumerate(pairwise([0, *ends])):
+        while last - first > RECORD_CAPACITY:
+            yield slice(first, first + RECORD_CAPACITY), None
+            first += RECORD_CAPACITY
+        yield slice(first, last), i if i < len(ends) - 1 else None
+
+
+def end_rates(run: Trajectory) -> tuple[np.ndarray, np.ndarray]:
+    """Time derivative (n,) of the state at the start and at the end of a run that takes at least one step."""
+    problem, raw = run.problem, run.raw
+    ends = (int(raw.step_modes[0]), raw.step_states[0]), (raw.mode, raw.state)
+    flow = problem.program.code.flow
+    first, last = (
+        linearise_mode(problem.program, problem.numbers, *end).jets[flow[end[0]], 0] for end in ends
+    )
+    return first, last
+
+
+def check_taylor_run(run: Trajectory) -> None:
+    """Raise for what is no run, or one of a method whose events are not exact."""
+    if not isinstance(run, Trajectory):
+        raise TypeError(
+            f"run must be a Trajectory, got {run!r}: give what frictionlab.simulate or solve returns"
+        )
+    method = run.description.get("method", {}).get("name")
+    if method != "taylor":
+        raise ValueError(f"the tangent flow needs a run of method 'taylor', got {method!r}: run it again so")
+
+
+def carry_rows(steps: Any, run: Trajectory, part: slice, rows: np.ndarray, *more: np.ndarray) -> None:
+    """Carry the rows, tangent vectors, over a smooth piece of a run, by the kernel `steps`."""
+    problem, raw, order = run.problem, run.raw, run.samples.order
+    J = np.zeros((problem.program.slots, order + 1))
+    T = np.zeros((*J.shape, len(rows)))
+    stored = raw.step_times[part], raw.step_modes[part], raw.step_states[part]
+    settings = problem.program.code, problem.numbers, order, run.description["method"]["tol"]
+    with np.errstate(all="ignore"):
+        failed = steps(*settings, *stored, raw.state.copy(), rows, J, T, *more)
+    if failed >= 0 or not np.isfinite(rows).all():
+        t = raw.step_times[part.start + max(failed, 0), 0]
+        raise SaltationError(f"the tangent flow overflows after t = {t:g} s: end the run earlier")
+
+
+def event_saltation(run: Trajectory, i: int) -> np.ndarray:
+    """Saltation matrix (n, n) of an event of a run, by its number."""
+    raw, problem = run.raw, run.problem
+    t, (guard, target, closed) = raw.event_times[i], raw.event_codes[i]
+    where = f"at t = {t:g} s ({run.events.source[i]} to {run.events.target[i] or 'no mode'})"
+    if closed:
+        raise SaltationError(
+            f"an accumulation of events was closed {where}; its derivative is not known: end the run before"
+        )
+    if target < 0:
+        raise SaltationError(f"no mode was admissible {where}: end the run before")
+    dwell = float(t - (raw.event_times[i - 1] if i else 0.0))
+    before, after = raw.event_states[i]
+    event = EventCrossing(int(guard), int(target), before, after, dwell)
+    try:
+        return saltation_matrix(problem.program, problem.numbers, event)
+    except SaltationError as error:
+        raise SaltationError(f"no tangent flow {where}: {error}; change the initial state") from None
+
+
+@kernel
+def scaled_inner_product(a, b, size):
+    """Inner product of two vectors, each component measured by its `size`."""
+    total = 0.0
+    for i in range(a.shape[0]):
+        total += (a[i] / size[i]) * (b[i] / size[i])
+    return total
+
+
+@kernel
+def orthonormalise(frame, size, growth):
+    """Gram-Schmidt on the rows of `frame`; adds the logarithms of their lengths to `growth`."""
+    for d in range(frame.shape[0]):
+        for e in range(d):
+            share = scaled_inner_product(frame[d], frame[e], size)
+            for i in range(frame.shape[1]):
+                frame[d, i] -= share * frame[e, i]
+        length = math.sqrt(scaled_inner_product(frame[d], frame[d], size))
+        growth[d] += math.log(length)
+        for i in range(frame.shape[1]):
+            frame[d, i] /= length
+
+
+@kernel
+def carry_orthonormal_steps(code, numbers, order, tol, times, modes, states, z, frame, J, T, size, growth):
+    """Carry the frame over the steps of a run; returns the number of the step that failed, or -1."""
+    for i in range(modes.shape[0]):
+        copy_vector(states[i], z)
+        left = times[i, 1]
+        while left > 0.0:
+            step = carry_step(code, numbers, modes[i], order, tol, left, z, frame, J, T)
+            if not (step == left or step > MIN_TANGENT_STEP_SHARE * times[i, 1]):
+                return i
+            orthonormalise(frame, size, growth)
+            left -= step
+    return -1
+
+
+def tangent_growth(run: Trajectory, rows: np.ndarray, size: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The rows (m, n) carried to the end of a run, orthonormal in units of `size` (n,), and their growth.
+
+    The growth (m,) is the logarithm of a factor: -inf where an event takes a direction away.
+    """
+    growth, rows = np.zeros(len(rows)), rows.copy()
+    for part, event in smooth_segments(run):
+        carry_rows(carry_orthonormal_steps, run, part, rows, size, growth)
+        if event is not None:
+            rows = _orthonormalise_after_event(rows @ event_saltation(run, event).T, size, growth)
+    return rows, growth
+
+
+def _orthonormalise_after_event(rows: np.ndarray, size: np.ndarray, growth: np.ndarray) -> np.ndarray:
+    """Orthonormalise after an event; what it takes away is replaced by any vector, as the log of 0 tells."""
+    columns = (rows / size).T
+    frame, upper = np.linalg.qr(columns)
+    kept, lengths = np.abs(np.diag(upper)), np.linalg.norm(columns, axis=0)
+    with np.errstate(divide="ignore"):
+        growth += np.log(np.where(kept > LOST_SHARE * lengths, kept, 0.0))
+    return np.ascontiguousarray(frame.T * size)

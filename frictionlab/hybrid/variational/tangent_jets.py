@@ -1,0 +1,132 @@
+"""Taylor series of the variational equation: a tape differentiated operation by operation.
+
+An array T of tangent jets has T[slot, k, d], coefficient k of the slot's derivative in direction d: all
+directions side by side, so that they are computed together.
+"""
+
+from __future__ import annotations
+
+from frictionlab.hybrid.compilation import inlined, kernel
+from frictionlab.hybrid.kernels.jets import copy_vector, has_series, run_tape, states_at
+from frictionlab.hybrid.kernels.step_length import step_length
+from frictionlab.hybrid.tape.operations import AFFINE, POWER, PRODUCT, RATE, SQUARE
+
+MIN_TANGENT_STEP_SHARE = (
+    1e-9  # share of a run's step below which the series of its tangents are taken to diverge
+)
+
+
+@inlined
+def add_multiple(factor, row, total):
+    """Add a multiple of a row of derivatives to `total`."""
+    for d in range(total.shape[0]):
+        total[d] += factor * row[d]
+
+
+@inlined
+def add_convolution(sign, J, a, T, b, first, k, total):
+    """Add sign times the sum of J[a, j] T[b, k - j] over first <= j <= k to `total`."""
+    for j in range(first, k + 1):
+        add_multiple(sign * J[a, j], T[b, k - j], total)
+
+
+@kernel
+def power_tangent(exponent, a, out, k, J, T, total):
+    """Add coefficient k of a power's derivatives, from a u' = p u a'; constant where it has no series."""
+    if J[a, 0] > 0.0 and (k == 0 or has_series(J[a, 0], J[a, 1], J.shape[1] - 1)):
+        add_convolution(exponent, J, out, T, a, 0, k, total)
+        add_convolution(-1.0, J, a, T, out, 1, k, total)
+        for d in range(total.shape[0]):
+            total[d] /= J[a, 0]
+
+
+@kernel
+def operation_tangent(code, numbers, op, out, k, J, T):
+    """Coefficient k of the derivatives of an operation's result, whose jets are `J`."""
+    kind, a, b, total = code.ops[op, 0], code.ops[op, 1], code.ops[op, 2], T[out, k]
+    for d in range(total.shape[0]):
+        total[d] = 0.0
+    if kind == AFFINE:
+        for j in range(a, b):
+            add_multiple(numbers.terms[j], T[code.term_slots[j], k], total)
+    elif kind == PRODUCT:
+        add_convolution(1.0, J, a, T, b, 0, k, total)
+        add_convolution(1.0, J, b, T, a, 0, k, total)
+    elif kind == SQUARE:
+        add_convolution(2.0, J, a, T, a, 0, k, total)
+    elif kind == RATE:
+        add_multiple(float(k), T[a, k], total)
+    elif kind == POWER:
+        power_tangent(numbers.constants[op], a, out, k, J, T, total)
+    elif kind > POWER:
+        add_convolution(1.0, J, b, T, a, 0, k, total)
+    else:
+        add_multiple(1.0, T[a, k], total)
+        add_convolution(-1.0, J, out, T, b, 0, k, total)
+        add_convolution(-1.0, J, b, T, out, 1, k, total)
+        for d in range(total.shape[0]):
+            total[d] /= J[b, 0]
+
+
+@kernel
+def tangent_jets(code, numbers, first, last, order, flow, J, T):
+    """Tangent jets of the slots that the operations [first, last) write.
+
+    The jets `J` are given, and so is column 0 of the states' tangents; ``flow`` as in ``run_tape``.
+    """
+    inputs = code.inputs
+    for k in range(order + 1):
+        for op in range(first, last):
+            operation_tangent(code, numbers, op, inputs + op - first, k, J, T)
+        if k < order:
+            share = 1.0 / (k + 1)
+            for i in range(inputs):
+                for d in range(T.shape[2]):
+                    T[i, k + 1, d] = T[flow[i], k, d] * share
+
+
+@kernel
+def linearise(code, numbers, first, last, flow, z, J, T):
+    """Jets up to order 2, and gradients, of the slots that the operations [first, last) write at `z`."""
+    for i in range(z.shape[0]):
+        J[i, 0] = z[i]
+        for d in range(z.shape[0]):
+            T[i, 0, d] = 1.0 if i == d else 0.0
+    run_tape(code, numbers, first, last, 2, flow, -1.0, J, J)
+    tangent_jets(code, numbers, first, last, 0, flow, J, T)
+
+
+@kernel
+def carry_step(code, numbers, mode, order, tol, longest, z, frame, J, T):
+    """Carry the state `z` and the rows of `frame`, tangent vectors, a step on in a mode.
+
+    The step is as long as the series of the tangents allow: near an equilibrium the state's would allow any.
+    Returns its length, which is not positive, or no number, where the series diverge.
+    """
+    first, last, flow = code.mode_ops[mode], code.mode_ops[mode + 1], code.flow[mode]
+    copy_vector(z, J[: z.shape[0], 0])
+    run_tape(code, numbers, first, last, order, flow, -1.0, J, J)
+    for d in range(frame.shape[0]):
+        copy_vector(frame[d], T[: z.shape[0], 0, d])
+    tangent_jets(code, numbers, first, last, order, flow, J, T)
+    step = longest
+    for d in range(frame.shape[0]):
+        step = min(step, step_length(code, order, tol, T[:, :, d]))
+    states_at(J, order, step, z)
+    for d in range(frame.shape[0]):
+        states_at(T[:, :, d], order, step, frame[d])
+    return step
+
+
+@kernel
+def carry_steps(code, numbers, order, tol, times, modes, states, z, frame, J, T):
+    """:func:`carry_step` over the steps of a run; returns the number of the step that failed, or -1."""
+    for i in range(modes.shape[0]):
+        copy_vector(states[i], z)
+        left = times[i, 1]
+        while left > 0.0:
+            step = carry_step(code, numbers, modes[i], order, tol, left, z, frame, J, T)
+            if not (step == left or step > MIN_TANGENT_STEP_SHARE * times[i, 1]):
+                return i
+            left -= step
+    return -1

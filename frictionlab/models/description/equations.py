@@ -1,0 +1,178 @@
+"""`Equations` of one mode, in text and LaTeX, and those of a model that is but an automaton: its flow, mode
+by mode.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import sympy
+from sympy import Symbol
+from sympy.printing.latex import LatexPrinter
+
+from frictionlab.components.names import did_you_mean
+from frictionlab.models.assembly import automaton_of_structure
+from frictionlab.models.parameter_namespace import parameter_metadata
+from frictionlab.models.symbols import structure_of_component
+
+TIME = Symbol("t", real=True)
+TIME_DERIVATIVE_DOTS = {1: r"\dot", 2: r"\ddot"}
+
+LETTERS = {
+    "phi": r"\varphi",
+    "F_N": r"F_{\mathrm{N}}",
+    "F_T": r"F_{\mathrm{T}}",
+    "v_r": r"v_{\mathrm{r}}",
+    "t_s": r"t_{\mathrm{s}}",
+}
+
+
+class MotionPrinter(LatexPrinter):
+    """Prints x1(t) as x_{1}, its derivatives with dots; `letters` has the names with LaTeX of their own."""
+
+    def __init__(self, letters: Mapping[str, str]) -> None:
+        super().__init__()
+        self.letters = letters
+
+    def _print_Symbol(self, expr: Any, style: str = "plain") -> str:
+        return self.letters.get(expr.name) or super()._print_Symbol(expr, style)
+
+    def _print_Function(self, expr: Any, exp: Any = None) -> str:
+        name = getattr(type(expr), "name", None)
+        if name is None:
+            return super()._print_Function(expr, exp)
+        letter = self._print_Symbol(Symbol(name))
+        if expr.args != (TIME,):
+            letter += rf"\left({', '.join(map(self._print, expr.args))}\right)"
+        return letter if exp is None else f"{letter}^{{{exp}}}"
+
+    def _print_Derivative(self, expr: Any) -> str:
+        order = len(expr.variables)
+        if expr.expr.args != (TIME,) or order not in TIME_DERIVATIVE_DOTS:
+            return super()._print_Derivative(expr)
+        letter, _, index = self._print(expr.expr).partition("_")
+        return f"{TIME_DERIVATIVE_DOTS[order]}{{{letter}}}" + (f"_{index}" if index else "")
+
+    def _print_sign(self, expr: Any, exp: Any = None) -> str:
+        sign = rf"\operatorname{{sgn}}\left({self._print(expr.args[0])}\right)"
+        return sign if exp is None else f"{sign}^{{{exp}}}"
+
+
+def aligned_latex(relations: Iterable[Any], letters: Mapping[str, str]) -> str:
+    """The relations, one a line, aligned at their signs."""
+    printer = MotionPrinter(letters)
+    signs = {"==": "=", "<=": r"\leq", ">=": r"\geq", "!=": r"\neq", "<": "<", ">": ">"}
+    lines = (f"{printer.doprint(r.lhs)} &{signs[r.rel_op]} {printer.doprint(r.rhs)}" for r in relations)
+    return r"\begin{aligned}" + r" \\ ".join(lines) + r"\end{aligned}"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Equations:
+    """Equations of one mode; iterating gives every equation, LaTeX appears in a notebook.
+
+    Parameters
+    ----------
+    mode : str
+    motion : tuple of Eq
+        Eq. (1): inertia, damping, stiffness and preload on the left, contact forces on the right.
+    forces : tuple of Eq
+        Eqs. (2) and (3): F_N and F_T.
+    definitions : tuple of Eq
+        The relative velocity v_r.
+    constraint : tuple of Eq
+        Eq. (5), in stick.
+    impact : tuple of Eq
+        Eqs. (10) to (17), for "impact".
+    conditions : tuple of relations
+        Eqs. (4), (8), (9): what holds while the mode lasts.
+    symbols : mapping of str to Expr
+        The symbols and functions of time by name, for ``subs``.
+    letters : mapping of str to str
+        LaTeX of those names that have their own.
+    """
+
+    mode: str
+    motion: tuple[Any, ...] = ()
+    forces: tuple[Any, ...] = ()
+    definitions: tuple[Any, ...] = ()
+    constraint: tuple[Any, ...] = ()
+    impact: tuple[Any, ...] = ()
+    conditions: tuple[Any, ...] = ()
+    symbols: Mapping[str, Any] = field(default_factory=dict)
+    letters: Mapping[str, str] = field(default_factory=dict)
+
+    def __iter__(self) -> Iterator[Any]:
+        yield from (*self.motion, *self.forces, *self.definitions, *self.constraint, *self.impact)
+
+    def __len__(self) -> int:
+        return sum(1 for _ in self)
+
+    def __repr__(self) -> str:
+        lines = (
+            f"{r.lhs} {'=' if r.rel_op == '==' else r.rel_op} {r.rhs}" for r in (*self, *self.conditions)
+        )
+        return "\n".join([f"{self.mode}:", *lines])
+
+    def latex(self) -> str:
+        """LaTeX of all equations and conditions, without dollars."""
+        return aligned_latex((*self, *self.conditions), self.letters)
+
+    def _repr_latex_(self) -> str:
+        return f"$\\displaystyle {self.latex()}$"
+
+
+def flow_equations(model: Any, mode: str) -> Equations:
+    """x'' = flow for each coordinate, x' = flow for the other states, with constraints and conditions.
+
+    Raises
+    ------
+    ValueError
+        If the model has no such mode.
+    """
+    automaton = automaton_of_structure(structure_of_component(model))
+    check_mode(mode, automaton.names)
+    chosen, n = automaton.modes[automaton.names.index(mode)], automaton.coordinates
+    functions = time_functions(automaton.states, n)
+    left = [sympy.diff(functions[x], TIME, 2) for x in automaton.states[:n]]
+    left += [sympy.diff(functions[x], TIME) for x in automaton.states[2 * n :]]
+    flow = [*chosen.flow[n : 2 * n], *chosen.flow[2 * n :]]
+    return Equations(
+        mode,
+        motion=tuple(equation(a, in_time_functions(b, functions)) for a, b in zip(left, flow, strict=True)),
+        constraint=tuple(equation(in_time_functions(c, functions), 0) for c in chosen.constraints),
+        conditions=tuple(
+            sympy.Gt(in_time_functions(e.function, functions), 0, evaluate=False) for e in chosen.events
+        ),
+        symbols={str(x): f for x, f in functions.items()},
+        letters=parameter_letters(model),
+    )
+
+
+def check_mode(mode: Any, names: tuple[str, ...]) -> None:
+    """Raise ValueError unless it is one of the names."""
+    if mode not in names:
+        hint = did_you_mean(mode, names)
+        raise ValueError(f"mode must be one of {', '.join(map(repr, names))}, got {mode!r}: {hint}")
+
+
+def parameter_letters(model: Any) -> dict[str, str]:
+    """LaTeX of the parameters."""
+    return {name: about.symbol for name, about in parameter_metadata(type(model), model.components).items()}
+
+
+def time_functions(states: tuple[Any, ...], n: int) -> dict[Any, Any]:
+    """States as functions of time; the velocities as derivatives of the coordinates."""
+    found = {x: sympy.Function(x.name, real=True)(TIME) for x in (*states[:n], *states[2 * n :])}
+    return found | {v: sympy.diff(found[x], TIME) for x, v in zip(states[:n], states[n : 2 * n], strict=True)}
+
+
+def in_time_functions(expression: Any, functions: Mapping[Any, Any]) -> Any:
+    """The expression with functions of time for its states."""
+    return sympy.sympify(expression).xreplace(dict(functions))
+
+
+def equation(left: Any, right: Any) -> Any:
+    """An equation that stays one: sympy does not try to prove it."""
+    return sympy.Eq(left, right, evaluate=False)

@@ -1,0 +1,224 @@
+"""Lagrange's equations of a model with its contact forces, mode by mode, as the paper writes them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import sympy
+
+from frictionlab.models.mechanical.contact_regimes import ContactRegime, sliding_friction
+from frictionlab.models.mechanical.equations_of_motion import LagrangeSystem, Pair, lagrange_system
+from frictionlab.models.mechanical.mechanics import Friction, Stop
+from frictionlab.models.mechanical.modes import contact_suffix, solve_contact_forces
+from frictionlab.models.symbols import structure_of_component, symbol, symbolic_copy
+
+from .equations import (
+    LETTERS,
+    TIME,
+    Equations,
+    check_mode,
+    equation,
+    in_time_functions,
+    parameter_letters,
+    time_functions,
+)
+from .impact_equations import impact_equations, impact_letters, stop_equations
+
+
+class TimeDependentSystem(NamedTuple):
+    """A system, the same with a name for each F_N, and its symbols as functions of time."""
+
+    system: LagrangeSystem
+    named: LagrangeSystem
+    functions: Mapping[Any, Any]
+
+    def __call__(self, expression: Any) -> Any:
+        return in_time_functions(expression, self.functions)
+
+
+def lagrange_equations(model: Any, mode: str) -> Equations:
+    """The equations of a mode, of "slip" in both directions, or of the "impact".
+
+    Where slip has two modes, "slip" gives both in one, with sgn(v_r) as in Eq. (3).
+
+    Raises
+    ------
+    ValueError
+        If the model has no such mode.
+    """
+    copy = symbolic_copy(structure_of_component(model))
+    found = lagrange_system(copy)
+    names = tuple(found.combinations)
+    check_mode(mode, (*names, *_others(found)))
+    letters = {**LETTERS, **parameter_letters(model), **_contact_letters(found)}
+    if mode == "impact":
+        return _impact(copy, found, letters)
+    write = TimeDependentSystem(found, _named_forces(found), _functions(found))
+    known = {"t": TIME, **{name: symbol(name) for name in model.parameters}}
+    chosen = write.named.combinations["slip+" if mode == "slip" and "slip+" in names else mode]
+    return _mode_equations(write, mode, chosen, letters, known)
+
+
+def _others(found: LagrangeSystem) -> tuple[str, ...]:
+    """What there are equations of beside the modes, of a single contact."""
+    if len(found.mechanics.contacts) != 1:
+        return ()
+    (contact,), modes = found.mechanics.contacts, found.combinations
+    hits = "contact" in modes or ("separation" in modes and getattr(contact, "impact", None) is not None)
+    return ("slip",) * ("slip+" in modes) + ("impact",) * hits
+
+
+def _functions(found: LagrangeSystem) -> dict[Any, Any]:
+    functions = time_functions((*found.q, *found.v), len(found.q))
+    if found.phase:
+        functions[found.phase[0]] = found.mechanics.frequency * TIME
+    return functions
+
+
+def _named_forces(found: LagrangeSystem) -> LagrangeSystem:
+    contacts = tuple(
+        replace(contact, normal_force=_contact_function(found, "F_N", i))
+        if isinstance(contact, Friction)
+        else contact
+        for i, contact in enumerate(found.mechanics.contacts)
+    )
+    return replace(found, mechanics=replace(found.mechanics, contacts=contacts))
+
+
+def _mode_equations(
+    write: TimeDependentSystem,
+    mode: str,
+    chosen: Sequence[ContactRegime],
+    letters: Mapping[str, str],
+    known: Mapping[str, Any],
+) -> Equations:
+    found, each = write.system, range(len(chosen))
+    forces = [_force_function(found, i) for i in each]
+    rubbing = [i for i in each if isinstance(found.mechanics.contacts[i], Friction)]
+    others = [_contact_function(found, name, i) for i in rubbing for name in ("F_N", "v_r")]
+    return Equations(
+        mode,
+        motion=_motion(write, forces),
+        forces=tuple(eq for i in each for eq in _forces(write, mode, chosen, i)),
+        definitions=_definitions(write),
+        constraint=tuple(eq for regime in chosen for eq in _constraint(write, regime)),
+        conditions=tuple(c for i in each for c in _conditions(write, mode, chosen[i], i)),
+        symbols={**known, **{str(f.func): f for f in (*forces, *others, *map(write, found.q))}},
+        letters=letters,
+    )
+
+
+def _motion(write: TimeDependentSystem, forces: Sequence[Any]) -> tuple[Any, ...]:
+    """Eq. (1): M q'' + what energies and dampers give = loads + sum of W F."""
+    found = write.system
+    second = sympy.Matrix([sympy.diff(write(x), TIME, 2) for x in found.q])
+    left = found.mass * second + sympy.Matrix([write(r) for r in found.internal])
+    right = sympy.Matrix([write(load) for load in found.loads])
+    for i, (contact, force) in enumerate(zip(found.mechanics.contacts, forces, strict=True)):
+        right += found.direction(contact) * force
+        right += found.normal(contact) * _contact_function(found, "F_N", i)
+    return tuple(map(equation, left.applyfunc(write), right.applyfunc(write)))
+
+
+def _forces(
+    write: TimeDependentSystem, mode: str, chosen: Sequence[ContactRegime], i: int
+) -> tuple[Any, ...]:
+    """Eqs. (2) and (3): F_N and F_T of a contact; in stick F_T, and at a stop F_N, is what holds it."""
+    found, force = write.system, _force_function(write.system, i)
+    contact = found.mechanics.contacts[i]
+    if isinstance(contact, Stop):
+        return (equation(force, write(solve_contact_forces(write.named, chosen)[1][i])),)
+    normal, regime = _contact_function(found, "F_N", i), chosen[i]
+    if regime.name.startswith("slip"):
+        friction = _friction(write, mode, regime, i)
+    else:
+        friction = write(solve_contact_forces(write.named, chosen)[1][i])
+    pressed = 0 if regime.name == "separation" else write(contact.pressing)
+    return equation(normal, pressed), equation(force, friction)
+
+
+def _friction(write: TimeDependentSystem, mode: str, regime: ContactRegime, i: int) -> Any:
+    """Eq. (3).  The sign is that of v_r, but of the belt's speed where the interface keeps it fixed."""
+    found = write.system
+    contact: Any = found.mechanics.contacts[i]
+    normal, velocity = (_contact_function(found, name, i) for name in ("F_N", "v_r"))
+    if mode == "slip" and regime.name == "slip+":
+        return sympy.sign(velocity) * contact.law.kinetic(normal, sympy.Abs(velocity))
+    fixed = sympy.sign(found.at_rest(contact.relative_velocity))
+    return sliding_friction(contact, {"slip+": 1, "slip-": -1}.get(regime.name, fixed), normal, velocity)
+
+
+def _definitions(write: TimeDependentSystem) -> tuple[Any, ...]:
+    contacts = enumerate(write.system.mechanics.contacts)
+    rows = [(i, c.relative_velocity) for i, c in contacts if isinstance(c, Friction)]
+    return tuple(equation(_contact_function(write.system, "v_r", i), write(v)) for i, v in rows)
+
+
+def _constraint(write: TimeDependentSystem, regime: ContactRegime) -> tuple[Any, ...]:
+    pair = None if regime.held is None else write.system.pair(regime.held)
+    if pair is None or len(regime.constraints) > 1:
+        return tuple(equation(write(c), 0) for c in regime.constraints)
+    return _together(write, pair)
+
+
+def _together(write: TimeDependentSystem, pair: Pair) -> tuple[Any, ...]:
+    """Eq. (5): the second body's coordinate from the first one's, since the onset t_s of stick."""
+    one, two = (write(write.system.q[i]) for i in (pair.first, pair.second))
+    onset = symbol("t_s")
+    travelled = one - one.subs(TIME, onset) - pair.speed * (TIME - onset)
+    return (
+        equation(sympy.diff(two, TIME), sympy.diff(one, TIME) - pair.speed),
+        equation(sympy.diff(two, TIME, 2), sympy.diff(one, TIME, 2)),
+        equation(two, travelled + two.subs(TIME, onset)),
+    )
+
+
+def _conditions(write: TimeDependentSystem, mode: str, regime: ContactRegime, i: int) -> tuple[Any, ...]:
+    """What holds while the regime lasts: Eqs. (4), (8) and (9)."""
+    found, contact = write.system, write.system.mechanics.contacts[i]
+    if isinstance(contact, Stop):
+        positive = _force_function(found, i) if regime.name == "contact" else write(contact.distance)
+        return (sympy.Gt(positive, 0, evaluate=False),)
+    if regime.name == "separation":
+        return (sympy.Lt(write(contact.penetration), 0, evaluate=False),)
+    normal, velocity = (_contact_function(found, name, i) for name in ("F_N", "v_r"))
+    pressed = (sympy.Gt(normal, 0, evaluate=False),) if "separation" in contact.modes else ()
+    if regime.name == "stick":
+        limit = contact.law.static_limit(normal)
+        return (sympy.Le(sympy.Abs(_force_function(found, i)), limit, evaluate=False), *pressed)
+    if regime.name == "slip":
+        return pressed
+    signs = {"slip": sympy.Ne, "slip+": sympy.Gt, "slip-": sympy.Lt}
+    return (signs["slip" if mode == "slip" else regime.name](velocity, 0, evaluate=False), *pressed)
+
+
+def _impact(copy: Any, found: LagrangeSystem, letters: Mapping[str, str]) -> Equations:
+    contact = found.mechanics.contacts[0]
+    if isinstance(contact, Stop):
+        rate = in_time_functions(found.rate(contact.distance), _functions(found))
+        return Equations("impact", impact=stop_equations(contact, rate), letters=letters)
+    impact, symbols = impact_equations(copy)
+    return Equations(
+        "impact", impact=impact, symbols=symbols, letters={**letters, **impact_letters(copy, letters)}
+    )
+
+
+def _force_function(found: LagrangeSystem, i: int) -> Any:
+    """F_T of a contact with friction, F_N of a stop."""
+    return _contact_function(found, "F_N" if isinstance(found.mechanics.contacts[i], Stop) else "F_T", i)
+
+
+def _contact_function(found: LagrangeSystem, name: str, i: int) -> Any:
+    return sympy.Function(name + contact_suffix(found, i), real=True)(TIME)
+
+
+def _contact_letters(found: LagrangeSystem) -> dict[str, str]:
+    """LaTeX of numbered forces, and of the rates around an impact."""
+    letters = {"rate-": r"\dot{d}^{-}", "rate+": r"\dot{d}^{+}"}
+    for i in range(len(found.mechanics.contacts)):
+        for name, letter in (("F_N", r"\mathrm{N}"), ("F_T", r"\mathrm{T}"), ("v_r", r"\mathrm{r}")):
+            if contact_suffix(found, i):
+                letters[name + contact_suffix(found, i)] = rf"{name[0]}_{{{letter},{i + 1}}}"
+    return letters

@@ -1,0 +1,99 @@
+"""`fl.list_models`: the models of the package, with a line and a reference each."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from html import escape
+from typing import NamedTuple
+
+from .bouncing_ball import BouncingBall
+from .den_hartog import DenHartog
+from .free_coulomb import FreeCoulomb
+from .impact_oscillator import ImpactOscillator
+from .mass_on_belt import MassOnBelt
+from .mode_coupling import ModeCoupling
+from .slider_on_belt import SliderOnBelt
+from .slider_on_rigid_belt import SliderOnRigidBelt
+from .two_blocks import TwoBlocks
+
+PAPANGELO_REFERENCE = "A. Papangelo, M. Ciavarella, N. Hoffmann, Nonlinear Dynamics 90 (2017)"
+
+
+class ModelRow(NamedTuple):
+    """A model: Python that makes it, what it shows, where it comes from."""
+
+    call: str
+    about: str
+    reference: str
+
+
+@dataclass(frozen=True, repr=False)
+class ModelTable:
+    """Rows of a call, a line and a reference; prints as a table."""
+
+    rows: tuple[ModelRow, ...]
+
+    def __iter__(self) -> Iterator[ModelRow]:
+        return iter(self.rows)
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+    def __repr__(self) -> str:
+        return "\n".join(f"fl.{row.call}\n    {row.about}\n    {row.reference}" for row in self.rows)
+
+    def _repr_html_(self) -> str:
+        head = "".join(f"<th>{name}</th>" for name in ("model", "what it shows", "reference"))
+        cells = (
+            (f"<code>fl.{escape(r.call)}</code>", escape(r.about), escape(r.reference)) for r in self.rows
+        )
+        body = "".join("<tr>" + "".join(f"<td>{cell}</td>" for cell in row) + "</tr>" for row in cells)
+        return f"<table><tr>{head}</tr>{body}</table>"
+
+
+WEAKENING_CALL = "MassOnBelt(friction=fl.WeakeningStrengthening(mu_k=0.5, mu_s=1.0), c=0.1, v=1.0)"
+MODEL_ROWS = (
+    ModelRow(
+        "SliderOnBelt()",
+        "a slider on an elastic, tilting belt that separates",
+        SliderOnBelt.reference,
+    ),
+    ModelRow("MassOnBelt()", "Coulomb friction on a belt: the stick-slip cycle", MassOnBelt.reference),
+    ModelRow(
+        "MassOnBelt(friction=fl.Stribeck(mu_k=0.5, mu_s=1.0), c=0.1)",
+        "friction that falls with speed: negative damping",
+        "B. Armstrong-Helouvry, P. Dupont, C. Canudas de Wit, Automatica 30 (1994) 1083-1138",
+    ),
+    ModelRow(WEAKENING_CALL, "weakening, then strengthening: a subcritical Hopf point", PAPANGELO_REFERENCE),
+    ModelRow("ModeCoupling()", "two modes that constant friction merges", ModeCoupling.reference),
+    ModelRow(
+        "SliderOnRigidBelt()",
+        "flutter that a harder pressure sets in and ends, with loss of contact",
+        SliderOnRigidBelt.reference,
+    ),
+    ModelRow("DenHartog()", "dry friction and a harmonic force", DenHartog.reference),
+    ModelRow("FreeCoulomb()", "dry friction alone: it stops for ever", FreeCoulomb.reference),
+    ModelRow("BouncingBall()", "infinitely many impacts in a finite time", BouncingBall.reference),
+    ModelRow("ImpactOscillator()", "a driven mass before a stop", ImpactOscillator.reference),
+    ModelRow("TwoBlocks()", "two blocks on a belt that stick and slip by turns", TwoBlocks.reference),
+)
+
+
+def list_models() -> ModelTable:
+    """The models of the package.
+
+    Returns
+    -------
+    ModelTable
+        Rows of Python that makes the model, a line on what it shows, and a reference; prints as a table.
+
+    Examples
+    --------
+    >>> import frictionlab as fl
+    >>> len(fl.list_models())
+    11
+    >>> next(iter(fl.list_models())).call
+    'SliderOnBelt()'
+    """
+    return ModelTable(MODEL_ROWS)

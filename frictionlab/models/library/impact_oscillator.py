@@ -1,0 +1,100 @@
+"""The impact oscillator: a driven mass that hits a stop."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import pi
+from types import MappingProxyType
+from typing import Any, ClassVar
+
+from frictionlab.components import functions
+from frictionlab.components.impact import ImpactLaw, RestitutionImpact
+from frictionlab.components.parameter import parameter
+from frictionlab.models.mechanical.mechanical_model import SingleMass
+from frictionlab.models.mechanical.mechanics import Mechanics, Stop
+from frictionlab.models.mechanism import Block, Mechanism, Place, Spring, Wall
+from frictionlab.models.model import with_signature
+
+from .parameter_presets import (
+    damper_parameter,
+    frequency_parameter,
+    load_parameter,
+    mass_parameter,
+    stiffness_parameter,
+)
+
+
+@with_signature
+@dataclass(frozen=True, init=False, repr=False)
+class ImpactOscillator(SingleMass):
+    """A driven mass before a stop: m x'' + c x' + k x = F cos(Omega t) while x < d; x' becomes -e x' at d.
+
+    Its state has the phase Omega t (rad) beside x and x'; the phase goes from 0 to 2 pi and begins anew.
+    Without a damper, with w = sqrt(k/m) and A = F/(k - m Omega^2), a motion with one impact in n periods of
+    the force, T = 2 pi n/Omega, leaves the stop at the speed V and a phase p for which
+
+        A cos p = d + V (1 + e) cot(w T/2)/(2 e w),      A Omega sin p = -V (1 - e)/(2 e).
+
+    Parameters
+    ----------
+    m : float
+        Mass, kg, above 0.
+    c, k : float
+        Damper, N s/m, and spring, N/m.
+    d : float
+        Where the stop is, m.
+    F, Omega : float
+        Amplitude (N) and angular frequency (rad/s) of the force.
+    impact : ImpactLaw
+        RestitutionImpact(e).
+
+    References
+    ----------
+    S. W. Shaw, P. J. Holmes, Journal of Sound and Vibration 90 (1983) 129-155.
+
+    Examples
+    --------
+    >>> import frictionlab as fl
+    >>> fl.steady_state(fl.ImpactOscillator(), transient=300, window=100).kind
+    'periodic'
+    """
+
+    m: float = mass_parameter()
+    c: float = damper_parameter()
+    k: float = stiffness_parameter()
+    d: float = parameter(0.0, unit="m", symbol="d", meaning="where the stop is", range=(-2.0, 2.0))
+    F: float = load_parameter()
+    Omega: float = frequency_parameter(2.5)
+    impact: ImpactLaw = RestitutionImpact(e=0.8)
+
+    roles: ClassVar[Mapping[str, type]] = MappingProxyType({"impact": ImpactLaw})
+    reference: ClassVar[str] = "S. W. Shaw, P. J. Holmes, J. Sound and Vibration 90 (1983) 129-155"
+
+    @property
+    def period(self) -> float:
+        """That of the force, s."""
+        return 2 * pi / self.Omega
+
+    def release(self) -> Mapping[str, float]:
+        """Where the spring is slack, or at a stop before that."""
+        return {"x": min(0.0, self.d)}
+
+    @property
+    def mechanism(self) -> Mechanism:
+        """A block on a spring, and the stop, which it touches at d."""
+        block, edge = Place(0.0, 0.2, right="x"), Place(0.3, 0.2, right="d")
+        stop = Wall(edge.beside(0.0, -0.4), edge.beside(0.0, 0.4))
+        held = Spring(Place(-1.6, 0.2), block.beside(-0.3))
+        return Mechanism(Wall((-1.6, -0.2), (-1.6, 0.6)), held, stop, Block(block))
+
+    def mechanics(self, q: Any, v: Any) -> Mechanics:
+        """One mass, one stop, one force."""
+        return Mechanics(
+            kinetic=self.m * v.x**2 / 2,
+            potential=self.k * q.x**2 / 2,
+            dissipation=self.c * v.x**2 / 2,
+            contacts=(Stop(self.d - q.x, self.impact),),
+            loads={"x": self.F * functions.cos(q.phase)},
+            frequency=self.Omega,
+        )

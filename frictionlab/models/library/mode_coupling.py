@@ -1,0 +1,126 @@
+"""Hoffmann's model: two modes that friction couples until they merge, with a constant coefficient."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import pi
+from types import MappingProxyType
+from typing import Any, ClassVar
+
+from frictionlab.components import functions
+from frictionlab.components.friction import Coulomb, FrictionLaw
+from frictionlab.components.parameter import parameter
+from frictionlab.models.mechanical.mechanical_model import PlanarSlider, inclined_spring_energy
+from frictionlab.models.mechanism import Mechanism, leaning, pressed_on_belt
+from frictionlab.models.model import with_signature
+
+from .parameter_presets import (
+    angle_parameter,
+    damper_parameter,
+    mass_parameter,
+    natural_period,
+    speed_parameter,
+    stiffness_parameter,
+)
+
+
+@with_signature
+@dataclass(frozen=True, init=False, repr=False)
+class ModeCoupling(PlanarSlider):
+    """A mass in the plane, held by two inclined springs, pressed on a belt by F through a contact spring k3.
+
+    With y into the belt, F_N = k3 y and F_T along the belt,
+
+        m x'' + c x' + k11 x + k12 y = F_T
+        m y'' + c y' + k12 x + k22 y = F
+
+    where k11 = k1 cos^2 a1 + k2 cos^2 a2, k12 = k1 sin a1 cos a1 + k2 sin a2 cos a2 and k22 = k1 sin^2 a1 +
+    k2 sin^2 a2 + k3 has the contact spring in it.  Sliding, F_T = mu k3 y makes the stiffness matrix
+    unsymmetric: without a damper the two modes coalesce, and flutter sets in, at
+
+        mu_c = (k12^2 + ((k11 - k22)/2)^2)/(k12 k3),      omega_c^2 = (k11 + k22)/(2 m),
+
+    though the coefficient does not fall with speed.  The mass sticks while |F_T| <= mu_s F_N and leaves the
+    belt where y < 0.
+
+    Parameters
+    ----------
+    m : float
+        Mass, kg, above 0.
+    c : float
+        Damper along x and along y, N s/m.
+    k1, k2, k3 : float
+        Inclined springs, contact spring, N/m.
+    a1, a2 : float
+        Angles of the inclined springs with the belt, rad.
+    F : float
+        Preload, N.
+    v : float
+        Speed of the belt, m/s.
+    friction : FrictionLaw
+
+    References
+    ----------
+    N. Hoffmann, M. Fischer, R. Allgaier, L. Gaul, Mechanics Research Communications 29 (2002) 197-205.
+
+    Examples
+    --------
+    >>> import frictionlab as fl
+    >>> model = fl.ModeCoupling(c=0.0)
+    >>> found = fl.critical_value(model, "mu_k", bounds=(0, 2))
+    >>> abs(found - model.critical_friction) < 1e-9
+    True
+    """
+
+    m: float = mass_parameter()
+    c: float = damper_parameter(0.1)
+    k1: float = stiffness_parameter(1.0, "k_1", "stiffness of the first inclined spring")
+    k2: float = stiffness_parameter(0.5, "k_2", "stiffness of the second inclined spring")
+    k3: float = stiffness_parameter(4 / 3, "k_3", "stiffness of the contact spring")
+    a1: float = angle_parameter(pi / 6, r"\alpha_1", "angle of the first spring")
+    a2: float = angle_parameter(5 * pi / 6, r"\alpha_2", "angle of the second spring")
+    F: float = parameter(1.0, unit="N", symbol="F", meaning="preload", minimum=0.0, range=(0.0, 10.0))
+    v: float = speed_parameter(1.0)
+    friction: FrictionLaw = Coulomb(mu_k=0.5, mu_s=1.0)
+
+    roles: ClassVar[Mapping[str, type]] = MappingProxyType({"friction": FrictionLaw})
+    reference: ClassVar[str] = "N. Hoffmann et al., Mechanics Research Communications 29 (2002) 197-205"
+
+    @property
+    def period(self) -> float:
+        """That of the mass on its contact spring, s."""
+        return natural_period(self.k3, self.m)
+
+    @property
+    def stiffnesses(self) -> tuple[float, float, float]:
+        """k11, k12 and k22, N/m."""
+        (c1, s1), (c2, s2) = ((functions.cos(a), functions.sin(a)) for a in (self.a1, self.a2))
+        along = self.k1 * c1**2 + self.k2 * c2**2
+        across = self.k1 * s1**2 + self.k2 * s2**2
+        return float(along), float(self.k1 * s1 * c1 + self.k2 * s2 * c2), float(across + self.k3)
+
+    @property
+    def critical_friction(self) -> float:
+        """mu_c, at which undamped modes coalesce."""
+        k11, k12, k22 = self.stiffnesses
+        return (k12**2 + ((k11 - k22) / 2) ** 2) / (k12 * self.k3)
+
+    @property
+    def critical_frequency(self) -> float:
+        """omega_c at mu_c, rad/s."""
+        k11, _, k22 = self.stiffnesses
+        return ((k11 + k22) / (2 * self.m)) ** 0.5
+
+    @property
+    def mechanism(self) -> Mechanism:
+        """A body on its contact spring on a belt, and both inclined springs."""
+        return pressed_on_belt(*(leaning(a) for a in (self.a1, self.a2)))
+
+    def springs(self, q: Any) -> Any:
+        """Energy of both inclined springs, J."""
+        return inclined_spring_energy(self.k1, self.a1, q) + inclined_spring_energy(self.k2, self.a2, q)
+
+    def normal_force(self, penetration: Any) -> Any:
+        """F_N of the contact spring, N."""
+        return self.k3 * penetration

@@ -1,0 +1,202 @@
+"""Lagrange's equations of a model's energies and loads: M q'' = r + sum of W F.
+
+r is what energies, dampers and loads give, F are the forces of the contacts, W where each of them enters.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
+from itertools import product
+from types import SimpleNamespace
+from typing import Any, NamedTuple
+
+import sympy
+
+from frictionlab.models.symbols import Structure, symbol, symbolic_copy
+
+from .contact_regimes import PHASE, ContactRegime, regimes_of_contact
+from .mechanics import Friction, Mechanics, Stop
+
+JOINT = " | "  # between the regimes of several contacts in a mode's name
+
+
+class Pair(NamedTuple):
+    """Two coordinates, by their indices, between which a velocity q1' - q2' is held at `speed`."""
+
+    first: int
+    second: int
+    speed: Any
+
+
+@dataclass(frozen=True, eq=False)
+class LagrangeSystem:
+    """Lagrange's equations of a model: M q'' = loads - internal + sum of W F.
+
+    Nothing is multiplied out: equal subexpressions (a gap above all) stay equal, so that they cost once.
+    """
+
+    mechanics: Mechanics
+    q: tuple[Any, ...]
+    v: tuple[Any, ...]
+    mass: Any
+    internal: tuple[Any, ...]
+    loads: tuple[Any, ...]
+
+    @cached_property
+    def inverse(self) -> Any:
+        """M^-1."""
+        return sympy.diag(*(1 / m for m in self.masses)) if self.masses else self.mass.inv()
+
+    @cached_property
+    def masses(self) -> tuple[Any, ...]:
+        """The diagonal of M; () where the kinetic energy couples coordinates."""
+        return tuple(self.mass.diagonal()) if self.mass.is_diagonal() else ()
+
+    @cached_property
+    def combinations(self) -> dict[str, tuple[ContactRegime, ...]]:
+        """All combinations of regimes by their names, but those in which two contacts hold one velocity."""
+        each = [regimes_of_contact(contact, self) for contact in self.mechanics.contacts]
+        return {mode_name(chosen): chosen for chosen in product(*each) if _independent(self, chosen)}
+
+    @property
+    def rubbing(self) -> Friction:
+        """The one contact, with friction, of a system that has no other."""
+        (contact,) = self.mechanics.contacts
+        assert isinstance(contact, Friction)
+        return contact
+
+    @cached_property
+    def stiffness(self) -> Any:
+        """K of a linear structure, (n, n)."""
+        return sympy.Matrix([self.at_rest(row) for row in self.internal]).jacobian(self.q)
+
+    @cached_property
+    def dead_loads(self) -> tuple[Any, ...]:
+        """What a linear structure is loaded with where no coordinate is displaced, (n,)."""
+        origin = dict.fromkeys(self.q, 0)
+        rows = zip(self.loads, self.internal, strict=True)
+        return tuple(load - self.at_rest(row).subs(origin) for load, row in rows)
+
+    @property
+    def phase(self) -> tuple[Any, ...]:
+        """The phase as a state, where something depends on time."""
+        return () if self.mechanics.frequency is None else (symbol(PHASE),)
+
+    @property
+    def states(self) -> tuple[Any, ...]:
+        """Coordinates, velocities, phase."""
+        return (*self.q, *self.v, *self.phase)
+
+    def rate(self, expression: Any) -> Any:
+        """Derivative by time of a function of coordinates and phase."""
+        pairs = [*zip(self.q, self.v, strict=True), *((x, self.mechanics.frequency) for x in self.phase)]
+        return sum((sympy.diff(expression, x) * rate for x, rate in pairs), sympy.S.Zero)
+
+    def at_rest(self, expression: Any) -> Any:
+        """The value where no coordinate moves: of a relative velocity the speed of the belt."""
+        return sympy.sympify(expression).subs(dict.fromkeys(self.v, 0))
+
+    def direction(self, contact: Friction | Stop) -> Any:
+        """W: where the contact's force enters, friction or the reaction of a stop, (n, 1)."""
+        if isinstance(contact, Friction):
+            return -sympy.Matrix([sympy.diff(contact.relative_velocity, rate) for rate in self.v])
+        return sympy.Matrix([sympy.diff(contact.distance, x) for x in self.q])
+
+    def normal(self, contact: Friction | Stop) -> Any:
+        """W_N: where the normal force of a contact that may be lost enters, (n, 1); by default -grad gap."""
+        if isinstance(contact, Stop) or contact.penetration is None:
+            return sympy.zeros(len(self.q), 1)
+        if contact.normal is not None:
+            return sympy.Matrix(contact.normal)
+        return -sympy.Matrix([sympy.diff(contact.penetration, x) for x in self.q])
+
+    def forces(self, contact: Friction | Stop, normal_force: Any) -> list[Any]:
+        """Loads less what the structure takes, and a contact's normal force, for each coordinate."""
+        rows = zip(self.loads, self.internal, self.normal(contact), strict=True)
+        return [load - rest + w * normal_force for load, rest, w in rows]
+
+    def pair(self, velocity: Any) -> Pair | None:
+        """The bodies that become one where this velocity is held: one with +1, one with -1 in it."""
+        rows = [sympy.diff(velocity, rate) for rate in self.v]
+        moving = {i: row for i, row in enumerate(rows) if row != 0}
+        speed = self.at_rest(velocity)
+        if not self.masses or sorted(moving.values(), key=str) != [-1, 1] or self.rate(speed) != 0:
+            return None
+        return Pair(rows.index(-1), rows.index(1), speed)
+
+
+def lagrange_system(model: Any) -> LagrangeSystem:
+    """Lagrange's equations of a symbolic copy of a model."""
+    names = model.coordinates
+    return system_at(model, *(tuple(symbol(name + prime) for name in names) for prime in ("", "'")))
+
+
+@lru_cache(maxsize=256)
+def system_of(key: Structure) -> LagrangeSystem:
+    """Lagrange's equations of a structure."""
+    return lagrange_system(symbolic_copy(key))
+
+
+def system_at(model: Any, q: Sequence[Any], v: Sequence[Any]) -> LagrangeSystem:
+    """The same in other symbols for coordinates and velocities."""
+    names = model.coordinates
+    at = SimpleNamespace(**dict(zip(names, q, strict=True)), phase=symbol(PHASE))
+    about = _in_regimes(model.mechanics(at, SimpleNamespace(**dict(zip(names, v, strict=True)))), model)
+    momenta = [sympy.diff(about.kinetic, rate) for rate in v]
+    mass = sympy.Matrix(momenta).jacobian(v)
+    loads = tuple(sympy.sympify(about.loads.get(name, 0)) for name in names)
+    # With matrices where the statics ask for K; the form decides on the last bits of equilibria.
+    linear = model.statics is not None
+    internal = _with_matrices(about, q, v) if linear else _internal(about, momenta, q, v)
+    return LagrangeSystem(about, tuple(q), tuple(v), mass, internal, loads)
+
+
+def _in_regimes(about: Mechanics, model: Any) -> Mechanics:
+    """With the model's interface for contacts that name none."""
+    contacts = (c if c.interface else replace(c, interface=model.interface) for c in about.contacts)
+    return replace(about, contacts=tuple(contacts))
+
+
+def _internal(about: Mechanics, momenta: Sequence[Any], q: Sequence[Any], v: Sequence[Any]) -> Any:
+    """What energies and dampers give, for each coordinate."""
+    turning = sympy.Matrix(momenta).jacobian(q) * sympy.Matrix(v)
+    slopes = [sympy.diff(about.stored - about.kinetic, x) for x in q]
+    damping = [sympy.diff(about.dissipation, rate) for rate in v]
+    return tuple(map(sympy.factor_terms, map(sum, zip(turning, slopes, damping, strict=True))))
+
+
+def _with_matrices(about: Mechanics, q: Sequence[Any], v: Sequence[Any]) -> Any:
+    """C q' + K q - f, of quadratic energies."""
+    slopes = [sympy.sympify(sympy.diff(about.stored, x)) for x in q]
+    damping = _jacobian([sympy.diff(about.dissipation, rate) for rate in v], v)
+    stiffness = _jacobian(slopes, q)
+    constant = [slope.subs(dict.fromkeys(q, 0)) for slope in slopes]
+    return tuple(_dot(c, v) + _dot(k, q) + f for c, k, f in zip(damping, stiffness, constant, strict=True))
+
+
+def _jacobian(gradient: Sequence[Any], x: Sequence[Any]) -> tuple[tuple[Any, ...], ...]:
+    # Second derivatives of one function: symmetric, so half of them do.
+    upper = {(i, j): sympy.diff(gradient[i], x[j]) for j in range(len(x)) for i in range(j + 1)}
+    return tuple(tuple(upper[min(i, j), max(i, j)] for j in range(len(x))) for i in range(len(x)))
+
+
+def _dot(row: Sequence[Any], values: Sequence[Any]) -> Any:
+    return sum(a * b for a, b in zip(row, values, strict=True))
+
+
+def mode_name(chosen: Sequence[ContactRegime | str]) -> str:
+    """The mode's name: that of its regime, or of all of them."""
+    return JOINT.join(r if isinstance(r, str) else r.name for r in chosen) or "only"
+
+
+def _independent(found: LagrangeSystem, chosen: Sequence[ContactRegime]) -> bool:
+    held = [regime.held for regime in chosen if regime.held is not None]
+    rows = tuple(tuple(sympy.diff(velocity, v) for v in found.v) for velocity in held)
+    return len(rows) < 2 or _rank(rows) == len(rows)
+
+
+@lru_cache(maxsize=256)  # one for many combinations
+def _rank(rows: tuple[tuple[Any, ...], ...]) -> int:
+    return sympy.Matrix(rows).rank()

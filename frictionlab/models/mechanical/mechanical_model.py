@@ -1,0 +1,128 @@
+"""`MechanicalModel`, the base of models that give energies and contacts; modes, resets and equations follow
+from these.
+
+Also the bases that several models share: one mass on a spring, and one mass in the plane that is pressed on a
+belt.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
+
+from frictionlab.automaton import HybridAutomaton
+from frictionlab.components import functions
+from frictionlab.components.interface import Interface, StickSlipSeparation
+from frictionlab.models.model import Model
+from frictionlab.models.nonlinearities import Nonlinearity, nonlinearities_of
+
+from .mechanics import Friction, Mechanics
+
+if TYPE_CHECKING:
+    from .equations_of_motion import LagrangeSystem
+
+
+@dataclass(frozen=True, init=False, repr=False)
+class MechanicalModel(Model):
+    """Base of the models that say what they are made of; modes, resets and equations follow from it.
+
+    Beside its components a model has an `interface`: the regimes of its contacts, all by default.
+    """
+
+    interface: Interface = StickSlipSeparation()
+
+    def __init_subclass__(cls, **options: Any) -> None:
+        super().__init_subclass__(**options)
+        cls.roles = MappingProxyType({**cls.roles, "interface": Interface})
+
+    @property
+    def nonlinearities(self) -> Mapping[str, Nonlinearity]:
+        """Those of its components; of a model without contacts the interface is none."""
+        found = nonlinearities_of(self)
+        if not self.system().mechanics.contacts:
+            found.pop("nonsmooth", None)
+        return MappingProxyType(found)
+
+    def system(self) -> LagrangeSystem:
+        """Lagrange's equations of its structure, in symbols."""
+        from frictionlab.models.symbols import structure_of_component
+
+        from .equations_of_motion import system_of
+
+        return system_of(structure_of_component(self))
+
+    def mechanics(self, q: Any, v: Any) -> Mechanics:
+        """Energies, loads and contacts, at coordinates ``q.<name>`` and velocities ``v.<name>``."""
+        raise NotImplementedError(f"{type(self).__name__} must define mechanics(q, v)")
+
+    def derive(self) -> HybridAutomaton:
+        """By Lagrange's equations."""
+        from .modes import derive_automaton
+
+        return derive_automaton(self)
+
+    def equations(self, mode: str) -> Any:
+        """The equations of a mode as sympy equations, derived from the energies; LaTeX in a notebook.
+
+        "slip" gives both directions of a single contact in one; "impact" what happens at a stop.
+
+        Raises
+        ------
+        ValueError
+            If the model has no such mode.
+        """
+        from frictionlab.models.description.lagrange_equations import lagrange_equations
+
+        return lagrange_equations(self, mode)
+
+
+class SingleMass(MechanicalModel):
+    """Base of the models of one mass on a spring."""
+
+    @property
+    def coordinates(self) -> tuple[str, ...]:
+        """The displacement x, from where the spring is slack."""
+        return ("x",)
+
+
+class PlanarSlider(MechanicalModel):
+    """Base of the models of one mass, x along the belt and y into it, that F presses on a contact.
+
+    A subclass has the parameters m, c, F and v, a `friction` law, and gives :meth:`springs` and
+    :meth:`normal_force`.
+    """
+
+    m: Any
+    c: Any
+    F: Any
+    v: Any
+    friction: Any
+
+    @property
+    def coordinates(self) -> tuple[str, ...]:
+        """x along the belt, y into it."""
+        return ("x", "y")
+
+    def springs(self, q: Any) -> Any:
+        """Energy of the springs that hold the mass, J."""
+        raise NotImplementedError(f"{type(self).__name__} must define springs(q)")
+
+    def normal_force(self, penetration: Any) -> Any:
+        """F_N at a compression of the contact, N."""
+        raise NotImplementedError(f"{type(self).__name__} must define normal_force(gap)")
+
+    def mechanics(self, q: Any, v: Any) -> Mechanics:
+        """One mass, one contact; the energy of the contact is the work of F_N, which is a contact force."""
+        return Mechanics(
+            kinetic=self.m * (v.x**2 + v.y**2) / 2,
+            potential=self.springs(q) - self.F * q.y,
+            dissipation=self.c * (v.x**2 + v.y**2) / 2,
+            contacts=(Friction(self.v - v.x, self.normal_force, self.friction, penetration=q.y),),
+        )
+
+
+def inclined_spring_energy(k: Any, angle: Any, q: Any) -> Any:
+    """Energy of a spring at an angle with the belt, J."""
+    return k * (functions.cos(angle) * q.x + functions.sin(angle) * q.y) ** 2 / 2

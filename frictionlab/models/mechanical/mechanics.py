@@ -1,0 +1,134 @@
+"""What a mechanical model is made of: energies, loads and contacts, in arithmetic that needs no sympy."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from frictionlab.components.friction import FrictionLaw
+from frictionlab.components.impact import ImpactLaw
+from frictionlab.components.interface import Interface, StickSlipSeparation
+
+
+@dataclass(frozen=True, eq=False)
+class Friction:
+    """A contact with dry friction; its modes are "stick", "slip+", "slip-" and, with a gap, "separation".
+
+    The friction force F_T acts along the relative velocity v_r: F_T dv_r is minus its power on the bodies.
+
+    Parameters
+    ----------
+    relative_velocity : Expr
+        v_r, linear in the velocities, m/s.
+    normal_force : Expr or callable
+        F_N, N; of a contact with a gap best as a function of the gap, such as ``contact.force`` of a law,
+        as its integral is the energy that the contact stores.
+    law : FrictionLaw
+    penetration : Expr or None
+        Compression of the contact, m, where the bodies may separate: F_N vanishes with it, and there is no
+        force while it is negative.  None for a contact that is never lost, under a normal force that does
+        no work.
+    normal : tuple of Expr or None
+        W_N, where F_N enters, for each coordinate; by default minus the gradient of the gap, so that the
+        contact does no work but that of its spring.  :class:`Geometry` gives the paper's.
+    impact : ImpactLaw or None
+        What happens where the gap closes; by default nothing, as there is no mass at the contact.
+    interface : Interface or None
+        The regimes that the contact has; by default those of the model's `interface`.
+    """
+
+    relative_velocity: Any
+    normal_force: Any
+    law: FrictionLaw
+    penetration: Any = None
+    normal: tuple[Any, ...] | None = None
+    impact: ImpactLaw | None = None
+    interface: Interface | None = None
+
+    @property
+    def pressing(self) -> Any:
+        """F_N (N) as an expression."""
+        return self.normal_force(self.penetration) if callable(self.normal_force) else self.normal_force
+
+    @property
+    def modes(self) -> tuple[str, ...]:
+        """Names of the regimes, in the order in which they are tried; a contact without a gap is not lost."""
+        names = (self.interface or StickSlipSeparation()).modes
+        return (
+            names if self.penetration is not None else tuple(name for name in names if name != "separation")
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Stop:
+    """A rigid stop; its modes are "flight" and "contact".
+
+    Parameters
+    ----------
+    distance : Expr
+        Distance from the stop, m, at least 0.
+    law : ImpactLaw
+        What happens where it comes to 0.
+    interface : Interface or None
+        By default the model's `interface`; one without separation knows no stop.
+    """
+
+    distance: Any
+    law: ImpactLaw
+    interface: Interface | None = None
+
+    @property
+    def modes(self) -> tuple[str, ...]:
+        """Names of the regimes."""
+        names = (self.interface or StickSlipSeparation()).modes
+        return ("flight", "contact") if "separation" in names else ("flight",)
+
+
+@dataclass(frozen=True, eq=False)
+class Mechanics:
+    """Energies, loads and contacts.
+
+    Parameters
+    ----------
+    kinetic : Expr
+        Energy T(q, v), J.
+    potential : Expr or mapping of str to Expr
+        Energy V(q), J; or several by their names, such as "springs" and "gravity", of which V is the sum.
+    dissipation : Expr
+        Rayleigh's dissipation function D(v), W: half the power that the dampers take.
+    contacts : tuple of Friction or Stop
+    loads : mapping of str to Expr
+        Forces (N) along coordinates that come from no energy, such as ``F * cos(q.phase)``.
+    frequency : Expr or None
+        Angular frequency (rad/s) of what depends on time: the rate of the state ``q.phase``, which goes
+        from 0 to 2 pi and begins anew.  None where nothing does.
+    """
+
+    kinetic: Any
+    potential: Any = 0
+    dissipation: Any = 0
+    contacts: tuple[Friction | Stop, ...] = ()
+    loads: Mapping[str, Any] = field(default_factory=dict)
+    frequency: Any = None
+
+    @property
+    def stored(self) -> Any:
+        """V (J), of all that is stored by position."""
+        return sum(self.potential.values()) if isinstance(self.potential, Mapping) else self.potential
+
+
+@dataclass(frozen=True)
+class SlidingStatics:
+    """What a model says whose equilibria follow from the gap of its one contact.
+
+    Its structure is linear, its F_N a function of the gap.  So all coordinates follow from the gap, and what
+    is left is one scalar equation, of which all roots are found; for polynomial laws it is a polynomial.
+
+    Parameters
+    ----------
+    height : str
+        The coordinate, if there is no spring, that the contact alone holds.
+    """
+
+    height: str

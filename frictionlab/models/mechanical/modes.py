@@ -1,0 +1,156 @@
+"""A model's energies, loads and contacts as a hybrid automaton, by Lagrange's equations.
+
+A contact that holds a velocity at zero gives the force that keeps it there; several are solved for at once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import sympy
+
+from frictionlab.automaton import Event, HybridAutomaton, Mode, Reset
+from frictionlab.automaton.modes_on_demand import ModesOnDemand, Sketch
+from frictionlab.models.symbols import expand_products
+
+from .chatter import CHATTER_TIME, chatter_mode
+from .contact_regimes import ContactRegime, RegimeEnd
+from .equations_of_motion import LagrangeSystem, Pair, lagrange_system, mode_name
+from .mechanics import Friction, Stop
+from .resets import impact_resets, stick_reset
+
+
+def derive_automaton(model: Any) -> HybridAutomaton:
+    """States and modes of a symbolic copy of a model, one mode for each combination of regimes.
+
+    Several contacts have many combinations, of which a run visits few: each is derived once it is asked for.
+    """
+    found = lagrange_system(model)
+    chosen, numbers = found.combinations, {}
+    if len(found.mechanics.contacts) > 1:
+        sketches = (_sketch(name, some, len(found.states)) for name, some in chosen.items())
+        modes: Any = ModesOnDemand(sketches, lambda name: mode_of(found, chosen[name]))
+    else:
+        modes = tuple(mode_of(found, some) for some in chosen.values())
+        limit = chatter_mode(found)
+        if limit is not None:
+            modes, numbers = (*modes, limit), {CHATTER_TIME: 0.0}
+    return HybridAutomaton(found.states, modes, numbers, len(found.q))
+
+
+def _sketch(name: str, chosen: Sequence[ContactRegime], states: int) -> Sketch:
+    """What can be said without solving for forces: sticking needs v_r = 0, sliding v_r of its sign."""
+    needs: list[Any] = []
+    for regime in chosen:
+        if regime.force is None:
+            needs += [sign * c for c in regime.constraints for sign in (1, -1)]
+        else:
+            needs += [end.function for end in regime.ends(regime.force)]
+    held = any(regime.held is not None for regime in chosen)
+    return Sketch(name, (sympy.S.Zero,) * states, constraints=tuple(needs), held=held)
+
+
+def solve_contact_forces(
+    found: LagrangeSystem, chosen: Sequence[ContactRegime]
+) -> tuple[list[Any], list[Any]]:
+    """Accelerations, and the force of each contact."""
+    contacts = found.mechanics.contacts
+    free = sympy.Matrix([load - rest for load, rest in zip(found.loads, found.internal, strict=True)])
+    for contact, regime in zip(contacts, chosen, strict=True):
+        free += found.direction(contact) * (0 if regime.force is None else regime.force)
+        if isinstance(contact, Friction) and regime.name != "separation":
+            free += found.normal(contact) * contact.pressing
+    held = [i for i, regime in enumerate(chosen) if regime.force is None]
+    forces = [regime.force for regime in chosen]
+    if not held:
+        return list(found.inverse * free), forces
+    pair = found.pair(chosen[held[0]].held) if len(held) == 1 else None
+    if pair is not None:
+        accelerations, forces[held[0]] = _as_one_body(found, pair, free)
+        return accelerations, forces
+    return _held_by_forces(found, chosen, held, free)
+
+
+def _as_one_body(found: LagrangeSystem, pair: Pair, r: Any) -> tuple[list[Any], Any]:
+    """Accelerations of two bodies that stick to each other, of one expression, and the force between."""
+    one, two, mass = pair.first, pair.second, found.masses
+    accelerations = [force / m for force, m in zip(r, mass, strict=True)]
+    accelerations[one] = accelerations[two] = (r[one] + r[two]) / (mass[one] + mass[two])
+    return accelerations, sticking_force(found, pair, r)
+
+
+def sticking_force(found: LagrangeSystem, pair: Pair, r: Sequence[Any]) -> Any:
+    """F_T from x1'' = x2'' with M x1'' = r1 + F_T and m x2'' = r2 - F_T, Eqs. (1) and (5)."""
+    heavy, light = found.masses[pair.first], found.masses[pair.second]
+    return (heavy * r[pair.second] - light * r[pair.first]) / (heavy + light)
+
+
+def _held_by_forces(
+    found: LagrangeSystem, chosen: Sequence[ContactRegime], held: Sequence[int], free: Any
+) -> tuple[list[Any], list[Any]]:
+    """The same where the velocities of several contacts, or one of any direction, are held."""
+    inverse, forces = found.inverse, [regime.force for regime in chosen]
+    rows = sympy.Matrix([[sympy.diff(chosen[i].held, rate) for rate in found.v] for i in held])
+    along = sympy.Matrix([found.rate(chosen[i].held) for i in held]) + rows * inverse * free
+    columns = sympy.Matrix.hstack(*(found.direction(found.mechanics.contacts[i]) for i in held))
+    holding = (rows * inverse * columns).LUsolve(-along)
+    for i, force in zip(held, holding, strict=True):
+        forces[i] = expand_products(force)
+    # Expanded, what cancels is gone: a held velocity keeps its value to the last bit.
+    return [expand_products(a) for a in inverse * (free + columns * holding)], forces
+
+
+def mode_of(found: LagrangeSystem, chosen: Sequence[ContactRegime]) -> Mode:
+    """The mode of one regime for each contact."""
+    accelerations, forces = solve_contact_forces(found, chosen)
+    name = mode_name(chosen)
+    events = [
+        _event(found, chosen, i, end) for i, regime in enumerate(chosen) for end in regime.ends(forces[i])
+    ]
+    clock = [found.mechanics.frequency for _ in found.phase]
+    events += [
+        Event("period", 2 * sympy.pi - phase, (name,), Reset({phase: phase - 2 * sympy.pi}))
+        for phase in found.phase
+    ]
+    constraints = tuple(c for regime in chosen for c in regime.constraints)
+    outputs = _outputs(found, chosen, forces)
+    return Mode(name, (*found.v, *accelerations, *clock), tuple(events), constraints, outputs)
+
+
+def _event(found: LagrangeSystem, chosen: Sequence[ContactRegime], i: int, end: RegimeEnd) -> Event:
+    names, known = [regime.name for regime in chosen], found.combinations
+    targets = (mode_name([*names[:i], target, *names[i + 1 :]]) for target in end.targets)
+    targets = tuple(target for target in targets if target in known)
+    contact, label = found.mechanics.contacts[i], end.name + contact_suffix(found, i)
+    if end.jump == "impact":
+        return Event(label, end.function, targets, *impact_resets(found, contact))
+    if end.jump == "project":
+        return Event(label, end.function, targets, stick_reset(found, contact))
+    return Event(label, end.function, targets)
+
+
+def contact_suffix(found: LagrangeSystem, i: int) -> str:
+    """What tells the contacts apart where there are several: _1, _2 ..."""
+    return f"_{i + 1}" if len(found.mechanics.contacts) > 1 else ""
+
+
+def _outputs(found: LagrangeSystem, chosen: Sequence[ContactRegime], forces: Sequence[Any]) -> dict[str, Any]:
+    outputs = {}
+    for i, (contact, regime, force) in enumerate(zip(found.mechanics.contacts, chosen, forces, strict=True)):
+        outputs |= {
+            name + contact_suffix(found, i): value for name, value in _contact_outputs(contact, regime, force)
+        }
+    return outputs
+
+
+def _contact_outputs(contact: Friction | Stop, regime: ContactRegime, force: Any) -> Any:
+    if isinstance(contact, Stop):
+        return ("distance", contact.distance), ("reaction", force)
+    normal = sympy.S.Zero if regime.name == "separation" else contact.pressing
+    shown = (
+        ("normal_force", normal),
+        ("friction_force", force),
+        ("relative_velocity", contact.relative_velocity),
+    )
+    return shown if contact.penetration is None else (("penetration", contact.penetration), *shown)

@@ -1,0 +1,112 @@
+"""What jumps at an event: the projection on stick, the impact on a stop, and that of a re-contact."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import sympy
+
+from frictionlab.automaton import Reset
+from frictionlab.components.impact import ImpactLaw, PlasticImpact
+from frictionlab.models.symbols import expand_products, symbol
+
+from .mechanics import Friction, Stop
+
+if TYPE_CHECKING:
+    from .equations_of_motion import LagrangeSystem
+
+RATE_SYMBOLS = sympy.symbols("material_rate gap_rate compliance", real=True)
+CLOSING = PlasticImpact("full")  # ends an accumulation of impacts
+
+
+def stick_reset(found: LagrangeSystem, contact: Any) -> Reset:
+    """v_r = 0 by an impulse along W: it removes only the rounding of the root."""
+    pair = found.pair(contact.relative_velocity)
+    if pair is not None:
+        return _together(found, pair)
+    w = found.direction(contact)
+    jump = _kick(found, w, contact.relative_velocity / compliance(found, w))
+    return Reset({rate: expand_products(after) for rate, after in jump.items()})
+
+
+def _together(found: LagrangeSystem, pair: Any) -> Reset:
+    """The same between two bodies, which keep their momentum M x1' + m x2'."""
+    one, two, speed = pair
+    heavy, light = found.masses[one], found.masses[two]
+    together = (heavy * found.v[one] + light * found.v[two] + light * speed) / (heavy + light)
+    return Reset({found.v[one]: together, found.v[two]: together - speed})
+
+
+def impact_resets(found: LagrangeSystem, contact: Friction | Stop) -> tuple[Reset, Reset]:
+    """The impact under the contact's law, and the one that closes an accumulation of them."""
+    if isinstance(contact, Stop):
+        return _on_stop(found, contact, contact.law), _on_stop(found, contact, CLOSING)
+    return _landing(found, contact, contact.impact), _landing(found, contact, CLOSING)
+
+
+def compliance(found: LagrangeSystem, w: Any) -> Any:
+    """W^T M^-1 W (1/kg), the denominator of Eq. (14)."""
+    return (w.T * found.inverse * w)[0]
+
+
+def velocities_after(found: LagrangeSystem, direction: Any, impulse: Any) -> dict[Any, Any]:
+    """M dv = W p, Eqs. (10) to (12): the velocities that jump, after an impulse along W_N or W_T."""
+    return _kick(found, direction, impulse) if impulse != 0 else {}
+
+
+def _kick(found: LagrangeSystem, w: Any, impulse: Any) -> dict[Any, Any]:
+    changes = [p * impulse / m for p, m in zip(w, found.masses)] or found.inverse * w * impulse
+    return {rate: rate + change for rate, change in zip(found.v, changes, strict=True) if change != 0}
+
+
+def material_rate(found: LagrangeSystem, contact: Friction) -> Any:
+    """-W_N . q': the velocity at which the bodies approach at the contact's material points."""
+    return -sum(w * rate for w, rate in zip(found.normal(contact), found.v, strict=True))
+
+
+def friction_impulse(found: LagrangeSystem, contact: Friction, law: ImpactLaw) -> Any:
+    """The tangential impulse (N s) of the re-contact, along W_T; none in the paper."""
+    stopping = contact.relative_velocity / compliance(found, found.direction(contact))
+    return law.friction(normal_impulse(found, contact, law), stopping)
+
+
+def normal_impulse(found: LagrangeSystem, contact: Friction, law: ImpactLaw) -> Any:
+    """The impulse p (N s) of the re-contact, Eq. (14)."""
+    rates = material_rate(found, contact), found.rate(contact.penetration)
+    return law.impulse(*rates, compliance(found, found.normal(contact)))
+
+
+def rates_after_impact(found: LagrangeSystem, contact: Friction, law: Any) -> tuple[Any, Any]:
+    """Material and full gap rate after the impact in terms of those before it, RATE_SYMBOLS."""
+    material, full, soft = RATE_SYMBOLS
+    if expand_products(material_rate(found, contact) - found.rate(contact.penetration)) == 0:
+        material = full
+    change = soft * law.impulse(material, full, soft)
+    return expand_products(material - change), expand_products(full - change)
+
+
+def _landing(found: LagrangeSystem, contact: Friction, law: Any) -> Reset:
+    # The gap is zero where this happens; its rate afterwards only if the law makes it so identically.
+    order = 2 if rates_after_impact(found, contact, law)[1] == 0 else 1
+    rubbed = velocities_after(found, found.direction(contact), friction_impulse(found, contact, law))
+    pushed = velocities_after(found, found.normal(contact), normal_impulse(found, contact, law))
+    jump = rubbed | {rate: after.xreplace(rubbed) for rate, after in pushed.items()}
+    return Reset(jump, {contact.penetration: order, -contact.penetration: order})
+
+
+def _on_stop(found: LagrangeSystem, contact: Stop, law: Any) -> Reset:
+    """The impulse of an impact law; the distance is zero there, its rate if the law makes it so."""
+    w, rate = found.direction(contact), found.rate(contact.distance)
+    order = 2 if rate_after(law, symbol("rate")) == 0 else 1
+    # The place is put right as well, which removes only the rounding of the root: what comes to rest on the
+    # stop is on it to the last bit.
+    moved = zip(found.q, found.inverse * w * (contact.distance / compliance(found, w)), strict=True)
+    placed = {x: expand_products(x - change) for x, change in moved if change != 0}
+    after = _kick(found, w, law.impulse(-rate, -rate, compliance(found, w)))
+    return Reset({**placed, **{v: expand_products(a) for v, a in after.items()}}, {contact.distance: order})
+
+
+def rate_after(law: ImpactLaw, rate: Any) -> Any:
+    """Rate at which the distance from a stop grows after an impact, from that before."""
+    soft = sympy.Symbol("compliance", positive=True)
+    return expand_products(rate + soft * law.impulse(-rate, -rate, soft))

@@ -1,0 +1,102 @@
+"""One namespace for all parameters of a model: its own and those of its components."""
+
+from __future__ import annotations
+
+import dataclasses
+import inspect
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from frictionlab.components.component import Component
+from frictionlab.components.names import did_you_mean
+from frictionlab.components.parameter import Parameter, is_decorated, parameters_of
+
+
+def parameter_owners(cls: type, components: Mapping[str, Component]) -> dict[str, str]:
+    """Whose each parameter is: a component's role, or "" for the model's own.
+
+    Raises
+    ------
+    ValueError
+        If two of them share a name.
+    """
+    found = dict.fromkeys(parameters_of(cls), "")
+    taken = {*found, *components}
+    for role, component in components.items():
+        for name in parameters_of(type(component)):
+            if name in taken:
+                law = type(component).__name__
+                raise ValueError(
+                    f"parameter {name!r} of {law} must differ from the model's {name!r}: rename it"
+                )
+            taken.add(name)
+            found[name] = role
+    return found
+
+
+def refuse_positional(values: tuple[Any, ...], cls: type) -> None:
+    """Raise TypeError for values without a name."""
+    if values:
+        name, of = cls.__name__, next(iter(inspect.signature(cls).parameters), "name")
+        raise TypeError(f"{name} takes its parameters by name, got {values[0]!r}: write {name}({of}=...)")
+
+
+def refuse_unknown(
+    given: Iterable[str], cls: type, roles: Mapping[str, type], components: Mapping[str, Component]
+) -> None:
+    """Raise TypeError for the first name that is neither a parameter nor a component of the model."""
+    known = [*parameter_owners(cls, components), *roles]
+    for name in given:
+        if name not in known:
+            hint = _owner_among_laws(name, roles, components) or did_you_mean(name, known)
+            raise TypeError(f"{cls.__name__} has no parameter {name!r}: {hint}")
+
+
+def check_component(role: str, base: type, component: object) -> Component:
+    """The component, if it may take that role.
+
+    Raises
+    ------
+    TypeError
+        If it is of another kind, or a class instead of an object.
+    """
+    if isinstance(component, base) and isinstance(component, Component):
+        return component
+    if isinstance(component, type):
+        name = component.__name__
+        raise TypeError(f"{role} must be a {base.__name__}, got the class {name}: write {name}()")
+    kinds = ", ".join(f"{kind.__name__}()" for kind in base.__subclasses__())
+    raise TypeError(f"{role} must be a {base.__name__}, got {component!r}: take {kinds} or derive your own")
+
+
+def with_values(component: Component, values: Mapping[str, float]) -> Component:
+    """The component with other values."""
+    return dataclasses.replace(component, **values) if values else component
+
+
+def model_signature(cls: type, components: Mapping[str, Component]) -> inspect.Signature:
+    """All keywords of a model with their defaults, for tab completion and help."""
+    values: dict[str, Any] = {name: about.default for name, about in parameters_of(cls).items()}
+    for component in components.values():
+        values |= {name: getattr(component, name) for name in parameters_of(type(component))}
+    keyword = inspect.Parameter.KEYWORD_ONLY
+    return inspect.Signature(
+        [inspect.Parameter(k, keyword, default=v) for k, v in (values | dict(components)).items()]
+    )
+
+
+def parameter_metadata(cls: type, components: Mapping[str, Component]) -> dict[str, Parameter]:
+    """What is known about each parameter of the namespace."""
+    found = dict(parameters_of(cls))
+    for component in components.values():
+        found |= parameters_of(type(component))
+    return found
+
+
+def _owner_among_laws(name: str, roles: Mapping[str, type], components: Mapping[str, Component]) -> str:
+    for role, base in roles.items():
+        for kind in base.__subclasses__():
+            # A student's class without its decorator is no owner; it has an error of its own when it is used.
+            if is_decorated(kind) and name in parameters_of(kind):
+                return f"it belongs to {kind.__name__}, and {role} is {components[role]!r}"
+    return ""

@@ -1,0 +1,299 @@
+"""Figs 16 to 18, on a stiffer structure: the non-smooth behaviours, and response frequencies.
+
+Figs 16 and 17: with and without stick and separation.  Fig. 18: frequencies of steady motions against
+the unstable eigenfrequencies of the linearised system.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cache, partial
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import LogNorm
+from numpy.typing import NDArray
+
+from frictionlab.analysis.steady_state.result import SteadyState
+from frictionlab.analysis.steady_state.steady_state import steady_state
+from frictionlab.hybrid.methods.base import Method
+from frictionlab.paper import scenes, steady_states
+from frictionlab.paper.scenes import Setting
+from frictionlab.paper.steady_states import AT_REST, intervals_text, sweep_results
+from frictionlab.plotting import RunFigure, plot_bifurcation, plot_intensity
+from frictionlab.plotting.style import BLUE, DASHED, VERMILLION, parameter_label, state_label, state_unit
+from frictionlab.stability import critical_value, root_locus
+
+from .paper_figure import PaperFigure
+
+MU_K = 2.5  # of Fig. 16
+COMPARISON_SHOWN = 0.4  # seconds
+SAMPLES = 4001
+WITH_NONSMOOTH, SLIDING_ONLY = "with the non-smooth behaviours", "sliding only"
+VARIANT_NAMES = {True: WITH_NONSMOOTH, False: SLIDING_ONLY}
+VARIANT_STYLES = {WITH_NONSMOOTH: {"color": BLUE}, SLIDING_ONLY: {"color": VERMILLION, "linestyle": DASHED}}
+
+Array = NDArray[np.float64]
+F_MAX = 60.0
+FREQUENCY_BINS = 240  # of the picture; the strongest line of each is shown
+DECADES = 3.0
+# Panel -> nonlinearities left out.
+PANELS_WITHOUT = {
+    "all three": (),
+    "contact stiffness only": ("nonsmooth", "geometry"),
+    "geometry only": ("cubic", "nonsmooth"),
+    "non-smooth only": ("cubic", "geometry"),
+}
+UNBOUNDED_PANEL = "geometry only"  # without bound, so that the number of steps has to have one
+MAX_STEPS = 300_000
+
+
+@dataclass(frozen=True, eq=False)
+class NonsmoothComparison:
+    """What Fig. 16 shows: steady states, by name."""
+
+    steady: dict[str, SteadyState]
+
+
+@dataclass(frozen=True, eq=False)
+class NonsmoothSweeps:
+    """What Fig. 17 shows: sweeps over mu_k from rest, by name, and where the equilibrium loses stability."""
+
+    sweeps: dict[str, Any]
+    critical: float
+
+
+def nonsmooth_figure(number: int, setting: Setting) -> PaperFigure:
+    """Fig. 16 or 17."""
+    return _comparison_figure(setting) if number == 16 else _sweep_figure(setting)
+
+
+def _comparison_figure(setting: Setting) -> PaperFigure:
+    data = NonsmoothComparison(steady_states_compared(setting))
+    caption = "steady states from rest at mu_k = 2.5"
+    summary = (f"{name}: {found.kind}, {_ranges_text(found)}" for name, found in data.steady.items())
+    return PaperFigure(16, caption, data, tuple(summary), _draw_comparison, str(setting))
+
+
+def steady_states_compared(setting: Setting) -> dict[str, SteadyState]:
+    """Both steady states at mu_k = 2.5."""
+    models = {
+        name: steady_states.stiff_model(nonsmooth).replace(mu_k=MU_K)
+        for nonsmooth, name in VARIANT_NAMES.items()
+    }
+    return {
+        name: steady_states.steady_state_of(model, setting, section=None) for name, model in models.items()
+    }
+
+
+def samples(found: SteadyState, name: str, seconds: float | None = None) -> tuple[Any, Any]:
+    """Times and values of a state or of the normal force over the last seconds, or all of the window."""
+    run = found.trajectory
+    length = run.raw.t if seconds is None else min(seconds, run.raw.t)
+    count = SAMPLES if seconds is not None else 40 * SAMPLES
+    t = np.clip(np.linspace(run.raw.t - length, run.raw.t, count), 0.0, run.raw.t)
+    return t, contact_force(run, t) if name == "normal_force" else run(t)[:, run.names.index(name)]
+
+
+def contact_force(run: Any, t: Any) -> Any:
+    """F_N without impulses, as in the paper, so without their mean in chatter, where F_T = 0."""
+    return np.where(run.output("friction_force", t) == 0.0, 0.0, run.output("normal_force", t))
+
+
+def ranges(found: SteadyState) -> dict[str, float]:
+    """Largest less smallest value over the window."""
+    return {name: float(np.ptp(samples(found, name)[1])) for name in ("x1", "y1", "normal_force")}
+
+
+def _ranges_text(found: SteadyState) -> str:
+    x1, y1, force = ranges(found).values()
+    return f"range of x1 {x1:.4g} m, of y1 {y1:.4g} m, of F_N {force:.4g} N"
+
+
+def _sweep_figure(setting: Setting) -> PaperFigure:
+    data = NonsmoothSweeps(
+        {name: steady_states.stiff_sweep(n, setting) for n, name in VARIANT_NAMES.items()}, critical_mu_k()
+    )
+    summary = [f"{name}: {intervals_text(found)}" for name, found in data.sweeps.items()]
+    summary.append(f"the equilibrium loses stability at mu_k {data.critical:.4f}")
+    return PaperFigure(
+        17, "steady states from rest against mu_k", data, tuple(summary), _draw_sweeps, str(setting)
+    )
+
+
+@cache
+def critical_mu_k() -> float:
+    """Where the equilibrium loses stability; the non-smooth behaviours do not change it."""
+    value = critical_value(scenes.STIFF, "mu_k", (0.0, 3.0))
+    return np.nan if value is None else float(value)
+
+
+def _draw_comparison(result: PaperFigure) -> RunFigure:
+    picture = RunFigure(figsize=(8.5, 8.0), layout="constrained")
+    panels = picture.subplots(3, 1, sharex=True)
+    for name, found in result.data.steady.items():
+        for ax, state in zip(panels, ("x1", "y1", "normal_force")):
+            t, values = samples(found, state, COMPARISON_SHOWN)
+            ax.plot(t - t[0], values, label=name, linewidth=1.2, **VARIANT_STYLES[name])
+    for ax, state, letter in zip(panels, ("x1", "y1"), "ab"):
+        ax.set(ylabel=f"{state_label(state)} ({state_unit(state)})", title=f"({letter})")
+    panels[2].set(xlabel="time (s)", ylabel="$F_N$ (N)", title="(c)")
+    for ax in panels:
+        ax.margins(x=0)
+    picture.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=2, frameon=False)
+    picture.suptitle(result.heading(f"steady states from rest, $\\mu_k$ = {MU_K:g}"))
+    return picture
+
+
+def _legend_below(ax: Axes, handles: list[Any]) -> None:
+    place = {"loc": "upper left", "bbox_to_anchor": (0.0, -0.16)}
+    ax.legend(handles=handles, ncols=2, fontsize=9.0, frameon=False, **place)
+
+
+def _draw_sweeps(result: PaperFigure) -> RunFigure:
+    data = result.data
+    picture = RunFigure(figsize=(13.2, 4.4), layout="constrained")
+    panels = picture.subplots(1, 3)
+    for ax, (name, found), letter in zip(panels, data.sweeps.items(), "ab"):
+        plot_bifurcation(found, ax, legend=False)
+        ax.set_title(f"({letter}) {name}")
+    handles = {h.get_label(): h for ax in panels[:2] for h in ax.get_legend_handles_labels()[0]}
+    _legend_below(panels[0], list(handles.values()))
+    plot_intensity(list(data.sweeps.values()), panels[2], labels=list(data.sweeps), legend=False)
+    panels[2].axvline(data.critical, color="0.5", linewidth=1.0, linestyle=":", label="equilibrium unstable")
+    _legend_below(panels[2], panels[2].get_legend_handles_labels()[0])
+    panels[2].set_title("(c) intensity")
+    picture.suptitle(result.heading("from rest, with and without the non-smooth behaviours"))
+    return picture
+
+
+@dataclass(frozen=True, eq=False)
+class FrequencyPanel:
+    """Spectra of x1 against mu_k.
+
+    Parameters
+    ----------
+    model : SliderOnBelt
+    mu_k : array (N,)
+    kinds : tuple of str (N,)
+    amplitudes : array (N, 240)
+        m; the strongest line in every quarter of a hertz.
+    strongest : array (N,)
+        Hz; NaN at rest.
+    unstable : array (N, n)
+        Frequencies (Hz) of the eigenvalues that grow; NaN for the others.
+    fastest : array (N,)
+        Frequency (Hz) of the eigenvalue that grows fastest; NaN where none grows.
+    """
+
+    model: Any
+    mu_k: Array
+    kinds: tuple[str, ...]
+    amplitudes: Array
+    strongest: Array
+    unstable: Array
+    fastest: Array
+
+    @property
+    def deviations(self) -> Array:
+        """|f - f_e|/f_e of the strongest line where both exist, (K,)."""
+        both = np.isfinite(self.strongest) & np.isfinite(self.fastest)
+        return np.abs(self.strongest - self.fastest)[both] / self.fastest[both]
+
+
+@dataclass(frozen=True, eq=False)
+class ResponseFrequencies:
+    """What Fig. 18 shows, by what is left in."""
+
+    panels: dict[str, FrequencyPanel]
+
+
+def frequency_figure(number: int, setting: Setting) -> PaperFigure:
+    """Fig. 18."""
+    data = ResponseFrequencies({name: frequency_panel(name, setting) for name in PANELS_WITHOUT})
+    summary = tuple(f"{name}: {deviation_text(each)}" for name, each in data.panels.items())
+    return PaperFigure(number, "spectra of x1 against mu_k", data, summary, _draw_frequencies, str(setting))
+
+
+def frequency_panel(name: str, setting: Setting) -> FrequencyPanel:
+    """One of the four."""
+    model = scenes.STIFF.without(*PANELS_WITHOUT[name])
+    values = scenes.mu_k_stiff(setting)
+    times, method = scenes.times_of(model, setting), setting.method
+    if name == UNBOUNDED_PANEL:
+        method = replace(method, max_steps=MAX_STEPS)
+    study = partial(spectrum_lines, times=times, method=method, tolerance=setting.tolerance)
+    about = f"lines {method.describe()} {times} {setting.tolerance}"
+    rows = sweep_results(about, study, model, {"mu_k": values}, setting).results
+    strongest = np.array([np.nan if r["strongest"] is None else r["strongest"] for r in rows], dtype=float)
+    amplitudes = np.array([r["amplitudes"] for r in rows])
+    return FrequencyPanel(
+        model,
+        values,
+        tuple(r["kind"] for r in rows),
+        amplitudes,
+        strongest,
+        *_unstable_frequencies(model, values),
+    )
+
+
+def spectrum_lines(model: Any, times: scenes.Times, method: Method, tolerance: float) -> dict[str, Any]:
+    """Kind and spectrum of x1 in a steady state from rest, or up to where the run ended early."""
+    found = steady_state(model, method=method, tolerance=tolerance, progress=False, **times._asdict())
+    spectrum = found.spectrum(f_max=F_MAX)
+    if spectrum is None or found.kind == AT_REST:
+        return {"kind": found.kind, "strongest": None, "amplitudes": [0.0] * FREQUENCY_BINS}
+    bins = np.minimum((spectrum.frequencies * (FREQUENCY_BINS / F_MAX)).astype(int), FREQUENCY_BINS - 1)
+    amplitudes = np.zeros(FREQUENCY_BINS)
+    np.maximum.at(amplitudes, bins, spectrum.amplitudes)
+    strongest = float(spectrum.peaks()[0][0])
+    return {"kind": found.kind, "strongest": strongest, "amplitudes": amplitudes.tolist()}
+
+
+def _unstable_frequencies(model: Any, values: Array) -> tuple[Array, Array]:
+    locus = root_locus(model, "mu_k", values)
+    growth = np.where(np.isfinite(locus.growth_rates), locus.growth_rates, -np.inf)
+    unstable = np.where(growth > 0, locus.frequencies, np.nan)
+    rows, best = np.arange(len(values)), growth.argmax(axis=1)
+    return unstable, unstable[rows, best]
+
+
+def deviation_text(each: FrequencyPanel) -> str:
+    """How far the strongest line is from the eigenvalue that grows fastest."""
+    apart = each.deviations
+    if not len(apart):
+        return "no motion where an eigenvalue grows"
+    return (
+        f"strongest line {np.nanmin(each.strongest):.2f} to {np.nanmax(each.strongest):.2f} Hz, "
+        f"off the unstable eigenfrequency by {100 * np.median(apart):.1f} % (median, {len(apart)} values), "
+        f"{100 * apart.max():.1f} % at most"
+    )
+
+
+def _draw_frequencies(result: PaperFigure) -> RunFigure:
+    picture = RunFigure(figsize=(11.0, 8.0), layout="constrained")
+    axes = picture.subplots(2, 2, sharex=True, sharey=True)
+    for ax, (name, each), letter in zip(axes.flat, result.data.panels.items(), "abcd"):
+        top = max(each.amplitudes.max(), np.finfo(float).tiny)
+        foot = top * 10.0**-DECADES
+        scale, shown = LogNorm(foot, top), np.maximum(each.amplitudes.T, foot)
+        grid = np.linspace(0.0, F_MAX, FREQUENCY_BINS + 1)
+        mesh = ax.pcolormesh(_cell_edges(each.mu_k), grid, shown, norm=scale, cmap="viridis", rasterized=True)
+        picture.colorbar(mesh, ax=ax, label="amplitude of $x_1$ (m)")
+        style = {"color": VERMILLION, "marker": "o", "markersize": 3.0, "linestyle": "none"}
+        marks = ax.plot(each.mu_k, each.unstable, **style)
+        marks[0].set_label("unstable eigenfrequency")
+        ax.set_title(f"({letter}) {name}")
+    for ax in axes[1]:
+        ax.set_xlabel(parameter_label(scenes.STIFF, "mu_k"))
+    for ax in axes[:, 0]:
+        ax.set_ylabel("frequency (Hz)")
+    axes[0, 0].legend(loc="upper left", fontsize=8.0)
+    picture.suptitle(result.heading("spectra of $x_1$ in steady states from rest"))
+    return picture
+
+
+def _cell_edges(values: Array) -> Array:
+    middles = 0.5 * (values[1:] + values[:-1])
+    return np.concatenate([[values[0]], middles, [values[-1]]])

@@ -1,0 +1,235 @@
+"""All claims and figures, written as pages with pictures: what `frictionlab reproduce` does.
+
+reproduction.md has a table of the claims and every figure in each way that makes a difference to it,
+step-size.md the study of fixed steps.
+"""
+
+from __future__ import annotations
+
+import time
+from collections import Counter
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from frictionlab._version import __version__
+from frictionlab.paper.checks.claim import Claims
+
+from .registry import EVERY_CLAIM, FIGURES, WITHOUT_GEOMETRY, check, figure
+from .scenes import CHATTER_LIMIT, IMPACTS, PAPER_STEP, RETURN_TOLERANCES, Setting
+from .step_study import IMPACT_LAW_NAMES, StepStudy, step_study_with
+
+STEP_SIZE_PAGE = "step-size.md"
+EXAMPLE_MU_K = 1.4
+
+STEP_SIZE_TEXT = """\
+# What a fixed step does to a motion
+
+Written by `frictionlab reproduce`. The same model, the same start (rest), two ways to solve it: the paper's
+algorithm, which looks at the conditions of stick, slip and separation when a fixed step is over, at several
+steps; and the exact solver, which locates every event.
+
+![Intensity and strongest frequency against mu_k]({picture})
+
+With Eq. (13) as printed (left) an impact leaves the slider with the rate (x1' - x2') phi away from the belt.
+Where that is positive it flies again at once, in flights of microseconds and less, until they have come to
+nothing. A fixed step sees a flight only where it lasts longer than the step; each step therefore solves
+another problem, and no step that one would take is small enough. With the gap's full rate in the law
+(right) there are no such flights, and the steps agree with the exact solver.
+
+{errors}
+
+At mu_k = {example:g}:
+
+{table}
+
+The paper prints its algorithm (its Fig. 19) but no step. At {step:g} s it gives a motion that repeats
+at 1.58 Hz, as the paper reports (its strongest line is the seventh harmonic); neither a larger nor a smaller
+step does, nor does locating the events. So a figure of a non-smooth system is to be trusted only where it
+stays the same when the step is halved *and* where the impact law leaves nothing to land between two steps.
+frictionlab locates every event to rounding, so that there is no step to choose: see
+[tutorials/05-trust-your-solver.ipynb](../tutorials/05-trust-your-solver.ipynb).
+"""
+
+REPRODUCTION_PAGE = "reproduction.md"
+IMAGES = Path("images", "reproduction")
+DPI = 90
+COLOURS = 128  # of a picture's palette: lines and points need no more, and the file is a third as large
+SOLVER_VARIANTS = {
+    "exact": {"algorithm": "exact", "impact": "paper"},
+    "full-gap-rate": {"algorithm": "exact", "impact": "full gap rate"},
+    "paper-algorithm": {"algorithm": "paper", "impact": "paper"},
+}
+REPRODUCTION_HEAD = """\
+# Reproduction
+
+N. Liu, H. Ouyang, "Friction-induced vibration considering multiple types of nonlinearities", Nonlinear
+Dynamics (2020), computed again. This page is written by `frictionlab reproduce`{quick}, version
+{version}, in {minutes:.0f} min.
+
+Every claim that a computation can check is computed in up to three ways: by the exact solver (every event
+located, chatter replaced by its limit once flights last less than {chatter:g} s) with the impact law as
+printed, Eq. (13); by the exact solver with the gap's full rate in that law; and by the paper's algorithm,
+fixed steps of {step:g} s. A motion counts as periodic where its whole state returns at the onset of stick
+within {exact:g} of its size, for the paper's algorithm, which sees an event up to a step late, within
+{paper:g}. The verdict is the exact solver's with Eq. (13); "{by_paper}" means that only the column of
+that algorithm shows all that the paper says. E1 to E5 are errata found by deriving the equations again;
+E3: after an impact by Eq. (13) the gap still changes at the rate -(x1' - x2') phi, so that the slider may
+leave again at once; E5: what follows depends on the algorithm.
+
+"""
+
+
+def step_size_page(study: StepStudy, picture: str) -> str:
+    """The page, in Markdown."""
+    return STEP_SIZE_TEXT.format(
+        picture=picture,
+        errors=_error_table(study),
+        table=_series_table(study),
+        example=EXAMPLE_MU_K,
+        step=PAPER_STEP,
+    )
+
+
+def _error_table(study: StepStudy) -> str:
+    """Relative errors of L_s, by step and impact law."""
+    printed_law, full_law = IMPACT_LAW_NAMES["paper"], IMPACT_LAW_NAMES["full gap rate"]
+    head = f"| step (s) | error of L_s, {printed_law}: median, largest | {full_law} |"
+    printed, full = (study.errors(impact) for impact in IMPACTS)
+    rows = [f"| {step:g} | {_error_range(printed[step])} | {_error_range(full[step])} |" for step in printed]
+    return "\n".join([head, "|---|---|---|", *rows])
+
+
+def _error_range(errors: Any) -> str:
+    return f"{np.median(errors):.2g}, {errors.max():.2g}"
+
+
+def _series_table(study: StepStudy) -> str:
+    i = int(np.argmin(np.abs(study.mu_k - EXAMPLE_MU_K)))
+    rows = [
+        f"| {s.label} | {IMPACT_LAW_NAMES[s.impact]} "
+        f"| {s.kinds[i]} | {s.intensity[i]:.4g} | {s.strongest[i]:.2f} |"
+        for s in study.series
+    ]
+    head = "| algorithm | impact law | motion | L_s (m^2) | strongest line (Hz) |\n|---|---|---|---|---|"
+    return "\n".join([head, *rows])
+
+
+def reproduce(folder: str | Path, setting: Setting) -> Path:
+    """Check every claim, draw every figure, and write the page.
+
+    Parameters
+    ----------
+    folder : path
+        Takes reproduction.md and step-size.md, and the pictures in images/reproduction/.
+    setting : Setting
+        Its algorithm and impact law are not used: all are.
+
+    Returns
+    -------
+    Path
+        The page.
+
+    Raises
+    ------
+    KeyboardInterrupt
+        After ctrl-C; sweeps are kept where the setting has a folder to resume from.
+    """
+    begin, folder = time.monotonic(), Path(folder)
+    (folder / IMAGES).mkdir(parents=True, exist_ok=True)
+    pictures = list(_figure_variants())
+    with _progress_bar(len(EVERY_CLAIM) + len(pictures) + 1, setting.progress) as bar:
+        table = Claims(tuple(_run_and_count(bar, name, check, name, setting) for name in EVERY_CLAIM))
+        drawn = [
+            _run_and_count(bar, f"Fig. {n}", _draw_figure, n, way, folder, setting) for n, way in pictures
+        ]
+        _run_and_count(bar, "step sizes", _write_step_size_page, folder, setting)
+    page = folder / REPRODUCTION_PAGE
+    minutes = (time.monotonic() - begin) / 60
+    page.write_text(
+        _head_text(setting, minutes) + _claims_text(table) + _figures_text(drawn), encoding="utf-8"
+    )
+    return page
+
+
+def _figure_variants() -> Iterator[tuple[int, str]]:
+    """Every figure, in each way that makes a difference to it."""
+    for number in (*FIGURES, *range(7, 19)):
+        for way, options in SOLVER_VARIANTS.items():
+            if number in FIGURES and way != "exact":
+                continue
+            if number in WITHOUT_GEOMETRY and options["impact"] != "paper":
+                continue
+            yield number, way
+
+
+def _progress_bar(total: int, shown: bool) -> Any:
+    from tqdm.auto import tqdm
+
+    return tqdm(total=total, desc="reproduce", disable=not shown, leave=False, position=0)
+
+
+def _run_and_count(bar: Any, text: str, function: Any, *arguments: Any) -> Any:
+    bar.set_postfix_str(text)
+    result = function(*arguments)
+    bar.update()
+    return result
+
+
+def _draw_figure(number: int, way: str, folder: Path, setting: Setting) -> tuple[Any, Path]:
+    """The figure, and its picture's path in the folder."""
+    options: dict[str, Any] = {} if number in FIGURES else dict(SOLVER_VARIANTS[way])
+    common = {"quick": setting.quick, "workers": setting.workers, "progress": setting.progress}
+    found = figure(number, **options, **common, resume=setting.resume)
+    path = IMAGES / (f"fig{number:02d}.png" if way == "exact" else f"fig{number:02d}-{way}.png")
+    _save_picture(found.plot(), folder / path)
+    return found, path
+
+
+def _write_step_size_page(folder: Path, setting: Setting) -> None:
+    """The page on what a fixed step does."""
+    study, picture = step_study_with(setting), IMAGES / "step-size.png"
+    _save_picture(study.plot(), folder / picture)
+    (folder / STEP_SIZE_PAGE).write_text(step_size_page(study, picture.as_posix()), encoding="utf-8")
+
+
+def _save_picture(picture: Any, path: Path) -> None:
+    """A PNG with a palette, where pillow is installed, as it is with matplotlib."""
+    from PIL import Image
+
+    picture.savefig(path, dpi=DPI)
+    with Image.open(path) as image:
+        small = image.convert("RGB").quantize(COLOURS)
+    small.save(path, optimize=True)
+
+
+def _head_text(setting: Setting, minutes: float) -> str:
+    return REPRODUCTION_HEAD.format(
+        quick=" --quick" if setting.quick else "",
+        version=__version__,
+        minutes=minutes,
+        chatter=CHATTER_LIMIT,
+        step=PAPER_STEP,
+        exact=RETURN_TOLERANCES["exact"],
+        paper=RETURN_TOLERANCES["paper"],
+        by_paper="only by the paper's algorithm",
+    )
+
+
+def _claims_text(table: Claims) -> str:
+    counts = Counter(row.verdict for row in table)
+    words = ", ".join(f"{verdict} {count}" for verdict, count in counts.items())
+    return f"## Claims\n\n{len(table)} claims: {words}.\n\n{table.to_markdown()}\n\n## Figures\n"
+
+
+def _figures_text(drawn: list[tuple[Any, Path]]) -> str:
+    return "".join(_figure_text(*each) for each in drawn)
+
+
+def _figure_text(found: Any, path: Path) -> str:
+    how = f" ({found.how})" if found.how else ""
+    rows = "\n".join(f"* {line}" for line in found.summary)
+    heading = f"\n### Fig. {found.number}{how}\n\n{found.caption[0].upper()}{found.caption[1:]}.\n\n"
+    return f"{heading}{rows}\n\n![Fig. {found.number}{how}]({path.as_posix()})\n"

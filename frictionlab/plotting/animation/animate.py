@@ -1,0 +1,176 @@
+"""`fl.animate`: a model's mechanism, and its phase plane, in slow motion."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from matplotlib.animation import FuncAnimation
+from matplotlib.artist import Artist
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+
+from frictionlab.plotting.figure import AnimatedFigure
+from frictionlab.plotting.runs.phase_plane import plot_phase_plane
+from frictionlab.plotting.runs.time_window import Array, Periods, Window, window_limits
+from frictionlab.plotting.style import BLACK, mode_colours
+from frictionlab.validation import check_number
+
+from .parts import Parts
+from .run_picture import BeltPicture, mechanism_of, picture_of
+from .tilting_belt import round_down_1_2_5
+
+DEFAULT_DURATION = 6.0  # that an animation lasts, or somewhat longer, where no speed is given
+DEFAULT_WINDOW = Periods(3.0)
+FONT_SIZE = 9.0
+DPI = 80.0  # an animation in a notebook holds every frame as a picture
+
+
+@dataclass(frozen=True, eq=False)
+class AnimationScene:
+    """What is drawn in the frames, and the artists that show it."""
+
+    picture: BeltPicture | Parts
+    colours: dict[str, str]
+    parts: Any
+    phase: Any
+    title: Any
+
+
+def animate(
+    run: Any,
+    *,
+    window: Window = DEFAULT_WINDOW,
+    speed: float | None = None,
+    fps: float = 20.0,
+    magnify: float | None = None,
+    figure: Figure | None = None,
+) -> RunAnimation:
+    """Animate a run: the model's mechanism, coloured by mode, with the contact forces and the phase plane.
+
+    Dampers are left out.  Displacements and a belt's way are magnified, its tilt is not.  The slider of
+    :class:`SliderOnBelt` stands on its contact spring (k2, k_nl) on the belt, which k4, k5 and k6 hold;
+    forces are those on the slider.
+
+    Parameters
+    ----------
+    run : Trajectory
+        Of a model that has a `mechanism`: of all of the package, or of one of your own that says in a few
+        lines what it looks like (:class:`~frictionlab.models.Mechanism`).
+    window : float, (float, float) or None
+        The last so many seconds, from one time to another, or the whole run; by default three periods.
+    speed : float or None
+        Seconds of the run in a second of the animation: 0.05 is twenty times slower than reality.  None makes
+        it last some six to fifteen seconds.
+    fps : float
+        Frames a second.
+    magnify : float or None
+        Factor of the displacements; None makes the largest well seen.  It stands in the picture.
+    figure : Figure or None
+        Where to draw; None makes a new figure that belongs to no window.
+
+    Returns
+    -------
+    FuncAnimation
+        A notebook shows it; ``.to_jshtml()`` and ``.save("run.gif")`` draw its frames.
+
+    Raises
+    ------
+    ValueError
+        For a run of a model without a mechanism, a window outside the run, or speeds, rates and factors that
+        are not above zero.
+
+    Examples
+    --------
+    >>> import frictionlab as fl
+    >>> run = fl.simulate(fl.SliderOnBelt(mu_k=1.4), 0.2)
+    >>> animation = fl.animate(run, window=0.1, speed=0.05, fps=2)
+    >>> animation.to_jshtml().count("data:image/png")
+    5
+    """
+    mechanism = mechanism_of(run, "animate")
+    start, stop = window_limits(run, window)
+    for name, value in {"speed": speed, "fps": fps, "magnify": magnify}.items():
+        if value is not None:
+            check_number(name, value, above=0.0)
+    speed = speed or round_down_1_2_5((stop - start) / DEFAULT_DURATION)
+    figure = AnimatedFigure(figsize=(11.0, 5.6), dpi=DPI, layout="constrained") if figure is None else figure
+    picture = picture_of(run, mechanism, frame_times(start, stop, speed / fps), magnify)
+    scene = _build_scene(run, figure, picture)
+    update = frame_updater(scene, speed)
+    moving_artists = update(0)
+    figure.draw_without_rendering()
+    figure.set_layout_engine("none")  # nothing that moves changes the layout
+    if isinstance(figure, AnimatedFigure):
+        figure.moving_artists = moving_artists
+    count = len(picture.t)
+    return RunAnimation(figure, update, frames=count, interval=1000.0 / fps, blit=False, repeat=True)
+
+
+def frame_times(start: float, stop: float, step: float) -> Array:
+    """Times of the frames, both ends of the window as far as the step allows."""
+    return np.minimum(start + step * np.arange(int((stop - start) / step * (1 + 1e-12)) + 1), stop)
+
+
+def _build_scene(run: Any, figure: Figure, picture: BeltPicture | Parts) -> AnimationScene:
+    left, right = figure.subplots(1, 2, width_ratios=(1.15, 1))
+    colours = mode_colours(run.automaton.names)
+    drawn = picture.draw(left)
+    plot_phase_plane(run, right, name=picture.coordinate, window=(float(picture.t[0]), float(picture.t[-1])))
+    (phase,) = right.plot([], [], "o", color=BLACK, markersize=9.0, markeredgecolor="white", zorder=5)
+    _draw_legend(figure, picture, {name: colours[name] for name in colours if name in picture.mode})
+    left.set_xlabel(picture.note, fontsize=FONT_SIZE)
+    # With a height of its own, or each draw without it would move it.
+    title = left.set_title("", y=1.0, fontsize=FONT_SIZE + 2)
+    return AnimationScene(picture, colours, drawn, phase, title)
+
+
+def _draw_legend(figure: Figure, picture: BeltPicture | Parts, colours: dict[str, str]) -> None:
+    modes = [Patch(facecolor=colour, edgecolor=BLACK, label=name) for name, colour in colours.items()]
+    handles = [*modes, *picture.handles()]
+    figure.legend(
+        handles=handles, loc="outside lower center", ncols=len(handles), frameon=False, fontsize=FONT_SIZE
+    )
+
+
+def frame_updater(scene: AnimationScene, speed: float) -> Callable[[int], list[Artist]]:
+    """The function that takes the picture to a frame."""
+    seen = scene.picture
+    step = float(seen.t[1] - seen.t[0]) if len(seen.t) > 1 else 1.0
+    digits = max(0, int(np.ceil(-np.log10(step))))
+    pace = f"{1 / speed:.3g} times slower" if speed < 1 else f"{speed:.3g} times faster"
+    pace = "real time" if speed == 1 else pace
+
+    def update(frame: int) -> list[Artist]:
+        mode = str(seen.mode[frame])
+        moved = seen.move(scene.parts, frame, scene.colours.get(mode))
+        scene.phase.set_data([seen.x[frame]], [seen.rate[frame]])
+        scene.phase.set_markerfacecolor(scene.colours.get(mode, BLACK))
+        scene.title.set_text(f"t = {seen.t[frame]:.{digits}f} s: {mode}; {pace}")
+        return [*moved, scene.phase, scene.title]
+
+    return update
+
+
+class RunAnimation(FuncAnimation):
+    """An animation that shows itself in a notebook, with a bar while its frames are drawn."""
+
+    def save(self, filename: Any, *args: Any, **options: Any) -> None:
+        """Write a file; see :meth:`matplotlib.animation.Animation.save`."""
+        if options.get("progress_callback") is not None:
+            return super().save(filename, *args, **options)
+        from tqdm.auto import tqdm
+
+        with tqdm(leave=False, desc="animate", delay=1.0) as bar:
+
+            def count(frame: int, total: int) -> None:
+                bar.total = total
+                bar.update()
+
+            return super().save(filename, *args, **options | {"progress_callback": count})
+
+    def _repr_html_(self) -> str:
+        # The animation's own shows nothing unless a setting of matplotlib was changed.
+        return self.to_jshtml()

@@ -1,0 +1,265 @@
+"""Any model's mechanism as a picture: where each of its parts is in every frame, and what draws them.
+
+A part becomes a shape with a few numbers for each frame.  The same shapes and numbers are drawn by matplotlib
+and by the live canvas in the browser.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch, Polygon
+
+from frictionlab.models.mechanism import Belt, Block, Forces, Mechanism, Place, Spring, Wall
+from frictionlab.plotting.runs.time_window import Array, modes_at
+from frictionlab.plotting.style import BLACK, BLUE, GREY, VERMILLION
+
+from .artists import spring_outline
+from .tilting_belt import round_down_1_2_5
+
+REACH = 0.5  # largest displacement drawn
+LONGEST = 0.6  # arrow
+MARGIN = 0.25
+WIDTH = 0.16  # of springs
+MARKS = 8  # on a belt, so that its motion is seen
+ROUND = 40  # corners of a disc
+FORCES = {"normal_force": (BLUE, "F_N"), "friction_force": (VERMILLION, "F_T")}
+
+
+@dataclass(frozen=True, eq=False)
+class Shape:
+    """What a part is drawn as.
+
+    Parameters
+    ----------
+    kind : "wall", "spring", "block", "disc", "belt" or "arrow"
+    rows : (K, numbers) array
+        Both ends of a wall and a spring; a centre, width and height; ends, height and way of a belt; foot and
+        vector of an arrow.
+    colour : str
+    """
+
+    kind: str
+    rows: Array
+    colour: str = BLACK
+
+
+@dataclass(frozen=True, eq=False)
+class Parts:
+    """A mechanism in K frames.
+
+    Parameters
+    ----------
+    t, x, rate : (K,) arrays
+        Times, and the coordinate and its rate that the phase plane shows.
+    mode : (K,) array
+        Names of the modes.
+    coordinate : str
+    shapes : tuple of Shape
+    magnify : float
+        Factor of the displacements.
+    forces : mapping of str to float
+        Largest size of each force that is drawn, N, by its letter.
+    """
+
+    t: Array
+    x: Array
+    rate: Array
+    mode: np.ndarray
+    coordinate: str
+    shapes: tuple[Shape, ...]
+    magnify: float
+    forces: dict[str, float]
+
+    @property
+    def limits(self) -> tuple[tuple[float, float], tuple[float, float]]:
+        """The picture's edges in x and in y."""
+        outlines = [outline(s.kind, s.rows[k]) for s in self.shapes for k in _extremes(s)]
+        points = np.concatenate(outlines, axis=1)
+        (x0, y0), (x1, y1) = np.nanmin(points, axis=1) - MARGIN, np.nanmax(points, axis=1) + MARGIN
+        return (float(x0), float(x1)), (float(y0), float(y1))
+
+    @property
+    def note(self) -> str:
+        """What the picture does to the run."""
+        return f"displacements × {self.magnify:g}"
+
+    def outlines(self, frame: int) -> list[Array]:
+        """Lines (2, P) of all parts in a frame."""
+        lines = ((s.kind, outline(s.kind, s.rows[frame])) for s in self.shapes)
+        return [np.c_[x, x[:, :1]] if kind in ("block", "disc") else x for kind, x in lines]
+
+    def handles(self) -> list[Any]:
+        """Legend entries of the forces."""
+        colours = {letter: colour for colour, letter in FORCES.values()}
+        return [
+            Line2D([], [], color=colours[name], linewidth=3.0, label=f"${name}$, up to {size:.3g} N")
+            for name, size in self.forces.items()
+        ]
+
+    def draw(self, ax: Axes) -> list[Any]:
+        """The artists of all shapes, as they are in the first frame."""
+        artists: list[Any] = []
+        for shape in self.shapes:
+            artists += _artists(shape)
+        for artist in artists:
+            ax.add_patch(artist) if isinstance(artist, Patch) else ax.add_line(artist)
+        x, y = self.limits
+        ax.set(xlim=x, ylim=y, aspect="equal", xticks=[], yticks=[])
+        self.move(artists, 0, None)
+        return artists
+
+    def move(self, artists: list[Any], frame: int, colour: str | None) -> list[Artist]:
+        """Put the artists where they are in a frame, the bodies in the colour of the mode."""
+        left = iter(artists)
+        for shape in self.shapes:
+            artist: Any = next(left)
+            points = outline(shape.kind, shape.rows[frame])
+            if isinstance(artist, Polygon):
+                artist.set_xy(points.T)
+                if colour is not None:
+                    artist.set_facecolor(colour)
+            else:
+                artist.set_data(*points)
+            if shape.kind == "belt":
+                next(left).set_data(*marks(shape.rows[frame]))
+        return artists
+
+
+def _extremes(shape: Shape) -> set[int]:
+    """Frames in which a number of a shape is largest or smallest."""
+    return {int(k) for k in (*shape.rows.argmin(axis=0), *shape.rows.argmax(axis=0))}
+
+
+def outline(kind: str, row: Array) -> Array:
+    """Points (2, P) of a shape."""
+    if kind in ("block", "disc"):
+        x, y, width, height = row
+        if kind == "block":
+            return np.array([[-1, 1, 1, -1], [-1, -1, 1, 1]]) / 2 * [[width], [height]] + [[x], [y]]
+        turn = 2 * np.pi * np.arange(ROUND) / ROUND
+        return np.array([x + width / 2 * np.cos(turn), y + height / 2 * np.sin(turn)])
+    if kind == "spring":
+        return spring_outline((row[0], row[1]), (row[2], row[3]), WIDTH)
+    if kind == "belt":
+        return np.array([[row[0], row[1]], [row[2], row[2]]])
+    if kind == "arrow":
+        return _arrow(*row)
+    return np.array([[row[0], row[2]], [row[1], row[3]]])
+
+
+def marks(row: Array) -> Array:
+    """Points (2, MARKS) on a belt that travel with its surface."""
+    start, end, y, way = row
+    places = start + np.mod(way + (end - start) * np.arange(MARKS) / MARKS, end - start)
+    return np.array([places, np.full(MARKS, y)])
+
+
+def _arrow(x: float, y: float, dx: float, dy: float) -> Array:
+    """Shaft and head; a force that is zero is no arrow at all."""
+    length = float(np.hypot(dx, dy))
+    if not length:
+        return np.full((2, 1), np.nan)
+    head = min(0.12, length) / length
+    back = np.array([x + dx * (1 - head), y + dy * (1 - head)])
+    side = np.array([-dy, dx]) * head / 2
+    tip = np.array([x + dx, y + dy])
+    return np.array([[x, y], tip, back + side, tip, back - side]).T
+
+
+def _artists(shape: Shape) -> list[Any]:
+    if shape.kind in ("block", "disc"):
+        return [Polygon(np.zeros((1, 2)), facecolor="white", edgecolor=BLACK, linewidth=1.2, zorder=3)]
+    width = {"wall": 4.0, "belt": 3.0, "arrow": 3.0}.get(shape.kind, 1.0)
+    order = {"wall": 0, "arrow": 5}.get(shape.kind, 2)
+    found = [Line2D([], [], color=shape.colour, linewidth=width, zorder=order, solid_joinstyle="round")]
+    if shape.kind == "belt":
+        found.append(Line2D([], [], color=BLACK, marker="o", markersize=4.0, linestyle="none"))
+    return found
+
+
+def parts(run: Any, mechanism: Mechanism, t: Array, magnify: float | None = None) -> Parts:
+    """The mechanism of a run at times `t` (K,); ``magnify=None`` makes the largest displacement well seen."""
+    values = {str(name): np.full(len(t), float(value)) for name, value in run.automaton.parameters.items()}
+    values |= dict(zip(run.names, run(t).T, strict=True))
+    seen = Seen(run, t, values, modes_at(run, t))
+    used = [values[name.lstrip("-")] for name in sorted(_names(mechanism))]
+    largest = max((float(np.abs(value).max()) for value in used), default=0.0)
+    s = magnify if magnify is not None else round_down_1_2_5(REACH / largest) if largest > 0 else 1.0
+    contacts = [part.contact for part in mechanism.parts if isinstance(part, Forces)]
+    forces = {(contact, name): run.output(name + contact, t) for contact in contacts for name in FORCES}
+    top = max((float(np.abs(force).max()) for force in forces.values()), default=0.0)
+    scale = LONGEST / top if top > 0 else 1.0
+    shapes = [shape for part in mechanism.parts for shape in _shapes(part, seen, s, (forces, scale))]
+    sizes: dict[str, float] = {}
+    for (_, name), force in forces.items():
+        letter = FORCES[name][1]
+        sizes[letter] = max(sizes.get(letter, 0.0), float(np.abs(force).max()))
+    first = run.names[0]
+    return Parts(t, values[first], values[first + "'"], seen.mode, first, tuple(shapes), s, sizes)
+
+
+@dataclass(frozen=True, eq=False)
+class Seen:
+    """A run at times `t`: states and parameters by name, and modes."""
+
+    run: Any
+    t: Array
+    values: dict[str, Array]
+    mode: np.ndarray
+
+    def at(self, place: Any, s: float) -> list[Array]:
+        """x and y (K,) of a place."""
+        place = place if isinstance(place, Place) else Place(*place)
+        return [base + self._moved(name, s) for base, name in ((place.x, place.right), (place.y, place.up))]
+
+    def _moved(self, name: str, s: float) -> Array:
+        if not name:
+            return np.zeros(len(self.t))
+        return (-s if name.startswith("-") else s) * self.values[name.lstrip("-")]
+
+
+def _shapes(part: Any, seen: Seen, s: float, forces: Any) -> list[Shape]:
+    ones = np.ones(len(seen.t))
+    if isinstance(part, Wall):
+        return [Shape("wall", np.column_stack([*seen.at(part.start, s), *seen.at(part.end, s)]), GREY)]
+    if isinstance(part, Spring):
+        return [Shape("spring", _spring(part, seen, s))]
+    if isinstance(part, Block):
+        sizes = part.width * ones, part.height * ones
+        return [Shape("disc" if part.disc else "block", np.column_stack([*seen.at(part.at, s), *sizes]))]
+    if isinstance(part, Belt):
+        way = s * seen.values[part.speed] * (seen.t - seen.t[0]) if part.speed else 0.0 * ones
+        still = part.start * ones, part.end * ones, part.y * ones
+        return [Shape("belt", np.column_stack([*still, way]), GREY)]
+    return _pair(part, seen, s, forces)
+
+
+def _pair(part: Forces, seen: Seen, s: float, forces: Any) -> list[Shape]:
+    """The arrows of both contact forces."""
+    sizes, scale = forces
+    foot, nothing = seen.at(part.at, s), np.zeros(len(seen.t))
+    vectors = {
+        "normal_force": (nothing, scale * sizes[part.contact, "normal_force"]),
+        "friction_force": (scale * sizes[part.contact, "friction_force"], nothing),
+    }
+    return [Shape("arrow", np.column_stack([*foot, *v]), FORCES[name][0]) for name, v in vectors.items()]
+
+
+def _spring(part: Spring, seen: Seen, s: float) -> Array:
+    start, end = seen.at(part.start, s), seen.at(part.end, s)
+    if part.loose:
+        hangs, rest = seen.mode == part.loose, (part.start.x - part.end.x, part.start.y - part.end.y)
+        start = [np.where(hangs, x + dx, y) for x, dx, y in zip(end, rest, start, strict=True)]
+    return np.column_stack([*start, *end])
+
+
+def _names(mechanism: Mechanism) -> set[str]:
+    """What moves the places of a mechanism."""
+    places = [p for part in mechanism.parts for p in vars(part).values() if isinstance(p, Place)]
+    return {name for place in places for name in (place.right, place.up) if name}

@@ -1,0 +1,169 @@
+"""Where stability is lost: critical values of one parameter against another, and maps over two parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import QuadMesh
+from matplotlib.colors import BoundaryNorm, ListedColormap
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from numpy.typing import NDArray
+
+from .figure import axes_or_new, legend_beside
+from .style import (
+    BLACK,
+    DASHED,
+    GREY,
+    ORANGE,
+    SKY,
+    VERMILLION,
+    distinguishing_labels,
+    line_style,
+    parameter_label,
+)
+
+STABLE_COLOUR = "#F2F2F2"
+COUNT_COLOURS = (STABLE_COLOUR, SKY, ORANGE, VERMILLION)  # none, one, two, more
+DOTTED = (0, (1, 1.5))
+HATCH = "////"
+
+
+def plot_critical(
+    curves: Any, ax: Axes | None = None, *, labels: Sequence[str] | None = None, legend: bool = True
+) -> list[Line2D]:
+    """Draw critical values of a parameter against another: below a line steady sliding is stable.
+
+    Parameters
+    ----------
+    curves : CriticalCurve, or a sequence of them
+        Of the same two parameters.
+    ax : Axes or None
+        None draws into a new figure, ``lines[0].axes.figure``.
+    labels : sequence of str or None
+        A name for each curve; None takes what their models differ in.
+    legend : bool
+        Whether to put a legend beside the panel, where there is more than one curve.
+
+    Returns
+    -------
+    list of Line2D
+        One for every curve, broken where there is no critical value (NaN).
+
+    Raises
+    ------
+    ValueError
+        Where the curves are of different parameters, or there are not as many labels as curves.
+
+    Examples
+    --------
+    >>> import frictionlab as fl
+    >>> from frictionlab.plotting import plot_critical
+    >>> curve = fl.critical_curve(fl.SliderOnBelt(), "mu_k", (0, 3), over=("F", [200.0, 400.0]))
+    >>> [line.axes.get_xlabel() for line in plot_critical(curve)]
+    ['preload on the slider $F$ (N)']
+    """
+    curves = [curves] if hasattr(curves, "over") else list(curves)
+    labels = _curve_labels(curves) if labels is None else list(labels)
+    _check_same_parameters(curves, labels)
+    ax = axes_or_new(ax)
+    lines = []
+    for i, (curve, label) in enumerate(zip(curves, labels)):
+        lines += ax.plot(curve.at, curve.values, label=label, **line_style(i, ""))
+    first = curves[0]
+    ylabel = f"critical {parameter_label(first.model, first.parameter)}"
+    ax.set(xlabel=parameter_label(first.model, first.over), ylabel=ylabel)
+    ax.margins(x=0)
+    if legend and len(curves) > 1:
+        legend_beside(ax)
+    return lines
+
+
+def _curve_labels(curves: list[Any]) -> list[str]:
+    varied = {name for curve in curves for name in (curve.parameter, curve.over)}
+    return distinguishing_labels([curve.model for curve in curves], varied) if curves else []
+
+
+def _check_same_parameters(curves: list[Any], labels: list[str]) -> None:
+    pairs = sorted({f"{curve.parameter} over {curve.over}" for curve in curves})
+    if len(pairs) != 1:
+        got = ", ".join(pairs) or "no curve"
+        raise ValueError(f"curves must be of one parameter over one other, got {got}: draw them apart")
+    if len(labels) != len(curves):
+        raise ValueError(f"there must be a label for each of {len(curves)} curves, got {len(labels)}")
+
+
+class MapArtists(NamedTuple):
+    """The colours and the lines of a stability map."""
+
+    mesh: QuadMesh
+    boundary: list[Line2D]
+
+
+def plot_stability_map(plane: Any, ax: Axes | None = None, *, legend: bool = True) -> MapArtists:
+    """Draw how many modes grow over a plane of two parameters, and the exact boundaries between.
+
+    Solid lines are flutter, dashed ones divergence, dotted ones where the equilibrium itself ends; where
+    there is none the plane is hatched.
+
+    Parameters
+    ----------
+    plane : StabilityMap
+    ax : Axes or None
+        None draws into a new figure, ``artists.mesh.axes.figure``.
+    legend : bool
+        Whether to put a legend beside the panel.
+
+    Returns
+    -------
+    MapArtists
+        The coloured mesh, and a line for every boundary; one that is partly flutter and partly
+        divergence gives two.
+    """
+    ax = axes_or_new(ax)
+    ax.patch.set(facecolor="white", edgecolor=GREY, hatch=HATCH)  # seen where the mesh has no colour
+    artists = MapArtists(_draw_mesh(plane, ax), _draw_boundary(plane, ax))
+    ax.set(xlabel=parameter_label(plane.model, plane.x), ylabel=parameter_label(plane.model, plane.y))
+    ax.set(xlim=(plane.x_values[0], plane.x_values[-1]), ylim=(plane.y_values[0], plane.y_values[-1]))
+    if legend:
+        legend_beside(ax, _map_legend_handles(plane, artists.boundary))
+    return artists
+
+
+def _draw_mesh(plane: Any, ax: Axes) -> QuadMesh:
+    counts = np.ma.masked_less(np.minimum(plane.unstable, len(COUNT_COLOURS) - 1), 0)
+    norm = BoundaryNorm(np.arange(len(COUNT_COLOURS) + 1) - 0.5, len(COUNT_COLOURS))
+    colours = ListedColormap(list(COUNT_COLOURS))
+    return ax.pcolormesh(
+        plane.x_values, plane.y_values, counts, cmap=colours, norm=norm, shading="nearest", rasterized=True
+    )
+
+
+def _draw_boundary(plane: Any, ax: Axes) -> list[Line2D]:
+    lines = []
+    for curve in plane.boundary:
+        for name, (linestyle, chosen) in _boundary_kinds(np.asarray(curve.frequencies)).items():
+            if chosen.any():
+                x, y = np.where(chosen[:, None], curve.points, np.nan).T
+                lines += ax.plot(x, y, color=BLACK, linewidth=1.4, linestyle=linestyle, label=name)
+    return lines
+
+
+def _boundary_kinds(frequencies: NDArray[np.float64]) -> dict[str, tuple[Any, NDArray[np.bool_]]]:
+    return {
+        "flutter": ("-", frequencies > 0),
+        "divergence": (DASHED, frequencies == 0),
+        "end of the equilibrium": (DOTTED, np.isnan(frequencies)),
+    }
+
+
+def _map_legend_handles(plane: Any, boundary: list[Line2D]) -> list[Any]:
+    shown = np.unique(np.minimum(plane.unstable, len(COUNT_COLOURS) - 1))
+    names = ("stable", "1 mode grows", "2 modes grow", "3 modes or more grow")
+    patches = [Patch(facecolor=COUNT_COLOURS[i], edgecolor=GREY, label=names[i]) for i in shown if i >= 0]
+    if shown[0] < 0:
+        patches.append(Patch(facecolor="white", edgecolor=GREY, hatch=HATCH, label="no equilibrium"))
+    return patches + list({str(line.get_label()): line for line in boundary}.values())

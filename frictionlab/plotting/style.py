@@ -1,0 +1,155 @@
+"""Colours, line styles, symbols and units of states and of parameters.
+
+The colours can be told apart by colour-blind readers (Okabe & Ito 2008).  States are named by their
+letters, parameters by the symbol, meaning and unit of their own metadata.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Container, Sequence
+from textwrap import fill
+from types import MappingProxyType
+from typing import Any
+
+from frictionlab.models.parameter_namespace import parameter_metadata
+from frictionlab.models.symbols import structure_of_component
+
+BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
+BLUE, VERMILLION, PURPLE, GREY = "#0072B2", "#D55E00", "#CC79A7", "#999999"
+YELLOW = "#F0E442"
+
+LINE_COLOURS = (BLACK, VERMILLION, BLUE, GREEN)
+DASHED = (0, (4, 1.5))
+
+MODE_COLOURS = MappingProxyType(
+    {
+        "stick": ORANGE,
+        "slip+": GREY,
+        "slip": GREY,
+        "slip-": PURPLE,
+        "separation": SKY,
+        "chatter": YELLOW,
+    },
+)
+ANGLE_LETTERS = {"phi": r"\varphi", "theta": r"\theta", "psi": r"\psi"}  # in LaTeX; all others are lengths
+
+LEGEND_WIDTH = 36  # characters of a line in a legend
+
+
+def is_angle(name: str) -> bool:
+    """Whether a coordinate, or its rate, is an angle by its name: phi, theta, psi, phi1, phi2 ..."""
+    return name.rstrip("'").rstrip("0123456789") in ANGLE_LETTERS
+
+
+def secondary_axis_angles(names: Sequence[str]) -> tuple[str, ...]:
+    """The angles among coordinates that have an axis of their own: where there are lengths as well."""
+    angles = tuple(filter(is_angle, names))
+    return () if len(angles) == len(names) else angles
+
+
+def coordinate_axis_label(names: Sequence[str]) -> str:
+    """What the axis on the left shows."""
+    return (
+        "displacement (m)" if secondary_axis_angles(names) or not any(map(is_angle, names)) else "angle (rad)"
+    )
+
+
+def mode_colours(names: Sequence[str]) -> dict[str, str]:
+    """A colour for every mode: its own, or for modes of other automata one of the palette in turn."""
+    spare = (GREY, SKY, ORANGE, PURPLE, YELLOW, GREEN, BLUE, VERMILLION, BLACK)
+    return {name: MODE_COLOURS.get(name, spare[i % len(spare)]) for i, name in enumerate(names)}
+
+
+def line_style(index: int, name: str) -> dict[str, Any]:
+    """Colour and dashes of a coordinate's line: angles are dashed, as they have a unit of their own."""
+    colour = LINE_COLOURS[index % len(LINE_COLOURS)]
+    dashed = is_angle(name) or index >= len(LINE_COLOURS)
+    return {"color": colour, "linestyle": DASHED if dashed else "-", "linewidth": 1.2}
+
+
+def state_label(name: str) -> str:
+    """The name as a reader expects it in a legend or at an axis: subscripts, dots, Greek letters."""
+    base = name.rstrip("'")
+    stem = base.rstrip("0123456789")
+    index = base[len(stem) :]
+    letter = ANGLE_LETTERS.get(stem, stem)
+    letter = rf"\dot{{{letter}}}" if name.endswith("'") else letter
+    return f"${letter}_{{{index}}}$" if index else f"${letter}$"
+
+
+def state_unit(name: str) -> str:
+    """SI unit of a coordinate or of its rate."""
+    length = "rad" if is_angle(name) else "m"
+    return f"{length}/s" if name.endswith("'") else length
+
+
+def parameter_symbol(model: Any, name: str) -> str:
+    """Symbol of a parameter as matplotlib sets it; of an automaton's, which has no metadata, the name."""
+    about = _parameter_metadata(model, name)
+    return f"${about.symbol}$" if about else name
+
+
+def parameter_label(model: Any, name: str) -> str:
+    """Meaning, symbol and unit of a parameter, for an axis."""
+    about = _parameter_metadata(model, name)
+    if about is None:
+        return name
+    meaning = about.meaning and f"{about.meaning} "
+    return (
+        f"{meaning}{parameter_symbol(model, name)}{about.unit and f' ({superscript_exponents(about.unit)})'}"
+    )
+
+
+def parameter_value_text(model: Any, name: str, value: float) -> str:
+    """ "symbol = value unit", for a legend or a title."""
+    about = _parameter_metadata(model, name)
+    unit = f" {superscript_exponents(about.unit)}" if about and about.unit else ""
+    return f"{parameter_symbol(model, name)} = {_number_text(value)}{unit}"
+
+
+def distinguishing_labels(models: Sequence[Any], varied: Container[str] = ()) -> list[str]:
+    """What tells models apart, for a legend: the values that differ, else the models in short lines.
+
+    Parameters
+    ----------
+    models : sequence of Model or HybridAutomaton
+    varied : container of str
+        Parameters that are left out, as a picture shows them at its axes.
+    """
+    alike = (
+        all(hasattr(model, "components") for model in models)
+        and len({*map(structure_of_component, models)}) == 1
+    )
+    names = [
+        name
+        for name in (models[0].parameters if alike else ())
+        if name not in varied and len({model.parameters[name] for model in models}) > 1
+    ]
+    if len(models) == 1:
+        return [repr(models[0])]
+    if not names:
+        return [fill(repr(model), LEGEND_WIDTH, break_long_words=False) for model in models]
+    return [", ".join(parameter_value_text(m, name, m.parameters[name]) for name in names) for m in models]
+
+
+def superscript_exponents(unit: str) -> str:
+    """A unit with its exponents raised: N/m^3 becomes N/m³."""
+    return re.sub(r"\^(-?[\d.]+)", r"$^{\1}$", unit)
+
+
+def _number_text(value: float) -> str:
+    mantissa, _, exponent = f"{value:.6g}".partition("e")
+    if not exponent and abs(value) >= 1e4:
+        mantissa, _, exponent = f"{value:.5e}".partition("e")
+        mantissa = mantissa.rstrip("0").rstrip(".")
+    if not exponent:
+        return mantissa
+    factor = "" if mantissa == "1" else rf"{mantissa} \cdot "
+    return f"${factor}10^{{{int(exponent)}}}$"
+
+
+def _parameter_metadata(model: Any, name: str) -> Any:
+    return (
+        parameter_metadata(type(model), model.components).get(name) if hasattr(model, "components") else None
+    )

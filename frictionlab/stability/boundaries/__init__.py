@@ -1,0 +1,7 @@
+"""Where stability changes, and what begins there.
+
+Along one parameter: `sign_changes` brackets the changes of sign of the sorted growth rates,
+`stability_changes` solves for them and names them.  In a plane of two: `stability_map` evaluates a grid,
+`boundary_curves` finds the curves between its points, which `boundary_tracing` follows.  `hopf` computes the
+normal form (`normal_form`) at a flutter point.
+"""

@@ -1,0 +1,270 @@
+"""`fl.hopf`: how vibration begins where a flutter instability sets in."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from frictionlab.models.coercion import automaton_of
+from frictionlab.stability.equilibrium_points.equilibria import Equilibrium
+from frictionlab.stability.equilibrium_points.problem_setup import equilibrium_branches, equilibrium_problem
+from frictionlab.stability.equilibrium_points.static_equations import by_gap
+from frictionlab.stability.equilibrium_problem import EquilibriumProblem, check_bounds
+
+from .normal_form import (
+    ExpansionPoint,
+    critical_pair,
+    cubic_coefficient,
+    eigenvalue_slope,
+    function_derivative,
+)
+from .stability_changes import StabilityChange, changes_on_lines
+
+Array = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
+SAME_VALUE_RTOL = 1e-9  # of the value or the range: two points so close are of symmetric equilibria
+
+
+@dataclass(frozen=True, eq=False)
+class HopfPoint:
+    """A value of a parameter at which flutter sets in or ends, and the cycle born there.
+
+    Near it the state is x0 + 2 Re(w q) with
+    w' = (i omega + `eigenvalue_slope` (p - `value`)) w + `cubic_coefficient` w |w|^2.
+
+    Parameters
+    ----------
+    model : Model or HybridAutomaton
+    parameter : str
+    change : StabilityChange
+        Where it is: value, frequency, direction, numbers of growing modes below and above.
+    coordinates : tuple of str
+        Names of the n coordinates, or of all states of an automaton that has none.
+    state : array (m,)
+        The equilibrium x0.
+    vector : complex array (m,)
+        The critical eigenvector q, of length 1 in the units of the states: coordinates, then velocities.
+    slope : complex
+        d(eigenvalue)/d(parameter), 1/s per unit of the parameter.
+    cubic : complex
+        1/s; depends on the length of q.
+    reach : float
+        |w| at which v_r or the gap of the cycle first becomes zero, to leading order; inf if never.
+    """
+
+    model: Any
+    parameter: str
+    change: StabilityChange
+    coordinates: tuple[str, ...]
+    state: Array
+    vector: ComplexArray
+    slope: complex
+    cubic: complex
+    reach: float
+
+    @property
+    def value(self) -> float:
+        """The parameter's value."""
+        return self.change.value
+
+    @property
+    def frequency(self) -> float:
+        """Of the critical mode, Hz."""
+        return self.change.frequency
+
+    @property
+    def crossing_speed(self) -> float:
+        """d(growth rate)/d(parameter); negative where the equilibrium regains stability."""
+        return self.slope.real
+
+    @property
+    def first_lyapunov(self) -> float:
+        """Kuznetsov's first Lyapunov coefficient, Re(cubic)/omega for an eigenvector of length 1.
+
+        Its sign has a meaning of its own; its size depends on the units of the states.
+        """
+        return self.cubic.real / (2 * np.pi * self.frequency)
+
+    @property
+    def criticality(self) -> str:
+        """Either "supercritical" or "subcritical"; "degenerate" where the coefficient is zero to rounding."""
+        return {-1.0: "supercritical", 1.0: "subcritical"}.get(float(np.sign(self.cubic.real)), "degenerate")
+
+    @property
+    def shape(self) -> ComplexArray:
+        """The critical mode (n,): the coordinates, the largest of them 1."""
+        part = self.vector[: len(self.coordinates)]
+        return part / part[np.abs(part).argmax()]
+
+    @property
+    def valid_until(self) -> float:
+        """The parameter's value at which the predicted cycle first reaches stick or separation.
+
+        Infinite if the model has neither; NaN if degenerate.  Beyond it the cycle of the smooth flow is not
+        one of the model, and what there is instead has to be simulated.
+        """
+        rate = self.cubic.real / self.slope.real
+        return float(self.value - rate * self.reach**2) if rate else float("nan")
+
+    def amplitude(self, value: Any) -> Array:
+        """Amplitudes of the coordinates on the cycle near the critical value, to leading order.
+
+        They are those of the first harmonic, half peak to peak while the cycle is small.  Their error, as a
+        share of the largest, falls in proportion to the distance from the critical value.
+
+        Parameters
+        ----------
+        value : float or array_like (...)
+            The parameter's.
+
+        Returns
+        -------
+        array (..., n)
+            m and rad; NaN where there is no such cycle, and if degenerate.
+        """
+        return 2 * np.sqrt(self._square(value))[..., None] * np.abs(self.vector[: len(self.coordinates)])
+
+    def cycle_frequency(self, value: Any) -> Any:
+        """Frequency (...) of the cycle, Hz, to first order in the distance; NaN where there is none.
+
+        Parameters
+        ----------
+        value : float or array_like (...)
+            The parameter's.
+        """
+        distance = np.asarray(value, dtype=float) - self.value
+        shift = self.slope.imag * distance + self.cubic.imag * self._square(value)
+        return self.frequency + shift / (2 * np.pi)
+
+    def _square(self, value: Any) -> Array:
+        """|w|^2 of the cycle."""
+        distance = np.asarray(value, dtype=float) - self.value
+        rate = -self.slope.real / self.cubic.real if self.cubic.real else float("nan")
+        return np.where(rate * distance >= 0, rate * distance, np.nan)
+
+
+def hopf(model: Any, parameter: str, bounds: Any, *, equilibrium: Equilibrium | None = None) -> HopfPoint:
+    """The first point in a range where flutter sets in or ends, and the kind of vibration that begins there.
+
+    Of all equilibria that there are in the range, wherever they begin and end, the first such point on any;
+    `state` tells on which.
+
+    The eigenvalues say where steady sliding loses its stability, not what follows.  That is decided by the
+    second and third derivatives of the flow, through the first Lyapunov coefficient
+
+        l1 = Re<p, C(q, q, q*) - 2 B(q, A^-1 B(q, q*)) + B(q*, (2i omega - A)^-1 B(q, q))> / (2 omega)
+
+    of the Jacobian A, its vectors A q = i omega q and A^T p = -i omega p with <q, q> = <p, q> = 1, and the
+    multilinear forms B and C of the derivatives.  Yu. A. Kuznetsov, "Elements of Applied Bifurcation
+    Theory", 3rd ed., Springer, 2004.
+
+    * **Supercritical** (l1 < 0): on the unstable side there is a stable vibration whose amplitude grows from
+      zero like the square root of the distance.  Where the eigenvalues promise rest, small disturbances die
+      out and no vibration is near: the complex eigenvalue analysis can be trusted.
+    * **Subcritical** (l1 > 0): on the *stable* side there is an unstable vibration, smaller the nearer the
+      critical value is.  A disturbance beyond it grows, so that vibration can begin before the critical
+      value; past it the amplitude jumps.  The complex eigenvalue analysis is not on the safe side.
+    * **Degenerate** (l1 = 0): the smooth flow does not decide, as in a linear scene; stick and separation
+      alone limit the amplitude.
+
+    All this holds for smooth sliding and small vibrations.  Where the cycle reaches stick or separation it
+    ends (`valid_until`), and stick-slip may exist beside a stable equilibrium whatever the sign of l1.  If
+    other modes grow at the point (`change.unstable`), so do disturbances of the cycle in either case.
+
+    Parameters
+    ----------
+    model : Model or HybridAutomaton
+    parameter : str
+    bounds : (float, float)
+        Narrow them to reach a later point.
+    equilibrium : Equilibrium, optional
+        One of ``equilibria(model)``, to follow that alone.  By default all are followed that are found at 9
+        values in the range; of a SliderOnBelt the one with F_N > 0 and the smallest gap.
+
+    Returns
+    -------
+    HopfPoint
+
+    Raises
+    ------
+    ValueError
+        If there is no such point in the range, or it is double (undamped modes that coalesce); and as
+        :func:`stability_changes`.
+
+    Examples
+    --------
+    >>> import frictionlab as fl
+    >>> point = fl.hopf(fl.SliderOnBelt(), "mu_k", bounds=(0, 4))
+    >>> point.criticality
+    'subcritical'
+    """
+    problems, (low, high) = _problems(model, parameter, bounds, equilibrium)
+    found = [
+        (change, problem)
+        for problem in problems
+        for change in changes_on_lines(problem, parameter, (low, high), {})[0]
+    ]
+    flutter = [pair for pair in found if pair[0].kind == "flutter"]
+    if not flutter:
+        changes = sorted((change for change, _ in found), key=lambda change: change.value)
+        raise ValueError(_no_hopf_message(parameter, bounds, changes))
+    first = min(change.value for change, _ in flutter)
+    # Of symmetric equilibria always the same one, whatever the rounding of their points.
+    alike = first + SAME_VALUE_RTOL * max(abs(first), high - low)
+    change, problem = next(pair for pair in flutter if pair[0].value <= alike)
+    return _hopf_point(problem, parameter, change)
+
+
+def _problems(
+    model: Any, parameter: str, bounds: Any, equilibrium: Equilibrium | None
+) -> tuple[list[EquilibriumProblem], tuple[float, float]]:
+    """The equilibria to follow, and the bounds, checked."""
+    if equilibrium is not None or by_gap(model):
+        problem = equilibrium_problem(model, equilibrium)
+        return [problem], check_bounds(problem.model, problem.parameters, parameter, bounds)
+    known = {symbol.name: value for symbol, value in automaton_of(model).parameters.items()}
+    limits = check_bounds(model, known, parameter, bounds)
+    return equilibrium_branches(model, parameter, limits), limits
+
+
+def _no_hopf_message(parameter: str, bounds: Any, changes: Sequence[StabilityChange]) -> str:
+    found = ", ".join(f"{c.kind} at {c.value:.6g}" for c in changes) or "no change of stability"
+    return (
+        f"the bounds of {parameter} must enclose a point where flutter sets in or ends, got {found} "
+        f"in {tuple(bounds)}: widen them, or see stability_changes and eigenvalues"
+    )
+
+
+def _hopf_point(problem: EquilibriumProblem, parameter: str, change: StabilityChange) -> HopfPoint:
+    states, matrices = problem.linearised({parameter: change.value})
+    state, matrix = states[:, 0], matrices[0]
+    pair = critical_pair(matrix, change.frequency)
+    if pair is None:
+        raise ValueError(
+            f"one pair of eigenvalues must cross the imaginary axis at {parameter} = {change.value:.9g}, "
+            "got two that coalesce, or others without growth or decay: give every mode some damping"
+        )
+    values = {**problem.parameters, parameter: change.value}
+    at = ExpansionPoint(problem.flow, state, tuple(values[p.name] for p in problem.flow.parameters))
+    return HopfPoint(
+        problem.model,
+        parameter,
+        change,
+        problem.names,
+        state,
+        pair.right,
+        eigenvalue_slope(at, matrix, pair, parameter),
+        cubic_coefficient(at, matrix, pair),
+        _amplitude_at_guard(at, problem.guards, pair.right),
+    )
+
+
+def _amplitude_at_guard(at: ExpansionPoint, guards: tuple[Any, ...], vector: ComplexArray) -> float:
+    """The least |w| at which a guard becomes zero on x0 + 2 Re(w q), to leading order."""
+    swings = 2 * np.abs(function_derivative(at, guards, vector))
+    levels = function_derivative(at, guards)
+    return min((level / swing for level, swing in zip(levels, swings) if swing > 0), default=float("inf"))

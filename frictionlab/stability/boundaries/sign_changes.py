@@ -1,0 +1,191 @@
+"""Where growth rates change sign along lines of a parameter: brackets, found by halving intervals.
+
+The growth rates are sorted, the largest first: the k-th is a continuous function of the parameter, and its
+sign changes exactly where the number of growing eigenvalues passes k.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from frictionlab.stability.state_matrices import Array, ComplexArray, growth_rates
+
+Flags = NDArray[np.bool_]
+Evaluate = Callable[[NDArray[np.intp], Array], ComplexArray]
+GRID_POINTS, MAX_HALVINGS = 129, 24
+MAX_INTERVAL_FACTOR = (
+    8  # times the pieces of the first grid: two modes with one eigenvalue throughout come close everywhere
+)
+NO_CHANGE_RTOL, EQUAL_EIGENVALUE_RTOL = (
+    1e-9,
+    1e-11,
+)  # shares of the largest eigenvalue: no motion, and no distance
+
+
+class Intervals(NamedTuple):
+    """Pieces of lines: index of the line, ends, and the spectra there, sorted by descending growth rate."""
+
+    line: NDArray[np.intp]
+    low: Array
+    high: Array
+    at_low: ComplexArray
+    at_high: ComplexArray
+
+    # a tuple's items are its fields; here they are the intervals, as of an array
+    def __getitem__(self, chosen: Any) -> Intervals:  # type: ignore[override]
+        parts: Any = tuple(self)  # as such, since indexing it ends here again
+        return Intervals(*(part[chosen] for part in parts))
+
+
+class Brackets(NamedTuple):
+    """Intervals in which one growth rate changes its sign: line, ends, and its index among the sorted."""
+
+    line: NDArray[np.intp]
+    low: Array
+    high: Array
+    rank: NDArray[np.intp]
+
+
+def bracket_sign_changes(evaluate: Evaluate, low: Array, high: Array) -> Brackets:
+    """All changes of sign on lines from `low` to `high` (L,), by line and ascending parameter.
+
+    `evaluate` takes indices of lines and values of the parameter and gives sorted spectra; NaN where there
+    is no equilibrium.
+    """
+    found: list[Brackets] = []
+    pieces = _grid(evaluate, low, high)
+    most = MAX_INTERVAL_FACTOR * len(pieces.line)
+    for _ in range(MAX_HALVINGS):
+        middle = 0.5 * (pieces.low + pieces.high)
+        at_middle = evaluate(pieces.line, middle)
+        clear, single = _classify_intervals(pieces, at_middle)
+        found.append(_brackets_of(pieces[single & ~clear]))
+        pieces = _halve(pieces, middle, at_middle, ~clear & ~single)
+        if not pieces.line.size or len(pieces.line) > most:
+            break
+    clusters = pieces if len(pieces.line) > most else _join_neighbours(pieces)
+    found.append(_brackets_of(clusters[_sign_changes(clusters.at_low, clusters.at_high).any(axis=1)]))
+    return _sort_brackets(found)
+
+
+def _grid(evaluate: Evaluate, low: Array, high: Array) -> Intervals:
+    share = np.linspace(0.0, 1.0, GRID_POINTS)
+    points = low[:, None] + (high - low)[:, None] * share
+    line = np.repeat(np.arange(len(low)), GRID_POINTS)
+    spectra = evaluate(line, points.ravel()).reshape(len(low), GRID_POINTS, -1)
+    m = spectra.shape[-1]
+    return Intervals(
+        np.repeat(np.arange(len(low)), GRID_POINTS - 1),
+        points[:, :-1].ravel(),
+        points[:, 1:].ravel(),
+        spectra[:, :-1].reshape(-1, m),
+        spectra[:, 1:].reshape(-1, m),
+    )
+
+
+def _classify_intervals(pieces: Intervals, at_middle: ComplexArray) -> tuple[Flags, Flags]:
+    """Whether no growth rate changes sign in a piece, and whether exactly one (or one pair's) does."""
+    a, b, c = growth_rates(pieces.at_low), growth_rates(at_middle), growth_rates(pieces.at_high)
+    unknown = np.isnan(a[:, 0]) | np.isnan(b[:, 0]) | np.isnan(c[:, 0])
+    absent = np.isnan(a[:, 0]) & np.isnan(b[:, 0]) & np.isnan(c[:, 0])
+    kept = (np.sign(a) == np.sign(b)) & (np.sign(b) == np.sign(c))
+    # A parabola through the three values dips below the least of them by at most an eighth of this.
+    bend = np.abs(a - 2 * b + c)
+    least = np.minimum(np.minimum(np.abs(a), np.abs(b)), np.abs(c))
+    room = kept & (least > bend)
+    passes = ~kept & (((a <= b) & (b <= c)) | ((a >= b) & (b >= c)))
+    apart = ~_may_coalesce(pieces, at_middle, least)
+    one = _one_mode(passes, pieces.at_low, pieces.at_high)
+    return absent | (~unknown & apart & room.all(axis=1)), ~unknown & apart & one & (room | passes).all(
+        axis=1
+    )
+
+
+def _one_mode(passes: Flags, at_low: ComplexArray, at_high: ComplexArray) -> Flags:
+    """Whether the growth rates that pass zero are those of one mode: a real one, or a conjugate pair."""
+    count, first = passes.sum(axis=1), passes.argmax(axis=1)
+    rows, second = np.arange(len(passes)), np.minimum(first + 1, passes.shape[1] - 1)
+    pair = passes[rows, second]
+    for spectrum in (at_low, at_high):
+        pair = pair & (spectrum[rows, first] == np.conj(spectrum[rows, second]))
+    return (count == 1) | ((count == 2) & pair)
+
+
+def _may_coalesce(pieces: Intervals, at_middle: ComplexArray, least: Array) -> Flags:
+    """Whether two eigenvalues come so close that they may coalesce unseen, and with growth rates near zero.
+
+    Modes that couple weakly are unstable in a window as narrow as their coupling is weak.
+    """
+    ends = (pieces.at_low, pieces.at_high)
+    moved = np.maximum(*(_distance(at_middle, end).min(axis=2) for end in ends))
+    between = _distance(at_middle, at_middle)
+    between[:, range(moved.shape[1]), range(moved.shape[1])] = np.inf
+    # A pair that is about to become two real eigenvalues has its conjugate for a neighbour: no matter.
+    between[at_middle.imag[:, :, None] * at_middle.imag[:, None, :] < 0] = np.inf
+    # Nor do modes that have one eigenvalue throughout.
+    between[_equal_eigenvalues(at_middle) & _stay_equal(at_middle, *ends)[:, :, None]] = np.inf
+    moved[moved < NO_CHANGE_RTOL * np.abs(at_middle).max(axis=1, keepdims=True)] = 0.0
+    close = between < 2 * (moved[:, :, None] + moved[:, None, :])
+    within_reach = between + moved[:, :, None] > least.min(axis=1)[:, None, None]
+    return (close & within_reach & np.isfinite(between)).any(axis=(1, 2))
+
+
+def _distance(spectra: ComplexArray, others: ComplexArray) -> Array:
+    """Distances (N, m, m) of each eigenvalue to each of the others."""
+    return np.abs(spectra[:, :, None] - others[:, None, :])
+
+
+def _equal_eigenvalues(spectra: ComplexArray) -> Flags:
+    """Which two eigenvalues (N, m, m) are one but for rounding."""
+    largest = np.abs(spectra).max(axis=1)[:, None, None]
+    return (_distance(spectra, spectra) < EQUAL_EIGENVALUE_RTOL * largest) & ~np.eye(
+        spectra.shape[1], dtype=bool
+    )
+
+
+def _stay_equal(at_middle: ComplexArray, *ends: ComplexArray) -> Flags:
+    """Whether an eigenvalue (N, m) has a twin at both ends as well."""
+    near = (_distance(at_middle, end).argmin(axis=2) for end in ends)
+    stay = [np.take_along_axis(_equal_eigenvalues(end).any(axis=2), n, axis=1) for end, n in zip(ends, near)]
+    return stay[0] & stay[1]
+
+
+def _halve(pieces: Intervals, middle: Array, at_middle: ComplexArray, chosen: Flags) -> Intervals:
+    first = Intervals(pieces.line, pieces.low, middle, pieces.at_low, at_middle)[chosen]
+    second = Intervals(pieces.line, middle, pieces.high, at_middle, pieces.at_high)[chosen]
+    both: Any = zip(first, second)
+    return Intervals(*(np.concatenate(parts) for parts in both))
+
+
+def _join_neighbours(pieces: Intervals) -> Intervals:
+    """Neighbours joined into one: what happens in pieces that cannot be told apart happens at once."""
+    if not pieces.line.size:
+        return pieces
+    order = np.lexsort((pieces.low, pieces.line))
+    pieces = pieces[order]
+    new = np.append(True, (pieces.line[1:] != pieces.line[:-1]) | (pieces.low[1:] > pieces.high[:-1]))
+    last = np.append(np.flatnonzero(new)[1:] - 1, len(new) - 1)
+    return Intervals(
+        pieces.line[new], pieces.low[new], pieces.high[last], pieces.at_low[new], pieces.at_high[last]
+    )
+
+
+def _sign_changes(at_low: ComplexArray, at_high: ComplexArray) -> Flags:
+    """Which growth rates change sign; none do where the equilibrium itself begins or ends."""
+    known = np.isfinite(at_low) & np.isfinite(at_high)
+    return known & ((growth_rates(at_low) > 0) != (growth_rates(at_high) > 0))
+
+
+def _brackets_of(pieces: Intervals) -> Brackets:
+    rank = _sign_changes(pieces.at_low, pieces.at_high).argmax(axis=1)
+    return Brackets(pieces.line, pieces.low, pieces.high, rank)
+
+
+def _sort_brackets(found: list[Brackets]) -> Brackets:
+    parts: Any = [np.concatenate(part) for part in zip(*found)]
+    order = np.lexsort((parts[1], parts[0]))
+    return Brackets(*(part[order] for part in parts))

@@ -1,0 +1,282 @@
+"""`fl.stability_changes`, `fl.critical_value`, `fl.critical_curve`: every loss and regain of stability in a
+range.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize.elementwise import find_root
+
+from frictionlab.stability.equilibrium_points.equilibria import Equilibrium
+from frictionlab.stability.equilibrium_points.problem_setup import equilibrium_problem
+from frictionlab.stability.equilibrium_problem import EquilibriumProblem, check_bounds, check_parameter
+from frictionlab.stability.state_matrices import NEUTRAL_RTOL, growth_rates, unstable_pairs
+
+from .sign_changes import Brackets, Evaluate, bracket_sign_changes
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.intp]
+FOLD_RATE_AT_ROOT, FOLD_RATE_INSIDE = (
+    1e-6,
+    1e-4,
+)  # shares of the largest eigenvalue: most growth at a root, and just inside
+OUTSIDE_SHARES, INSIDE_SHARE = np.array([0.0, 1e-3, 1.0]), 1e-9  # shares of a bracket
+DECAY_RTOL, MAX_ROOT_STEPS = 1e-13, 200
+MIN_INSIDE_RTOL = 1e-12  # share of a root
+
+
+@dataclass(frozen=True)
+class StabilityChange:
+    """A value of a parameter at which one mode becomes unstable, or stable again.
+
+    Parameters
+    ----------
+    value : float
+        The parameter's.
+    frequency : float
+        Of the mode, Hz; zero for divergence.
+    kind : "flutter", "divergence" or "fold"
+        Flutter: a complex pair crosses the imaginary axis, as where modes couple.  Divergence: a real
+        eigenvalue passes zero.  Fold: the equilibrium ends and another takes over.
+    direction : "loss" or "regain"
+    unstable : (int, int)
+        Number of growing pairs of eigenvalues below and above the value; two real ones count as a pair,
+        one alone too.
+    """
+
+    value: float
+    frequency: float
+    kind: str
+    direction: str
+    unstable: tuple[int, int]
+
+
+def stability_changes(
+    model: Any, parameter: str, bounds: Any, *, equilibrium: Equilibrium | None = None
+) -> tuple[StabilityChange, ...]:
+    """Every change of stability of one equilibrium as a parameter grows.
+
+    It is followed from the model's own value of the parameter, as far as it exists.  The range is scanned,
+    more finely where growth rates come near zero or two eigenvalues near each other, down to some 1e-9 of
+    it; each change is then solved for to rounding.
+
+    Parameters
+    ----------
+    model : Model or HybridAutomaton
+    parameter : str
+    bounds : (float, float)
+    equilibrium : Equilibrium, optional
+        One of ``equilibria(model)``; by default that of :func:`equilibrium`: of a SliderOnBelt the one with
+        F_N > 0 and the smallest gap, at each value anew; of others the one nearest to the origin.
+
+    Returns
+    -------
+    tuple of StabilityChange
+        By ascending value.
+
+    Raises
+    ------
+    ValueError
+        For an unknown parameter, bounds that are none or break its rule, or an equilibrium of another model.
+
+    Examples
+    --------
+    >>> import frictionlab as fl
+    >>> [f"{c.kind} at {c.value:.5f}" for c in fl.stability_changes(fl.SliderOnBelt(), "mu_k", (0, 3))]
+    ['flutter at 1.51378']
+    """
+    problem = equilibrium_problem(model, equilibrium)
+    low, high = check_bounds(problem.model, problem.parameters, parameter, bounds)
+    return changes_on_lines(problem, parameter, (low, high), {})[0]
+
+
+def critical_value(
+    model: Any, parameter: str, bounds: Any, *, equilibrium: Equilibrium | None = None
+) -> float | None:
+    """The first value at which one equilibrium loses stability as a parameter grows.
+
+    None where that does not happen in the range: the equilibrium is stable throughout, or unstable from
+    the start; :func:`stability_changes` and :func:`eigenvalues` tell which.
+
+    Parameters
+    ----------
+    model : Model or HybridAutomaton
+    parameter : str
+    bounds : (float, float)
+    equilibrium : Equilibrium, optional
+        As for :func:`stability_changes`.
+
+    Raises
+    ------
+    ValueError
+        As :func:`stability_changes`.
+
+    Examples
+    --------
+    >>> import frictionlab as fl
+    >>> round(fl.critical_value(fl.SliderOnBelt(), "mu_k", bounds=(0, 4)), 8)
+    1.51378354
+    """
+    return first_loss(stability_changes(model, parameter, bounds, equilibrium=equilibrium))
+
+
+@dataclass(frozen=True, eq=False)
+class CriticalCurve:
+    """Critical values of one parameter against another.
+
+    Parameters
+    ----------
+    model : Model or HybridAutomaton
+    parameter, over : str
+        The critical parameter, and the other one.
+    at : array (N,)
+        Values of `over`.
+    values : array (N,)
+        Critical values of `parameter`; NaN where there is none in the range.
+    """
+
+    model: Any
+    parameter: str
+    over: str
+    at: Array
+    values: Array
+
+
+def critical_curve(model: Any, parameter: str, bounds: Any, *, over: tuple[str, Any]) -> CriticalCurve:
+    """:func:`critical_value` for each value of another parameter, all at once.
+
+    Parameters
+    ----------
+    model : Model or HybridAutomaton
+    parameter : str
+    bounds : (float, float)
+    over : (str, array_like (N,))
+        The other parameter and its values.
+
+    Raises
+    ------
+    ValueError
+        As :func:`stability_changes`, for both parameters; if they are the same, or there are no values.
+    """
+    problem = equilibrium_problem(model)
+    low, high = check_bounds(problem.model, problem.parameters, parameter, bounds)
+    name, at = over[0], np.asarray(over[1], dtype=float).ravel()
+    check_parameter(problem.model, problem.parameters, name, at.tolist())
+    if name == parameter or not at.size:
+        raise ValueError(
+            f"over must be another parameter than {parameter!r} and at least one value of it, got {over!r}: "
+            'give for example ("F", [100, 200])'
+        )
+    losses = map(first_loss, changes_on_lines(problem, parameter, (low, high), {name: at}))
+    return CriticalCurve(
+        model, parameter, name, at, np.array([np.nan if x is None else x for x in losses], dtype=float)
+    )
+
+
+def first_loss(changes: tuple[StabilityChange, ...]) -> float | None:
+    """The value at which no growing mode becomes one."""
+    return next((c.value for c in changes if c.unstable[0] == 0 and c.direction == "loss"), None)
+
+
+def changes_on_lines(
+    problem: EquilibriumProblem, parameter: str, bounds: tuple[float, float], fixed: Mapping[str, Array]
+) -> list[tuple[StabilityChange, ...]]:
+    """The changes on each of L lines, along which `parameter` varies and `fixed` (L,) do not."""
+    count = max((len(column) for column in fixed.values()), default=1)
+
+    def evaluate(line: Indices, at: Array) -> Any:
+        return problem.spectra({**{name: column[line] for name, column in fixed.items()}, parameter: at})
+
+    low, high = (np.full(count, bound) for bound in bounds)
+    found = bracket_sign_changes(evaluate, low, high)
+    changes = _describe_changes(evaluate, found, _roots(evaluate, found, bounds), bounds)
+    return [tuple(c for c, line in zip(changes, found.line, strict=True) if line == i) for i in range(count)]
+
+
+def _roots(evaluate: Evaluate, found: Brackets, bounds: tuple[float, float]) -> Array:
+    if not found.line.size:
+        return np.zeros(0)
+    still, growing = _bracket_sides(evaluate, found)
+    outside = np.clip(still + OUTSIDE_SHARES[:, None] * (still - growing), *bounds)
+    start, shift = _starts(evaluate, found, still, outside)
+
+    def rate(at: Array, line: Any, rank: Any, shift: Any) -> Array:
+        return eigenvalue_at_rank(evaluate(line.astype(int), at), rank.astype(int)).real - shift
+
+    solved = find_root(rate, (start, growing), args=(found.line, found.rank, shift), maxiter=MAX_ROOT_STEPS)
+    # Where there is no root, the equilibrium ends.
+    return np.where(np.isfinite(solved.x), solved.x, 0.5 * (found.low + found.high))
+
+
+def _bracket_sides(evaluate: Evaluate, found: Brackets) -> tuple[Array, Array]:
+    """The ends of the brackets at which the mode does not grow, and those at which it does."""
+    before, after = (
+        eigenvalue_at_rank(evaluate(found.line, end), found.rank).real for end in (found.low, found.high)
+    )
+    rises = after > before
+    return np.where(rises, found.low, found.high), np.where(rises, found.high, found.low)
+
+
+def _starts(evaluate: Evaluate, found: Brackets, still: Array, outside: Array) -> tuple[Array, Array]:
+    """Where the mode decays, and zero; without damping `still`, and a rate that tells growth from none.
+
+    Near a root the growth rate is as good as zero too, but not a little further out.
+    """
+    start, shift = still.copy(), np.full(still.shape, np.nan)
+    for at in outside:
+        spectra = evaluate(found.line, at)
+        largest = np.abs(spectra).max(axis=1)
+        decays = np.isnan(shift) & (eigenvalue_at_rank(spectra, found.rank).real < -DECAY_RTOL * largest)
+        start[decays], shift[decays] = at[decays], 0.0
+    return start, np.where(np.isnan(shift), NEUTRAL_RTOL * largest, shift)
+
+
+def eigenvalue_at_rank(spectra: Any, rank: Indices) -> Any:
+    """The eigenvalue with the `rank`-th largest growth rate of each row."""
+    return np.take_along_axis(spectra, rank[:, None], axis=1)[:, 0]
+
+
+def _describe_changes(
+    evaluate: Evaluate, found: Brackets, roots: Array, bounds: tuple[float, float]
+) -> list[StabilityChange]:
+    if not found.line.size:
+        return []
+    _, growing = _bracket_sides(evaluate, found)
+    step = growing - roots
+    # A bracket may be as narrow as rounding is coarse.
+    least = np.minimum(MIN_INSIDE_RTOL * np.abs(roots), np.abs(step))
+    inside = evaluate(found.line, roots + np.copysign(np.maximum(INSIDE_SHARE * np.abs(step), least), step))
+    before, at, after = (evaluate(found.line, p) for p in (found.low, roots, found.high))
+    # Just inside: at the root itself all growth rates may be zero, and a real eigenvalue one of a pair.
+    critical = eigenvalue_at_rank(inside, found.rank)
+    far = np.concatenate(
+        [at, *(evaluate(found.line, np.full(len(roots), bound)) for bound in bounds)], axis=1
+    )
+    size = np.nanmax(np.abs(far), axis=1)
+    jumps = _is_fold(eigenvalue_at_rank(at, found.rank), size, FOLD_RATE_AT_ROOT) | _is_fold(
+        critical, size, FOLD_RATE_INSIDE
+    )
+    lost = (growth_rates(before) > 0).sum(axis=1) < (growth_rates(after) > 0).sum(axis=1)
+    rows = zip(roots, critical, jumps, lost, unstable_pairs(before), unstable_pairs(after))
+    return [
+        _change(float(root), value, bool(jump), bool(loss), a, b) for root, value, jump, loss, a, b in rows
+    ]
+
+
+def _is_fold(critical: Any, size: Array, max_growth: float) -> Any:
+    """Whether a growth rate is not small at a root or next to it, so that there is none."""
+    return ~(np.abs(critical.real) <= max_growth * size)
+
+
+def _change(
+    root: float, critical: complex, jump: bool, loss: bool, before: Any, after: Any
+) -> StabilityChange:
+    kind = "fold" if jump else ("flutter" if critical.imag else "divergence")
+    frequency = 0.0 if jump else abs(critical.imag) / (2 * np.pi)
+    direction = "loss" if loss else "regain"
+    return StabilityChange(root, float(frequency), kind, direction, (int(before), int(after)))

@@ -1,0 +1,159 @@
+"""`fl.eigenvalues`: eigenvalues of the system linearised about steady sliding, Eq. (19)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from frictionlab.stability.equilibrium_points.equilibria import Equilibrium, equilibrium
+from frictionlab.stability.equilibrium_points.problem_setup import equilibrium_problem
+from frictionlab.stability.state_matrices import is_neutral
+
+Array = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
+
+
+@dataclass(frozen=True, eq=False)
+class Eigenvalues:
+    """Eigenvalues and modes of the linearised system.
+
+    Parameters
+    ----------
+    values : complex array (2n,)
+        1/s, by ascending magnitude of the imaginary part; conjugate pairs are adjacent.  A growth rate that
+        the rounding of the state matrix could make up is 0.
+    vectors : complex array (2n, 2n)
+        Their vectors as columns: coordinates, then velocities.
+    equilibrium : Equilibrium
+        Where the system was linearised.
+    """
+
+    values: ComplexArray
+    vectors: ComplexArray
+    equilibrium: Equilibrium
+
+    @property
+    def frequencies(self) -> Array:
+        """|Im|/(2 pi), Hz, (2n,)."""
+        return np.abs(self.values.imag) / (2 * np.pi)
+
+    @property
+    def growth_rates(self) -> Array:
+        """Real parts, 1/s, (2n,): positive ones grow, those that are 0 neither grow nor decay."""
+        return self.values.real
+
+    @property
+    def stable(self) -> bool:
+        """Whether every growth rate is negative."""
+        return bool((self.growth_rates < 0).all())
+
+    @property
+    def marginal(self) -> bool:
+        """Whether none grows, and not all decay, as without damping."""
+        return bool(self.growth_rates.max() == 0.0)
+
+    @property
+    def shapes(self) -> ComplexArray:
+        """Mode shapes (n, 2n) as columns: the coordinates, the largest of them 1."""
+        return mode_shapes(self.vectors, len(self.equilibrium.q))
+
+    @property
+    def participation(self) -> Array:
+        """Share of each coordinate in each mode, (n, 2n); columns sum to 1."""
+        left: Any = np.linalg.inv(self.vectors)
+        return participation_factors(left, self.vectors, len(self.equilibrium.q))
+
+    def __repr__(self) -> str:
+        upper = self.values[self.values.imag >= 0]  # one of each conjugate pair
+        rates = (f"{v.real:+.3g}" if v.real else "0" for v in upper)
+        modes = ", ".join(f"{rate}/s at {v.imag / (2 * np.pi):.4g} Hz" for rate, v in zip(rates, upper))
+        kind = "stable" if self.stable else "marginal" if self.marginal else "unstable"
+        return f"Eigenvalues({kind}: {modes})"
+
+
+def eigenvalues(model: Any) -> Eigenvalues:
+    """Eigenvalues at the sliding equilibrium, Eq. (19), from sympy's Jacobian of the sliding mode.
+
+    Parameters
+    ----------
+    model : Model or HybridAutomaton
+
+    Returns
+    -------
+    Eigenvalues
+        With `values`, `frequencies` (Hz), `growth_rates` (1/s), `stable`, `marginal`, `vectors`,
+        `mode_shapes`,
+        `participation_factors` and the `equilibrium`.
+
+    Raises
+    ------
+    TypeError
+        If it is neither a model nor an automaton.
+    ValueError
+        If there is no sliding equilibrium with F_N > 0, or the belt rests.
+
+    Examples
+    --------
+    >>> import frictionlab as fl
+    >>> fl.eigenvalues(fl.ModeCoupling())
+    Eigenvalues(stable: -0.00323/s at 0.1894 Hz, -0.0968/s at 0.1894 Hz)
+    >>> fl.eigenvalues(fl.TwoBlocks())  # without damping
+    Eigenvalues(marginal: 0/s at 0.1592 Hz, 0/s at 0.2935 Hz)
+    >>> found = fl.eigenvalues(fl.SliderOnBelt(mu_k=1.4))
+    >>> found.stable, found.frequencies.round(2)[::2].tolist()
+    (True, [13.51, 14.92, 15.71, 17.74, 25.63])
+    """
+    point = equilibrium(model)
+    matrix = jacobian(model, point.q)
+    pairs: Any = np.linalg.eig(matrix)
+    values, vectors = pairs.eigenvalues.astype(complex), pairs.eigenvectors.astype(complex)
+    values.real[is_neutral(matrix, values)] = 0.0
+    # The two of a conjugate pair agree exactly in |Im| and Re.
+    order = np.lexsort((values.imag, values.real, np.abs(values.imag)))
+    return Eigenvalues(values[order], vectors[:, order], point)
+
+
+def jacobian(model: Any, q: Array) -> Array:
+    """The state matrix (2n, 2n) of steady sliding at coordinates `q` and zero velocities.
+
+    Raises
+    ------
+    ValueError
+        If the belt rests and the model has stick: friction has no derivative there.
+    """
+    problem = equilibrium_problem(model)
+    if "stick" in interface_modes(model) and model.v == 0:
+        raise ValueError("v must not be 0 for steady sliding, got 0.0: give the belt a speed")
+    x = np.zeros(len(problem.flow.states))
+    x[: len(q)] = q
+    return problem.flow.jacobian(x, problem.values)
+
+
+def interface_modes(model: Any) -> tuple[str, ...]:
+    """Names of the modes of a model's interface; none for an automaton."""
+    return model.interface.modes if hasattr(model, "interface") else ()
+
+
+def mode_shapes(vectors: ComplexArray, n: int) -> ComplexArray:
+    """The coordinates' part (..., n, m) of vectors (..., m, m), the largest entry of each column 1."""
+    part = vectors[..., :n, :]
+    largest = np.take_along_axis(part, np.abs(part).argmax(axis=-2)[..., None, :], axis=-2)
+    return part / largest
+
+
+def participation_factors(left: ComplexArray, right: ComplexArray, n: int) -> Array:
+    """Participation factors |w v| of left (..., k, m) and right vectors (..., m, k), as (..., n, k).
+
+    A coordinate's is summed with that of its rate.  They do not depend on the units of the coordinates;
+    without damping and friction they are the shares of the mode's kinetic energy.  I. J. Perez-Arriaga,
+    G. C. Verghese, F. C. Schweppe, "Selective modal analysis", IEEE Trans. Power Apparatus and Systems 101
+    (1982) 3117-3125.
+    """
+    factors = np.abs(np.swapaxes(left, -1, -2) * right)
+    coordinates = factors[..., :n, :]
+    if factors.shape[-2] >= 2 * n:
+        coordinates = coordinates + factors[..., n : 2 * n, :]
+    return coordinates / coordinates.sum(axis=-2, keepdims=True)

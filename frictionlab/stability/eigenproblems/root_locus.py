@@ -1,0 +1,123 @@
+"""`fl.root_locus`: the eigenvalues of every mode against a parameter."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from frictionlab.stability.equilibrium_points.problem_setup import equilibrium_problem
+from frictionlab.stability.equilibrium_problem import EquilibriumProblem, check_path
+
+from .eigenvalues import mode_shapes, participation_factors
+from .mode_tracking import Modes, modes_of_matrices, track_modes
+
+Array = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
+
+
+@dataclass(frozen=True, eq=False)
+class RootLocus:
+    """Eigenvalues of n modes at N values of a parameter, each mode in one column.
+
+    Parameters
+    ----------
+    model : Model or HybridAutomaton
+    parameter : str
+    at : array (N,)
+        Its values.
+    values : complex array (N, n)
+        1/s, with Im >= 0; NaN where there is no equilibrium.  Of an overdamped mode's two real eigenvalues
+        it is the less stable one.
+    coordinates : tuple of str
+    shapes : complex array (N, n, n)
+        Mode shapes: ``shapes[i, :, j]`` are the coordinates in mode j, the largest of them 1.
+    participation : array (N, n, n)
+        Share of each coordinate in each mode: ``participation[i, :, j]`` sums to 1.
+    unstable : int array (N,)
+        Number of growing pairs of eigenvalues; two real ones count as a pair, one alone too.
+    """
+
+    model: Any
+    parameter: str
+    at: Array
+    values: ComplexArray
+    coordinates: tuple[str, ...]
+    shapes: ComplexArray
+    participation: Array
+    unstable: NDArray[np.int_]
+
+    @property
+    def frequencies(self) -> Array:
+        """Im/(2 pi), Hz, (N, n)."""
+        return self.values.imag / (2 * np.pi)
+
+    @property
+    def growth_rates(self) -> Array:
+        """Real parts, 1/s, (N, n)."""
+        return self.values.real
+
+
+def root_locus(model: Any, parameter: str, values: Any) -> RootLocus:
+    """Eigenvalues of all modes at the sliding equilibrium, for each value of a parameter.
+
+    The modes are followed by their vectors, not sorted, so that a column is one mode through crossings and
+    veerings.  Where two coalesce exactly, which of the two that leave is which has no meaning.
+
+    Parameters
+    ----------
+    model : Model or HybridAutomaton
+    parameter : str
+    values : array_like (N,)
+        Along a path: neighbours in it are compared.
+
+    Returns
+    -------
+    RootLocus
+
+    Raises
+    ------
+    ValueError
+        For an unknown parameter, or a value that breaks its rule, or where no value has an equilibrium.
+
+    Examples
+    --------
+    >>> import frictionlab as fl
+    >>> locus = fl.root_locus(fl.SliderOnBelt(), "mu_k", [0.0, 1.0, 2.0])
+    >>> locus.values.shape, [bool(rates.max() < 0) for rates in locus.growth_rates]
+    ((3, 5), [True, True, False])
+    """
+    problem = equilibrium_problem(model)
+    at = check_path(problem, parameter, values)
+
+    def sample(points: Array) -> Modes:
+        return modes_of_matrices(points, problem.linearised({parameter: points})[1])
+
+    path: Any = sample(at)
+    _refuse_nothing(path, parameter)
+    path = track_modes(path, sample)
+    return RootLocus(
+        model,
+        parameter,
+        at,
+        path.values,
+        problem.names,
+        *_shapes_and_participation(problem, path),
+        path.unstable,
+    )
+
+
+def _shapes_and_participation(problem: EquilibriumProblem, path: Any) -> tuple[ComplexArray, Array]:
+    n = len(problem.names)
+    with np.errstate(invalid="ignore"):  # NaN where there is no equilibrium
+        return mode_shapes(path.right, n), participation_factors(path.left, path.right, n)
+
+
+def _refuse_nothing(path: Modes, parameter: str) -> None:
+    if not np.isfinite(path.values).any():
+        raise ValueError(
+            f"there must be an equilibrium with F_N > 0 at a value of {parameter} at least, "
+            f"got none from {path.at.min():g} to {path.at.max():g}: change the values or the model"
+        )

@@ -1,0 +1,175 @@
+"""Equilibria of the modes of an automaton, by Newton's method, and the problem that follows one of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from functools import lru_cache, partial
+from typing import Any
+
+import numpy as np
+import sympy
+from numpy.typing import NDArray
+
+from frictionlab.automaton import HybridAutomaton, Mode
+from frictionlab.automaton.modes_on_demand import ModesOnDemand
+from frictionlab.models.coercion import automaton_of
+from frictionlab.stability.equilibrium_problem import EquilibriumProblem
+from frictionlab.stability.flow import Flow
+
+from .newton_homotopy import find_zeros, follow_zero
+from .newton_zeros import newton_step
+
+Array = NDArray[np.float64]
+CONSTRAINT_RTOL = 1e-9
+
+
+def nearest_equilibrium_problem(model: Any, closest_to: Array | None = None) -> EquilibriumProblem:
+    """The steady state of the first mode that has one inside its guards, the nearest to the origin.
+
+    Or the nearest to the coordinates `closest_to` (n,), or states where there are no coordinates.
+
+    Raises
+    ------
+    ValueError
+        If no mode has one.
+    """
+    mode, flow, points = first_mode_equilibria(model)
+    if not points.size:
+        raise no_equilibrium_error(model)
+    i = (
+        0
+        if closest_to is None
+        else int(np.argmin(np.linalg.norm(points[: len(closest_to)] - closest_to[:, None], axis=0)))
+    )
+    return problem_from_equilibrium(model, mode, flow, points[:, i], parameter_values(automaton_of(model)))
+
+
+def problem_from_equilibrium(
+    model: Any, mode: Mode, flow: Flow, x: Array, values: tuple[float, ...]
+) -> EquilibriumProblem:
+    """The steady state of a mode followed from `x` (m,), where it is at some values of the parameters."""
+    automaton, guards = automaton_of(model), tuple(event.function for event in mode.events)
+    return EquilibriumProblem(
+        model,
+        _state_names(automaton),
+        flow,
+        parameter_values(automaton),
+        continuation_solver(flow, x, values, partial(_is_admissible, mode, flow)),
+        guards,
+    )
+
+
+def no_equilibrium_error(model: Any) -> ValueError:
+    """The error for a model or an automaton that has none."""
+    modes = equilibrium_modes(automaton_of(model), not isinstance(model, HybridAutomaton))
+    what = "the automaton" if isinstance(model, HybridAutomaton) else type(model).__name__
+    return ValueError(
+        f"{what} must have a mode with an equilibrium inside its guards, "
+        f"got none in {', '.join(mode.name for mode in modes)}: change its parameters"
+    )
+
+
+def equilibrium_modes(automaton: HybridAutomaton, sliding: bool) -> Iterator[Mode]:
+    """The modes in which rest is looked for, derived one by one.
+
+    Of a model those that hold nothing fast (`sliding`): in stick any place within the cone is one of rest.
+    """
+    for i, mode in enumerate(automaton.known_modes):
+        if not (sliding and (mode.holds or mode.limit)):
+            yield automaton.modes[i]
+
+
+def first_mode_equilibria(model: Any, **changes: float) -> tuple[Mode, Flow, Array]:
+    """The first mode with equilibria inside its guards, its flow, and them (m, K); else K is 0.
+
+    With some parameters changed, which need not keep to the model's own rules.
+    """
+    automaton = automaton_of(model).replace(**changes)
+    sliding, values = not isinstance(model, HybridAutomaton), tuple(automaton.parameters.items())
+    return _mode_equilibria(automaton.modes, sliding, automaton.states, values, automaton.coordinates)
+
+
+@lru_cache(maxsize=64)
+def _mode_equilibria(
+    modes: tuple[Mode, ...] | ModesOnDemand, sliding: bool, states: Any, parameters: Any, coordinates: int
+) -> tuple[Mode, Flow, Array]:
+    """The same of these modes; remembered, as one question about a model leads to several."""
+    automaton = HybridAutomaton(states, modes, dict(parameters), coordinates)
+    mode = next(equilibrium_modes(automaton, sliding), None) or modes[0]
+    flow = _flow_in_automaton(automaton, mode)
+    for mode in (m for m in equilibrium_modes(automaton, sliding) if _allows_rest(automaton, m)):
+        flow = _flow_in_automaton(automaton, mode)
+        points = find_zeros(flow, parameter_values(automaton))
+        points = points[:, _is_admissible(mode, flow, points, parameter_values(automaton))]
+        if points.size:
+            return mode, flow, points
+    return mode, flow, np.zeros((len(automaton.states), 0))
+
+
+def _allows_rest(automaton: HybridAutomaton, mode: Mode) -> bool:
+    """Whether a mode's constraints can hold while no coordinate changes: in stick on a running belt not."""
+    n = automaton.coordinates
+    at_rest = dict.fromkeys(automaton.states[n : 2 * n], 0)
+    held = [sympy.sympify(c).subs(at_rest) for c in mode.constraints]
+    fixed = [c.subs(automaton.parameters) for c in held if not c.free_symbols & set(automaton.states)]
+    return all(c == 0 for c in fixed)
+
+
+def parameter_values(automaton: HybridAutomaton) -> tuple[float, ...]:
+    """The parameters' values."""
+    return tuple(float(value) for value in automaton.parameters.values())
+
+
+def newton_residual(flow: Flow, x: Array, values: Sequence[float]) -> float:
+    """What Newton's method would still change, relative to the state."""
+    step = np.abs(newton_step(flow, x[:, None], values)).max()
+    return float(step / max(np.abs(x).max(), np.finfo(float).tiny)) if step else 0.0
+
+
+def continuation_solver(
+    flow: Flow, x: Array, base: tuple[float, ...], lasts: Callable[[Array, Sequence[Any]], Any]
+) -> Callable[[Sequence[Any], int], Array]:
+    """`solve` of an :class:`EquilibriumProblem` that follows a zero of the flow from `x` (m,) at `base`."""
+
+    def solve(values: Sequence[Any], count: int) -> Array:
+        found = follow_zero(flow, x, base, values, count)
+        found[:, ~lasts(found, values)] = np.nan
+        return found
+
+    return solve
+
+
+def _is_admissible(mode: Mode, flow: Flow, x: Array, values: Sequence[Any]) -> Any:
+    """Where a mode can last at states (m, N): inside its guards, with its constraints kept."""
+    with np.errstate(all="ignore"):
+        lasts = flow.margin(x, values) > 0
+        for held, size in zip(*(functions(*x, *values) for functions in _constraints(mode, flow))):
+            lasts = lasts & (np.abs(held) <= CONSTRAINT_RTOL * size)
+    return lasts
+
+
+@lru_cache(maxsize=256)
+def _constraints(mode: Mode, flow: Flow) -> tuple[Callable[..., Any], Callable[..., Any]]:
+    """The constraints of a mode, and the sizes of the terms that have to cancel in each."""
+    at_rest = dict.fromkeys(flow.states, 0)
+    held = [sympy.sympify(c) for c in mode.constraints]
+    terms = [[c.subs(at_rest), *(sympy.diff(c, s) * s for s in flow.states)] for c in held]
+    sizes = [sum(abs(term) for term in some) for some in terms]
+    return flow.compiled(held), flow.compiled(sizes)
+
+
+def _flow_in_automaton(automaton: HybridAutomaton, mode: Mode) -> Flow:
+    return flow_of_mode(mode, automaton.states, tuple(automaton.parameters), automaton.coordinates)
+
+
+@lru_cache(maxsize=256)
+def flow_of_mode(mode: Mode, states: tuple[Any, ...], parameters: tuple[Any, ...], coordinates: int) -> Flow:
+    """The flow of a mode, with all that has to stay positive: event functions and normal force."""
+    margins = [event.function for event in mode.events]
+    margins += [mode.outputs["normal_force"]] if "normal_force" in mode.outputs else []
+    return Flow(states, parameters, mode.flow, tuple(margins), coordinates)
+
+
+def _state_names(automaton: HybridAutomaton) -> tuple[str, ...]:
+    count = automaton.coordinates or len(automaton.states)
+    return tuple(symbol.name for symbol in automaton.states[:count])

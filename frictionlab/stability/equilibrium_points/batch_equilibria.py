@@ -1,0 +1,200 @@
+"""Steady sliding for many parameter values at once: the equilibrium with F_N > 0 and the smallest
+penetration.
+
+With polynomial laws the penetration is a root of a polynomial, found by eigenvalues and made exact by
+Newton's method on the composed equation; other laws are searched for changes of sign on a geometric grid.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import cache, partial
+from typing import Any
+
+import numpy as np
+import sympy
+from numpy.typing import NDArray
+
+from frictionlab.models.mechanical.contact_regimes import regime
+from frictionlab.models.mechanical.equations_of_motion import system_of
+from frictionlab.models.mechanical.modes import mode_of
+from frictionlab.models.symbols import (
+    Structure,
+    parameter_symbols,
+    structure_of_component,
+    structure_values,
+    symbolic_copy,
+)
+from frictionlab.stability.equilibrium_problem import EquilibriumProblem
+from frictionlab.stability.flow import Flow
+
+from .automaton_equilibria import continuation_solver
+from .real_roots import UNKNOWN, Polynomial
+from .static_equations import Statics, static_residual, statics_groups
+
+Array = NDArray[np.float64]
+REAL_ROOT_RTOL = 1e-4  # a double root comes out of the eigenvalues as a pair, some 1e-8 off the real axis
+STATIC_RESIDUAL_RTOL = 1e-9
+NEWTON_STEPS = 4
+SEARCH_POINTS, FINEST_SHARE, SEARCH_FACTOR, BISECTIONS = 401, 1e-9, 3.0, 60
+
+
+def least_penetration(statics: Statics, values: Sequence[Any], count: int) -> Array:
+    """Gaps (count,) in m; NaN where there is no equilibrium with F_N > 0."""
+    excess = excess_polynomial(statics, values)
+    with np.errstate(all="ignore"):
+        if excess is None:
+            penetrations = _search_sign_change(statics, values, count)
+        else:
+            penetrations = _polynomial_candidates(
+                statics, values, np.broadcast_to(excess, (len(excess), count))
+            )
+        solved = (
+            static_residual(statics, statics.coordinates(penetrations, *values), values)
+            < STATIC_RESIDUAL_RTOL
+        )
+    least = np.where(
+        solved & (penetrations > 0) & (statics.forces(penetrations, *values)[0] > 0), penetrations, np.inf
+    ).min(axis=0)
+    return np.where(np.isfinite(least), least, np.nan)
+
+
+def excess_polynomial(statics: Statics, values: Sequence[Any]) -> Array | None:
+    """Coefficients of gap(q(g)) - g, of degree 9 at most for Eq. (2); None where a law is no polynomial."""
+    try:
+        excess = statics.excess(UNKNOWN, *values)
+    except (TypeError, ValueError, AttributeError):  # sqrt, a broken power, exp or a comparison in a law
+        return None
+    return excess.coefficients if isinstance(excess, Polynomial) else None
+
+
+def _polynomial_candidates(statics: Statics, values: Sequence[Any], excess: Array) -> Array:
+    """Nearly real roots (some, N), made exact by Newton's method on the composed equation."""
+    roots = _companion_roots(excess)
+    real = np.abs(roots.imag) <= REAL_ROOT_RTOL * np.abs(roots.real)
+    pressed = (roots.real > 0) & (statics.forces(roots.real, *values)[0] > 0)
+    penetrations = np.sort(np.where(real & pressed, roots.real, np.nan), axis=0)
+    penetrations = penetrations[: int(np.isfinite(penetrations).sum(axis=0).max(initial=1))]  # NaN comes last
+    return polish_roots(statics, values, penetrations)
+
+
+def polish_roots(statics: Statics, values: Sequence[Any], penetrations: Array) -> Array:
+    """Newton's method on the composed equation, which does not suffer from the polynomial's cancellation."""
+    left = np.abs(statics.excess(penetrations, *values))
+    for _ in range(NEWTON_STEPS):
+        trial = penetrations - statics.excess(penetrations, *values) / statics.slope(penetrations, *values)
+        rest = np.abs(statics.excess(trial, *values))
+        penetrations, left = np.where(rest < left, trial, penetrations), np.fmin(rest, left)
+    return penetrations
+
+
+def _companion_roots(coefficients: Array) -> NDArray[np.complex128]:
+    """All roots (degree, N).  Their reciprocals are eigenvalues, so a leading coefficient may vanish."""
+    degree = len(coefficients) - 1
+    # Without a preload the gap is a factor: divided out, the other roots are left.
+    coefficients = np.where(coefficients[0] == 0, np.roll(coefficients, -1, axis=0), coefficients)
+    companion = np.zeros((coefficients.shape[1], degree, degree))
+    companion[:, range(1, degree), range(degree - 1)] = 1.0
+    with np.errstate(all="ignore"):
+        # In units of the unloaded gap, which is the constant term.
+        scale = np.abs(coefficients[0]) ** np.arange(1, degree + 1)[:, None]
+        companion[:, 0] = -(coefficients[1:] * scale / coefficients[0]).T
+        broken = ~np.isfinite(companion[:, 0]).all(axis=1)
+        companion[broken] = np.eye(degree)
+        found = np.abs(coefficients[0]) / np.linalg.eigvals(companion).astype(complex).T
+    found[:, broken] = np.nan
+    return found
+
+
+def _search_sign_change(statics: Statics, values: Sequence[Any], count: int) -> Array:
+    """First root (1, count) seen as a change of sign on a grid, for laws that are no polynomials."""
+    grid = np.geomspace(FINEST_SHARE, 1.0, SEARCH_POINTS)[:, None] * np.broadcast_to(
+        search_range(statics, values), (count,)
+    )
+    signs = np.sign(np.broadcast_to(statics.excess(grid, *values), grid.shape))
+    turns = (signs[:-1] * signs[1:] <= 0) & (statics.forces(grid[1:], *values)[0] > 0)
+    first, columns = np.argmax(turns, axis=0), np.arange(count)
+    low, high, sign = grid[first, columns], grid[first + 1, columns], signs[first, columns]
+    for _ in range(BISECTIONS):
+        middle = 0.5 * (low + high)
+        before = np.sign(statics.excess(middle, *values)) == sign
+        low, high = np.where(before, middle, low), np.where(before, high, middle)
+    return np.where(turns.any(axis=0), 0.5 * (low + high), np.nan)[None]
+
+
+def search_range(statics: Statics, values: Sequence[Any]) -> Any:
+    """How far gaps are searched (m): some times that of the unloaded contact; 1 m without a preload."""
+    length = SEARCH_FACTOR * np.abs(statics.excess(0.0, *values))
+    return np.where(length == 0, 1.0, length)
+
+
+def sliding_problem(model: Any, start: Array | None = None) -> EquilibriumProblem:
+    """Steady sliding of a model at the equilibrium with F_N > 0 and the smallest gap.
+
+    Or at that whose coordinates are `start` (n,), followed from there.
+    """
+    key, values = structure_of_component(model), structure_values(model)
+    flow = sliding_flow(key)
+
+    solve: Callable[[Sequence[Any], int], Array] = partial(_solve, key)
+
+    def pressed(x: Array, values: Sequence[Any]) -> Any:
+        return (flow.margin(x, values) > 0) & ~_belt_rests(key, values)
+
+    if start is not None:
+        solve = continuation_solver(flow, np.append(start, np.zeros(len(start))), values, pressed)
+    guards = sliding_guards(key, bool(_belt_speed(key)(*values) > 0))
+    return EquilibriumProblem(model, model.coordinates, flow, values, solve, guards)
+
+
+@cache
+def sliding_flow(key: Structure) -> Flow:
+    """Sliding whose friction force has the sign of the belt's speed, whatever else the model can do."""
+    found = system_of(key)
+    mode = mode_of(found, (regime(found.rubbing, "slip", found),))
+    return Flow(found.states, parameter_symbols(key), mode.flow, (found.rubbing.pressing,), len(found.q))
+
+
+@cache
+def sliding_guards(key: Structure, forwards: bool) -> tuple[Any, ...]:
+    """The functions that stay positive while the model slides as in the flow: v_r, the gap."""
+    found = system_of(key)
+    contact = found.rubbing
+    name = "slip" if "slip" in contact.modes else "slip+" if forwards else "slip-"
+    sliding = regime(contact, name, found)
+    return tuple(end.function for end in sliding.ends(sliding.force))
+
+
+def _solve(key: Structure, values: Sequence[Any], count: int) -> Array:
+    coordinates = symbolic_copy(key).coordinates
+    x = np.full((2 * len(coordinates), count), np.nan)
+    for statics, chosen in statics_groups(key, values, coordinates, count):
+        some = [v if np.ndim(v) == 0 else np.broadcast_to(v, (count,))[chosen] for v in values]
+        x[:, chosen] = _states_in_contact(statics, some, len(x), int(chosen.sum()))
+    x[:, np.broadcast_to(_belt_rests(key, values), (count,))] = np.nan
+    return x
+
+
+def _states_in_contact(statics: Statics, values: Sequence[Any], rows: int, count: int) -> Array:
+    penetrations = least_penetration(statics, values, count)
+    x = np.zeros((rows, count))
+    for row, q in zip(x, statics.coordinates(penetrations, *values)):
+        row[:] = q
+    x[:, np.isnan(penetrations)] = np.nan
+    return x
+
+
+def _belt_rests(key: Structure, values: Sequence[Any]) -> Any:
+    """Where the belt rests and the model has stick: friction has no derivative there."""
+    return (np.asarray(_belt_speed(key)(*values)) == 0) & _sticks(key)
+
+
+def _sticks(key: Structure) -> bool:
+    return "stick" in system_of(key).rubbing.modes
+
+
+@cache
+def _belt_speed(key: Structure) -> Callable[..., Any]:
+    found = system_of(key)
+    speed = found.at_rest(found.rubbing.relative_velocity)
+    return sympy.lambdify(parameter_symbols(key), speed, modules="numpy")

@@ -1,0 +1,170 @@
+"""`fl.equilibria` and `fl.equilibrium`: equilibria of a model or an automaton, all or the usual one."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import sympy
+from numpy.typing import NDArray
+
+from frictionlab.models.coercion import automaton_of
+from frictionlab.models.symbols import structure_of_component, structure_values
+
+from .automaton_equilibria import first_mode_equilibria, no_equilibrium_error, parameter_values
+from .automaton_equilibria import newton_residual as left_over
+from .batch_equilibria import FINEST_SHARE, excess_polynomial, polish_roots, search_range
+from .real_roots import real_roots, roots_on_grid
+from .static_equations import Statics, by_gap, static_residual, statics_for_values
+
+Array = NDArray[np.float64]
+MAX_STATIC_RESIDUAL = 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class Equilibrium:
+    """A state of steady sliding.
+
+    Parameters
+    ----------
+    q : array (n,)
+        The coordinates, m and rad.
+    penetration : float
+        Compression of the contact, m.
+    normal_force, friction_force : float
+        F_N and F_T, N.  Of an automaton, NaN where its mode has no such output, as for the gap.
+    residual : float
+        Largest force or moment left over in the static equations, relative to the largest in them.
+    """
+
+    q: Array
+    penetration: float
+    normal_force: float
+    friction_force: float
+    residual: float
+
+
+def equilibria(model: Any) -> tuple[Equilibrium, ...]:
+    """All real solutions of the static equations of sliding, Eq. (18), in ascending order of the gap.
+
+    The contact law is taken as it is for a negative gap too, as the paper's equations do: a solution with
+    F_N < 0 is an equilibrium of a bilateral contact only.  Friction has the sign of the belt's speed.
+
+    Where what is left for the gap is a polynomial, none is missed: so it is with all laws of the package but
+    HertzContact, PressureDependent and MovingLoad("normal").  For those, and for others of your own, the
+    gaps up to three times that of the unloaded contact are searched for changes of sign.
+
+    Parameters
+    ----------
+    model : Model or HybridAutomaton
+        Where the model has no `statics` (SliderOnBelt has), the equilibria inside the guards of a mode, of
+        the first mode that has any, by their distance from the origin; they are searched with Newton's method
+        from starts in all decades, and those that rounding can tell apart are told apart.  Modes of a model
+        that hold something fast, such as stick, are left out.
+
+    Returns
+    -------
+    tuple of Equilibrium
+
+    Raises
+    ------
+    ValueError
+        If the springs do not hold a coordinate (singular stiffness matrix).
+    """
+    if not by_gap(model):
+        return _automaton_equilibria(model)
+    values = structure_values(model)
+    statics = statics_for_values(structure_of_component(model), values, model.coordinates)
+    return tuple(
+        _sliding_equilibrium(statics, values, penetration) for penetration in _penetrations(statics, values)
+    )
+
+
+def equilibrium(model: Any) -> Equilibrium:
+    """The equilibrium of steady sliding with F_N > 0; of several the one with the smallest gap.
+
+    That is the one whose gap grows from zero with the preload.
+
+    Parameters
+    ----------
+    model : Model or HybridAutomaton
+        See :func:`equilibria`.
+
+    Returns
+    -------
+    Equilibrium
+
+    Raises
+    ------
+    ValueError
+        If there is none.
+
+    Examples
+    --------
+    >>> import frictionlab as fl
+    >>> fl.equilibrium(fl.SliderOnBelt(mu_k=0.3)).q.round(4).tolist()
+    [-0.0042, -0.0304, -0.0036, -0.0061, -0.0001]
+    """
+    found = equilibria(model)
+    if not by_gap(model):
+        if not found:
+            raise no_equilibrium_error(model)
+        return found[0]
+    # A law with even powers may press where there is no contact.
+    pressed = [e for e in found if e.normal_force > 0 and e.penetration > 0]
+    if pressed:
+        return min(pressed, key=lambda e: e.penetration)
+    forces = ", ".join(f"{e.normal_force:.4g} N" for e in found) or "none"
+    raise ValueError(
+        f"there must be an equilibrium with F_N > 0, got normal forces: {forces}: "
+        f"raise the preload F ({model.F:g} N), or change friction or stiffnesses"
+    )
+
+
+def _automaton_equilibria(model: Any) -> tuple[Equilibrium, ...]:
+    automaton = automaton_of(model)
+    mode, flow, points = first_mode_equilibria(model)
+    n, values = automaton.coordinates or len(automaton.states), parameter_values(automaton)
+    outputs = [
+        mode.outputs.get(name, sympy.nan) for name in ("penetration", "normal_force", "friction_force")
+    ]
+    evaluated = flow.compiled(outputs)
+    return tuple(
+        Equilibrium(x[:n], *map(float, evaluated(*x, *values)), residual=left_over(flow, x, values))
+        for x in points.T
+    )
+
+
+def _penetrations(statics: Statics, values: Sequence[float]) -> list[float]:
+    excess = excess_polynomial(statics, values)
+    if excess is None:
+        return _search_penetrations(statics, values)
+    with np.errstate(all="ignore"):  # at a double root the slope vanishes
+        return [float(g) for g in polish_roots(statics, values, np.array(real_roots(excess[:, 0])))]
+
+
+def _search_penetrations(statics: Statics, values: Sequence[float]) -> list[float]:
+    """Gaps at which the equation changes its sign, on a grid that is finer towards zero."""
+    finest = FINEST_SHARE * float(search_range(statics, values))
+
+    def excess(s: Any) -> Any:
+        found = statics.excess(finest * np.sinh(s), *values)
+        return np.where(np.isfinite(found), found, np.nan)  # a law may overflow far from the root
+
+    with np.errstate(all="ignore"):
+        found = roots_on_grid(excess, np.arcsinh(1 / FINEST_SHARE))
+        return [float(finest * np.sinh(s)) for s in found]
+
+
+def _sliding_equilibrium(statics: Statics, values: Sequence[float], penetration: float) -> Equilibrium:
+    q: Any = np.array(statics.coordinates(penetration, *values), dtype=float)
+    normal, friction = map(float, statics.forces(penetration, *values))
+    left = float(static_residual(statics, q, values))
+    if not left < MAX_STATIC_RESIDUAL:
+        raise ValueError(
+            f"the equilibrium at a penetration of {penetration:.6g} m must satisfy the static equations to "
+            f"{MAX_STATIC_RESIDUAL:g}, got {left:.2g}: the stiffnesses differ by too many orders of magnitude"
+        )
+    return Equilibrium(q, penetration, normal, friction, left)

@@ -1,0 +1,137 @@
+"""Zeros of a flow made exact: Newton's steps down to rounding, and the uncertainty that rounding leaves of
+each.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from frictionlab.stability.flow import Flow
+
+Array = NDArray[np.float64]
+EPSILON = float(np.finfo(float).eps)
+MAX_UNCERTAINTY, LAST_STEP_RTOL, SCALE_ROUNDING = (
+    1e-6,
+    1e-9,
+    1e-14,
+)  # of a state: what may be unknown, and a last step; of its size
+MAX_POLISH_STEPS, POLISH_CONTRACTION = (
+    64,
+    0.9,
+)  # most steps, and how much one shrinks while it is not rounding alone
+NOISE_SAMPLES, NOISE_DISTANCE = (
+    16,
+    1e-8,
+)  # floats to see the flow's rounding at, and shares of their distances
+NONLINEARITY_RTOL = (
+    1e-3  # relative change of the Jacobian from which on a flow's change is more than linear and rounding
+)
+ORIGIN_DISTANCE = (
+    1e4  # times rounding: how far they are from a zero at the origin, as a share of the usual size
+)
+SAME_ZERO_FACTOR = 16.0  # times what is unknown of both: zeros so close are one
+
+
+def newton_step(flow: Flow, x: Array, values: Sequence[Any]) -> Array:
+    """The step (m, N) towards a zero; NaN where the flow is not finite."""
+    with np.errstate(all="ignore"):
+        matrices, rest = flow.jacobian(x, values), flow.rhs(x, values)
+    usable = np.isfinite(matrices).all(axis=(1, 2)) & np.isfinite(rest).all(axis=0)
+    step = np.full_like(x, np.nan)
+    step[:, usable] = -solve_matrices(matrices[usable], rest.T[usable, :, None])[..., 0].T
+    return step
+
+
+def solve_matrices(matrices: Array, right: Array) -> Any:
+    """Solutions (N, m, k), of least length where a matrix is singular, as at a fold."""
+    try:
+        return np.linalg.solve(matrices, right)
+    except np.linalg.LinAlgError:
+        regular = np.linalg.slogdet(matrices).sign != 0
+    found = np.linalg.pinv(matrices) @ right
+    found[regular] = np.linalg.solve(matrices[regular], right[regular])
+    return found
+
+
+def polish_zeros(flow: Flow, x: Array, values: Sequence[Any], scale: Array) -> tuple[Array, Array]:
+    """Those of the points (m, N) that Newton's method makes zeros, and what is unknown of each.
+
+    That is what the flow's rounding makes of a zero, and the step that is left: at a double zero, where
+    steps are halved each time, the distance to it.  Of a zero so far out that rounding decides where it is,
+    too much is unknown: it is none.  `scale` (m, 1) is what states of no size are measured by.
+    """
+    x, step = _polish(flow, x[:, _is_near_zero(flow, x, values, scale)], values)
+    noise, moved, terms = _rounding_noise(flow, x, values, scale)
+    least = SCALE_ROUNDING * np.fmax(scale, terms)
+    forces = _times(np.abs(flow.jacobian(x, values)), np.abs(x) + least)
+    # A step of none is no sign of a zero at a singular matrix: the rates themselves have to vanish.
+    solved = np.abs(flow.rhs(x, values)) <= np.fmax(LAST_STEP_RTOL * forces, SAME_ZERO_FACTOR * noise)
+    settled = step <= np.fmax(LAST_STEP_RTOL * np.abs(x) + least, SAME_ZERO_FACTOR * moved)
+    unknown = step + moved
+    chosen = (solved & settled & (unknown <= MAX_UNCERTAINTY * np.abs(x) + least)).all(axis=0)
+    return x[:, chosen], unknown[:, chosen]
+
+
+def _is_near_zero(flow: Flow, x: Array, values: Sequence[Any], scale: Array) -> Any:
+    """Where Newton's method has little left to do."""
+    least = SCALE_ROUNDING * np.fmax(scale, np.abs(x).max(axis=0))
+    return (np.abs(newton_step(flow, x, values)) <= MAX_UNCERTAINTY * np.abs(x) + least).all(axis=0)
+
+
+def _polish(flow: Flow, x: Array, values: Sequence[Any]) -> tuple[Array, Array]:
+    """The points after as many of Newton's steps as still shrink, and the size of the next step."""
+    step, active = newton_step(flow, x, values), np.ones(x.shape[1], dtype=bool)
+    for _ in range(MAX_POLISH_STEPS):
+        x = np.where(active, x + step, x)
+        after = newton_step(flow, x, values)
+        shrinks = (np.abs(after) < POLISH_CONTRACTION * np.abs(step)) & (np.abs(after) > EPSILON * np.abs(x))
+        step, active = after, active & shrinks.any(axis=0)
+        if not active.any():
+            break
+    return x, np.abs(step)
+
+
+def _rounding_noise(flow: Flow, x: Array, values: Sequence[Any], scale: Array) -> tuple[Array, Array, Array]:
+    """What rounding changes of the flow, as seen at floats near by, and so of its zeros (m, N).
+
+    And how large the terms are whose sum a state of a zero is: so much more than itself where they cancel.
+    """
+    matrices, random = flow.jacobian(x, values), np.random.default_rng(0)
+    noise = np.zeros_like(x)
+    for least in EPSILON * np.append(
+        np.zeros(NOISE_SAMPLES), np.geomspace(1, ORIGIN_DISTANCE, NOISE_SAMPLES)
+    ):
+        way = random.uniform(-1, 1, size=(len(x), 1)) * (NOISE_DISTANCE * np.abs(x) + least * scale)
+        ahead, back = x + way, x - way  # both, since curvature is no rounding
+        linear = _times(matrices, ahead - back)
+        missed = np.abs(flow.rhs(ahead, values) - flow.rhs(back, values) - linear)
+        bend = np.abs(_times(flow.jacobian(ahead, values) - flow.jacobian(back, values), way))
+        bent = bend > NONLINEARITY_RTOL * _times(
+            np.abs(matrices), np.abs(way)
+        )  # too far from a zero so near to the origin
+        noise = np.where(bent & (least > 0), noise, np.fmax(noise, missed))
+    inverse = np.abs(solve_matrices(matrices, np.broadcast_to(np.eye(len(x)), matrices.shape)))
+    terms = _times(inverse, _times(np.abs(matrices), np.abs(x)))
+    return noise, EPSILON * terms + _times(inverse, noise), terms
+
+
+def _times(matrices: Array, x: Array) -> Array:
+    """Products (m, N) of matrices (N, m, m) and columns."""
+    return (matrices @ x.T[:, :, None])[:, :, 0].T
+
+
+def distinct_zeros(x: Array, unknown: Array) -> Array:
+    """Zeros (m, K), each once, by their distance from the origin; those within what is unknown are one.
+
+    Of two as far away, as symmetric ones are but for rounding, the one with the larger first state is first.
+    """
+    kept: list[int] = []
+    for i in np.argsort(np.linalg.norm(x, axis=0), kind="stable"):
+        apart = np.abs(x[:, kept] - x[:, [i]])
+        if (apart > SAME_ZERO_FACTOR * (unknown[:, kept] + unknown[:, [i]])).any(axis=0).all():
+            kept.append(int(i))
+    return x[:, sorted(kept, key=lambda i: (float(f"{np.linalg.norm(x[:, i]):.9e}"), *-x[:, i]))]

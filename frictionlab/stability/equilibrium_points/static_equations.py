@@ -1,0 +1,219 @@
+"""The static equations of sliding, K q = f + W_N F_N + W_T F_T, solved by sympy for q at a given penetration.
+
+The penetration determines F_N, that determines F_T, and both determine q.  What remains is one scalar
+equation: the penetration of that q is the given one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from functools import cache
+from typing import Any, NamedTuple
+
+import numpy as np
+import sympy
+from numpy.typing import NDArray
+
+from frictionlab.models import Model
+from frictionlab.models.mechanical.equations_of_motion import LagrangeSystem, system_of
+from frictionlab.models.symbols import Structure, parameter_symbols, symbolic_copy
+
+Array = NDArray[np.float64]
+PENETRATION = sympy.Symbol("compression", real=True)
+SINGULAR_EIGENVALUE = 1e-13
+
+
+class Statics(NamedTuple):
+    """Functions of the gap and then of all parameters: numbers, arrays or, for some, polynomials.
+
+    Parameters
+    ----------
+    coordinates : callable
+        q, from all equations but the one that `excess` leaves over; a list (n,).
+    excess, slope : callable
+        The scalar equation, zero at the gap of an equilibrium, and its derivative.
+    forces : callable
+        F_N and F_T, N.
+    residual : callable of (*q, *parameters)
+        The static equations (n,), and the terms in them that tell their size.
+    """
+
+    coordinates: Callable[..., Any]
+    excess: Callable[..., Any]
+    slope: Callable[..., Any]
+    forces: Callable[..., Any]
+    residual: Callable[..., Any]
+
+
+def by_gap(model: Any) -> bool:
+    """Whether a model's equilibria follow from the gap of its contact."""
+    return isinstance(model, Model) and model.statics is not None
+
+
+@cache
+def derive_statics(key: Structure, held_by_contact: bool = False) -> Statics:
+    """The statics of a structure.
+
+    `held_by_contact`: only the contact holds the slider's height, as no spring does.
+    """
+    found, p = system_of(key), parameter_symbols(key)
+    height = _height(key) if held_by_contact else None
+    normal, friction = _forces(found, PENETRATION)
+    q = _deflections(found, height, normal, friction)
+    if height is None:
+        excess = _gap(found, q) - PENETRATION
+    else:
+        # The gap is what the slider's height takes from it: slope -1.
+        q[height] = _gap(found, q) - PENETRATION
+        excess = _loads(found, q, normal, friction)[height]
+    arguments = [PENETRATION, *p]
+    return Statics(
+        _lambdify(arguments, q),
+        _lambdify(arguments, excess),
+        _lambdify(arguments, sympy.diff(excess, PENETRATION)),
+        _lambdify(arguments, [normal, friction]),
+        _lambdify([*found.q, *p], _balance(found)),
+    )
+
+
+def _height(key: Structure) -> int:
+    """Index of the coordinate that the contact alone may hold."""
+    copy = symbolic_copy(key)
+    return copy.coordinates.index(copy.statics.height)
+
+
+def _forces(found: LagrangeSystem, penetration: Any) -> tuple[Any, Any]:
+    """F_N, Eq. (2), and F_T while sliding at the belt's speed, Eq. (3)."""
+    contact: Any = found.rubbing  # F_N is a function of the gap
+    speed, normal = found.at_rest(contact.relative_velocity), contact.normal_force(penetration)
+    return normal, sympy.sign(speed) * contact.law.kinetic(normal, abs(speed))
+
+
+def _gap(found: LagrangeSystem, q: Sequence[Any]) -> Any:
+    return found.rubbing.penetration.xreplace(dict(zip(found.q, q, strict=True)))
+
+
+def _deflections(found: LagrangeSystem, held_by_contact: int | None, normal: Any, friction: Any) -> list[Any]:
+    q, passes = [sympy.S.Zero] * len(found.q), 2
+    stiffness, lever = found.stiffness, found.normal(found.rubbing).jacobian(found.q)
+    flexibility = _flexibility(stiffness, held_by_contact)
+    # With the paper's W_N the lever depends on coordinates that its moment does not move: two passes do.
+    if not (flexibility * lever * flexibility * lever).is_zero_matrix:
+        flexibility, passes = _flexibility(stiffness - normal * lever, held_by_contact), 1
+    for _ in range(passes):
+        q = list(flexibility * sympy.Matrix(_loads(found, q, normal, friction)))
+    return q
+
+
+def _loads(found: LagrangeSystem, q: Sequence[Any], normal: Any, friction: Any) -> list[Any]:
+    at = dict(zip(found.q, q, strict=True))
+    rows = zip(found.dead_loads, found.normal(found.rubbing), found.direction(found.rubbing), strict=True)
+    return [f + w.xreplace(at) * normal + t.xreplace(at) * friction for f, w, t in rows]
+
+
+def _flexibility(stiffness: Any, held_by_contact: int | None) -> Any:
+    """Inverse of K, block by block, with zeros for the coordinate that the contact alone holds."""
+    inverse = sympy.zeros(*stiffness.shape)
+    for block in sympy.SparseMatrix(stiffness).connected_components():
+        held = [i for i in block if i != held_by_contact]
+        if held:
+            part = stiffness.extract(held, held)
+            inverse_part = part.adjugate() / sympy.factor(part.det())
+            for row, i in enumerate(held):
+                for column, j in enumerate(held):
+                    inverse[i, j] = inverse_part[row, column]
+    return inverse
+
+
+def _balance(found: LagrangeSystem) -> list[Any]:
+    elastic = list(found.stiffness * sympy.Matrix(found.q))
+    normal, friction = _forces(found, found.rubbing.penetration)
+    rows = zip(_loads(found, found.q, normal, friction), elastic, strict=True)
+    return [*(load - held for load, held in rows), *elastic, *found.dead_loads, normal]
+
+
+def _lambdify(arguments: list[Any], expression: Any) -> Callable[..., Any]:
+    return sympy.lambdify(arguments, expression, modules="numpy", cse=True)
+
+
+def static_residual(statics: Statics, q: Sequence[Any], values: Sequence[Any]) -> Array:
+    """Largest force left over at `q`, relative to the largest in the equations."""
+    n = len(q)
+    rows = np.abs(np.stack(np.broadcast_arrays(*statics.residual(*q, *values), np.zeros(np.shape(q[0])))))
+    largest = rows[n:].max(axis=0)
+    return rows[:n].max(axis=0) / np.where(largest > 0, largest, 1.0)
+
+
+def statics_for_values(key: Structure, values: Sequence[float], coordinates: Sequence[str]) -> Statics:
+    """The statics that fit the values of the parameters.
+
+    Raises
+    ------
+    ValueError
+        If coordinates other than the slider's height are not held by the structure.
+    """
+    stiffness = _stiffness(key, values)
+    height = _height(key)
+    held_by_contact = not stiffness[:, height].any()
+    held = _held_coordinates(coordinates, height if held_by_contact else None)
+    _refuse_singular(stiffness[np.ix_(held, held)], [coordinates[i] for i in held])
+    return derive_statics(key, held_by_contact)
+
+
+def statics_groups(
+    key: Structure, values: Sequence[Any], coordinates: Sequence[str], count: int
+) -> Iterator[tuple[Statics, Any]]:
+    """The statics that fit, and which of `count` values of the parameters; none fit where one is not held.
+
+    Raises
+    ------
+    ValueError
+        If a coordinate is not held whatever the values.
+    """
+    stiffness = _stiffness(key, values)
+    if stiffness.ndim == 2:
+        yield statics_for_values(key, values, coordinates), np.ones(count, dtype=bool)
+        return
+    height = _height(key)
+    without = ~stiffness[:, :, height].any(axis=1)
+    for held_by_contact in (False, True):
+        held = _held_coordinates(coordinates, height if held_by_contact else None)
+        firm = _smallest_eigenvalue(stiffness[:, held][:, :, held])[0] > SINGULAR_EIGENVALUE
+        if (chosen := firm & (without == held_by_contact)).any():
+            yield derive_statics(key, held_by_contact), chosen
+
+
+def _held_coordinates(coordinates: Sequence[str], held_by_contact: int | None) -> list[int]:
+    return [i for i in range(len(coordinates)) if i != held_by_contact]
+
+
+def _stiffness(key: Structure, values: Sequence[Any]) -> Array:
+    """K (n, n), or (N, n, n) where a parameter in it is an array."""
+    rows = _stiffness_function(key)(*values)
+    entries = np.broadcast_arrays(*(entry for row in rows for entry in row))
+    stacked = np.stack(entries, axis=-1).astype(float)
+    return stacked.reshape(*stacked.shape[:-1], len(rows), len(rows))
+
+
+@cache
+def _stiffness_function(key: Structure) -> Callable[..., Any]:
+    return _lambdify(list(parameter_symbols(key)), system_of(key).stiffness.tolist())
+
+
+def _smallest_eigenvalue(stiffness: Array) -> tuple[Any, Any]:
+    """Smallest eigenvalue of matrices (..., n, n) whose diagonals are scaled to 1, and its vector."""
+    size = np.sqrt(np.einsum("...ii->...i", stiffness))
+    size[size == 0] = 1.0
+    values, vectors = np.linalg.eigh(stiffness / (size[..., :, None] * size[..., None, :]))
+    return values[..., 0], vectors[..., 0]
+
+
+def _refuse_singular(stiffness: Array, names: Sequence[str]) -> None:
+    value, vector = _smallest_eigenvalue(stiffness)
+    if value > SINGULAR_EIGENVALUE:
+        return
+    loose = [name for name, part in zip(names, vector, strict=True) if abs(part) > 0.1]
+    raise ValueError(
+        f"no static equilibrium can be computed: the springs do not hold {', '.join(loose)} "
+        "(singular stiffness matrix); give the springs there a positive stiffness"
+    )

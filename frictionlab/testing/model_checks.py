@@ -1,0 +1,161 @@
+"""Checks of a model: its parameters, its equations, and a motion, which keeps the rules of friction and
+unilateral contact.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from frictionlab.analysis.simulate import simulate
+from frictionlab.components.parameter import parameters_of
+from frictionlab.hybrid.tape.packing import program_of
+from frictionlab.hybrid.trajectory import Trajectory
+from frictionlab.models.model import Model
+from frictionlab.models.parameter_namespace import parameter_metadata
+
+from .common_checks import check_parameters, check_round_trip, fail
+
+COMPARISON_TIME = 0.02  # s, of the comparison with another integrator
+COMPARISON_METHOD, COMPARISON_RTOL = "DOP853", 1e-7
+PARAMETER_FACTOR = 1.0 + 2.0**-20  # of a parameter's value
+
+SAMPLE_COUNT = 400
+SLIP_SIGNS = {"slip+": 1.0, "slip-": -1.0}
+MAX_VIOLATION = 1e-9
+CONTACT_OUTPUTS = ("penetration", "normal_force", "friction_force", "relative_velocity")
+
+
+def check_model(model: Model, t_end: float = 1.0) -> Trajectory:
+    """Check a model, with the laws that it is made of.
+
+    Its parameters are described; its repr makes it again; every mode's equations print; a parameter's value
+    changes no structure, so that a slider compiles nothing; a motion from rest keeps the rules of contact and
+    friction, and agrees with that of another integrator.
+
+    Parameters
+    ----------
+    model : Model
+    t_end : float
+        Length of the motion, s.
+
+    Returns
+    -------
+    Trajectory
+        The motion.
+
+    Raises
+    ------
+    AssertionError
+        With the rule that the model breaks, and what there is instead.
+    """
+    check_parameters(model, parameter_metadata(type(model), model.components))
+    check_round_trip(model)
+    _check_equations(model)
+    _check_structure(model)
+    run = simulate(model, t_end, progress=False)
+    check_run(model, run)
+    _check_agreement(model, min(t_end, COMPARISON_TIME))
+    return run
+
+
+def check_run(model: Any, run: Trajectory) -> None:
+    """Raise AssertionError unless a run came to its end and kept the rules of contact and friction."""
+
+    if not run.status.ok:
+        fail(model, f"a motion of {run.t[-1]:g} s must come to its end", run.status)
+    if broken := rule_violations(run):
+        fail(model, "a motion must keep the rules of contact and friction", broken)
+
+
+def _check_equations(model: Any) -> None:
+    for mode in model.automaton().names:
+        try:
+            found = model.equations(mode)
+        except ValueError:  # the limit of many impacts is no mode of the model
+            continue
+        if not len(found) or "\\" not in found.latex() or not repr(found):
+            fail(model, f"equations({mode!r}) must print, also in LaTeX", found)
+
+
+def _check_structure(model: Any) -> None:
+    program = program_of(model.automaton())[0]
+    for name, value in model.parameters.items():
+        if not value or name not in {*parameters_of(type(model)), *_component_parameters(model)}:
+            continue
+        try:
+            other = model.replace(**{name: value * PARAMETER_FACTOR})
+        except ValueError:  # a rule forbids it, mu_k above mu_s
+            other = model.replace(**{name: value / PARAMETER_FACTOR})
+        if program_of(other.automaton())[0] is not program:
+            fail(model, f"the value of {name} must change numbers only", "another structure")
+
+
+def _component_parameters(model: Any) -> set[str]:
+    return {name for part in model.components.values() for name in parameters_of(type(part))}
+
+
+def _check_agreement(model: Any, t_end: float) -> None:
+    own = simulate(model, t_end, progress=False).final_state
+    other = simulate(model, t_end, method=COMPARISON_METHOD, progress=False).final_state
+    error = np.abs(own - other).max() / (np.abs(own).max() or 1.0)
+    if not error <= COMPARISON_RTOL:
+        fail(
+            model,
+            f"its motion must be that of {COMPARISON_METHOD} but for a share of {COMPARISON_RTOL:g}",
+            error,
+        )
+
+
+def rule_violations(run: Trajectory) -> dict[str, float]:
+    """Worst violation of each rule as a share of its scale, for those that are violated.
+
+    Looked at on a grid, at the steps and just after every event.  Which rules there are depends on the
+    outputs and the names of the modes: v_r = 0 in stick, v_r of the mode's sign in slip, friction along it,
+    F_N >= 0 and gap >= 0 in contact, gap <= 0 and no force in flight (where there is a flight).
+    """
+    t = np.unique(np.concatenate([np.linspace(0.0, run.t[-1], SAMPLE_COUNT), run.t, run.events.t]))
+    modes = np.array(run.automaton.names)[run.mode_at(t, run.step_at(t))]
+    if not np.isfinite(run(t)).all():
+        return {"every state is a number": np.inf}
+    known = [name for name in CONTACT_OUTPUTS if all(name in mode.outputs for mode in run.automaton.modes)]
+    values = {name: run.output(name, t) for name in known}
+    return {
+        rule: worst for rule, worst in _violation_of_rules(run, modes, values) if not worst <= MAX_VIOLATION
+    }
+
+
+def _violation_of_rules(run: Trajectory, modes: Any, values: dict[str, Any]) -> Any:
+    unilateral, flight = "separation" in run.automaton.names, modes == "separation"
+    for name, value in values.items():
+        yield f"{name} is a number", 0.0 if np.isfinite(value).all() else np.inf
+    if "relative_velocity" in values:
+        # Where contact is bilateral, friction turns round with F_N.
+        friction = values.get("friction_force") if unilateral else None
+        yield from _friction_violations(modes, values["relative_velocity"], friction)
+    if unilateral and "penetration" in values:
+        penetration, scale = values["penetration"], _scale(values["penetration"])
+        yield "gap <= 0 in flight", (penetration[flight] / scale).max(initial=0.0)
+        yield "gap >= 0 in contact", (-penetration[~flight] / scale).max(initial=0.0)
+    if unilateral and "normal_force" in values:
+        force, scale = values["normal_force"], _scale(values["normal_force"])
+        yield "no normal force in flight", np.abs(force[flight]).max(initial=0.0)
+        yield "F_N >= 0 in contact", (-force[~flight] / scale).max(initial=0.0)
+
+
+def _friction_violations(modes: Any, v_r: Any, friction: Any) -> Any:
+    scale, stick = _scale(v_r), modes == "stick"
+    yield "v_r = 0 in stick", np.abs(v_r[stick] / scale).max(initial=0.0)
+    for name, sign in SLIP_SIGNS.items():
+        slip = modes == name
+        yield f"v_r has the sign of {name}", (-sign * v_r[slip] / scale).max(initial=0.0)
+        if friction is not None:
+            yield (
+                f"friction has the sign of {name}",
+                (-sign * friction[slip] / _scale(friction)).max(initial=0.0),
+            )
+
+
+def _scale(values: Any) -> float:
+    return float(np.abs(values).max(initial=0.0)) or 1.0

@@ -1,0 +1,172 @@
+"""Controls of the model: sliders for all parameters, a switch for each nonlinearity, and the impact law.
+
+Of the sliders the most used are in sight, the others in an accordion.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
+from typing import Any
+
+import ipywidgets
+
+from frictionlab.components.component import Component
+from frictionlab.components.impact import PlasticImpact, RestitutionImpact
+from frictionlab.models.nonlinearities import without
+from frictionlab.models.parameter_namespace import parameter_metadata, parameter_owners
+
+from .sliders import label_control, remove_browser_rounding, slider
+
+OPERATION_PARAMETERS = "F", "v"  # of the model's own parameters those that one changes on a running system
+MAX_UNFOLDED = 12  # parameters of a model all of which are in sight
+FOLDED_TITLE = "structure"
+
+IMPACT_LAWS: Mapping[str, Component] = MappingProxyType(
+    {
+        "plastic, Eq. (13)": PlasticImpact("material"),
+        "plastic, full gap rate": PlasticImpact("full"),
+        "restitution": RestitutionImpact(),
+    }
+)
+
+
+class ParameterControls:
+    """One slider for each parameter; those of a component that is not there are hidden, and keep their value.
+
+    Attributes
+    ----------
+    sliders : dict of str to FloatSlider or FloatLogSlider
+        By the parameter's name.
+    """
+
+    def __init__(self, model: Any, changed: Callable[[Any], None]) -> None:
+        self._changed = changed
+        self.sliders: dict[str, Any] = {}
+        self._start: dict[str, float] = {}
+        self._shown: tuple[str, ...] = ()
+        layout = ipywidgets.Layout(flex_flow="row wrap")
+        self._used, self._rest = ipywidgets.Box(layout=layout), ipywidgets.Box(layout=layout)
+        self._more = ipywidgets.Accordion([self._rest], titles=(FOLDED_TITLE,))
+        self._more.add_class("fl-structure")
+        self.widget = ipywidgets.VBox([self._used, self._more])
+        self.show(model)
+
+    def show(self, model: Any) -> None:
+        """Have sliders for the parameters of this model in sight; does nothing where they are."""
+        names = tuple(model.parameters)
+        if names == self._shown:
+            return
+        about = parameter_metadata(type(model), model.components)
+        for name in names:
+            if name not in self.sliders:
+                self._start[name] = model.parameters[name]
+                self.sliders[name] = slider(name, about[name], model.parameters[name])
+                self.sliders[name].observe(self._changed, names="value")
+        used = main_parameters(model)
+        self._used.children = [self.sliders[name] for name in used]
+        self._rest.children = [self.sliders[name] for name in names if name not in used]
+        self._more.layout.display = "" if self._rest.children else "none"
+        self._shown = names
+
+    def values(self, model: Any) -> dict[str, float]:
+        """What the sliders say about the parameters of this model."""
+        self.show(model)
+        return {
+            name: remove_browser_rounding(self.sliders[name].value, self._start[name])
+            for name in model.parameters
+        }
+
+    def reset(self) -> None:
+        """Back to the values of the start; sliders that came later to their law's."""
+        for name, control in self.sliders.items():
+            control.value = self._start[name]
+
+    def close(self) -> None:
+        """Forget the sliders."""
+        for control in self.sliders.values():
+            control.close()
+
+
+def main_parameters(model: Any) -> list[str]:
+    """Parameters of the friction law, of operation, then of the other components; all where they are few."""
+    owner = parameter_owners(type(model), model.components)
+    if len(owner) <= MAX_UNFOLDED:
+        return list(owner)
+    friction = [name for name, role in owner.items() if role == "friction"]
+    laws = [name for name, role in owner.items() if role and role != "friction"]
+    return [*friction, *(name for name in OPERATION_PARAMETERS if name in owner), *laws]
+
+
+class ComponentControls:
+    """Checkboxes and a choice; what is not chosen here comes from the model.
+
+    Attributes
+    ----------
+    switches : dict of str to Checkbox
+        One for each of the model's `nonlinearities`.
+    impact : Dropdown or None
+    """
+
+    def __init__(self, model: Any) -> None:
+        self._model = model
+        self._full = _with_all(model)
+        found = model.nonlinearities
+        self.switches = {
+            name: _switch(name, one.about, not one.missing(model)) for name, one in found.items()
+        }
+        self.impact = _impact_dropdown(model.impact) if "impact" in model.roles else None
+
+    @property
+    def controls(self) -> dict[str, Any]:
+        """All of them by name."""
+        switches = {f"switch-{name}": switch for name, switch in self.switches.items()}
+        return switches | ({"impact": self.impact} if self.impact else {})
+
+    def model(self) -> Any:
+        """The model with the components chosen, and their own parameters.
+
+        Raises
+        ------
+        ValueError
+            If a law cannot do without its nonlinearity.
+        """
+        chosen: dict[str, Any] = {}
+        if self.impact:
+            chosen["impact"] = self.impact.value
+        off = [name for name, switch in self.switches.items() if not switch.value]
+        found = self._model.nonlinearities
+        for name in found:
+            if name not in off:
+                chosen |= self._full.get(name, {})
+        # What the model lacks from the start it lacks by its own component.
+        lacking = {name for name in off if found[name].missing(self._model)}
+        chosen |= without(self._model, tuple(name for name in off if name not in lacking))
+        return self._model.replace(**chosen)
+
+
+def _with_all(model: Any) -> dict[str, dict[str, Any]]:
+    """What gives a model each of the nonlinearities that it lacks: what models of its class have."""
+    usual = type(model)()
+    lacking = {name: one for name, one in model.nonlinearities.items() if one.missing(model)}
+    return {name: {key: getattr(usual, key) for key in one.without(model)} for name, one in lacking.items()}
+
+
+def _switch(name: str, text: str, on: bool) -> Any:
+    switch = ipywidgets.Checkbox(on, indent=False)
+    switch = label_control(switch, f"switch-{name}", text, f"switches a nonlinearity on and off: {text}")
+    switch.layout.width = "auto"
+    return switch
+
+
+def _impact_dropdown(own: Component) -> Any:
+    options = dict(IMPACT_LAWS)
+    known = {type(law): text for text, law in IMPACT_LAWS.items() if type(law) is not PlasticImpact}
+    text = known.get(type(own), next((t for t, law in IMPACT_LAWS.items() if law == own), type(own).__name__))
+    options[text] = own
+    return label_control(
+        ipywidgets.Dropdown(options=list(options.items()), value=own),
+        "impact",
+        "impact law",
+        "what the slider's velocity is after it lands on the belt again",
+    )

@@ -1,0 +1,269 @@
+"""The panels that can be asked for by name, and that of critical values.
+
+The modes are a coloured strip at the foot of the panels over time, and the colours of the phase plane.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from functools import lru_cache
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+
+from frictionlab.analysis.spectrum import highest_frequency
+from frictionlab.components.names import did_you_mean
+from frictionlab.models.parameter_namespace import parameter_metadata
+from frictionlab.models.symbols import structure_of_component
+from frictionlab.plotting.drawing import Curve, Drawing, envelope
+from frictionlab.plotting.runs.time_histories import force_outputs
+from frictionlab.plotting.style import (
+    BLACK,
+    BLUE,
+    GREY,
+    VERMILLION,
+    coordinate_axis_label,
+    is_angle,
+    line_style,
+    mode_colours,
+    parameter_label,
+    secondary_axis_angles,
+    state_label,
+    state_unit,
+)
+from frictionlab.stability import CriticalCurve, critical_curve
+from frictionlab.widgets.controls.sliders import check_parameter, round_to_step, slider_range
+
+from .mechanism import mechanism
+
+STRIP_THICKNESS = 7.0  # points
+STRIP_SAMPLES = 400
+STRIP_HEIGHT = 0.02
+
+EIGENVALUE_MARKER: dict[str, Any] = {"linestyle": "none", "marker": "o", "markersize": 5.0, "zorder": 2.5}
+ZERO_GROWTH_LINE: dict[str, Any] = {"color": GREY, "linewidth": 0.8, "zorder": 1.0}
+
+CURVE_POINTS = 21
+MAX_CACHED_CURVES = 16  # curves
+OPERATING_POINT: dict[str, Any] = {"linestyle": "none", "markersize": 8.0, "zorder": 3.0}
+
+
+def mode_strip(result: Any) -> dict[str, Curve]:
+    """A thick line for every mode of the model, broken where the run is in other modes."""
+    colours = mode_colours(result.run.automaton.names)
+    t, modes = result.times(), result.modes
+    kept = slice(None, None, max(1, len(t) // STRIP_SAMPLES))
+    t, modes = t[kept], modes[kept]
+    return {mode: _strip_curve(t, modes == mode, colour) for mode, colour in colours.items()}
+
+
+def _strip_curve(t: Any, chosen: Any, colour: str) -> Curve:
+    kept = chosen | np.append(False, chosen[:-1])  # up to the sample after, so that no gap is seen
+    style = {"color": colour, "linewidth": STRIP_THICKNESS, "solid_capstyle": "butt", "zorder": 1.0}
+    return Curve(np.where(kept, t, np.nan), np.where(kept, STRIP_HEIGHT, np.nan), style, "strip")
+
+
+def response(result: Any) -> Drawing:
+    """All coordinates; an angle is dashed and belongs to the axis on the right, where there are lengths."""
+    names = result.run.names[: result.run.automaton.coordinates]
+    angles = secondary_axis_angles(names)
+    curves = {state_label(name): _coordinate_curve(result, name, i, angles) for i, name in enumerate(names)}
+    # The legend of the modes stands in the panel of the forces and the phase plane.
+    strip = {f"_{mode}": curve for mode, curve in mode_strip(result).items()}
+    right = "angle (rad), dashed" if angles else ""
+    t = result.times()
+    limits = float(t[0]), float(t[-1])
+    return Drawing("time (s)", coordinate_axis_label(names), {**curves, **strip}, right=right, xlim=limits)
+
+
+def _coordinate_curve(result: Any, name: str, i: int, angles: tuple[str, ...]) -> Curve:
+    x, y = envelope(result.times(), result.state(name))
+    style = line_style(i, name) | ({"zorder": 1.8} if is_angle(name) else {})  # behind the lengths
+    return Curve(x, y, style, "right" if name in angles else "left")
+
+
+def forces(result: Any) -> Drawing:
+    """Normal and friction force, of a model without contact forces the rates."""
+    found = force_outputs(result.run.automaton)
+    what, curves = (
+        ("contact force (N)", _force_curves(result, found)) if found else ("rate", _rate_curves(result))
+    )
+    t = result.times()
+    limits = float(t[0]), float(t[-1])
+    return Drawing("time (s)", what, {**curves, **mode_strip(result)}, xlim=limits)
+
+
+def _force_curves(result: Any, found: dict[str, tuple[str, str]]) -> dict[str, Curve]:
+    t, curves = result.times(), {}
+    for name, (text, colour) in found.items():
+        x, y = envelope(t, result.run.output(name, t))
+        curves[text.partition(" (")[0]] = Curve(x, y, {"color": colour})
+    return curves
+
+
+def _rate_curves(result: Any) -> dict[str, Curve]:
+    names = [f"{name}'" for name in result.model.coordinates]
+    drawn = (envelope(result.times(), result.state(name)) for name in names)
+    styles = (line_style(i, name) for i, name in enumerate(names))
+    return {state_label(n): Curve(x, y, style) for n, (x, y), style in zip(names, drawn, styles)}
+
+
+def phase(result: Any) -> Drawing:
+    """Coordinate against rate over the part that is shown, and the equilibrium of sliding."""
+    name = result.settings.coordinate
+    x, rate, modes = result.state(name), result.state(f"{name}'"), result.modes
+    curves = {
+        m: _phase_curve(x, rate, modes == m, c) for m, c in mode_colours(result.run.automaton.names).items()
+    }
+    cross = {"color": BLACK, "marker": "+", "markersize": 8.0, "linestyle": "none", "zorder": 3.0}
+    curves["equilibrium"] = Curve(*_equilibrium_point(result, name), cross)
+    xlabel, ylabel = (f"{state_label(n)} ({state_unit(n)})" for n in (name, f"{name}'"))
+    return Drawing(xlabel, ylabel, curves)
+
+
+def _phase_curve(x: Any, rate: Any, chosen: Any, colour: str) -> Curve:
+    kept = chosen | np.append(False, chosen[:-1])  # up to the sample after, so that no gap is seen
+    return Curve(np.where(kept, x, np.nan), np.where(kept, rate, np.nan), {"color": colour})
+
+
+def _equilibrium_point(result: Any, name: str) -> tuple[list[float], list[float]]:
+    found = result.eigenvalues
+    if found is None:  # the text beside the picture says why
+        return [], []
+    return [float(found.equilibrium.q[result.run.names.index(name)])], [0.0]
+
+
+def spectrum(result: Any) -> Drawing:
+    """Over the second half of the run."""
+    name, found, f_max = result.settings.coordinate, result.spectrum, highest_frequency(result.model)
+    labels = "frequency (Hz)", f"amplitude of {state_label(name)} ({state_unit(name)})"
+    if found is None:
+        return Drawing(
+            *labels, {"_spectrum": Curve([], [])}, note="the run is too short for one", xlim=(0, f_max)
+        )
+    curve = Curve(found.frequencies, found.amplitudes, {"color": BLACK, "linewidth": 1.0})
+    note = f"strongest line {found.strongest:.4g} Hz" if found.amplitudes.any() else "at rest"
+    return Drawing(*labels, {"_spectrum": curve}, yscale="log", note=note, xlim=(0.0, f_max))
+
+
+def eigenvalues(result: Any) -> Drawing:
+    """Growth rate and frequency of each mode, those that grow in another colour."""
+    found = result.eigenvalues
+    values: Any = np.zeros(0, dtype=complex) if found is None else found.values[found.values.imag >= 0]
+    grows, frequencies = values.real > 0, values.imag / (2 * np.pi)
+    curves = {
+        "_no growth": Curve([0.0, 0.0], [0.0, 1.0], ZERO_GROWTH_LINE, "strip"),
+        "decays": Curve(values.real[~grows], frequencies[~grows], EIGENVALUE_MARKER | {"color": BLUE}),
+        "grows": Curve(
+            values.real[grows], frequencies[grows], EIGENVALUE_MARKER | {"color": VERMILLION, "marker": "^"}
+        ),
+    }
+    note = "no equilibrium" if found is None else ""
+    return Drawing("growth rate (1/s)", "frequency (Hz)", curves, note=note)
+
+
+class CriticalValuePanel:
+    """A panel: steady sliding is stable below the curve.
+
+    The curve does not depend on the two parameters, so moving the point computes nothing anew.
+
+    Parameters
+    ----------
+    model : SliderOnBelt
+        Whose parameters say how far the axes go.
+    parameter, over : str
+        The critical one, upwards, and the other one, to the right.
+    """
+
+    __name__ = "critical"
+    hint = "click to move the model there"
+
+    def __init__(self, model: Any, parameter: str = "mu_k", over: str = "F") -> None:
+        about = parameter_metadata(type(model), model.components)
+        self.parameter, self.over = parameter, over
+        self.bounds, self.sides = (slider_range(about[n], model.parameters[n]) for n in (parameter, over))
+        self._curve = lru_cache(MAX_CACHED_CURVES)(self._computed)
+
+    def __call__(self, result: Any) -> Drawing:
+        """The curve, and a point in the colour of its stability."""
+        model, found = result.model, result.eigenvalues
+        for name in (self.parameter, self.over):
+            check_parameter(model, name)
+        curve = self._curve(_ModelApartFrom(model, (self.parameter, self.over)))
+        here = [model.parameters[self.over]], [model.parameters[self.parameter]]
+        stable = found is not None and found.stable
+        curves = {
+            "critical": Curve(curve.at, curve.values, {"color": BLACK}),
+            "here, stable": _operating_point(here, stable, BLUE, "o"),
+            "here, unstable": _operating_point(here, found is not None and not stable, VERMILLION, "^"),
+        }
+        x, y = (parameter_label(model, name) for name in (self.over, self.parameter))
+        return Drawing(x, y, curves, xlim=self.sides, ylim=self.bounds)
+
+    def pick(self, x: float, y: float) -> dict[str, float]:
+        """The two parameters of a place in the picture, as round numbers."""
+        return {self.over: round_to_step(x, self.sides), self.parameter: round_to_step(y, self.bounds)}
+
+    def _computed(self, others: _ModelApartFrom) -> CriticalCurve:
+        # The ends may be where nothing presses on the belt, or a mass is zero.
+        at = np.linspace(*self.sides, CURVE_POINTS + 2)[1:-1]
+        return critical_curve(others.model, self.parameter, self.bounds, over=(self.over, at))
+
+
+class _ModelApartFrom:
+    """A model; two of them are equal where all but some parameters are."""
+
+    def __init__(self, model: Any, names: tuple[str, ...]) -> None:
+        self.model = model
+        values = tuple(item for item in model.parameters.items() if item[0] not in names)
+        self._key = structure_of_component(model), values
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _ModelApartFrom) and self._key == other._key
+
+    def __hash__(self) -> int:
+        return hash(self._key)
+
+
+def _operating_point(here: Any, there: bool, colour: str, marker: str) -> Curve:
+    x, y = here if there else ([], [])
+    return Curve(x, y, OPERATING_POINT | {"color": colour, "marker": marker})
+
+
+PANELS: Mapping[str, Callable[[Any], Drawing]] = MappingProxyType(
+    {
+        "response": response,
+        "phase": phase,
+        "forces": forces,
+        "spectrum": spectrum,
+        "eigenvalues": eigenvalues,
+        "mechanism": mechanism,
+    }
+)
+
+
+def select_panels(asked: Iterable[Any]) -> dict[str, Callable[[Any], Drawing]]:
+    """Panels by name; those asked for may be names or functions, or one name alone.
+
+    Raises
+    ------
+    ValueError
+        For an unknown name, something that is no function, or none at all.
+    """
+    asked = [asked] if isinstance(asked, str) else asked
+    found = {_panel_name(panel): PANELS[panel] if isinstance(panel, str) else panel for panel in asked}
+    if not found:
+        raise ValueError(f"panels must hold at least one panel, got none: take some of {', '.join(PANELS)}")
+    return found
+
+
+def _panel_name(panel: Any) -> str:
+    if isinstance(panel, str) and panel in PANELS:
+        return panel
+    if callable(panel):
+        return getattr(panel, "__name__", type(panel).__name__)
+    known = ", ".join(map(repr, PANELS))
+    raise ValueError(
+        f"panels must be functions or some of {known}, got {panel!r}: {did_you_mean(panel, PANELS)}"
+    )

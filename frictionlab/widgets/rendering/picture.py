@@ -1,0 +1,231 @@
+"""The picture of an explorer: one figure for good, its panels as images that wrap on a narrow screen.
+
+Images are PNGs with a palette made of the lines' colours, and texts are set once and copied from then
+on: to look for a palette or to set a text takes longer than to draw the curves.  Panels that do
+something where they are clicked are shown by `ClickablePicture`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from functools import lru_cache
+from importlib import resources
+from io import BytesIO
+from typing import Any, NamedTuple
+
+import anywidget
+import ipywidgets
+import numpy as np
+import traitlets
+from matplotlib.backends.backend_agg import FigureCanvasAgg, RendererAgg
+from matplotlib.colors import to_rgb
+from matplotlib.font_manager import FontProperties
+from numpy.typing import NDArray
+from PIL import Image
+
+from frictionlab.plotting.drawing import Drawing
+from frictionlab.plotting.figure import RunFigure
+
+from .tile import Tile
+
+PALETTE_ENTRIES = 256  # of a palette
+SHADES_PER_COLOUR = 16  # of a colour, to white; where lines end the pixels are mixtures with the background
+
+MAX_CACHED_TEXTS = 2048  # texts
+
+Panel = Callable[[Any], Drawing]
+PANEL_WIDTH, PANEL_HEIGHT, DPI = (
+    4.4,
+    3.0,
+    100,
+)  # inches of a panel: two beside the controls on a screen of 1280 pixels
+PANEL_COLUMNS = 2
+
+
+def encode_png(pixels: Any, colours: Iterable[Any]) -> bytes:
+    """The image in shades of these colours.
+
+    Parameters
+    ----------
+    pixels : Image
+        RGB or RGBA, without transparency.
+    colours : iterable
+        As matplotlib takes them; black is always there.
+    """
+    palette = _palette(tuple(sorted({to_rgb("black"), *map(to_rgb, colours)})))
+    buffer = BytesIO()
+    image = pixels.convert("RGB").quantize(palette=palette, dither=Image.Dither.NONE)
+    image.save(buffer, "png", compress_level=1)
+    return buffer.getvalue()
+
+
+@lru_cache(16)
+def _palette(colours: tuple[tuple[float, float, float], ...]) -> Any:
+    """Each colour in equal steps to white."""
+    shades = max(3, min(SHADES_PER_COLOUR, (PALETTE_ENTRIES - 1) // len(colours)))
+    # White comes once, at the end, and no shade is so near to it that the one would be taken for the other.
+    share = np.linspace(1.0, 0.0, shades + 1)[:-2, None, None]
+    mixed = 1.0 - share * (1.0 - np.array(colours))
+    table = np.vstack([mixed.reshape(-1, 3)[: PALETTE_ENTRIES - 1], [[1.0, 1.0, 1.0]]])
+    image = Image.new("P", (1, 1))
+    image.putpalette(np.rint(table * 255).astype(np.uint8).tobytes())
+    return image
+
+
+class ClickablePicture(anywidget.AnyWidget):
+    """A picture in the browser, as :class:`ipywidgets.Image` is one.
+
+    Attributes
+    ----------
+    value : bytes
+        PNG.
+    hint : str
+        What a click does.
+    """
+
+    _esm = (
+        resources.files("frictionlab.widgets.rendering").joinpath("clickable.js").read_text(encoding="utf-8")
+    )
+    value = traitlets.Bytes().tag(sync=True)
+    hint = traitlets.Unicode().tag(sync=True)  # views fail where it is called tooltip
+
+    def on_click(self, clicked: Callable[[float, float], None]) -> None:
+        """Have a function called with shares of the width, from the left, and of the height, from below."""
+
+        def heard(_: Any, content: dict[str, Any], __: Any) -> None:
+            clicked(float(content["x"]), float(content["y"]))
+
+        self.on_msg(heard)
+
+
+class TextImage(NamedTuple):
+    """Pixels (h, w, 4) of a text, upwards, and where its left lower corner is as seen from its origin."""
+
+    pixels: NDArray[np.uint8]
+    left: int
+    below: int
+
+
+class TextCacheRenderer(RendererAgg):
+    """Agg, with every text set once; it then stands at whole pixels."""
+
+    def draw_text(
+        self,
+        gc: Any,
+        x: float,
+        y: float,
+        s: str,
+        prop: Any,
+        angle: float,
+        ismath: Any = False,
+        mtext: Any = None,
+    ) -> None:
+        """Copy the text's pixels to where its origin, y downwards, is."""
+        look = tuple(gc.get_rgb()), gc.get_alpha()
+        letters = text_image(s, prop.copy(), float(angle), bool(ismath), self.dpi, look)
+        if letters is not None:
+            left, below = round(x) + letters.left, self.height - round(y) + letters.below
+            self.draw_image(gc, left, below, letters.pixels)
+
+
+class TextCacheCanvas(FigureCanvasAgg):
+    """A canvas for one figure that never changes its size."""
+
+    def get_renderer(self) -> TextCacheRenderer:
+        """The only one."""
+        if not hasattr(self, "renderer"):
+            self.renderer = TextCacheRenderer(*self.figure.bbox.size, self.figure.dpi)
+        return self.renderer
+
+
+@lru_cache(MAX_CACHED_TEXTS)
+def text_image(
+    text: str, prop: FontProperties, angle: float, ismath: bool, dpi: float, look: Any
+) -> TextImage | None:
+    """What a text looks like; None where nothing of it is seen."""
+    plain = RendererAgg(1, 1, dpi)
+    width, height, descent = plain.get_text_width_height_descent(text, prop, ismath)
+    reach = int(np.ceil(np.hypot(width, height + descent))) + 4  # whatever the angle
+    sheet = RendererAgg(2 * reach, 2 * reach, dpi)
+    gc = sheet.new_gc()
+    colour, alpha = look
+    gc.set_foreground(colour, isRGBA=True)
+    gc.set_alpha(alpha)
+    sheet.draw_text(gc, reach, reach, text, prop, angle, ismath)
+    pixels = np.asarray(sheet.buffer_rgba())
+    rows, columns = (np.flatnonzero(pixels[..., 3].any(axis=axis)) for axis in (1, 0))
+    if not len(rows):
+        return None
+    top, bottom, left = rows[0], rows[-1] + 1, columns[0]
+    cut = pixels[top:bottom, left : columns[-1] + 1]
+    return TextImage(cut[::-1].copy(), int(left) - reach, reach - int(bottom))
+
+
+class Picture:
+    """A figure with one tile for each panel, and a widget that shows them.
+
+    Parameters
+    ----------
+    panels : mapping of str to Panel
+        By the name that becomes a CSS class, ``fl-panel-<name>``.
+    """
+
+    def __init__(self, panels: dict[str, Panel]) -> None:
+        self.panels = panels
+        columns = min(PANEL_COLUMNS, len(panels))
+        rows = -(-len(panels) // columns)
+        self.figure = RunFigure(figsize=(columns * PANEL_WIDTH, rows * PANEL_HEIGHT), dpi=DPI)
+        self.canvas = TextCacheCanvas(self.figure)
+        self.canvas.draw()
+        places = [(i % columns, rows - 1 - i // columns) for i in range(len(panels))]
+        size = 1 / columns, 1 / rows
+        self.tiles = {
+            name: Tile(self.figure, (x * size[0], y * size[1], *size)) for name, (x, y) in zip(panels, places)
+        }
+        self.images = {name: _panel_image(name, panel) for name, panel in panels.items()}
+        layout = ipywidgets.Layout(flex_flow="row wrap", flex=f"1 1 {PANEL_WIDTH * DPI:.0f}px", min_width="0")
+        self.widget = ipywidgets.Box(list(self.images.values()), layout=layout)
+        self.widget.add_class("fl-picture")
+
+    def draw(self, result: Any) -> tuple[int, int] | None:
+        """Show a result in all panels; where one fails none is changed.
+
+        Returns how much is done, and of how much, where a panel is not done yet.
+        """
+        drawings = [panel(result) for panel in self.panels.values()]
+        for tile, drawing in zip(self.tiles.values(), drawings):
+            tile.show(drawing)
+        self.paint(self.panels)
+        return next((drawing.progress for drawing in drawings if drawing.progress), None)
+
+    def freeze(self) -> None:
+        """Leave the curves behind in grey."""
+        for tile in self.tiles.values():
+            tile.freeze()
+
+    def unfreeze(self) -> None:
+        """Take the grey curves away, and show that."""
+        for tile in self.tiles.values():
+            tile.unfreeze()
+
+    def paint(self, names: Sequence[str] | dict[str, Panel]) -> None:
+        """Draw tiles, and send their pixels."""
+        for name in names:
+            self.tiles[name].paint(self.canvas)
+        pixels = Image.fromarray(np.asarray(self.canvas.buffer_rgba()))
+        for name in names:
+            tile = self.tiles[name]
+            self.images[name].value = encode_png(pixels.crop(_pixel_box(tile, pixels.height)), tile.colours)
+
+
+def _panel_image(name: str, panel: Any) -> Any:
+    """The widget of a panel; one that can be clicked where the panel makes something of it."""
+    image = ClickablePicture(hint=panel.hint) if hasattr(panel, "pick") else ipywidgets.Image(format="png")
+    image.layout = ipywidgets.Layout(width=f"{PANEL_WIDTH * DPI:.0f}px", max_width="100%", margin="0")
+    image.layout.object_fit = "contain"
+    return image.add_class("fl-panel").add_class(f"fl-panel-{name}")
+
+
+def _pixel_box(tile: Tile, height: int) -> tuple[int, int, int, int]:
+    (x0, y0), (x1, y1) = np.rint(tile.box.get_points()).astype(int).tolist()
+    return x0, height - y1, x1, height - y0  # an image's first row is the top one

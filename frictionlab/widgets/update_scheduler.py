@@ -1,0 +1,119 @@
+"""When an explorer computes: of the changes that come while an update runs only the last is computed.
+
+`UpdateScheduler` runs one update at a time and another for what was asked meanwhile; long updates are
+done in parts. `BusyIndicator` is a line of text that appears where an update takes longer than one
+notices.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import ipywidgets
+
+EVENT_LOOP_PAUSE = 0.01  # seconds that what has come from the browser is given
+
+INDICATOR_DELAY = 0.3  # seconds
+INDICATOR_TEXT = "computing …"
+PROGRESS_BAR = '<progress value="{0}" max="{1}" style="width: 70px"></progress> {0} of {1}'
+
+
+class UpdateScheduler:
+    """Calls `update` for what is asked of it, once at a time.
+
+    The update reads the settings when it begins.  What is asked for while it runs, from within or from
+    another thread, makes it run once more.  A long update is done in parts, each of which asks for
+    the next one.
+    """
+
+    def __init__(self, update: Callable[[], None]) -> None:
+        self._update = update
+        self._lock = threading.Lock()
+        self._busy = self._asked = False
+        self._timer: asyncio.TimerHandle | None = None
+
+    def request(self) -> None:
+        """Update now, or once more after the update that is under way."""
+        with self._lock:
+            self._asked = True
+            if self._busy:
+                return
+            self._busy = True
+        try:
+            while self._next():
+                self._update()
+        except BaseException:
+            self._busy = False
+            raise
+
+    def request_later(self) -> None:
+        """Update after what waits in the event loop, such as newer values; at once where there is none."""
+        self.cancel()
+        try:
+            loop = asyncio.get_running_loop()
+        except RuntimeError:
+            self.request()
+        else:
+            self._timer = loop.call_later(EVENT_LOOP_PAUSE, self.request)
+
+    def cancel(self) -> None:
+        """No update soon."""
+        if self._timer is not None:
+            self._timer.cancel()
+            self._timer = None
+
+    @contextmanager
+    def batch(self) -> Iterator[None]:
+        """Changes made inside count as one."""
+        before, self._busy = self._busy, True
+        try:
+            yield
+        finally:
+            self._busy = before
+        if not before:
+            self.request()
+
+    def _next(self) -> bool:
+        with self._lock:
+            asked, self._asked = self._asked, False
+            if not asked:
+                self._busy = False
+            return asked
+
+
+class BusyIndicator:
+    """A line of text, seen while something computes.
+
+    Attributes
+    ----------
+    left : (int, int) or None
+        How much is done, and of how much, where a computation goes on after the block that is marked.
+    """
+
+    def __init__(self) -> None:
+        self.left: tuple[int, int] | None = None
+        self.widget = ipywidgets.HTML(INDICATOR_TEXT, layout=ipywidgets.Layout(visibility="hidden"))
+        self.widget.add_class("fl-busy")
+        self.shown = 0  # times it has appeared
+
+    @contextmanager
+    def show_while_busy(self) -> Iterator[None]:
+        """Show the mark after INDICATOR_DELAY until the block is done, or on until all is done."""
+        timer: Any = threading.Timer(INDICATOR_DELAY, self._show)
+        timer.daemon = True
+        timer.start()
+        try:
+            yield
+        finally:
+            timer.cancel()
+            timer.join()
+            self.widget.value = PROGRESS_BAR.format(*self.left) if self.left else INDICATOR_TEXT
+            self.widget.layout.visibility = "visible" if self.left else "hidden"
+
+    def _show(self) -> None:
+        self.shown += 1
+        self.widget.layout.visibility = "visible"

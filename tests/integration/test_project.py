@@ -1,0 +1,58 @@
+"""The files around the package agree with it and with each other."""
+
+import json
+import re
+from pathlib import Path
+
+import pytest
+from matplotlib import pyplot
+
+import frictionlab as fl
+
+ROOT = Path(__file__).parents[2]
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+NOTEBOOKS = sorted(ROOT.glob("tutorials/*.ipynb"))
+
+
+def readme_blocks(language: str) -> list[str]:
+    return re.findall(rf"^```{language}\n(.*?)^```$", README, flags=re.MULTILINE | re.DOTALL)
+
+
+def test_readme_starts_with_two_commands_of_one_line_each():
+    fences = re.findall(r"^```(\w+)$", README, flags=re.MULTILINE)
+    assert fences[:2] == ["sh", "sh"]
+    commands = readme_blocks("sh")[:2]
+    assert [command.count("\n") for command in commands] == [1, 1]
+    assert all("-m venv" in command and "pip install" in command for command in commands)
+    assert "frictionlab run" in commands[0]
+    assert "pytest" in commands[1]
+
+
+def test_readme_links_lead_somewhere():
+    targets = re.findall(r"\]\(([^)#:]+)\)", README)
+    assert targets
+    assert [target for target in targets if not (ROOT / target).exists()] == []
+
+
+def test_readme_python_runs(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)  # it saves a picture
+    exec("\n".join(readme_blocks("python")), {})
+    pyplot.close("all")
+
+
+def test_version_is_the_same_everywhere():
+    assert re.fullmatch(r"\d+\.\d+\.\d+", fl.__version__)
+    citation = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+    assert f'\nversion: "{fl.__version__}"\n' in citation
+    assert f"\n## [{fl.__version__}]" in (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+
+
+def test_there_is_a_notebook():
+    assert NOTEBOOKS
+
+
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.name)
+def test_notebook_is_committed_without_outputs(path):
+    cells = json.loads(path.read_text(encoding="utf-8"))["cells"]
+    code = [cell for cell in cells if cell["cell_type"] == "code"]
+    assert [cell["source"] for cell in code if cell["outputs"] or cell["execution_count"] is not None] == []

@@ -1,0 +1,104 @@
+"""The page for students: the event is missed, the bars are the rows; nothing looks at a clock."""
+
+import re
+
+import numpy as np
+import pytest
+
+from frictionlab.bench import exact_and_fast_page, harness, missed_event, nonlinearity_cost, page_figures
+from frictionlab.bench.scenes import BenchScene, scenes
+from frictionlab.hybrid.compilation import NUMBA
+from frictionlab.hybrid.solve import solve
+
+
+@pytest.fixture(scope="module")
+def found():
+    return missed_event.missed_event()
+
+
+@pytest.fixture(scope="module")
+def rows():
+    """Scene B for 0.2 s, by frictionlab and RK4."""
+    scene = scenes()["B"]
+    end = solve(scene.automaton, 0.2, x0=scene.x0, progress=False).final_state
+    short = BenchScene("B", "", scene.automaton, scene.x0, 0.2, lambda: end)
+    ways = [way for way in harness.METHODS if way.family in page_figures.PICTURE_FAMILIES[:2]]
+    return harness.measure(short, ways, repeats=1)
+
+
+@pytest.fixture(scope="module")
+def switched():
+    return nonlinearity_cost.nonlinearity_costs(t_end=0.1, repeats=1)
+
+
+def test_the_landing_is_missed(found):
+    """The first hop begins and ends between two looks of the longer step; the others see it."""
+    fixed, shorter, *located = found.results
+    looks = fixed.ends[0][fixed.ends[0] > 1e-9]
+    assert found.hop < looks[0] < found.hop + 2e-5
+    assert fixed.landings == 0
+    assert [course.landings for course in (shorter, *located)] == [4, 4, 4]
+    assert fixed.height.min() < -1e-5
+    assert located[-1].height.min() > -1e-12
+
+
+def test_a_missed_event_is_not_a_small_error(found):
+    """From the method's own error to a share of the motion, for good; located events keep the error."""
+    fixed, shorter, *located = found.results
+    before, later = missed_event.TIMES_OF_ERRORS < -1e-4, missed_event.TIMES_OF_ERRORS > 6e-3
+    for course in (fixed, shorter):
+        assert course.error[later].min() > 1e3 * course.error[before].max()
+        assert course.error[later].min() > 0.01 * found.size
+    assert fixed.error[before].min() > 1e3 * shorter.error[before].max()
+    assert fixed.moments[1] > 1e3 * fixed.moments[0]
+    for course, size in zip(located, (1e-6, 1e-12), strict=True):
+        assert course.error.max() < size
+
+
+def test_the_picture_of_the_cost_has_the_rows(rows):
+    ax = page_figures.cost(rows).axes[0]
+    ours, rk4, slope = ax.lines
+    assert len(ours.get_xdata()) == sum(row.family == "frictionlab" for row in rows)
+    assert rk4.get_ydata().tolist() == [row.error for row in rows if row.family == "RK4"]
+    assert np.polyfit(np.log(slope.get_xdata()), np.log(slope.get_ydata()), 1)[0] == pytest.approx(-4)
+
+
+def test_the_bars_are_the_rows_sorted(switched):
+    ax = page_figures.draw_nonlinearity_costs(switched).axes[0]
+    widths = [bar.get_width() for bar in ax.patches]
+    assert widths == sorted(1e-3 * row.nanoseconds for row in switched)
+    names = [label.get_text() for label in ax.get_yticklabels()]
+    assert sorted(names)[0] == "cubic"
+    full = next(row for row in switched if not row.without)
+    label = ax.texts[names.index("cubic + nonsmooth + geometry")].get_text()
+    assert label == f"{full.operations} operations, {full.products} products, 8 guards, 10 states"
+
+
+def test_the_page_and_its_pictures(tmp_path, rows, switched):
+    text = exact_and_fast_page.write_exact_and_fast(tmp_path, rows, switched).read_text(encoding="utf-8")
+    assert text.startswith("# Exact and fast")
+    assert "{" not in text
+    pictures = re.findall(r"\]\((images/.*?)\)", text)
+    assert len(pictures) == 3
+    assert all((tmp_path / name).stat().st_size > 10_000 for name in pictures)
+
+
+@pytest.mark.parametrize("snippet", re.findall(r"```python\n(.*?)```", exact_and_fast_page.TEXT, re.DOTALL))
+def test_the_snippets_run(snippet, capsys):
+    exec(snippet, {})
+    assert len(capsys.readouterr().out.splitlines()) in (4, 5)
+
+
+def test_a_fresh_process_is_timed(monkeypatch):
+    monkeypatch.setattr(nonlinearity_cost, "COMBINATIONS", (nonlinearity_cost.NONLINEARITIES,))
+    starts = nonlinearity_cost.starts(repeats=1)
+    assert starts.imported > 0
+    assert len(starts.first) == 1
+
+
+@pytest.mark.skipif(NUMBA is None, reason="native code needs numba")
+def test_native_code_of_every_mode():
+    rows = nonlinearity_cost.native_code_times(repeats=1)
+    assert [row.mode for row in rows] == ["stick", "slip+", "slip-", "separation"]
+    assert all(row.compiled > 0 and row.loaded > 0 for row in rows)
+    assert len(nonlinearity_cost.native_table(rows).splitlines()) == 6

@@ -1,0 +1,25 @@
+"""Every notebook in tutorials/ runs from its first to its last cell.
+
+Where FRICTIONLAB_EXECUTED names a folder, the executed notebooks are left there for the documentation
+site, which then need not execute them once more.
+"""
+
+import os
+from pathlib import Path
+
+import nbformat
+import pytest
+from nbclient import NotebookClient
+
+TUTORIALS = Path(__file__).parents[3] / "tutorials"
+EXECUTED = os.environ.get("FRICTIONLAB_EXECUTED")
+
+
+@pytest.mark.parametrize("path", sorted(TUTORIALS.glob("*.ipynb")), ids=lambda path: path.name)
+def test_notebook_runs(path):
+    notebook = nbformat.read(path, as_version=4)
+    resources = {"metadata": {"path": str(TUTORIALS)}}
+    NotebookClient(notebook, timeout=600, kernel_name="python3", resources=resources).execute()
+    if EXECUTED:
+        Path(EXECUTED).mkdir(parents=True, exist_ok=True)
+        nbformat.write(notebook, Path(EXECUTED) / path.name)

@@ -1,0 +1,157 @@
+"""Figs 7 to 18: what they hold and how they are drawn, on tiny grids and short runs."""
+
+import numpy as np
+import pytest
+
+import frictionlab as fl
+from frictionlab.paper import scenes, steady_states
+from frictionlab.paper.registry import FIGURES, STEADY
+from frictionlab.paper.scenes import Setting
+from frictionlab.paper.steady_states import in_range, intervals_text, regime_changes
+
+GRIDS = {
+    "mu_k": (0.3, 1.4),
+    "mu_k_near": (1.4,),
+    "mu_k_stiff": (0.15, 2.5),
+    "preloads": (100.0, 200.0),
+}
+
+
+@pytest.fixture
+def tiny(monkeypatch):
+    """Two values of each parameter, some seconds of motion."""
+    for name, values in GRIDS.items():
+        monkeypatch.setattr(scenes, name, lambda setting, values=values: np.array(values))
+    monkeypatch.setattr(scenes, "mu_k_coarse", lambda setting, *further: np.array([0.3, 1.4]))
+    for name in ("USUAL_TIMES", "FIXED_STEP_TIMES"):
+        monkeypatch.setattr(scenes, name, scenes.Times(3.0, 2.0))
+    monkeypatch.setattr(scenes, "STIFF_TIMES", scenes.Times(1.0, 1.0))
+    monkeypatch.setattr(steady_states, "_CACHE", {})
+
+
+PANELS = {7: 6, 8: 6, 9: 1, 10: 1, 11: 2, 12: 3, 13: 6, 14: 3, 15: 4, 16: 3, 17: 3, 18: 8}
+
+
+@pytest.mark.parametrize("number", STEADY)
+def test_a_figure_has_numbers_and_a_picture(number, tiny):
+    found = fl.paper.figure(number, progress=False)
+    lines = str(found).splitlines()
+    assert lines[0].startswith(f"Fig. {number}: ")
+    assert "exact solver" in lines[0]
+    assert len(lines) == 1 + len(found.summary) > 1
+    assert str(found).isascii()
+    assert len(repr(found)) < 200
+    picture = found.plot()
+    picture.draw_without_rendering()
+    assert len(picture.axes) == PANELS[number]
+    assert picture.get_suptitle().startswith(f"Fig. {number}: ")
+    assert found.how in picture.get_suptitle()
+    unlabelled = [ax for ax in picture.axes if not ax.get_ylabel()]
+    assert len(unlabelled) == (2 if number == 18 else 0)  # there the right ones share the axis of the left
+
+
+@pytest.mark.parametrize("number", [9, 16, 18])
+def test_algorithm_and_impact_law_reach_the_runs(number, tiny):
+    by_paper = fl.paper.figure(number, progress=False, algorithm="paper")
+    assert by_paper.how == "paper's algorithm, step 0.0002 s, Eq. (13)"
+    with_full = fl.paper.figure(number, progress=False, impact="full gap rate")
+    assert with_full.how == "exact solver, full gap rate"
+    sweep = steady_states.sweep_from_rest(1e4, Setting(algorithm="paper", progress=False))
+    assert sweep.asked["method"] == fl.RK4(step=2e-4).describe()
+    assert sweep.asked["tolerance"] == pytest.approx(0.1, abs=0.002)
+    full = steady_states.sweep_from_rest(1e4, Setting(impact="full gap rate", progress=False))
+    assert full.model.impact == fl.PlasticImpact(penetration_rate="full")
+    assert full.asked["tolerance"] == 1e-6
+
+
+def test_figures_share_sweeps_and_keep_them_in_files(tiny, tmp_path):
+    fl.paper.figure(9, progress=False, resume=tmp_path)
+    (file,) = tmp_path.iterdir()
+    before = file.stat().st_mtime_ns
+    fl.paper.figure(10, progress=False, resume=tmp_path)
+    assert len(list(tmp_path.iterdir())) == 2
+    assert file.stat().st_mtime_ns == before
+    steady_states._CACHE.clear()
+    again = fl.paper.figure(9, progress=False, resume=tmp_path)
+    assert again.data.sweeps[1e4, "rest"].kinds == fl.load_bifurcation(file).kinds
+
+
+def test_a_sweep_that_was_cut_off_is_no_figure(tiny, monkeypatch):
+    def cut_off(model, parameter, values, x0, **options):
+        return type("Cut", (), {"kinds": ("periodic", "")})()
+
+    monkeypatch.setattr(steady_states, "bifurcation", cut_off)
+    with pytest.raises(KeyboardInterrupt):
+        fl.paper.figure(9, progress=False)
+    assert not steady_states._CACHE
+
+
+@pytest.mark.parametrize("number", FIGURES)
+def test_linear_stability_has_no_algorithm(number):
+    with pytest.raises(ValueError, match=rf"algorithm must be 'exact', got 'paper': Fig. {number} needs"):
+        fl.paper.figure(number, algorithm="paper")
+    with pytest.raises(ValueError, match=rf"impact must be 'paper', .* Fig. {number} has no impacts"):
+        fl.paper.figure(number, impact="full gap rate")
+
+
+@pytest.mark.parametrize("number", [13, 14])
+def test_without_the_moving_load_there_is_no_choice_of_an_impact_law(number):
+    with pytest.raises(ValueError, match="no moving load"):
+        fl.paper.figure(number, impact="full gap rate")
+
+
+@pytest.mark.parametrize("options", [{"algorithm": "rk4"}, {"impact": "full"}])
+def test_unknown_choices_are_refused(options):
+    with pytest.raises(ValueError, match=r"must be one of '(exact', 'paper'|paper', 'full gap rate')"):
+        fl.paper.figure(9, **options)
+
+
+def test_times_follow_the_cost_of_a_motion():
+    paper, full = Setting(), Setting(impact="full gap rate")
+    assert scenes.times_of(scenes.USUAL, paper) == scenes.USUAL_TIMES
+    assert scenes.times_of(scenes.USUAL, full) == scenes.USUAL_TIMES
+    assert scenes.times_of(scenes.STIFF, paper) == scenes.STIFF_TIMES
+    assert scenes.times_of(scenes.STIFF.without("nonsmooth"), paper) == scenes.USUAL_TIMES
+    assert scenes.times_of(scenes.STIFF, Setting(algorithm="paper")) == scenes.FIXED_STEP_TIMES
+
+
+def test_grids_hold_what_the_text_names():
+    full, quick = Setting(), Setting(quick=True)
+    fine = scenes.mu_k(full)
+    assert len(fine) == 60
+    assert {0.05, 0.4, 0.9, 1.3, 1.8, 3.0} <= set(fine)
+    assert {0.05, 0.1, 0.75, 1.3, 2.9} <= set(scenes.mu_k_coarse(full, *scenes.MU_K_NAMED_IN_TEXT))
+    assert {0.05, 0.1, 0.15, 0.2} <= set(scenes.mu_k_stiff(full))
+    assert {0.38, 0.05, 0.01} <= set(scenes.mu_k_coarse(full, *scenes.MU_K_SMALL))
+    for grid in scenes.mu_k, scenes.mu_k_near, scenes.mu_k_stiff, scenes.preloads:
+        assert set(grid(quick)) <= set(grid(full)) or grid is scenes.mu_k_near
+        assert len(grid(quick)) < len(grid(full))
+    assert set(scenes.mu_k_near(quick)) <= set(scenes.mu_k(quick))
+    assert set(scenes.mu_k_near(full)) <= set(scenes.mu_k_coarse(full))
+
+
+class Found:
+    """A sweep as far as the words go."""
+
+    def __init__(self, kinds, onsets=None):
+        self.kinds = tuple(kinds)
+        self.values = np.arange(1, len(kinds) + 1) / 10
+        self.onsets = np.zeros(len(kinds)) if onsets is None else np.array(onsets)
+
+
+def test_stretches_in_words():
+    assert intervals_text(Found(["equilibrium"] * 2 + ["periodic"])) == "equilibrium 0.1 to 0.2, periodic 0.3"
+    mixed = intervals_text(Found(["periodic", "non-periodic"] * 4))
+    assert mixed == "periodic at 4 of 8 values (0.1 to 0.7), non-periodic at 4 of 8 values (0.2 to 0.8)"
+
+
+def test_changes_of_regime_leave_out_what_has_not_settled():
+    kinds = ["equilibrium", "periodic", "not settled yet", "periodic", "periodic", "non-periodic"]
+    assert regime_changes(Found(kinds, [0, 1, 0, 1, 2, 0])) == 3
+
+
+def test_ranges_of_values():
+    found = Found(["periodic"] * 4)
+    assert in_range(found, 0.2, 0.4).tolist() == [False, True, True, True]
+    assert in_range(found, 0.2, np.inf).tolist() == [False, True, True, True]
+    assert in_range(found, 0.2, 0.4, open_end=True).tolist() == [False, True, True, False]

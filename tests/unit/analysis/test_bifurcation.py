@@ -1,0 +1,182 @@
+"""Sweeps of steady states: the same by whatever workers, hysteresis, tables, refusals."""
+
+import json
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
+
+import numpy as np
+import pytest
+
+import frictionlab as fl
+from frictionlab.analysis.sweeps.bifurcation import MAX_SECTION_POINTS
+
+FLAT = fl.SliderOnBelt().without("geometry")
+VALUES = [0.3, 0.5, 1.4, 2.9]
+SHORT = {"transient": 40.0, "window": 20.0, "progress": False}
+
+
+@pytest.fixture(scope="module")
+def one_worker(tmp_path_factory):
+    return fl.bifurcation(FLAT, "mu_k", VALUES, workers=1, **SHORT)
+
+
+def same(found, expected):
+    return json.dumps(found.results, sort_keys=True) == json.dumps(expected.results, sort_keys=True)
+
+
+@pytest.mark.parametrize("workers", [2, 5, None])
+def test_the_number_of_workers_changes_nothing(one_worker, workers, tmp_path):
+    path = tmp_path / "sweep.jsonl"
+    found = fl.bifurcation(FLAT, "mu_k", VALUES, workers=workers, resume=path, **SHORT)
+    assert same(found, one_worker)
+    assert path.read_bytes() == one_worker.save(tmp_path / "saved").read_bytes()
+
+
+def test_processes_give_the_same(one_worker):
+    with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool:
+        assert same(fl.bifurcation(FLAT, "mu_k", VALUES, executor=pool, **SHORT), one_worker)
+
+
+def test_a_cluster_gives_the_same(one_worker):
+    distributed = pytest.importorskip("distributed", reason="the extra dask is not installed")
+    with (
+        distributed.LocalCluster(
+            n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None
+        ) as cluster,
+        distributed.Client(cluster) as client,
+    ):
+        found = fl.bifurcation(FLAT, "mu_k", VALUES, executor=client.get_executor(), **SHORT)
+    assert same(found, one_worker)
+
+
+def test_values_are_those_of_steady_state(one_worker):
+    alone = fl.steady_state(FLAT.replace(mu_k=1.4), **SHORT)
+    assert one_worker.kinds[2] == alone.kind == "periodic"
+    assert one_worker.periods[2] == alone.period
+    assert one_worker.intensities[2] == alone.intensity
+    assert one_worker.onsets[2] == 1
+    assert np.array_equal(one_worker.sections[2], alone.section.state[-MAX_SECTION_POINTS:])
+    assert {k: v[2] for k, v in one_worker.shares.items()} == dict(alone.time_in_mode)
+
+
+def test_kinds_from_rest():
+    kinds = fl.bifurcation(FLAT, "mu_k", [0.3, 0.38, 1.4, 2.9], transient=200.0, window=50.0).kinds
+    assert kinds == ("equilibrium", "periodic", "periodic", "periodic")
+
+
+def test_up_and_down_shows_hysteresis():
+    up, down = [0.3, 0.5, 0.7, 2.1], [0.7, 0.5, 0.3]
+    long = {"transient": 180.0, "window": 20.0, "progress": False}
+    found = fl.bifurcation(FLAT, "mu_k", up + down, "continue", **long)
+    assert found.kinds[:3] == ("equilibrium",) * 3
+    assert found.kinds[3:] == ("periodic",) * 4
+    assert fl.critical_value(FLAT, "mu_k", (0.0, 3.0)) == pytest.approx(2.0, abs=0.1)
+    onward = fl.steady_state(FLAT.replace(mu_k=0.5), np.array(found.results[0]["final"]), **long)
+    assert np.array_equal(onward.trajectory.final_state, found.results[1]["final"])
+
+
+def test_section_points_for_a_scatter_plot(one_worker):
+    values, states = one_worker.section("x1")
+    moving = [len(s) for s, kind in zip(one_worker.sections, one_worker.kinds) if kind != "equilibrium"]
+    assert len(values) == len(states) == sum(moving)
+    assert set(one_worker.section("x1", "periodic")[0]) <= {0.5, 1.4, 2.9}
+    assert len(one_worker.section("x1", "non-periodic")[0]) == 0
+    with pytest.raises(ValueError, match="name must be one of 'x1'"):
+        one_worker.section("x7")
+
+
+def test_equilibria_are_points_of_their_own():
+    found = fl.bifurcation(FLAT, "mu_k", [0.2, 0.3], "near", transient=150.0, window=20.0)
+    values, states = found.section("y1", "equilibrium")
+    assert values.tolist() == [0.2, 0.3]
+    expected = [fl.equilibrium(FLAT.replace(mu_k=v)).q[1] for v in values]
+    assert np.allclose(states, expected, rtol=1e-4)
+    assert len(found.section("y1")[0]) == 0
+
+
+def test_tables(one_worker):
+    frame = one_worker.to_dataframe()
+    assert frame.index.name == "mu_k"
+    assert frame.index.tolist() == VALUES
+    assert frame["kind"].tolist() == list(one_worker.kinds)
+    assert np.allclose(frame[["stick", "slip+", "slip-", "separation"]].sum(axis=1), 1.0)
+    xarray = pytest.importorskip("xarray", reason="the extra data is not installed")
+    table = one_worker.to_xarray()
+    assert isinstance(table, xarray.Dataset)
+    assert float(table.intensity.sel(mu_k=1.4)) == one_worker.intensities[2]
+    assert float(table.share.sel(mu_k=1.4, mode="stick")) == one_worker.shares["stick"][2]
+    states = table.section.sel(mu_k=1.4, state="x1").dropna("point")
+    assert np.array_equal(states, one_worker.sections[2][:, 0])
+
+
+def test_the_model_comes_back(one_worker, tmp_path):
+    again = fl.load_bifurcation(one_worker.save(tmp_path / "b.jsonl"))
+    assert again.model == one_worker.model == FLAT
+    assert (again.parameter, again.kinds) == ("mu_k", one_worker.kinds)
+    assert np.array_equal(again.periods, one_worker.periods, equal_nan=True)
+
+
+def test_what_ends_early_is_said_and_hinders_nothing():
+    linear = FLAT.without("cubic", "nonsmooth")
+    found = fl.bifurcation(
+        linear, "mu_k", [2.5, 0.3], "continue", transient=100.0, window=10.0, progress=False
+    )
+    assert found.kinds[0] == "ended early"
+    assert found.kinds[1] in ("not settled yet", "equilibrium")
+    assert np.isnan(found.intensities[0])
+
+
+@pytest.mark.parametrize(
+    ("arguments", "options", "error", "message"),
+    [
+        (("mu_q", [1.0]), {}, TypeError, "no parameter 'mu_q': did you mean 'mu_s'"),
+        (("mu_k", []), {}, ValueError, "values must hold at least one number"),
+        (("mu_k", [np.nan]), {}, ValueError, "mu_k must be a finite number"),
+        (("mu_k", [1.0, 4.0]), {}, ValueError, "raise mu_s or lower mu_k"),
+        (("mu_k", [1.0], "contine"), {}, ValueError, "did you mean 'continue'"),
+        (("mu_k", [1.0], np.zeros(3)), {}, ValueError, "for each of the states"),
+        (("mu_k", [1.0]), {"section": "x1 +"}, ValueError, "must be an expression"),
+        (("mu_k", [1.0]), {"workers": 0}, ValueError, "workers must be an integer, at least 1"),
+        (("mu_k", [1.0]), {"window": 0.0}, ValueError, "window must be"),
+        (("mu_k", [1.0]), {"t_max": -1.0}, ValueError, "t_max must be"),
+        (("mu_k", [1.0]), {"method": "talor"}, ValueError, "did you mean 'taylor'"),
+        (("mu_k", [1.0]), {"resume": "/no/such/place"}, OSError, "resume must be a file that can be written"),
+        (("F", [-5.0], "near"), {}, ValueError, "there must be an equilibrium"),
+    ],
+)
+def test_bad_arguments_are_refused_before_any_work(arguments, options, error, message, tmp_path):
+    path = tmp_path / "untouched"
+    with pytest.raises(error, match=message):
+        fl.bifurcation(FLAT, *arguments, **{"transient": 1e9, "resume": path, **options})
+    assert not path.exists()
+
+
+def test_a_class_is_no_model():
+    with pytest.raises(TypeError, match=r"got the class SliderOnBelt: write SliderOnBelt\(\)"):
+        fl.bifurcation(fl.SliderOnBelt, "mu_k", [1.0])
+
+
+def test_values_side_by_side_give_what_each_gives_alone():
+    """Without events transients run in groups; whether a value is in one makes no difference."""
+    smooth = fl.SliderOnBelt().without("nonsmooth", "geometry")
+    values = np.linspace(0.2, 1.0, 18)
+    options = {"transient": 2.0, "window": 1.0, "progress": False}
+    together = fl.bifurcation(smooth, "mu_k", values, **options)
+    for i in (0, 7, 17):
+        alone = fl.bifurcation(smooth, "mu_k", values[i : i + 1], **options)
+        assert alone.results[0] == together.results[i]
+
+
+def test_values_that_have_not_settled_go_on_as_in_steady_state(tmp_path):
+    smooth = fl.SliderOnBelt().without("nonsmooth", "geometry")
+    path, values = tmp_path / "sweep.jsonl", [0.3, 0.8, 1.5]
+    options = {"transient": 10.0, "window": 20.0, "progress": False}
+    short = fl.bifurcation(smooth, "mu_k", values, **options)
+    long = fl.bifurcation(smooth, "mu_k", values, t_max=300.0, resume=path, **options)
+    alone = [fl.steady_state(smooth.replace(mu_k=v), t_max=300.0, **options) for v in values]
+    assert short.kinds == ("not settled yet",) * 3
+    assert long.kinds == tuple(found.kind for found in alone) == ("equilibrium",) * 3
+    assert [r["final"] for r in long.results.values()] == [a.trajectory.final_state.tolist() for a in alone]
+    assert len({found.transient for found in alone}) > 1
+    with pytest.raises(ValueError, match="differs in longest"):
+        fl.bifurcation(smooth, "mu_k", values, t_max=200.0, resume=path, **options)

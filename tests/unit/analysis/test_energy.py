@@ -1,0 +1,201 @@
+"""The energy balance: it closes, and every term is what mechanics says it is."""
+
+from dataclasses import replace
+from itertools import combinations
+
+import numpy as np
+import pytest
+import sympy as sp
+
+import frictionlab as fl
+from frictionlab import plotting
+from frictionlab.bench.scenes import scenes
+from frictionlab.components import SlidingOnly, StickSlip
+
+USUAL = fl.SliderOnBelt(mu_k=1.4)
+NORMAL = USUAL.replace(geometry=fl.MovingLoad(direction="normal"))
+UNDAMPED = dict.fromkeys(("c1", "c2", "c4", "c5", "c6"), 0.0)
+SMOOTH = dict.fromkeys(("mu_k", "mu_s"), 0.0)
+OFF = [names for k in range(4) for names in combinations(("cubic", "nonsmooth", "geometry"), k)]
+SCENES = {
+    "A": USUAL.without("geometry"),
+    "B": USUAL.replace(impact=fl.PlasticImpact("full")),
+    "C": fl.SliderOnBelt(mu_k=2.5, k_nl=1e7, F=800.0, k4=5e6, k5=5e6, k6=5e6).without("nonsmooth"),
+    "D": USUAL,
+    **{f"without {names}": fl.SliderOnBelt(mu_k=0.6).without(*names) for names in OFF},
+    "restitution 0.5": USUAL.replace(impact=fl.RestitutionImpact(0.5)),
+    "restitution 1": USUAL.replace(impact=fl.RestitutionImpact(1.0)).without("geometry"),
+    "bilateral": USUAL.replace(interface=StickSlip()),
+    "normal": NORMAL,
+}
+
+
+def run_of(model, t_end=1.0, **options):
+    return fl.simulate(model, t_end, progress=False, **options)
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_the_balance_closes(name):
+    audit = fl.energy_audit(run_of(SCENES[name]))
+    assert audit.turned_over > 10.0
+    assert audit.error < 1e-13
+    assert np.abs(audit.residual).max() == pytest.approx(audit.error * audit.turned_over)
+
+
+@pytest.mark.parametrize("name", ["A", "B", "C", "D"])
+def test_the_scenes_are_those_of_the_benchmark(name):
+    scene = scenes()[name]
+    mine = SCENES[name].automaton()
+    assert mine.modes is scene.automaton.modes
+    assert dict(mine.parameters) == dict(scene.automaton.parameters)
+
+
+def with_powers(automaton):
+    """The automaton with the powers of friction as outputs."""
+
+    def also(mode):
+        out = mode.outputs
+        drive = out["friction_force"] * sp.Symbol("v", real=True)
+        rubbed = -out["friction_force"] * out["relative_velocity"]
+        return replace(mode, outputs={**out, "belt drive": drive, "friction": rubbed})
+
+    return replace(automaton, modes=tuple(map(also, automaton.modes)))
+
+
+@pytest.mark.parametrize("name", ["A", "B", "D", "bilateral"])
+def test_works_are_those_of_integrands_that_ride_on_the_tape(name):
+    model = SCENES[name]
+    riders = {"belt drive": "belt drive", "friction": "friction"}
+    start = np.zeros(2 * len(model.coordinates))
+    run = fl.solve(
+        with_powers(model.automaton()), 1.0, x0=start, quadratures=riders, source=model, progress=False
+    )
+    works = fl.energy_audit(run).works
+    for contribution in riders:
+        assert works[contribution][-1] == pytest.approx(run.quadratures[contribution], rel=1e-12)
+
+
+def test_friction_is_what_the_belt_drive_pays_at_rest_in_steady_sliding():
+    model = USUAL.replace(mu_k=0.3).without("geometry")
+    at = fl.equilibrium(model)
+    run = run_of(model, 2.0, x0=[*at.q, 0, 0, 0, 0])
+    audit = fl.energy_audit(run)
+    assert audit.powers["belt drive"] == pytest.approx(np.full(len(run.t), at.friction_force * model.v))
+    assert audit.works["belt drive"][-1] == pytest.approx(2.0 * at.friction_force * model.v, rel=1e-12)
+    assert audit.works["friction"] == pytest.approx(-audit.works["belt drive"], abs=1e-11)
+    assert audit.energies["kinetic"] == pytest.approx(0.0, abs=1e-25)
+    p, gap = model, at.penetration
+    assert audit.energies["contact"][0] == pytest.approx(p.k2 * gap**2 / 2 + p.k_nl * gap**4 / 4, rel=1e-14)
+    assert audit.energies["preload"][0] == pytest.approx(p.F * at.q[1], rel=1e-14)
+
+
+def test_signs():
+    """Friction and dampers only take; stick takes nothing; plastic impacts take at each."""
+    run = run_of(SCENES["A"], 3.0)
+    audit = fl.energy_audit(run)
+    assert (audit.powers["friction"] <= 1e-12).all()
+    assert (audit.powers["dampers"] <= 0).all()
+    assert np.abs(audit.powers["friction"][run.mode == "stick"]).max() < 1e-11
+    flight = run.mode == "separation"
+    assert not audit.energies["contact"][flight].any()
+    assert not audit.powers["belt drive"][flight].any()
+    assert (np.diff(audit.works["impacts"]) < 1e-12).all()
+    assert audit.works["impacts"][-1] < -1.0
+
+
+def test_an_impact_takes_what_the_approach_had():
+    """Plastic: (gap rate)^2/(2 compliance), and 1 - e^2 of it with restitution."""
+    for e in (0.0, 0.5, 0.8):
+        run = run_of(USUAL.replace(impact=fl.RestitutionImpact(e)).without("geometry"), 0.5)
+        landed = run.events.source == "separation"
+        before = run.events.before[landed]
+        rate, compliance = before[:, 7] - before[:, 5], 1 / USUAL.M + 1 / USUAL.m
+        taken = (1 - e**2) * rate**2 / (2 * compliance)
+        assert len(taken) > 3
+        works = fl.energy_audit(run).works["impacts"]
+        assert works[-1] == pytest.approx(-taken.sum(), rel=1e-11)
+
+
+def test_the_moving_load_does_the_work_of_erratum_e4():
+    """-F_N phi (x1' - x2'), by trapezoids."""
+    model = USUAL.replace(interface=SlidingOnly(), **SMOOTH, **UNDAMPED)
+    t = np.linspace(0.0, 1.0, 20_001)
+    run = run_of(model, 1.0, t_eval=t, x0=[0.01, -0.02, -0.01, 0.0, 0.05, 0.5, 0, 0, 0, 0])
+    audit = fl.energy_audit(run)
+    power = -run["normal_force"] * run["phi"] * (run["x1'"] - run["x2'"])
+    assert audit.powers["moving load"] == pytest.approx(power, abs=1e-12)
+    assert audit.works["moving load"][-1] == pytest.approx(np.trapezoid(power, t), abs=1e-5)
+    assert np.ptp(audit.total) > 0.1
+    assert np.ptp(audit.total - audit.works["moving load"]) < 1e-12
+
+
+@pytest.mark.parametrize("interface", [SlidingOnly(), fl.StickSlipSeparation()])
+def test_a_force_normal_to_the_belt_keeps_the_energy(interface):
+    """No friction, no dampers, elastic impacts: nothing comes or goes, and none of the parts is at rest."""
+    model = NORMAL.replace(interface=interface, impact=fl.RestitutionImpact(1.0), v=0.0, **SMOOTH, **UNDAMPED)
+    run = run_of(model, 2.0, x0=[0.01, -0.02, -0.01, 0.0, 0.05, 0.5, 0, 0, 0, 0])
+    audit = fl.energy_audit(run)
+    assert not audit.works["moving load"].any()
+    assert np.ptp(audit.energies["contact"]) > 0.1
+    assert np.ptp(audit.total) < 1e-12 * audit.turned_over
+
+
+def test_a_normal_force_acts_along_the_gradient_of_the_gap():
+    q = sp.symbols("x1 y1 x2 y2 phi")
+    geometry = fl.MovingLoad(direction="normal")
+    assert [sp.expand(w + sp.diff(geometry.penetration(*q), x)) for w, x in zip(geometry.normal(*q), q)] == [
+        0
+    ] * 5
+    vertical = fl.MovingLoad()
+    assert vertical.normal(*q) == (0, 1, 0, -1, q[0] - q[2])
+    assert vertical == fl.MovingLoad("vertical")
+    with pytest.raises(ValueError, match="direction must be 'vertical' or 'normal', got 'norml'"):
+        fl.MovingLoad("norml")
+
+
+def test_a_normal_force_has_no_chatter_and_its_statics_are_those_of_its_automaton():
+    assert NORMAL.automaton().names == ("stick", "slip+", "slip-", "separation")
+    model = NORMAL.replace(mu_k=0.3)
+    at, numerically = fl.equilibrium(model), fl.eigenvalues(model.automaton())
+    assert at.residual < 1e-13
+    still = run_of(model, 1.0, x0=[*at.q, *np.zeros(5)])
+    assert np.abs(still.final_state[:5] - at.q).max() < 1e-14
+    found = fl.eigenvalues(model).values
+    assert np.abs(found - numerically.values).max() < 1e-9
+
+
+def test_other_methods_are_audited_as_they_are():
+    coarse, fine = (fl.energy_audit(run_of(SCENES["A"], 0.5, method=fl.RK4(h))).error for h in (1e-3, 1e-4))
+    assert 1e-12 < fine < coarse < 1e-2
+
+
+def test_samples_do_not_matter():
+    t = np.linspace(0.0, 1.0, 37)
+    few, many = (fl.energy_audit(run_of(SCENES["B"], 1.0, t_eval=times)) for times in (t, None))
+    assert few.t == pytest.approx(t)
+    for name, work in few.works.items():
+        assert work[-1] == pytest.approx(many.works[name][-1], abs=1e-11)
+    assert few.error < 1e-13
+
+
+def test_wrong_runs_are_told():
+    with pytest.raises(TypeError, match="run must be a Trajectory"):
+        fl.energy_audit("run")
+    model = SCENES["A"]
+    with pytest.raises(
+        ValueError, match="run must be of a model that states its energies, got one of a HybridAutomaton"
+    ):
+        fl.energy_audit(fl.solve(model.automaton(), 0.1, x0=np.zeros(8)))
+
+
+def test_plots_show_the_balance():
+    audit = fl.energy_audit(run_of(SCENES["B"], 0.3))
+    energies, works = plotting.plot_energies(audit), plotting.plot_works(audit)
+    assert energies[0].axes.get_ylabel() == "energy (J)"
+    assert works[0].axes.get_ylabel() == "work from 0 to $t$ (J)"
+    for lines, parts in ((energies, audit.energies), (works, audit.works)):
+        assert [line.get_label() for line in lines] == [*parts, "sum"]
+        for line, values in zip(lines, parts.values()):
+            assert np.array_equal(line.get_ydata(), values)
+        total = np.sum([line.get_ydata() for line in lines[:-1]], axis=0)
+        assert lines[-1].get_ydata() == pytest.approx(total, abs=1e-10)

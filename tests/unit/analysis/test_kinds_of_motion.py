@@ -1,0 +1,155 @@
+"""Kinds of steady states with known answers: slow decay, touched sections, motions that are stuck."""
+
+import numpy as np
+import pytest
+import sympy as sp
+
+import frictionlab as fl
+from frictionlab.analysis.steady_state.forcing_phase import covers_period, phase_on_circle, phase_resets
+from tests.helpers.automata import V, X, automaton
+from tests.helpers.known_motions import settled
+
+SLIDES = {"v": 2.0}  # a belt too fast for the masses to come up to it
+APART = [0.1, 0.2, 0.0, 0.0]  # both modes of two blocks
+LONG = {"transient": 0.0, "window": 200.0, "t_max": 3e4}
+
+
+@pytest.mark.parametrize("c", [1e-2, 1e-3, 1e-4, 1e-5])
+@pytest.mark.parametrize("window", [40.0, 100.0, 400.0])
+def test_a_slow_decay_is_not_settled_yet(c, window):
+    for model in (fl.MassOnBelt(c=c, **SLIDES), fl.TwoBlocks(c=c, **SLIDES)):
+        assert settled(model, transient=100.0, window=window).kind == "not settled yet"
+    assert settled(fl.TwoBlocks(c=c, **SLIDES), APART, window=window).kind == "not settled yet"
+
+
+@pytest.mark.parametrize(
+    ("model", "x0"),
+    [
+        (fl.MassOnBelt(c=1e-2, **SLIDES), "rest"),
+        (fl.MassOnBelt(c=2e-3, **SLIDES), "rest"),
+        (fl.TwoBlocks(c=1e-2, **SLIDES), APART),
+        (fl.TwoBlocks(c=2e-3, k2=2.5, **SLIDES), APART),
+    ],
+)
+def test_a_slow_decay_goes_on_to_the_equilibrium(model, x0):
+    found = settled(model, x0, **LONG)
+    assert found.kind == "equilibrium"
+    rest = fl.equilibrium(model).q
+    assert found.trajectory.final_state[: len(rest)] == pytest.approx(rest, rel=2e-3)
+    # It shrinks with exp(-c t/2) from its whole size to a thousandth, a window more or less.
+    assert found.transient == pytest.approx(2 * np.log(1e3) / model.c, rel=0.3, abs=200.0)
+
+
+def test_a_sweep_goes_on_where_a_motion_decays_slowly():
+    model = fl.MassOnBelt(c=1e-3, **SLIDES)
+    options = {"transient": 200.0, "window": 100.0, "progress": False}
+    assert fl.bifurcation(model, "c", [2e-3, 1e-2], **options).kinds == ("not settled yet",) * 2
+    longer = fl.bifurcation(model, "c", [2e-3, 1e-2], t_max=2e4, **options)
+    assert longer.kinds == ("equilibrium", "equilibrium")
+
+
+def test_two_frequencies_without_damping_are_no_decay():
+    model = fl.TwoBlocks(**SLIDES)  # 1 and sqrt(3.4)
+    assert settled(model, APART, transient=0.0, window=400.0).kind == "non-periodic"
+    few = settled(model, APART, transient=0.0, window=100.0)
+    assert len(few.section.t) < 24
+    assert few.kind == "not settled yet"
+
+
+def test_contact_that_is_lost_now_and_then_does_not_hide_a_decay():
+    model = fl.ModeCoupling(m=2.0, c=1e-3, mu_k=0.2, v=8.0)
+    for window in (100.0, 200.0, 400.0, 1600.0):
+        found = settled(model, transient=333.0, window=window)
+        assert found.time_in_mode["separation"] > 0.0
+        assert found.kind == "not settled yet"
+    assert settled(model, transient=2e4, window=400.0, t_max=4e4).kind == "equilibrium"
+
+
+def test_a_forced_motion_that_decays_slowly_nears_the_period_of_the_force():
+    model = fl.DenHartog(c=1e-3, N=0.0)
+    for window in (100.0, 200.0, 400.0, 1600.0):
+        assert settled(model, window=window).kind in ("not settled yet", "periodic")
+    found = settled(model, transient=4e4, window=100.0)  # exp(-20) is left
+    assert (found.kind, found.period) == ("periodic", pytest.approx(2 * np.pi / 0.8, rel=1e-9))
+
+
+@pytest.mark.parametrize("mu", [0.3, 0.5, 0.7, 1.0])
+@pytest.mark.parametrize("transient", [0.0, 100.0, 200.0, 333.0])
+@pytest.mark.parametrize("section", [None, "stick"])
+def test_sliding_that_just_touches_the_belts_speed_has_the_period_of_the_spring(mu, transient, section):
+    """With mu_s = mu_k the mass leaves the belt on the circle that touches v_r = 0, where it may stick."""
+    model = fl.MassOnBelt(mu_k=mu, mu_s=mu)
+    found = settled(model, transient=transient, section=section)
+    assert (found.kind, found.period) == ("periodic", pytest.approx(2 * np.pi, rel=1e-7))
+    assert found.intensity == pytest.approx(0.5 * model.v**2, rel=1e-4)
+
+
+@pytest.mark.parametrize("window", [60.0, 100.0, 333.0])
+def test_every_circle_inside_the_stick_slip_cycle_has_the_period_of_the_spring(window):
+    for speed in (0.01, 0.1, 0.19999):
+        found = settled(fl.MassOnBelt(), [0.5, speed], transient=0.0, window=window)
+        assert (found.kind, found.period) == ("periodic", pytest.approx(2 * np.pi, rel=1e-10))
+
+
+@pytest.mark.parametrize("N", [1.001, 1.2, 1.5, 10.0])
+@pytest.mark.parametrize("section", [None, "stick", "x"])
+def test_what_friction_holds_against_the_force_is_at_rest(N, section):
+    found = settled(fl.DenHartog(N=N), transient=20.0, section=section)
+    assert (found.kind, found.time_in_mode["stick"]) == ("equilibrium", 1.0)
+    assert found.settled
+    assert np.isnan(found.period)
+
+
+def test_stuck_for_less_than_a_period_of_the_force_may_slip_yet():
+    """N = 0.9 sticks for half of the time, and N = 1.5 for ever: a short window cannot tell."""
+    sticks = settled(fl.DenHartog(N=0.9), transient=200.0, window=100.0)
+    run = sticks.trajectory
+    onset = run.events.t[run.events.target == "stick"][0]
+    state = run(onset + 1e-3)
+    assert settled(fl.DenHartog(N=0.9), state, transient=0.0, window=0.5).kind == "not settled yet"
+    period = 2 * np.pi / 0.8
+    for share, kind in ((0.3, "not settled yet"), (0.95, "not settled yet"), (1.05, "equilibrium")):
+        for phase in (0.0, 1.0, 3.0, 6.0):
+            start = [0.3, 0.0, phase]
+            found = settled(fl.DenHartog(N=1.5), start, transient=0.0, window=share * period)
+            assert found.kind == kind
+
+
+def test_a_mass_that_the_belt_carries_along_is_not_at_rest():
+    model = fl.MassOnBelt(k=1e-3)  # it slips after mu_s N/(k v) = 5000 s
+    found = settled(model, transient=10.0, window=100.0)
+    assert (found.kind, found.time_in_mode["stick"]) == ("not settled yet", 1.0)
+
+
+def test_other_ways_to_stop_for_ever():
+    for model in (fl.FreeCoulomb(), fl.BouncingBall(), fl.MassOnBelt(v=0.0)):
+        assert settled(model).kind == "equilibrium"
+
+
+def test_what_no_force_moves_may_still_be_set_back():
+    """A clock that is set back is no event; what throws a mass back is, even where it is done at once."""
+    force = sp.Symbol("s")
+    turn = fl.Event("turn", 1 - force, ("only",), fl.Reset({force: sp.S.Zero}))
+    throw = fl.Event("turn", 1 - force, ("only",), fl.Reset({force: sp.S.Zero, X: X + 1}))
+    for event, kind in ((turn, "equilibrium"), (throw, "not settled yet")):
+        scene = automaton(fl.Mode("only", (V, -V, sp.S.One), (event,)), states=(X, V, force))
+        assert settled(scene, [1.0, 0.0, 0.5], transient=0.0, window=10.0).kind == kind
+
+
+def test_a_clock_goes_round_a_circle():
+    run = fl.simulate(fl.DenHartog(N=1.5), 20.0, x0=[0.3, 0.0, 1.0])
+    assert phase_resets(run).all()
+    assert covers_period(run)
+    t = np.linspace(0.0, 20.0, 101)
+    angle = 1.0 + 0.8 * t
+    assert phase_on_circle(run, run(t)) == pytest.approx(
+        np.column_stack([np.full(101, 0.3), np.zeros(101), np.cos(angle), np.sin(angle)]), abs=1e-12
+    )
+
+
+def test_two_blocks_that_come_to_move_by_turns_are_periodic_in_the_end():
+    """They start alike and fall apart by rounding; what they come to is a cycle."""
+    found = settled(fl.TwoBlocks(), transient=1000.0, window=200.0)
+    assert found.kind == "periodic"
+    run = found.trajectory
+    assert run(run.raw.t - found.period) == pytest.approx(run.final_state, abs=1e-9)

@@ -1,0 +1,283 @@
+"""Closed orbits and their multipliers: closed forms, Liouville's formula, differences of the return map."""
+
+import numpy as np
+import pytest
+import sympy as sp
+
+import frictionlab as fl
+from frictionlab.hybrid.admissible import condition_violation
+from tests.helpers.automata import V, X, automaton, ball, coulomb, oscillator
+from tests.helpers.known_motions import FLAT, TILTED, C, S, W, bistable
+from tests.helpers.mode_coupling_cycle import by_differences, cycle
+
+BELT = coulomb(0.2, 1.0, 0.5)
+
+
+def den_hartog(ratio, friction):
+    """x'' + x + f sgn x' = cos(r t); cos and sin are states that are drawn to the unit circle."""
+    r, f = sp.symbols("r f")
+    drawn = 1 - C**2 - S**2
+    clock = (-r * S + C * drawn, r * C + S * drawn)
+
+    def slip(name, sign, targets):
+        event = fl.Event("v", sign * V, targets, fl.Reset({V: sp.S.Zero}))
+        return fl.Mode(name, (V, C - X - sign * f, *clock), (event,))
+
+    ends = fl.Event("cone+", f - (C - X), ("+",)), fl.Event("cone-", f + (C - X), ("-",))
+    stick = fl.Mode("stick", (V, sp.S.Zero, *clock), ends, (V,))
+    modes = stick, slip("+", 1, ("stick", "-")), slip("-", -1, ("stick", "+"))
+    return automaton(*modes, states=(X, V, C, S), r=ratio, f=friction)
+
+
+def circle(direction):
+    """Radius' = +- radius (1 - radius^2) in a plane that turns once in 2 pi; a third state dies with e^-t."""
+    grow = sp.Symbol("direction") * (1 - X**2 - V**2)
+    flow = (X * grow - V, V * grow + X, -W)
+    return automaton(fl.Mode("only", flow), states=(X, V, W), coordinates=0, direction=direction)
+
+
+def van_der_pol(mu, time=1):
+    """With time = -1 the same orbit backwards."""
+    strength, sense = sp.symbols("mu sense")
+    flow = (sense * V, sense * (strength * (1 - X**2) * V - X))
+    return automaton(fl.Mode("only", flow), coordinates=0, mu=mu, sense=time)
+
+
+def multipliers(orbit):
+    """Without that along the orbit, the largest first."""
+    return np.delete(orbit.multipliers, np.argmin(np.abs(orbit.multipliers - 1)))
+
+
+GUESSES = {
+    "state": lambda: [0.5, 0.1],
+    "stick": lambda: [0.0, 0.2],
+    "run": lambda: fl.solve(BELT, 50.0, x0=[0.0, 0.2]),
+    "steady state": lambda: fl.steady_state(BELT, [0.0, 0.2], transient=30.0, window=60.0, progress=False),
+}
+
+
+@pytest.mark.parametrize("guess", ["stick", "run", "steady state"])
+def test_a_mass_on_a_belt_has_its_closed_form(guess):
+    orbit = fl.periodic_orbit(BELT, GUESSES[guess]())
+    exact = 5 + 2 * np.pi - 2 * np.arctan(2.5)
+    assert exact == pytest.approx(8.902605407815, abs=1e-12)
+    assert orbit.period == pytest.approx(exact, abs=1e-12)
+    assert orbit.multipliers == pytest.approx([1.0, 0.0], abs=1e-12)
+    assert [name for name, _ in orbit.modes] == ["stick", "+"]
+    assert [seconds for _, seconds in orbit.modes] == pytest.approx([5.0, exact - 5.0], abs=1e-12)
+    assert orbit.stable
+    assert orbit.residual < 1e-14
+    assert orbit.trajectory(orbit.period) == pytest.approx(orbit.state, abs=1e-13)
+
+
+def test_inside_the_cycle_of_stick_and_slip_there_are_those_without_stick():
+    """|v| < 0.2 about x = 0.5: a family of circles, on which both multipliers are 1."""
+    orbit = fl.periodic_orbit(BELT, GUESSES["state"]())
+    assert orbit.period == pytest.approx(2 * np.pi, abs=1e-12)
+    assert orbit.multipliers == pytest.approx([1.0, 1.0], abs=1e-7)  # a double root: the root of rounding
+    assert [name for name, _ in orbit.modes] == ["+"]
+
+
+def test_the_bistable_oscillator_sticks_as_long_as_it_should():
+    orbit = fl.periodic_orbit(bistable(1.5), [0.5, 1.5, 1.0])
+    assert orbit.period == pytest.approx(6.31630635789, abs=1e-11)
+    assert dict(orbit.modes)["stick"] == pytest.approx(0.505485542356, abs=1e-12)
+    assert orbit.multipliers == pytest.approx([1.0, 0.0, 0.0], abs=1e-10)
+    v = orbit.state[1]
+    assert orbit.state[2] == pytest.approx(np.exp(-2 * abs(v - 1.5)), rel=1e-12)
+
+
+HARTOG = {(0.8, 0.3): 2.626104875723, (1.3, 0.4): 1.200900612358, (0.7, 0.5): 1.744253936249}
+
+
+@pytest.mark.parametrize(("ratio", "friction"), HARTOG)
+def test_den_hartogs_amplitude(ratio, friction):
+    scene = den_hartog(ratio, friction)
+    orbit = fl.periodic_orbit(scene, fl.solve(scene, 100.0, x0=[0.0, 0.1, 1.0, 0.0]))
+    period, amplitude = 2 * np.pi / ratio, HARTOG[ratio, friction]
+    response, damping = 1 / (1 - ratio**2), np.sin(np.pi / ratio) / (ratio * (1 + np.cos(np.pi / ratio)))
+    assert amplitude == pytest.approx(np.sqrt(response**2 - (friction * damping) ** 2), abs=1e-12)
+    assert orbit.period == pytest.approx(period, abs=1e-12)
+    assert np.sort(orbit.trajectory.events.state[:, 0]) == pytest.approx([-amplitude, amplitude], abs=1e-12)
+    # The clock's second multiplier is that of radius' = radius (1 - radius^2); two are the oscillator's.
+    found = multipliers(orbit)
+    assert orbit.stable
+    assert np.abs(found - np.exp(-2 * period)).min() < 1e-9
+
+
+@pytest.mark.parametrize("direction", [1.0, -1.0])
+def test_the_unit_circle_attracts_or_repels(direction):
+    radius = 1.0 + 1e-7  # one turn magnifies what is missing to 1 by e^(4 pi)
+    orbit = fl.periodic_orbit(circle(direction), [radius * np.cos(0.3), radius * np.sin(0.3), 1e-3])
+    assert orbit.period == pytest.approx(2 * np.pi, abs=1e-11)
+    assert np.hypot(*orbit.state[:2]) == pytest.approx(1.0, abs=1e-12)
+    exact = sorted([np.exp(-4 * np.pi * direction), np.exp(-2 * np.pi)], reverse=True)
+    assert multipliers(orbit) == pytest.approx(exact, rel=1e-8)
+    assert orbit.stable == (direction > 0)
+    kind = "stable" if direction > 0 else "unstable"
+    assert repr(orbit) == f"PeriodicOrbit({kind}, period 6.28319 s, only)"
+
+
+def test_an_unstable_bounce_is_found():
+    """A ball that leaves the floor at V^2/c: at speed c for ever; u -> u^2/c doubles what is off."""
+    c, g = sp.symbols("c g")
+    floor = fl.Event("floor", X, ("flight",), fl.Reset({X: sp.S.Zero, V: V**2 / c}))
+    scene = automaton(fl.Mode("flight", (V, -g), (floor,)), c=3.0, g=9.81)
+    orbit = fl.periodic_orbit(scene, [1.01 * 9.0 / (2 * 9.81), 0.0], period=0.6)
+    assert orbit.period == pytest.approx(6.0 / 9.81, rel=1e-13)
+    assert orbit.multipliers == pytest.approx([2.0, 1.0], rel=1e-12)
+    assert orbit.trajectory.events.before[0] == pytest.approx([0.0, -3.0], abs=1e-13)
+    assert not orbit.stable
+
+
+@pytest.mark.parametrize("time", [1, -1])
+def test_van_der_pol_keeps_to_liouvilles_formula(time):
+    """det M = exp(integral of the divergence).
+
+    The period at mu = 1: Hairer, Norsett & Wanner, Solving Ordinary Differential Equations I, exercise 1 of
+    section I.16.
+    """
+    scene = van_der_pol(1.0, time)
+    guess = fl.solve(van_der_pol(1.0), 60.0, x0=[2.0, 0.0])
+    orbit = fl.periodic_orbit(scene, guess)
+    assert orbit.period == pytest.approx(6.6632868593231301896996820305, abs=1e-11)
+    run = fl.solve(scene, orbit.period, x0=orbit.state, quadratures={"div": time * (1 - X**2)})
+    assert multipliers(orbit)[0].real == pytest.approx(np.exp(run.quadratures["div"]), rel=1e-10)
+    assert orbit.stable == (time > 0)
+
+
+def test_what_comes_back_to_its_state_in_another_mode_is_no_orbit():
+    """At v_r = 0 both slip and stick may begin where static friction is larger than kinetic."""
+    model = fl.SliderOnBelt(mu_k=1.51278)
+    found, rest = fl.eigenvalues(model), fl.equilibrium(model).q
+    i = int(np.argmax(found.growth_rates))
+    shape = found.vectors[:, i].real / np.abs(found.vectors[:5, i]).max()
+    guess = np.concatenate([rest, np.zeros(5)]) + 1e-2 * shape
+    with pytest.raises(ValueError, match=r"begins in mode 'slip\+' and comes back to .* in mode 'stick'"):
+        fl.periodic_orbit(model, guess, period=1.0 / found.frequencies[i])
+
+
+def return_map(model, orbit, i, z):
+    """Where the motion from `z` meets the plane that state i is constant on, about one period later."""
+    scene = model.automaton()
+    level = scene.states[i] - float(orbit.state[i])
+    end = 1.2 * orbit.period
+    run = fl.solve(scene, end, x0=z, sections={"plane": level}, progress=False)
+    points = run.sections["plane"]
+    return points.state[np.argmin(np.abs(points.t - orbit.period))]
+
+
+@pytest.mark.parametrize("base", [FLAT, TILTED], ids=["flat", "tilted"])
+@pytest.mark.parametrize("mu_k", [0.4, 1.4, 2.5])
+def test_the_sliders_multipliers_are_those_of_its_return_map(base, mu_k):
+    model = base.replace(mu_k=mu_k)
+    guess = fl.simulate(model, 60.0, progress=False)
+    orbit = fl.periodic_orbit(model, guess)
+    size = np.ptp(orbit.trajectory.states, axis=0)
+    i = int(np.argmax(np.abs(fl.simulate(model, 1e-4, x0=orbit.state).final_state - orbit.state) / size))
+    others = np.delete(np.arange(len(size)), i)
+
+    def differences(h):
+        steps = h * np.diag(size)[others]
+        ends = [
+            return_map(model, orbit, i, orbit.state + s) - return_map(model, orbit, i, orbit.state - s)
+            for s in steps
+        ]
+        return (np.column_stack(ends) / size[:, None])[others] / (2 * h)
+
+    # Eigenvalues of central differences, extrapolated from two steps.
+    coarse, fine = differences(2e-5), differences(1e-5)
+    found = np.linalg.eigvals((4 * fine - coarse) / 3)
+    exact = multipliers(orbit)
+    assert len(found) == len(exact)
+    assert all(np.abs(found - value).min() < 1e-6 for value in exact if abs(value) > 1e-3)
+    assert np.abs(found).max() == pytest.approx(np.abs(exact).max(), abs=1e-6)
+    assert np.abs(exact).min() < 1e-10
+    assert orbit.stable
+    assert [name for name, _ in orbit.modes] == ["slip+", "stick", "slip+", "separation"]
+
+
+# At 0.7431 and 0.9369 the gap is rounding on the wrong side of zero where the flight begins.
+@pytest.mark.parametrize("mu_k", [0.7, 0.7431, 0.84, 0.9369, 0.98])
+def test_a_cycle_with_loss_of_contact_is_that_of_another_integrator(mu_k):
+    model = fl.ModeCoupling(c=0.1, mu_k=mu_k)
+    orbit = fl.periodic_orbit(model, fl.steady_state(model, progress=False))
+    events = orbit.trajectory.events
+    (onset,) = events.state[events.target == "stick"][:, [0, 1, 3]]
+    again, times = cycle(onset, 0.1, mu_k)
+    assert again == pytest.approx(onset, abs=1e-10)
+    stays = dict(zip(["stick", "slip+", "separation", "slip+ again"], times))
+    assert [name for name, _ in orbit.modes] == ["slip+", "stick", "slip+", "separation"]
+    ours = [seconds for _, seconds in orbit.modes]
+    assert ours == pytest.approx(
+        [stays[n] for n in ("slip+ again", "stick", "slip+", "separation")], abs=1e-10
+    )
+    found = np.linalg.eigvals(by_differences(onset, 0.1, mu_k))
+    exact = multipliers(orbit)[:2]
+    assert all(np.abs(found - value).min() < 1e-7 for value in exact)
+    assert orbit.stable
+
+
+def test_no_condition_is_measured_by_its_own_rounding():
+    for mu_k in np.linspace(0.7, 0.98, 14):
+        model = fl.ModeCoupling(c=0.1, mu_k=mu_k)
+        orbit = fl.periodic_orbit(model, fl.steady_state(model, progress=False))
+        assert condition_violation(orbit.trajectory) < 1e-13
+
+
+def test_the_orbit_is_what_the_motion_settles_to():
+    model = FLAT.replace(mu_k=1.4)
+    settled = fl.steady_state(model, transient=60.0, window=20.0, progress=False)
+    orbit = fl.periodic_orbit(model, settled)
+    assert orbit.period == pytest.approx(settled.period, rel=1e-9)
+    assert sum(seconds for _, seconds in orbit.modes) == pytest.approx(orbit.period, rel=1e-12)
+    shares = {name: share for name, share in settled.time_in_mode.items() if share}
+    in_mode = orbit.trajectory.time_in_mode
+    whole = {name: seconds / orbit.period for name, seconds in in_mode.items() if seconds}
+    assert whole == pytest.approx(shares, abs=0.1 / 20.0)
+
+
+def test_a_guess_of_two_periods_gives_the_shortest():
+    orbit = fl.periodic_orbit(BELT, [0.0, 0.2], period=17.8)
+    assert orbit.period == pytest.approx(8.902605407815, abs=1e-11)
+
+
+def test_a_guess_of_other_parameters_will_do():
+    one, other = FLAT.replace(mu_k=1.4), FLAT.replace(mu_k=1.5)
+    orbit = fl.periodic_orbit(other, fl.simulate(one, 60.0, progress=False))
+    again = fl.periodic_orbit(other, fl.simulate(other, 60.0, progress=False))
+    assert orbit.period == pytest.approx(again.period, rel=1e-12)
+
+
+def test_bad_arguments_are_told_before_any_work():
+    with pytest.raises(ValueError, match=r"period must be a finite number, above 0, got -1\.0"):
+        fl.periodic_orbit(BELT, [0.0, 0.2], period=-1.0)
+    with pytest.raises(ValueError, match=r"guess must be .* a finite number for each of x, v, got"):
+        fl.periodic_orbit(BELT, [0.0])
+    with pytest.raises(TypeError, match="model must be a model such as SliderOnBelt"):
+        fl.periodic_orbit("slider", [0.0])
+    with pytest.raises(ValueError, match="guess must have the model's states"):
+        fl.periodic_orbit(FLAT, fl.solve(BELT, 20.0, x0=[0.0, 0.2]))
+
+
+def test_what_is_no_orbit_says_what_was_reached():
+    at_rest = fl.steady_state(ball(), [1.0, 0.0], transient=5.0, window=5.0, progress=False)
+    with pytest.raises(ValueError, match="guess must be periodic, the steady state is 'equilibrium'"):
+        fl.periodic_orbit(ball(), at_rest)
+    damped = automaton(fl.Mode("only", (V, -X - V / 2)))
+    with pytest.raises(ValueError, match="guess must come back within 10% of the size of its motion"):
+        fl.periodic_orbit(damped, [1.0, 0.0])
+    with pytest.raises(ValueError, match=r"no periodic orbit found .*(equilibrium|residual)"):
+        fl.periodic_orbit(damped, [1.0, 0.0], period=6.0)
+    with pytest.raises(ValueError, match="guess must pass a mode without constraints"):
+        fl.periodic_orbit(coulomb(0.0, 1.0, 1.0), [0.3, 0.0], period=1.0)
+    with pytest.raises(ValueError, match="accumulation of events was closed"):
+        fl.periodic_orbit(fl.SliderOnBelt(mu_k=1.4), fl.simulate(fl.SliderOnBelt(mu_k=1.4), 30.0))
+
+
+def test_an_oscillator_is_a_family_of_orbits():
+    orbit = fl.periodic_orbit(oscillator(), [0.3, 0.4])
+    assert orbit.period == pytest.approx(2 * np.pi, abs=1e-12)
+    assert np.hypot(*orbit.state) == pytest.approx(0.5, abs=0.01)  # that next to the guess
+    assert orbit.multipliers == pytest.approx([1.0, 1.0], abs=1e-7)
+    assert not orbit.stable

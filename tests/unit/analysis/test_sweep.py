@@ -1,0 +1,191 @@
+"""Sweeps of any function, and ablations."""
+
+import threading
+import time
+
+import numpy as np
+import pytest
+
+import frictionlab as fl
+
+MODEL = fl.SliderOnBelt()
+QUIET = {"progress": False}
+
+
+def product(model):
+    return model.F * model.mu_k
+
+
+def test_a_grid_of_two_parameters():
+    found = fl.sweep(product, MODEL, {"F": [100.0, 200.0], "mu_k": [0.1, 0.2, 0.3]}, **QUIET)
+    assert found.results.shape == (2, 3)
+    assert np.allclose(found.to_array(), np.outer([100.0, 200.0], [0.1, 0.2, 0.3]))
+
+
+def test_initial_states_are_the_last_axis():
+    def first(model, start):
+        return float(fl.simulate(model, 0.01, x0=start, progress=False).q[0, 0])
+
+    state = np.full(10, 1e-3)
+    found = fl.sweep(first, MODEL, {"mu_k": [0.1, 0.2]}, x0=("rest", "near", state), **QUIET)
+    assert found.results.shape == (2, 3)
+    near = [1.01 * fl.equilibrium(MODEL.replace(mu_k=v)).q[0] for v in (0.1, 0.2)]
+    assert np.allclose(found.to_array(), [[0.0, near[0], 1e-3], [0.0, near[1], 1e-3]])
+    assert found.to_dataframe().loc[(0.2, "state 2"), "result"] == 1e-3
+
+
+def test_the_number_of_workers_changes_nothing():
+    def wait_and_see(model):
+        time.sleep(0.02 * (model.mu_k < 0.15))  # so that the first ends last
+        return {"mu_k": model.mu_k, "thread": None}
+
+    values = {"mu_k": np.linspace(0.1, 1.0, 10)}
+    one, five = (fl.sweep(wait_and_see, MODEL, values, workers=n, **QUIET) for n in (1, 5))
+    assert one.results.tolist() == five.results.tolist()
+
+
+def test_tables():
+    def several(model):
+        return {"work": product(model), "large": model.F > 150}
+
+    found = fl.sweep(several, MODEL, {"F": [100.0, 200.0], "mu_k": [0.1, 0.2]}, **QUIET)
+    frame = found.to_dataframe()
+    assert list(frame.columns) == ["work", "large"]
+    assert frame.loc[(200.0, 0.1), "work"] == 20.0
+    pytest.importorskip("xarray", reason="the extra data is not installed")
+    table = found.to_xarray()
+    assert dict(table.sizes) == {"F": 2, "mu_k": 2}
+    assert float(table.work.sel(F=100.0, mu_k=0.2)) == 20.0
+    assert fl.sweep(product, MODEL, {"F": [1.0]}, **QUIET).to_xarray()["result"].dims == ("F",)
+
+
+def test_a_failure_names_its_values_and_loses_nothing(tmp_path):
+    def fails_late(model):
+        if model.mu_k == 0.5:
+            raise ZeroDivisionError("oops")
+        time.sleep(0.05)
+        return model.mu_k
+
+    path, values = tmp_path / "sweep.jsonl", {"F": [200.0], "mu_k": [0.1, 0.2, 0.5, 0.6, 0.7, 0.8]}
+    with pytest.raises(
+        RuntimeError, match=r"F = 200, mu_k = 0.5 failed with ZeroDivisionError: oops"
+    ) as info:
+        fl.sweep(fails_late, MODEL, values, workers=2, resume=path, **QUIET)
+    assert isinstance(info.value.__cause__, ZeroDivisionError)
+    kept = path.read_text().count('"task"')
+    assert 2 <= kept < 6
+
+
+def test_a_failure_of_a_bifurcation_names_the_value(monkeypatch):
+    def broken(model, *args, **options):
+        raise ValueError(f"no {model.mu_k}")
+
+    monkeypatch.setattr("frictionlab.analysis.sweeps.bifurcation.steady_state", broken)
+    for x0 in ("rest", "continue"):
+        with pytest.raises(RuntimeError, match=r"mu_k = 0.5 failed with ValueError: no 0.5"):
+            fl.bifurcation(MODEL, "mu_k", [0.5, 0.6], x0, workers=1, **QUIET)
+
+
+def test_what_a_file_cannot_hold_is_told(tmp_path):
+    path = tmp_path / "sweep.jsonl"
+    with pytest.raises(TypeError, match="results that resume keeps must be numbers"):
+        fl.sweep(fl.equilibrium, MODEL, {"F": [200.0]}, resume=path, **QUIET)
+    assert fl.sweep(fl.equilibrium, MODEL, {"F": [200.0]}, **QUIET).results[0].normal_force > 0
+    numbers = fl.sweep(lambda m: np.array([m.F]), MODEL, {"F": [200.0]}, resume=tmp_path / "b", **QUIET)
+    assert numbers.results.tolist() == [[200.0]]
+
+
+@pytest.mark.parametrize(
+    ("over", "options", "error", "message"),
+    [
+        ({"mu_q": [1.0]}, {}, TypeError, "did you mean 'mu_s'"),
+        ({"mu_k": []}, {}, ValueError, "over must hold values of each parameter, got none of mu_k"),
+        ({}, {}, ValueError, "got none of any"),
+        ({"mu_k": [5.0]}, {}, ValueError, "raise mu_s or lower mu_k"),
+        ({"mu_k": [1.0]}, {"x0": ["rset"]}, ValueError, "did you mean 'rest'"),
+        ({"mu_k": [1.0]}, {"x0": [[1.0]]}, ValueError, "for each of the states"),
+        ({"mu_k": [1.0]}, {"x0": [[1.0]]}, ValueError, r"got \[1.0\]: give 10 numbers, in this order"),
+        (
+            {"mu_k": [1.0]},
+            {"x0": "rest"},
+            ValueError,
+            r"x0 must be a sequence .* got 'rest': write \['rest'\]",
+        ),
+        (["mu_k"], {}, ValueError, r"over must be a mapping, got \['mu_k'\]: give each its values"),
+        ({"mu_k": "a"}, {}, ValueError, r"over\['mu_k'\] must hold numbers, got 'a': give"),
+        ({"mu_k": [1.0]}, {"workers": -1}, ValueError, "workers must be"),
+        ({"mu_k": [1.0]}, {"resume": "/no/such/place"}, OSError, "resume must be a file"),
+    ],
+)
+def test_bad_arguments_are_refused_before_any_work(over, options, error, message):
+    def never(*arguments):
+        raise AssertionError("work was done")
+
+    with pytest.raises(error, match=message):
+        fl.sweep(never, MODEL, over, **{**QUIET, **options})
+
+
+@pytest.mark.parametrize(
+    "model", [fl.SliderOnBelt, MODEL.automaton(), product], ids=["class", "automaton", "f"]
+)
+@pytest.mark.parametrize("study", [fl.ablation, fl.sweep])
+def test_what_is_no_model_is_refused(study, model):
+    arguments = (model, product) if study is fl.ablation else (product, model, {"F": [1.0]})
+    with pytest.raises(TypeError, match=r"model must be a model .* got .*: write .*\("):
+        study(*arguments, **QUIET)
+
+
+def test_what_is_no_function_is_refused_before_any_work():
+    with pytest.raises(TypeError, match="study must be a function of a model, got 'x': give one such as"):
+        fl.ablation(MODEL, "x", **QUIET)
+    with pytest.raises(
+        TypeError, match=r"function must be .* got SliderOnBelt\(\): write sweep\(function, model"
+    ):
+        fl.sweep(MODEL, product, {"F": [1.0]}, **QUIET)
+
+
+def test_work_is_done_in_several_threads():
+    def thread(model):
+        time.sleep(0.05)
+        return threading.get_ident()
+
+    found = fl.sweep(thread, MODEL, {"mu_k": np.linspace(0.1, 1.0, 8)}, workers=4, **QUIET)
+    assert 2 <= len(set(found.results)) <= 4
+
+
+@pytest.fixture(scope="module")
+def critical():
+    return fl.ablation(MODEL, lambda m: fl.critical_value(m, "mu_k", (0.0, 4.0)), **QUIET)
+
+
+def test_an_ablation_has_eight_scenes(critical):
+    assert len(set(critical.without)) == len(list(critical)) == 8
+    for left_out, model in zip(critical.without, critical.models, strict=True):
+        assert model == MODEL.without(*left_out)
+    assert critical.without[0] == ()
+    assert set(critical.without[-1]) == {"cubic", "nonsmooth", "geometry"}
+
+
+def test_results_by_what_is_left_out(critical):
+    expected = fl.critical_value(MODEL.without("cubic", "geometry"), "mu_k", (0.0, 4.0))
+    assert critical["cubic", "geometry"] == critical["geometry", "cubic"] == expected
+    assert critical["geometry"] == fl.critical_value(MODEL.without("geometry"), "mu_k", (0.0, 4.0))
+    assert critical[()] == fl.critical_value(MODEL, "mu_k", (0.0, 4.0))
+    with pytest.raises(KeyError, match="name some of cubic, nonsmooth, geometry"):
+        critical["geomtry"]
+
+
+def test_an_ablation_is_a_table(critical):
+    lines = str(critical).splitlines()
+    assert len(lines) == 8
+    assert lines[0].split() == ["with", "all", "three", str(critical[()])]
+    assert lines[-1].startswith("without cubic, nonsmooth, geometry")
+
+
+def test_a_study_that_fails_names_its_scene():
+    def no_geometry(model):
+        if "phi" not in model.coordinates:
+            raise ZeroDivisionError("oops")
+
+    with pytest.raises(RuntimeError, match=r"the scene without geometry failed with ZeroDivisionError: oops"):
+        fl.ablation(MODEL, no_geometry, workers=1, **QUIET)

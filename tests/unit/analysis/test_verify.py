@@ -1,0 +1,149 @@
+"""`fl.verify`: good runs, chaotic ones, wrong ones, pile-ups; and the warning of a steady state."""
+
+import math
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+import sympy as sp
+
+import frictionlab as fl
+from frictionlab.analysis.verification.defect_warning import defect_warning
+from frictionlab.analysis.verification.run_comparison import ModeStays, first_event_difference
+from frictionlab.hybrid.trajectory import Trajectory
+from frictionlab.widgets.messages import run_end_text
+from tests.helpers.automata import V, X, automaton
+from tests.helpers.known_motions import logistic
+
+A = fl.SliderOnBelt(mu_k=1.4).without("geometry")
+
+
+@pytest.mark.parametrize("row", tuple(fl.list_models()), ids=lambda row: row.call)
+def test_runs_of_every_model_are_sound(row):
+    names = {name: getattr(fl, name) for name in fl.__all__}
+    found = fl.verify(eval(row.call, {"fl": fl, **names}), 3.0)
+    assert found.ok, str(found)
+    assert found.events_agree
+    assert found.error < 1e-9  # what DOP853 at 1e-12 adds up in 3 s
+    assert found.until == 3.0
+    assert found.defect == found.run.defect
+
+
+def test_a_good_run_in_a_sentence():
+    found = fl.verify(A, 5.0, progress=False)
+    assert found.independent_until == 5.0
+    assert str(found).startswith("All three runs agree to ")
+    assert str(found).endswith("of the motion's size over 5 s, with the same 223 events.")
+    assert len(found.run.events) == 223
+    assert found.run.source == A
+
+
+def test_chaos_is_told_from_error():
+    """Errors of the logistic ball double each second in the mean: a billionth is a thousandth after 20 s."""
+    found = fl.verify(logistic(4.0), 60.0, x0=[0.3, 0.1], progress=False)
+    assert found.ok
+    assert found.until == pytest.approx(math.log2(1e6), abs=4)
+    assert found.error < 1e-6
+    assert "cannot be predicted" in str(found)
+
+
+@pytest.mark.parametrize("method", [fl.RK4(step=5e-3), fl.Taylor(tol=1e-3)])
+def test_a_wrong_run_is_not_to_be_trusted(method):
+    found = fl.verify(A, 5.0, method=method, progress=False)
+    exact = fl.simulate(A, 5.0, progress=False)
+    t = np.linspace(0.0, 5.0, 5000)
+    assert np.abs(found.run(t) - exact(t)).max() > 1e-5  # m: it really is wrong
+    assert not found.ok
+    assert str(found).startswith("Do not trust this run: ")
+
+
+@pytest.mark.parametrize("method", ["RK45", fl.RK4(step=2e-4)])
+def test_other_methods_that_do_well(method):
+    found = fl.verify(A, 2.0, method=method, progress=False)
+    assert found.ok
+    assert 1e-12 < found.error < 1e-5
+
+
+def test_chatter_gives_no_false_alarm():
+    found = fl.verify(fl.SliderOnBelt(mu_k=1.4), 5.0, progress=False)
+    assert found.ok
+    assert found.until == 5.0
+    first = found.run.events.t[found.run.events.closed][0]
+    assert 0.0 < found.independent_until < first
+    assert "where events begin to pile up" in str(found)
+
+
+def test_an_automaton_and_a_law_of_ones_own():
+    spring = automaton(fl.Mode("on", (V, -X - X**3 - sp.tanh(20 * V))))
+    found = fl.verify(spring, 10.0, x0=[1.0, 0.0])
+    assert found.ok
+    assert str(found).endswith("over 10 s, without an event.")
+    assert fl.verify(spring, 10.0).ok  # from rest, where nothing happens
+
+
+def test_a_run_that_ends_early_says_so():
+    found = fl.verify(A, 5.0, method=fl.Taylor(max_steps=50), progress=False)
+    assert found.until == found.run.raw.t < 5.0
+    assert "There the run ended: step cap" in str(found)
+
+
+def test_bad_arguments():
+    with pytest.raises(ValueError, match="t_end must be a finite number, above 0"):
+        fl.verify(A, 0.0)
+    with pytest.raises(ValueError, match="method must be"):
+        fl.verify(A, 1.0, method="euler")
+    with pytest.raises(ValueError, match="x0 must hold"):
+        fl.verify(A, 1.0, x0=[1.0])
+
+
+def test_two_missing_events_are_noticed_though_all_others_look_alike():
+    """Slip, stick, slip, stick by turns: without a pair in the middle the modes are still those."""
+    t = np.arange(1.0, 9.0)
+    modes = np.array(["stick", "slip"] * 4)
+    closed = np.zeros(8, dtype=bool)
+    all_ = ModeStays(t, t, modes, closed)
+    kept = np.array([0, 1, 2, 5, 6, 7])
+    fewer = ModeStays(t[kept], t[kept], modes[[0, 1, 2, 3, 4, 5]], closed[kept])
+    assert first_event_difference(all_, fewer, 10.0, 1e-3) == 4.0
+    assert first_event_difference(all_, all_, 10.0, 1e-3) == math.inf
+
+
+def with_longer_steps(run):
+    """The run as if each four of its steps had been one: its series do not reach so far."""
+    raw = run.raw
+    starts = raw.step_times[::4, 0]
+    times = np.column_stack([starts, np.diff(starts, append=raw.t)])
+    raw = raw._replace(step_times=times, step_modes=raw.step_modes[::4], step_states=raw.step_states[::4])
+    return Trajectory(run.automaton, run.problem, raw, run.samples, description=run.description)
+
+
+def test_steps_beyond_the_reach_of_a_series_are_warned_of():
+    sharp = automaton(fl.Mode("on", (V, -X - 0.1 * V - sp.tanh((X - 0.5) * 100))))
+    run = fl.solve(sharp, 5.0, x0=[2.0, 0.0], progress=False)
+    assert defect_warning(run) is None
+    assert "steps in mode 'on' are wrong by up to" in str(defect_warning(with_longer_steps(run)))
+
+
+def test_a_steady_state_carries_the_warning():
+    state = fl.steady_state(A, transient=1.0, window=2.0, progress=False)
+    assert state.warning is None
+    sharp = automaton(fl.Mode("on", (V, -X - 0.1 * V - sp.tanh((X - 0.5) * 100))))
+    state = fl.steady_state(sharp, [2.0, 0.0], transient=0.0, window=5.0, progress=False)
+    assert state.warning is None
+    bad = replace(state, trajectory=with_longer_steps(state.trajectory))
+    assert bad.warning == defect_warning(bad.trajectory)
+    assert bad.warning is not None
+
+
+def test_an_explorer_and_a_bifurcation_pass_it_on():
+    sharp = automaton(fl.Mode("on", (V, -X - 0.1 * V - sp.tanh((X - 0.5) * 100))))
+    run = fl.solve(sharp, 5.0, x0=[2.0, 0.0], progress=False)
+    assert run_end_text(SimpleNamespace(ran=True, run=run)) == ""
+    said = run_end_text(SimpleNamespace(ran=True, run=with_longer_steps(run)))
+    assert said.startswith("Do not trust this picture: steps in mode")
+    settings = {"transient": 1.0, "window": 1.0, "progress": False}
+    found = fl.bifurcation(A, "mu_k", [0.2, 1.4], **settings)
+    assert found.warnings == (None, None)
+    results = {**found.results, 1: {**found.results[1], "warning": "steps are wrong"}}
+    assert replace(found, results=results).warnings == (None, "steps are wrong")

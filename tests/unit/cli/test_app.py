@@ -1,0 +1,79 @@
+"""`frictionlab app`: what it serves, what it refuses, and how it ends."""
+
+import importlib.util
+import os
+import re
+import signal
+import socket
+import subprocess
+import sys
+import time
+from urllib.error import HTTPError, URLError
+from urllib.request import Request, urlopen
+
+import pytest
+
+from frictionlab.cli import app, command
+
+
+def test_a_port_in_use_is_refused(refused):
+    pytest.importorskip("voila", reason="voila serves the page; it is not installed")
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+        err = refused("app", "--port", str(port))
+    assert f"--port {port} cannot be had" in err
+    assert "give another, or leave it out" in err
+
+
+def test_without_a_port_another_is_taken_where_the_usual_one_is_in_use(monkeypatch):
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        monkeypatch.setattr(app, "DEFAULT_PORT", taken.getsockname()[1])
+        assert app._choose_port(None) not in (0, app.DEFAULT_PORT)
+
+
+def test_without_voila_one_line_says_what_to_install(monkeypatch, capsys):
+    find = importlib.util.find_spec
+    monkeypatch.setattr(app, "find_spec", lambda name: None if name == "voila" else find(name))
+    assert command.main(["app"]) == 1
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    assert captured.err.count("\n") == 1
+    assert 'not installed: pip install "frictionlab[lab]"' in captured.err
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows sends ctrl-C to a whole console only")
+def test_ctrl_c_ends_it_cleanly(tmp_path):
+    pytest.importorskip("voila", reason="voila serves the page; it is not installed")
+    command = [sys.executable, "-m", "frictionlab", "app", "--no-browser"]
+    variables = os.environ | {"TMPDIR": str(tmp_path)}
+    with subprocess.Popen(
+        command, env=variables, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as process:
+        try:
+            address = re.fullmatch(
+                r"Explorer at (http://localhost:\d+/) \(ctrl-C ends it\)\n", process.stdout.readline()
+            )[1]
+            assert list(tmp_path.glob("frictionlab-*/explorer.ipynb"))
+            answer = served(address)
+            process.send_signal(signal.SIGINT)
+            out, err = process.communicate(timeout=60)
+        finally:
+            process.kill()
+    assert process.returncode == 0
+    assert out == ""
+    assert "Traceback" not in err
+    assert list(tmp_path.iterdir()) == []
+    assert "default-src 'self'" in answer
+
+
+def served(address):
+    """The policy that the server states, once it answers; to be asked for the head only starts no kernel."""
+    for _ in range(300):
+        try:
+            urlopen(Request(address, method="HEAD"), timeout=60).close()
+        except HTTPError as answer:
+            with answer:
+                return answer.headers["Content-Security-Policy"]
+        except URLError:
+            time.sleep(0.2)
+    raise AssertionError("the server does not answer")

@@ -1,0 +1,114 @@
+"""Each law states its formula, for numbers, arrays, polynomials and symbols alike."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+import sympy
+from numpy.polynomial import Polynomial
+
+import frictionlab as fl
+from frictionlab.components import (
+    Coulomb,
+    CubicContact,
+    FixedLoad,
+    LinearContact,
+    MovingLoad,
+    PlasticImpact,
+    RestitutionImpact,
+    SlidingOnly,
+    SlidingSeparation,
+    StickSlip,
+    StickSlipSeparation,
+)
+
+
+def test_cubic_contact_is_equation_2():
+    law = CubicContact(k2=2.0, k_nl=3.0)
+    assert law.force(2.0) == 2 * 2 + 3 * 8
+    np.testing.assert_allclose(law.force(np.array([-1.0, 1.0])), [-5, 5])
+    np.testing.assert_allclose(law.force(Polynomial([0.0, 1.0])).coef, [0, 2, 0, 3])
+    g = sympy.Symbol("g")
+    assert law.force(g) == 2.0 * g + 3.0 * g**3
+
+
+def test_linear_contact():
+    assert LinearContact(k2=7.0).force(0.5) == 3.5
+
+
+def test_coulomb_is_equations_3_and_8():
+    law = Coulomb(mu_k=0.5, mu_s=0.75)
+    assert law.kinetic(8.0, 123.0) == 4.0
+    assert law.static_limit(8.0) == 6.0
+
+
+def test_moving_load_gap_and_directions():
+    q = (0.3, -0.2, 0.1, 0.05, 0.4)
+    load = MovingLoad()
+    assert load.penetration(*q) == pytest.approx(0.05 - 0.2 * 0.4 + 0.2)
+    assert load.normal(*q) == pytest.approx((0, 1, 0, -1, 0.2))
+    assert load.tangent(*q) == (1, 0, -1, 0, 0)
+
+
+def test_fixed_load_is_the_moving_load_without_phi():
+    q = (0.3, -0.2, 0.1, 0.05)
+    load = FixedLoad()
+    assert load.coordinates == MovingLoad().coordinates[:4]
+    assert load.penetration(*q) == pytest.approx(MovingLoad().penetration(*q, 0.0))
+    assert load.normal(*q) == MovingLoad().normal(*q, 0.0)[:4]
+    assert load.tangent(*q) == (1, 0, -1, 0)
+
+
+def test_plastic_impact_brings_its_rate_to_zero():
+    material, full, compliance = 0.3, 0.5, 2.1
+    assert material - compliance * PlasticImpact().impulse(material, full, compliance) == pytest.approx(0)
+    assert full - compliance * PlasticImpact("full").impulse(material, full, compliance) == pytest.approx(0)
+
+
+@pytest.mark.parametrize("e", [0.0, 0.25, 1.0])
+def test_restitution_reverses_the_full_rate(e):
+    after = 0.5 - 2.1 * RestitutionImpact(e).impulse(0.3, 0.5, 2.1)
+    assert after == pytest.approx(-e * 0.5)
+
+
+def test_no_restitution_is_the_plastic_impact_on_the_full_rate():
+    assert RestitutionImpact(e=0.0).reduced() == PlasticImpact("full")
+    assert RestitutionImpact(e=0.5).reduced() == RestitutionImpact(e=0.5)
+
+
+def test_impacts_refuse_what_they_do_not_know():
+    with pytest.raises(
+        ValueError, match="penetration_rate must be 'material' or 'full', got 'fulll': did you mean 'full'"
+    ):
+        PlasticImpact(penetration_rate="fulll")
+    with pytest.raises(ValueError, match=r"e must be at most 1, got 1\.5: lower e"):
+        RestitutionImpact(e=1.5)
+
+
+def test_interfaces_are_data():
+    assert StickSlipSeparation.modes == ("stick", "slip+", "slip-", "separation")
+    assert StickSlip.modes == ("stick", "slip+", "slip-")
+    assert SlidingSeparation.modes == ("slip", "separation")
+    assert SlidingOnly.modes == ("slip",)
+
+
+@dataclass(frozen=True)
+class Branching(fl.ContactLaw):
+    k: float = 1.0
+
+    def force(self, penetration):
+        return self.k * penetration if penetration > 0 else 0 * penetration
+
+
+@dataclass(frozen=True)
+class OfNumpy(fl.Coulomb):
+    def kinetic(self, normal_force, speed):
+        return self.mu_k * normal_force * np.tanh(speed)
+
+
+@pytest.mark.parametrize(("role", "law"), [("contact", Branching()), ("friction", OfNumpy())])
+def test_a_law_that_cannot_take_symbols_is_named_with_the_cure(role, law):
+    with pytest.raises(TypeError, match=rf"{type(law).__name__}\.\w+ must be a formula .* fl\.functions"):
+        fl.simulate(fl.SliderOnBelt(**{role: law}), 0.1)

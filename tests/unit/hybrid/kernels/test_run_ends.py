@@ -1,0 +1,212 @@
+"""How runs end, and what is refused before they begin."""
+
+import numpy as np
+import pytest
+import sympy as sp
+
+import frictionlab as fl
+from tests.helpers.automata import ONCE, V, X, automaton, coulomb, oscillator
+
+
+@ONCE
+def test_the_step_cap_keeps_what_was_computed():
+    run = fl.solve(oscillator(), 1e4, x0=[1.0, 0.0], method=fl.Taylor(max_steps=7))
+    assert run.status is fl.Status.STEP_CAP
+    assert run.stats["steps"] == 7
+    assert 0 < run.t[-1] < 1e4
+    assert run["x"] == pytest.approx(np.cos(run.t), abs=1e-13)
+
+
+@ONCE
+def test_the_event_cap_keeps_what_was_computed():
+    run = fl.solve(coulomb(0.2, 1.0, 0.5), 1e4, x0=[0.0, 0.2], method=fl.Taylor(max_events=3))
+    assert run.status is fl.Status.EVENT_CAP
+    assert len(run.events) == 3
+    assert run.t[-1] == run.events.t[-1]
+
+
+@ONCE
+def test_no_admissible_mode_after_an_event_is_a_status():
+    run = fl.solve(
+        automaton(fl.Mode("only", (sp.Integer(-1),), (fl.Event("x", X),)), states=(X,), coordinates=0),
+        2.0,
+        x0=[1.0],
+    )
+    assert run.status is fl.Status.NO_ADMISSIBLE_MODE
+    assert run.events.t == pytest.approx([1.0])
+    assert run.events.target.tolist() == [""]
+    assert run.t[-1] == pytest.approx(1.0)
+    assert run.final_state == pytest.approx([0.0], abs=1e-15)
+
+
+@ONCE
+def test_no_admissible_mode_at_the_start_is_a_status():
+    run = fl.solve(automaton(fl.Mode("only", (V, -X), (fl.Event("x", X),))), 2.0, x0=[-1.0, 0.0])
+    assert run.status is fl.Status.NO_ADMISSIBLE_MODE
+    assert len(run.events) == 0
+    assert run.final_state.tolist() == [-1.0, 0.0]
+    assert run.t.tolist() == [0.0]
+
+
+@pytest.mark.parametrize("method", ["taylor", "rk4", "DOP853"])
+def test_a_motion_that_escapes_in_finite_time_ends_with_a_status(method):
+    escape = automaton(fl.Mode("only", (X**2,)), states=(X,), coordinates=0)
+    run = fl.solve(escape, 2.0, x0=[1.0], method=method)
+    assert run.status in (fl.Status.NOT_FINITE, fl.Status.STALLED)
+    assert np.isfinite(run.states).all()
+    assert np.isfinite(run.t).all()
+    assert run.t[-1] == pytest.approx(1.0, abs=1e-3)
+
+
+@ONCE
+def test_division_by_zero_ends_with_a_status():
+    run = fl.solve(automaton(fl.Mode("only", (1 / X,)), states=(X,), coordinates=0), 2.0, x0=[0.0])
+    assert run.status is fl.Status.NOT_FINITE
+    assert np.isfinite(run.states).all()
+
+
+@ONCE
+def test_a_motion_from_rest_whose_first_coefficients_vanish():
+    """x'' = sin t from rest: the series of x starts at t^3."""
+    s, c = sp.symbols("s c")
+    forced = automaton(fl.Mode("only", (V, s, c, -s)), states=(X, V, s, c))
+    run = fl.solve(forced, 5.0, x0=[0.0, 0.0, 0.0, 1.0])
+    assert run.status.ok
+    assert run.final_state[:2] == pytest.approx([5 - np.sin(5), 1 - np.cos(5)], abs=1e-13)
+
+
+@ONCE
+def test_nothing_moves_in_a_state_of_rest():
+    run = fl.solve(oscillator(), 1e6, x0=[0.0, 0.0])
+    assert run.status.ok
+    assert run.final_state.tolist() == [0.0, 0.0]
+
+
+@ONCE
+def test_the_first_mode_can_be_chosen():
+    twins = automaton(fl.Mode("a", (V, -X)), fl.Mode("b", (V, -4 * X)))
+    assert fl.solve(twins, 1.0, x0=[1.0, 0.0]).mode[0] == "a"
+    run = fl.solve(twins, 1.0, x0=[1.0, 0.0], mode="b")
+    assert run.mode[0] == "b"
+    assert run.final_state[0] == pytest.approx(np.cos(2), abs=1e-14)
+
+
+@ONCE
+def test_a_mode_that_cannot_be_entered_is_refused():
+    with pytest.raises(ValueError, match="cannot start in mode 'stick'"):
+        fl.solve(coulomb(0.2, 1.0, 0.5), 1.0, x0=[0.0, 0.0], mode="stick")
+    with pytest.raises(ValueError, match="did you mean 'stick'"):
+        fl.solve(coulomb(0.2, 1.0, 0.5), 1.0, x0=[0.0, 0.2], mode="stik")
+
+
+@ONCE
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"x0": [1.0]}, "one number per state"),
+        ({"x0": [1.0, np.nan]}, "finite"),
+        ({"x0": ["a", "b"]}, "numbers for the states"),
+        ({"t_end": 0.0}, "t_end"),
+        ({"t_end": np.inf}, "t_end"),
+        ({"t_end": "1"}, "t_end"),
+        ({"t_eval": [0.5, 0.2]}, "ascending"),
+        ({"t_eval": [0.5, 1.5]}, "ascending"),
+        ({"t_eval": [np.nan]}, "ascending"),
+        ({"t_eval": 0.5}, "ascending"),
+        ({"t_eval": [0.5, 1.5]}, r"got t_eval\[1\] = 1.5 after 0.5: sort or cut it"),
+        ({"t_eval": [-0.1, 0.5]}, r"got t_eval\[0\] = -0.1: sort or cut it"),
+        ({"t_eval": []}, r"one at least, got \[\]: leave it out"),
+        ({"t_eval": "often"}, "t_eval must hold numbers, got 'often': give ascending times"),
+        ({"x0": [1.0]}, r"\(x, v\), got \[1.0\] of shape \(1,\): give 2 numbers, in this order"),
+        ({"x0": "rest"}, r"\(x, v\), got 'rest': give 2 numbers, in this order"),
+        ({"sections": {"a": (X, 2)}}, "direction of section 'a'"),
+        ({"sections": [X]}, r"sections must be a mapping, got \[x\]: give each a name"),
+        ({"sections": {"a": [X, 1]}}, r"section 'a' must be .* \(expression, direction\), got \[x, 1\]"),
+        ({"sections": {"a": (X, 1, 1)}}, "section 'a' must be"),
+        ({"sections": {"a": (X,)}}, "section 'a' must be"),
+        ({"sections": {"a": None}}, "quadrature 'a' must be an expression of the states, .* got None"),
+        ({"quadratures": [X]}, r"quadratures must be a mapping, got \[x\]: give each a name"),
+    ],
+)
+def test_bad_arguments_are_refused(arguments, message):
+    with pytest.raises(ValueError, match=message):
+        fl.solve(oscillator(), **{"t_end": 1.0, "x0": [1.0, 0.0], **arguments})
+
+
+@ONCE
+@pytest.mark.parametrize(
+    ("automaton", "message"),
+    [
+        (fl.SliderOnBelt(), r"automaton must be .* got SliderOnBelt\(\): use fl.simulate for a model"),
+        (fl.SliderOnBelt, "use fl.simulate for a model"),
+        (1.0, r"automaton must be .* got 1.0: write solve\(automaton, t_end, x0=...\)"),
+    ],
+)
+def test_what_is_no_automaton_is_refused(automaton, message):
+    with pytest.raises(TypeError, match=message):
+        fl.solve(automaton, oscillator(), x0=[1.0, 0.0])
+
+
+@ONCE
+@pytest.mark.parametrize(
+    ("model", "message"),
+    [
+        (fl.SliderOnBelt, r"model must be .* got the class SliderOnBelt: write SliderOnBelt\(\)"),
+        (oscillator(), "got HybridAutomaton.states x, v; modes only.: use fl.solve for an automaton"),
+        (1.0, r"got 1.0: write simulate\(model, t_end\)"),
+    ],
+)
+def test_what_is_no_model_is_refused(model, message):
+    with pytest.raises(TypeError, match=message):
+        fl.simulate(model, fl.SliderOnBelt())
+
+
+@ONCE
+def test_a_start_of_another_name_is_refused_with_the_cure():
+    with pytest.raises(ValueError, match="x0 must be one of 'rest', 'near', got 'fast': or give numbers"):
+        fl.simulate(fl.SliderOnBelt(), 1.0, x0="fast")
+
+
+@ONCE
+@pytest.mark.parametrize("value", ["a", np.nan, None, sp.oo, sp.Symbol("c")], ids=str)
+def test_a_parameter_without_a_value_is_refused(value):
+    stiff = automaton(fl.Mode("only", (V, -sp.Symbol("k") * X)), k=value)
+    with pytest.raises(ValueError, match=r"parameter k must be a finite number, got .* replace\(k=1.0\)"):
+        fl.solve(stiff, 1.0, x0=[1.0, 0.0])
+
+
+@ONCE
+def test_parameters_may_be_numbers_of_sympy():
+    stiff = automaton(fl.Mode("only", (V, -sp.Symbol("k") * X)), k=sp.pi**2)
+    assert fl.solve(stiff, 1.0, x0=[1.0, 0.0]).final_state[0] == pytest.approx(-1.0, abs=1e-14)
+
+
+@ONCE
+@pytest.mark.parametrize(
+    ("broken", "message"),
+    [
+        (automaton(), "at least one mode"),
+        (automaton(fl.Mode("a", (V, -X)), fl.Mode("a", (V, -X))), "must differ"),
+        (automaton(fl.Mode("a", (V,))), "one expression per state"),
+        (automaton(fl.Mode("a", (V, -X), (fl.Event("e", X, ("b",)),))), r"leads to \['b'\]"),
+        (automaton(fl.Mode("a", (V, -sp.Symbol("k") * X))), r"the flow of mode 'a' uses \['k'\]"),
+        (automaton(fl.Mode("a", (V, -X), (fl.Event("e", X - sp.Symbol("c")),))), "event 'e'"),
+        (
+            automaton(fl.Mode("a", (V, -X), (fl.Event("e", X, (), fl.Reset({V: sp.Symbol("w")})),))),
+            "the reset of event 'e'",
+        ),
+        (
+            automaton(fl.Mode("a", (V, -X), (fl.Event("e", X, (), fl.Reset({sp.Symbol("k"): 0})),)), k=1.0),
+            r"the reset of event 'e' of mode 'a' may give values to states only \(v, x\), got one for k",
+        ),
+        (
+            automaton(fl.Mode("a", (V, -X), (fl.Event("e", X, (), fl.Reset(), fl.Reset({"v": 0})),))),
+            "states only .* got one for v",
+        ),
+        (automaton(fl.Mode("a", (V, -X), outputs={"energy": sp.Symbol("k") * X})), "output 'energy'"),
+        (automaton(fl.Mode("a", (V, -X)), coordinates=2), "coordinates"),
+    ],
+)
+def test_malformed_automata_are_refused(broken, message):
+    with pytest.raises(ValueError, match=message):
+        fl.solve(broken, 1.0, x0=[1.0, 0.0])

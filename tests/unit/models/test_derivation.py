@@ -1,0 +1,264 @@
+"""The automaton that a model becomes: modes, guards, resets, and what models share."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+import pytest
+import sympy
+
+from frictionlab.components import (
+    ContactLaw,
+    FixedLoad,
+    Interface,
+    PlasticImpact,
+    RestitutionImpact,
+    SlidingOnly,
+    SlidingSeparation,
+    StickSlip,
+    StickSlipSeparation,
+)
+from frictionlab.models import SliderOnBelt
+
+TOGGLES = [names for size in range(4) for names in combinations(("cubic", "nonsmooth", "geometry"), size)]
+INTERFACES = [StickSlipSeparation(), StickSlip(), SlidingSeparation(), SlidingOnly()]
+
+
+def numbers(automaton, expressions, state):
+    """The expressions as floats at a state."""
+    values = dict(zip(automaton.states, state, strict=True)) | dict(automaton.parameters)
+    return np.array([float(sympy.sympify(e).subs(values)) for e in expressions])
+
+
+def mode_of(automaton, name):
+    """The mode of that name."""
+    return next(mode for mode in automaton.modes if mode.name == name)
+
+
+def right_hand_side(p, state, friction):
+    """Eq. (1) by hand: accelerations for a friction law F_T(F_N, v_r), or None for flight."""
+    x1, y1, x2, y2, phi, dx1, dy1, dx2, dy2, dphi = state
+    gap = y2 - (x1 - x2) * phi - y1
+    normal = 0.0 if friction is None else p["k2"] * gap + p["k_nl"] * gap**3
+    tangential = 0.0 if friction is None else friction(normal)
+    first = p["c5"] * (dy2 + p["l1"] * dphi) + p["k5"] * (y2 + p["l1"] * phi)
+    second = p["c6"] * (dy2 - p["l2"] * dphi) + p["k6"] * (y2 - p["l2"] * phi)
+    return [
+        (tangential - p["c1"] * dx1 - p["k1"] * x1 - p["k3"] * (x1 - y1) / 2) / p["M"],
+        (normal - p["F"] - p["c2"] * dy1 + p["k3"] * (x1 - y1) / 2) / p["M"],
+        (-tangential - p["c4"] * dx2 - p["k4"] * x2) / p["m"],
+        (-normal - first - second) / p["m"],
+        (normal * (x1 - x2) - p["l1"] * first + p["l2"] * second) / p["J"],
+    ]
+
+
+@pytest.fixture
+def state():
+    """Some state of the 5-degree-of-freedom model."""
+    return np.random.default_rng(2020).normal(size=10) * 0.1
+
+
+UNEVEN = SliderOnBelt(mu_k=1.4, M=2, m=3, J=0.3, c5=0.4, l1=0.1, l2=0.3, k6=2e4, c1=0.7)
+
+
+@pytest.mark.parametrize("name", ["slip+", "slip-", "separation"])
+def test_the_flow_is_equation_1(name, state):
+    automaton = UNEVEN.automaton()
+    friction = {"slip+": lambda n: 1.4 * n, "slip-": lambda n: -1.4 * n, "separation": None}[name]
+    expected = [*state[5:], *right_hand_side(UNEVEN.parameters, state, friction)]
+    np.testing.assert_allclose(numbers(automaton, mode_of(automaton, name).flow, state), expected, rtol=1e-12)
+
+
+def test_stick_moves_both_bodies_alike_under_its_own_friction_force(state):
+    automaton = UNEVEN.automaton()
+    stick = mode_of(automaton, "stick")
+    assert stick.flow[5] is stick.flow[7]
+    (force,) = numbers(automaton, [stick.outputs["friction_force"]], state)
+    expected = right_hand_side(UNEVEN.parameters, state, lambda n: force)
+    np.testing.assert_allclose(numbers(automaton, stick.flow[5:], state), expected, rtol=1e-12)
+    assert stick.constraints == (stick.outputs["relative_velocity"],)
+
+
+def test_states_modes_and_coordinates():
+    automaton = SliderOnBelt().automaton()
+    assert [s.name for s in automaton.states] == "x1 y1 x2 y2 phi x1' y1' x2' y2' phi'".split()
+    assert automaton.names == ("stick", "slip+", "slip-", "separation", "chatter")
+    assert [mode.name for mode in automaton.modes if mode.limit] == ["chatter"]
+    assert automaton.coordinates == 5
+    parameters = {s.name: v for s, v in automaton.parameters.items()}
+    assert parameters == {**SliderOnBelt().parameters, "chatter": 0.0}
+
+
+def test_events_and_their_targets():
+    automaton = SliderOnBelt().automaton()
+    table = {mode.name: {e.name: e.targets for e in mode.events} for mode in automaton.modes}
+    assert table == {
+        "stick": {"cone+": ("slip+",), "cone-": ("slip-",), "gap": ("separation",)},
+        "slip+": {"v_r": ("stick", "slip-"), "gap": ("separation",)},
+        "slip-": {"v_r": ("stick", "slip+"), "gap": ("separation",)},
+        "separation": {"gap": ("slip+", "slip-", "stick")},
+        "chatter": {"leaving rate": ("slip+", "slip-", "stick"), "flight": ("separation",)},
+    }
+
+
+def test_event_functions():
+    automaton = SliderOnBelt().automaton()
+    v_r = automaton.modes[0].outputs["relative_velocity"]
+    for mode in automaton.modes[:4]:
+        out, functions = mode.outputs, {e.name: e.function for e in mode.events}
+        sign = {"slip+": 1, "slip-": -1}.get(mode.name)
+        if sign:
+            assert functions["v_r"] == sign * v_r
+        if mode.name == "stick":
+            limit = sympy.Symbol("mu_s", real=True) * out["normal_force"]
+            assert functions["cone+"] == limit - out["friction_force"]
+            assert functions["cone-"] == limit + out["friction_force"]
+        assert functions["gap"] == (-1 if mode.name == "separation" else 1) * out["penetration"]
+
+
+@pytest.mark.parametrize("interface", INTERFACES)
+def test_interfaces_assemble(interface):
+    automaton = SliderOnBelt(interface=interface).automaton()
+    limits = [mode.name for mode in automaton.modes if mode.limit]
+    assert automaton.names == (*interface.modes, *limits)
+    assert limits == (["chatter"] if "separation" in interface.modes else [])
+    targets = {name for mode in automaton.modes for event in mode.events for name in event.targets}
+    assert targets <= set(interface.modes)
+    has_gap = any(event.name == "gap" for mode in automaton.modes for event in mode.events)
+    assert has_gap == ("separation" in interface.modes)
+
+
+@pytest.mark.parametrize("names", TOGGLES)
+def test_toggles_assemble(names):
+    automaton = SliderOnBelt().without(*names).automaton()
+    assert len(automaton.states) == (8 if "geometry" in names else 10)
+    if "nonsmooth" in names:
+        (mode,) = automaton.modes
+        assert (mode.name, mode.events) == ("slip", ())
+    assert {tuple(mode.outputs) for mode in automaton.modes} == {
+        ("penetration", "normal_force", "friction_force", "relative_velocity")
+    }
+    used = set().union(*(sympy.sympify(e).free_symbols for mode in automaton.modes for e in mode.flow))
+    assert used <= {*automaton.states, *automaton.parameters}
+
+
+def test_the_smooth_linear_scene_is_affine():
+    automaton = SliderOnBelt().without("cubic", "geometry", "nonsmooth").automaton()
+    for row in automaton.modes[0].flow:
+        assert all(not sympy.diff(row, a).has(*automaton.states) for a in automaton.states)
+
+
+def test_sliding_only_has_the_sign_of_the_belts_speed(state):
+    for speed, sign in ((2.0, 1), (-2.0, -1), (0.0, 0)):
+        model = SliderOnBelt(v=speed, interface=SlidingOnly())
+        out = model.automaton().modes[0].outputs
+        normal, friction = numbers(model.automaton(), [out["normal_force"], out["friction_force"]], state)
+        assert friction == pytest.approx(sign * 0.3 * normal)
+
+
+def test_models_of_one_structure_share_their_modes():
+    first = SliderOnBelt(mu_k=1.4).automaton()
+    second = SliderOnBelt(mu_k=2.5, F=50, k_nl=0).automaton()
+    assert second.modes is first.modes
+    assert second.states is first.states
+    assert second.parameters[sympy.Symbol("mu_k", real=True)] == 2.5
+    assert SliderOnBelt(impact=PlasticImpact("full")).automaton().modes is not first.modes
+    assert SliderOnBelt().without("geometry").automaton().modes is not first.modes
+
+
+def test_the_projection_keeps_momentum_and_ends_the_relative_motion(state):
+    automaton = UNEVEN.automaton()
+    (reset,) = (e.reset for e in mode_of(automaton, "slip+").events if e.name == "v_r")
+    after = dict(zip(reset.jump, numbers(automaton, reset.jump.values(), state), strict=True))
+    slider, belt = (after[automaton.states[i]] for i in (5, 7))
+    assert belt == pytest.approx(slider - 1.0)
+    assert 2 * slider + 3 * belt == pytest.approx(2 * state[5] + 3 * state[7])
+    assert len(after) == 2
+
+
+def recontact(model):
+    """The event that ends flight."""
+    (event,) = mode_of(model.automaton(), "separation").events
+    return event
+
+
+def rates_after(model, reset, state):
+    """Material and full gap rate after a reset, and the gap's expression."""
+    automaton = model.automaton()
+    jumped = dict(zip(automaton.states, state, strict=True))
+    jumped |= dict(zip(reset.jump, numbers(automaton, reset.jump.values(), state), strict=True))
+    x1, _, x2, _, phi, dx1, dy1, dx2, dy2, dphi = jumped.values()
+    material = dy2 - (x1 - x2) * dphi - dy1
+    return material, material - (dx1 - dx2) * phi
+
+
+def test_equation_13_zeroes_the_material_rate_only(state):
+    event = recontact(UNEVEN)
+    material, full = rates_after(UNEVEN, event.reset, state)
+    assert material == pytest.approx(0, abs=1e-15)
+    assert abs(full) > 1e-4
+    gap = UNEVEN.automaton().modes[0].outputs["penetration"]
+    assert event.reset.vanishing == {gap: 1, -gap: 1}
+
+
+def test_the_accumulation_zeroes_the_full_rate(state):
+    event = recontact(UNEVEN)
+    assert rates_after(UNEVEN, event.accumulation, state)[1] == pytest.approx(0, abs=1e-15)
+    assert set(event.accumulation.vanishing.values()) == {2}
+
+
+@pytest.mark.parametrize(
+    ("impact", "geometry", "order"),
+    [
+        (PlasticImpact("material"), "off", 2),
+        (PlasticImpact("full"), "off", 2),
+        (PlasticImpact("full"), "on", 2),
+        (RestitutionImpact(0.5), "on", 1),
+        (RestitutionImpact(0.5), "off", 1),
+        (RestitutionImpact(0.0), "on", 2),
+    ],
+)
+def test_how_many_coefficients_of_the_gap_vanish_after_the_impact(impact, geometry, order):
+    model = SliderOnBelt(impact=impact)
+    model = model.replace(geometry=FixedLoad()) if geometry == "off" else model
+    assert set(recontact(model).reset.vanishing.values()) == {order}
+
+
+def test_restitution_reverses_the_gap_rate(state):
+    model = UNEVEN.replace(impact=RestitutionImpact(0.4))
+    x1, _, x2, _, phi, dx1, dy1, dx2, dy2, dphi = state
+    before = dy2 - (x1 - x2) * dphi - dy1 - (dx1 - dx2) * phi
+    assert rates_after(model, recontact(model).reset, state)[1] == pytest.approx(-0.4 * before)
+
+
+@dataclass(frozen=True)
+class Exponential(ContactLaw):
+    """A student's contact law."""
+
+    stiff: float = 5e3
+    depth: float = 0.01
+
+    def force(self, gap):
+        """Grows exponentially."""
+        return self.stiff * self.depth * (sympy.exp(gap / self.depth) - 1)
+
+
+def test_a_students_law_assembles_and_joins_the_namespace():
+    model = SliderOnBelt(contact=Exponential(), depth=0.02)
+    automaton = model.automaton()
+    assert model.parameters["depth"] == 0.02
+    gap = automaton.modes[0].outputs["penetration"]
+    assert automaton.modes[0].outputs["normal_force"].has(sympy.exp(gap / sympy.Symbol("depth", real=True)))
+    assert model.replace(depth=0.03).automaton().modes is automaton.modes
+    assert r"e^{" in model.equations("slip").latex()
+
+
+def test_an_interface_with_an_unknown_mode_is_refused():
+    @dataclass(frozen=True)
+    class Rolling(Interface):
+        modes = ("roll",)
+
+    with pytest.raises(ValueError, match="no mode is called 'roll': an interface may list stick"):
+        SliderOnBelt(interface=Rolling()).automaton()

@@ -1,0 +1,108 @@
+"""The claims of the paper on equilibria and linear stability, and the table of verdicts."""
+
+import pytest
+
+import frictionlab as fl
+from frictionlab.paper import Claim, Claims, Verdict
+from frictionlab.paper.checks import linear_stability
+from frictionlab.paper.checks.claim import verdict_of_parts
+from frictionlab.paper.registry import CLAIMS
+from frictionlab.paper.steady_states import agrees_with_printed
+
+IN_PART = {"C2", "C6", "C7"}
+
+
+@pytest.fixture(scope="module")
+def table():
+    return fl.paper.claims()
+
+
+def test_every_claim_registered_has_a_row_in_order(table):
+    assert [row.id for row in table] == list(CLAIMS)
+    assert set(CLAIMS) >= {f"C{i}" for i in range(1, 9)}
+    assert all(row.where and row.says and row.computed for row in table)
+    assert all(isinstance(row.verdict, Verdict) for row in table)
+
+
+@pytest.mark.parametrize("name", [f"C{i}" for i in range(1, 9)])
+def test_verdicts(table, name):
+    expected = Verdict.IN_PART if name in IN_PART else Verdict.REPRODUCED
+    assert table[name].verdict is expected
+    assert bool(table[name].note) or name not in IN_PART
+
+
+def test_what_is_not_reproduced_is_said(table):
+    assert "E1" in table["C2"].note
+    assert "0.005253" in table["C2"].computed
+    assert "k_nl = 1e+07 N/m^3: rises from 0.1" in table["C6"].note
+    assert "1 -> 0 at" in table["C6"].note
+    assert "larger with GN" in table["C7"].note
+
+
+def test_numbers_of_the_claims(table):
+    assert "1.7983, 1.7972, 1.1484 at F = 100 N; 0.6389, 0.6099, 0.1352 at F = 1000 N" in table["C5"].computed
+    for number in ("0.6897", "1.1943", "2.0890", "1.8717"):
+        assert number in table["C8"].computed
+    assert "11.9807 ± 102.615i" in table["C4"].computed
+
+
+def test_some_claims_by_name():
+    chosen = fl.paper.claims("C8", "C1")
+    assert [row.id for row in chosen] == ["C8", "C1"]
+    assert len(chosen) == 2
+    with pytest.raises(KeyError, match="no claim 'C2' among C8, C1"):
+        chosen["C2"]
+    with pytest.raises(ValueError, match=r"must be one of C1, C2, .*got 'C99'"):
+        fl.paper.claims("C1", "C99")
+
+
+def test_the_table_as_text_markdown_and_html(table):
+    text, markdown, html = str(table), table.to_markdown(), table._repr_html_()
+    assert repr(table) == text
+    for row in table:
+        assert f"{row.id} ({row.where}): {row.verdict.value}" in text
+        assert f"| {row.id} | {row.where} | " in markdown
+        assert f"<td>{row.id}</td>" in html
+    assert len({line.count("|") for line in markdown.splitlines()}) == 1
+    assert len(markdown.splitlines()) == len(table) + 2
+
+
+def test_markup_in_a_claim_does_not_break_the_table():
+    table = Claims((Claim("C0", "nowhere", "a | b < c", "d", Verdict.NOT_REPRODUCED),))
+    assert r"a \| b" in table.to_markdown()
+    assert "a | b &lt; c" in table._repr_html_()
+
+
+def test_a_wrong_number_is_found(monkeypatch):
+    monkeypatch.setitem(linear_stability.EQUILIBRIA, "C1", (0.3, "-0.0043 -0.0305 -0.0037 -0.0062 -0.0002"))
+    assert fl.paper.claims("C1")["C1"].verdict is Verdict.NOT_REPRODUCED
+    monkeypatch.setitem(linear_stability.EIGENVALUES, 0.3, (("-0.05", "100"), ("-0.04", "89.5")))
+    assert fl.paper.claims("C4")["C4"].verdict is Verdict.IN_PART
+
+
+def test_a_pair_that_does_not_couple_is_found():
+    data = linear_stability.coalescence(100.0)
+    assert linear_stability._modes_couple(data, 1e4)
+    data.pairs[1e4] = (0, 4)
+    assert not linear_stability._modes_couple(data, 1e4)
+
+
+@pytest.mark.parametrize(
+    ("value", "printed", "agreed"),
+    [
+        (-0.00525, "-0.0053", True),
+        (-0.00524, "-0.0053", False),
+        (0.0053, "-0.0053", False),
+        (100.49, "100", True),
+        (100.51, "100", False),
+        (98.749, "98.7", True),
+    ],
+)
+def test_a_value_agrees_where_it_rounds_to_what_is_printed(value, printed, agreed):
+    assert agrees_with_printed(value, printed) is agreed
+
+
+def test_verdict_of_parts():
+    assert verdict_of_parts(True, True) is Verdict.REPRODUCED
+    assert verdict_of_parts(True, False) is Verdict.IN_PART
+    assert verdict_of_parts(False, False) is Verdict.NOT_REPRODUCED

@@ -1,0 +1,174 @@
+"""Figs 2 to 6 of the paper: the numbers, and the pictures of them."""
+
+from importlib import import_module
+
+import numpy as np
+import pytest
+
+import frictionlab as fl
+from frictionlab.paper.registry import EVERY_FIGURE, FIGURES
+
+CRITICAL = {0.0: 1.51752661, 1e4: 1.51378354, 1e7: 0.58293736}  # at F = 200 N, by k_nl
+
+
+@pytest.fixture(scope="module")
+def figures():
+    return {number: fl.paper.figure(number) for number in FIGURES}
+
+
+def at_200(curve):
+    (value,) = curve.values[curve.at == 200.0]
+    return value
+
+
+def test_there_are_figures_2_to_18():
+    assert sorted(EVERY_FIGURE) == list(range(2, 19))
+
+
+@pytest.mark.parametrize("number", [1, 19, 2.5, "2", None, [2]])
+def test_other_numbers_are_refused_with_those_there_are(number):
+    with pytest.raises(ValueError, match=r"must be one of 2, 3, .*, 17, 18, got"):
+        fl.paper.figure(number)
+
+
+@pytest.mark.parametrize(("number", "preload"), [(2, 100.0), (3, 1000.0)])
+def test_figs_2_and_3_show_a_pair_whose_frequencies_meet(figures, number, preload):
+    data = figures[number].data
+    assert data.preload == preload
+    assert list(data.loci) == [0.0, 1e4, 1e7]
+    for k_nl, locus in data.loci.items():
+        assert (locus.model.F, locus.model.k_nl) == (preload, k_nl)
+        a, b = data.pairs[k_nl]
+        apart = np.abs(locus.frequencies[:, a] - locus.frequencies[:, b])
+        assert apart[0] > 0.2
+        assert apart[-1] < 0.01
+        growth = locus.growth_rates[:, [a, b]]
+        assert growth[0].max() < 0 < growth[-1].max()
+        assert np.argmax(locus.growth_rates[-1]) in (a, b)
+
+
+@pytest.mark.parametrize("number", [2, 3])
+def test_changes_of_figs_2_and_3_are_where_the_eigenvalues_say(figures, number):
+    data = figures[number].data
+    for k_nl, changes in data.changes.items():
+        locus = data.loci[k_nl]
+        assert changes[0].value == fl.critical_value(locus.model, "mu_k", (0.0, 3.0))
+        counts = np.zeros(len(locus.at), dtype=int)
+        for change in changes:
+            counts[locus.at > change.value] = change.unstable[1]
+        assert np.array_equal(counts, locus.unstable)
+
+
+def test_fig_4_at_the_usual_preload(figures):
+    curves = figures[4].data.curves
+    assert list(curves) == list(CRITICAL)
+    for k_nl, value in CRITICAL.items():
+        assert at_200(curves[k_nl]) == pytest.approx(value, abs=1e-7)
+
+
+def test_fig_5_at_the_usual_preload(figures):
+    curves = figures[5].data.curves
+    assert at_200(curves["with GN"]) == pytest.approx(1.51378354, abs=1e-7)
+    assert at_200(curves["without GN"]) == pytest.approx(1.97391014, abs=1e-7)
+
+
+def test_figs_4_and_5_have_no_gap_and_cover_the_preloads_of_figs_2_and_3(figures):
+    for number in (4, 5):
+        for curve in figures[number].data.curves.values():
+            assert np.isfinite(curve.values).all()
+            assert (np.diff(curve.at) > 0).all()
+            assert curve.at[0] < 1.0
+            assert curve.at[-1] == 1000.0
+
+
+def test_the_notch_in_fig_4_is_a_second_window_of_instability(figures):
+    curve = figures[4].data.curves[1e7]
+    for preload, mu_k, stable in [(170.0, 0.15, True), (170.0, 0.2, False), (170.0, 0.4, True)]:
+        model = curve.model.replace(F=preload, mu_k=mu_k)
+        assert fl.eigenvalues(model).stable == stable
+    for preload in (150.0, 195.0):
+        assert fl.eigenvalues(curve.model.replace(F=preload, mu_k=0.2)).stable
+    jumps = np.flatnonzero(np.abs(np.diff(curve.values)) > 0.3)
+    assert len(jumps) == 2
+    assert (np.diff(curve.at)[jumps] < 0.5).all()
+    inside = curve.values[jumps[0] + 1 : jumps[1] + 1]
+    assert ((inside > 0.15) & (inside < 0.25)).all()
+
+
+def test_the_critical_value_of_fig_17():
+    model = fl.SliderOnBelt(F=800.0, k_nl=1e7, k4=5e6, k5=5e6, k6=5e6)
+    assert fl.critical_value(model, "mu_k", (0.0, 4.0)) == pytest.approx(1.735143, abs=5e-7)
+
+
+def test_fig_6(figures):
+    data = figures[6].data
+    changes = {name: [c.value for c in found] for name, found in data.changes.items()}
+    assert changes["with GN"] == pytest.approx([0.69, 1.19, 2.09], abs=0.005)
+    assert changes["without GN"] == pytest.approx([1.87], abs=0.005)
+    assert [c.unstable[1] for c in data.changes["with GN"]] == [1, 2, 1]
+    assert [c.unstable for c in data.changes["without GN"]] == [(0, 1)]
+    assert [len(pairs) for pairs in data.pairs.values()] == [2, 1]
+    assert sorted(np.ravel(data.pairs["with GN"])) == [0, 1, 2, 3]
+    assert data.loci["with GN"].unstable.max() == 2
+    assert data.loci["without GN"].unstable.max() == 1
+
+
+@pytest.mark.parametrize(("number", "expected"), [(2, 2), (3, 2), (4, 1), (5, 1), (6, 4)])
+def test_pictures_have_labels_units_and_legends_beside_the_panels(figures, number, expected):
+    picture = figures[number].plot()
+    axes = picture.axes
+    assert len(axes) == expected
+    picture.draw_without_rendering()
+    for ax in axes:
+        assert any(unit in ax.get_ylabel() for unit in ("(Hz)", "(1/s)", r"critical coefficient"))
+    assert any(ax.get_xlabel() for ax in axes)
+    legends = [ax.get_legend() for ax in axes if ax.get_legend() is not None]
+    assert legends
+    for legend in legends:
+        box = legend.get_window_extent()
+        assert not any(box.overlaps(ax.get_window_extent()) for ax in axes)
+        assert box.x1 <= picture.bbox.x1
+    text = picture.get_suptitle() or axes[0].get_title()
+    assert text.startswith(f"Fig. {number}")
+
+
+def test_pictures_draw_the_pairs_alone(figures):
+    for number in (2, 3):
+        for ax in figures[number].plot().axes:
+            thin = [line for line in ax.lines if line.get_linewidth() == 1.2 and len(line.get_xdata()) > 2]
+            assert len(thin) == 6
+    counts = [
+        sum(str(line.get_label()).startswith("mode") for line in ax.lines) for ax in figures[6].plot().axes
+    ]
+    assert counts == [4, 4, 2, 2]
+
+
+def test_the_panels_of_one_figure_use_the_locus(figures):
+    data = figures[3].data
+    drawn = [line.get_ydata() for line in figures[3].plot().axes[0].lines]
+    for k_nl, locus in data.loci.items():
+        for mode in data.pairs[k_nl]:
+            assert any(np.array_equal(locus.frequencies[:, mode], y) for y in drawn)
+
+
+def test_a_figure_prints_its_numbers_and_shows_itself(figures):
+    for number, figure in figures.items():
+        lines = str(figure).splitlines()
+        assert lines[0].startswith(f"Fig. {number}: ")
+        assert str(figure).isascii()
+        assert len(lines) == 1 + len(figure.summary) > 2
+        assert len(repr(figure)) < 200
+    assert figures[5]._repr_png_()[:4] == b"\x89PNG"
+    assert "k_nl = 0 N/m^3: 0 -> 1 at mu_k 1.7983 (15.57 Hz)" in str(figures[2])
+
+
+def test_a_curve_that_is_given_out_again_cannot_be_changed(figures):
+    again = fl.paper.figure(5).data.curves["with GN"]
+    with pytest.raises(ValueError, match="read-only"):
+        again.values[0] = 0.0
+
+
+def test_the_modules_hold_no_physics():
+    for name in {*FIGURES.values(), "checks.linear_stability"}:
+        held = vars(import_module(f"frictionlab.paper.{name.partition(':')[0]}"))
+        assert not {"sympy", "scipy", "solve"} & set(held)

@@ -1,0 +1,280 @@
+"""The animation shows the run: places, contact, forces and colours, frame by frame."""
+
+import re
+import subprocess
+import sys
+from io import BytesIO
+
+import numpy as np
+import pytest
+import sympy as sp
+from matplotlib.animation import FuncAnimation
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import to_hex
+from matplotlib.figure import Figure
+from PIL import Image
+
+import frictionlab as fl
+from frictionlab.plotting.animation.animate import frame_times
+from frictionlab.plotting.animation.artists import (
+    belt_outline,
+    draw_force_arrows,
+    draw_mechanism,
+    force_scale,
+    move_force_arrows,
+    move_mechanism,
+    spring_ends,
+    spring_outline,
+    to_picture_frame,
+)
+from frictionlab.plotting.animation.tilting_belt import COLUMNS, lay_out_mechanism, sample_frames
+from frictionlab.plotting.figure import AnimatedFigure
+from frictionlab.plotting.style import MODE_COLOURS
+
+MODEL = fl.SliderOnBelt(mu_k=1.4)
+SCENES = {
+    "all": MODEL,
+    "4 dof": MODEL.without("geometry"),
+    "sliding only": MODEL.without("nonsmooth"),
+    "stick-slip": MODEL.replace(interface=fl.StickSlip()),
+    "backwards, one wheel": MODEL.replace(v=-1.0, l1=0.0, l2=0.3),
+    "light": MODEL.replace(F=0.5, v=0.01),
+}
+T = frame_times(0.0, 0.4, 0.002)
+
+
+@pytest.fixture(scope="module", params=SCENES.values(), ids=SCENES)
+def run(request):
+    return fl.simulate(request.param, 0.4, t_eval=T, progress=False)
+
+
+def drawn(run, **options):
+    """Frames, mechanism, and its artists in axes of their own."""
+    seen, p = sample_frames(run, T), run.source.parameters
+    picture = lay_out_mechanism(seen, v=p["v"], l1=p["l1"], l2=p["l2"], **options)
+    return seen, picture, draw_mechanism(Figure().add_subplot(), picture)
+
+
+def surface(belt, x):
+    """Height of the drawn belt's upper side at x, from the polygon on the canvas alone."""
+    corners = belt.get_xy()[:-1]
+    top = corners[
+        np.linspace(0.0, 1.0, len(corners)) < 0.2
+    ]  # the first fifth of its way lies on the upper side
+    slope, height = np.polyfit(*top.T, 1)
+    return slope * x + height
+
+
+@pytest.mark.parametrize("magnify", [None, 3.0])
+def test_the_slider_is_where_the_run_has_it_magnified(run, magnify):
+    _, picture, artists = drawn(run, magnify=magnify)
+    s = picture.magnify
+    assert magnify in (None, s)
+    for k in range(0, len(T), 7):
+        move_mechanism(artists, picture, k)
+        x, y = artists["slider"].get_xy()
+        assert x + picture.block[0] / 2 == pytest.approx(s * run["x1"][k], abs=1e-12)
+        assert y - picture.spring == pytest.approx(s * run["y1"][k], abs=1e-12)
+
+
+def test_the_foot_is_on_the_belt_in_contact_and_above_it_in_flight(run):
+    seen, picture, artists = drawn(run)
+    for k in range(0, len(T), 3):
+        move_mechanism(artists, picture, k)
+        (x,), (y,) = artists["foot"].get_data()
+        above = y - surface(artists["belt"], x)
+        length = artists["slider"].get_y() - y
+        flying = run.mode[k] == "separation"
+        # What is drawn between slider and belt is the gap of the run, magnified.
+        assert above == pytest.approx(-picture.magnify * run.penetration[k] if flying else 0.0, abs=1e-11)
+        assert picture.spring - length == pytest.approx(
+            0.0 if flying else picture.magnify * run.penetration[k], abs=1e-11
+        )
+        assert not flying or above > 0
+        assert seen.mode[k] == run.mode[k]
+
+
+def test_a_slider_that_sticks_moves_with_the_marks_on_the_belt():
+    run = fl.simulate(SCENES["4 dof"], 0.4, t_eval=T, progress=False)
+    _, picture, _ = drawn(run)
+    row = dict(zip(COLUMNS, picture.rows.T))
+    apart = np.diff(row["slider_x"] - row["belt_x"] - row["travel"])
+    edges = np.searchsorted(run.events.t, T)
+    stuck = (run.mode[:-1] == "stick") & (edges[1:] == edges[:-1])
+    assert stuck.sum() > 20
+    assert np.abs(apart[stuck]).max() < 1e-12
+    assert np.abs(apart[~stuck]).max() > 1e-4
+
+
+def test_arrows_are_the_forces_and_vanish_in_flight(run):
+    seen, picture, artists = drawn(run)
+    preload = run.source.F
+    scale = force_scale(picture, seen, preload)
+    arrows = draw_force_arrows(artists["slider"].axes, scale)
+    for k in range(0, len(T), 3):
+        move_force_arrows(arrows, picture, seen, preload, k)
+        vectors = np.ma.array([arrows.U, arrows.V], mask=[np.broadcast_to(arrows.Umask, 3)] * 2)
+        assert np.ma.allequal(vectors[:, 2], [0.0, -preload])
+        if run.mode[k] == "separation":
+            assert vectors.mask[:, :2].all()
+            continue
+        assert np.ma.allclose(vectors[:, 0], [0.0, run.normal_force[k]])
+        assert np.ma.allclose(vectors[:, 1], [run.friction_force[k], 0.0])
+    largest = max(np.abs(run.normal_force).max(), np.abs(run.friction_force).max(), preload)
+    assert largest / scale == pytest.approx(0.9 * picture.size)
+
+
+def test_the_animation_follows_mode_time_and_state(run):
+    figure = Figure()
+    animation = fl.animate(run, window=None, speed=0.04, fps=20, figure=figure)
+    assert isinstance(animation, FuncAnimation)
+    FigureCanvasAgg(figure)
+    picture, phase = figure.axes
+    slider = next(patch for patch in picture.patches if patch.get_zorder() == 3)
+    count = 0
+    for k, _ in enumerate(animation.new_frame_seq()):
+        animation._draw_frame(k)
+        count += 1
+        assert to_hex(slider.get_facecolor()).upper() == MODE_COLOURS[run.mode[k]]
+        x, rate = phase.lines[-1].get_data()
+        assert (x[0], rate[0]) == (run["x1"][k], run["x1'"][k])
+        assert picture.get_title() == f"t = {T[k]:.3f} s: {run.mode[k]}; 25 times slower"
+    assert count == len(T)
+    animation._draw_was_started = True  # nothing was written on purpose
+    assert re.fullmatch(r"displacements × [\d.e+]+, tilt as it is", picture.get_xlabel())
+    shown = {text.get_text() for text in figure.legends[0].get_texts()}
+    assert set(run.mode) <= shown
+    assert len(shown) == len(set(run.mode)) + 3
+
+
+def test_the_magnification_is_round_and_fills_the_room(run):
+    _, picture, _ = drawn(run)
+    largest = picture.magnify * np.abs(run.q[:, :4]).max()
+    room = 0.4 * min(picture.wheels)
+    assert room / 2.5 < largest <= room * (1 + 1e-9)
+    assert f"{picture.magnify:.0e}"[0] in "125"
+    assert float(f"{picture.magnify:.0e}") == picture.magnify
+
+
+def test_nothing_leaves_the_picture(run):
+    _, picture, artists = drawn(run)
+    (x0, x1), (y0, y1) = picture.limits
+    for k in range(0, len(T), 5):
+        move_mechanism(artists, picture, k)
+        row = dict(zip(COLUMNS, picture.rows[k]))
+        corners = [artists["belt"].get_xy(), *(np.array(pair) for pair in spring_ends(picture, row).values())]
+        x, y = np.vstack(corners).T
+        assert (x0 <= x.min()) & (x.max() <= x1) & (y0 <= y.min()) & (y.max() <= y1)
+
+
+def test_a_run_that_does_not_move_is_drawn():
+    model = MODEL.without("nonsmooth").replace(F=0.0)
+    run = fl.simulate(model, 0.1, progress=False)
+    assert not run.states.any()
+    assert fl.animate(run, speed=0.05, fps=2).to_jshtml().count("data:image/png") == 5
+
+
+def test_the_belt_runs_around_its_wheels():
+    wheels, r = (0.1, 0.3), 0.05
+    loop = 2 * (sum(wheels) + np.pi * r)
+    points = belt_outline(np.linspace(0.0, loop, 20001), wheels, r)
+    steps = np.hypot(*np.diff(points))
+    assert steps.sum() == pytest.approx(loop, rel=1e-7)
+    assert np.allclose(points[:, 0], points[:, -1])
+    axis = np.clip(points[0], -wheels[0], wheels[1])  # nearest point between the wheels' centres
+    assert np.allclose(np.hypot(points[0] - axis, points[1] + r), r)
+
+
+def test_turning_keeps_lengths_and_gives_the_slope():
+    (x0, x1, x2), (y0, y1, y2) = to_picture_frame(
+        np.array([[0.0, 2.0, 0.0], [0.0, 0.0, -1.0]]), 3.0, 4.0, -0.25
+    )
+    assert (x0, y0) == (3.0, 4.0)
+    assert (y1 - y0) / (x1 - x0) == pytest.approx(-0.25)
+    assert np.hypot(x1 - x0, y1 - y0) == pytest.approx(2.0)
+    assert (x1 - x0) * (x2 - x0) + (y1 - y0) * (y2 - y0) == pytest.approx(0.0, abs=1e-15)
+
+
+def test_a_spring_joins_its_ends_and_stays_within_its_width():
+    points = spring_outline((1.0, 1.0), (4.0, 5.0), 0.5)
+    assert np.allclose(points[:, 0], (1.0, 1.0))
+    assert np.allclose(points[:, -1], (4.0, 5.0))
+    across = np.array([-0.8, 0.6]) @ (points - 1.0)
+    assert np.abs(across).max() == pytest.approx(0.25)
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"window": 3.0, "speed": 0.0}, "speed must be a finite number, above 0"),
+        ({"fps": -1.0}, "fps must be a finite number, above 0"),
+        ({"magnify": 0.0}, "magnify must be a finite number, above 0"),
+        ({"window": (0.0, 9.0)}, "window must lie within the run"),
+    ],
+)
+def test_bad_options_are_refused(options, words):
+    run = fl.simulate(MODEL, 0.05, progress=False)
+    with pytest.raises(ValueError, match=words):
+        fl.animate(run, **options)
+
+
+def test_runs_of_other_automata_are_refused():
+    h, w = sp.symbols("h w")
+    mode = fl.Mode("fall", flow=(w, sp.Integer(-1)), events=())
+    automaton = fl.HybridAutomaton(states=(h, w), modes=(mode,), coordinates=1, parameters={})
+    run = fl.solve(automaton, 1.0, x0=[1.0, 0.0], progress=False)
+    with pytest.raises(
+        ValueError, match="animate needs a run of a model that has a mechanism, got one of a HybridAutomaton"
+    ):
+        fl.animate(run)
+
+
+def test_an_automaton_of_a_model_is_animated_without_the_model():
+    run = fl.solve(MODEL.automaton(), 0.05, x0=np.zeros(10), progress=False)
+    animation = fl.animate(run, speed=0.05, fps=2)
+    assert animation.to_jshtml().count("data:image/png") == 3
+
+
+def test_a_file_is_written(tmp_path):
+    run = fl.simulate(MODEL, 0.1, progress=False)
+    fl.animate(run, speed=0.1, fps=6).save(tmp_path / "run.gif", writer="pillow")
+    with Image.open(tmp_path / "run.gif") as image:
+        assert image.n_frames == 7
+
+
+def test_frames_are_those_that_matplotlib_draws_in_full():
+    run = fl.simulate(MODEL, 0.4, t_eval=T, progress=False)
+    figure = AnimatedFigure(figsize=(8.0, 4.0), dpi=80, layout="constrained")
+    animation = fl.animate(run, window=None, speed=0.08, fps=2, figure=figure)
+    animation._draw_was_started = True
+    for frame, dpi in ((0, 80), (5, 80), (3, 120), (9, 80)):
+        animation._func(frame)
+        figure.savefig(part := BytesIO(), format="rgba", dpi=dpi)
+        figure.savefig(png := BytesIO(), format="png", dpi=dpi)
+        Figure.savefig(figure, whole := BytesIO(), format="rgba", dpi=dpi)
+        assert part.getvalue() == whole.getvalue()
+        with Image.open(png) as image:
+            assert image.convert("RGBA").tobytes() == whole.getvalue()
+
+
+def test_nothing_overlaps():
+    figure = Figure(figsize=(11.0, 5.6), layout="constrained")
+    run = fl.simulate(MODEL, 0.4, progress=False)
+    animation = fl.animate(run, figure=figure)
+    animation._draw_was_started = True
+    FigureCanvasAgg(figure).draw()
+    renderer = figure.canvas.get_renderer()
+    boxes = [ax.get_tightbbox(renderer) for ax in figure.axes]
+    boxes += [legend.get_window_extent() for legend in figure.legends]
+    assert not any(a.overlaps(b) for i, a in enumerate(boxes) for b in boxes[:i])
+    assert all(figure.bbox.containsx(box.x1) and figure.bbox.containsy(box.y1) for box in boxes)
+
+
+def test_a_notebook_shows_it_without_pyplot():
+    code = (
+        "import sys, frictionlab as fl\n"
+        "animation = fl.animate(fl.simulate(fl.SliderOnBelt(), 0.1), speed=0.1, fps=1)\n"
+        "assert 'data:image/png' in animation._repr_html_()\n"
+        "assert 'matplotlib.pyplot' not in sys.modules\n"
+    )
+    subprocess.run([sys.executable, "-W", "error", "-c", code], check=True)

@@ -1,0 +1,157 @@
+"""What the panels show is what the run computed, with units."""
+
+import re
+import sys
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from matplotlib.collections import PolyCollection
+from matplotlib.figure import Figure
+
+import frictionlab as fl
+from frictionlab import plotting
+
+SCENES = {
+    "all": fl.SliderOnBelt(mu_k=1.4),
+    "4 dof": fl.SliderOnBelt(mu_k=1.4).without("geometry"),
+    "sliding only": fl.SliderOnBelt(mu_k=1.4).without("nonsmooth", "cubic"),
+    "stick-slip": fl.SliderOnBelt(mu_k=1.4, interface=fl.StickSlip()),
+    "sliding, separation": fl.SliderOnBelt(mu_k=1.4, interface=fl.SlidingSeparation()),
+}
+
+
+@pytest.fixture(scope="module")
+def run():
+    return fl.simulate(SCENES["4 dof"], 2.0, progress=False)
+
+
+@pytest.mark.parametrize("model", SCENES.values(), ids=SCENES)
+def test_displacements_are_those_of_the_run(model):
+    run = fl.simulate(model, 0.3, progress=False)
+    lines = plotting.plot_displacements(run, window=(0.1, 0.2))
+    assert len(lines) == len(model.coordinates)
+    for i, line in enumerate(lines):
+        t, x = line.get_data()
+        assert (t[0], t[-1]) == (0.1, 0.2)
+        assert np.array_equal(x, run(t)[:, i])
+
+
+def test_the_angle_has_an_axis_of_its_own():
+    run = fl.simulate(SCENES["all"], 0.1, progress=False)
+    lines = plotting.plot_displacements(run)
+    assert "(m)" in lines[0].axes.get_ylabel()
+    assert "rad" in lines[4].axes.get_ylabel()
+    assert "rad" in str(lines[4].get_label())
+
+
+def test_forces_are_those_of_the_run(run):
+    normal, friction = plotting.plot_contact_forces(run)
+    t = normal.get_xdata()
+    assert np.array_equal(normal.get_ydata(), run.output("normal_force", t))
+    assert np.array_equal(friction.get_ydata(), run.output("friction_force", t))
+    assert normal.axes.get_ylabel() == "contact force (N)"
+
+
+def test_phase_plane_holds_every_sample_in_the_colour_of_its_mode(run):
+    lines = plotting.plot_phase_plane(run, window=0.5)
+    t = np.linspace(1.5, 2.0, 12001)
+    modes = run_modes(run, t)
+    assert {line.get_label() for line in lines} == set(modes)
+    for line in lines:
+        x, rate = line.get_data()
+        own = modes == line.get_label()
+        assert np.array_equal(x[own], run(t)[own, 0])
+        assert np.array_equal(rate[own], run(t)[own, 4])
+        assert np.isnan(x).sum() > len(t) * 0.05
+    assert "(m)" in lines[0].axes.get_xlabel()
+    assert "(m/s)" in lines[0].axes.get_ylabel()
+
+
+def run_modes(run, t):
+    """Modes at times, from the event table alone."""
+    after = np.searchsorted(run.events.t, t, side="right")
+    return np.append(run.events.source[:1], run.events.target)[after]
+
+
+def test_shading_covers_the_window_once_and_matches_the_time_in_each_mode(run):
+    ax = Figure().add_subplot()
+    shades = plotting.shade_modes(run, ax, window=None)
+    assert all(isinstance(shade, PolyCollection) for shade in shades)
+    widths = {shade.get_label(): shaded_seconds(shade) for shade in shades}
+    assert widths == pytest.approx({k: s for k, s in run.time_in_mode.items() if s > 0}, rel=1e-9)
+    assert sum(widths.values()) == pytest.approx(2.0)
+
+
+def shaded_seconds(shade):
+    return sum(np.ptp(path.vertices[:, 0]) for path in shade.get_paths())
+
+
+def test_chatter_does_not_divide_the_shading():
+    run = fl.simulate(SCENES["all"], 0.3, progress=False)
+    edges, names = plotting.runs.time_window.mode_intervals(run)
+    assert len(run.events) > 50 > len(names)
+    assert len(edges) == len(names) + 1
+    assert all(a != b for a, b in pairwise(names))
+    assert (np.diff(edges) > 0).all()
+
+
+def test_spectrum_of_a_known_vibration():
+    # Without coupling to the contact x2 of the belt is a free oscillator: 10 Hz, 0.02 m, hardly damped.
+    k4 = (2 * np.pi * 10.0) ** 2
+    model = fl.SliderOnBelt(mu_k=0.0, k4=k4, c4=0.0).without("geometry", "nonsmooth")
+    run = fl.simulate(model, 20.0, x0=[0, 0, 0.02, 0, 0, 0, 0, 0], progress=False)
+    found = plotting.amplitude_spectrum(run, "x2")
+    assert found is not None
+    assert found.resolution == pytest.approx(0.1)
+    assert found.strongest == pytest.approx(10.0)
+    assert found.amplitudes.max() == pytest.approx(0.02, rel=1e-3)
+    assert found.frequencies[-1] <= 60.0
+
+
+def test_spectrum_states_its_resolution_and_unit(run):
+    (line,) = plotting.plot_spectrum(run)
+    assert re.search(r"resolution 1 Hz.*strongest line 1\d Hz", line.axes.get_title())
+    assert "(m)" in line.axes.get_ylabel()
+    assert "(Hz)" in line.axes.get_xlabel()
+    assert line.axes.get_xlim() == (0, 60)
+
+
+def test_a_run_too_short_for_a_spectrum_says_so():
+    ax = Figure().add_subplot()
+    run = fl.simulate(SCENES["all"], 0.02, progress=False)
+    assert plotting.amplitude_spectrum(run) is None
+    assert plotting.plot_spectrum(run, ax) == []
+    assert "too short" in ax.texts[0].get_text()
+
+
+@pytest.mark.parametrize("window", [(0.5, 3.0), (1.0, 0.5), (-0.1, 1.0), (1.0, 1.0), -1.0])
+def test_a_window_outside_the_run_is_refused(run, window):
+    with pytest.raises(ValueError, match="window must lie within the run, 0 to 2 s"):
+        plotting.plot_displacements(run, window=window)
+
+
+@pytest.mark.parametrize("name", ["q", "x1'", ""])
+def test_a_phase_plane_is_of_a_coordinate(run, name):
+    with pytest.raises(ValueError, match=f"name must be one of 'x1', 'y1', 'x2', 'y2', got {name!r}"):
+        plotting.plot_phase_plane(run, name=name)
+
+
+def test_a_spectrum_is_of_a_state(run):
+    with pytest.raises(ValueError, match=r"name must be one of 'x1', .*, got 'gapp'"):
+        plotting.plot_spectrum(run, name="gapp")
+
+
+@pytest.mark.parametrize("name", ["displacements", "contact_forces", "phase_plane", "spectrum", "rates"])
+def test_a_panel_is_of_a_run(name):
+    with pytest.raises(TypeError, match=r"run must be a Trajectory, got SliderOnBelt\(\): give what"):
+        getattr(plotting, f"plot_{name}")(fl.SliderOnBelt())
+
+
+def test_panels_draw_into_the_axes_given_and_need_no_pyplot(run):
+    ax = Figure().add_subplot()
+    panels = [plotting.plot_displacements, plotting.plot_contact_forces, plotting.plot_phase_plane]
+    for panel in [*panels, plotting.plot_spectrum]:
+        assert all(line.axes is ax for line in panel(run, ax))
+    pyplot = sys.modules.get("matplotlib.pyplot")
+    assert pyplot is None or pyplot.get_fignums() == []

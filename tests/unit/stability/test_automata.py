@@ -1,0 +1,273 @@
+"""Automata of one's own: equilibria inside the guards, and all that follows from them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import sympy
+
+import frictionlab as fl
+from tests.helpers.linear_automata import linear
+
+pytestmark = pytest.mark.blas
+
+X, Y, V, W = sympy.symbols("x y v w")
+NAMES = ("c", "k", "N", "belt", "mu_k", "mu_s", "v_s")
+C, K, N, BELT, MU_K, MU_S, V_S = sympy.symbols(NAMES)
+
+
+def automaton(flow, events=(), states=(X, V), coordinates=1, constraints=(), **values):
+    mode = fl.Mode("only", tuple(map(sympy.sympify, flow)), tuple(events), tuple(constraints))
+    return fl.HybridAutomaton(states, (mode,), {sympy.Symbol(n): x for n, x in values.items()}, coordinates)
+
+
+def on_a_belt(**changes):
+    """A unit mass on a belt, on a spring and a damper, with friction that falls with speed (Stribeck)."""
+    values = dict(zip(NAMES, [0.3, 16.0, 2.0, 0.1, 0.3, 0.8, 0.25], strict=True)) | changes
+    relative = BELT - V
+    friction = (MU_K + (MU_S - MU_K) * sympy.exp(-relative / V_S)) * N
+    slip = fl.Mode("slip", (V, friction - C * V - K * X), (fl.Event("v_r", relative, ("stick",)),))
+    limit = MU_S * N
+    stick = fl.Mode(
+        "stick",
+        (V, sympy.S.Zero),
+        (fl.Event("+", limit - K * X - C * V, ("slip",)), fl.Event("-", limit + K * X + C * V, ("slip",))),
+        (relative,),
+    )
+    return fl.HybridAutomaton((X, V), (stick, slip), {sympy.Symbol(n): v for n, v in values.items()}, 1)
+
+
+def test_a_mass_on_a_belt():
+    """Stick is tried first and rests nowhere, since its constraint is v = belt: slip has the equilibrium."""
+    model = on_a_belt()
+    (only,) = fl.equilibria(model)
+    assert only.q[0] == pytest.approx((0.3 + 0.5 * np.exp(-0.1 / 0.25)) * 2.0 / 16.0, rel=1e-14)
+    assert fl.equilibrium(model).q[0] == only.q[0]
+    slope = -0.5 / 0.25 * np.exp(-0.1 / 0.25)  # mu'(v)
+    values = np.roots([1, 0.3 + 2.0 * slope, 16.0])
+    np.testing.assert_allclose(np.sort_complex(fl.eigenvalues(model).values), np.sort_complex(values))
+    assert not fl.eigenvalues(model).stable
+
+
+def test_stick_slip_ends_at_the_speed_where_the_damper_balances_friction():
+    """c = -N mu'(v), so v = v_s ln(N (mu_s - mu_k)/(c v_s))."""
+    critical = 0.25 * np.log(2.0 * 0.5 / (0.3 * 0.25))
+    (change,) = fl.stability_changes(on_a_belt(), "belt", (0.01, 3))
+    assert (change.kind, change.direction, change.unstable) == ("flutter", "regain", (1, 0))
+    assert change.value == pytest.approx(critical, rel=1e-12)
+    assert change.frequency == pytest.approx(4 / (2 * np.pi), rel=1e-9)
+    assert fl.critical_value(on_a_belt(belt=0.5), "N", (0, 20)) == pytest.approx(0.3 * 0.25 / 0.5 * np.exp(2))
+    curve = fl.critical_curve(on_a_belt(), "N", (0, 50), over=("belt", [0.05, 0.2, 0.8]))
+    np.testing.assert_allclose(curve.values, 0.15 * np.exp(np.array([0.05, 0.2, 0.8]) / 0.25), rtol=1e-10)
+
+
+def test_a_locus_of_a_mass_on_a_belt():
+    speeds = np.linspace(3, 0.02, 200)
+    locus = fl.root_locus(on_a_belt(), "belt", speeds)
+    damping = 0.3 - 2.0 * 0.5 / 0.25 * np.exp(-speeds / 0.25)
+    np.testing.assert_allclose(
+        locus.values[:, 0], -damping / 2 + 1j * np.sqrt(16 - damping**2 / 4), rtol=1e-10
+    )
+    assert locus.coordinates == ("x",)
+    np.testing.assert_allclose(locus.participation, 1)
+
+
+def test_the_slider_as_an_automaton():
+    """Newton's method, guards and the stick mode's constraint against the polynomial of the model."""
+    model = fl.SliderOnBelt(F=1000, l1=0.1, l2=0.3, mu_k=0.9)
+    np.testing.assert_allclose(fl.equilibrium(model.automaton()).q, fl.equilibrium(model).q, rtol=1e-10)
+    assert fl.equilibrium(model.automaton()).normal_force == pytest.approx(fl.equilibrium(model).normal_force)
+    at = np.linspace(0, 2.9, 30)
+    theirs, mine = fl.root_locus(model.automaton(), "mu_k", at), fl.root_locus(model, "mu_k", at)
+    np.testing.assert_allclose(theirs.values, mine.values, rtol=1e-7)
+    theirs, mine = (fl.stability_changes(m, "mu_k", (0, 2.9)) for m in (model.automaton(), model))
+    assert [c.unstable for c in theirs] == [c.unstable for c in mine] == [(0, 1), (1, 2), (2, 1)]
+    np.testing.assert_allclose([c.value for c in theirs], [c.value for c in mine], rtol=1e-10)
+
+
+def test_first_order_systems():
+    p = sympy.Symbol("p")
+    cell = automaton([p * X - X**3], states=(X,), coordinates=0, p=-1.0)
+    assert fl.eigenvalues(cell).values == pytest.approx([-1])
+    (change,) = fl.stability_changes(cell, "p", (-1, 2))
+    assert (change.kind, change.unstable, change.frequency) == ("divergence", (0, 1), 0.0)
+    assert change.value == pytest.approx(0, abs=1e-15)
+    locus = fl.root_locus(cell, "p", [-1.0, 0.5, 2.0])
+    np.testing.assert_allclose(locus.values[:, 0], [-1.0, 0.5, 2.0], rtol=1e-12)
+    lorenz = automaton(
+        [10 * (Y - X), X * (p - W) - Y, X * Y - sympy.Rational(8, 3) * W],
+        states=(X, Y, W),
+        coordinates=0,
+        p=10.0,
+    )
+    assert sorted(round(e.q[0], 9) for e in fl.equilibria(lorenz)) == [
+        -round(24**0.5, 9),
+        0,
+        round(24**0.5, 9),
+    ]
+    assert fl.critical_value(lorenz, "p", (0.1, 30)) == pytest.approx(1.0, rel=1e-12)  # of the origin
+
+
+def test_the_lorenz_attractors_hopf_point():
+    """At the other equilibria: r = sigma (sigma + b + 3)/(sigma - b - 1)."""
+    p = sympy.Symbol("p")
+    flow = [10 * (Y - X), X * (p - W) - Y, X * Y - sympy.Rational(8, 3) * W]
+    right = automaton(flow, [fl.Event("side", X - 1)], states=(X, Y, W), coordinates=0, p=10.0)
+    b = 8 / 3
+    (change,) = fl.stability_changes(right, "p", (2, 40))
+    assert change.value == pytest.approx(10 * (10 + b + 3) / (10 - b - 1), rel=1e-12)
+    assert change.frequency == pytest.approx(np.sqrt(b * (10 + change.value)) / (2 * np.pi), rel=1e-9)
+
+
+def test_a_guard_excludes_an_equilibrium():
+    """(x - 1)(2 - x) vanishes twice, but the mode lasts for x > 3/2 only."""
+    wide = automaton([V, -C * V + (X - 1) * (2 - X)], c=0.1)
+    assert [e.q[0] for e in fl.equilibria(wide)] == pytest.approx([1, 2])
+    narrow = automaton([V, -C * V + (X - 1) * (2 - X)], [fl.Event("wall", X - 1.5)], c=0.1)
+    assert [e.q[0] for e in fl.equilibria(narrow)] == pytest.approx([2])
+    assert fl.eigenvalues(narrow).stable
+    assert not fl.eigenvalues(wide).stable  # the nearer one
+
+
+def test_a_guard_ends_a_locus():
+    p = sympy.Symbol("p")
+    model = automaton([V, p - X - C * V], [fl.Event("wall", 1 - X)], c=0.1, p=0.0)
+    locus = fl.root_locus(model, "p", [0.0, 0.9, 1.1, 2.0, -5.0])
+    np.testing.assert_array_equal(np.isnan(locus.values[:, 0]), [False, False, True, True, False])
+
+
+def product(x, roots):
+    return sympy.prod([x - sympy.Float(root) for root in roots])
+
+
+FAR_APART = [
+    (1e-3, 1.0, 1e3),
+    (1e-6, 1.0, 1e6),
+    (-1e6, 0.0, 1e-6),
+    (1.0, 1.0 + 1e-6),
+    (1.0, 1.0 + 1e-6, 1e6),
+    tuple(10.0**k for k in range(-6, 7)),
+]
+
+
+@pytest.mark.parametrize("roots", FAR_APART)
+def test_equilibria_far_apart_in_size_or_close_to_each_other(roots):
+    first = automaton([product(X, roots)], states=(X,), coordinates=0)
+    second = automaton([V, -C * V - product(X, roots)], c=0.1)
+    for model in (first, second):
+        found = sorted(e.q[0] for e in fl.equilibria(model))
+        np.testing.assert_allclose(found, sorted(roots), rtol=1e-13)
+
+
+def test_a_pair_of_equilibria_that_rounding_can_just_tell_apart():
+    """Of x^2 - 2.000001 x + 1.000001 rounding leaves 1e-10 unknown: two equilibria, not a cloud of them."""
+    roots = sympy.Rational(1), sympy.Rational(1000001, 1000000)
+    model = automaton([sympy.expand((X - roots[0]) * (X - roots[1]))], states=(X,), coordinates=0)
+    np.testing.assert_allclose(sorted(e.q[0] for e in fl.equilibria(model)), [1, 1.000001], atol=2e-9)
+
+
+@pytest.mark.parametrize("skew", [0.0, 0.5, 1.0])
+def test_equilibria_over_twelve_decades_in_several_coordinates(skew):
+    """Every combination of the roots of two cubics in x + skew y and y - 2 skew x."""
+    roots = (1e-6, 1.0, 1e6)
+    flow = [V, W, -V - product(X + skew * Y, roots), -W - product(Y - 2 * skew * X, roots)]
+    found = np.array([e.q for e in fl.equilibria(automaton(flow, states=(X, Y, V, W), coordinates=2))])
+    pairs = np.array([(a, b) for a in roots for b in roots])
+    expected = np.linalg.solve([[1, skew], [-2 * skew, 1]], pairs.T).T
+    assert len(found) == len(expected)
+    for point in expected:
+        # States of 1e6 whose sum is 1e-6 are known to their own rounding.
+        assert np.abs(found - point).max(axis=1).min() <= 1e-14 * np.abs(point).max()
+
+
+def test_what_rounding_makes_vanish_far_out_is_no_equilibrium():
+    """Of the Brusselator's one: at x = 1e-17, y = 1e32 the rates are small beside their slopes."""
+    flow = [sympy.Rational(1, 2) - 2 * X + X**2 * Y, X - X**2 * Y]
+    (only,) = fl.equilibria(automaton(flow, states=(X, Y), coordinates=0))
+    np.testing.assert_allclose(only.q, [0.5, 2.0], rtol=1e-14)
+
+
+def lorenz(rho):
+    p = sympy.Symbol("rho")
+    flow = [10 * (Y - X), X * (p - W) - Y, X * Y - sympy.Rational(8, 3) * W]
+    return automaton(flow, states=(X, Y, W), coordinates=0, rho=rho)
+
+
+@pytest.mark.parametrize("rho", [0.5, 10.0, 20.0, 28.0])
+@pytest.mark.parametrize("bounds", [(15, 30), (0.1, 100)])
+def test_a_hopf_point_of_equilibria_that_are_not_the_nearest(rho, bounds):
+    """Whether or not they exist at the model's own value, and at the lower bound."""
+    point = fl.hopf(lorenz(rho), "rho", bounds)
+    assert point.value == pytest.approx(470 / 19, rel=1e-12)
+    side = np.sqrt(8 / 3 * (470 / 19 - 1))
+    np.testing.assert_allclose(point.state, [side, side, 470 / 19 - 1], rtol=1e-11)
+
+
+def test_the_changes_of_any_one_equilibrium():
+    model = lorenz(20.0)
+    origin, *others = fl.equilibria(model)
+    assert fl.critical_value(model, "rho", (0.1, 30), equilibrium=origin) == pytest.approx(1, rel=1e-12)
+    for other in others:
+        (change,) = fl.stability_changes(model, "rho", (15, 30), equilibrium=other)
+        assert change.value == pytest.approx(470 / 19, rel=1e-12)
+        assert np.sign(fl.hopf(model, "rho", (15, 30), equilibrium=other).state[0]) == np.sign(other.q[0])
+    with pytest.raises(ValueError, match="equilibrium must be one of the 3 of the model, got 'None here'"):
+        fl.stability_changes(model, "rho", (15, 30), equilibrium="None here")
+    slider = fl.SliderOnBelt()
+    usual = fl.critical_value(slider, "mu_k", (0, 3), equilibrium=fl.equilibrium(slider))
+    assert usual == pytest.approx(fl.critical_value(slider, "mu_k", (0, 3)), rel=1e-12)
+
+
+NOWHERE = {
+    "none at all": automaton([V, -C * V + 1 + X**2], c=0.1),
+    "none, and the flow grows beyond floats": automaton([V, -C * V + 1 + sympy.exp(X)], c=0.1),
+    "constant force": automaton([V, 1 - C * V], c=0.1),
+    "outside the guard": automaton([V, -C * V - X], [fl.Event("wall", X - 1)], c=0.1),
+    "against the constraint": automaton([V, sympy.S.Zero], constraints=(C - V,), c=0.1),
+}
+
+
+@pytest.mark.parametrize("model", NOWHERE.values(), ids=NOWHERE)
+def test_no_equilibrium(model):
+    assert fl.equilibria(model) == ()
+    for ask in (
+        fl.equilibrium,
+        fl.eigenvalues,
+        lambda m: fl.root_locus(m, "c", [0.1, 1]),
+        lambda m: fl.critical_value(m, "c", (0, 1)),
+    ):
+        with pytest.raises(
+            ValueError, match="must have a mode with an equilibrium inside its guards, got none in only"
+        ):
+            ask(model)
+
+
+ALONE = [(1, 1), (1e3, 1e9), (1e-8, 1), (1e-14, 1), (1e8, 1), (1e6, 1e20)]
+
+
+@pytest.mark.parametrize(("a", "b", "other"), [(*ab, 0.0) for ab in ALONE] + [(*ab, 1e3) for ab in ALONE[:3]])
+def test_all_three_branches_of_a_pitchfork(a, b, other):
+    """In whatever units: sqrt(a/b) is 1e-7 to 1e4, or less than a millionth of another coordinate."""
+    flow = [V, W, -C * V + a * X - b * X**3, -C * W - Y + other]
+    found = sorted(e.q[0] for e in fl.equilibria(automaton(flow, states=(X, Y, V, W), coordinates=2, c=0.1)))
+    root = np.sqrt(a / b)
+    np.testing.assert_allclose(found, [-root, 0, root], rtol=1e-6, atol=1e-6 * root)
+
+
+def test_a_branch_is_followed_to_its_fold_and_no_further():
+    """p = x^2: from p = 1 down to 0, not beyond, whatever Newton's method hits upon there."""
+    p = sympy.Symbol("p")
+    model = automaton([p - X**2], [fl.Event("side", X + 0.0)], states=(X,), coordinates=0, p=1.0)
+    at = np.linspace(4, -4, 81)
+    locus = fl.root_locus(model, "p", at)
+    np.testing.assert_array_equal(np.isnan(locus.values[:, 0]), at < 1e-9)
+    np.testing.assert_allclose(locus.values[at > 1e-9, 0], -2 * np.sqrt(at[at > 1e-9]), rtol=1e-9)
+    assert fl.stability_changes(model, "p", (-4, 4)) == ()
+
+
+def test_a_zero_row_and_a_rigid_body():
+    """Nothing holds the second coordinate: two zero eigenvalues, and no equilibrium of its own."""
+    model = linear([[4, 0], [0, 0]])
+    np.testing.assert_allclose(np.abs(fl.eigenvalues(model).values), [0, 0, 2, 2], atol=1e-12)
+    locus = fl.root_locus(linear([[4 + sympy.Symbol("p"), 0], [0, 0]]), "p", [0.0, 5.0])
+    np.testing.assert_allclose(np.sort(locus.values.imag, axis=1), [[0, 2], [0, 3]], atol=1e-9)

@@ -1,0 +1,145 @@
+"""Every law and every model goes through the conformance suite, and what is wrong does not."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+import frictionlab as fl
+from frictionlab.components import StickSlip
+from frictionlab.components.functions import exp
+
+LAWS = [
+    fl.CubicContact(),
+    fl.LinearContact(),
+    fl.HertzContact(),
+    fl.PolynomialContact(a2=1e4, a3=1e5, a5=1e7),
+    fl.Coulomb(),
+    fl.ExponentialDecay(),
+    fl.Stribeck(mu_v=0.05),
+    fl.WeakeningStrengthening(),
+    fl.PressureDependent(),
+    fl.PlasticImpact(),
+    fl.PlasticImpact("full"),
+    fl.RestitutionImpact(e=0.4),
+    fl.FrictionalImpact(e=0.4, mu_i=0.2),
+    fl.FrictionalImpact(e=0.0, mu_i=0.8),
+]
+ROLES = {fl.ContactLaw: "contact", fl.FrictionLaw: "friction", fl.ImpactLaw: "impact"}
+
+
+def in_slider(law):
+    role = next(role for kind, role in ROLES.items() if isinstance(law, kind))
+    return fl.SliderOnBelt(impact=fl.PlasticImpact("full"), mu_k=1.4).replace(**{role: law})
+
+
+@pytest.mark.plain_python
+@pytest.mark.parametrize("law", LAWS, ids=repr)
+def test_every_law(law):
+    fl.testing.check_law(law)
+
+
+@pytest.mark.parametrize("law", LAWS, ids=repr)
+@pytest.mark.parametrize("off", [(), ("geometry",)], ids=["moving load", "fixed load"])
+def test_every_law_in_the_slider(law, off):
+    run = fl.testing.check_model(in_slider(law).without(*off))
+    assert len(run.events) > 10 or law == fl.Coulomb()  # at mu_k = 0.3 it comes to slide
+    assert fl.energy_audit(run, progress=False).error < 1e-12
+
+
+@pytest.mark.parametrize("law", [fl.ExponentialDecay(), fl.Stribeck(mu_v=0.05), fl.WeakeningStrengthening()])
+def test_every_friction_law_of_speed_in_bilateral_contact(law):
+    fl.testing.check_model(in_slider(law).replace(interface=StickSlip()), t_end=0.3)
+
+
+@pytest.mark.parametrize(
+    "law", [law for law in LAWS if isinstance(law, (fl.FrictionLaw, fl.ContactLaw))], ids=repr
+)
+def test_every_law_has_an_equilibrium_and_eigenvalues(law):
+    """The eigenvalues are those of the flow's derivative by finite differences."""
+    model = in_slider(law)
+    found = fl.eigenvalues(model)
+    rest = np.concatenate([fl.equilibrium(model).q, np.zeros(5)])
+    assert np.isfinite(found.values).all()
+    stay = fl.simulate(model, 0.01, x0=rest, progress=False)
+    assert stay.final_state == pytest.approx(rest, abs=1e-13)
+    assert len(stay.events) == 0
+
+
+def test_a_law_of_ones_own_is_as_fast_per_step_as_a_built_in_one_of_the_same_form():
+    """The same tape: so the same operations in every step, and the same numbers."""
+
+    @dataclass(frozen=True, repr=False)
+    class Own(fl.Coulomb):
+        v_s: float = fl.parameter(0.5, unit="m/s", meaning="decay speed", range=(0.01, 10.0))
+
+        def kinetic(self, normal_force, speed):
+            return (self.mu_k + (self.mu_s - self.mu_k) * exp(-speed / self.v_s)) * normal_force
+
+    fl.testing.check_law(Own())
+    own, built_in = in_slider(Own(mu_k=1.4)), in_slider(fl.ExponentialDecay(mu_k=1.4))
+    one, other = (fl.simulate(model, 2.0, progress=False) for model in (own, built_in))
+    np.testing.assert_array_equal(one.final_state, other.final_state)
+    assert one.stats["steps"] == other.stats["steps"]
+
+
+# --- what the suite refuses
+
+
+@dataclass(frozen=True, repr=False)
+class Wrong(fl.ContactLaw):
+    stiff: float = fl.parameter(1.0, unit="N/m", meaning="stiffness", range=(0.0, 2.0))
+    dark: float = fl.parameter(1.0, unit="N/m", range=(0.0, 2.0))
+
+    def force(self, penetration):
+        return self.stiff * penetration
+
+
+@dataclass(frozen=True, repr=False)
+class Pulling(fl.ContactLaw):
+    stiff: float = fl.parameter(1.0, unit="N/m", meaning="stiffness", range=(0.0, 2.0))
+
+    def force(self, penetration):
+        return -self.stiff * penetration
+
+
+@dataclass(frozen=True, repr=False)
+class Different(fl.ContactLaw):
+    stiff: float = fl.parameter(1.0, unit="N/m", meaning="stiffness", range=(0.0, 2.0))
+
+    def force(self, penetration):
+        return self.stiff * (penetration if isinstance(penetration, float) else penetration**3)
+
+
+@dataclass(frozen=True, repr=False)
+class Slippery(fl.Coulomb):
+    def static_limit(self, normal_force):
+        return 0.1 * self.mu_k * normal_force
+
+
+@dataclass(frozen=True, repr=False)
+class Explosive(fl.ImpactLaw):
+    def impulse(self, material_rate, penetration_rate, compliance):
+        return 3 * penetration_rate / compliance
+
+
+@pytest.mark.plain_python
+@pytest.mark.parametrize(
+    ("law", "rule"),
+    [
+        (Wrong(), "parameter dark must have a meaning"),
+        (Pulling(), "must not be negative where the bodies press"),
+        (Different(), "must give the same for symbols"),
+        (Slippery(), "must not exceed static_limit"),
+        (Explosive(), "from -1 times that before to 0"),
+    ],
+    ids=lambda value: type(value).__name__,
+)
+def test_what_is_wrong_is_named(law, rule):
+    with pytest.raises(AssertionError, match=rule):
+        fl.testing.check_law(law)
+
+
+def test_a_model_is_no_law():
+    with pytest.raises(TypeError, match="law must be a ContactLaw, FrictionLaw or ImpactLaw"):
+        fl.testing.check_law(fl.SliderOnBelt())

@@ -1,0 +1,86 @@
+"""Sliders say what the parameter's metadata say."""
+
+import numpy as np
+import pytest
+
+import frictionlab as fl
+from frictionlab.components import Parameter
+from frictionlab.models.parameter_namespace import parameter_metadata
+from frictionlab.widgets.controls.sliders import equal_within_rounding, remove_browser_rounding, slider
+
+pytestmark = pytest.mark.plain_python
+
+MODEL = fl.SliderOnBelt()
+ABOUT = parameter_metadata(type(MODEL), MODEL.components)
+
+
+@pytest.mark.parametrize("name", MODEL.parameters)
+def test_a_slider_shows_symbol_unit_range_and_scale(name):
+    about, value = ABOUT[name], MODEL.parameters[name]
+    made = slider(name, about, value)
+    low, high = (10.0**end if about.log else end for end in (made.min, made.max))
+    assert made.value == value
+    assert (low, high) == pytest.approx(about.range)
+    assert about.symbol in made.description
+    assert about.unit.replace("^2", "²").replace("^3", "³") in made.description
+    assert about.meaning in made.tooltip
+    assert f"fl-{name}" in made._dom_classes
+    assert made.continuous_update
+
+
+def test_the_range_is_made_wide_enough_for_the_value():
+    assert slider("mu_k", ABOUT["mu_k"], 3.7).max == 3.7
+    assert 10.0 ** slider("k5", ABOUT["k5"], 20.0).min == pytest.approx(20.0)
+    assert slider("v", ABOUT["v"], -8.0).min == -8.0
+
+
+def test_a_logarithmic_slider_cannot_be_at_zero_so_it_is_linear_there():
+    made = slider("k_nl", ABOUT["k_nl"], 0.0)
+    assert (made.min, made.value, made.max) == (0.0, 0.0, 1e8)
+
+
+@pytest.mark.parametrize("value", [-2.0, 0.0, 1e-3, 5.0])
+def test_a_parameter_without_a_range_gets_one_about_its_value(value):
+    made = slider("a", Parameter("a"), value)
+    assert made.min <= value < made.max
+    assert np.isfinite([made.min, made.max]).all()
+
+
+def test_the_guessed_range_keeps_to_the_bounds():
+    made = slider("a", Parameter("a", exclusive_minimum=0.0, maximum=3.0), 2.0)
+    assert 0.0 < made.min < 2.0 < made.max <= 3.0
+
+
+@pytest.mark.parametrize("name", MODEL.parameters)
+def test_the_value_lies_on_a_step_so_that_the_browser_shows_it(name):
+    made = slider(name, ABOUT[name], MODEL.parameters[name])
+    value = np.log10(made.value) if ABOUT[name].log else made.value
+    steps = (value - made.min) / made.step
+    assert steps == pytest.approx(round(steps), abs=1e-6)
+
+
+def test_steps_are_round_numbers():
+    steps = [slider(name, ABOUT[name], MODEL.parameters[name]).step for name in ("mu_k", "F", "l1")]
+    assert steps == pytest.approx([0.01, 5.0, 0.002])
+
+
+@pytest.mark.parametrize("name", [name for name in MODEL.parameters if ABOUT[name].log])
+def test_what_a_browser_makes_of_a_logarithmic_slider_is_taken_for_its_value(name):
+    value = MODEL.parameters[name]
+    made = slider(name, ABOUT[name], value)
+    steps = round((np.log10(value) - made.min) / made.step)
+    told = 10.0 ** (made.min + steps * made.step)
+    assert equal_within_rounding(told, value)
+    assert remove_browser_rounding(told, value) == value
+
+
+def test_rounding_is_undone_and_nothing_else():
+    assert remove_browser_rounding(20.000000000000004, 5.0) == 20.0
+    assert remove_browser_rounding(0.30000000000000004, 5.0) == 0.3
+    assert remove_browser_rounding(1.23456789012 * (1 + 1e-12), 1.23456789012) == 1.23456789012
+    for own in (1 / 3, 1.0 + 1e-10, 0.0, -2.5):
+        assert remove_browser_rounding(own, 7.0) == own
+    assert equal_within_rounding((0.0, 1.0), (0.0, 1.0 + 1e-13))
+    assert not equal_within_rounding((0.0, 1.0), (0.0, 1.1))
+    assert not equal_within_rounding(None, 1.0)
+    assert not equal_within_rounding(True, False)

@@ -1,0 +1,195 @@
+"""One figure and the same artists for good; axes are drawn only where they change."""
+
+import gc
+import sys
+from io import BytesIO
+
+import numpy as np
+import pytest
+from PIL import Image
+
+import frictionlab as fl
+from frictionlab.bench.explorer_latency import latencies, latency_table
+from frictionlab.plotting.drawing import Curve, Drawing
+from frictionlab.widgets.rendering.picture import DPI, PANEL_HEIGHT, PANEL_WIDTH, Picture, encode_png
+from frictionlab.widgets.rendering.tile import AXES_RECTANGLE
+
+MODEL = fl.SliderOnBelt(mu_k=0.4).without("geometry")
+
+
+def artists(picture):
+    return {id(a) for tile in picture.tiles.values() for a in tile.ax.get_children()}
+
+
+def resident():
+    """Megabytes of memory in use; 0 where the system does not say."""
+    if sys.platform != "linux":
+        return 0.0
+    with open("/proc/self/statm") as file:
+        return int(file.read().split()[1]) * 4096 / 2**20
+
+
+def pyplot_figures():
+    """Numbers of the figures that pyplot holds."""
+    pyplot = sys.modules.get("matplotlib.pyplot")
+    return [] if pyplot is None else pyplot.get_fignums()
+
+
+def test_200_steps_of_a_slider_make_no_artist_and_keep_no_memory():
+    explorer = fl.explore(MODEL, ("response", "phase", "eigenvalues"))
+    explorer.controls["duration"].value = 2.0
+    slider, figure = explorer.controls["mu_k"], explorer.picture.figure
+    values = 0.4 + 0.3 * np.sin(2 * np.pi * np.arange(200.0) / 100)
+    for value in values[:50]:  # caches fill, native code is compiled
+        slider.value = value
+    gc.collect()
+    opened = pyplot_figures()  # by other tests
+    before, axes, memory = artists(explorer.picture), list(figure.axes), resident()
+    for value in values:
+        slider.value = value
+    gc.collect()
+    assert explorer.error is None
+    assert explorer.updates > 200
+    assert artists(explorer.picture) == before
+    assert (explorer.picture.figure, list(figure.axes)) == (figure, axes)
+    assert resident() - memory < 20
+    assert pyplot_figures() == opened
+
+
+def drawn(picture, name, curves, **options):
+    picture.panels[name] = lambda result: Drawing("x (m)", "y (m)", curves, **options)
+    picture.draw(None)
+    return np.asarray(Image.open(BytesIO(picture.images[name].value)).convert("RGB")).astype(int)
+
+
+def line(top):
+    return {"line": Curve(np.linspace(0.0, 1.0, 50), np.linspace(0.0, top, 50), {"color": "black"})}
+
+
+def test_axes_are_drawn_anew_only_where_limits_or_labels_change():
+    picture = Picture({"one": None})
+    tile = picture.tiles["one"]
+    counts = []
+    for curves in (line(1.0), line(0.9), line(1.02), line(3.0), line(3.0) | {"other": Curve([0.5], [1.0])}):
+        drawn(picture, "one", curves)
+        counts.append(tile.redrawn)
+    assert counts == [1, 1, 1, 2, 3]
+
+
+def test_over_the_kept_background_the_pixels_are_those_of_a_fresh_drawing():
+    fresh, used = Picture({"one": None}), Picture({"one": None})
+    drawn(used, "one", line(1.0))
+    used_pixels = drawn(used, "one", line(0.9))
+    drawn(fresh, "one", line(1.0))
+    fresh.tiles["one"].background = None
+    assert used.tiles["one"].redrawn == 1
+    assert np.array_equal(used_pixels, drawn(fresh, "one", line(0.9)))
+    assert (used_pixels.sum(axis=2) < 300).sum() > 500
+
+
+def test_images_have_the_size_of_a_panel_and_show_their_own():
+    picture = Picture({"left": None, "right": None, "below": None})
+    picture.panels["left"] = picture.panels["below"] = lambda result: Drawing("x (m)", "y (m)")
+    picture.panels["right"] = lambda result: Drawing("x (m)", "y (m)", note="here")
+    picture.draw(None)
+    pixels = {n: np.asarray(Image.open(BytesIO(i.value)).convert("RGB")) for n, i in picture.images.items()}
+    assert all(p.shape == (round(PANEL_HEIGHT * DPI), round(PANEL_WIDTH * DPI), 3) for p in pixels.values())
+    right = round((AXES_RECTANGLE[0] + AXES_RECTANGLE[2]) * PANEL_WIDTH * DPI)
+    corner = {n: p[44:58, right - 32 : right - 5] for n, p in pixels.items()}  # where the note stands
+    assert corner["right"].min() < 100 < corner["left"].min()
+    assert np.array_equal(corner["left"], corner["below"])
+
+
+@pytest.mark.parametrize(
+    "model",
+    [
+        fl.SliderOnBelt(),
+        fl.SliderOnBelt(mu_k=1.4),
+        fl.SliderOnBelt(mu_k=1.84, k2=5482.0, impact=fl.PlasticImpact("full")),
+        fl.SliderOnBelt(F=1000.0, mu_k=1.8),
+    ],
+)
+def test_labels_and_legends_lie_within_the_tile_and_apart(model):
+    explorer = fl.explore(model)
+    renderer = explorer.picture.canvas.get_renderer()
+    for tile in explorer.picture.tiles.values():
+        texts = [*tile.ax.texts, tile.ax.xaxis.label, tile.ax.yaxis.label, tile.ax.xaxis.get_offset_text()]
+        texts += [t for t in tile.ax.get_xticklabels() if tile.ax.get_xlim()[0] <= t.get_position()[0]]
+        if tile.right is not None:
+            texts += [tile.right.yaxis.label, tile.right.yaxis.get_offset_text()]
+        boxes = [text.get_window_extent(renderer) for text in texts if text.get_text()]
+        legend = tile.ax.get_legend()
+        boxes += [legend.get_window_extent(renderer)] if legend is not None else []
+        for i, box in enumerate(boxes):
+            assert tile.box.x0 <= box.x0 < box.x1 <= tile.box.x1
+            assert tile.box.y0 <= box.y0 < box.y1 <= tile.box.y1
+            assert not any(box.overlaps(other) for other in boxes[:i])
+
+
+def test_long_numbers_leave_room_for_the_label():
+    picture = Picture({"one": None})
+    drawn(picture, "one", {"line": Curve([0.0, 1.0], [-0.01579, -0.01571])})
+    tile, renderer = picture.tiles["one"], picture.canvas.get_renderer()
+    assert max(len(text.get_text()) for text in tile.ax.get_yticklabels()) >= 8
+    assert tile.ax.yaxis.label.get_window_extent(renderer).x0 > tile.box.x0
+
+
+def test_a_slow_update_is_marked_while_it_runs():
+    waited = []
+
+    def slow(result):
+        while explorer is not None and explorer.busy.widget.layout.visibility != "visible":
+            waited.append(gc.collect())
+        return Drawing("x (m)", "y (m)")
+
+    explorer = None
+    explorer = fl.explore(panels=(slow,))
+    explorer.controls["mu_k"].value = 0.5
+    assert waited
+    assert explorer.error is None
+    assert explorer.busy.widget.layout.visibility == "hidden"
+
+
+def test_latency_counts_every_step_and_what_is_simulation():
+    steps = latencies(MODEL, ("F", "k2"), 2, ("response",))
+    assert [step.parameter for step in steps] == ["F", "F", "k2", "k2"]
+    assert all(0 < step.simulation < step.seconds for step in steps)
+    line = latency_table({"scene": steps}).splitlines()[-1]
+    share = sum(step.simulation for step in steps) / sum(step.seconds for step in steps)
+    assert line.startswith("| scene | F, k2 | 4 | ")
+    assert line.endswith(f" | {100 * share:.0f} % |")
+
+
+def test_latency_tells_of_a_step_that_fails():
+    model = fl.SliderOnBelt(mu_k=2.0, mu_s=2.0).without("geometry")
+    with pytest.raises(ValueError, match="mu_s must be at least mu_k"):
+        latencies(model, ("mu_k",), 1, ("eigenvalues",))
+
+
+@pytest.mark.parametrize(
+    "panels", [("response",), ("response", "phase", "forces", "spectrum", "eigenvalues")]
+)
+def test_the_figure_can_be_saved_with_its_curves(panels):
+    explorer = fl.explore(MODEL, panels)
+    saved = np.asarray(Image.open(BytesIO(explorer.picture.figure._repr_png_())).convert("RGB")).astype(int)
+    shown = np.asarray(Image.open(BytesIO(explorer.picture.images["response"].value)).convert("RGB"))
+    corner = saved[: shown.shape[0], : shown.shape[1]]
+    assert (np.abs(corner - shown.astype(int)).max(axis=2) > 60).mean() < 0.01
+
+
+def test_a_png_has_the_colours_of_its_lines_and_pure_white():
+    colours = ["#D55E00", "#0072B2", "#F0E442"]
+    pixels = np.full((40, 60, 3), 255, dtype=np.uint8)
+    for i, colour in enumerate([*colours, "#000000"]):
+        pixels[10 * i : 10 * i + 5] = [int(colour[j : j + 2], 16) for j in (1, 3, 5)]
+    shown = np.asarray(
+        Image.open(BytesIO(encode_png(Image.fromarray(pixels), colours))).convert("RGB")
+    ).astype(int)
+    assert np.abs(shown - pixels).max() <= 1
+    assert (shown[5:10] == 255).all()
+
+
+def test_many_colours_still_fit_into_a_palette():
+    pixels = np.zeros((4, 4, 3), dtype=np.uint8)
+    colours = [(i / 299, 0.5, 1 - i / 299) for i in range(300)]
+    assert Image.open(BytesIO(encode_png(Image.fromarray(pixels), colours))).size == (4, 4)

@@ -1,0 +1,204 @@
+"""The live canvas: what it is sent, and what its JavaScript draws in a browser of its own."""
+
+import json
+import re
+import subprocess
+import sys
+import zipfile
+from importlib import resources
+from pathlib import Path
+
+import numpy as np
+import pytest
+import sympy as sp
+
+import frictionlab as fl
+from frictionlab.plotting.style import BLUE, MODE_COLOURS
+from tests.helpers.canvas_page import open_canvas, picture_of, pixels_of, scrub
+
+MODEL = fl.SliderOnBelt(mu_k=1.4)
+BELT, PHASE = 0, 1  # the two pictures
+
+
+@pytest.fixture(scope="module")
+def run():
+    return fl.simulate(MODEL, 0.5, t_eval=np.arange(501) / 1000, progress=False)
+
+
+@pytest.fixture(scope="module")
+def canvas(run):
+    return fl.watch(run, window=None)
+
+
+def columns(canvas):
+    names = canvas.scene["columns"]
+    return dict(zip(names, np.frombuffer(canvas.rows, "<f4").reshape(-1, len(names)).T))
+
+
+def test_the_rows_are_the_run_in_32_bits(run, canvas):
+    rows, s = columns(canvas), float(re.search(r"× (\S+),", canvas.scene["note"])[1])
+    for name, value in {
+        "slider_x": s * run["x1"],
+        "slider_y": s * run["y1"] + canvas.scene["spring"],
+        "belt_x": s * run["x2"],
+        "belt_y": s * run["y2"],
+        "slope": -run["phi"],
+        "travel": s * MODEL.v * run.t,
+        "normal_force": run.normal_force,
+        "friction_force": run.friction_force,
+        "x1": run["x1"],
+        "rate": run["x1'"],
+    }.items():
+        assert np.allclose(rows[name], value, rtol=1e-6, atol=1e-6 * np.abs(value).max()), name
+    assert [canvas.scene["modes"][int(code)] for code in rows["mode"]] == run.mode.tolist()
+
+
+def test_numbers_are_sent_as_bytes_and_the_rest_is_small(canvas):
+    state = canvas.get_state(["rows", "scene"])
+    assert isinstance(state["rows"], bytes)
+    assert len(json.dumps(state["scene"])) < 3000
+    assert canvas.scene["colours"] == [MODE_COLOURS[name] for name in canvas.scene["modes"]]
+
+
+@pytest.mark.parametrize(
+    "model",
+    [MODEL.without("geometry"), MODEL.without("nonsmooth"), MODEL.replace(interface=fl.StickSlip())],
+    ids=repr,
+)
+def test_other_scenes_are_shown(model):
+    rows = columns(fl.watch(fl.simulate(model, 0.1, progress=False)))
+    assert len(rows["mode"]) == 101
+    assert all(np.isfinite(values).all() for values in rows.values())
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"rate": 0.0}, "rate must be a finite number, above 0"),
+        ({"speed": -1.0}, "speed must be a finite number, above 0"),
+        ({"magnify": 0.0}, "magnify must be a finite number, above 0"),
+        ({"window": 9.0, "rate": 1e7}, "must be at most 200000 frames, got 5000000: take a shorter window"),
+        ({"window": (0.0, 9.0)}, "window must lie within the run"),
+    ],
+)
+def test_bad_options_are_refused(run, options, words):
+    with pytest.raises(ValueError, match=words):
+        fl.watch(run, **options)
+
+
+def test_runs_of_other_automata_are_refused():
+    h, w = sp.symbols("h w")
+    mode = fl.Mode("fall", flow=(w, sp.Integer(-1)), events=())
+    automaton = fl.HybridAutomaton(states=(h, w), modes=(mode,), coordinates=1, parameters={})
+    with pytest.raises(ValueError, match="watch needs a run of a model that has a mechanism"):
+        fl.watch(fl.solve(automaton, 1.0, x0=[1.0, 0.0], progress=False))
+
+
+@pytest.mark.parametrize("name", ["canvas.js", "clickable.js"])
+def test_the_javascript_is_in_the_package_and_needs_nothing_else(name):
+    code = resources.files("frictionlab.widgets").joinpath(name).read_text(encoding="utf-8")
+    assert "export default { render }" in code
+    assert not re.search(r"https?:|\bimport\b|\bfetch\b|XMLHttpRequest", code)
+
+
+def test_the_wheel_holds_the_javascript(tmp_path):
+    pytest.importorskip("hatchling", reason="hatchling builds the wheel; it is not installed")
+    root = Path(__file__).parents[3]
+    command = [sys.executable, "-m", "hatchling", "build", "-t", "wheel", "-d", str(tmp_path)]
+    subprocess.run(command, cwd=root, check=True, capture_output=True)
+    (wheel,) = tmp_path.glob("*.whl")
+    names = zipfile.ZipFile(wheel).namelist()
+    assert all(f"frictionlab/widgets/{name}.js" in names for name in ("canvas", "clickable"))
+
+
+@pytest.fixture(params=[(1280, 720), (400, 800)], ids=["wide", "narrow"])
+def page(request, browser, canvas):
+    page = browser.new_page(viewport=dict(zip(("width", "height"), request.param)))
+    page.failures = []
+    page.on("pageerror", lambda error: page.failures.append(error))
+    page.on("request", lambda request: request.url.startswith("blob:") or page.failures.append(request.url))
+    open_canvas(page, canvas)
+    yield page
+    assert page.failures == []
+    page.close()
+
+
+def frames_of(run, mode):
+    """Some frames amid a mode."""
+    inside = np.flatnonzero((run.mode[1:-1] == mode) & (run.mode[2:] == mode) & (run.mode[:-2] == mode)) + 1
+    return inside[:: max(1, len(inside) // 5)].tolist()
+
+
+def to_pixels(page, canvas, x, y):
+    """Where a point of the mechanism is on its canvas."""
+    width, height = page.evaluate(
+        "(({ width, height }) => [width, height])(document.querySelector('canvas'))"
+    )
+    (x0, x1), (y0, y1) = canvas.scene["limits"]
+    k = min(width / (x1 - x0), height / (y1 - y0))
+    return width / 2 + k * (x - (x0 + x1) / 2), height / 2 - k * (y - (y0 + y1) / 2)
+
+
+@pytest.mark.parametrize("mode", ["stick", "separation"])
+def test_the_browser_draws_the_slider_in_its_place_and_colour(page, run, canvas, mode):
+    rows, (w, h) = columns(canvas), canvas.scene["block"]
+    assert frames_of(run, mode)
+    for k in frames_of(run, mode):
+        assert f"t = {run.t[k]:.3f} s: {mode};" in scrub(page, k)
+        left, right, top, bottom = pixels_of(page, BELT, MODE_COLOURS[mode])
+        x, y = rows["slider_x"][k], rows["slider_y"][k]
+        expected = *to_pixels(page, canvas, x - w / 2, y + h), *to_pixels(page, canvas, x + w / 2, y)
+        # The outline and a blurred pixel at each edge lie between.
+        assert np.abs(np.array([left, top, right + 1, bottom + 1]) - expected).max() < 2.5
+
+
+def test_the_browser_draws_the_normal_force_but_not_in_flight(page, run, canvas):
+    for k in frames_of(run, "separation"):
+        scrub(page, k)
+        assert pixels_of(page, BELT, BLUE) is None
+    size, scale = canvas.scene["block"][1], canvas.scene["scale"]
+    for k in frames_of(run, "stick"):
+        scrub(page, k)
+        rows = columns(canvas)
+        middle = rows["slider_y"][k] + size / 2
+        tip = to_pixels(page, canvas, 0.0, middle + run.normal_force[k] / scale)[1]
+        assert abs(pixels_of(page, BELT, BLUE)[2] - tip) < 4.5  # a tip is thinner than a pixel
+
+
+@pytest.mark.parametrize(("name", "axis"), [("x1", 0), ("rate", 1)])
+def test_the_browser_moves_the_point_in_the_phase_plane(page, canvas, name, axis):
+    values = columns(canvas)[name]
+    low, high = int(values.argmin()), int(values.argmax())
+    scrub(page, low)
+    before = picture_of(page, PHASE)
+    scrub(page, high)
+    changed = np.argwhere((before != picture_of(page, PHASE)).any(axis=2))[:, ::-1]  # x, y of the pixels
+    first, last = changed.min(axis=0)[axis], changed.max(axis=0)[axis]
+    # Axes 58 and 12 pixels from the edges across, 12 and 40 down; 5 % of the range stays free at each end.
+    start, room = ((58, before.shape[1] - 70), (12, before.shape[0] - 52))[axis]
+    radius, free = 6.75, 0.05 / 1.1 * room
+    assert first == pytest.approx(start + free - radius, abs=1.5)
+    assert last + 1 == pytest.approx(start + room - free + radius, abs=1.5)
+
+
+def test_playing_advances_at_the_stated_pace_and_pausing_stops(page):
+    def time():
+        return float(re.match(r"t = (\S+) s", page.locator("span").first.inner_text())[1])
+
+    scrub(page, 100)
+    page.get_by_role("button").click()
+    page.wait_for_function("document.querySelector('span').textContent >= 't = 0.11'")
+    page.get_by_role("button").click()
+    stopped = time()
+    page.wait_for_timeout(100)
+    assert time() == stopped >= 0.11
+    assert page.get_by_role("combobox").input_value() == "0.05"
+    page.get_by_role("combobox").select_option("real time")
+
+
+def test_nothing_is_cut_off(page):
+    width = page.viewport_size["width"]
+    assert page.evaluate("document.documentElement.scrollWidth") <= width
+    parts = "[...document.querySelectorAll('canvas, button, select, input')]"
+    boxes = page.evaluate(f"{parts}.map((e) => e.getBoundingClientRect().toJSON())")
+    assert all(box["left"] >= 0 and box["right"] <= width and box["width"] > 40 for box in boxes)

@@ -1,0 +1,250 @@
+"""The explorers of stability and of bifurcations show what the analyses give."""
+
+import asyncio
+
+import numpy as np
+import pytest
+
+import frictionlab as fl
+
+FLAT = fl.SliderOnBelt().without("geometry")
+
+
+@pytest.fixture(scope="module")
+def stability():
+    return fl.explore_stability()
+
+
+def test_the_critical_curve_is_that_of_the_analysis(stability):
+    line = stability.picture.tiles["critical"].lines["critical"]
+    at, values = line.get_data()
+    known = np.flatnonzero(np.isfinite(values))[::7]
+    assert len(known) > 2
+    for i in known:
+        model = fl.SliderOnBelt(F=float(at[i]))
+        assert values[i] == pytest.approx(fl.critical_value(model, "mu_k", (0, 3)), rel=1e-9)
+
+
+def test_the_point_moves_and_changes_where_it_passes_the_curve(stability):
+    lines = stability.picture.tiles["critical"].lines
+    critical = fl.critical_value(fl.SliderOnBelt(), "mu_k", (0, 3))
+    for mu_k, stable in ((critical - 0.01, True), (critical + 0.01, False)):
+        stability.controls["mu_k"].value = mu_k
+        here, elsewhere = (lines[f"here, {n}"] for n in ("stable", "unstable")[:: 1 if stable else -1])
+        assert (here.get_xdata(), here.get_ydata()) == ([200.0], [mu_k])
+        assert len(elsewhere.get_xdata()) == 0
+        assert stability.result.eigenvalues.stable is stable
+    grows = stability.picture.tiles["eigenvalues"].lines["grows"].get_xdata()
+    rates = fl.eigenvalues(stability.model).growth_rates
+    assert grows == pytest.approx([rates.max()])
+
+
+def test_moving_the_point_computes_no_curve_anew(stability):
+    panel = stability.picture.panels["critical"]
+    before = panel._curve.cache_info().misses
+    stability.controls["mu_k"].value = 0.7
+    stability.controls["F"].value = 450.0
+    assert panel._curve.cache_info().misses == before
+    stability.controls["k5"].value = 1.5e4
+    assert panel._curve.cache_info().misses == before + 1
+    assert not stability.result.has_run
+
+
+def test_a_click_moves_the_point_to_round_numbers(stability):
+    stability.click("critical", 333.3, 1.2345)
+    assert (stability.model.F, stability.model.mu_k) == (335.0, 1.23)
+    assert stability.picture.tiles["critical"].lines["here, unstable"].get_xdata() == [335.0]
+
+
+def test_a_parameter_that_a_switch_takes_away_is_missed_in_plain_words():
+    explorer = fl.explore_stability(parameter="k_nl", over="F")
+    explorer.controls["switch-cubic"].value = False
+    assert "has no parameter 'k_nl'" in explorer.layout.message.value
+    explorer.controls["switch-cubic"].value = True
+    assert explorer.error is None
+
+
+@pytest.mark.parametrize("explore", [fl.explore_stability, fl.explore_bifurcation])
+def test_unknown_parameters_are_refused(explore):
+    with pytest.raises(ValueError, match="has no parameter 'mu': did you mean"):
+        explore(parameter="mu")
+
+
+def test_two_different_parameters_are_needed():
+    with pytest.raises(ValueError, match="over must be another parameter than 'F'"):
+        fl.explore_stability(parameter="F", over="F")
+
+
+LONGEST = 1e4  # s: longer than any of these motions takes to settle
+
+
+@pytest.fixture(scope="module")
+def diagram():
+    explorer = fl.explore_bifurcation(FLAT.replace(mu_k=0.5, mu_s=4.0))
+    explorer.controls["transient"].value = 5.0
+    return explorer
+
+
+def shown(explorer):
+    lines = explorer.picture.tiles["bifurcation"].lines.values()
+    x = np.concatenate([line.get_xdata() for line in lines if line.get_label() != "_here"])
+    return np.unique(x)
+
+
+def test_a_narrow_range_is_computed_more_finely_and_nothing_twice(diagram):
+    panel = diagram.picture.panels["bifurcation"]
+    diagram.controls["range"].value = (0.0, 1.2)
+    coarse = dict(panel.found)
+    assert len(shown(diagram)) >= 24
+    diagram.controls["range"].value = (0.3, 0.6)
+    fine = shown(diagram)
+    assert len(fine) >= 24
+    assert (fine.min(), fine.max()) == (0.3, 0.6)
+    assert all(panel.found[value] is coarse[value] for value in coarse)
+    assert diagram.picture.tiles["bifurcation"].ax.get_xlim() == (0.3, 0.6)
+
+
+def test_the_points_are_those_of_the_analysis(diagram):
+    diagram.controls["range"].value = (0.3, 0.6)
+    sweep = diagram.picture.panels["bifurcation"].sweep
+    found, method = sweep.found, sweep.options["method"]
+    assert (method.tol, method.chatter) == (1e-10, diagram.settings.method.chatter)
+    model = FLAT.replace(mu_s=4.0)
+    options = {"transient": 5.0, "window": 10.0, "longest": LONGEST, "method": method, "progress": False}
+    expected = fl.bifurcation(model, "mu_k", [0.6], **options)
+    kind, states = found[0.6]
+    assert kind == expected.kinds[0]
+    assert np.array_equal(states, expected.sections[0])
+
+
+def test_the_slider_of_the_parameter_selects_a_value_and_computes_no_diagram(diagram):
+    panel = diagram.picture.panels["bifurcation"]
+    before = dict(panel.found)
+    diagram.controls["mu_k"].value = 0.45
+    assert panel.found == before
+    assert diagram.picture.tiles["bifurcation"].lines["_here"].get_xdata() == [0.45, 0.45]
+    t, x = diagram.picture.tiles["response"].lines["$x_{1}$"].get_data()
+    assert np.array_equal(x, diagram.run(t)[:, 0])
+    assert diagram.model.mu_k == 0.45
+
+
+def test_another_parameter_means_another_diagram(diagram):
+    panel = diagram.picture.panels["bifurcation"]
+    assert not diagram.controls["F"].continuous_update
+    assert diagram.controls["mu_k"].continuous_update
+    before = panel.found
+    diagram.controls["F"].value = 250.0
+    assert panel.found is not before
+    assert len(panel.found) == 24
+
+
+def at(explorer, name, x, y):
+    """Shares of the picture's width and height at data coordinates."""
+    tile = explorer.picture.tiles[name]
+    pixels = tile.ax.transData.transform((x, y))
+    return (pixels - tile.box.min) / tile.box.size
+
+
+def test_a_click_into_the_diagram_shows_the_motion_there(diagram):
+    diagram.controls["range"].value = (0.3, 0.6)
+    image = diagram.picture.images["bifurcation"]
+    x, y = at(diagram, "bifurcation", 0.4201, 0.0)
+    image._handle_custom_msg({"x": x, "y": y}, [])
+    slider = diagram.controls["mu_k"]
+    assert diagram.model.mu_k == slider.value == 0.42
+    diagram.controls["range"].value = (0.41, 0.45)
+    diagram.click("bifurcation", 0.42315, 0.0)
+    assert diagram.model.mu_k == 0.4232
+    steps = (slider.value - slider.min) / slider.step  # else a browser would round it
+    assert steps == pytest.approx(round(steps), abs=1e-6)
+    updates = diagram.updates
+    image._handle_custom_msg({"x": 0.01, "y": 0.5}, [])  # beside the axes
+    assert diagram.updates == updates
+
+
+def test_in_an_event_loop_the_diagram_fills_while_newer_values_are_heard():
+    async def browser():
+        explorer = fl.explore_bifurcation(FLAT.replace(mu_k=0.5))
+        panel, seen = explorer.picture.panels["bifurcation"], []
+        seen.append((len(panel.found), explorer.busy.widget.layout.visibility))
+        for value in (4.0, 4.5, 5.0):
+            explorer.controls["transient"].value = value  # another diagram, before the first is done
+        while explorer.busy.left:
+            done = len(panel.found) - len(panel.sweep.unsettled)
+            assert f"{done} of 24" in explorer.busy.widget.value
+            await asyncio.sleep(0.02)
+        seen.append((len(panel.found), explorer.busy.widget.layout.visibility))
+        return explorer, seen
+
+    explorer, ((first, marked), last) = asyncio.run(browser())
+    assert 0 < first < 24
+    assert marked == "visible"
+    assert last == (24, "hidden")
+    assert explorer.error is None
+    assert explorer.picture.panels["bifurcation"]._key[-1] == 5.0
+
+
+def test_an_explorer_that_is_closed_computes_no_more():
+    async def browser():
+        explorer = fl.explore_bifurcation(FLAT.replace(mu_k=0.5))
+        updates = explorer.updates
+        explorer.close()
+        await asyncio.sleep(0.1)
+        return explorer.updates - updates
+
+    assert asyncio.run(browser()) == 0
+
+
+FULL = fl.SliderOnBelt(mu_k=0.5, impact=fl.PlasticImpact("full"))
+
+
+def test_motions_that_have_not_settled_are_marked_and_go_on_until_they_have():
+    async def browser():
+        explorer = fl.explore_bifurcation(FULL)
+        panel, notes = explorer.picture.panels["bifurcation"], []
+        explorer.controls["range"].value = (0.5, 1.0)
+        explorer.controls["transient"].value = 40.0
+        while explorer.busy.left:
+            await asyncio.sleep(0.02)
+            tile = explorer.picture.tiles["bifurcation"]
+            notes.append((len(panel.found), tile.note.get_text(), set(panel.sweep.unsettled)))
+        return explorer, notes
+
+    explorer, notes = asyncio.run(browser())
+    filled = [(note, waiting) for count, note, waiting in notes if count == 24]
+    assert filled[0][0] == f"24 values, {len(filled[0][1])} not settled yet"
+    assert len(filled[0][1]) > 12
+    assert [len(waiting) for _, waiting in filled] == sorted((len(w) for _, w in filled), reverse=True)
+    assert filled[-1] == ("24 values", set())
+    panel, value = explorer.picture.panels["bifurcation"], max(filled[0][1])
+    options = {"transient": 40.0, "window": 10.0, "longest": LONGEST}
+    options["method"] = panel.sweep.options["method"]
+    alone = fl.bifurcation(FULL, "mu_k", [value], progress=False, **options)
+    kind, states = panel.found[value]
+    assert kind == alone.kinds[0] == "periodic"
+    assert np.array_equal(states, alone.sections[0])
+
+
+def test_what_never_settles_is_left_as_it_is_and_no_picture_waits_for_it(monkeypatch):
+    monkeypatch.setattr("frictionlab.widgets.panels.bifurcation.MAX_EXTENSIONS", 2)
+    monkeypatch.setattr("frictionlab.widgets.panels.bifurcation.WINDOWS_PER_EXTENSION", 1)
+
+    async def browser():
+        explorer = fl.explore_bifurcation(FULL)
+        explorer.controls["range"].value = (0.5, 1.0)
+        explorer.controls["transient"].value = 5.0
+        panel, before = explorer.picture.panels["bifurcation"], None
+        while explorer.busy.left:
+            await asyncio.sleep(0.02)
+            if before is None and len(panel.found) == 24:
+                before = dict(panel.found)
+                explorer.click("bifurcation", 0.75, 0.0)  # is shown before anything goes on
+                shown = explorer.model.mu_k, dict(panel.found)
+        return explorer, before, shown
+
+    explorer, before, (mu_k, found) = asyncio.run(browser())
+    assert mu_k == 0.75
+    assert all(found[value] is before[value] for value in before)
+    assert explorer.error is None
+    assert explorer.busy.widget.layout.visibility == "hidden"
+    assert "not settled yet" in explorer.picture.tiles["bifurcation"].note.get_text()

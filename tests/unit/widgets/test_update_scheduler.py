@@ -1,0 +1,67 @@
+"""The last value wins, and nothing is computed twice at once."""
+
+import threading
+
+import pytest
+
+from frictionlab.widgets.update_scheduler import UpdateScheduler
+
+pytestmark = pytest.mark.plain_python
+
+
+def test_changes_within_an_update_lead_to_one_more():
+    value, seen = [0], []
+
+    def update():
+        seen.append(value[0])
+        if len(seen) == 1:
+            for value[0] in range(1, 6):
+                scheduler.request()
+
+    scheduler = UpdateScheduler(update)
+    scheduler.request()
+    assert seen == [0, 5]
+
+
+def test_changes_from_another_thread_lead_to_one_more():
+    value, seen, began, go_on = [0], [], threading.Event(), threading.Event()
+
+    def update():
+        seen.append(value[0])
+        began.set()
+        assert go_on.wait(60)
+
+    scheduler = UpdateScheduler(update)
+    worker = threading.Thread(target=scheduler.request)
+    worker.start()
+    assert began.wait(60)
+    for value[0] in range(1, 6):
+        scheduler.request()
+    go_on.set()
+    worker.join()
+    assert seen == [0, 5]
+
+
+def test_an_update_that_fails_does_not_end_all_updates():
+    calls = []
+
+    def update():
+        calls.append(None)
+        if len(calls) == 1:
+            raise KeyboardInterrupt
+
+    scheduler = UpdateScheduler(update)
+    with pytest.raises(KeyboardInterrupt):
+        scheduler.request()
+    scheduler.request()
+    assert len(calls) == 2
+
+
+def test_changes_that_are_held_count_as_one():
+    calls = []
+    scheduler = UpdateScheduler(lambda: calls.append(None))
+    with scheduler.batch():
+        scheduler.request()
+        scheduler.request()
+        assert calls == []
+    assert len(calls) == 1
