@@ -43,6 +43,7 @@ def _limit(found: LagrangeSystem, contact: Friction, rate: Any) -> Mode:
     force = closing / compliance(found, found.normal(contact))
     outputs = {
         "penetration": contact.penetration,
+        "gap": -contact.penetration,
         "normal_force": force,
         "friction_force": sympy.S.Zero,
         "relative_velocity": contact.relative_velocity,

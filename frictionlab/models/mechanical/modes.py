@@ -153,4 +153,5 @@ def _contact_outputs(contact: Friction | Stop, regime: ContactRegime, force: Any
         ("friction_force", force),
         ("relative_velocity", contact.relative_velocity),
     )
-    return shown if contact.penetration is None else (("penetration", contact.penetration), *shown)
+    penetration = contact.penetration
+    return shown if penetration is None else (("penetration", penetration), ("gap", -penetration), *shown)

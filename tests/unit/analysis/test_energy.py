@@ -143,9 +143,8 @@ def test_a_force_normal_to_the_belt_keeps_the_energy(interface):
 def test_a_normal_force_acts_along_the_gradient_of_the_gap():
     q = sp.symbols("x1 y1 x2 y2 phi")
     geometry = fl.MovingLoad(direction="normal")
-    assert [sp.expand(w + sp.diff(geometry.penetration(*q), x)) for w, x in zip(geometry.normal(*q), q)] == [
-        0
-    ] * 5
+    penetration = geometry.penetration(*q)
+    assert [sp.expand(w + sp.diff(penetration, x)) for w, x in zip(geometry.normal(*q), q)] == [0] * 5
     vertical = fl.MovingLoad()
     assert vertical.normal(*q) == (0, 1, 0, -1, q[0] - q[2])
     assert vertical == fl.MovingLoad("vertical")
