@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from itertools import cycle
 from typing import Any
 
 from matplotlib.axes import Axes
@@ -11,9 +12,10 @@ from matplotlib.lines import Line2D
 from frictionlab.plotting.runs.time_window import Array
 
 from .figure import axes_or_new, legend_beside
-from .style import BLACK, BLUE, DASHED, GREEN, ORANGE, PURPLE, SKY, VERMILLION
+from .style import BLACK, BLUE, DASHED, GREEN, ORANGE, PURPLE, SKY, VERMILLION, YELLOW
 
 ENERGIES = {"kinetic": BLUE, "springs": GREEN, "contact": VERMILLION, "preload": ORANGE}
+SPARE = (SKY, PURPLE, GREEN, ORANGE, YELLOW)  # for names that are a model's own
 WORKS = {
     "belt drive": BLUE,
     "friction": VERMILLION,
@@ -42,7 +44,7 @@ def plot_energies(audit: Any, ax: Axes | None = None) -> list[Line2D]:
     >>> import frictionlab as fl
     >>> audit = fl.energy_audit(fl.simulate(fl.SliderOnBelt(mu_k=1.4), 0.2))
     >>> [line.get_label() for line in plot_energies(audit)]
-    ['kinetic', 'springs', 'contact', 'preload', 'sum']
+    ['kinetic', 'springs', 'preload', 'contact', 'sum']
     """
     return _draw_contributions(audit, ax, audit.energies, ENERGIES, audit.total, "energy (J)", "Energies")
 
@@ -84,9 +86,13 @@ def _draw_contributions(
     title: str,
 ) -> list[Line2D]:
     ax = axes_or_new(ax, figsize=(8.0, 4.0))
-    lines = []
+    lines, spare = (
+        [],
+        cycle(colour for colour in SPARE if colour not in {colours.get(name) for name in parts}),
+    )
     for name, values in parts.items():
-        lines += ax.plot(audit.t, values, color=colours.get(name, SKY), linewidth=1.2, label=name)
+        colour = colours.get(name) or next(spare)
+        lines += ax.plot(audit.t, values, color=colour, linewidth=1.2, label=name)
     lines += ax.plot(audit.t, total, color=BLACK, linestyle=DASHED, linewidth=1.2, label="sum")
     ax.set(xlabel="time (s)", ylabel=ylabel, title=title)
     ax.margins(x=0)

@@ -22,6 +22,7 @@ from frictionlab.models.symbols import Structure, parameter_symbols, structure_o
 # Exact for contact laws that are polynomials in sqrt(gap).
 CONTACT_NODES, CONTACT_WEIGHTS = np.polynomial.legendre.leggauss(12)
 GAP = sp.Symbol("gap_of_contact", real=True)
+WORKS = ("belt drive", "friction", "dampers", "impacts", "loads", "moving springs", "contact", "moving load")
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,11 +82,11 @@ class Balance:
 
     def powers(self, states: Array, modes: Any) -> dict[str, Array]:
         """The powers (W), each (N,), that change the sum of the energies, between events."""
-        found: dict[str, Any] = {}
+        found = {name: self._at(power, states) for name, power in self._terms.powers.items()}
         for contact in self._terms.contacts:
             for name, power in self._of_contact(contact, states, modes):
                 found[name] = found.get(name, 0.0) + power
-        return {name: self._at(power, states) for name, power in self._terms.powers.items()} | found
+        return {name: found[name] for name in WORKS if name in found}
 
     def jumps(self, before: Array, after: Array) -> Array:
         """Energy (J) gained at events: velocities jump there, coordinates do not."""

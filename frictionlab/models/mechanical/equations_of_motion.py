@@ -127,13 +127,13 @@ class LagrangeSystem:
         return Pair(rows.index(-1), rows.index(1), speed)
 
 
+@lru_cache(maxsize=256)
 def lagrange_system(model: Any) -> LagrangeSystem:
-    """Lagrange's equations of a symbolic copy of a model."""
+    """Lagrange's equations of a symbolic copy of a model; copies of one structure are equal."""
     names = model.coordinates
     return system_at(model, *(tuple(symbol(name + prime) for name in names) for prime in ("", "'")))
 
 
-@lru_cache(maxsize=256)
 def system_of(key: Structure) -> LagrangeSystem:
     """Lagrange's equations of a structure."""
     return lagrange_system(symbolic_copy(key))
