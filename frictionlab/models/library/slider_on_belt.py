@@ -97,7 +97,7 @@ class SliderOnBelt(MechanicalModel):
     geometry : Geometry
         MovingLoad(direction) or FixedLoad().
     impact : ImpactLaw
-        PlasticImpact(gap_rate), RestitutionImpact(e), FrictionalImpact(e, mu_i) or your own.
+        PlasticImpact(penetration_rate), RestitutionImpact(e), FrictionalImpact(e, mu_i) or your own.
 
     Raises
     ------

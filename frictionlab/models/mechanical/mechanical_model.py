@@ -111,7 +111,7 @@ class PlanarSlider(MechanicalModel):
 
     def normal_force(self, penetration: Any) -> Any:
         """F_N at a compression of the contact, N."""
-        raise NotImplementedError(f"{type(self).__name__} must define normal_force(gap)")
+        raise NotImplementedError(f"{type(self).__name__} must define normal_force(penetration)")
 
     def mechanics(self, q: Any, v: Any) -> Mechanics:
         """One mass, one contact; the energy of the contact is the work of F_N, which is a contact force."""

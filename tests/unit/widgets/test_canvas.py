@@ -13,7 +13,7 @@ import pytest
 import sympy as sp
 
 import frictionlab as fl
-from frictionlab.plotting.style import BLUE, MODE_COLOURS
+from frictionlab.plotting.style import BLUE, GREY, MODE_COLOURS
 from tests.helpers.canvas_page import open_canvas, picture_of, pixels_of, scrub
 
 MODEL = fl.SliderOnBelt(mu_k=1.4)
@@ -202,3 +202,28 @@ def test_nothing_is_cut_off(page):
     parts = "[...document.querySelectorAll('canvas, button, select, input')]"
     boxes = page.evaluate(f"{parts}.map((e) => e.getBoundingClientRect().toJSON())")
     assert all(box["left"] >= 0 and box["right"] <= width and box["width"] > 40 for box in boxes)
+
+
+OTHERS = [fl.MassOnBelt(), fl.SliderOnRigidBelt(), fl.BouncingBall(), fl.TwoBlocks()]
+
+
+@pytest.mark.parametrize("model", OTHERS, ids=repr)
+def test_the_browser_draws_the_bodies_of_other_models_in_their_places(page, model):
+    run = fl.simulate(model, 8 * model.period, progress=False)
+    canvas = fl.watch(run, window=None)
+    open_canvas(page, canvas)
+    rows, scene = columns(canvas), canvas.scene
+    names, count = list(rows), len(rows["mode"])
+    bodies = [s["first"] for s in scene["shapes"] if s["kind"] in ("block", "disc")]
+    # In the other modes the bodies are as grey as the walls.
+    coloured = [k for k in range(count) if scene["colours"][int(rows["mode"][k])] != GREY]
+    assert len(coloured) > 20
+    for k in coloured[:: len(coloured) // 4]:
+        assert scene["modes"][int(rows["mode"][k])] in scrub(page, k)
+        places = np.array([[rows[names[i + j]][k] for j in range(4)] for i in bodies])
+        x, y, w, h = places.T
+        left, right, top, bottom = pixels_of(page, BELT, scene["colours"][int(rows["mode"][k])])
+        low = to_pixels(page, canvas, (x - w / 2).min(), (y + h / 2).max())
+        high = to_pixels(page, canvas, (x + w / 2).max(), (y - h / 2).min())
+        # As above; arrows and springs may cover the edge of a body, not its corners.
+        assert np.abs(np.array([left, top, right + 1, bottom + 1]) - [*low, *high]).max() < 2.5

@@ -123,7 +123,7 @@ class Lifted(fl.MechanicalModel):
         return Mechanics(
             kinetic=(v.x**2 + v.y**2) / 2,
             potential={"spring": self.k * q.x**2 / 2, "weight": -9.81 * q.y},
-            contacts=(Friction(self.v - v.x, self.contact.force, self.friction, gap=q.y),),
+            contacts=(Friction(self.v - v.x, self.contact.force, self.friction, penetration=q.y),),
         )
 
 
@@ -175,7 +175,7 @@ class Tilting(fl.MechanicalModel):
                     1.0 - v.s + v.b,
                     self.contact.force,
                     self.friction,
-                    gap=q.w - (q.s - q.b) * q.turn - q.h,
+                    penetration=q.w - (q.s - q.b) * q.turn - q.h,
                     normal=(0, 1, 0, -1, q.s - q.b),
                     impact=self.impact,
                 ),
