@@ -3,6 +3,7 @@
 import os
 import shutil
 import sys
+from pathlib import Path
 
 import pytest
 from hypothesis import settings
@@ -15,6 +16,19 @@ if os.environ.get("FRICTIONLAB_DISABLE_NUMBA", "0") not in ("", "0"):
 # The first example may compile the solver, so no deadline; the same examples on every machine.
 settings.register_profile("frictionlab", deadline=None, derandomize=True)
 settings.load_profile("frictionlab")
+
+pytest.register_assert_rewrite("tests.helpers", "tests.differential")  # helpers assert too
+
+
+def pytest_collection_modifyitems(items):
+    """Tests are slow by the folder that they are in, and need a browser where they ask for the fixture."""
+    here = Path(__file__).parent
+    for item in items:
+        if item.path.is_relative_to(here) and item.path.relative_to(here).parts[0] == "slow":
+            item.add_marker(pytest.mark.slow)
+        if "browser" in getattr(item, "fixturenames", ()):
+            item.add_marker(pytest.mark.browser)
+
 
 CHROMIUM = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 

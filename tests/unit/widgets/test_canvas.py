@@ -94,9 +94,9 @@ def test_runs_of_other_automata_are_refused():
         fl.watch(fl.solve(automaton, 1.0, x0=[1.0, 0.0], progress=False))
 
 
-@pytest.mark.parametrize("name", ["canvas.js", "clickable.js"])
+@pytest.mark.parametrize("name", ["canvas.js", "rendering/clickable.js"])
 def test_the_javascript_is_in_the_package_and_needs_nothing_else(name):
-    code = resources.files("frictionlab.widgets").joinpath(name).read_text(encoding="utf-8")
+    code = resources.files("frictionlab.widgets").joinpath(*name.split("/")).read_text(encoding="utf-8")
     assert "export default { render }" in code
     assert not re.search(r"https?:|\bimport\b|\bfetch\b|XMLHttpRequest", code)
 
@@ -108,7 +108,7 @@ def test_the_wheel_holds_the_javascript(tmp_path):
     subprocess.run(command, cwd=root, check=True, capture_output=True)
     (wheel,) = tmp_path.glob("*.whl")
     names = zipfile.ZipFile(wheel).namelist()
-    assert all(f"frictionlab/widgets/{name}.js" in names for name in ("canvas", "clickable"))
+    assert {f"frictionlab/widgets/{name}.js" for name in ("canvas", "rendering/clickable")} <= {*names}
 
 
 @pytest.fixture(params=[(1280, 720), (400, 800)], ids=["wide", "narrow"])
