@@ -53,9 +53,9 @@ def test_rk4_takes_a_few_steps():
 PROGRAM = """
 import json
 import frictionlab as fl
-from frictionlab.hybrid import compiled
+from frictionlab.hybrid import compilation
 run = fl.simulate(fl.SliderOnBelt(mu_k=1.4, impact=fl.PlasticImpact("full")), 0.1)
-print(json.dumps([compiled.NUMBA is None, run.final_state.tolist(), run.events.t.tolist()]))
+print(json.dumps([compilation.NUMBA is None, run.final_state.tolist(), run.events.t.tolist()]))
 """
 
 

@@ -178,5 +178,5 @@ def test_values_that_have_not_settled_go_on_as_in_steady_state(tmp_path):
     assert long.kinds == tuple(found.kind for found in alone) == ("equilibrium",) * 3
     assert [r["final"] for r in long.results.values()] == [a.trajectory.final_state.tolist() for a in alone]
     assert len({found.transient for found in alone}) > 1
-    with pytest.raises(ValueError, match="differs in longest"):
+    with pytest.raises(ValueError, match="differs in t_max"):
         fl.bifurcation(smooth, "mu_k", values, t_max=200.0, resume=path, **options)

@@ -139,8 +139,8 @@ def test_a_steady_state_carries_the_warning():
 def test_an_explorer_and_a_bifurcation_pass_it_on():
     sharp = automaton(fl.Mode("on", (V, -X - 0.1 * V - sp.tanh((X - 0.5) * 100))))
     run = fl.solve(sharp, 5.0, x0=[2.0, 0.0], progress=False)
-    assert run_end_text(SimpleNamespace(ran=True, run=run)) == ""
-    said = run_end_text(SimpleNamespace(ran=True, run=with_longer_steps(run)))
+    assert run_end_text(SimpleNamespace(has_run=True, run=run)) == ""
+    said = run_end_text(SimpleNamespace(has_run=True, run=with_longer_steps(run)))
     assert said.startswith("Do not trust this picture: steps in mode")
     settings = {"transient": 1.0, "window": 1.0, "progress": False}
     found = fl.bifurcation(A, "mu_k", [0.2, 1.4], **settings)

@@ -138,7 +138,7 @@ def test_toggles_assemble(names):
         (mode,) = automaton.modes
         assert (mode.name, mode.events) == ("slip", ())
     assert {tuple(mode.outputs) for mode in automaton.modes} == {
-        ("penetration", "normal_force", "friction_force", "relative_velocity")
+        ("penetration", "gap", "normal_force", "friction_force", "relative_velocity")
     }
     used = set().union(*(sympy.sympify(e).free_symbols for mode in automaton.modes for e in mode.flow))
     assert used <= {*automaton.states, *automaton.parameters}

@@ -110,7 +110,7 @@ def test_the_points_are_those_of_the_analysis(diagram):
     found, method = sweep.found, sweep.options["method"]
     assert (method.tol, method.chatter) == (1e-10, diagram.settings.method.chatter)
     model = FLAT.replace(mu_s=4.0)
-    options = {"transient": 5.0, "window": 10.0, "longest": LONGEST, "method": method, "progress": False}
+    options = {"transient": 5.0, "window": 10.0, "t_max": LONGEST, "method": method, "progress": False}
     expected = fl.bifurcation(model, "mu_k", [0.6], **options)
     kind, states = found[0.6]
     assert kind == expected.kinds[0]
@@ -217,7 +217,7 @@ def test_motions_that_have_not_settled_are_marked_and_go_on_until_they_have():
     assert [len(waiting) for _, waiting in filled] == sorted((len(w) for _, w in filled), reverse=True)
     assert filled[-1] == ("24 values", set())
     panel, value = explorer.picture.panels["bifurcation"], max(filled[0][1])
-    options = {"transient": 40.0, "window": 10.0, "longest": LONGEST}
+    options = {"transient": 40.0, "window": 10.0, "t_max": LONGEST}
     options["method"] = panel.sweep.options["method"]
     alone = fl.bifurcation(FULL, "mu_k", [value], progress=False, **options)
     kind, states = panel.found[value]

@@ -41,9 +41,9 @@ SCENES = {f.__name__: of_rate(Y + f(A * INNER.get(f, X)) / 8) for f in FUNCTIONS
 
 
 @kernel
-def step_of_lanes(code, seats, order):
+def step_of_lanes(code, lanes, order):
     """One call."""
-    call_lane_step(code.lanes[0], seats.z, seats.constants, seats.terms, seats.jets, seats.control, order)
+    call_lane_step(code.lanes[0], lanes.z, lanes.constants, lanes.terms, lanes.jets, lanes.control, order)
 
 
 def with_step(automaton):
@@ -87,14 +87,14 @@ def fine_and_shortened(automaton, methods):
     for method in methods:
         rows = Numbers(*(np.tile(each, (LANE_COUNT, 1)) for each in numbers))
         group = new_batch(program, rows, np.zeros((LANE_COUNT, 2)), method)
-        seats = group.seats
-        seats.constants[:], seats.terms[:] = numbers.constants[:, None], numbers.terms[:, None]
+        lanes = group.lanes
+        lanes.constants[:], lanes.terms[:] = numbers.constants[:, None], numbers.terms[:, None]
         for states in np.random.default_rng(0).uniform(-1.2, 1.2, size=(10, LANE_COUNT, 2)):
-            seats.z[:], seats.control[LEFT] = states.T, 1e3
-            step_of_lanes(code, seats, method.degree)
-            for seat in np.flatnonzero(seats.control[REGULAR]):
-                h, end, suggested = alone(program, numbers, code, method, states[seat])
-                assert seats.control[LENGTH, seat] == h
-                np.testing.assert_array_equal(seats.z[:, seat], end)
+            lanes.z[:], lanes.control[LEFT] = states.T, 1e3
+            step_of_lanes(code, lanes, method.degree)
+            for lane in np.flatnonzero(lanes.control[REGULAR]):
+                h, end, suggested = alone(program, numbers, code, method, states[lane])
+                assert lanes.control[LENGTH, lane] == h
+                np.testing.assert_array_equal(lanes.z[:, lane], end)
                 fine, shortened = fine + 1, shortened + (h < suggested)
     return fine, shortened
