@@ -22,7 +22,7 @@ from frictionlab.hybrid.kernels.jets import MACHINE_EPSILON, majorant, mode_jets
 from frictionlab.hybrid.kernels.run_state import jet_columns
 from frictionlab.hybrid.kernels.taylor_steps import step_series
 from frictionlab.hybrid.problem import Problem, RunData
-from frictionlab.hybrid.tape.program import Numbers
+from frictionlab.hybrid.tape.program import system_of
 
 CHECK_POINTS = 8  # in a step, the zeros of a Chebyshev polynomial: dense towards its ends
 RESIDUAL_ROUNDING = (
@@ -35,9 +35,9 @@ class StoredSteps(NamedTuple):
     """Steps of a run: start and length, mode, state at the start, and at the end before any event."""
 
     times: np.ndarray  # (steps, 2)
-    modes: np.ndarray
-    states: np.ndarray
-    ends: np.ndarray
+    modes: np.ndarray  # (steps,)
+    states: np.ndarray  # (steps, states)
+    ends: np.ndarray  # (steps, states)
 
 
 class DefectScratch(NamedTuple):
@@ -61,12 +61,10 @@ def defects(
     if chosen is None:
         chosen = np.arange(len(raw.step_modes))
     worst = np.full(len(program.modes), -1.0)
-    absolute = Numbers(*map(np.abs, problem.numbers))
-    room = _new_scratch(program.slots, raw.state.size, order)
+    system = system_of(native_code(program).code, problem.numbers)
+    scratch = _new_scratch(program.slots, raw.state.size, order)
     with np.errstate(all="ignore"):
-        measure_defects(
-            native_code(program).code, problem.numbers, absolute, order, steps, chosen, worst, room
-        )
+        measure_defects(system, order, steps, chosen, worst, scratch)
     found = zip(program.modes, worst.tolist())
     return MappingProxyType({name: defect for name, defect in found if defect >= 0.0})
 
@@ -88,27 +86,27 @@ def _new_scratch(slots: int, states: int, order: int) -> DefectScratch:
 
 
 @kernel
-def measure_defects(code, numbers, absolute, order, steps, chosen, worst, room):
+def measure_defects(system, order, steps, chosen, worst, scratch):
     """Write the largest defect of each mode's steps into `worst`."""
     for step in chosen:
         mode, h = steps.modes[step], steps.times[step, 1]
         if h > 0.0:
-            begin_step(code, numbers, order, mode, h, steps.states[step], room)
+            begin_step(system, order, mode, h, steps.states[step], scratch)
             for point in range(CHECK_POINTS):
                 s = 0.5 * h * (1.0 - math.cos(math.pi * (point + 0.5) / CHECK_POINTS))
-                record_residuals(code, numbers, absolute, order, mode, s, room)
-            for i in range(room.errors.shape[0]):
-                room.errors[i] *= h
-            record_jump(code, order, mode, h, steps.ends[step], room)
-            worst[mode] = max(worst[mode], relative_defect(code, room))
+                record_residuals(system, order, mode, s, scratch)
+            for i in range(scratch.errors.shape[0]):
+                scratch.errors[i] *= h
+            record_jump(system.code, order, mode, h, steps.ends[step], scratch)
+            worst[mode] = max(worst[mode], relative_defect(system.code, scratch))
 
 
 @kernel
-def begin_step(code, numbers, order, mode, h, state, room):
+def begin_step(system, order, mode, h, state, scratch):
     """The series of a step, no errors yet, and the sizes at its start."""
-    step_series(code, numbers, mode, order, h, state, room.jets)
+    step_series(system.code, system.numbers, mode, order, h, state, scratch.jets)
     for i in range(state.shape[0]):
-        room.errors[i], room.sizes[i] = 0.0, abs(state[i])
+        scratch.errors[i], scratch.sizes[i] = 0.0, abs(state[i])
 
 
 @inlined
@@ -138,45 +136,46 @@ def larger_or_infinite(error, worst):
 
 
 @kernel
-def states_and_sums(order, s, room):
+def states_and_sums(order, s, scratch):
     """The states at time `s` of a step, and what their rounding errors are relative to."""
-    states_at(room.jets, order, s, room.z)
-    for i in range(room.z.shape[0]):
-        room.sums[i] = polynomial_magnitude(room.jets[i], order, s)
-        room.sizes[i] = max(room.sizes[i], abs(room.z[i]))
+    states_at(scratch.jets, order, s, scratch.z)
+    for i in range(scratch.z.shape[0]):
+        scratch.sums[i] = polynomial_magnitude(scratch.jets[i], order, s)
+        scratch.sizes[i] = max(scratch.sizes[i], abs(scratch.z[i]))
 
 
 @kernel
-def record_residuals(code, numbers, absolute, order, mode, s, room):
+def record_residuals(system, order, mode, s, scratch):
     """|x' - f(x)| at time `s` of a step, as far as it is beyond rounding."""
-    states_and_sums(order, s, room)
-    mode_jets(code, numbers, mode, 0, room.z, room.values)
-    majorant(code, absolute, mode, 0, room.sums, room.values, room.bounds)
-    for i in range(room.z.shape[0]):
-        slot, c = code.flow[mode, i], room.jets[i]
-        residual = abs(polynomial_slope(c, order, s) - room.values[slot, 0])
-        rounding = RESIDUAL_ROUNDING * (room.bounds[slot, 0] + slope_magnitude(c, order, s))
-        room.errors[i] = larger_or_infinite(residual - rounding, room.errors[i])
+    code = system.code
+    states_and_sums(order, s, scratch)
+    mode_jets(code, system.numbers, mode, 0, scratch.z, scratch.values)
+    majorant(code, system.magnitudes, mode, 0, scratch.sums, scratch.values, scratch.bounds)
+    for i in range(scratch.z.shape[0]):
+        slot, c = code.flow[mode, i], scratch.jets[i]
+        residual = abs(polynomial_slope(c, order, s) - scratch.values[slot, 0])
+        rounding = RESIDUAL_ROUNDING * (scratch.bounds[slot, 0] + slope_magnitude(c, order, s))
+        scratch.errors[i] = larger_or_infinite(residual - rounding, scratch.errors[i])
 
 
 @kernel
-def record_jump(code, order, mode, h, end, room):
+def record_jump(code, order, mode, h, end, scratch):
     """From the end of the polynomial to the state that followed, as far as it is beyond rounding."""
-    states_and_sums(order, h, room)
-    for i in range(room.z.shape[0]):
+    states_and_sums(order, h, scratch)
+    for i in range(scratch.z.shape[0]):
         if end[i] == end[i]:
-            rounding = RESIDUAL_ROUNDING * (room.sums[i] + h * room.bounds[code.flow[mode, i], 0])
-            room.errors[i] = larger_or_infinite(abs(end[i] - room.z[i]) - rounding, room.errors[i])
+            rounding = RESIDUAL_ROUNDING * (scratch.sums[i] + h * scratch.bounds[code.flow[mode, i], 0])
+            scratch.errors[i] = larger_or_infinite(abs(end[i] - scratch.z[i]) - rounding, scratch.errors[i])
 
 
 @kernel
-def relative_defect(code, room):
+def relative_defect(code, scratch):
     """The largest error as a share of the largest state of its group: coordinates, velocities, others."""
     worst = 0.0
     for group in range(3):
         error = size = 0.0
         for i in range(code.groups[group], code.groups[group + 1]):
-            error, size = max(error, room.errors[i]), max(size, room.sizes[i])
+            error, size = max(error, scratch.errors[i]), max(size, scratch.sizes[i])
         if error > 0.0:
             worst = larger_or_infinite(error / size, worst)
     return worst

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from frictionlab.hybrid.kernels.jets import majorant, run_tape
+from frictionlab.hybrid.kernels.jets import majorant, mode_operations, run_tape
 from frictionlab.hybrid.problem import Problem
-from frictionlab.hybrid.tape.program import Numbers
+from frictionlab.hybrid.tape.program import system_of
 from frictionlab.hybrid.trajectory import Trajectory
 
 
@@ -30,15 +30,15 @@ def condition_violation(run: Trajectory) -> float:
 def _condition_values(problem: Problem, mode: int, states: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """By how much states (N, n) violate a mode's conditions (N, k), and the sums of their absolute terms."""
     code, numbers = problem.program.code, problem.numbers
-    absolute, J = Numbers(*map(np.abs, numbers)), np.zeros((problem.program.slots, 1))
+    magnitudes, J = system_of(code, numbers).magnitudes, np.zeros((problem.program.slots, 1))
     guards = code.function_slots[code.mode_guards[mode] : code.mode_guards[mode + 1]]
     fixed = code.function_slots[code.mode_constraints[mode] : code.mode_constraints[mode + 1]]
     amounts = np.empty((len(states), len(guards) + len(fixed)))
     terms, sums = np.empty_like(amounts), J.copy()
     for i, z in enumerate(states):
         J[: len(z), 0] = z
-        run_tape(code, numbers, code.mode_ops[mode], code.mode_ops[mode + 1], 0, code.flow[mode], -1.0, J, J)
-        majorant(code, absolute, mode, 0, z, J, sums)
+        run_tape(code, numbers, mode_operations(code, mode), 0, code.flow[mode], -1.0, J, J)
+        majorant(code, magnitudes, mode, 0, z, J, sums)
         amounts[i] = np.append(-J[guards, 0], np.abs(J[fixed, 0]))
         terms[i] = np.append(sums[guards, 0], sums[fixed, 0])
     return amounts, terms

@@ -20,7 +20,7 @@ import numpy as np
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.hybrid.accuracy import defects
 from frictionlab.hybrid.codegen.native_cache import native_code
-from frictionlab.hybrid.kernels.run_state import jet_columns
+from frictionlab.hybrid.kernels.run_state import StepData, jet_columns
 from frictionlab.hybrid.kernels.taylor_steps import sample_states, subdivide_steps
 from frictionlab.hybrid.outputs import evaluate_output
 from frictionlab.hybrid.problem import Problem, RunData
@@ -161,9 +161,9 @@ class Trajectory:
         inside = steps < len(raw.step_modes)
         part = np.empty((int(inside.sum()), raw.state.size))
         J = np.zeros((program.slots, jet_columns(order)))
-        stored = raw.step_times, raw.step_modes, raw.step_states
+        stored = StepData(raw.step_times, raw.step_modes, raw.step_states)
         code = native_code(program).code
-        sample_states(code, self.problem.numbers, order, *stored, steps[inside], t[inside], part, J)
+        sample_states(code, self.problem.numbers, order, stored, steps[inside], t[inside], part, J)
         out[inside], out[~inside] = part, raw.state
         return out
 

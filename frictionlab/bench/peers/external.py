@@ -18,6 +18,7 @@ import sympy
 from frictionlab.automaton import HybridAutomaton, Mode
 from frictionlab.hybrid.compilation import NUMBA
 from frictionlab.hybrid.kernels import event_handling, run_state
+from frictionlab.hybrid.kernels.event_location import GuardZero
 from frictionlab.hybrid.methods.base import ActiveRun, Method
 from frictionlab.hybrid.methods.scipy_methods import CHATTER_DWELL
 from frictionlab.hybrid.problem import Problem, RecordList, Status
@@ -150,8 +151,9 @@ class ExternalMethod(Method):
             failed = run_state.RUNNING if self.steps >= self.max_steps else run_state.NOT_FINITE
             return run_state.FINISHED if t >= end else failed
         guard += int(code.mode_guards[mode])
-        arrays = code, run.problem.numbers, run.absolute
-        return event_handling.handle_event(*arrays, guard, 1, self.degree, 0.0, cursor, record, run.work)
+        system, truncation = run.system._replace(code=code), run_state.Truncation(self.degree, 0.0)
+        event = GuardZero(t - now, guard, 1)
+        return event_handling.handle_event(system, truncation, event, cursor, record, run.work)
 
     def _begin(self, problem: Problem) -> ActiveRun:
         self.count[0] = 0

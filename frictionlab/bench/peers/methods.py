@@ -25,9 +25,9 @@ class InterpretedTaylor(Taylor):
     """The Taylor method on the tape alone: the program's own code holds no addresses of native code."""
 
     def advance(self, run: ActiveRun, record: run_state.Record) -> int:
-        problem = run.problem
-        arrays = problem.program.code, problem.numbers, run.absolute
-        return taylor_steps.advance_taylor(*arrays, self.degree, self.tol, run.cursor, record, run.work)
+        system = run.system._replace(code=run.problem.program.code)
+        truncation = run_state.Truncation(self.degree, self.tol)
+        return taylor_steps.advance_taylor(system, truncation, run.cursor, record, run.work)
 
 
 @dataclass(frozen=True)

@@ -81,8 +81,8 @@ def _advance_one_by_one(group: Batch, which: np.ndarray, progress: Progress) -> 
 
 
 def _advance_side_by_side(group: Batch, goes_on: np.ndarray, progress: Progress) -> None:
-    runs, program, arrays = group.runs, group.program, (group.record, group.work)
-    settings = group.native.code, group.method.degree, group.method.tol
+    runs, program, arrays = group.runs, group.program, (group.record, group.scratch)
+    settings = group.native.code, run_state.Truncation(group.method.degree, group.method.tol)
     # Jets that were at hand are so no longer: such a run begins anew.  All do so the first time.
     begins = goes_on & (runs.counts[:, run_state.JETS_READY] != 0)
     _fill_queues(runs, goes_on & ~begins)

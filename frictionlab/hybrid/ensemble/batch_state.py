@@ -32,7 +32,7 @@ class Batch:
     runs: BatchRuns
     lanes: Lanes
     record: run_state.Record
-    work: run_state.Scratch
+    scratch: run_state.Scratch
 
 
 def new_batch(program: Program, numbers: Numbers, states: np.ndarray, method: Taylor) -> Batch:

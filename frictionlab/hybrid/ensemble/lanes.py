@@ -32,9 +32,10 @@ from frictionlab.hybrid.kernels.run_state import (
     remaining_time,
 )
 from frictionlab.hybrid.kernels.taylor_steps import advance_taylor
-from frictionlab.hybrid.tape.program import Numbers
+from frictionlab.hybrid.tape.program import Numbers, System
 
 MIN_RUNS_FOR_LANES = 2  # fewer than these in a mode go one by one
+SINGLE_STEPS = 20  # steps of a run alone, after which the kernel looks for the longest queue again
 MAX_CALLS = 1000  # calls after which the kernel looks up
 CAPPED = -1  # the status of a run that has reached its cap of steps or events
 
@@ -43,6 +44,13 @@ CAPPED = -1  # the status of a run that has reached its cap of steps or events
 def run_state_of(runs, i):
     """A run as the kernels of single runs know it."""
     return RunState(runs.states[i], runs.sizes[i], runs.times[i], runs.counts[i], runs.signs)
+
+
+@kernel
+def system_of_run(code, runs, i):
+    """The automaton with the values of a run."""
+    numbers = Numbers(runs.constants[i], runs.terms[i])
+    return System(code, numbers, Numbers(runs.sizes_of_constants[i], runs.sizes_of_terms[i]))
 
 
 @kernel
@@ -69,40 +77,36 @@ def enqueue(runs, i):
 
 
 @kernel
-def advance_single(code, order, tol, runs, i, most, record, work):
+def advance_single(code, truncation, runs, i, most, record, scratch):
     """Up to `most` steps of one run, and on while its jets are at hand; then it waits, or is over."""
-    numbers = Numbers(runs.constants[i], runs.terms[i])
-    absolute = Numbers(runs.sizes_of_constants[i], runs.sizes_of_terms[i])
-    cursor = run_state_of(runs, i)
+    system, run = system_of_run(code, runs, i), run_state_of(runs, i)
     while most > 0 or runs.counts[i, JETS_READY]:
         most -= 1  # the record has room for one step
-        status = advance_taylor(code, numbers, absolute, order, tol, cursor, record, work)
+        status = advance_taylor(system, truncation, run, record, scratch)
         if record_step_end(runs, i, status):
             return
     enqueue(runs, i)
 
 
 @kernel
-def begin_run(code, order, tol, runs, i, initial, record, work):
+def begin_run(code, truncation, runs, i, initial, record, scratch):
     """Choose the first mode of a run, and take its first step."""
-    numbers = Numbers(runs.constants[i], runs.terms[i])
-    absolute = Numbers(runs.sizes_of_constants[i], runs.sizes_of_terms[i])
-    work.declared[:] = 0
-    z, declared = runs.states[i], work.declared
-    arrays = declared, work.zeros, work.jets, work.bounds
-    mode = select_mode(code, numbers, absolute, initial, z, Rounding(z, COEFFICIENT_ROUNDING), order, *arrays)
+    system, z = system_of_run(code, runs, i), runs.states[i]
+    scratch.structural_zeros[:] = 0
+    rounding = Rounding(z, COEFFICIENT_ROUNDING)
+    mode = select_mode(system, initial, z, rounding, truncation.order, scratch)
     runs.counts[i, MODE], runs.counts[i, JETS_READY] = mode, 1
     if mode == NO_MODE:
         runs.status[i] = NO_ADMISSIBLE_MODE
     else:
-        advance_single(code, order, tol, runs, i, 0, record, work)
+        advance_single(code, truncation, runs, i, 0, record, scratch)
 
 
 @kernel
-def begin_runs(code, order, tol, runs, which, initial, record, work):
+def begin_runs(code, truncation, runs, which, initial, record, scratch):
     """Begin some of them."""
     for i in which:
-        begin_run(code, order, tol, runs, i, initial, record, work)
+        begin_run(code, truncation, runs, i, initial, record, scratch)
 
 
 @kernel
@@ -152,39 +156,39 @@ def accept_lane_step(runs, lanes, lane):
 
 
 @kernel
-def finish_lane_step(code, order, tol, runs, lanes, lane, record, work):
+def finish_lane_step(code, truncation, runs, lanes, lane, record, scratch):
     """The rest of a step that was not fine, from the jets that are there."""
     i = lanes.runs[lane]
     lanes.runs[lane] = FREE
-    for slot in range(work.jets.shape[0]):
-        copy_vector(lanes.jets[slot, : order + 1, lane], work.jets[slot])
-    work.zeros[:] = 0
+    for slot in range(scratch.jets.shape[0]):
+        copy_vector(lanes.jets[slot, : truncation.order + 1, lane], scratch.jets[slot])
+    scratch.leading_zeros[:] = 0
     copy_vector(lanes.z[:, lane], runs.states[i])
     runs.counts[i, JETS_READY] = 1
-    advance_single(code, order, tol, runs, i, 0, record, work)
+    advance_single(code, truncation, runs, i, 0, record, scratch)
 
 
 @kernel
-def advance_lanes(code, order, tol, runs, lanes, mode, record, work):
+def advance_lanes(code, truncation, runs, lanes, mode, record, scratch):
     """Steps of the runs in a mode, until few are left in it; returns how many calls it took."""
     calls = 0
     while calls < MAX_CALLS and load_lanes(runs, lanes, mode) >= MIN_RUNS_FOR_LANES:
         calls += 1
         arrays = lanes.z, lanes.constants, lanes.terms, lanes.jets, lanes.control
-        call_lane_step(code.lanes[mode], *arrays, order)
+        call_lane_step(code.lanes[mode], *arrays, truncation.order)
         for lane in range(LANE_COUNT):
             if lanes.runs[lane] == FREE:
                 continue
             if lanes.control[REGULAR, lane] != 0.0:
                 accept_lane_step(runs, lanes, lane)
             else:
-                finish_lane_step(code, order, tol, runs, lanes, lane, record, work)
+                finish_lane_step(code, truncation, runs, lanes, lane, record, scratch)
     release_lanes(runs, lanes)
     return calls
 
 
 @kernel
-def advance_batch_kernel(code, order, tol, runs, lanes, record, work, rounds):
+def advance_batch_kernel(code, truncation, runs, lanes, record, scratch, rounds):
     """Go on for about so many steps; returns whether any run is left."""
     while rounds > 0:
         mode = 0
@@ -198,9 +202,10 @@ def advance_batch_kernel(code, order, tol, runs, lanes, record, work, rounds):
             and lanes.jets.shape[1] == JET_COLUMNS
             and runs.queued[mode] >= MIN_RUNS_FOR_LANES
         ):
-            rounds -= LANE_COUNT * advance_lanes(code, order, tol, runs, lanes, mode, record, work)
+            rounds -= LANE_COUNT * advance_lanes(code, truncation, runs, lanes, mode, record, scratch)
         else:
             runs.queued[mode] -= 1
-            advance_single(code, order, tol, runs, runs.queue[mode, runs.queued[mode]], 20, record, work)
-            rounds -= 20
+            i = runs.queue[mode, runs.queued[mode]]
+            advance_single(code, truncation, runs, i, SINGLE_STEPS, record, scratch)
+            rounds -= SINGLE_STEPS
     return True

@@ -49,9 +49,9 @@ def count_repeat(counts):
 
 
 @kernel
-def is_zeno(code, guard, limit, count, cursor):
+def is_zeno(code, guard, limit, count, run):
     """Whether the mode that ends lasted less than a limit, and the one before it; counts on."""
-    times, counts = cursor.times, cursor.counts
+    times, counts = run.times, run.counts
     if times[NOW] - times[ENTERED] >= max(times[limit], 1e-15 * abs(times[NOW])):
         counts[count] = 0
     elif code.resets[guard, 1] != code.resets[guard, 0]:
@@ -63,67 +63,62 @@ def is_zeno(code, guard, limit, count, cursor):
 
 
 @kernel
-def select_limit_mode(code, numbers, absolute, guard, order, cursor, work):
+def select_limit_mode(system, guard, order, run, scratch):
     """Enter what the events come to, if that is admissible; else leave the state, and return NO_MODE."""
-    z, before = cursor.state, work.before
+    code, z, before = system.code, run.state, scratch.states
     copy_vector(z, before)
-    apply_reset(code, numbers, code.resets[guard, 1], z, work.jets)
-    copy_vector(code.declared[guard, 1], work.declared)
-    rounding = Rounding(z, COEFFICIENT_ROUNDING)
-    arrays = work.declared, work.zeros, work.jets, work.bounds
-    mode = select_mode(code, numbers, absolute, code.limits, z, rounding, order, *arrays)
+    apply_reset(system, code.resets[guard, 1], z, scratch.jets)
+    copy_vector(code.declared[guard, 1], scratch.structural_zeros)
+    mode = select_mode(system, code.limits, z, Rounding(z, COEFFICIENT_ROUNDING), order, scratch)
     if mode == NO_MODE:
         copy_vector(before, z)
     return mode
 
 
 @kernel
-def reset_and_select_mode(code, numbers, absolute, guard, multiplicity, order, tol, cursor, work):
-    """Reset the state after the guard's event and enter the next mode; returns (mode, closed)."""
+def reset_and_select_mode(system, truncation, event, run, scratch):
+    """Reset the state after an event and enter the next mode; returns (mode, closed)."""
+    code, guard, order = system.code, event.guard, truncation.order
     closing = 0
-    if len(code.limits) and is_zeno(code, guard, CHATTER, SHORT_FLIGHTS, cursor):
-        mode = select_limit_mode(code, numbers, absolute, guard, order, cursor, work)
+    if len(code.limits) and is_zeno(code, guard, CHATTER, SHORT_FLIGHTS, run):
+        mode = select_limit_mode(system, guard, order, run, scratch)
         if mode != NO_MODE:
             return mode, 1
-    if is_zeno(code, guard, DWELL, SHORT_DWELLS, cursor):
+    if is_zeno(code, guard, DWELL, SHORT_DWELLS, run):
         closing = 1
-    apply_reset(code, numbers, code.resets[guard, closing], cursor.state, work.jets)
-    copy_vector(code.declared[guard, closing], work.declared)
+    apply_reset(system, code.resets[guard, closing], run.state, scratch.jets)
+    zeros = scratch.structural_zeros
+    copy_vector(code.declared[guard, closing], zeros)
     if code.resets[guard, closing] < 0:
-        work.declared[guard] = max(work.declared[guard], multiplicity)
-    next_, z = code.targets[guard], cursor.state
-    arrays = work.declared, work.zeros, work.jets, work.bounds
-    mode = select_mode(code, numbers, absolute, next_, z, Rounding(z, COEFFICIENT_ROUNDING), order, *arrays)
+        zeros[guard] = max(zeros[guard], event.multiplicity)
+    next_, z = code.targets[guard], run.state
+    mode = select_mode(system, next_, z, Rounding(z, COEFFICIENT_ROUNDING), order, scratch)
     if mode == NO_MODE:  # another event at this instant? Its guard is zero up to the rounding of the step
-        mode = select_mode(
-            code, numbers, absolute, next_, z, Rounding(cursor.sizes, COEFFICIENT_ROUNDING), order, *arrays
-        )
+        mode = select_mode(system, next_, z, Rounding(run.sizes, COEFFICIENT_ROUNDING), order, scratch)
     if mode == NO_MODE:  # or up to what the step leaves out
-        left_out = Rounding(cursor.sizes, max(COEFFICIENT_ROUNDING, FUNCTION_TOL_FACTOR * tol))
-        mode = select_mode(code, numbers, absolute, next_, z, left_out, order, *arrays)
+        left_out = Rounding(run.sizes, max(COEFFICIENT_ROUNDING, FUNCTION_TOL_FACTOR * truncation.tol))
+        mode = select_mode(system, next_, z, left_out, order, scratch)
     return mode, closing
 
 
 @kernel
-def handle_event(code, numbers, absolute, guard, multiplicity, order, tol, cursor, record, work):
-    """Record the event, change the mode; returns how the run goes on.
+def handle_event(system, truncation, event, run, record, scratch):
+    """Record an event, a :class:`GuardZero`, and change the mode; returns how the run goes on.
 
-    `tol` is the share of the states by which the steps may miss the event.
+    ``truncation.tol`` is the share of the states by which the steps may miss the event.
     """
-    times, counts = cursor.times, cursor.counts
+    times, counts = run.times, run.counts
     row = counts[EVENTS]
     record.event_times[row] = times[NOW]
-    copy_vector(cursor.state, record.event_states[row, 0])
-    mode, closed = reset_and_select_mode(
-        code, numbers, absolute, guard, multiplicity, order, tol, cursor, work
-    )
+    copy_vector(run.state, record.event_states[row, 0])
+    mode, closed = reset_and_select_mode(system, truncation, event, run, scratch)
     if mode < NO_MODE:  # a mode is to be derived first, as if the event were yet to happen
-        copy_vector(record.event_states[row, 0], cursor.state)
+        copy_vector(record.event_states[row, 0], run.state)
         return mode
-    record.event_codes[row, 0] = guard
+    record.event_codes[row, 0] = event.guard
     record.event_codes[row, 1] = mode
     record.event_codes[row, 2] = closed
-    copy_vector(cursor.state, record.event_states[row, 1])
+    copy_vector(run.state, record.event_states[row, 1])
     counts[EVENTS] += 1
     counts[ZENO_COUNT] += closed
     counts[REPEATED] = 0 if times[NOW] > times[ENTERED] else counts[REPEATED] + 1

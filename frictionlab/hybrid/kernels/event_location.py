@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import math
 
+from typing import NamedTuple
+
 from frictionlab.hybrid.compilation import inlined, kernel
 from frictionlab.hybrid.kernels.jets import MACHINE_EPSILON, majorant, mode_jets, polynomial_slope, states_at
 from frictionlab.hybrid.kernels.roots import isolate_roots
@@ -20,6 +22,14 @@ SUSPECT_SHARE = (
 )
 NEWTON_STEPS = 12  # steps of Newton's method; one does where the tolerance is 1e-15
 NO_GUARD = -1
+
+
+class GuardZero(NamedTuple):
+    """The first zero of a guard in a step."""
+
+    time: float  # from the start of the step
+    guard: int  # NO_GUARD where no guard is zero; the time is that of the step's end then
+    multiplicity: int
 
 
 @kernel
@@ -36,13 +46,14 @@ def leading_order(c, bound, declared, order, share):
 
 
 @kernel
-def leading_order_of_slot(code, absolute, mode, slot, declared, z, order, J, bounds):
+def leading_order_of_slot(system, mode, slot, declared, z, order, J, bounds):
     """:func:`leading_order` of a slot; computes as much of the majorant `bounds` as it needs."""
+    code, magnitudes = system.code, system.magnitudes
     low = min(order, max(LOW_ORDER, declared))
-    majorant(code, absolute, mode, low, z, J, bounds)
+    majorant(code, magnitudes, mode, low, z, J, bounds)
     k = leading_order(J[slot], bounds[slot], declared, low, COEFFICIENT_ROUNDING)
     if k > low and low < order:
-        majorant(code, absolute, mode, order, z, J, bounds)
+        majorant(code, magnitudes, mode, order, z, J, bounds)
         k = leading_order(J[slot], bounds[slot], declared, order, COEFFICIENT_ROUNDING)
     return k
 
@@ -81,34 +92,34 @@ def rescale(c, m, n, h, a):
 
 
 @kernel
-def first_event(code, absolute, mode, z, order, J, zeros, h, work):
-    """First zero of the mode's guards in [0, h].
+def first_event(system, mode, z, order, h, scratch):
+    """First zero of the mode's guards in [0, h], along the jets in `scratch`.
 
-    ``zeros[g]`` leading coefficients of guard g count as zero at the start.  Returns the time, the guard
-    (or NO_GUARD and `h`) and the multiplicity of the zero.
+    ``scratch.leading_zeros[g]`` leading coefficients of guard g count as zero at the start.
     """
+    code, J, roots = system.code, scratch.jets, scratch.roots
     first = code.mode_guards[mode]
     hit = NO_GUARD
     order_of_hit = 1
     for g in range(first, code.mode_guards[mode + 1]):
         slot = code.function_slots[g]
         c = J[slot]
-        m = zeros[g - first]
+        m = scratch.leading_zeros[g - first]
         if m > order or lower_bound(c, m, order, h) > 0.0:
             continue
         if c[m] <= SUSPECT_SHARE * absolute_sum(c, m, order, h):
-            m = leading_order_of_slot(code, absolute, mode, slot, m, z, order, J, work.bounds)
+            m = leading_order_of_slot(system, mode, slot, m, z, order, J, scratch.bounds)
             if m > order:
                 continue
             if c[m] < 0.0:
-                return 0.0, g, 1
-        n = rescale(c, m, order, h, work.scaled)
-        found = isolate_roots(work.scaled, n, 1, work.stack, work.intervals, work.roots, work.multiplicity)
-        if found and (hit == NO_GUARD or work.roots[0] < 1.0):  # of two at once the first in the mode's order
-            h *= work.roots[0]
+                return GuardZero(0.0, g, 1)
+        n = rescale(c, m, order, h, roots.scaled)
+        found = isolate_roots(n, 1, roots)
+        if found and (hit == NO_GUARD or roots.places[0] < 1.0):  # of two at once the first in the mode's order
+            h *= roots.places[0]
             hit = g
-            order_of_hit = work.multiplicity[0]
-    return h, hit, order_of_hit
+            order_of_hit = roots.multiplicity[0]
+    return GuardZero(h, hit, order_of_hit)
 
 
 @inlined
@@ -133,28 +144,29 @@ def has_significant_tail(c, order, s):
 
 
 @kernel
-def refine_event_time(code, numbers, absolute, mode, guard, order, s, work):
+def refine_event_time(system, mode, guard, order, s, scratch):
     """Time of a guard's simple zero along the states' polynomials, near the zero `s` of its own.
 
     The guard's polynomial is truncated.  Where a run stops at its zero the guard itself is of the size of the
     tolerance, of either sign, and so is what vanishes with it: with mu_s = mu_k the acceleration after
     stick.  Newton's method makes it zero up to rounding.
     """
+    code, z, values, bounds = system.code, scratch.states, scratch.values, scratch.bounds
     slot = code.function_slots[guard]
     time, best, least = s, s, math.inf
     for _ in range(NEWTON_STEPS):
-        states_at(work.jets, order, time, work.before)
-        mode_jets(code, numbers, mode, 0, work.before, work.values)
-        value = abs(work.values[slot, 0])
+        states_at(scratch.jets, order, time, z)
+        mode_jets(code, system.numbers, mode, 0, z, values)
+        value = abs(values[slot, 0])
         if value < least:
             best = time
         if not value < 0.5 * least:  # what is left is rounding, or Newton's method does not converge
             break
-        majorant(code, absolute, mode, 0, work.before, work.values, work.bounds)
-        if value <= GUARD_ROUNDING * work.bounds[slot, 0]:
+        majorant(code, system.magnitudes, mode, 0, z, values, bounds)
+        if value <= GUARD_ROUNDING * bounds[slot, 0]:
             break
         least = value
-        time -= work.values[slot, 0] / polynomial_slope(work.jets[slot], order, time)
+        time -= values[slot, 0] / polynomial_slope(scratch.jets[slot], order, time)
         if not time >= 0.0:
             break
     return best

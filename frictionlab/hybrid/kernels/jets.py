@@ -144,8 +144,8 @@ def power_coefficient(exponent, a, out, k, order, sign, values, J):
 
 
 @kernel
-def run_tape(code, numbers, first, last, order, flow, sign, values, J):
-    """Coefficients 0 to `order` of the slots that the operations [first, last) write.
+def run_tape(code, numbers, operations, order, flow, sign, values, J):
+    """Coefficients 0 to `order` of the slots that a range of operations, (first, last + 1), write.
 
     ``flow[i]`` is the slot that holds the derivative of state i, whose column 0 is given.  `sign` is -1;
     with +1, absolute values for numbers and states and the jets themselves as `values`, the recurrences
@@ -154,6 +154,7 @@ def run_tape(code, numbers, first, last, order, flow, sign, values, J):
     """
     ops, slots, constants, terms = code.ops, code.term_slots, numbers.constants, numbers.terms
     inputs = code.inputs
+    first, last = operations
     for k in range(order + 1):
         for i in range(first, last):
             kind = ops[i, 0]
@@ -191,6 +192,12 @@ def run_tape(code, numbers, first, last, order, flow, sign, values, J):
 
 
 @inlined
+def mode_operations(code, mode):
+    """Range of a mode's operations, (first, last + 1)."""
+    return code.mode_ops[mode], code.mode_ops[mode + 1]
+
+
+@inlined
 def has_native_jets(code, mode, J):
     """Whether there is native code for a mode's jets, and rows of `J` are as long as it takes them."""
     return code.native[mode] != 0 and J.shape[1] == JET_COLUMNS
@@ -207,16 +214,15 @@ def mode_jets(code, numbers, mode, order, z, J):
         return
     for i in range(z.shape[0]):
         J[i, 0] = z[i]
-    run_tape(code, numbers, code.mode_ops[mode], code.mode_ops[mode + 1], order, code.flow[mode], -1.0, J, J)
+    run_tape(code, numbers, mode_operations(code, mode), order, code.flow[mode], -1.0, J, J)
 
 
 @kernel
-def majorant(code, absolute, mode, order, z, jets, J):
-    """Majorant of the `jets` at `z`; `absolute` are the absolute values of the tape's numbers."""
+def majorant(code, magnitudes, mode, order, z, jets, J):
+    """Majorant of the `jets` at `z`; `magnitudes` are the absolute values of the tape's numbers."""
     for i in range(z.shape[0]):
         J[i, 0] = abs(z[i])
-    first, last = code.mode_ops[mode], code.mode_ops[mode + 1]
-    run_tape(code, absolute, first, last, order, code.flow[mode], 1.0, jets, J)
+    run_tape(code, magnitudes, mode_operations(code, mode), order, code.flow[mode], 1.0, jets, J)
 
 
 @kernel
@@ -224,8 +230,8 @@ def reset_values(code, numbers, reset, z, J):
     """Values, in column 0 of `J`, of the slots of a reset at the state `z`."""
     for i in range(z.shape[0]):
         J[i, 0] = z[i]
-    first, last = code.reset_ops[reset], code.reset_ops[reset + 1]
-    run_tape(code, numbers, first, last, 0, code.reset_out[reset], -1.0, J, J)
+    operations = code.reset_ops[reset], code.reset_ops[reset + 1]
+    run_tape(code, numbers, operations, 0, code.reset_out[reset], -1.0, J, J)
 
 
 @inlined
@@ -273,12 +279,12 @@ def state_rates(code, numbers, mode, z, J, dz):
 @kernel
 def slot_gradients(code, numbers, mode, z, J, T):
     """Forward mode through a mode's tape at `z`: T[slot, i] is the slot's derivative by state i."""
-    inputs, first, last = code.inputs, code.mode_ops[mode], code.mode_ops[mode + 1]
+    inputs, (first, last) = code.inputs, mode_operations(code, mode)
     T[:inputs] = 0.0
     for i in range(inputs):
         J[i, 0] = z[i]
         T[i, i] = 1.0
-    run_tape(code, numbers, first, last, 0, code.flow[mode], -1.0, J, J)
+    run_tape(code, numbers, (first, last), 0, code.flow[mode], -1.0, J, J)
     for op in range(first, last):
         kind, a, b, out = code.ops[op, 0], code.ops[op, 1], code.ops[op, 2], inputs + op - first
         for i in range(inputs):

@@ -87,9 +87,9 @@ def time_to_zero_base(code, mode, J):
 
 
 @kernel
-def unresolved_time(code, absolute, mode, z, J, bounds):
+def unresolved_time(code, magnitudes, mode, z, J, bounds):
     """Time in which no base that is within its rounding error moves by more than that; 0 where none is."""
-    majorant(code, absolute, mode, 0, z, J, bounds)
+    majorant(code, magnitudes, mode, 0, z, J, bounds)
     longest = math.inf
     first = code.mode_ops[mode]
     for i in range(first, code.mode_ops[mode + 1]):
@@ -102,15 +102,17 @@ def unresolved_time(code, absolute, mode, z, J, bounds):
 
 
 @kernel
-def onset_step(code, numbers, order, tol, mode, h, J, work):
+def onset_step(system, truncation, mode, h, scratch):
     """Longest step up to `h` in which powers whose base is nearly zero may count as constant.
 
     Then the states' rates at its end, with the powers there, are those of the polynomials but for
     an error that changes no state by more than `tol` of its size.
     """
+    code, order = system.code, truncation.order
+    J, values, z = scratch.jets, scratch.bounds, scratch.states
     for _ in range(ONSET_TRIES):
-        states_at(J, order, h, work.before)
-        mode_jets(code, numbers, mode, 0, work.before, work.bounds)
+        states_at(J, order, h, z)
+        mode_jets(code, system.numbers, mode, 0, z, values)
         share = 0.0
         for group in range(3):
             first, last = code.groups[group], code.groups[group + 1]
@@ -119,9 +121,9 @@ def onset_step(code, numbers, order, tol, mode, h, J, work):
                 largest_coefficient(J, first, last, 1) * max(h, INSTANT),
             )
             for i in range(first, last):
-                error = h * abs(work.bounds[code.flow[mode, i], 0] - polynomial_slope(J[i], order, h))
+                error = h * abs(values[code.flow[mode, i], 0] - polynomial_slope(J[i], order, h))
                 if error > 0.0:
-                    share = max(share, error / (tol * size))
+                    share = max(share, error / (truncation.tol * size))
         if not share > 1.0:
             break
         h *= max(0.1, 0.9 / share**0.4)

@@ -170,14 +170,14 @@ def infinite_if_nan(bound):
 
 
 @inlined
-def bound_affine(code, absolute, op, out, order, radius, J, bounds):
+def bound_affine(code, magnitudes, op, out, order, radius, J, bounds):
     """Bounds of an affine combination of slots; of some by their own series too, as terms may cancel."""
     reach = rest = 0.0
     for j in range(code.ops[op, 1], code.ops[op, 2]):
         slot = code.term_slots[j]
-        if absolute.terms[j] > 0.0:
-            reach += absolute.terms[j] * bounds[slot, REACH]
-            rest += absolute.terms[j] * bounds[slot, REST]
+        if magnitudes.terms[j] > 0.0:
+            reach += magnitudes.terms[j] * bounds[slot, REACH]
+            rest += magnitudes.terms[j] * bounds[slot, REST]
     if code.ranges[op] == BOTH and rest < math.inf:
         reach = min(reach, series_range(J, out, order, radius) + rest)
     bounds[out, REACH] = reach
@@ -185,11 +185,12 @@ def bound_affine(code, absolute, op, out, order, radius, J, bounds):
 
 
 @inlined
-def bound_ranges(code, numbers, absolute, mode, order, radius, visible, J, bounds):
+def bound_ranges(system, mode, order, radius, visible, J, bounds):
     """Write how far each slot goes on the disc of a radius, and how far without its polynomial.
 
     `visible` says that the last terms show what polynomials leave out: it counts as nothing then.
     """
+    code = system.code
     least = OPERATION if visible else WHEN_BLIND
     for i in range(code.inputs):
         bounds[i, REST] = 0.0
@@ -206,7 +207,7 @@ def bound_ranges(code, numbers, absolute, mode, order, radius, visible, J, bound
             continue
         kind, a, b = code.ops[op, 0], code.ops[op, 1], code.ops[op, 2]
         if kind == AFFINE:
-            bound_affine(code, absolute, op, out, order, radius, J, bounds)
+            bound_affine(code, system.magnitudes, op, out, order, radius, J, bounds)
         elif kind == RATE:  # belongs to the recurrence of the next operation
             bounds[out, REACH] = bounds[out, REST] = 0.0
         else:
@@ -216,7 +217,7 @@ def bound_ranges(code, numbers, absolute, mode, order, radius, visible, J, bound
             if kind in (PRODUCT, SQUARE):
                 bound_product(J, a, b, out, d, e, known, bounds)
             else:
-                reach = infinite_if_nan(operation_range(code, numbers, op, out, d, e, J))
+                reach = infinite_if_nan(operation_range(code, system.numbers, op, out, d, e, J))
                 bounds[out, REACH] = reach
                 bounds[out, REST] = 0.0 if known else reach
 
@@ -240,10 +241,10 @@ def log2_group_support(room, order, first, last, J):
 
 
 @inlined
-def supported_step(code, mode, order, tol, radius, shortest, J, bounds):
+def supported_step(code, truncation, mode, radius, shortest, J, bounds):
     """Longest step that the ranges on the disc of a radius support: no slot leaves out more than allowed."""
-    log_radius = log2(radius)
-    log_room = log2(tol) + order * log_radius
+    order, log_radius = truncation.order, log2(radius)
+    log_room = log2(truncation.tol) + order * log_radius
     best = log_radius - math.log2(MIN_RADIUS_IN_STEPS * BOUND_EXCESS)
     for group in range(4):
         first = code.groups[group]
@@ -296,15 +297,16 @@ def polynomials_visible(code, order, mode, h, left):
 
 
 @inlined
-def remainder_step(code, numbers, absolute, order, tol, mode, h, visible, J, bounds):
+def remainder_step(system, truncation, mode, h, visible, J, bounds):
     """Longest step up to `h` whose remainder is bounded by some tolerances; `bounds` is scratch.
 
     `visible` says that the last terms of polynomials tell what these leave out.
     """
     best, radius = 0.0, FIRST_RADIUS * h
     for _ in range(RADIUS_TRIES):
-        bound_ranges(code, numbers, absolute, mode, order, radius, visible, J, bounds)
-        support = supported_step(code, mode, order, tol, radius, MIN_FUNCTION_STEP_SHARE * h, J, bounds)
+        bound_ranges(system, mode, truncation.order, radius, visible, J, bounds)
+        shortest = MIN_FUNCTION_STEP_SHARE * h
+        support = supported_step(system.code, truncation, mode, radius, shortest, J, bounds)
         if support >= SUFFICIENT_SHARE * h:
             return min(support, h)
         if support < best:

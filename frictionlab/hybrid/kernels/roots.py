@@ -7,11 +7,36 @@ Casteljau). Source: Rouillier & Zimmermann, J. Comput. Appl. Math. 162 (2004) 33
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
+import numpy as np
+
 from frictionlab.hybrid.compilation import kernel
 
 MAX_DEPTH = 60  # nested halvings, so at most as many intervals wait
 # Roots closer than this, relative to their place, cannot be told from a double root in double precision.
 ROOT_RESOLUTION = 1e-8
+
+
+class RootScratch(NamedTuple):
+    """A polynomial on [0, 1], its roots, and what it takes to find them."""
+
+    stack: np.ndarray  # (MAX_DEPTH + 1, order + 1) Bernstein coefficients on the intervals that wait
+    intervals: np.ndarray  # (MAX_DEPTH + 1, 2)
+    scaled: np.ndarray  # (order + 1,) coefficients of the polynomial, lowest first
+    places: np.ndarray  # (order + 2,) of its roots
+    multiplicity: np.ndarray  # (order + 2,)
+
+
+def new_root_scratch(order: int) -> RootScratch:
+    """For polynomials up to a degree."""
+    return RootScratch(
+        stack=np.zeros((MAX_DEPTH + 1, order + 1)),
+        intervals=np.zeros((MAX_DEPTH + 1, 2)),
+        scaled=np.zeros(order + 1),
+        places=np.zeros(order + 2),
+        multiplicity=np.zeros(order + 2, dtype=np.int64),
+    )
 
 
 @kernel
@@ -90,13 +115,14 @@ def trailing_zeros(b, n):
 
 
 @kernel
-def isolate_roots(a, n, limit, stack, bounds, found, multiplicity):
-    """First `limit` roots in (0, 1] of sum a[k] x^k, ascending.
+def isolate_roots(n, limit, roots):
+    """First `limit` roots in (0, 1], ascending, of the polynomial of degree `n` in ``roots.scaled``.
 
     Writes places and multiplicities, returns how many there are.  Roots that cannot be told apart
     count as one of that multiplicity.
     """
     count = 0
+    a, stack, bounds = roots.scaled, roots.stack, roots.intervals
     to_bernstein(a, n, stack[0])
     bounds[0, 0] = 0.0
     bounds[0, 1] = 1.0
@@ -127,7 +153,7 @@ def isolate_roots(a, n, limit, stack, bounds, found, multiplicity):
             continue
         top -= 1
         if place >= 0.0:
-            found[count] = place
-            multiplicity[count] = order
+            roots.places[count] = place
+            roots.multiplicity[count] = order
             count += 1
     return count

@@ -12,7 +12,7 @@ import numpy as np
 
 from frictionlab.hybrid.compilation import inlined
 from frictionlab.hybrid.kernels.jets import JET_COLUMNS
-from frictionlab.hybrid.kernels.roots import MAX_DEPTH
+from frictionlab.hybrid.kernels.roots import RootScratch, new_root_scratch
 from frictionlab.hybrid.tape.program import Code
 
 RUNNING, FINISHED, NO_ADMISSIBLE_MODE, STALLED, ZENO, NOT_FINITE = range(6)
@@ -21,17 +21,28 @@ RUNNING, FINISHED, NO_ADMISSIBLE_MODE, STALLED, ZENO, NOT_FINITE = range(6)
 class Scratch(NamedTuple):
     """Scratch arrays of a run."""
 
-    jets: np.ndarray
-    values: np.ndarray
-    bounds: np.ndarray
-    stack: np.ndarray
-    intervals: np.ndarray
-    scaled: np.ndarray
-    roots: np.ndarray
-    multiplicity: np.ndarray
-    declared: np.ndarray
-    zeros: np.ndarray
-    before: np.ndarray
+    jets: np.ndarray  # (slots, columns) at the state where the run stands
+    values: np.ndarray  # (slots, columns) of order 0
+    bounds: np.ndarray  # (slots, columns) majorants of jets, or ranges of the slots on a disc
+    roots: RootScratch
+    structural_zeros: np.ndarray  # (functions,) leading coefficients that vanish after the last reset
+    leading_zeros: np.ndarray  # (guards of a mode,) leading coefficients that count as zero
+    states: np.ndarray  # (states,)
+
+
+class Truncation(NamedTuple):
+    """Where series end: at an order, and where their last terms have a relative size."""
+
+    order: int
+    tol: float
+
+
+class StepData(NamedTuple):
+    """Steps of a run that is over."""
+
+    times: np.ndarray  # (steps, 2) start and length
+    modes: np.ndarray  # (steps,)
+    states: np.ndarray  # (steps, states) at the start
 
 
 class RunState(NamedTuple):
@@ -141,14 +152,10 @@ def new_scratch(slots: int, code: Code, order: int) -> Scratch:
         jets=np.zeros((slots, jet_columns(order))),
         values=np.zeros((slots, jet_columns(0))),
         bounds=np.zeros((slots, jet_columns(order))),
-        stack=np.zeros((MAX_DEPTH + 1, order + 1)),
-        intervals=np.zeros((MAX_DEPTH + 1, 2)),
-        scaled=np.zeros(order + 1),
-        roots=np.zeros(order + 2),
-        multiplicity=np.zeros(order + 2, dtype=np.int64),
-        declared=np.zeros(len(code.function_slots), dtype=np.int64),
-        zeros=np.zeros(max(1, len(code.targets)), dtype=np.int64),
-        before=np.zeros(code.inputs),
+        roots=new_root_scratch(order),
+        structural_zeros=np.zeros(len(code.function_slots), dtype=np.int64),
+        leading_zeros=np.zeros(max(1, len(code.targets)), dtype=np.int64),
+        states=np.zeros(code.inputs),
     )
 
 

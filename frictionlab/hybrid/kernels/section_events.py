@@ -6,9 +6,8 @@ from frictionlab.hybrid.compilation import kernel
 from frictionlab.hybrid.kernels.event_location import absolute_sum, rescale
 from frictionlab.hybrid.kernels.jets import polynomial_value, states_at
 from frictionlab.hybrid.kernels.roots import isolate_roots
+from frictionlab.hybrid.kernels.run_state import NOW, POINTS
 
-NOW = 0  # places in Cursor.times and Cursor.counts, see bookkeeping
-POINTS = 3
 SECTION_ROUNDING = 1e-14  # a value below this share of its terms has no sign
 
 
@@ -33,45 +32,47 @@ def sign_after_start(c, order, h, size):
 
 
 @kernel
-def record_section_point(section, s, order, cursor, record, work):
+def record_section_point(section, s, order, run, record, scratch):
     """Record the state at `s` after the start of the step."""
-    row = cursor.counts[POINTS]
-    record.point_times[row] = cursor.times[NOW] + s
+    row = run.counts[POINTS]
+    record.point_times[row] = run.times[NOW] + s
     record.point_sections[row] = section
-    states_at(work.jets, order, s, record.point_states[row])
-    cursor.counts[POINTS] += 1
+    states_at(scratch.jets, order, s, record.point_states[row])
+    run.counts[POINTS] += 1
 
 
 @kernel
-def record_section_events(code, order, mode, h, cursor, record, work):
+def record_section_events(code, order, mode, h, run, record, scratch):
     """Record every crossing in (0, h]; a crossing between two steps, by a jump, belongs to the later."""
     for section in range(code.sections.shape[1]):
-        c = work.jets[code.sections[mode, section]]
+        c = scratch.jets[code.sections[mode, section]]
         size = absolute_sum(c, 0, order, h)
         start, skipped = sign_after_start(c, order, h, size)
         if start != 0:
-            if cursor.signs[section] == -start and code.directions[section] != -start:
-                record_section_point(section, 0.0, order, cursor, record, work)
-            cursor.signs[section] = start
-            record_crossings(code, section, skipped, mode, order, h, cursor, record, work)
+            if run.signs[section] == -start and code.directions[section] != -start:
+                record_section_point(section, 0.0, order, run, record, scratch)
+            run.signs[section] = start
+            record_crossings(code, (section, skipped), mode, order, h, run, record, scratch)
         end = sign_beyond_rounding(polynomial_value(c, order, h), size)
         if end != 0:
-            cursor.signs[section] = end
+            run.signs[section] = end
 
 
 @kernel
-def record_crossings(code, section, skipped, mode, order, h, cursor, record, work):
-    """Record the sign changes in (0, h], the first `skipped` coefficients counted as zero.
+def record_crossings(code, start, mode, order, h, run, record, scratch):
+    """Record the sign changes in (0, h] of a section whose sign just after the start is known.
 
-    The section's sign just after the start is known.
+    `start` is the number of the section, and how many of its leading coefficients count as zero.
     """
-    c = work.jets[code.sections[mode, section]]
-    n = rescale(c, skipped, order, h, work.scaled)
-    sign = cursor.signs[section]
-    count = isolate_roots(work.scaled, n, n + 1, work.stack, work.intervals, work.roots, work.multiplicity)
+    section, skipped = start
+    roots = scratch.roots
+    c = scratch.jets[code.sections[mode, section]]
+    n = rescale(c, skipped, order, h, roots.scaled)
+    sign = run.signs[section]
+    count = isolate_roots(n, n + 1, roots)
     for i in range(count):
-        if work.multiplicity[i] % 2 == 1:
+        if roots.multiplicity[i] % 2 == 1:
             sign = -sign
             if sign != 0 and code.directions[section] != -sign:
-                record_section_point(section, work.roots[i] * h, order, cursor, record, work)
-    cursor.signs[section] = sign
+                record_section_point(section, roots.places[i] * h, order, run, record, scratch)
+    run.signs[section] = sign

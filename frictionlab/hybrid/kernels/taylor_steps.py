@@ -14,6 +14,7 @@ from frictionlab.hybrid.compilation import inlined, kernel
 from frictionlab.hybrid.kernels.event_handling import count_repeat, handle_event
 from frictionlab.hybrid.kernels.event_location import (
     NO_GUARD,
+    GuardZero,
     first_event,
     is_guard_truncated,
     refine_event_time,
@@ -41,6 +42,7 @@ from frictionlab.hybrid.kernels.run_state import (
     POINTS,
     RUNNING,
     STEPS,
+    Truncation,
     advance_clock,
     remaining_time,
 )
@@ -58,16 +60,16 @@ def step_series(code, numbers, mode, order, h, z, J):
 
 
 @kernel
-def sample_states(code, numbers, order, step_times, step_modes, step_states, steps, times, out, J):
-    """Write the states at ascending `times`, each within the step of number ``steps[i]``, into `out`."""
+def sample_states(code, numbers, order, steps, which, times, out, J):
+    """Write the states at ascending `times`, each within the step of number ``which[i]``, into `out`."""
     current = -1
     for i in range(times.shape[0]):
-        step = steps[i]
+        step = which[i]
         if step != current:
-            mode, h = step_modes[step], step_times[step, 1]
-            step_series(code, numbers, mode, order, h, step_states[step], J)
+            mode, h = steps.modes[step], steps.times[step, 1]
+            step_series(code, numbers, mode, order, h, steps.states[step], J)
             current = step
-        states_at(J, order, times[i] - step_times[step, 0], out[i])
+        states_at(J, order, times[i] - steps.times[step, 0], out[i])
 
 
 def subdivide_steps(step_times: np.ndarray, parts: int) -> tuple[np.ndarray, np.ndarray]:
@@ -79,52 +81,54 @@ def subdivide_steps(step_times: np.ndarray, parts: int) -> tuple[np.ndarray, np.
 
 
 @inlined
-def record_sizes(start, cursor):
+def record_sizes(start, run):
     """Note what the state's rounding errors are relative to, after a step from `start`."""
     for i in range(start.shape[0]):
-        cursor.sizes[i] = max(abs(start[i]), abs(cursor.state[i]))
+        run.sizes[i] = max(abs(start[i]), abs(run.state[i]))
 
 
 @kernel
-def power_onset_step(code, numbers, absolute, order, tol, mode, left, cursor, work):
+def power_onset_step(system, truncation, mode, left, run, scratch):
     """Length of a step in which the base of a power is nearly zero; may change the jets."""
-    J, z = work.jets, cursor.state
+    code, order, J, z = system.code, truncation.order, scratch.jets, run.state
     scale = time_to_zero_base(code, mode, J)
     onset = 0.0
     if lacks_series(code, order, mode, J):
-        onset = onset_step(code, numbers, order, tol, mode, left, J, work)
-    unresolved = unresolved_time(code, absolute, mode, z, J, work.bounds)
-    h = min(left, max(onset, unresolved, CLOCK_RESOLUTION * cursor.times[NOW]))
-    few = truncate_series_near_zero(code, numbers, mode, order, z, h > scale, J)
+        onset = onset_step(system, truncation, mode, left, scratch)
+    unresolved = unresolved_time(code, system.magnitudes, mode, z, J, scratch.bounds)
+    h = min(left, max(onset, unresolved, CLOCK_RESOLUTION * run.times[NOW]))
+    few = truncate_series_near_zero(code, system.numbers, mode, order, z, h > scale, J)
     if few < MIN_USEFUL_ORDER:
         return h
-    return remainder_step(code, numbers, absolute, few, tol, mode, min(left, scale), False, J, work.bounds)
+    shorter = Truncation(few, truncation.tol)
+    return remainder_step(system, shorter, mode, min(left, scale), False, J, scratch.bounds)
 
 
 @inlined
-def take_taylor_step(code, numbers, absolute, order, tol, cursor, record, work):
+def take_taylor_step(system, truncation, run, record, scratch):
     """One step, up to an event if there is one; returns how the run goes on."""
-    times, counts, J = cursor.times, cursor.counts, work.jets
+    code, order, J = system.code, truncation.order, scratch.jets
+    times, counts = run.times, run.counts
     mode = counts[MODE]
     if counts[JETS_READY] == 0:
-        mode_jets(code, numbers, mode, order, cursor.state, J)
-        for g in range(work.zeros.shape[0]):
-            work.zeros[g] = 0
+        mode_jets(code, system.numbers, mode, order, run.state, J)
+        for g in range(scratch.leading_zeros.shape[0]):
+            scratch.leading_zeros[g] = 0
     counts[JETS_READY] = 0
     left = remaining_time(times)
-    h = step_length(code, order, tol, J)
+    h = step_length(code, order, truncation.tol, J)
     if not h > 0.0:
         return NOT_FINITE
-    h = function_step(code, order, tol, mode, min(h, left), J)
+    h = function_step(code, order, truncation.tol, mode, min(h, left), J)
     if code.powers[mode] and has_base_near_zero(code, order, mode, J):
-        h = power_onset_step(code, numbers, absolute, order, tol, mode, left, cursor, work)
+        h = power_onset_step(system, truncation, mode, left, run, scratch)
     elif needs_remainder(code, order, mode, h, left):
         visible = polynomials_visible(code, order, mode, h, left)
-        h = remainder_step(code, numbers, absolute, order, tol, mode, h, visible, J, work.bounds)
+        h = remainder_step(system, truncation, mode, h, visible, J, scratch.bounds)
     goes_on = False
-    h, guard, multiplicity = first_event(code, absolute, mode, cursor.state, order, J, work.zeros, h, work)
+    h, guard, multiplicity = first_event(system, mode, run.state, order, h, scratch)
     if guard != NO_GUARD and multiplicity == 1 and is_guard_truncated(code, guard, mode, order, h, J):
-        h = refine_event_time(code, numbers, absolute, mode, guard, order, h, work)
+        h = refine_event_time(system, mode, guard, order, h, scratch)
         if h > left:  # not within this run
             h, guard = left, NO_GUARD
     if h > 0.0:
@@ -132,29 +136,29 @@ def take_taylor_step(code, numbers, absolute, order, tol, cursor, record, work):
         record.step_times[row, 0] = times[NOW]
         record.step_times[row, 1] = h
         record.step_modes[row] = mode
-        copy_vector(cursor.state, record.step_states[row])
+        copy_vector(run.state, record.step_states[row])
         counts[STEPS] += 1
         if code.sections.shape[1]:
-            record_section_events(code, order, mode, h, cursor, record, work)
-        states_at(J, order, h, cursor.state)
+            record_section_events(code, order, mode, h, run, record, scratch)
+        states_at(J, order, h, run.state)
         goes_on = advance_clock(times, h, left)
         if guard != NO_GUARD:
-            record_sizes(record.step_states[row], cursor)
+            record_sizes(record.step_states[row], run)
     if guard == NO_GUARD:
         return RUNNING if goes_on else count_repeat(counts)
-    return handle_event(code, numbers, absolute, guard, multiplicity, order, tol, cursor, record, work)
+    return handle_event(system, truncation, GuardZero(h, guard, multiplicity), run, record, scratch)
 
 
 @kernel
-def advance_taylor(code, numbers, absolute, order, tol, cursor, record, work):
+def advance_taylor(system, truncation, run, record, scratch):
     """Run until the end, an error, or until a buffer may be full (RUNNING)."""
-    times, counts = cursor.times, cursor.counts
-    room = record.point_times.shape[0] - (order + 2) * code.sections.shape[1]
+    times, counts = run.times, run.counts
+    room = record.point_times.shape[0] - (truncation.order + 2) * system.code.sections.shape[1]
     while times[NOW] < times[END]:
         full = counts[STEPS] == record.step_modes.shape[0] or counts[EVENTS] == record.event_times.shape[0]
         if full or counts[POINTS] > room:
             return RUNNING
-        status = take_taylor_step(code, numbers, absolute, order, tol, cursor, record, work)
+        status = take_taylor_step(system, truncation, run, record, scratch)
         if status != RUNNING:
             return status
     return FINISHED

@@ -20,7 +20,7 @@ from frictionlab.hybrid.kernels.mode_selection import NOT_DERIVED, Rounding, sel
 from frictionlab.hybrid.kernels.run_state import new_record, new_scratch
 from frictionlab.hybrid.problem import ModeNotDerived, Problem, RecordList, RunData, Status
 from frictionlab.hybrid.progress import Progress
-from frictionlab.hybrid.tape.program import Numbers
+from frictionlab.hybrid.tape.program import System, system_of
 from frictionlab.validation import check_number
 
 RECORD_CAPACITY = 2048  # steps between two looks at the progress bar and ctrl-C
@@ -36,7 +36,7 @@ STATUS_OF_CODE = {
 _COUNTED = [run_state.STEPS, run_state.EVENTS, run_state.POINTS]
 
 
-def initial_mode(problem: Problem, order: int, absolute: Numbers, work) -> int:
+def initial_mode(problem: Problem, system: System, order: int, work: run_state.Scratch) -> int:
     """First admissible mode at the initial state, -1 where there is none; leaves its jets in `work`.
 
     Raises
@@ -48,18 +48,9 @@ def initial_mode(problem: Problem, order: int, absolute: Numbers, work) -> int:
     """
     program = problem.program
     candidates = program.initial if problem.mode is None else np.array([problem.mode], dtype=np.int64)
-    work.declared[:] = 0
-    arguments = (
-        candidates,
-        problem.x0,
-        Rounding(problem.x0, COEFFICIENT_ROUNDING),
-        order,
-        work.declared,
-        work.zeros,
-        work.jets,
-        work.bounds,
-    )
-    mode = int(select_mode(program.code, problem.numbers, absolute, *arguments))
+    work.structural_zeros[:] = 0
+    rounding = Rounding(problem.x0, COEFFICIENT_ROUNDING)
+    mode = int(select_mode(system, candidates, problem.x0, rounding, order, work))
     if mode <= NOT_DERIVED:
         raise ModeNotDerived(NOT_DERIVED - mode)
     if mode < 0 and problem.mode is not None:
@@ -76,7 +67,7 @@ class ActiveRun:
 
     problem: Problem
     natives: NativeCode
-    absolute: Numbers
+    system: System  # with the addresses of native code
     cursor: run_state.RunState
     work: run_state.Scratch
 
@@ -148,12 +139,13 @@ class Method(ABC):
         return pieces.raw(problem.program.code, times[run_state.NOW], run.cursor.state, mode, status)
 
     def _begin(self, problem: Problem) -> ActiveRun:
-        absolute = Numbers(*map(np.abs, problem.numbers))
+        natives = native_code(problem.program)
+        system = system_of(problem.program.code, problem.numbers)
         work = new_scratch(problem.program.slots, problem.program.code, self.degree)
-        mode = initial_mode(problem, self.degree, absolute, work)
+        mode = initial_mode(problem, system, self.degree, work)
         cursor = run_state.new_run_state(problem.x0, mode, problem.t_end, self.limits, self.raises)
         cursor = cursor._replace(signs=np.zeros(problem.program.code.sections.shape[1], dtype=np.int64))
-        return ActiveRun(problem, native_code(problem.program), absolute, cursor, work)
+        return ActiveRun(problem, natives, system._replace(code=natives.code), cursor, work)
 
     def _record(self, run: ActiveRun, pieces: RecordList) -> run_state.Record:
         code = run.problem.program.code

@@ -75,21 +75,21 @@ def bisect_event(code, numbers, mode, z, h, J, stages, new):
 
 
 @kernel
-def select_mode_by_values(code, numbers, absolute, guard, z, work):
+def select_mode_by_values(system, guard, z, work):
     """First target whose conditions hold by their values alone; what the event made zero holds.
 
     So slip is entered after a re-contact whatever the gap rate.
     """
-    J = work.jets
+    code, numbers, J = system.code, system.numbers, work.jets
     declared = code.declared[guard, 0]
     for mode in code.targets[guard]:
         if code.built[mode] == 0:
             rounding = Rounding(z, COEFFICIENT_ROUNDING)
-            if is_excluded(code, numbers, absolute, mode, z, rounding, declared, J, work.bounds):
+            if is_excluded(system, mode, z, rounding, declared, work):
                 continue
             return NOT_DERIVED - mode
         mode_jets(code, numbers, mode, 0, z, J)
-        majorant(code, absolute, mode, 0, z, J, work.bounds)
+        majorant(code, system.magnitudes, mode, 0, z, J, work.bounds)
         fits = True
         for g in range(code.mode_guards[mode], code.mode_guards[mode + 1]):
             if declared[g] == 0 and J[code.function_slots[g], 0] < 0.0:
@@ -104,14 +104,14 @@ def select_mode_by_values(code, numbers, absolute, guard, z, work):
 
 
 @kernel
-def change_mode(code, numbers, absolute, guard, cursor, record, work):
+def change_mode(system, guard, cursor, record, work):
     """Record the event, reset, enter the next mode."""
     counts = cursor.counts
     row = counts[EVENTS]
     record.event_times[row] = cursor.times[NOW]
     copy_vector(cursor.state, record.event_states[row, 0])
-    apply_reset(code, numbers, code.resets[guard, 0], cursor.state, work.jets)
-    mode = select_mode_by_values(code, numbers, absolute, guard, cursor.state, work)
+    apply_reset(system, system.code.resets[guard, 0], cursor.state, work.jets)
+    mode = select_mode_by_values(system, guard, cursor.state, work)
     if mode < NO_MODE:
         copy_vector(record.event_states[row, 0], cursor.state)
         return mode
@@ -128,9 +128,10 @@ def change_mode(code, numbers, absolute, guard, cursor, record, work):
 
 
 @inlined
-def take_rk4_step(code, numbers, absolute, step, cursor, record, work, stages, new):
+def take_rk4_step(system, step, cursor, record, work, stages, new):
     """To the end of the current cell of the grid, or up to an event within it."""
-    times, counts, J = cursor.times, cursor.counts, work.jets
+    code, numbers, J = system.code, system.numbers, work.jets
+    times, counts = cursor.times, cursor.counts
     mode = counts[MODE]
     goal = min((counts[CELL] + 1) * step, times[END])
     h = max(goal - times[NOW], 0.0)
@@ -153,17 +154,17 @@ def take_rk4_step(code, numbers, absolute, step, cursor, record, work, stages, n
     times[NOW] = goal
     if guard < 0:
         return RUNNING
-    return change_mode(code, numbers, absolute, guard, cursor, record, work)
+    return change_mode(system, guard, cursor, record, work)
 
 
 @kernel
-def advance_rk4(code, numbers, absolute, step, cursor, record, work, stages, new):
+def advance_rk4(system, step, cursor, record, work, stages, new):
     """Run until the end, an error, or until a buffer is full (RUNNING)."""
     times, counts = cursor.times, cursor.counts
     while times[NOW] < times[END]:
         if counts[STEPS] == record.step_modes.shape[0] or counts[EVENTS] == record.event_times.shape[0]:
             return RUNNING
-        status = take_rk4_step(code, numbers, absolute, step, cursor, record, work, stages, new)
+        status = take_rk4_step(system, step, cursor, record, work, stages, new)
         if status != RUNNING:
             return status
     return FINISHED
@@ -208,7 +209,6 @@ class RK4(Method):
         return 8
 
     def advance(self, run: ActiveRun, record: run_state.Record) -> int:
-        problem, states = run.problem, len(run.cursor.state)
-        arrays = run.natives.code, problem.numbers, run.absolute
+        states = len(run.cursor.state)
         scratch = np.empty((5, states)), np.empty(states)
-        return advance_rk4(*arrays, self.step, run.cursor, record, run.work, *scratch)
+        return advance_rk4(run.system, self.step, run.cursor, record, run.work, *scratch)

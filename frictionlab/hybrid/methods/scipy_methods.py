@@ -8,6 +8,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from frictionlab.hybrid.kernels import event_handling, run_state
+from frictionlab.hybrid.kernels.event_location import GuardZero
 from frictionlab.hybrid.kernels.jets import slot_gradients, state_rates
 from frictionlab.hybrid.methods.base import ActiveRun, Method
 from frictionlab.validation import check_choice, check_number
@@ -78,7 +79,8 @@ class Scipy(Method):
             cursor.times[run_state.NOW] += length
             cursor.state[:] = solver.y if guard < 0 else solver.dense_output()(cursor.times[run_state.NOW])
             if guard >= 0:
-                return _handle_event(run, record, guard, self.degree, self.rtol)
+                event, truncation = GuardZero(length, guard, 1), run_state.Truncation(self.degree, self.rtol)
+                return _handle_event(run, record, event, truncation)
         if solver.status == "running":
             return run_state.RUNNING
         cursor.times[run_state.NOW] = cursor.times[run_state.END]
@@ -155,7 +157,8 @@ def _record_step(cursor: run_state.RunState, record: run_state.Record, length: f
     cursor.counts[run_state.STEPS] += 1
 
 
-def _handle_event(run: ActiveRun, record: run_state.Record, guard: int, order: int, tol: float) -> int:
-    problem = run.problem
-    arrays = problem.program.code, problem.numbers, run.absolute
-    return event_handling.handle_event(*arrays, guard, 1, order, tol, run.cursor, record, run.work)
+def _handle_event(
+    run: ActiveRun, record: run_state.Record, event: GuardZero, truncation: run_state.Truncation
+) -> int:
+    system = run.system._replace(code=run.problem.program.code)
+    return event_handling.handle_event(system, truncation, event, run.cursor, record, run.work)

@@ -16,12 +16,20 @@ import numpy as np
 from frictionlab.hybrid.compilation import inlined, kernel
 from frictionlab.hybrid.kernels import run_state, taylor_steps
 from frictionlab.hybrid.kernels.jets import MAX_ORDER, copy_vector, mode_jets
-from frictionlab.hybrid.kernels.run_state import NOW, RUNNING, STALLED, STEPS, advance_clock, remaining_time
+from frictionlab.hybrid.kernels.run_state import (
+    NOW,
+    RUNNING,
+    STALLED,
+    STEPS,
+    Truncation,
+    advance_clock,
+    remaining_time,
+)
 from frictionlab.hybrid.kernels.step_length import step_length
 from frictionlab.hybrid.kernels.taylor_steps import advance_taylor
 from frictionlab.hybrid.methods.base import ActiveRun, Method
 from frictionlab.hybrid.tape.operations import AFFINE
-from frictionlab.hybrid.tape.program import Numbers, Program
+from frictionlab.hybrid.tape.program import Numbers, Program, System
 from frictionlab.validation import check_choice, check_number
 
 MIN_STEP_SHARE = 0.5  # of the length of a Taylor step
@@ -44,30 +52,31 @@ def is_affine(program: Program) -> bool:
     return plain and len(program.modes) == 1 and not program.guards and not riders
 
 
-def affine_map(code, numbers, order: int, tol: float, z: np.ndarray, J: np.ndarray) -> AffineMap | None:
-    """The change in a step that suits every state; `numbers` are those of the tape, `J` is scratch.
+def affine_map(system: System, truncation: Truncation, z: np.ndarray, J: np.ndarray) -> AffineMap | None:
+    """The change in a step that suits every state; `J` is scratch.
 
     None where such steps are much shorter than one from the state `z`: in overdamped scenes, once what
     decays fast has gone.
     """
+    code, numbers, _ = system
     linear = Numbers(np.zeros_like(numbers.constants), numbers.terms)
     n = code.inputs
     matrix, shift = np.empty((n, n)), np.empty(n)
-    h = longest_common_step(code, linear, order, tol, np.eye(n), J)
-    if h < MIN_STEP_SHARE * longest_common_step(code, numbers, order, tol, z[None], J):
+    h = longest_common_step(code, linear, truncation, np.eye(n), J)
+    if h < MIN_STEP_SHARE * longest_common_step(code, numbers, truncation, z[None], J):
         return None
-    affine_map_columns(code, linear, order, h, np.eye(n), J, matrix)
-    affine_map_columns(code, numbers, order, h, np.zeros((1, n)), J, shift[:, None])
+    affine_map_columns(code, linear, truncation.order, h, np.eye(n), J, matrix)
+    affine_map_columns(code, numbers, truncation.order, h, np.zeros((1, n)), J, shift[:, None])
     return AffineMap(h, matrix, shift)
 
 
 @kernel
-def longest_common_step(code, numbers, order, tol, starts, J):
+def longest_common_step(code, numbers, truncation, starts, J):
     """Longest step that suits the series of all `starts`."""
     h = np.inf
     for start in starts:
-        mode_jets(code, numbers, 0, order, start, J)
-        h = min(h, step_length(code, order, tol, J))
+        mode_jets(code, numbers, 0, truncation.order, start, J)
+        h = min(h, step_length(code, truncation.order, truncation.tol, J))
     return h
 
 
@@ -107,9 +116,9 @@ def apply_affine_map(change, z, new):
 
 
 @kernel
-def advance_affine(code, numbers, absolute, order, tol, change, cursor, record, work):
+def advance_affine(system, truncation, change, run, record, scratch):
     """Run until the end or until a buffer is full (RUNNING); the rest at the end by Taylor steps."""
-    z, times, counts = cursor.state, cursor.times, cursor.counts
+    z, times, counts = run.state, run.times, run.counts
     left = remaining_time(times)
     while left > change.h and largest_magnitude(z) < AFFINE_STATE_LIMIT:
         row = counts[STEPS]
@@ -120,11 +129,11 @@ def advance_affine(code, numbers, absolute, order, tol, change, cursor, record, 
         record.step_modes[row] = 0
         copy_vector(z, record.step_states[row])
         counts[STEPS] += 1
-        apply_affine_map(change, z, work.before)
+        apply_affine_map(change, z, scratch.states)
         if not advance_clock(times, change.h, left):
             return STALLED
         left = remaining_time(times)
-    return advance_taylor(code, numbers, absolute, order, tol, cursor, record, work)
+    return advance_taylor(system, truncation, run, record, scratch)
 
 
 @dataclass(frozen=True)
@@ -194,11 +203,10 @@ class Taylor(Method):
         return self.accumulation == "raise"
 
     def advance(self, run: ActiveRun, record: run_state.Record) -> int:
-        numbers, cursor = run.problem.numbers, run.cursor
-        arrays, settings = (run.natives.code, numbers, run.absolute), (self.degree, self.tol)
+        cursor, truncation = run.cursor, Truncation(self.degree, self.tol)
         if is_affine(run.problem.program):
-            change = affine_map(run.natives.code, numbers, *settings, cursor.state, run.work.jets)
+            change = affine_map(run.system, truncation, cursor.state, run.work.jets)
             cursor.counts[run_state.JETS_READY] = 0  # the jets at hand have been overwritten
             if change is not None:
-                return advance_affine(*arrays, *settings, change, cursor, record, run.work)
-        return taylor_steps.advance_taylor(*arrays, *settings, cursor, record, run.work)
+                return advance_affine(run.system, truncation, change, cursor, record, run.work)
+        return taylor_steps.advance_taylor(run.system, truncation, cursor, record, run.work)

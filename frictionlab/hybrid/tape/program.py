@@ -61,6 +61,19 @@ class Numbers(NamedTuple):
     terms: np.ndarray  # (terms,)
 
 
+class System(NamedTuple):
+    """An automaton with values: its structure, its numbers, and their absolute values for majorants."""
+
+    code: Code
+    numbers: Numbers
+    magnitudes: Numbers
+
+
+def system_of(code: Code, numbers: Numbers) -> System:
+    """A structure with numbers."""
+    return System(code, numbers, Numbers(np.abs(numbers.constants), np.abs(numbers.terms)))
+
+
 class Section(NamedTuple):
     """A zero crossing that is recorded but changes no mode; `direction` +1 rising, -1 falling, 0 both."""
 

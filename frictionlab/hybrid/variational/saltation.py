@@ -12,8 +12,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from frictionlab.hybrid.kernels.jets import mode_operations
 from frictionlab.hybrid.tape.program import Numbers, Program
-from frictionlab.hybrid.variational.tangent_jets import linearise
+from frictionlab.hybrid.variational.tangent_jets import TangentScratch, linearise
 
 GRAZING_SHARE = 1e-7  # share of the time in the mode that ends, within which the guard would have turned back
 COINCIDENT_EVENT_SHARE = 1e-9  # share of that time within which another guard vanishes too
@@ -70,8 +71,7 @@ def saltation_matrix(program: Program, numbers: Numbers, event: EventCrossing) -
 def linearise_mode(program: Program, numbers: Numbers, mode: int, z: np.ndarray) -> LinearisedTape:
     """A mode's tape at a state, linearised."""
     code = program.code
-    first, last = code.mode_ops[mode], code.mode_ops[mode + 1]
-    return _linear(program, numbers, (first, last), code.flow[mode], z)
+    return _linear(program, numbers, mode_operations(code, mode), code.flow[mode], z)
 
 
 def constraint_gradients(program: Program, mode: int, at: LinearisedTape) -> np.ndarray:
@@ -81,12 +81,12 @@ def constraint_gradients(program: Program, mode: int, at: LinearisedTape) -> np.
     return at.gradients[code.function_slots[chosen]]
 
 
-def _linear(program, numbers, ops: tuple[int, int], flow: np.ndarray, z: np.ndarray) -> LinearisedTape:
+def _linear(program, numbers, operations: tuple[int, int], flow: np.ndarray, z: np.ndarray) -> LinearisedTape:
     code, n = program.code, len(z)
-    J, T = np.zeros((program.slots, 3)), np.zeros((program.slots, 1, n))
+    scratch = TangentScratch(np.zeros((program.slots, 3)), np.zeros((program.slots, 1, n)))
     with np.errstate(all="ignore"):
-        linearise(code, numbers, *ops, flow, z, J, T)
-    return LinearisedTape(J, T[:, 0])
+        linearise(code, numbers, operations, flow, z, scratch)
+    return LinearisedTape(scratch.J, scratch.T[:, 0])
 
 
 def _reset_jacobian(program: Program, numbers: Numbers, reset: int, z: np.ndarray) -> np.ndarray:

@@ -9,12 +9,13 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from frictionlab.hybrid.compilation import kernel
 from frictionlab.hybrid.kernels.jets import copy_vector
+from frictionlab.hybrid.kernels.run_state import StepData, Truncation
 from frictionlab.hybrid.methods.base import RECORD_CAPACITY
 from frictionlab.hybrid.progress import PROGRESS_DELAY
 from frictionlab.hybrid.trajectory import Events, Trajectory
@@ -25,7 +26,12 @@ from frictionlab.hybrid.variational.saltation import (
     linearise_mode,
     saltation_matrix,
 )
-from frictionlab.hybrid.variational.tangent_jets import MIN_TANGENT_STEP_SHARE, carry_step, carry_steps
+from frictionlab.hybrid.variational.tangent_jets import (
+    MIN_TANGENT_STEP_SHARE,
+    TangentScratch,
+    carry_step,
+    carry_steps,
+)
 
 LOST_SHARE = 1e-12  # share of a vector's length that is left by rounding alone where an event takes it all
 
@@ -154,15 +160,16 @@ def check_taylor_run(run: Trajectory) -> None:
         raise ValueError(f"the tangent flow needs a run of method 'taylor', got {method!r}: run it again so")
 
 
-def carry_rows(steps: Any, run: Trajectory, part: slice, rows: np.ndarray, *more: np.ndarray) -> None:
+def carry_rows(steps: Any, run: Trajectory, part: slice, rows: np.ndarray, *more: Growth) -> None:
     """Carry the rows, tangent vectors, over a smooth piece of a run, by the kernel `steps`."""
     problem, raw, order = run.problem, run.raw, run.samples.order
     J = np.zeros((problem.program.slots, order + 1))
-    T = np.zeros((*J.shape, len(rows)))
-    stored = raw.step_times[part], raw.step_modes[part], raw.step_states[part]
-    settings = problem.program.code, problem.numbers, order, run.description["method"]["tol"]
+    scratch = TangentScratch(J, np.zeros((*J.shape, len(rows))))
+    stored = StepData(raw.step_times[part], raw.step_modes[part], raw.step_states[part])
+    truncation = Truncation(order, run.description["method"]["tol"])
+    arguments = problem.program.code, problem.numbers, truncation, stored, raw.state.copy(), rows, scratch
     with np.errstate(all="ignore"):
-        failed = steps(*settings, *stored, raw.state.copy(), rows, J, T, *more)
+        failed = steps(*arguments, *more)
     if failed >= 0 or not np.isfinite(rows).all():
         t = raw.step_times[part.start + max(failed, 0), 0]
         raise SaltationError(f"the tangent flow overflows after t = {t:g} s: end the run earlier")
@@ -188,6 +195,13 @@ def event_saltation(run: Trajectory, i: int) -> np.ndarray:
         raise SaltationError(f"no tangent flow {where}: {error}; change the initial state") from None
 
 
+class Growth(NamedTuple):
+    """How tangent vectors grow."""
+
+    size: np.ndarray  # (states,) by which each component is measured
+    sums: np.ndarray  # (directions,) of the logarithms of the factors
+
+
 @kernel
 def scaled_inner_product(a, b, size):
     """Inner product of two vectors, each component measured by its `size`."""
@@ -198,30 +212,31 @@ def scaled_inner_product(a, b, size):
 
 
 @kernel
-def orthonormalise(frame, size, growth):
-    """Gram-Schmidt on the rows of `frame`; adds the logarithms of their lengths to `growth`."""
+def orthonormalise(frame, growth):
+    """Gram-Schmidt on the rows of `frame`; adds the logarithms of their lengths to ``growth.sums``."""
+    size = growth.size
     for d in range(frame.shape[0]):
         for e in range(d):
             share = scaled_inner_product(frame[d], frame[e], size)
             for i in range(frame.shape[1]):
                 frame[d, i] -= share * frame[e, i]
         length = math.sqrt(scaled_inner_product(frame[d], frame[d], size))
-        growth[d] += math.log(length)
+        growth.sums[d] += math.log(length)
         for i in range(frame.shape[1]):
             frame[d, i] /= length
 
 
 @kernel
-def carry_orthonormal_steps(code, numbers, order, tol, times, modes, states, z, frame, J, T, size, growth):
+def carry_orthonormal_steps(code, numbers, truncation, steps, z, frame, scratch, growth):
     """Carry the frame over the steps of a run; returns the number of the step that failed, or -1."""
-    for i in range(modes.shape[0]):
-        copy_vector(states[i], z)
-        left = times[i, 1]
+    for i in range(steps.modes.shape[0]):
+        copy_vector(steps.states[i], z)
+        left = steps.times[i, 1]
         while left > 0.0:
-            step = carry_step(code, numbers, modes[i], order, tol, left, z, frame, J, T)
-            if not (step == left or step > MIN_TANGENT_STEP_SHARE * times[i, 1]):
+            step = carry_step(code, numbers, truncation, steps.modes[i], left, z, frame, scratch)
+            if not (step == left or step > MIN_TANGENT_STEP_SHARE * steps.times[i, 1]):
                 return i
-            orthonormalise(frame, size, growth)
+            orthonormalise(frame, growth)
             left -= step
     return -1
 
@@ -233,7 +248,7 @@ def tangent_growth(run: Trajectory, rows: np.ndarray, size: np.ndarray) -> tuple
     """
     growth, rows = np.zeros(len(rows)), rows.copy()
     for part, event in smooth_segments(run):
-        carry_rows(carry_orthonormal_steps, run, part, rows, size, growth)
+        carry_rows(carry_orthonormal_steps, run, part, rows, Growth(size, growth))
         if event is not None:
             rows = _orthonormalise_after_event(rows @ event_saltation(run, event).T, size, growth)
     return rows, growth

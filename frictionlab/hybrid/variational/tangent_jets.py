@@ -6,14 +6,25 @@ directions side by side, so that they are computed together.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
+import numpy as np
+
 from frictionlab.hybrid.compilation import inlined, kernel
-from frictionlab.hybrid.kernels.jets import copy_vector, has_series, run_tape, states_at
+from frictionlab.hybrid.kernels.jets import copy_vector, has_series, mode_operations, run_tape, states_at
 from frictionlab.hybrid.kernels.step_length import step_length
 from frictionlab.hybrid.tape.operations import AFFINE, POWER, PRODUCT, RATE, SQUARE
 
 MIN_TANGENT_STEP_SHARE = (
     1e-9  # share of a run's step below which the series of its tangents are taken to diverge
 )
+
+
+class TangentScratch(NamedTuple):
+    """Jets of a tape's slots, and their tangent jets."""
+
+    J: np.ndarray  # (slots, order + 1)
+    T: np.ndarray  # (slots, order + 1, directions)
 
 
 @inlined
@@ -69,12 +80,13 @@ def operation_tangent(code, numbers, op, out, k, J, T):
 
 
 @kernel
-def tangent_jets(code, numbers, first, last, order, flow, J, T):
-    """Tangent jets of the slots that the operations [first, last) write.
+def tangent_jets(code, numbers, operations, order, flow, scratch):
+    """Tangent jets of the slots that a range of operations, (first, last + 1), write.
 
-    The jets `J` are given, and so is column 0 of the states' tangents; ``flow`` as in ``run_tape``.
+    The jets are given, and so is column 0 of the states' tangents; ``flow`` as in ``run_tape``.
     """
-    inputs = code.inputs
+    inputs, J, T = code.inputs, scratch.J, scratch.T
+    first, last = operations
     for k in range(order + 1):
         for op in range(first, last):
             operation_tangent(code, numbers, op, inputs + op - first, k, J, T)
@@ -86,32 +98,34 @@ def tangent_jets(code, numbers, first, last, order, flow, J, T):
 
 
 @kernel
-def linearise(code, numbers, first, last, flow, z, J, T):
-    """Jets up to order 2, and gradients, of the slots that the operations [first, last) write at `z`."""
+def linearise(code, numbers, operations, flow, z, scratch):
+    """Jets up to order 2, and gradients, at `z` of the slots that a range of operations write."""
+    J, T = scratch.J, scratch.T
     for i in range(z.shape[0]):
         J[i, 0] = z[i]
         for d in range(z.shape[0]):
             T[i, 0, d] = 1.0 if i == d else 0.0
-    run_tape(code, numbers, first, last, 2, flow, -1.0, J, J)
-    tangent_jets(code, numbers, first, last, 0, flow, J, T)
+    run_tape(code, numbers, operations, 2, flow, -1.0, J, J)
+    tangent_jets(code, numbers, operations, 0, flow, scratch)
 
 
 @kernel
-def carry_step(code, numbers, mode, order, tol, longest, z, frame, J, T):
+def carry_step(code, numbers, truncation, mode, longest, z, frame, scratch):
     """Carry the state `z` and the rows of `frame`, tangent vectors, a step on in a mode.
 
     The step is as long as the series of the tangents allow: near an equilibrium the state's would allow any.
     Returns its length, which is not positive, or no number, where the series diverge.
     """
-    first, last, flow = code.mode_ops[mode], code.mode_ops[mode + 1], code.flow[mode]
+    operations, flow = mode_operations(code, mode), code.flow[mode]
+    order, J, T = truncation.order, scratch.J, scratch.T
     copy_vector(z, J[: z.shape[0], 0])
-    run_tape(code, numbers, first, last, order, flow, -1.0, J, J)
+    run_tape(code, numbers, operations, order, flow, -1.0, J, J)
     for d in range(frame.shape[0]):
         copy_vector(frame[d], T[: z.shape[0], 0, d])
-    tangent_jets(code, numbers, first, last, order, flow, J, T)
+    tangent_jets(code, numbers, operations, order, flow, scratch)
     step = longest
     for d in range(frame.shape[0]):
-        step = min(step, step_length(code, order, tol, T[:, :, d]))
+        step = min(step, step_length(code, order, truncation.tol, T[:, :, d]))
     states_at(J, order, step, z)
     for d in range(frame.shape[0]):
         states_at(T[:, :, d], order, step, frame[d])
@@ -119,14 +133,14 @@ def carry_step(code, numbers, mode, order, tol, longest, z, frame, J, T):
 
 
 @kernel
-def carry_steps(code, numbers, order, tol, times, modes, states, z, frame, J, T):
+def carry_steps(code, numbers, truncation, steps, z, frame, scratch):
     """:func:`carry_step` over the steps of a run; returns the number of the step that failed, or -1."""
-    for i in range(modes.shape[0]):
-        copy_vector(states[i], z)
-        left = times[i, 1]
+    for i in range(steps.modes.shape[0]):
+        copy_vector(steps.states[i], z)
+        left = steps.times[i, 1]
         while left > 0.0:
-            step = carry_step(code, numbers, modes[i], order, tol, left, z, frame, J, T)
-            if not (step == left or step > MIN_TANGENT_STEP_SHARE * times[i, 1]):
+            step = carry_step(code, numbers, truncation, steps.modes[i], left, z, frame, scratch)
+            if not (step == left or step > MIN_TANGENT_STEP_SHARE * steps.times[i, 1]):
                 return i
             left -= step
     return -1

@@ -12,12 +12,12 @@ from frictionlab.hybrid.codegen.jet_codegen import LANE_COUNT, LEFT, LENGTH, REG
 from frictionlab.hybrid.compilation import kernel
 from frictionlab.hybrid.ensemble.batch_state import new_batch
 from frictionlab.hybrid.kernels.arithmetic import call_lane_step
-from frictionlab.hybrid.kernels.run_state import END, new_record, new_run_state, new_scratch
+from frictionlab.hybrid.kernels.run_state import END, Truncation, new_record, new_run_state, new_scratch
 from frictionlab.hybrid.kernels.step_length import step_length
 from frictionlab.hybrid.kernels.taylor_steps import advance_taylor
 from frictionlab.hybrid.tape.operations import FUNCTIONS
 from frictionlab.hybrid.tape.packing import program_of
-from frictionlab.hybrid.tape.program import Numbers
+from frictionlab.hybrid.tape.program import Numbers, system_of
 
 pytestmark = pytest.mark.skipif(compilation.NUMBA is None, reason="needs numba")
 METHODS = [fl.Taylor(tol=1e-15), fl.Taylor(tol=1e-9), fl.Taylor(tol=1e-4), fl.Taylor(order=4)]
@@ -59,9 +59,9 @@ def alone(program, numbers, code, method, state):
     cursor = new_run_state(state, 0, 1e3, method.limits, False)
     cursor.counts[:] = 0  # jets are not at hand
     record, work = new_record(program.code, 1, 2, 0), new_scratch(program.slots, program.code, method.degree)
-    absolute = Numbers(*map(np.abs, numbers))
+    truncation = Truncation(method.degree, method.tol)
     with np.errstate(all="ignore"):
-        advance_taylor(code, numbers, absolute, method.degree, method.tol, cursor, record, work)
+        advance_taylor(system_of(code, numbers), truncation, cursor, record, work)
     assert cursor.times[END] == 1e3
     return record.step_times[0, 1], cursor.state, step_length(code, method.degree, method.tol, work.jets)
 

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from frictionlab.hybrid.kernels.roots import MAX_DEPTH, isolate_roots
+from frictionlab.hybrid.kernels.roots import isolate_roots, new_root_scratch
 
 pytestmark = pytest.mark.plain_python
 
@@ -30,10 +30,10 @@ def find(coefficients, limit=None):
     """Places and multiplicities of the roots."""
     a = np.array(coefficients, dtype=float)
     n = len(a) - 1
-    stack, bounds = np.zeros((MAX_DEPTH + 1, n + 1)), np.zeros((MAX_DEPTH + 1, 2))
-    found, multiplicity = np.zeros(n + 2), np.zeros(n + 2, dtype=np.int64)
-    count = isolate_roots(a, n, n + 1 if limit is None else limit, stack, bounds, found, multiplicity)
-    return found[:count], multiplicity[:count]
+    roots = new_root_scratch(n)
+    roots.scaled[:] = a
+    count = isolate_roots(n, n + 1 if limit is None else limit, roots)
+    return roots.places[:count], roots.multiplicity[:count]
 
 
 def uncertainty(a, root):
