@@ -7,7 +7,6 @@ Coefficients below their rounding error, bounded by the majorant of the jets, co
 from __future__ import annotations
 
 import math
-
 from typing import NamedTuple
 
 from frictionlab.hybrid.compilation import inlined, kernel
@@ -115,7 +114,8 @@ def first_event(system, mode, z, order, h, scratch):
                 return GuardZero(0.0, g, 1)
         n = rescale(c, m, order, h, roots.scaled)
         found = isolate_roots(n, 1, roots)
-        if found and (hit == NO_GUARD or roots.places[0] < 1.0):  # of two at once the first in the mode's order
+        # Of two at once the first in the mode's order.
+        if found and (hit == NO_GUARD or roots.places[0] < 1.0):
             h *= roots.places[0]
             hit = g
             order_of_hit = roots.multiplicity[0]

@@ -1,0 +1,35 @@
+"""Kernels take few arguments: what travels together is one tuple, and has a name."""
+
+import ast
+from pathlib import Path
+
+import pytest
+
+import frictionlab.hybrid
+
+MOST_PARAMETERS = 8
+DECORATORS = {"kernel", "inlined"}
+
+
+def kernels():
+    """Every function that is compiled, with its module."""
+    root = Path(frictionlab.hybrid.__file__).parent
+    for path in sorted(root.rglob("*.py")):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.FunctionDef) and DECORATORS & {
+                ast.unparse(d) for d in node.decorator_list
+            }:
+                yield pytest.param(node, id=f"{path.stem}.{node.name}")
+
+
+FOUND = list(kernels())
+
+
+def test_kernels_are_found():
+    assert len(FOUND) > 100
+
+
+@pytest.mark.parametrize("function", FOUND)
+def test_a_kernel_has_few_parameters_and_says_what_it_does(function):
+    assert len(function.args.args) <= MOST_PARAMETERS
+    assert ast.get_docstring(function)
