@@ -29,7 +29,7 @@ GROUPS = {
     ),
     "hybrid": ("Solver", "Methods, runs, and the derivative of a run."),
     "stability": ("Stability of steady sliding", "Equilibria, eigenvalues and how parameters change them."),
-    "analysis": ("Runs and their analysis", "From one run to steady states, sweeps and closed orbits."),
+    "analysis": ("Runs and their analysis", "From one run to steady states, sweeps and periodic orbits."),
     "plotting": (
         "Figures",
         "All of them take `ax=` and return artists. Those not in `frictionlab` itself are in "
@@ -40,10 +40,11 @@ GROUPS = {
     "testing": ("Testing", "What a law or a model of your own has to pass."),
 }
 RESULTS = {  # what functions return and nobody has to import
-    "models": ("models.equations.Equations", "models.description.Description"),
+    "models": ("models.description.equations.Equations", "models.description.parameter_table.ParameterTable"),
     "hybrid": ("hybrid.events.Events",),
-    "analysis": ("analysis.ablation.Ablation", "analysis.sweep.Sweep"),
-    "widgets": ("widgets.drawing.Curve", "widgets.drawing.Drawing", "widgets.result.Result"),
+    "analysis": ("analysis.sweeps.ablation.Ablation", "analysis.sweeps.sweep.Sweep"),
+    "plotting": ("plotting.drawing.Curve", "plotting.drawing.Drawing"),
+    "widgets": ("widgets.result.Result",),
 }
 BACK = re.compile(r'(class="viewcode-back" href="[^"#]*)#[^"]*"')
 HEAD = "# Reference\n\nEvery public name. Units are SI, angles in radians.\n"
