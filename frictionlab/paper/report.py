@@ -19,7 +19,7 @@ from frictionlab.paper.checks.claim import Claims
 
 from .registry import EVERY_CLAIM, FIGURES, WITHOUT_GEOMETRY, check, figure
 from .scenes import CHATTER_LIMIT, IMPACTS, PAPER_STEP, RETURN_TOLERANCES, Setting
-from .step_study import IMPACT_LAW_NAMES, StepStudy, step_study_with
+from .step_sizes import IMPACT_LAW_NAMES, StepStudy, step_study_with
 
 STEP_SIZE_PAGE = "step-size.md"
 EXAMPLE_MU_K = 1.4

@@ -57,11 +57,11 @@ def test_algorithm_and_impact_law_reach_the_runs(number, tiny):
     with_full = fl.paper.figure(number, progress=False, impact="full gap rate")
     assert with_full.how == "exact solver, full gap rate"
     sweep = steady_states.sweep_from_rest(1e4, Setting(algorithm="paper", progress=False))
-    assert sweep.asked["method"] == fl.RK4(step=2e-4).describe()
-    assert sweep.asked["tolerance"] == pytest.approx(0.1, abs=0.002)
+    assert sweep.specification["method"] == fl.RK4(step=2e-4).describe()
+    assert sweep.specification["tolerance"] == pytest.approx(0.1, abs=0.002)
     full = steady_states.sweep_from_rest(1e4, Setting(impact="full gap rate", progress=False))
     assert full.model.impact == fl.PlasticImpact(penetration_rate="full")
-    assert full.asked["tolerance"] == 1e-6
+    assert full.specification["tolerance"] == 1e-6
 
 
 def test_figures_share_sweeps_and_keep_them_in_files(tiny, tmp_path):

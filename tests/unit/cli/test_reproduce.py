@@ -6,7 +6,7 @@ import pytest
 from frictionlab.cli import command
 from frictionlab.paper import report
 from frictionlab.paper.scenes import IMPACTS
-from frictionlab.paper.step_study import StepSeries, StepStudy
+from frictionlab.paper.step_sizes import StepSeries, StepStudy
 
 MADE_UP = StepStudy(
     np.array([0.4, 1.4]),
