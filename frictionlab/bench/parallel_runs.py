@@ -112,13 +112,13 @@ def sweep_times(t_end: float = 300.0, repeats: int = 3) -> list[SweepRow]:
         ("exact, one worker, the same values", Taylor(), some, 1),
     )
     seconds = interleaved_medians(
-        [partial(_run_sweep, values, t_end, m, n) for _, m, values, n in ways], repeats
+        [partial(run_sweep, values, t_end, m, n) for _, m, values, n in ways], repeats
     )
     scaled = [s * len(MU_K) / len(values) for s, (_, _, values, _) in zip(seconds, ways, strict=True)]
     return [SweepRow(name, s, 2 * len(values)) for s, (name, _, values, _) in zip(scaled, ways, strict=True)]
 
 
-def _run_sweep(values: Any, t_end: float, method: Method, workers: int) -> Sweep:
+def run_sweep(values: Any, t_end: float, method: Method, workers: int) -> Sweep:
     study = partial(_final_state, t_end=t_end, method=method)
     return sweep(
         study, FULL_GAP_RATE_SLIDER, {"mu_k": values}, x0=SWEEP_STARTS, workers=workers, progress=False

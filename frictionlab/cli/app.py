@@ -62,7 +62,7 @@ def app_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
         sys.stderr.write(f"{parser.prog}: error: the page needs Voila, which is not installed: {cure}\n")
         return EXIT_FAILED
     try:
-        port = _choose_port(chosen.port)
+        port = choose_port(chosen.port)
     except OSError as error:
         cure = "give another, or leave it out for any that is free"
         parser.error(f"--port {chosen.port} cannot be had ({error.strerror}): {cure}")
@@ -74,7 +74,7 @@ def app_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
     return 0
 
 
-def _choose_port(asked: int | None) -> int:
+def choose_port(asked: int | None) -> int:
     """The port asked for; without one the usual, or any if that is taken."""
     if asked is not None:
         return _bind_port(asked)

@@ -139,7 +139,7 @@ def reproduce(folder: str | Path, setting: Setting) -> Path:
     """
     begin, folder = time.monotonic(), Path(folder)
     (folder / IMAGES).mkdir(parents=True, exist_ok=True)
-    pictures = list(_figure_variants())
+    pictures = list(figure_variants())
     with _progress_bar(len(EVERY_CLAIM) + len(pictures) + 1, setting.progress) as bar:
         table = Claims(tuple(_run_and_count(bar, name, check, name, setting) for name in EVERY_CLAIM))
         drawn = [
@@ -154,7 +154,7 @@ def reproduce(folder: str | Path, setting: Setting) -> Path:
     return page
 
 
-def _figure_variants() -> Iterator[tuple[int, str]]:
+def figure_variants() -> Iterator[tuple[int, str]]:
     """Every figure, in each way that makes a difference to it."""
     for number in (*FIGURES, *range(7, 19)):
         for way, options in SOLVER_VARIANTS.items():

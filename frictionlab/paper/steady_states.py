@@ -27,7 +27,7 @@ from frictionlab.hybrid.methods.base import Method
 from . import scenes
 from .scenes import Setting, times_of
 
-_CACHE: dict[str, Any] = {}
+CACHE: dict[str, Any] = {}
 
 START_NAMES = {"near": "near the equilibrium", "rest": "far from it (at rest)"}
 EXAMPLES = (0.3, 1.4, 2.5)  # mu_k of Fig. 7
@@ -98,7 +98,7 @@ def sweep_results(
 
 def _cached(asked: Any, setting: Setting, compute: Callable[[Path | None], tuple[Any, bool]]) -> Any:
     key = hashlib.sha256(json.dumps(asked, sort_keys=True).encode()).hexdigest()[:16]
-    if key not in _CACHE:
+    if key not in CACHE:
         path = None
         if setting.resume is not None:
             setting.resume.mkdir(parents=True, exist_ok=True)
@@ -106,8 +106,8 @@ def _cached(asked: Any, setting: Setting, compute: Callable[[Path | None], tuple
         found, complete = compute(path)
         if not complete:
             raise KeyboardInterrupt
-        _CACHE[key] = found
-    return _CACHE[key]
+        CACHE[key] = found
+    return CACHE[key]
 
 
 def model_with_contact(k_nl: float, geometry: bool = True) -> Any:

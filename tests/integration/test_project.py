@@ -1,7 +1,10 @@
 """The files around the package agree with it and with each other."""
 
+import ast
 import json
 import re
+import shutil
+import subprocess
 from pathlib import Path
 
 import pytest
@@ -11,6 +14,11 @@ import frictionlab as fl
 
 ROOT = Path(__file__).parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
+CONTRIBUTING = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+AT_THE_TOP = """
+    .ci .gitattributes .github .gitignore .pre-commit-config.yaml CHANGELOG.md CITATION.cff CONTRIBUTING.md
+    LICENSE README.md docs frictionlab noxfile.py pyproject.toml tests tutorials
+""".split()
 NOTEBOOKS = sorted(ROOT.glob("tutorials/*.ipynb"))
 
 
@@ -28,8 +36,38 @@ def test_readme_starts_with_two_commands_of_one_line_each():
     assert "pytest" in commands[1]
 
 
-def test_readme_links_lead_somewhere():
-    targets = re.findall(r"\]\(([^)#:]+)\)", README)
+def test_at_the_top_there_is_what_belongs_there_and_nothing_else():
+    if shutil.which("git") is None or not (ROOT / ".git").exists():
+        pytest.skip("git lists the files, and this is no clone")
+    command = ["git", "-c", "safe.directory=*", "ls-files"]
+    listed = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True).stdout.splitlines()
+    assert sorted({name.split("/")[0] for name in listed}) == sorted(AT_THE_TOP)
+
+
+def test_every_session_of_nox_is_run():
+    tree = ast.parse((ROOT / "noxfile.py").read_text(encoding="utf-8"))
+    functions = [node for node in tree.body if isinstance(node, ast.FunctionDef)]
+    sessions = {f.name for f in functions if any("nox.session" in ast.unparse(d) for d in f.decorator_list)}
+    called = re.findall(r"^run nox --no-venv -s (.*)$", (ROOT / ".ci/run").read_text(), flags=re.MULTILINE)
+    by_readme = {"tests", "site"}  # its second and third command, which .ci/run takes from there
+    assert sessions == {*" ".join(called).split(), *by_readme}
+
+
+def test_what_contributors_are_sent_to_is_there():
+    rows = CONTRIBUTING.partition("## Where is what")[2].partition("\nTests:")[0].splitlines()
+    cells = [row.split("|")[1:-1] for row in rows if row.startswith("| ") and "?" in row]
+    assert len(cells) > 15
+    for question, where, which in cells:
+        first, *others = re.findall(r"`([\w/]+/)`", where)
+        folders = [ROOT / first, *((ROOT / first).parent / other for other in others)]
+        assert all(folder.is_dir() for folder in folders), question
+        for file in re.findall(r"`([\w/]+\.py)`", which):
+            assert any((folder / file).exists() for folder in [*folders, ROOT / "frictionlab"]), file
+
+
+@pytest.mark.parametrize("page", [README, CONTRIBUTING], ids=["README", "CONTRIBUTING"])
+def test_links_lead_somewhere(page):
+    targets = re.findall(r"\]\(([^)#:]+)(?:#[\w-]+)?\)", page)
     assert targets
     assert [target for target in targets if not (ROOT / target).exists()] == []
 

@@ -61,7 +61,7 @@ def run_basin_tasks(
         settings[k] for k in ("transient", "window", "section", "tolerance")
     )
     check_steady_state_arguments(model, starts[0], transient, window, None, section, tolerance)
-    automaton, chosen = automaton_of(model), _probe_indices(len(starts))
+    automaton, chosen = automaton_of(model), probe_indices(len(starts))
     size = max(MIN_GROUP_SIZE, min(MAX_GROUP_SIZE, len(starts) // TARGET_TASK_COUNT))
     groups = [starts[i : i + size] for i in range(0, len(starts), size)]
     layout = {"count": len(starts), "group": size, "probes": len(chosen), "starts": _digest(starts.tobytes())}
@@ -94,7 +94,7 @@ def run_basin_tasks(
     return specification, journal.results
 
 
-def _probe_indices(count: int) -> list[int]:
+def probe_indices(count: int) -> list[int]:
     """Which initial states are run first: some at random, as a grid's rows may be alike."""
     drawn = np.random.default_rng(0).choice(count, min(PROBE_COUNT, count), replace=False)
     return np.sort(drawn).tolist()

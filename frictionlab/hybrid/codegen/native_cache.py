@@ -37,17 +37,27 @@ _ENGINES: list[Any] = []  # own the code, so they live as long as the process
 
 
 class NativeCode:
-    """The native jets of a program's modes, of all orders up to HIGHEST."""
+    """The native jets of a program's modes, of all orders up to HIGHEST.
+
+    Attributes
+    ----------
+    code : Code
+        The program's arrays, with the addresses of what is compiled.
+    tapes : dict of int to ModeTape
+        By mode, what its jets are compiled from.
+    requested : dict of int to Future
+        What is compiled in the background, or has been: jets by their mode, steps of several runs by ~mode.
+    """
 
     def __init__(self, program: Program) -> None:
         built, count = np.flatnonzero(program.code.built).tolist(), len(program.tapes)
-        self._functions = {mode: _mode_tape(program, mode) for mode in built}
+        self.tapes = {mode: _mode_tape(program, mode) for mode in built}
         self._used = np.zeros(count, dtype=np.int64)
-        self._asked: dict[int, Future[None]] = {}
+        self.requested: dict[int, Future[None]] = {}
         self._of_steps = {mode: _step_structure(program.code, mode) for mode in built}
         addresses, steps = np.zeros((2, count), dtype=np.int64)
         self.code: Code = program.code._replace(native=addresses, lanes=steps)
-        for mode, function in self._functions.items():
+        for mode, function in self.tapes.items():
             addresses[mode] = _load_from_cache(_path(function))
             steps[mode] = _load_from_cache(_path(function, STEP, self._of_steps[mode]))
 
@@ -57,12 +67,12 @@ class NativeCode:
             return
         self._used += np.bincount(modes, minlength=len(self._used))
         for mode in np.flatnonzero((self._used > COMPILE_AFTER) & (self.code.native == 0)).tolist():
-            if mode not in self._asked:
-                self._asked[mode] = _worker().submit(self.compile, mode)
+            if mode not in self.requested:
+                self.requested[mode] = _worker().submit(self.compile, mode)
 
     def compile(self, mode: int) -> None:
         """Compile a mode now."""
-        function = self._functions[mode]
+        function = self.tapes[mode]
         with _garbage_collection_off():
             code = _emit_object(jets_module(function, NAME))
         _store(code, _path(function))
@@ -70,17 +80,24 @@ class NativeCode:
 
     def compile_step(self, mode: int) -> None:
         """Compile a mode's step of several runs now."""
-        function, more = self._functions[mode], self._of_steps[mode]
+        function, more = self.tapes[mode], self._of_steps[mode]
         with _garbage_collection_off():
             code = _emit_object(lane_step_module(function, more, NAME))
         _store(code, _path(function, STEP, more))
         self.code.lanes[mode] = _load_object(code)
 
+    def forget(self) -> None:
+        """Interpret all modes from now on, until code is asked for anew."""
+        for addresses in (self.code.native, self.code.lanes):
+            addresses[:] = 0
+        self._used[:] = 0
+        self.requested.clear()
+
     def share(self, modes: Iterable[int]) -> None:
         """Have the steps of several runs in these modes compiled."""
         for mode in modes if compilation.NUMBA is not None else ():
-            if not (self.code.lanes[mode] or self.code.powers[mode]) and ~mode not in self._asked:
-                self._asked[~mode] = _worker().submit(self.compile_step, mode)
+            if not (self.code.lanes[mode] or self.code.powers[mode]) and ~mode not in self.requested:
+                self.requested[~mode] = _worker().submit(self.compile_step, mode)
 
 
 def native_code(program: Program) -> NativeCode:

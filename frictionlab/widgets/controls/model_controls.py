@@ -38,6 +38,8 @@ class ParameterControls:
     ----------
     sliders : dict of str to FloatSlider or FloatLogSlider
         By the parameter's name.
+    main : Box
+        Those that are in sight.
     """
 
     def __init__(self, model: Any, changed: Callable[[Any], None]) -> None:
@@ -46,10 +48,10 @@ class ParameterControls:
         self._start: dict[str, float] = {}
         self._shown: tuple[str, ...] = ()
         layout = ipywidgets.Layout(flex_flow="row wrap")
-        self._used, self._rest = ipywidgets.Box(layout=layout), ipywidgets.Box(layout=layout)
+        self.main, self._rest = ipywidgets.Box(layout=layout), ipywidgets.Box(layout=layout)
         self._more = ipywidgets.Accordion([self._rest], titles=(FOLDED_TITLE,))
         self._more.add_class("fl-structure")
-        self.widget = ipywidgets.VBox([self._used, self._more])
+        self.widget = ipywidgets.VBox([self.main, self._more])
         self.show(model)
 
     def show(self, model: Any) -> None:
@@ -64,7 +66,7 @@ class ParameterControls:
                 self.sliders[name] = slider(name, about[name], model.parameters[name])
                 self.sliders[name].observe(self._changed, names="value")
         used = main_parameters(model)
-        self._used.children = [self.sliders[name] for name in used]
+        self.main.children = [self.sliders[name] for name in used]
         self._rest.children = [self.sliders[name] for name in names if name not in used]
         self._more.layout.display = "" if self._rest.children else "none"
         self._shown = names

@@ -174,11 +174,14 @@ def test_brute_force(name, stiffness, mu_k, k_nl, F, v, damping, toggles):
     values = np.array([c.value for c in changes])
     near = np.abs(at[:, None] - values).min(axis=1, initial=np.inf) < 1e-6 * (bounds[1] - bounds[0])
     sure = ~near & ~((np.abs(spectra.real) < 1e-8 * size) & (np.abs(spectra.real) > 1e-12 * size)).any(axis=1)
+    compared = 0
     for i, (start, end) in enumerate(zip([-np.inf, *values], [*values, np.inf])):
         between = (at > start) & (at < end)
         if np.isfinite(spectra[between]).all():
             told = {c.unstable[1] for c in changes[i - 1 : i]} | {c.unstable[0] for c in changes[i : i + 1]}
             assert len(told | set(counted[between & sure].tolist())) <= 1
+            compared += (between & sure).any()
+    assert compared > 0
 
 
 def test_an_equilibrium_that_gives_way_to_another_is_a_fold():
