@@ -29,7 +29,7 @@ GROUPS = {
     ),
     "hybrid": ("Solver", "Methods, runs, and the derivative of a run."),
     "stability": ("Stability of steady sliding", "Equilibria, eigenvalues and how parameters change them."),
-    "analysis": ("Runs and their analysis", "From one run to steady states, sweeps and closed orbits."),
+    "analysis": ("Runs and their analysis", "From one run to steady states, sweeps and periodic orbits."),
     "plotting": (
         "Figures",
         "All of them take `ax=` and return artists. Those not in `frictionlab` itself are in "
