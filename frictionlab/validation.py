@@ -1,6 +1,6 @@
 """Checks of single arguments: each message has the name, the rule, what was given, and the cure.
 
-Also the one "did you mean" of the package.
+Also the suggestions ("did you mean") of the package.
 """
 
 from __future__ import annotations
@@ -76,6 +76,6 @@ def check_choice(name: str, value: Any, choices: Sequence[str], cure: str = "") 
 
 
 def did_you_mean(name: Any, known: Sequence[str]) -> str:
-    """`: did you mean ...?`, or nothing."""
+    """ ": did you mean ...?" with the most similar name, or an empty text."""
     close = get_close_matches(str(name), known, n=1)
     return f": did you mean {close[0]!r}?" if close else ""

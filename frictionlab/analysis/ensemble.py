@@ -39,8 +39,8 @@ def ensemble(
     """Run many models of one structure from 0 to `t_end`, side by side on one core.
 
     Runs that are in the same mode take their steps together, as lanes of vector instructions.  Each takes the
-    steps that it would take in :func:`simulate`, to the last bit, whatever the others do.  Nothing but the
-    ends is kept.
+    steps that it would take in :func:`simulate`, to the last bit, whatever the others do.  Only the final
+    states are kept.
 
     Parameters
     ----------
@@ -97,14 +97,14 @@ def ensemble(
 
 
 def start_group(automaton: HybridAutomaton, states: np.ndarray, method: Taylor) -> Batch:
-    """Runs of one automaton from some states (N, n), to be taken on; not checked."""
+    """A batch of runs of one automaton from states (N, n), to be advanced; the arguments are not checked."""
     program, numbers = program_of(with_chatter_limit(automaton, method))
     rows = Numbers(*(np.tile(each, (len(states), 1)) for each in numbers))
     return new_batch(program, rows, states, method)
 
 
 def advance_group(group: Batch, t_end: float) -> None:
-    """Take runs on to a time; it is not shown."""
+    """Advance the runs of a batch to a time, without a progress bar."""
     with Progress(t_end, False) as bar:
         advance_batch(group, t_end, bar)
 
@@ -115,7 +115,7 @@ def _problems(models: Sequence[Any], x0: Any, t_end: float, method: Taylor) -> l
         raise ValueError(
             f"x0 must hold a state for each of the {len(models)} models, got {len(each)}: give as many"
         )
-    first: dict[int, int] = {}  # one may be given for many initial states
+    first: dict[int, int] = {}  # one model may be given for many initial states
     for i, model in enumerate(models):
         first.setdefault(id(model), i)
     automata = {key: _checked(models[i], i) for key, i in first.items()}

@@ -1,4 +1,4 @@
-"""`fl.lyapunov`: how fast neighbouring motions part, in every direction."""
+"""`fl.lyapunov`: how fast neighbouring motions separate, in every direction."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class LyapunovSpectrum:
     Parameters
     ----------
     exponents : array (n,)
-        1/s, the largest first; -inf for a direction that events take away (onsets of stick, plastic impacts).
+        1/s, the largest first; -inf for a direction that events remove (onsets of stick, plastic impacts).
     standard_errors : array (n,)
         Of the mean over `blocks`; NaN where the exponent is -inf.
     blocks : array (K, n)

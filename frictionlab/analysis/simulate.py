@@ -40,8 +40,8 @@ def simulate(
     x0 : "rest", "near" or array_like (2n,)
         "rest": coordinates and velocities zero, or where the model says it is released.  "near": the sliding
         equilibrium with its coordinates displaced by one percent, velocities zero.  An array holds
-        coordinates, then velocities; what other states a model has, such as the phase of a force, are zero
-        where they are left out.
+        coordinates, then velocities; further states of a model, such as the phase of a force, are zero where
+        they are left out.
     method : "taylor", Taylor(...), "rk4", RK4(...), Scipy(...), or the name of a scipy method
         "taylor" is exact to rounding; RK4 is the paper's algorithm.
     t_eval : array_like or None
@@ -59,7 +59,7 @@ def simulate(
     Raises
     ------
     TypeError
-        For what is no model.
+        Where `model` is no model.
     ValueError
         For bad arguments, or ``x0="near"`` where there is no equilibrium; before any work is done.
 
@@ -92,8 +92,8 @@ def load(path: str | Path, model: Any = None) -> Trajectory:
     ----------
     path : path
     model : model or automaton, optional
-        What ran, where the file cannot tell: needed for automata of :func:`frictionlab.solve`, and for
-        laws of your own that are not defined in this session.
+        The model or automaton of the run, where the file does not contain it: needed for automata of
+        :func:`frictionlab.solve`, and for laws of your own that are not defined in this session.
 
     Raises
     ------

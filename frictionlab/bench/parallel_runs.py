@@ -22,7 +22,7 @@ from .scenes import FULL_GAP_RATE_SLIDER, STIFF_SLIDER
 
 MU_K = np.round(np.arange(1, 61) * 0.05, 10)
 SWEEP_STARTS = ("rest", "near")
-FIXED_STEP_STRIDE = 10  # a fixed step runs one value in so many, and is scaled up
+FIXED_STEP_STRIDE = 10  # the method of fixed steps runs one value in so many; its time is scaled up
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,7 @@ class EnsembleScene:
 
 
 def _variant_of_b(name: str, *without: str) -> EnsembleScene:
-    # Sliding only, what starts from rest goes beyond all bounds where mu_k is larger than 1.
+    # Sliding only, the motion from rest grows without bounds where mu_k is above 1.
     return EnsembleScene(name, FULL_GAP_RATE_SLIDER.without(*without), (0.2, 1.0), 20.0)
 
 
@@ -95,7 +95,7 @@ def ensemble_table(rows: Sequence[EnsembleRow]) -> str:
 
 @dataclass(frozen=True)
 class SweepRow:
-    """How, wall time of the whole sweep in s, runs that were timed."""
+    """A row of the table: method, wall time of the whole sweep (s), number of timed runs."""
 
     name: str
     seconds: float

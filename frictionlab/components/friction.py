@@ -21,7 +21,7 @@ class FrictionLaw(Component):
         raise NotImplementedError(f"{type(self).__name__} must define kinetic(normal_force, speed)")
 
     def static_limit(self, normal_force: Any) -> Any:
-        """Largest friction force (N) that sticking can bear."""
+        """Largest friction force (N) in stick."""
         raise NotImplementedError(f"{type(self).__name__} must define static_limit(normal_force)")
 
 
@@ -208,7 +208,7 @@ class PressureDependent(Coulomb):
         return (self.mu_k + (self.mu_s - self.mu_k) * exp(-speed / self.v_s)) * self._pressed(normal_force)
 
     def static_limit(self, normal_force: Any) -> Any:
-        """Largest friction force (N) that sticking can bear."""
+        """Largest friction force (N) in stick."""
         return self.mu_s * self._pressed(normal_force)
 
     def _pressed(self, normal_force: Any) -> Any:

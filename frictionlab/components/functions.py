@@ -7,9 +7,10 @@ from typing import Any
 
 
 def _evaluate(name: str, x: Any) -> Any:
-    if hasattr(x, "free_symbols"):  # of sympy, so that is loaded; laws themselves do without it
+    # a sympy expression, so sympy is loaded already; laws themselves do not need it
+    if hasattr(x, "free_symbols"):
         return getattr(sys.modules["sympy"], name)(x)
-    import numpy  # here, as the command line reads the laws' parameters and is to start quickly
+    import numpy  # imported here, as the command line reads the laws' parameters and should start quickly
 
     return getattr(numpy, "arctan" if name == "atan" else name)(x)
 

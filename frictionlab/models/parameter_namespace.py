@@ -13,7 +13,7 @@ from frictionlab.components.parameter import Parameter, is_decorated, parameters
 
 
 def parameter_owners(cls: type, components: Mapping[str, Component]) -> dict[str, str]:
-    """Whose each parameter is: a component's role, or "" for the model's own.
+    """The owner of each parameter: a component's role, or "" for the model.
 
     Raises
     ------
@@ -96,7 +96,7 @@ def parameter_metadata(cls: type, components: Mapping[str, Component]) -> dict[s
 def _owner_among_laws(name: str, roles: Mapping[str, type], components: Mapping[str, Component]) -> str:
     for role, base in roles.items():
         for kind in base.__subclasses__():
-            # A student's class without its decorator is no owner; it has an error of its own when it is used.
+            # A class that lacks its decorator is no owner; it raises an error of its own when it is used.
             if is_decorated(kind) and name in parameters_of(kind):
                 return f"it belongs to {kind.__name__}, and {role} is {components[role]!r}"
     return ""

@@ -76,7 +76,7 @@ fixed steps of {step:g} s. A motion counts as periodic where its whole state ret
 within {exact:g} of its size, for the paper's algorithm, which sees an event up to a step late, within
 {paper:g}. The verdict is the exact solver's with Eq. (13); "{by_paper}" means that only the column of
 that algorithm shows all that the paper says. E1 to E5 are errata found by deriving the equations again;
-E3: after an impact by Eq. (13) the gap still changes at the rate -(x1' - x2') phi, so that the slider may
+E3: after an impact by Eq. (13) the gap still changes at the rate (x1' - x2') phi, so that the slider may
 leave again at once; E5: what follows depends on the algorithm.
 
 """

@@ -31,7 +31,7 @@ CHATTER_LIMIT = 1e-5
 MAX_EVENTS_AND_STEPS = 1_000_000  # events, and steps, of a run: one that grows without bound ends there
 TAYLOR = Taylor(chatter=CHATTER_LIMIT, max_events=MAX_EVENTS_AND_STEPS, max_steps=MAX_EVENTS_AND_STEPS)
 HIGHEST_FREQUENCY = 20.0  # Hz, of a mode of the usual structure
-# The exact solver returns to a state within rounding.  A fixed step sees a condition up to a step late, while
+# The exact solver returns to a state within rounding.  A fixed step detects an event up to a step late, while
 # a state moves by 2 pi f h of its size, 2.5 %: at both crossings, and at an event or more before each.
 RETURN_TOLERANCES = {"exact": 1e-6, "paper": round(4 * 2 * pi * HIGHEST_FREQUENCY * PAPER_STEP, 3)}
 
@@ -78,7 +78,7 @@ class Setting:
         return model.replace(impact=PlasticImpact(penetration_rate="full"))
 
     def with_solver(self, algorithm: str, impact: str) -> Setting:
-        """Another way, all else the same."""
+        """The setting with another algorithm and impact law."""
         return replace(self, algorithm=algorithm, impact=impact)
 
     @property
@@ -91,7 +91,7 @@ class Setting:
 
 
 class Times(NamedTuple):
-    """Seconds thrown away, and looked at."""
+    """Seconds of transient, and of the window that is classified."""
 
     transient: float
     window: float
@@ -103,7 +103,7 @@ STIFF_TIMES = Times(150.0, 50.0)  # at 30 Hz; sliding only it settles as slowly 
 
 
 def times_of(model: Any, setting: Setting) -> Times:
-    """What a model is given, by the cost of its motion and by how slowly it settles."""
+    """The times for a model, by the cost of its motion and by how slowly it settles."""
     if setting.algorithm == "paper":
         return FIXED_STEP_TIMES
     smooth = "separation" not in model.interface.modes

@@ -36,7 +36,7 @@ TURNING_SECTION = "x1'"  # the section of Fig. 17b, passed either way
 MU_K_PRELOAD = 2.5
 GEOMETRY_NAMES = {True: "with GN", False: "without GN"}
 
-MAX_INTERVALS = 7  # stretches that a reader can take in
+MAX_INTERVALS = 7  # intervals that a text lists at most
 GRID_TOLERANCE = 1e-9  # for values that are the same but for rounding
 AT_REST, PERIODIC, NON_PERIODIC = "equilibrium", "periodic", "non-periodic"
 
@@ -182,12 +182,12 @@ def _cached_steady_state(
 
 
 def is_vibration(found: Any) -> NDArray[np.bool_]:
-    """Where a sweep found a vibration, periodic or not."""
+    """Where a sweep found a vibration, periodic or not, as booleans."""
     return np.isin(found.kinds, (PERIODIC, NON_PERIODIC))
 
 
 def is_kind(found: Any, kind: str) -> NDArray[np.bool_]:
-    """Where a sweep found this kind."""
+    """Where a sweep found this kind of motion, as booleans."""
     return np.array(found.kinds) == kind
 
 

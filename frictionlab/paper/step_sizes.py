@@ -1,8 +1,8 @@
-"""What a fixed step does to a motion: conditions looked at when a step is over, against events located.
+"""What a fixed step does to a motion: conditions checked at the end of each step, against events located.
 
 Erratum E5: with Eq. (13) as printed the slider leaves the belt again right after many impacts, in flights
 shorter than any step.  A fixed step jumps over those that fit into it, so that each step has a motion of
-its own.  With the gap's full rate in the impact law there are no such flights, and all steps agree.
+its own.  With the full gap rate in the impact law there are no such flights, and all steps agree.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Small multiples of an ablation: one study of all scenes."""
+"""Small multiples of an ablation: the result of a study for each scene."""
 
 from __future__ import annotations
 

@@ -28,7 +28,7 @@ class BasinArtists(NamedTuple):
 
 
 def plot_basins(found: Any, ax: Axes | None = None, *, legend: bool = True) -> BasinArtists:
-    """Draw which attractor each initial state goes to, and the attractors as far as they are in sight.
+    """Draw which attractor each initial state goes to, and those attractors that are within the axes.
 
     Initial states that were not computed are hatched.
 

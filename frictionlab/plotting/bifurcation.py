@@ -43,7 +43,9 @@ MOTION_STYLES: dict[str, dict[str, Any]] = {
 }
 AT_REST = "equilibrium"
 EARLY_END_HEIGHT = (
-    0.03  # of the axes' height: where marks are of what ended early, mostly for having grown beyond bounds
+    # share of the axes' height at which runs that ended early are marked, mostly motions that grew without
+    # bounds
+    0.03
 )
 LOG_SCALE_RATIO = 30.0  # largest over smallest intensity above which the axis is logarithmic
 
@@ -75,7 +77,7 @@ def plot_bifurcation(
     Returns
     -------
     list of Line2D
-        The points of every kind of motion that occurs; what ended early is marked at the foot.
+        The points of every kind of motion that occurs; runs that ended early are marked at the bottom.
 
     Raises
     ------
@@ -119,7 +121,7 @@ def plot_intensity(
     ax : Axes or None
         None draws into a new figure, ``lines[0].axes.figure``.
     labels : sequence of str or None
-        A name for each; None says where they start from.
+        A name for each; None takes the initial state of each.
     legend : bool
         Whether to put a legend beside the panel, where there is more than one line.
 
@@ -153,7 +155,7 @@ def plot_intensity(
 
 def _set_intensity_scale(ax: Axes, results: list[Any]) -> None:
     moving = np.concatenate([r.intensities[np.array(r.kinds) != AT_REST] for r in results])
-    moving = moving[moving > 0]  # NaN, of what is not done, is dropped too
+    moving = moving[moving > 0]  # drops NaN as well, which stands for values not computed
     if len(moving) and moving.max() > LOG_SCALE_RATIO * moving.min():
         foot = 10.0 ** np.floor(np.log10(moving.min()))
         ax.set_yscale("symlog", linthresh=foot, linscale=0.3)
@@ -251,7 +253,7 @@ def _orbit_measure(orbit: Any, name: str | None) -> float:
 
 
 def _stability_intervals(stable: np.ndarray) -> list[tuple[bool, slice]]:
-    """Each stretch of equal stability, with the first orbit of the next, so that the line has no gaps."""
+    """Each stretch of equal stability, with the first orbit of the next, so that the line is not broken."""
     found, start = [], 0
     for value, group in groupby(stable.tolist()):
         count = len(list(group))

@@ -1,5 +1,4 @@
-"""Equilibria and linearised flow as functions of the parameters: the one thing that all stability analyses
-work on.
+"""Equilibria and linearised flow as functions of the parameters, on which all stability analyses work.
 
 Give a flow and `solve`, and all analyses work.  Also the checks of parameter names, values and bounds.
 """
@@ -40,7 +39,7 @@ class EquilibriumProblem:
     solve : callable
         Values (numbers or arrays (N,)), and N -> states (m, N) of the equilibrium; NaN where there is none.
     guards : tuple of sympy.Expr
-        What is positive while the motion goes on in this mode: v_r, the gap.
+        Functions that are positive while the motion stays in this mode: v_r, the penetration.
     """
 
     model: Any

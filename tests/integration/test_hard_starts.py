@@ -35,8 +35,8 @@ def motion(model, t_end=1.0, **options):
 
 
 @pytest.mark.parametrize("model", BOTH, ids=ids)
-def test_resting_on_the_belt_with_gap_zero_starts_in_contact(model):
-    """gap = gap' = 0 and gap'' = F/M: the second coefficient decides."""
+def test_resting_on_the_belt_at_penetration_zero_starts_in_contact(model):
+    """Penetration and its rate are 0, its second derivative is F/M: the second coefficient decides."""
     run = motion(model, x0="rest")
     assert run.mode[0] == "slip+"
     assert run.penetration[0] == 0.0
@@ -45,7 +45,7 @@ def test_resting_on_the_belt_with_gap_zero_starts_in_contact(model):
 
 @pytest.mark.parametrize("model", BOTH, ids=ids)
 def test_without_preload_nothing_moves_from_rest_but_the_belt_underneath(model):
-    """gap vanishes identically: no guard ends the mode, and F_N stays zero."""
+    """The penetration vanishes identically: no guard ends the mode, and F_N stays zero."""
     run = motion(model.replace(F=0.0), x0="rest")
     assert len(run.events) == 0
     assert np.abs(run.states).max() == 0.0
@@ -225,7 +225,7 @@ def test_a_run_can_be_stopped_at_an_event_and_taken_up_again(number):
 
 
 def test_a_law_of_ones_own_runs_without_compiling():
-    """F_N = k gap / (1 - gap/c): a quotient, which no shipped law has."""
+    """F_N = k d / (1 - d/c) of the penetration d: a quotient, which no shipped law has."""
     penetration = sp.Symbol("gap")
 
     class Hardening(fl.ContactLaw):

@@ -50,9 +50,9 @@ def basins(
     """Basins of attraction in a plane of initial states.
 
     First a dozen of the initial states are run to the end, which gives the attractors.  Then all are run side
-    by side (see :func:`ensemble`), each until it is on a known attractor; what is on none after the transient
-    is examined as :func:`steady_state` does, and either has the features of a known attractor (kind, period,
-    range of each state) or is a new one.
+    by side (see :func:`ensemble`), each until it is on a known attractor; a motion that is on none after the
+    transient is classified as by :func:`steady_state`; it either has the features of a known attractor (kind,
+    period, range of each state) or is on a new one.
 
     Parameters
     ----------
@@ -60,11 +60,11 @@ def basins(
     x, y : (str, array_like)
         A state, such as "x1" or "x1'", and its initial values (N,) and (M,).
     x0 : "rest", "near", array_like (n,) or callable
-        What the other states begin with.  A callable is given the state (n,), the others zero, and returns
-        the one to begin with.
+        Initial values of the other states.  A callable takes the state (n,) with the others zero, and returns
+        the complete initial state.
     transient, window, section, tolerance
         As :func:`steady_state`.  The transient should be as long as the slowest motion takes to settle; a
-        longer one costs only those that have not settled.
+        longer one costs time only for those that have not settled.
     rtol : float
         Share of the attractors' size within which a motion counts as having reached one, in every state.
     method : "taylor" or Taylor
@@ -211,7 +211,8 @@ def _range(model: Any, name: str, limits: Any) -> tuple[float, float]:
 
 
 def _initial_states(model: Any, names: Sequence[str], points: Array, x0: Any) -> Array:
-    """Initial states (N, n): the named ones take their columns of `points`, the others come from `x0`."""
+    """Initial states (N, n): the named states take their values from the columns of `points`, the others from
+    `x0`."""
     known = state_names(model)
     base = np.zeros(len(known)) if callable(x0) else validate_initial_state(model, x0, automaton_of(model))
     starts = np.repeat(base[None], len(points), axis=0)
@@ -220,7 +221,7 @@ def _initial_states(model: Any, names: Sequence[str], points: Array, x0: Any) ->
 
 
 def _complete_states(x0: Callable[[Array], Any], starts: Array, names: tuple[str, ...]) -> Array:
-    """What `x0` makes of each of the states (N, n)."""
+    """The states (N, n), each completed by `x0`."""
     given = [x0(start.copy()) for start in starts]
     try:
         states = np.array(given, dtype=float)

@@ -27,14 +27,14 @@ class SpecialOrbit:
     Parameters
     ----------
     kind : str
-        "fold", "period doubling", "Neimark-Sacker"; "grazing", where a stay in another mode comes or goes
-        that begins and ends in one mode; "mode change", another change of the modes; "Hopf", where the orbit
-        shrinks to an equilibrium.
+        "fold", "period doubling", "Neimark-Sacker"; "grazing", where a stay in another mode, entered from and
+        left to one and the same mode, appears or vanishes; "mode change", another change of the modes;
+        "Hopf", where the orbit shrinks to an equilibrium.
     value : float
-        Of the parameter.
+        Value of the parameter.
     orbit : PeriodicOrbit
-        There, or for "grazing", "mode change" and "Hopf" the last one before; the value of "Hopf" is
-        extrapolated to no amplitude.
+        The orbit there, or for "grazing", "mode change" and "Hopf" the last one before; the value of "Hopf"
+        is extrapolated to zero amplitude.
     """
 
     kind: str
@@ -44,7 +44,7 @@ class SpecialOrbit:
 
 @dataclass(frozen=True, eq=False)
 class OrbitBranch:
-    """A branch of closed orbits.
+    """A branch of periodic orbits.
 
     Parameters
     ----------
@@ -95,12 +95,13 @@ def continue_orbit(
     max_points: int = 400,
     progress: bool = True,
 ) -> OrbitBranch:
-    """Follow a closed orbit through a parameter, by pseudo-arclength continuation.
+    """Follow a periodic orbit through a parameter, by pseudo-arclength continuation.
 
-    Both ways from the orbit, to the bounds or to where the branch ends.  The derivative by the parameter is
-    that of the tangent flow with the parameter as one state more.  Folds, period doublings and
-    Neimark-Sacker points are located by the multipliers, and where the sequence of modes changes by halving
-    the step until both sides meet.  Source: Seydel, Practical Bifurcation and Stability Analysis (2010).
+    The branch is followed both ways from the orbit, to the bounds or to where it ends.  The derivative by the
+    parameter is that of the tangent flow, with the parameter as an additional state.  Folds, period doublings
+    and Neimark-Sacker points are located by the multipliers, and where the sequence of modes changes by
+    halving the step until both sides meet.  Source: Seydel, Practical Bifurcation and Stability Analysis
+    (2010).
 
     Parameters
     ----------
@@ -112,7 +113,7 @@ def continue_orbit(
     step : float
         Longest step, as a share of the motion's size, the period and the distance of the bounds together.
     max_points : int
-        Orbits after which to stop, in each direction.
+        Largest number of orbits in each direction.
     progress : bool
         Show a progress bar where it takes more than a second.  Ctrl-C ends with the orbits found so far.
 
@@ -177,7 +178,7 @@ def _check(orbit: Any, parameter: str, bounds: Any, step: float, max_points: int
     check_number("bounds[0]", low, most=value, cure=f"the orbit is at {parameter} = {value:g}")
     check_number("bounds[1]", high, least=value, above=low, cure=f"the orbit is at {parameter} = {value:g}")
     for bound in bounds:
-        orbit.model.replace(**{parameter: bound})  # a model refuses values out of its range
+        orbit.model.replace(**{parameter: bound})  # a model raises for values outside the parameter's range
     check_number("step", step, above=0.0, cure="0.1 is usual")
     check_number(
         "max_points", max_points, integer=True, least=1, cure="give the number of orbits to stop after"
@@ -200,7 +201,7 @@ def _with_progress_bar(
 
 
 def _orbit_at(model: Any, parameter: str, point: BranchPoint) -> PeriodicOrbit:
-    """The closed orbit as an object of its own, of the model with the parameter's value."""
+    """The periodic orbit of a branch point, of the model with the parameter's value there."""
     here = model.replace(**{parameter: point.value})
     start = point.shot.run.raw.step_states[0][:-1]
     run = solve(automaton_of(here), point.period, x0=start, progress=False)

@@ -23,17 +23,19 @@ from .orbit_guess import OrbitGuess
 
 MAX_ITERATIONS = 40
 MAX_HALVINGS = 8
-RESIDUAL_ROUNDING = 1e-14  # residual that cannot become smaller
-FAMILY_RCOND = 1e-11  # directions in which orbits are this near to a family are left as they are
-MAX_PERIOD_FACTOR = 2.0  # by which factor the period may change in one iteration
+RESIDUAL_ROUNDING = 1e-14  # residual at the level of rounding, which cannot become smaller
+# relative singular values below this belong to a family of orbits: no step is taken in their directions
+FAMILY_RCOND = 1e-11
+MAX_PERIOD_FACTOR = 2.0  # factor by which the period may change in one iteration
 
-MIN_ORBIT_SIZE = 1e-3  # share of the guess's size below which an orbit is but an equilibrium
+MIN_ORBIT_SIZE = 1e-3  # share of the guess's size below which an orbit is only an equilibrium
 MAX_VIOLATION = 1e-6  # share of a condition's terms by which it may be violated
 FLOW_DIRECTION_RTOL = 1e-6  # share by which the monodromy matrix may miss the direction of the flow
 
 
 class ShootingResult(NamedTuple):
-    """One period tried: the run, its fundamental matrix, and its residual, scaled by the motion's size."""
+    """A trial over one period: the run, its fundamental matrix, and its residual, scaled by the motion's
+    size."""
 
     run: Trajectory
     matrix: Array
@@ -41,9 +43,9 @@ class ShootingResult(NamedTuple):
 
 
 def shoot(automaton: HybridAutomaton, guess: OrbitGuess, tolerance: float) -> ShootingResult:
-    """The closed orbit near a guess.
+    """The periodic orbit near a guess.
 
-    Unknown are the state z and the period T: the flow after T is z.
+    The unknowns are the state z and the period T, such that the flow after T is z again.
 
     Raises
     ------
@@ -78,9 +80,9 @@ def _shooting_result(automaton: HybridAutomaton, z: Array, period: float, size: 
 
 
 def _newton_step(shot: ShootingResult, period: float, size: Array) -> Array:
-    """Newton's step for (z / size, T / period): the least that closes the orbit.
+    """Newton's step for (z / size, T / period): the shortest that closes the orbit.
 
-    At a closed orbit it is normal to the flow, so that z moves on a Poincare section.
+    At a periodic orbit it is normal to the flow, so that z moves on a Poincare section.
     """
     last = end_rates(shot.run)[1] / size
     matrix = shot.matrix * size / size[:, None] - np.eye(len(size))
@@ -91,7 +93,8 @@ def _newton_step(shot: ShootingResult, period: float, size: Array) -> Array:
 def _damped_step(
     automaton: HybridAutomaton, z: Array, period: float, step: Array, size: Array, residual: float
 ) -> tuple[Array, float, ShootingResult] | None:
-    """The step, or the largest half, quarter ... of it that lessens the residual; None where none does."""
+    """The step, or the largest of its half, quarter and so on that reduces the residual; None where none
+    does."""
     for share in 0.5 ** np.arange(MAX_HALVINGS):
         other, longer = z + share * step[:-1] * size, period * (1.0 + share * step[-1])
         if not period / MAX_PERIOD_FACTOR < longer < period * MAX_PERIOD_FACTOR:
@@ -106,7 +109,7 @@ def _damped_step(
 
 
 def check_motion(shot: ShootingResult, guess: OrbitGuess) -> None:
-    """Raise for what closes because it does not move."""
+    """Raise where the motion closes because it is an equilibrium."""
     if (state_ranges(shot.run.states) / guess.size).max() < MIN_ORBIT_SIZE:
         raise ValueError(
             "no periodic orbit found near the guess: Newton's method reached an equilibrium, "
@@ -115,10 +118,10 @@ def check_motion(shot: ShootingResult, guess: OrbitGuess) -> None:
 
 
 def check_return_mode(shot: ShootingResult) -> None:
-    """Raise for what closes in its states only.
+    """Raise where the motion returns in its states but not in its mode.
 
-    At zero relative velocity, between kinetic and static friction, both slip and stick may begin: what slips
-    away from such a state and comes back to stick there does not repeat.
+    At zero relative velocity, with the force between kinetic and static friction, both slip and stick may
+    begin: a motion that slips away from such a state and returns to stick there does not repeat.
     """
     names = shot.run.automaton.names
     first, last = names[int(shot.run.raw.step_modes[0])], names[shot.run.raw.mode]
@@ -131,7 +134,7 @@ def check_return_mode(shot: ShootingResult) -> None:
 
 def check_orbit(shot: ShootingResult, guess: OrbitGuess) -> None:
     """Raise for an orbit that ends in another mode than it begins in, that breaks a condition of its modes,
-    or whose monodromy matrix is useless.
+    or whose monodromy matrix is too inexact.
     """
     check_return_mode(shot)
     if (amount := condition_violation(shot.run)) > MAX_VIOLATION:

@@ -33,9 +33,9 @@ class SteadyState:
         Transitions from slip to stick in a period; 0 where the motion is not periodic.
     intensity : float
         L_s, Eq. (20): mean of the squared distance from the sliding equilibrium, the coordinates summed (m^2
-        and rad^2).  Over the last period where there is one, else over the window.  NaN without an
+        and rad^2).  Taken over the last period where there is one, else over the window.  NaN without an
         equilibrium, or where the run ended early.
-    section : Points
+    section : SectionPoints
         Crossings of the section in the window: times (K,), states (K, 2n).  Of a run that ended early the
         place where it ended.
     deviation : float
@@ -43,7 +43,7 @@ class SteadyState:
     time_in_mode : mapping
         Share of the window spent in each mode.
     trajectory : Trajectory
-        The window; its time starts at zero.
+        The run over the window; its time starts at zero.
     transient : float
         Seconds before the window.
     """

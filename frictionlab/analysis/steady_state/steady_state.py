@@ -30,15 +30,15 @@ def steady_state(
     tolerance: float = 1e-6,
     progress: bool = True,
 ) -> SteadyState:
-    """Run a model until transients have died away, and tell what is left.
+    """Run a model until transients have died away, and classify the motion that is left.
 
     A motion is periodic where the whole state at a section returns within `tolerance` of the motion's size
-    for the second half of the window, or within a thousandth and ever more nearly.  It is at rest where
-    nothing happens any more and what still moves dies away and is less than a thousandth of the
-    coordinates, or where friction holds it while a force goes through its period.  It is not settled yet
-    where it does neither, but nears one of them, or repeats within a thousandth and no better, or goes one
-    way all along, or doubles or halves its size, or one of its modes fades or grows, however slowly; or
-    where the window has less than 24 crossings of the section.
+    for the second half of the window, or within a thousandth and ever more closely. It is at an equilibrium
+    where there are no more events and the remaining motion decays and is less than a thousandth of the
+    coordinates, or where friction holds it through a whole period of a force. It is not settled yet where it
+    is neither, but approaches one of them, repeats within a thousandth and no better, drifts in one
+    direction, doubles or halves its size, or has a part that decays or grows, however slowly; or where the
+    window has less than 24 crossings of the section.
 
     Parameters
     ----------
@@ -46,15 +46,15 @@ def steady_state(
     x0 : "rest", "near" or array_like (2n,)
         Of an automaton "rest" (all states zero) or an array.
     transient, window : float
-        Seconds that are thrown away, and that are looked at.
+        Seconds that are discarded, and that are classified.
     t_max : float or None
-        Go on, window by window, until the motion has settled or so many seconds have passed; None looks at
+        Go on, window by window, until the motion has settled or so many seconds have passed; None classifies
         one window only.
     method : "taylor", Taylor, RK4, ...
     section : None, "stick", str or (str, int)
-        Where recurrence is looked at: transitions from slip to stick, or where an expression of the states
-        (or an output, "penetration") passes zero.  None takes the first where there are such transitions,
-        else ("x1'", -1).
+        The Poincare section of recurrence: transitions from slip to stick, or where an expression of the
+        states (or an output, "penetration") passes zero.  None takes the first where there are such
+        transitions, else ("x1'", -1).
     tolerance : float
     progress : bool
 

@@ -1,4 +1,4 @@
-"""`fl.ablation`: one study of all models that nonlinearities, each on or off, make."""
+"""`fl.ablation`: one study of a model with every combination of its nonlinearities on and off."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from .task_runner import check_function, check_workers, run_tasks
 
 @dataclass(frozen=True, eq=False)
 class Ablation:
-    """What a study gave for each scene, eight of three nonlinearities.
+    """The results of a study for each combination of nonlinearities: eight scenes for three of them.
 
     Parameters
     ----------
@@ -23,7 +23,7 @@ class Ablation:
         The nonlinearities that each scene lacks; the first lacks none, the last all.
     models : tuple
     results : tuple
-        What the study returned.
+        The results that the study returned.
     """
 
     without: tuple[tuple[str, ...], ...]
@@ -97,7 +97,7 @@ def ablation(
     TypeError
         For what is no model, or no function.
     ValueError
-        For a model that cannot be without one of them.
+        For a model that cannot do without one of them.
     RuntimeError
         Where the study of a scene fails, from its error.
 

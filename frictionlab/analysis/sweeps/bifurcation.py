@@ -27,7 +27,7 @@ from .task_runner import check_workers, deferred_interrupts, run_tasks
 __all__ = ["Bifurcation", "bifurcation", "load_bifurcation"]
 INITIAL_STATES = ("rest", "near", "continue")
 ENSEMBLE_SIZE = 16  # as many as two sets of lanes
-MAX_SECTION_POINTS = 200  # section points that are kept of each value, the last ones
+MAX_SECTION_POINTS = 200  # section points kept for each value, the last ones
 
 
 def bifurcation(
@@ -56,10 +56,10 @@ def bifurcation(
     values : array_like (N,)
     x0 : "rest", "near", "continue" or array_like (2n,)
         "continue" starts each value from where the one before ended, the first from rest, and so does one
-        after a run that ended early.  Values that ascend and then descend show hysteresis.  One after
-        another, so in one thread.
+        after a run that ended early.  Values that ascend and then descend show hysteresis.  The values are
+        computed one after another, in one thread.
     transient, window, t_max, method, section, tolerance
-        As :func:`steady_state`: with `t_max` values that have not settled go on, window by window.
+        As :func:`steady_state`: with `t_max` motions that have not settled go on, window by window.
     workers : int or None
         Threads; None takes one for each processor.
     executor : concurrent.futures.Executor or None
@@ -67,7 +67,7 @@ def bifurcation(
         ``client.get_executor()``.
     resume : path or None
         File in which results are kept as they come; if it is there, what it holds is not computed again.
-        In the end it does not depend on the number of workers, or on how often the sweep was cut off.
+        The finished file does not depend on the number of workers, or on how often the sweep was interrupted.
     progress : bool
 
     Returns
@@ -130,7 +130,7 @@ def bifurcation(
 
 
 def _models(model: Any, parameter: str, values: Any) -> list[Any]:
-    automaton_of(model)  # raises for what has no parameters to replace
+    automaton_of(model)  # raises where there are no parameters to replace
     values = np.asarray(values, dtype=float).ravel()
     if not len(values):
         raise ValueError("values must hold at least one number, got none: give those of the parameter")
@@ -142,14 +142,14 @@ def _is_continued(x0: Any) -> bool:
 
 
 def _groups(left: Sequence[int], models: Sequence[Any], method: Method) -> list[Sequence[int]]:
-    """Values whose transients are run side by side: that pays where no events come between."""
+    """Groups of values whose transients are run side by side, which is quicker for models without events."""
     alike = isinstance(method, Taylor) and not any(mode.events for mode in models[0].automaton().modes)
     size = ENSEMBLE_SIZE if alike else 1
     return [left[i : i + size] for i in range(0, len(left), size)]
 
 
 def steady_states_task(models: Sequence[Any], x0: Any, options: dict[str, Any]) -> list[dict[str, Any]]:
-    """One task: the steady states of some models, the same as each would have alone."""
+    """One task: the steady states of several models, each the same as if computed alone."""
     transient, t_max = options["transient"], options["t_max"]
     if len(models) == 1 or transient == 0.0:
         return [steady_state_task(model, x0, options) for model in models]
@@ -184,7 +184,7 @@ def steady_state_task(model: Any, x0: Any, options: dict[str, Any]) -> dict[str,
 def _run_continued(
     models: Sequence[Any], names: Sequence[str], options: dict[str, Any], journal: Journal, progress: bool
 ) -> None:
-    """Each from where the one before ended; ctrl-C ends it with what is done."""
+    """The steady states one after another, each from where the one before ended; ctrl-C keeps those done."""
     from tqdm.auto import tqdm
 
     bar = tqdm(models, "bifurcation", delay=1.0, leave=False, disable=not progress)

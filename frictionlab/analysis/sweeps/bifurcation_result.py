@@ -44,7 +44,7 @@ class Bifurcation:
     specification : mapping
         All that determines the result: model, start, method and so on.
     results : mapping of int to mapping
-        What was computed, by index.
+        The results computed, by index.
     """
 
     parameter: str
@@ -66,7 +66,7 @@ class Bifurcation:
 
     @property
     def warnings(self) -> tuple[str | None, ...]:
-        """Of each value what ``SteadyState.warning`` says; None where there is nothing to be said."""
+        """The ``SteadyState.warning`` of each value; None where there is none."""
         return tuple(self.results.get(i, {}).get("warning") for i in range(len(self.values)))
 
     def section(self, name: str, *kinds: str) -> tuple[Array, Array]:
@@ -77,7 +77,8 @@ class Bifurcation:
         name : str
             The state, e.g. "x1" or "x1'".
         kinds : str
-            Kinds of motion; none takes all that move.  "equilibrium" gives the states at rest instead.
+            Kinds of motion; without any, all but equilibria.  "equilibrium" gives the states of equilibria
+            instead.
 
         Raises
         ------
@@ -134,7 +135,7 @@ def load_bifurcation(path: str | Path) -> Bifurcation:
     Raises
     ------
     ValueError
-        If the file is none.
+        If the file is not of a bifurcation.
     """
     specification, results = read_journal(path)
     if "parameter" not in specification:

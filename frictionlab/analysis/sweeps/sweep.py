@@ -32,7 +32,7 @@ class Sweep:
     x0 : tuple
         Initial states, the last axis; empty where the function takes none.
     results : object array
-        What the function returned; None for what was not done (after ctrl-C).
+        The values that the function returned; None where it was not called (after ctrl-C).
     """
 
     over: Mapping[str, NDArray[np.float64]]
@@ -63,7 +63,7 @@ class Sweep:
         return self.to_dataframe().to_xarray()
 
     def labels(self) -> list[str]:
-        """What each initial state is called: its name, or its place."""
+        """A label for each initial state: its name, or its index."""
         return [start if isinstance(start, str) else f"state {i}" for i, start in enumerate(self.x0)]
 
 
@@ -93,8 +93,8 @@ def sweep(
         As :func:`bifurcation`.
     resume : path or None
         File in which results are kept as they come; if it is there, what it holds is not computed again.
-        They have to be numbers, texts, or lists and mappings of such.  Of the function the file knows only
-        the name: give every function, and every setting that it has inside, a file of its own.
+        They have to be numbers, texts, or lists and mappings of such.  The file identifies the function by
+        its name only: use another file for every function, and for every change inside it.
     progress : bool
 
     Returns
@@ -105,7 +105,7 @@ def sweep(
     Raises
     ------
     TypeError
-        For an unknown parameter, what is no function, or no model.
+        For an unknown parameter, or where `function` is no function or `model` no model.
     ValueError
         For a value that breaks a rule or a bad initial state; like the others before any work is done.
     OSError

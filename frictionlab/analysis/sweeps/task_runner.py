@@ -1,6 +1,6 @@
 """Many independent computations: in threads by default, in any executor, resumable, with a progress bar.
 
-A first ctrl-C lets the tasks that have begun come to their end; a second one interrupts at once.
+After a first ctrl-C tasks that have begun are finished; a second one interrupts at once.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from frictionlab.validation import check_number
 TASKS_PER_WORKER = (
     2  # tasks handed to each worker at a time, so that ctrl-C does not have to wait for all of them
 )
-INTERRUPT_POLL_TIME = 0.2  # seconds between two looks at ctrl-C
+INTERRUPT_POLL_TIME = 0.2  # seconds between two checks for ctrl-C
 
 
 def run_tasks(
@@ -43,7 +43,7 @@ def run_tasks(
     keep : callable of (index, result)
         Called in this thread only, and never interrupted by a first ctrl-C.
     names : sequence of str
-        What each task is called where it fails, e.g. "mu_k = 1.4".
+        Name of each task, for the message where it fails, e.g. "mu_k = 1.4".
     done : container of int
         Indices of the tasks that are left out.
     workers : int or None
@@ -105,7 +105,7 @@ def _collect_results(
     failed: dict[int, BaseException],
     bar: Any,
 ) -> None:
-    """Keep what has been done, after a wait of a moment at most."""
+    """Keep the results that have arrived, waiting for a moment at most."""
     for future in wait(running, timeout=INTERRUPT_POLL_TIME, return_when=FIRST_COMPLETED).done:
         index = running.pop(future)
         error = future.exception()
@@ -149,7 +149,7 @@ def _executor(given: Executor | None, workers: int) -> Iterator[Executor]:
 
 @contextmanager
 def deferred_interrupts() -> Iterator[Callable[[], bool]]:
-    """Within it a first ctrl-C is only noted: the function given tells of it; a second one interrupts.
+    """Context in which a first ctrl-C is only noted, as the function yielded tells; a second one interrupts.
 
     In a thread other than the main one Python delivers no signals, so nothing is installed there.
     """
@@ -172,6 +172,7 @@ def deferred_interrupts() -> Iterator[Callable[[], bool]]:
 
 
 def ignore_interrupts_in_worker() -> None:
-    """In a process of a pool: ctrl-C reaches all processes of a terminal, only the first has to heed it."""
+    """Ignore ctrl-C in a process of a pool: it reaches all processes of a terminal, and only the first
+    handles it."""
     if parent_process() is not None and threading.current_thread() is threading.main_thread():
         signal.signal(signal.SIGINT, signal.SIG_IGN)

@@ -1,6 +1,6 @@
 """The methods that are compared, by name, each with the package it needs.
 
-`InterpretedTaylor` is our own method on the tape alone: what native code is worth.
+`InterpretedTaylor` is our own method without native code, to show what native code gains.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from frictionlab.hybrid.methods.taylor import Taylor
 from .callback_adapters import Cvode, PathSim, SolveIvp
 from .compiled_adapters import Diffrax, Heyoka
 
-MAX_STEPS = 100_000  # steps of the slow ones, which take a fifth of that where they get through
+MAX_STEPS = 100_000  # cap of steps of the slow methods; those that reach the end take a fifth of it
 
 
 @dataclass(frozen=True)

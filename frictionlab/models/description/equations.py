@@ -1,5 +1,5 @@
-"""`Equations` of one mode, in text and LaTeX, and those of a model that is but an automaton: its flow, mode
-by mode.
+"""`Equations` of one mode, in text and LaTeX, and those of a model given as an automaton: its flow, mode by
+mode.
 """
 
 from __future__ import annotations
@@ -90,7 +90,7 @@ class Equations:
     symbols : mapping of str to Expr
         The symbols and functions of time by name, for ``subs``.
     letters : mapping of str to str
-        LaTeX of those names that have their own.
+        LaTeX of the names that have a symbol of their own.
     """
 
     mode: str
@@ -174,5 +174,5 @@ def in_time_functions(expression: Any, functions: Mapping[Any, Any]) -> Any:
 
 
 def equation(left: Any, right: Any) -> Any:
-    """An equation that stays one: sympy does not try to prove it."""
+    """An equation that sympy does not try to evaluate to true or false."""
     return sympy.Eq(left, right, evaluate=False)

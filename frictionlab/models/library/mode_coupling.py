@@ -1,4 +1,4 @@
-"""Hoffmann's model: two modes that friction couples until they merge, with a constant coefficient."""
+"""Hoffmann's model: mode coupling at a constant coefficient of friction: two frequencies coalesce."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A slider on a rigid belt with any contact law: mode coupling that the preload sets in, and separation."""
+"""A slider on a rigid belt with any contact law: mode coupling caused by the preload, and separation."""
 
 from __future__ import annotations
 

@@ -39,8 +39,8 @@ class Shape:
     ----------
     kind : "wall", "spring", "block", "disc", "belt" or "arrow"
     rows : (K, numbers) array
-        Both ends of a wall and a spring; a centre, width and height; ends, height and way of a belt; foot and
-        vector of an arrow.
+        The numbers of a shape in each frame: both ends of a wall or spring; centre, width and height of a
+        block or disc; ends, height and travel of a belt; foot and vector of an arrow.
     colour : str
     """
 
@@ -86,7 +86,7 @@ class Parts:
 
     @property
     def note(self) -> str:
-        """What the picture does to the run."""
+        """A note on the magnification."""
         return f"displacements × {self.magnify:g}"
 
     def outlines(self, frame: int) -> list[Array]:
@@ -184,7 +184,8 @@ def _artists(shape: Shape) -> list[Any]:
 
 
 def parts(run: Any, mechanism: Mechanism, t: Array, magnify: float | None = None) -> Parts:
-    """The mechanism of a run at times `t` (K,); ``magnify=None`` makes the largest displacement well seen."""
+    """The mechanism of a run at times `t` (K,); ``magnify=None`` makes the largest displacement well
+    visible."""
     values = {str(name): np.full(len(t), float(value)) for name, value in run.automaton.parameters.items()}
     values |= dict(zip(run.names, run(t).T, strict=True))
     seen = Seen(run, t, values, modes_at(run, t))
@@ -206,7 +207,7 @@ def parts(run: Any, mechanism: Mechanism, t: Array, magnify: float | None = None
 
 @dataclass(frozen=True, eq=False)
 class Seen:
-    """A run at times `t`: states and parameters by name, and modes."""
+    """Samples of a run at times `t`: states and parameters by name, and modes."""
 
     run: Any
     t: Array
@@ -260,6 +261,6 @@ def _spring(part: Spring, seen: Seen, s: float) -> Array:
 
 
 def _names(mechanism: Mechanism) -> set[str]:
-    """What moves the places of a mechanism."""
+    """Names of the coordinates and parameters that move the places of a mechanism."""
     places = [p for part in mechanism.parts for p in vars(part).values() if isinstance(p, Place)]
     return {name for place in places for name in (place.right, place.up) if name}

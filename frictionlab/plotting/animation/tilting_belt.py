@@ -34,7 +34,7 @@ class Frames:
     t : time
     x1, y1, x2, y2, phi : coordinates; phi is zero where the belt does not rotate
     rate : x1'
-    penetration : compression of the contact, negative in flight
+    penetration : positive in contact, negative in flight
     normal_force, friction_force : on the slider
     mode : names of the modes
     """
@@ -141,7 +141,7 @@ class Mechanism:
 def lay_out_mechanism(
     frames: Frames, *, v: float, l1: float, l2: float, magnify: float | None = None
 ) -> Mechanism:
-    """Where everything is drawn; ``magnify=None`` makes the largest displacement well seen.
+    """Where everything is drawn; ``magnify=None`` makes the largest displacement well visible.
 
     Parameters
     ----------
@@ -165,7 +165,7 @@ def lay_out_mechanism(
 def _part_positions(frames: Frames, s: float, spring: float, travel: Array) -> Array:
     x1, y1, x2, y2 = s * frames.x1, s * frames.y1, s * frames.x2, s * frames.y2
     surface = y2 - (x1 - x2) * frames.phi
-    # Bilateral contact pulls where the gap is negative: only in flight is there no contact.
+    # Bilateral contact pulls where the penetration is negative: only in flight is there no contact.
     foot = np.where(frames.mode == "separation", y1, surface)
     return np.column_stack([x1, y1 + spring, x1, foot, x2, y2, -frames.phi, travel])
 

@@ -74,6 +74,6 @@ def plot_phase_plane(
 
 
 def _masked_states(states: np.ndarray, chosen: np.ndarray) -> np.ndarray:
-    """The two columns, NaN outside the chosen samples and the one after each, so that no gap is seen."""
+    """The two columns, NaN outside the chosen samples and the one after each, so that lines meet."""
     kept = chosen | np.append(False, chosen[:-1])
     return np.where(kept[:, None], states, np.nan).T

@@ -1,5 +1,5 @@
-"""The curves in a plane of two parameters on which a growth rate is zero, from the grid points between which
-they pass.
+"""The curves in a plane of two parameters on which a growth rate is zero, found between neighbouring grid
+points.
 """
 
 from __future__ import annotations
@@ -92,7 +92,7 @@ def _levels(spectra: Any, counts: Any, a: tuple[int, int], b: tuple[int, int]) -
 
 
 def _describe_curve(plane: ParameterPlane, curve: Array, rank: int) -> list[Boundary]:
-    """The curve in pieces of one kind each: flutter, divergence, or the end of an equilibrium."""
+    """The curve, split into sections of one kind each: flutter, divergence, or the end of an equilibrium."""
     if len(curve) < 2:
         return []
     spectra = plane.spectra(curve)

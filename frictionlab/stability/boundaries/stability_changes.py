@@ -24,7 +24,7 @@ Indices = NDArray[np.intp]
 FOLD_RATE_AT_ROOT, FOLD_RATE_INSIDE = (
     1e-6,
     1e-4,
-)  # shares of the largest eigenvalue: most growth at a root, and just inside
+)  # shares of the largest eigenvalue: largest growth rate at a root, and just inside
 OUTSIDE_SHARES, INSIDE_SHARE = np.array([0.0, 1e-3, 1.0]), 1e-9  # shares of a bracket
 DECAY_RTOL, MAX_ROOT_STEPS = 1e-13, 200
 MIN_INSIDE_RTOL = 1e-12  # share of a root
@@ -72,7 +72,7 @@ def stability_changes(
     bounds : (float, float)
     equilibrium : Equilibrium, optional
         One of ``equilibria(model)``; by default that of :func:`equilibrium`: of a SliderOnBelt the one with
-        F_N > 0 and the smallest gap, at each value anew; of others the one nearest to the origin.
+        F_N > 0 and the smallest penetration, at each value anew; of others the one nearest to the origin.
 
     Returns
     -------
@@ -214,7 +214,7 @@ def _roots(evaluate: Evaluate, found: Brackets, bounds: tuple[float, float]) -> 
 
 
 def _bracket_sides(evaluate: Evaluate, found: Brackets) -> tuple[Array, Array]:
-    """The ends of the brackets at which the mode does not grow, and those at which it does."""
+    """The ends of the brackets where the mode does not grow, and those where it does."""
     before, after = (
         eigenvalue_at_rank(evaluate(found.line, end), found.rank).real for end in (found.low, found.high)
     )
@@ -248,7 +248,7 @@ def _describe_changes(
         return []
     _, growing = _bracket_sides(evaluate, found)
     step = growing - roots
-    # A bracket may be as narrow as rounding is coarse.
+    # A bracket may be as narrow as rounding.
     least = np.minimum(MIN_INSIDE_RTOL * np.abs(roots), np.abs(step))
     inside = evaluate(found.line, roots + np.copysign(np.maximum(INSIDE_SHARE * np.abs(step), least), step))
     before, at, after = (evaluate(found.line, p) for p in (found.low, roots, found.high))
@@ -269,7 +269,7 @@ def _describe_changes(
 
 
 def _is_fold(critical: Any, size: Array, max_growth: float) -> Any:
-    """Whether a growth rate is not small at a root or next to it, so that there is none."""
+    """Whether a growth rate is not small at a root or next to it: it jumps there, as the equilibrium ends."""
     return ~(np.abs(critical.real) <= max_growth * size)
 
 

@@ -16,7 +16,7 @@ from .boundary_curves import Boundary, boundary_curves
 
 Array = NDArray[np.float64]
 NO_EQUILIBRIUM = -1
-GRID_CHUNK = 4096  # grid points between two looks of the progress bar
+GRID_CHUNK = 4096  # grid points between two updates of the progress bar
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,7 +54,7 @@ def stability_map(
     """Number of growing pairs and largest growth rate over a grid, and the curves between.
 
     The curves start where neighbours on the grid differ, and are followed from there; one that closes
-    between the points of the grid is not seen.
+    between the points of the grid is missed.
 
     Parameters
     ----------

@@ -24,7 +24,7 @@ class Eigenvalues:
     ----------
     values : complex array (2n,)
         1/s, by ascending magnitude of the imaginary part; conjugate pairs are adjacent.  A growth rate that
-        the rounding of the state matrix could make up is 0.
+        rounding of the state matrix could explain is 0.
     vectors : complex array (2n, 2n)
         Their vectors as columns: coordinates, then velocities.
     equilibrium : Equilibrium
@@ -52,7 +52,7 @@ class Eigenvalues:
 
     @property
     def marginal(self) -> bool:
-        """Whether none grows, and not all decay, as without damping."""
+        """Whether no mode grows, and not all decay, as without damping."""
         return bool(self.growth_rates.max() == 0.0)
 
     @property
@@ -84,9 +84,8 @@ def eigenvalues(model: Any) -> Eigenvalues:
     Returns
     -------
     Eigenvalues
-        With `values`, `frequencies` (Hz), `growth_rates` (1/s), `stable`, `marginal`, `vectors`,
-        `mode_shapes`,
-        `participation_factors` and the `equilibrium`.
+        With `values`, `frequencies` (Hz), `growth_rates` (1/s), `stable`, `marginal`, `vectors`, `shapes`,
+        `participation` and the `equilibrium`.
 
     Raises
     ------

@@ -64,7 +64,7 @@ def root_locus(model: Any, parameter: str, values: Any) -> RootLocus:
     """Eigenvalues of all modes at the sliding equilibrium, for each value of a parameter.
 
     The modes are followed by their vectors, not sorted, so that a column is one mode through crossings and
-    veerings.  Where two coalesce exactly, which of the two that leave is which has no meaning.
+    veerings.  Where two coalesce exactly, the order of the two beyond is arbitrary.
 
     Parameters
     ----------

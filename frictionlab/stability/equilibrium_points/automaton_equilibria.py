@@ -24,9 +24,10 @@ CONSTRAINT_RTOL = 1e-9
 
 
 def nearest_equilibrium_problem(model: Any, closest_to: Array | None = None) -> EquilibriumProblem:
-    """The steady state of the first mode that has one inside its guards, the nearest to the origin.
+    """The equilibrium, nearest to the origin, of the first mode that has one inside its guards.
 
-    Or the nearest to the coordinates `closest_to` (n,), or states where there are no coordinates.
+    Or the one nearest to the coordinates `closest_to` (n,), or to these states where there are no
+    coordinates.
 
     Raises
     ------
@@ -47,7 +48,7 @@ def nearest_equilibrium_problem(model: Any, closest_to: Array | None = None) -> 
 def problem_from_equilibrium(
     model: Any, mode: Mode, flow: Flow, x: Array, values: tuple[float, ...]
 ) -> EquilibriumProblem:
-    """The steady state of a mode followed from `x` (m,), where it is at some values of the parameters."""
+    """The equilibrium of a mode followed from `x` (m,), its state at some values of the parameters."""
     automaton, guards = automaton_of(model), tuple(event.function for event in mode.events)
     return EquilibriumProblem(
         model,
@@ -70,9 +71,10 @@ def no_equilibrium_error(model: Any) -> ValueError:
 
 
 def equilibrium_modes(automaton: HybridAutomaton, sliding: bool) -> Iterator[Mode]:
-    """The modes in which rest is looked for, derived one by one.
+    """The modes in which equilibria are searched for, derived one by one.
 
-    Of a model those that hold nothing fast (`sliding`): in stick any place within the cone is one of rest.
+    For a model those without constraints (`sliding`): in stick every position within the friction cone is an
+    equilibrium.
     """
     for i, mode in enumerate(automaton.known_modes):
         if not (sliding and (mode.holds or mode.limit)):
@@ -82,7 +84,7 @@ def equilibrium_modes(automaton: HybridAutomaton, sliding: bool) -> Iterator[Mod
 def first_mode_equilibria(model: Any, **changes: float) -> tuple[Mode, Flow, Array]:
     """The first mode with equilibria inside its guards, its flow, and them (m, K); else K is 0.
 
-    With some parameters changed, which need not keep to the model's own rules.
+    Some parameters may be changed, also beyond the rules of the model.
     """
     automaton = automaton_of(model).replace(**changes)
     sliding, values = not isinstance(model, HybridAutomaton), tuple(automaton.parameters.items())
@@ -107,7 +109,7 @@ def _mode_equilibria(
 
 
 def _allows_rest(automaton: HybridAutomaton, mode: Mode) -> bool:
-    """Whether a mode's constraints can hold while no coordinate changes: in stick on a running belt not."""
+    """Whether a mode's constraints can hold at zero velocities: not in stick on a running belt."""
     n = automaton.coordinates
     at_rest = dict.fromkeys(automaton.states[n : 2 * n], 0)
     held = [sympy.sympify(c).subs(at_rest) for c in mode.constraints]
@@ -121,7 +123,7 @@ def parameter_values(automaton: HybridAutomaton) -> tuple[float, ...]:
 
 
 def newton_residual(flow: Flow, x: Array, values: Sequence[float]) -> float:
-    """What Newton's method would still change, relative to the state."""
+    """The step that Newton's method would still take, relative to the state."""
     step = np.abs(newton_step(flow, x[:, None], values)).max()
     return float(step / max(np.abs(x).max(), np.finfo(float).tiny)) if step else 0.0
 
@@ -150,7 +152,7 @@ def _is_admissible(mode: Mode, flow: Flow, x: Array, values: Sequence[Any]) -> A
 
 @lru_cache(maxsize=256)
 def _constraints(mode: Mode, flow: Flow) -> tuple[Callable[..., Any], Callable[..., Any]]:
-    """The constraints of a mode, and the sizes of the terms that have to cancel in each."""
+    """The constraints of a mode, and the sizes of the terms that cancel in each."""
     at_rest = dict.fromkeys(flow.states, 0)
     held = [sympy.sympify(c) for c in mode.constraints]
     terms = [[c.subs(at_rest), *(sympy.diff(c, s) * s for s in flow.states)] for c in held]
@@ -164,7 +166,7 @@ def _flow_in_automaton(automaton: HybridAutomaton, mode: Mode) -> Flow:
 
 @lru_cache(maxsize=256)
 def flow_of_mode(mode: Mode, states: tuple[Any, ...], parameters: tuple[Any, ...], coordinates: int) -> Flow:
-    """The flow of a mode, with all that has to stay positive: event functions and normal force."""
+    """The flow of a mode, with its margins, which have to stay positive: event functions and normal force."""
     margins = [event.function for event in mode.events]
     margins += [mode.outputs["normal_force"]] if "normal_force" in mode.outputs else []
     return Flow(states, parameters, mode.flow, tuple(margins), coordinates)

@@ -1,8 +1,8 @@
 """Steady sliding for many parameter values at once: the equilibrium with F_N > 0 and the smallest
 penetration.
 
-With polynomial laws the penetration is a root of a polynomial, found by eigenvalues and made exact by
-Newton's method on the composed equation; other laws are searched for changes of sign on a geometric grid.
+With polynomial laws the penetration is a root of a polynomial, found by eigenvalues and polished by Newton's
+method on the original equation; with other laws changes of sign are searched for on a geometric grid.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ SEARCH_POINTS, FINEST_SHARE, SEARCH_FACTOR, BISECTIONS = 401, 1e-9, 3.0, 60
 
 
 def least_penetration(statics: Statics, values: Sequence[Any], count: int) -> Array:
-    """Gaps (count,) in m; NaN where there is no equilibrium with F_N > 0."""
+    """Penetrations (count,) in m; NaN where there is no equilibrium with F_N > 0."""
     excess = excess_polynomial(statics, values)
     with np.errstate(all="ignore"):
         if excess is None:
@@ -60,7 +60,8 @@ def least_penetration(statics: Statics, values: Sequence[Any], count: int) -> Ar
 
 
 def excess_polynomial(statics: Statics, values: Sequence[Any]) -> Array | None:
-    """Coefficients of gap(q(g)) - g, of degree 9 at most for Eq. (2); None where a law is no polynomial."""
+    """Coefficients of the excess penetration(q(d)) - d as a polynomial in the penetration d, of degree 9 at
+    most for Eq. (2); None where a law is no polynomial."""
     try:
         excess = statics.excess(UNKNOWN, *values)
     except (TypeError, ValueError, AttributeError):  # sqrt, a broken power, exp or a comparison in a law
@@ -69,7 +70,7 @@ def excess_polynomial(statics: Statics, values: Sequence[Any]) -> Array | None:
 
 
 def _polynomial_candidates(statics: Statics, values: Sequence[Any], excess: Array) -> Array:
-    """Nearly real roots (some, N), made exact by Newton's method on the composed equation."""
+    """Nearly real roots (some, N), polished by Newton's method on the original equation."""
     roots = _companion_roots(excess)
     real = np.abs(roots.imag) <= REAL_ROOT_RTOL * np.abs(roots.real)
     pressed = (roots.real > 0) & (statics.forces(roots.real, *values)[0] > 0)
@@ -79,7 +80,8 @@ def _polynomial_candidates(statics: Statics, values: Sequence[Any], excess: Arra
 
 
 def polish_roots(statics: Statics, values: Sequence[Any], penetrations: Array) -> Array:
-    """Newton's method on the composed equation, which does not suffer from the polynomial's cancellation."""
+    """Newton's method on the original equation, which does not suffer from cancellation as the polynomial
+    does."""
     left = np.abs(statics.excess(penetrations, *values))
     for _ in range(NEWTON_STEPS):
         trial = penetrations - statics.excess(penetrations, *values) / statics.slope(penetrations, *values)
@@ -91,12 +93,12 @@ def polish_roots(statics: Statics, values: Sequence[Any], penetrations: Array) -
 def _companion_roots(coefficients: Array) -> NDArray[np.complex128]:
     """All roots (degree, N).  Their reciprocals are eigenvalues, so a leading coefficient may vanish."""
     degree = len(coefficients) - 1
-    # Without a preload the gap is a factor: divided out, the other roots are left.
+    # Without a preload the penetration is a factor: divided out, the other roots are left.
     coefficients = np.where(coefficients[0] == 0, np.roll(coefficients, -1, axis=0), coefficients)
     companion = np.zeros((coefficients.shape[1], degree, degree))
     companion[:, range(1, degree), range(degree - 1)] = 1.0
     with np.errstate(all="ignore"):
-        # In units of the unloaded gap, which is the constant term.
+        # In units of the penetration without contact force, which is the constant term.
         scale = np.abs(coefficients[0]) ** np.arange(1, degree + 1)[:, None]
         companion[:, 0] = -(coefficients[1:] * scale / coefficients[0]).T
         broken = ~np.isfinite(companion[:, 0]).all(axis=1)
@@ -123,13 +125,13 @@ def _search_sign_change(statics: Statics, values: Sequence[Any], count: int) -> 
 
 
 def search_range(statics: Statics, values: Sequence[Any]) -> Any:
-    """How far gaps are searched (m): some times that of the unloaded contact; 1 m without a preload."""
+    """Largest penetration searched (m): a multiple of that without contact force; 1 m without a preload."""
     length = SEARCH_FACTOR * np.abs(statics.excess(0.0, *values))
     return np.where(length == 0, 1.0, length)
 
 
 def sliding_problem(model: Any, start: Array | None = None) -> EquilibriumProblem:
-    """Steady sliding of a model at the equilibrium with F_N > 0 and the smallest gap.
+    """Steady sliding of a model at the equilibrium with F_N > 0 and the smallest penetration.
 
     Or at that whose coordinates are `start` (n,), followed from there.
     """
@@ -149,7 +151,7 @@ def sliding_problem(model: Any, start: Array | None = None) -> EquilibriumProble
 
 @cache
 def sliding_flow(key: Structure) -> Flow:
-    """Sliding whose friction force has the sign of the belt's speed, whatever else the model can do."""
+    """The flow of sliding with friction of the sign of the belt's speed, whatever modes the model has."""
     found = system_of(key)
     mode = mode_of(found, (regime(found.rubbing, "slip", found),))
     return Flow(found.states, parameter_symbols(key), mode.flow, (found.rubbing.pressing,), len(found.q))
@@ -157,7 +159,7 @@ def sliding_flow(key: Structure) -> Flow:
 
 @cache
 def sliding_guards(key: Structure, forwards: bool) -> tuple[Any, ...]:
-    """The functions that stay positive while the model slides as in the flow: v_r, the gap."""
+    """The guards of that flow, positive while the model slides: v_r, the penetration."""
     found = system_of(key)
     contact = found.rubbing
     name = "slip" if "slip" in contact.modes else "slip+" if forwards else "slip-"

@@ -1,4 +1,5 @@
-"""`fl.equilibria` and `fl.equilibrium`: equilibria of a model or an automaton, all or the usual one."""
+"""`fl.equilibria` and `fl.equilibrium`: equilibria of a model or an automaton, all of them or the one pressed
+by the preload."""
 
 from __future__ import annotations
 
@@ -32,9 +33,9 @@ class Equilibrium:
     q : array (n,)
         The coordinates, m and rad.
     penetration : float
-        Compression of the contact, m.
+        Penetration of the contact, m.
     normal_force, friction_force : float
-        F_N and F_T, N.  Of an automaton, NaN where its mode has no such output, as for the gap.
+        F_N and F_T, N.  Of an automaton, NaN where its mode has no such output, as for the penetration.
     residual : float
         Largest force or moment left over in the static equations, relative to the largest in them.
     """
@@ -47,22 +48,22 @@ class Equilibrium:
 
 
 def equilibria(model: Any) -> tuple[Equilibrium, ...]:
-    """All real solutions of the static equations of sliding, Eq. (18), in ascending order of the gap.
+    """All real solutions of the static equations of sliding, Eq. (18), in ascending order of the penetration.
 
-    The contact law is taken as it is for a negative gap too, as the paper's equations do: a solution with
-    F_N < 0 is an equilibrium of a bilateral contact only.  Friction has the sign of the belt's speed.
+    The contact law is taken as it is for a negative penetration too, as the paper's equations do: a solution
+    with F_N < 0 is an equilibrium of a bilateral contact only.  Friction has the sign of the belt's speed.
 
-    Where what is left for the gap is a polynomial, none is missed: so it is with all laws of the package but
-    HertzContact, PressureDependent and MovingLoad("normal").  For those, and for others of your own, the
-    gaps up to three times that of the unloaded contact are searched for changes of sign.
+    Where the equation for the penetration is a polynomial none is missed, as with all laws of the package but
+    HertzContact, PressureDependent and MovingLoad("normal").  For those, and for others of your own, changes
+    of sign are searched for up to three times the penetration without contact force.
 
     Parameters
     ----------
     model : Model or HybridAutomaton
         Where the model has no `statics` (SliderOnBelt has), the equilibria inside the guards of a mode, of
-        the first mode that has any, by their distance from the origin; they are searched with Newton's method
-        from starts in all decades, and those that rounding can tell apart are told apart.  Modes of a model
-        that hold something fast, such as stick, are left out.
+        the first mode that has any, by their distance from the origin; they are searched for by Newton's
+        method from starts of all decades of size; those that differ beyond rounding are distinct. Modes of a
+        model with constraints, such as stick, are left out.
 
     Returns
     -------
@@ -83,9 +84,9 @@ def equilibria(model: Any) -> tuple[Equilibrium, ...]:
 
 
 def equilibrium(model: Any) -> Equilibrium:
-    """The equilibrium of steady sliding with F_N > 0; of several the one with the smallest gap.
+    """The equilibrium of steady sliding with F_N > 0; of several the one with the smallest penetration.
 
-    That is the one whose gap grows from zero with the preload.
+    That is the one whose penetration grows from zero with the preload.
 
     Parameters
     ----------
@@ -112,7 +113,7 @@ def equilibrium(model: Any) -> Equilibrium:
         if not found:
             raise no_equilibrium_error(model)
         return found[0]
-    # A law with even powers may press where there is no contact.
+    # A law with even powers may give F_N > 0 where there is no contact.
     pressed = [e for e in found if e.normal_force > 0 and e.penetration > 0]
     if pressed:
         return min(pressed, key=lambda e: e.penetration)
@@ -146,7 +147,7 @@ def _penetrations(statics: Statics, values: Sequence[float]) -> list[float]:
 
 
 def _search_penetrations(statics: Statics, values: Sequence[float]) -> list[float]:
-    """Gaps at which the equation changes its sign, on a grid that is finer towards zero."""
+    """Penetrations at which the equation changes its sign, on a grid that is finer towards zero."""
     finest = FINEST_SHARE * float(search_range(statics, values))
 
     def excess(s: Any) -> Any:

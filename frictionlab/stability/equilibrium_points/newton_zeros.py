@@ -1,6 +1,4 @@
-"""Zeros of a flow made exact: Newton's steps down to rounding, and the uncertainty that rounding leaves of
-each.
-"""
+"""Zeros of a flow polished by Newton's method down to rounding, and the uncertainty that rounding leaves."""
 
 from __future__ import annotations
 
@@ -18,22 +16,22 @@ MAX_UNCERTAINTY, LAST_STEP_RTOL, SCALE_ROUNDING = (
     1e-6,
     1e-9,
     1e-14,
-)  # of a state: what may be unknown, and a last step; of its size
+)  # shares of a state's size: largest uncertainty, and largest last step
 MAX_POLISH_STEPS, POLISH_CONTRACTION = (
     64,
     0.9,
-)  # most steps, and how much one shrinks while it is not rounding alone
+)  # most steps, and the factor by which a step shrinks unless it is rounding alone
 NOISE_SAMPLES, NOISE_DISTANCE = (
     16,
     1e-8,
-)  # floats to see the flow's rounding at, and shares of their distances
+)  # neighbouring points at which the flow's rounding is sampled, and shares of their distances
 NONLINEARITY_RTOL = (
     1e-3  # relative change of the Jacobian from which on a flow's change is more than linear and rounding
 )
 ORIGIN_DISTANCE = (
     1e4  # times rounding: how far they are from a zero at the origin, as a share of the usual size
 )
-SAME_ZERO_FACTOR = 16.0  # times what is unknown of both: zeros so close are one
+SAME_ZERO_FACTOR = 16.0  # multiple of both uncertainties: zeros closer than that are one
 
 
 def newton_step(flow: Flow, x: Array, values: Sequence[Any]) -> Array:
@@ -58,17 +56,17 @@ def solve_matrices(matrices: Array, right: Array) -> Any:
 
 
 def polish_zeros(flow: Flow, x: Array, values: Sequence[Any], scale: Array) -> tuple[Array, Array]:
-    """Those of the points (m, N) that Newton's method makes zeros, and what is unknown of each.
+    """Those of the points (m, N) that Newton's method turns into zeros, and the uncertainty of each.
 
-    That is what the flow's rounding makes of a zero, and the step that is left: at a double zero, where
-    steps are halved each time, the distance to it.  Of a zero so far out that rounding decides where it is,
-    too much is unknown: it is none.  `scale` (m, 1) is what states of no size are measured by.
+    The uncertainty is the effect of the flow's rounding on a zero, plus the last step: at a double zero,
+    where steps are halved each time, that is the distance to it.  A zero so far out that rounding determines
+    its place is too uncertain and left out.  `scale` (m, 1) is the scale of states that are zero.
     """
     x, step = _polish(flow, x[:, _is_near_zero(flow, x, values, scale)], values)
     noise, moved, terms = _rounding_noise(flow, x, values, scale)
     least = SCALE_ROUNDING * np.fmax(scale, terms)
     forces = _times(np.abs(flow.jacobian(x, values)), np.abs(x) + least)
-    # A step of none is no sign of a zero at a singular matrix: the rates themselves have to vanish.
+    # At a singular matrix a step of zero does not mean a zero: the rates themselves have to vanish.
     solved = np.abs(flow.rhs(x, values)) <= np.fmax(LAST_STEP_RTOL * forces, SAME_ZERO_FACTOR * noise)
     settled = step <= np.fmax(LAST_STEP_RTOL * np.abs(x) + least, SAME_ZERO_FACTOR * moved)
     unknown = step + moved
@@ -77,13 +75,13 @@ def polish_zeros(flow: Flow, x: Array, values: Sequence[Any], scale: Array) -> t
 
 
 def _is_near_zero(flow: Flow, x: Array, values: Sequence[Any], scale: Array) -> Any:
-    """Where Newton's method has little left to do."""
+    """Where Newton's method has nearly converged."""
     least = SCALE_ROUNDING * np.fmax(scale, np.abs(x).max(axis=0))
     return (np.abs(newton_step(flow, x, values)) <= MAX_UNCERTAINTY * np.abs(x) + least).all(axis=0)
 
 
 def _polish(flow: Flow, x: Array, values: Sequence[Any]) -> tuple[Array, Array]:
-    """The points after as many of Newton's steps as still shrink, and the size of the next step."""
+    """The points after Newton's steps, as long as these shrink, and the size of the next step."""
     step, active = newton_step(flow, x, values), np.ones(x.shape[1], dtype=bool)
     for _ in range(MAX_POLISH_STEPS):
         x = np.where(active, x + step, x)
@@ -96,9 +94,9 @@ def _polish(flow: Flow, x: Array, values: Sequence[Any]) -> tuple[Array, Array]:
 
 
 def _rounding_noise(flow: Flow, x: Array, values: Sequence[Any], scale: Array) -> tuple[Array, Array, Array]:
-    """What rounding changes of the flow, as seen at floats near by, and so of its zeros (m, N).
+    """The uncertainty of zeros (m, N) by the flow's rounding, which is sampled at neighbouring points.
 
-    And how large the terms are whose sum a state of a zero is: so much more than itself where they cancel.
+    Also the size of the terms whose sum gives each state of a zero: larger than the state where they cancel.
     """
     matrices, random = flow.jacobian(x, values), np.random.default_rng(0)
     noise = np.zeros_like(x)
@@ -125,9 +123,10 @@ def _times(matrices: Array, x: Array) -> Array:
 
 
 def distinct_zeros(x: Array, unknown: Array) -> Array:
-    """Zeros (m, K), each once, by their distance from the origin; those within what is unknown are one.
+    """Zeros (m, K), each once, by their distance from the origin; those within their uncertainty are one.
 
-    Of two as far away, as symmetric ones are but for rounding, the one with the larger first state is first.
+    Of two at the same distance but for rounding, as symmetric ones, that with the larger first state comes
+    first.
     """
     kept: list[int] = []
     for i in np.argsort(np.linalg.norm(x, axis=0), kind="stable"):

@@ -1,4 +1,4 @@
-"""The `EquilibriumProblem` of a model or an automaton, at the usual equilibrium, a given one, or all in a
+"""The `EquilibriumProblem` of a model or an automaton, at the default equilibrium, a given one, or all in a
 range of a parameter.
 """
 
@@ -27,7 +27,7 @@ EQUILIBRIUM_RTOL = 1e-12  # share of a coordinate: an equilibrium computed again
 
 Array = NDArray[np.float64]
 BRANCH_SEARCH_POINTS = (
-    9  # values at which all equilibria are looked for: one branch may live between two of them
+    9  # values at which all equilibria are searched for: a branch may exist only between two of them
 )
 SAME_BRANCH_RTOL, SAME_BRANCH_ROUNDING = (
     1e-6,
@@ -36,14 +36,14 @@ SAME_BRANCH_RTOL, SAME_BRANCH_ROUNDING = (
 
 
 def equilibrium_problem(model: Any, equilibrium: Equilibrium | None = None) -> EquilibriumProblem:
-    """The steady motion of a model, or of an automaton: the usual one, or that of one of its equilibria.
+    """The problem of a model or an automaton, at its default equilibrium or at a given one.
 
     Raises
     ------
     TypeError
         If it is neither.
     ValueError
-        If the equilibrium is none of the model.
+        If the equilibrium is not one of the model.
     """
     near = None if equilibrium is None else _check_equilibrium(model, equilibrium)
     if by_gap(model):
@@ -52,7 +52,7 @@ def equilibrium_problem(model: Any, equilibrium: Equilibrium | None = None) -> E
 
 
 def _check_equilibrium(model: Any, equilibrium: Any) -> NDArray[np.float64]:
-    """The coordinates of one of the model's equilibria, pressed if it is a contact's."""
+    """The coordinates of one of the model's equilibria, checked to have F_N > 0 where there is a contact."""
     known = equilibria(model)
     if not isinstance(equilibrium, Equilibrium) or not any(_same_equilibrium(e, equilibrium) for e in known):
         raise ValueError(
@@ -73,7 +73,7 @@ def _same_equilibrium(one: Equilibrium, other: Equilibrium) -> bool:
 def equilibrium_branches(model: Any, parameter: str, bounds: tuple[float, float]) -> list[EquilibriumProblem]:
     """The equilibria inside the guards of a mode at some values in the range, each followed from there.
 
-    Where they follow from the gap (`by_gap`) the one with the smallest gap.
+    Where they follow from the penetration (`by_penetration`) the one with the smallest penetration.
 
     Raises
     ------
@@ -83,7 +83,8 @@ def equilibrium_branches(model: Any, parameter: str, bounds: tuple[float, float]
     if by_gap(model):
         return [equilibrium_problem(model)]
     at, found = np.linspace(*bounds, BRANCH_SEARCH_POINTS), []
-    branch_states: list[Array] = []  # states (m, BRANCH_SEARCH_POINTS) of each branch, NaN where it is not
+    # states (m, BRANCH_SEARCH_POINTS) of each branch, NaN where it does not exist
+    branch_states: list[Array] = []
     for i, value in enumerate(at):
         mode, flow, points = first_mode_equilibria(model, **{parameter: float(value)})
         for x in points.T:

@@ -24,14 +24,14 @@ SINGULAR_EIGENVALUE = 1e-13
 
 
 class Statics(NamedTuple):
-    """Functions of the gap and then of all parameters: numbers, arrays or, for some, polynomials.
+    """Functions of the penetration and then of all parameters: numbers, arrays or, for some, polynomials.
 
     Parameters
     ----------
     coordinates : callable
-        q, from all equations but the one that `excess` leaves over; a list (n,).
+        q as a list (n,), from all equations but the scalar one of `excess`.
     excess, slope : callable
-        The scalar equation, zero at the gap of an equilibrium, and its derivative.
+        The scalar equation, zero at the penetration of an equilibrium, and its derivative.
     forces : callable
         F_N and F_T, N.
     residual : callable of (*q, *parameters)
@@ -46,7 +46,7 @@ class Statics(NamedTuple):
 
 
 def by_gap(model: Any) -> bool:
-    """Whether a model's equilibria follow from the gap of its contact."""
+    """Whether a model's equilibria follow from the penetration of its contact."""
     return isinstance(model, Model) and model.statics is not None
 
 
@@ -63,7 +63,7 @@ def derive_statics(key: Structure, held_by_contact: bool = False) -> Statics:
     if height is None:
         excess = _gap(found, q) - PENETRATION
     else:
-        # The gap is what the slider's height takes from it: slope -1.
+        # The slider's height enters the penetration with the factor -1.
         q[height] = _gap(found, q) - PENETRATION
         excess = _loads(found, q, normal, friction)[height]
     arguments = [PENETRATION, *p]
@@ -84,7 +84,7 @@ def _height(key: Structure) -> int:
 
 def _forces(found: LagrangeSystem, penetration: Any) -> tuple[Any, Any]:
     """F_N, Eq. (2), and F_T while sliding at the belt's speed, Eq. (3)."""
-    contact: Any = found.rubbing  # F_N is a function of the gap
+    contact: Any = found.rubbing  # F_N is a function of the penetration
     speed, normal = found.at_rest(contact.relative_velocity), contact.normal_force(penetration)
     return normal, sympy.sign(speed) * contact.law.kinetic(normal, abs(speed))
 
@@ -97,7 +97,7 @@ def _deflections(found: LagrangeSystem, held_by_contact: int | None, normal: Any
     q, passes = [sympy.S.Zero] * len(found.q), 2
     stiffness, lever = found.stiffness, found.normal(found.rubbing).jacobian(found.q)
     flexibility = _flexibility(stiffness, held_by_contact)
-    # With the paper's W_N the lever depends on coordinates that its moment does not move: two passes do.
+    # With the paper's W_N the lever depends on coordinates that its moment does not move: two passes suffice.
     if not (flexibility * lever * flexibility * lever).is_zero_matrix:
         flexibility, passes = _flexibility(stiffness - normal * lever, held_by_contact), 1
     for _ in range(passes):
@@ -137,7 +137,7 @@ def _lambdify(arguments: list[Any], expression: Any) -> Callable[..., Any]:
 
 
 def static_residual(statics: Statics, q: Sequence[Any], values: Sequence[Any]) -> Array:
-    """Largest force left over at `q`, relative to the largest in the equations."""
+    """Largest residual force at `q`, relative to the largest force in the equations."""
     n = len(q)
     rows = np.abs(np.stack(np.broadcast_arrays(*statics.residual(*q, *values), np.zeros(np.shape(q[0])))))
     largest = rows[n:].max(axis=0)

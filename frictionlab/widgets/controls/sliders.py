@@ -1,7 +1,7 @@
 """Sliders from what is known about a parameter: symbol, unit, meaning, range, scale.
 
-A browser computes a slider's value from its place and so rounds it; `remove_browser_rounding` gives back
-what is meant.
+A browser computes a slider's value from its position and so rounds it; `remove_browser_rounding` restores the
+intended value.
 """
 
 from __future__ import annotations
@@ -14,14 +14,15 @@ import ipywidgets
 from frictionlab.components.names import did_you_mean
 from frictionlab.components.parameter import Parameter
 
-MAX_SLIDER_STEPS = 300  # of a slider, at most so many from one end to the other
+MAX_SLIDER_STEPS = 300  # most steps of a slider from one end to the other
 STEPS_PER_DECADE = 50
 CONTROL_WIDTH = "310px"
-# Plain notation, without commas, which are not understood where one types a number.
+# Plain notation without commas, as typed numbers must not contain commas.
 READOUT_FORMAT = ".7"
 LOG_READOUT_FORMAT = ".4r"  # four digits: these values are not round
-# A browser computes a slider's value from its place, 20.000000000000004 for 20, a logarithmic one's from its
-# exponent, 0.9999999999977 for 1, and tells it unasked when it shows the slider first.
+# A browser computes a slider's value from its position, 20.000000000000004 for 20, a logarithmic one's from
+# its
+# exponent, 0.9999999999977 for 1, and sends it unasked when it first shows the slider.
 BROWSER_ROUNDING = 1e-11
 
 
@@ -65,7 +66,7 @@ def slider_range(about: Parameter, value: float) -> tuple[float, float]:
 def _default_range(about: Parameter, value: float) -> tuple[float, float]:
     twice = 2 * abs(value) or 1.0
     bounds = [b for b in (about.minimum, about.exclusive_minimum) if b is not None]
-    # An open bound is no admissible value itself.
+    # An exclusive bound is no admissible value itself.
     least = (
         -math.inf if not bounds else bounds[0] + (twice / MAX_SLIDER_STEPS if about.minimum is None else 0.0)
     )
@@ -104,7 +105,7 @@ def round_step(span: float) -> float:
 
 
 def round_to_step(value: float, bounds: tuple[float, float]) -> float:
-    """A place between two bounds as a round number, in steps of a three-hundredth or more."""
+    """A position between two bounds as a round number, in steps of at least a three-hundredth."""
     step = round_step(bounds[1] - bounds[0])
     return min(max(float(f"{step * round(value / step):.9g}"), bounds[0]), bounds[1])
 
@@ -134,7 +135,7 @@ def equal_within_rounding(a: Any, b: Any) -> bool:
 
 
 def remove_browser_rounding(value: float, start: float) -> float:
-    """What a slider's value stands for: what it started with, a number of few digits, or itself."""
+    """The value that a slider is meant to have: its initial value, a number of few digits, or itself."""
     return next(
         number for number in (start, float(f"{value:.9g}"), value) if equal_within_rounding(value, number)
     )

@@ -1,4 +1,4 @@
-"""The panels that can be asked for by name, and that of critical values.
+"""The panels that have names, and that of critical values.
 
 The modes are a coloured strip at the foot of the panels over time, and the colours of the phase plane.
 """
@@ -59,7 +59,7 @@ def mode_strip(result: Any) -> dict[str, Curve]:
 
 
 def _strip_curve(t: Any, chosen: Any, colour: str) -> Curve:
-    kept = chosen | np.append(False, chosen[:-1])  # up to the sample after, so that no gap is seen
+    kept = chosen | np.append(False, chosen[:-1])  # up to the sample after, so that lines meet
     style = {"color": colour, "linewidth": STRIP_THICKNESS, "solid_capstyle": "butt", "zorder": 1.0}
     return Curve(np.where(kept, t, np.nan), np.where(kept, STRIP_HEIGHT, np.nan), style, "strip")
 
@@ -123,7 +123,7 @@ def phase(result: Any) -> Drawing:
 
 
 def _phase_curve(x: Any, rate: Any, chosen: Any, colour: str) -> Curve:
-    kept = chosen | np.append(False, chosen[:-1])  # up to the sample after, so that no gap is seen
+    kept = chosen | np.append(False, chosen[:-1])  # up to the sample after, so that lines meet
     return Curve(np.where(kept, x, np.nan), np.where(kept, rate, np.nan), {"color": colour})
 
 
@@ -171,9 +171,9 @@ class CriticalValuePanel:
     Parameters
     ----------
     model : SliderOnBelt
-        Whose parameters say how far the axes go.
+        The model whose parameters give the limits of the axes.
     parameter, over : str
-        The critical one, upwards, and the other one, to the right.
+        The critical parameter, on the vertical axis, and the other one, on the horizontal axis.
     """
 
     __name__ = "critical"
@@ -202,17 +202,17 @@ class CriticalValuePanel:
         return Drawing(x, y, curves, xlim=self.sides, ylim=self.bounds)
 
     def pick(self, x: float, y: float) -> dict[str, float]:
-        """The two parameters of a place in the picture, as round numbers."""
+        """The two parameters at a point of the picture, as round numbers."""
         return {self.over: round_to_step(x, self.sides), self.parameter: round_to_step(y, self.bounds)}
 
     def _computed(self, others: _ModelApartFrom) -> CriticalCurve:
-        # The ends may be where nothing presses on the belt, or a mass is zero.
+        # At the ends there may be no contact force, or a mass may be zero.
         at = np.linspace(*self.sides, CURVE_POINTS + 2)[1:-1]
         return critical_curve(others.model, self.parameter, self.bounds, over=(self.over, at))
 
 
 class _ModelApartFrom:
-    """A model; two of them are equal where all but some parameters are."""
+    """A model; two of them are equal where they differ in some parameters only."""
 
     def __init__(self, model: Any, names: tuple[str, ...]) -> None:
         self.model = model

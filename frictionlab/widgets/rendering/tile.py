@@ -160,14 +160,14 @@ class Tile:
         return float(across), float(up)
 
     def freeze(self) -> None:
-        """Leave the curves as they are now behind, in grey."""
+        """Keep the present curves in grey."""
         for label, line in self.lines.items():
             if label not in self.strips:
                 self._grey(label, line).set_data(*line.get_data())
         self.background = None
 
     def unfreeze(self) -> None:
-        """Take the grey curves away."""
+        """Remove the grey curves."""
         for line in self.frozen.values():
             line.set_data([], [])
         self.background = None
@@ -253,7 +253,7 @@ class Tile:
 
 def _style_axes(ax: Axes) -> None:
     ax.tick_params(labelsize=FONT_SIZE)
-    ax.locator_params(nbins=TICK_COUNT)  # a number takes as long to draw as a curve
+    ax.locator_params(nbins=TICK_COUNT)  # few ticks: a number takes as long to draw as a curve
     ax.ticklabel_format(axis="y", scilimits=(-3, 4), useOffset=False)
     ax.yaxis.labelpad = 2.0
     ax.yaxis.get_offset_text().set_fontsize(FONT_SIZE)

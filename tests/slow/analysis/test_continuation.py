@@ -1,4 +1,4 @@
-"""Branches of closed orbits against closed forms: periods, folds, bifurcations, grazing."""
+"""Branches of periodic orbits against closed forms: periods, folds, bifurcations, grazing."""
 
 import numpy as np
 import pytest

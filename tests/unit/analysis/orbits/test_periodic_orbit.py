@@ -1,4 +1,4 @@
-"""Closed orbits and their multipliers: closed forms, Liouville's formula, differences of the return map."""
+"""Periodic orbits and their multipliers: closed forms, Liouville's formula, differences of the return map."""
 
 import numpy as np
 import pytest
