@@ -116,7 +116,7 @@ def rule_violations(run: Trajectory) -> dict[str, float]:
     F_N >= 0 and gap >= 0 in contact, gap <= 0 and no force in flight (where there is a flight).
     """
     t = np.unique(np.concatenate([np.linspace(0.0, run.t[-1], SAMPLE_COUNT), run.t, run.events.t]))
-    modes = np.array(run.automaton.names)[run.mode_at(t, run.step_at(t))]
+    modes = run.modes_at(t)
     if not np.isfinite(run(t)).all():
         return {"every state is a number": np.inf}
     known = [name for name in CONTACT_OUTPUTS if all(name in mode.outputs for mode in run.automaton.modes)]
