@@ -153,11 +153,9 @@ def __getattr__(name: str) -> Any:
         return value
     if name in _PACKAGES:
         return import_module(f"frictionlab.{name}")
-    from difflib import get_close_matches
+    from frictionlab.validation import did_you_mean
 
-    close = get_close_matches(name.lower(), [n.lower() for n in __all__], n=1)
-    hint = [f": did you mean {n!r}?" for n in __all__ if [n.lower()] == close][:1]
-    raise AttributeError(f"module 'frictionlab' has no attribute {name!r}{''.join(hint)}")
+    raise AttributeError(f"module 'frictionlab' has no attribute {name!r}{did_you_mean(name, __all__)}")
 
 
 def __dir__() -> list[str]:

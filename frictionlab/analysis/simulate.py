@@ -11,7 +11,7 @@ from frictionlab.hybrid.methods.base import Method
 from frictionlab.hybrid.methods.method_registry import method_of
 from frictionlab.hybrid.solve import solve
 from frictionlab.hybrid.storage import read_run_file
-from frictionlab.hybrid.trajectory import Trajectory
+from frictionlab.hybrid.trajectory import Trajectory, trajectory_from_file
 from frictionlab.models import Model
 from frictionlab.models.coercion import require_model
 
@@ -80,9 +80,7 @@ def simulate(
     options: dict[str, Any] = {"sections": sections, "quadratures": quadratures, "progress": progress}
     automaton = model.automaton()
     start = model_initial_state(model, x0, automaton)
-    run = solve(automaton, t_end, x0=start, method=method, t_eval=t_eval, source=model, **options)
-    run.description["model"] = model.to_dict()
-    return run
+    return solve(automaton, t_end, x0=start, method=method, t_eval=t_eval, source=model, **options)
 
 
 def load(path: str | Path, model: Any = None) -> Trajectory:
@@ -106,4 +104,4 @@ def load(path: str | Path, model: Any = None) -> Trajectory:
     if model is None:
         raise ValueError(f"{path} holds a run of an automaton: give it as load(path, model=automaton)")
     automaton = model.automaton() if isinstance(model, Model) else model
-    return stored.trajectory(automaton, source=model if isinstance(model, Model) else None)
+    return trajectory_from_file(stored, automaton, model if isinstance(model, Model) else None)

@@ -7,9 +7,10 @@ import os
 import re
 import sys
 from collections.abc import Sequence
-from difflib import get_close_matches
 from pathlib import Path
 from typing import Any, NoReturn
+
+from frictionlab.validation import nearest_name
 
 # Negative numbers, "-1e-3" and "-inf" included, and lists of them: argparse mistakes some for options.
 NEGATIVE_NUMBER = re.compile(r"-(\d|\.\d|inf|nan)", re.IGNORECASE)
@@ -50,11 +51,9 @@ def unknown_option_text(words: Sequence[str], parser: argparse.ArgumentParser) -
         return f"unexpected argument {word!r}: values follow their option, as in --mu-k 1.4"
     option = word.partition("=")[0]
     known = [name for action in parser._actions for name in action.option_strings]
-    same = [name for name in known if name.lower() == option.lower()]
-    # the dashes, which all options have, do not count as similarity
-    bare = {name.lstrip("-"): name for name in known}
-    near = same or [bare[name] for name in get_close_matches(option.lstrip("-"), bare, n=1)]
-    hint = f"did you mean {near[0]!r}?" if near else f"see {parser.prog} --help"
+    bare = {name.lstrip("-"): name for name in known}  # the dashes, which all options have, do not count
+    near = nearest_name(option.lstrip("-"), bare)
+    hint = f"see {parser.prog} --help" if near is None else f"did you mean {bare[near]!r}?"
     return f"unknown option {option!r}: {hint}"
 
 

@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from frictionlab.validation import check_choice
+
 from .component import Component
-from .names import did_you_mean
 
 DIRECTIONS = ("vertical", "normal")
 
@@ -53,9 +54,7 @@ class MovingLoad(Geometry):
 
     def check(self) -> None:
         """The direction is one of two."""
-        if self.direction not in DIRECTIONS:
-            hint = did_you_mean(self.direction, DIRECTIONS)
-            raise ValueError(f"direction must be 'vertical' or 'normal', got {self.direction!r}: {hint}")
+        check_choice("direction", self.direction, DIRECTIONS, "'vertical' is that of Eq. (1)")
 
     def penetration(self, x1: Any, y1: Any, x2: Any, y2: Any, phi: Any) -> Any:
         """Penetration (m), the bracket of Eq. (2); lengths in m, `phi` in rad."""

@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from frictionlab.validation import check_choice
+
 from .component import Component
-from .names import did_you_mean
 from .parameter import parameter
 
 PENETRATION_RATES = ("material", "full")
@@ -59,11 +60,9 @@ class PlasticImpact(ImpactLaw):
 
     def check(self) -> None:
         """`penetration_rate` must be one of two."""
-        if self.penetration_rate not in PENETRATION_RATES:
-            hint = did_you_mean(self.penetration_rate, PENETRATION_RATES)
-            raise ValueError(
-                f"penetration_rate must be 'material' or 'full', got {self.penetration_rate!r}: {hint}"
-            )
+        check_choice(
+            "penetration_rate", self.penetration_rate, PENETRATION_RATES, "'material' is that of Eq. (13)"
+        )
 
     def impulse(self, material_rate: Any, penetration_rate: Any, compliance: Any) -> Any:
         """Impulse (N s), Eq. (14), with the chosen rate in its numerator."""

@@ -18,16 +18,22 @@ import numpy as np
 
 from frictionlab.hybrid.codegen.native_cache import native_code
 from frictionlab.hybrid.compilation import inlined, kernel
-from frictionlab.hybrid.kernels.jets import MACHINE_EPSILON, majorant, mode_jets, polynomial_slope, states_at
+from frictionlab.hybrid.kernels.jets import (
+    MACHINE_EPSILON,
+    majorant,
+    mode_jets,
+    polynomial_slope,
+    run_tape,
+    states_at,
+)
 from frictionlab.hybrid.kernels.run_state import jet_columns
 from frictionlab.hybrid.kernels.taylor_steps import step_series
 from frictionlab.hybrid.problem import Problem, RunData
 from frictionlab.hybrid.tape.program import Numbers
 
 CHECK_POINTS = 8  # in a step, the zeros of a Chebyshev polynomial: dense towards its ends
-RESIDUAL_ROUNDING = (
-    8 * MACHINE_EPSILON
-)  # share of the terms of a sum that may be rounding, which is no defect
+# Share of the terms of a sum that may be rounding, which is no defect.
+RESIDUAL_ROUNDING = 8 * MACHINE_EPSILON
 UNKNOWN_END = np.nan  # end of a step too short for the clock, so that its event is not told from earlier ones
 
 
@@ -180,3 +186,46 @@ def relative_defect(code, room):
         if error > 0.0:
             worst = larger_or_infinite(error / size, worst)
     return worst
+
+
+def condition_violation(problem: Problem, raw: RunData, states: np.ndarray, modes: np.ndarray) -> float:
+    """Most that samples of a run violate a condition of their modes, as a share of the condition's size.
+
+    Event functions must not be negative, constraints must be zero.  The size of a condition is the largest
+    sum of its absolute terms along the run, in whatever mode: where a flight begins the gap is all rounding,
+    and a flight may be as short as one likes.
+
+    Parameters
+    ----------
+    problem, raw : Problem, RunData
+        Of the run.
+    states : array (N, states)
+        Samples of it.
+    modes : int array (N,)
+        The mode of each.
+    """
+    worst = 0.0
+    for mode in np.unique(modes):
+        inside = states[modes == mode]
+        amounts, terms = _condition_values(problem, mode, np.vstack([inside, raw.step_states]))
+        sizes = np.where(np.isfinite(terms), terms, 0.0).max(axis=0)  # elsewhere it may be none, as sqrt(gap)
+        shares = amounts[: len(inside), sizes > 0] / sizes[sizes > 0]
+        worst = max(worst, shares.max(initial=0.0))
+    return float(worst)
+
+
+def _condition_values(problem: Problem, mode: int, states: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """By how much states (N, n) violate a mode's conditions (N, k), and the sums of their absolute terms."""
+    code, numbers = problem.program.code, problem.numbers
+    absolute, J = Numbers(*map(np.abs, numbers)), np.zeros((problem.program.slots, 1))
+    guards = code.function_slots[code.mode_guards[mode] : code.mode_guards[mode + 1]]
+    fixed = code.function_slots[code.mode_constraints[mode] : code.mode_constraints[mode + 1]]
+    amounts = np.empty((len(states), len(guards) + len(fixed)))
+    terms, sums = np.empty_like(amounts), J.copy()
+    for i, z in enumerate(states):
+        J[: len(z), 0] = z
+        run_tape(code, numbers, code.mode_ops[mode], code.mode_ops[mode + 1], 0, code.flow[mode], -1.0, J, J)
+        majorant(code, absolute, mode, 0, z, J, sums)
+        amounts[i] = np.append(-J[guards, 0], np.abs(J[fixed, 0]))
+        terms[i] = np.append(sums[guards, 0], sums[fixed, 0])
+    return amounts, terms

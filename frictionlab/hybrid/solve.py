@@ -18,7 +18,7 @@ from frictionlab.hybrid.tape.automaton_checks import check_automaton, check_sect
 from frictionlab.hybrid.tape.packing import program_of
 from frictionlab.hybrid.tape.program import Section
 from frictionlab.hybrid.trajectory import Sampling, Trajectory
-from frictionlab.validation import abbreviate, check_mapping, check_number, did_you_mean, float_array
+from frictionlab.validation import abbreviate, check_choice, check_mapping, check_number, float_array
 
 
 def solve(
@@ -56,7 +56,7 @@ def solve(
     progress : bool
         Show a progress bar on runs of more than a second.
     source : object
-        Kept as ``run.source``.
+        The model that the automaton is of, kept as ``run.source``; saved runs hold it by its ``to_dict()``.
 
     Returns
     -------
@@ -99,13 +99,18 @@ def solve(
         automaton,
         problem,
         raw.cut(len(state)),
-        Sampling(chosen.degree, chosen.parts, times),
-        sections=tuple(asked[0]),
+        Sampling(chosen.degree, chosen.parts, times, tuple(asked[0])),
         quadratures=integrals,
-        description={"method": chosen.describe(), "t_end": float(t_end)},
+        description=_description(chosen, t_end, source),
         source=source,
         wall_time=wall_time,
     )
+
+
+def _description(method: Method, t_end: float, source: Any) -> dict[str, Any]:
+    """What is said of a run beside its arrays, as data that JSON can hold."""
+    model = {"model": source.to_dict()} if hasattr(source, "to_dict") else {}
+    return {"method": method.describe(), "t_end": float(t_end), **model}
 
 
 def with_chatter_limit(automaton: HybridAutomaton, method: Method) -> HybridAutomaton:
@@ -179,9 +184,7 @@ def _quadratures(quadratures: Any) -> dict[str, Any]:
 def _mode(automaton: HybridAutomaton, mode: str | None) -> int | None:
     if mode is None:
         return None
-    if mode not in automaton.names:
-        names = ", ".join(map(repr, automaton.names))
-        raise ValueError(f"mode must be one of {names}, got {mode!r}{did_you_mean(mode, automaton.names)}")
+    check_choice("mode", mode, automaton.names)
     return automaton.names.index(mode)
 
 

@@ -10,7 +10,7 @@ from typing import Any
 from frictionlab.components.contact import ContactLaw, LinearContact
 from frictionlab.components.geometry import FixedLoad, Geometry
 from frictionlab.components.interface import Interface, SlidingOnly
-from frictionlab.components.names import did_you_mean
+from frictionlab.validation import did_you_mean
 
 
 @dataclass(frozen=True)
@@ -66,8 +66,8 @@ def without(model: Any, names: tuple[str, ...]) -> dict[str, Any]:
     for name in names:
         if not isinstance(name, str) or name not in known:
             listed = ", ".join(map(repr, known))
-            hint = did_you_mean(name, known) if isinstance(name, str) else f"write without({listed})"
-            raise ValueError(f"a model can be without {listed}, got {name!r}: {hint}")
+            hint = did_you_mean(name, known) if isinstance(name, str) else f": write without({listed})"
+            raise ValueError(f"a model can be without {listed}, got {name!r}{hint}")
     return {key: value for name in names for key, value in known[name].without(model).items()}
 
 

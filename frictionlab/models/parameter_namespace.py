@@ -8,8 +8,8 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from frictionlab.components.component import Component
-from frictionlab.components.names import did_you_mean
 from frictionlab.components.parameter import Parameter, is_decorated, parameters_of
+from frictionlab.validation import did_you_mean_or_known
 
 
 def parameter_owners(cls: type, components: Mapping[str, Component]) -> dict[str, str]:
@@ -48,8 +48,8 @@ def refuse_unknown(
     known = [*parameter_owners(cls, components), *roles]
     for name in given:
         if name not in known:
-            hint = _owner_among_laws(name, roles, components) or did_you_mean(name, known)
-            raise TypeError(f"{cls.__name__} has no parameter {name!r}: {hint}")
+            hint = _owner_among_laws(name, roles, components) or did_you_mean_or_known(name, known)
+            raise TypeError(f"{cls.__name__} has no parameter {name!r}{hint}")
 
 
 def check_component(role: str, base: type, component: object) -> Component:
@@ -98,5 +98,5 @@ def _owner_among_laws(name: str, roles: Mapping[str, type], components: Mapping[
         for kind in base.__subclasses__():
             # A class that lacks its decorator is no owner; it raises an error of its own when it is used.
             if is_decorated(kind) and name in parameters_of(kind):
-                return f"it belongs to {kind.__name__}, and {role} is {components[role]!r}"
+                return f": it belongs to {kind.__name__}, and {role} is {components[role]!r}"
     return ""

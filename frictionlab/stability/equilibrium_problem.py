@@ -12,10 +12,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionlab.components.names import did_you_mean
 from frictionlab.components.parameter import check_value
 from frictionlab.models import Model
 from frictionlab.models.parameter_namespace import parameter_metadata
+from frictionlab.validation import did_you_mean_or_known
 
 from .flow import Flow
 from .state_matrices import eigenvalues_of_matrices
@@ -83,7 +83,7 @@ def check_parameter(model: Any, known: Mapping[str, float], name: Any, values: S
     Rules between parameters (mu_s is at least mu_k) do not matter here: no steady motion depends on both.
     """
     if name not in known:
-        raise ValueError(f"no parameter is called {name!r}: {did_you_mean(name, known)}")
+        raise ValueError(f"no parameter is called {name!r}{did_you_mean_or_known(name, known)}")
     if isinstance(model, Model):
         about = parameter_metadata(type(model), model.components)[name]
         for value in values:

@@ -117,7 +117,7 @@ def rule_violations(run: Trajectory) -> dict[str, float]:
     flight).
     """
     t = np.unique(np.concatenate([np.linspace(0.0, run.t[-1], SAMPLE_COUNT), run.t, run.events.t]))
-    modes = np.array(run.automaton.names)[run.mode_at(t, run.step_at(t))]
+    modes = run.modes_at(t)
     if not np.isfinite(run(t)).all():
         return {"every state is a number": np.inf}
     known = [name for name in CONTACT_OUTPUTS if all(name in mode.outputs for mode in run.automaton.modes)]

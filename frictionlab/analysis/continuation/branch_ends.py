@@ -53,7 +53,7 @@ def _grazes(automaton: HybridAutomaton, point: BranchPoint) -> bool:
     """Whether an event function has a minimum of nearly zero within a stay."""
     run = point.shot.run
     t = np.linspace(0.0, point.period, SAMPLES_PER_PERIOD)
-    states, modes = run(t), run.mode_at(t, run.step_at(t))
+    states, modes = run.states_and_modes(t)
     arguments, numbers = [*automaton.states, *automaton.parameters], automaton.parameters.values()
     for i in np.unique(modes):
         for event in automaton.modes[i].events:

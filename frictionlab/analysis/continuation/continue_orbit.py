@@ -10,6 +10,7 @@ import numpy as np
 
 from frictionlab.analysis.motion_scales import Array
 from frictionlab.analysis.orbits.periodic_orbit import PeriodicOrbit, mode_sequence
+from frictionlab.analysis.orbits.shooting import floquet_multipliers
 from frictionlab.hybrid.progress import PROGRESS_DELAY
 from frictionlab.hybrid.solve import solve
 from frictionlab.models.coercion import automaton_of
@@ -17,7 +18,7 @@ from frictionlab.validation import check_number, did_you_mean
 
 from .driver import INTERRUPTED, MAX_POINTS, BranchHalf, follow_branch
 from .pseudo_arclength import BranchPoint, first_point, reversed_point, with_parameter_as_state
-from .special_points import SpecialPoint, floquet_multipliers
+from .special_points import SpecialPoint
 
 
 @dataclass(frozen=True, eq=False)

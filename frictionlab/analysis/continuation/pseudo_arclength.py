@@ -17,21 +17,25 @@ import sympy as sp
 
 from frictionlab.analysis.motion_scales import AT_REST_RTOL, Array, state_ranges, state_scales
 from frictionlab.analysis.orbits.orbit_guess import OrbitGuess
-from frictionlab.analysis.orbits.shooting import RESIDUAL_ROUNDING, ShootingResult, check_orbit
+from frictionlab.analysis.orbits.shooting import (
+    RESIDUAL_ROUNDING,
+    ShootingResult,
+    check_orbit,
+    run_one_period,
+)
 from frictionlab.automaton import HybridAutomaton, Mode
-from frictionlab.hybrid.problem import Status
 from frictionlab.hybrid.solve import solve
-from frictionlab.hybrid.variational.saltation import SaltationError
 from frictionlab.hybrid.variational.tangent_flow import end_rates, tangent_flow
 
 MAX_CORRECTOR_ITERATIONS = 12
 RESIDUAL_TOLERANCE = 1e-9  # largest residual of an orbit, as a share of the motion's size
-FAMILY_SINGULAR_RATIO = (
-    1e-9  # least over largest singular value below which the orbit is one of a continuous family
+# Least over largest singular value below which there are periodic orbits in every neighbourhood.
+FAMILY_SINGULAR_RATIO = 1e-9
+CORRECTOR_RCOND = (
+    1e-13  # share of the largest singular value: smaller ones of a corrector's matrix are rounding
 )
-MAX_PREDICTION_ERROR = (
-    0.01  # how far from its prediction, beyond the length of the step, an orbit may be found
-)
+# How far from its prediction, beyond the length of the step, an orbit may be found.
+MAX_PREDICTION_ERROR = 0.01
 MIN_CONTRACTION = 0.5  # a residual that shrinks less has reached rounding, or will not converge
 
 
@@ -80,9 +84,8 @@ def _modes_with_constant(modes: tuple[Mode, ...]) -> tuple[Mode, ...]:
 
 
 def first_point(automaton: HybridAutomaton, state: Array, period: float, span: float) -> BranchPoint:
-    """The branch point of a periodic orbit whose state ends with the parameter; the parameter grows along
-    s."""
-    shot = _shooting_result(automaton, state, period, np.ones(len(state)))
+    """The point of a periodic orbit whose state ends with the parameter; its parameter grows along s."""
+    shot = run_one_period(automaton, state, period, np.ones(len(state)))
     scale = _point_scale(automaton, shot, period, span)
     tangent = _tangent(shot, state, period, scale)
     return _centre_in_stay(
@@ -125,7 +128,7 @@ def continuation_step(
         state, period = np.append(start[:-2], start[-1]), float(start[-2])
         if not 0.0 < period < 2.0 * point.period:
             raise ValueError("the period leaves its range")
-        shot = _shooting_result(automaton, state, period, size)
+        shot = run_one_period(automaton, state, period, size)
         if shot.residual <= RESIDUAL_ROUNDING or (
             shot.residual < RESIDUAL_TOLERANCE and shot.residual > MIN_CONTRACTION * missed and cost
         ):
@@ -159,16 +162,6 @@ def _next_point(
     return _centre_in_stay(
         automaton, BranchPoint(shot, state, period, scale, tangent, cyclic_mode_sequence(shot.run), cost)
     )
-
-
-def _shooting_result(automaton: HybridAutomaton, state: Array, period: float, size: Array) -> ShootingResult:
-    run = solve(automaton, period, x0=state, progress=False)
-    if run.status is Status.INTERRUPTED:
-        raise KeyboardInterrupt
-    if not run.status.ok:
-        raise SaltationError(f"the motion ends after {run.raw.t:g} s: {run.status}")
-    missed = float(np.abs((run.final_state - state) / size).max())
-    return ShootingResult(run, tangent_flow(run, progress=False).matrix, missed)
 
 
 def _point_scale(automaton: HybridAutomaton, shot: ShootingResult, period: float, span: float) -> Array:
@@ -205,7 +198,7 @@ def _corrector_step(shot: ShootingResult, period: float, scale: Array, across: A
     missed = (shot.run.final_state - shot.run.raw.step_states[0])[:-1] / scale[:-2]
     matrix = np.vstack([_corrector_rows(shot, period, scale), across])
     left: Any = np.concatenate([missed, [0.0], [across @ off]])
-    return np.linalg.lstsq(matrix, -left, rcond=1e-13)[0]
+    return np.linalg.lstsq(matrix, -left, rcond=CORRECTOR_RCOND)[0]
 
 
 def _centre_in_stay(automaton: HybridAutomaton, point: BranchPoint) -> BranchPoint:

@@ -11,6 +11,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from frictionlab.analysis.motion_scales import Array
+from frictionlab.analysis.orbits.shooting import floquet_multipliers
 from frictionlab.automaton import HybridAutomaton
 
 from .pseudo_arclength import BranchPoint, continuation_step
@@ -19,12 +20,6 @@ LOCATION_XTOL = 1e-12  # share of the step to which a special point is located
 UNIT_CIRCLE_ATOL = (
     1e-3  # how far from the unit circle the pair of a Neimark-Sacker point may be, with rounding
 )
-
-
-def floquet_multipliers(monodromy: Array) -> Array:
-    """Floquet multipliers, the largest first."""
-    values = np.linalg.eigvals(monodromy).astype(complex)
-    return values[np.argsort(-np.abs(values), kind="stable")]
 
 
 def transverse_multipliers(point: BranchPoint) -> Array:

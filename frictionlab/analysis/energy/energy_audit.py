@@ -109,13 +109,12 @@ def energy_audit(run: Trajectory, *, progress: bool = True) -> EnergyAudit:
     edges = np.unique(np.concatenate([[0.0], run.raw.step_times[:, 0], run.t, [run.raw.t]]))
     net, gross = _work_integrals(run, balance, edges, progress)
     at = np.searchsorted(edges, run.t)
-    modes = run.sample_arrays[2]
-    powers = balance.powers(run.states, modes)
+    powers = balance.powers(run.states, run.mode_indices)
     works = {name: net[i][at] for i, name in enumerate(powers)}
     gains = balance.jumps(run.events.before, run.events.state)
     summed = np.append(0.0, np.cumsum(gains, dtype=np.longdouble))
     works["impacts"] = works["impacts"] + summed[np.searchsorted(run.events.t, run.t, side="right")]
-    energies = balance.energies(run.states, modes)
+    energies = balance.energies(run.states, run.mode_indices)
     largest = np.sum(np.abs(list(energies.values())), axis=0).max(initial=0.0)
     return EnergyAudit(
         t=run.t,
@@ -153,8 +152,7 @@ def _work_of_pieces(run: Trajectory, balance: Balance, edges: Array) -> tuple[Ar
     """The work (contributions, pieces) on each piece of a run between two edges, and the sum of all sizes."""
     half = np.diff(edges)[:, None] / 2.0
     t = (edges[:-1, None] + half * (1.0 + PIECE_NODES)).ravel()
-    steps = run.step_at(t)
-    found = balance.powers(run.states_in_steps(t, steps), run.mode_at(t, steps))
+    found = balance.powers(*run.states_and_modes(t))
     weights = half * PIECE_WEIGHTS
     each = [power.reshape(weights.shape) for power in found.values()]
     net = np.array([(power * weights).sum(axis=1) for power in each])

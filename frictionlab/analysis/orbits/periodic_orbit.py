@@ -17,7 +17,7 @@ from frictionlab.models.coercion import automaton_of
 from frictionlab.validation import check_number
 
 from .orbit_guess import OrbitGuess, state_and_period
-from .shooting import ShootingResult, check_motion, check_orbit, shoot
+from .shooting import ShootingResult, check_motion, check_orbit, floquet_multipliers, shoot
 
 PERIOD_DIVISORS = (2, 3, 5, 7)
 SAME_STATE_RTOL = 1e-6  # share of the motion's size within which two states are one
@@ -124,14 +124,13 @@ def periodic_orbit(
     check_motion(shot, start)
     shot = _shortest_period(automaton, start, shot, tolerance)
     check_orbit(shot, start)
-    values = np.linalg.eigvals(shot.matrix).astype(complex)
     run = shot.run
     return PeriodicOrbit(
         model=model,
         period=run.raw.t,
         state=run.raw.step_states[0].copy(),
         monodromy=shot.matrix,
-        multipliers=values[np.argsort(-np.abs(values), kind="stable")],
+        multipliers=floquet_multipliers(shot.matrix),
         modes=mode_sequence(run),
         residual=shot.residual,
         trajectory=run,

@@ -13,7 +13,7 @@ import numpy as np
 
 from frictionlab.analysis.motion_scales import Array, state_ranges
 from frictionlab.automaton import HybridAutomaton
-from frictionlab.hybrid.admissible import condition_violation
+from frictionlab.hybrid.problem import Status
 from frictionlab.hybrid.solve import solve
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.hybrid.variational.saltation import SaltationError
@@ -42,6 +42,12 @@ class ShootingResult(NamedTuple):
     residual: float
 
 
+def floquet_multipliers(monodromy: Array) -> Array:
+    """Eigenvalues of a monodromy matrix, the largest first."""
+    values = np.linalg.eigvals(monodromy).astype(complex)
+    return values[np.argsort(-np.abs(values), kind="stable")]
+
+
 def shoot(automaton: HybridAutomaton, guess: OrbitGuess, tolerance: float) -> ShootingResult:
     """The periodic orbit near a guess.
 
@@ -53,7 +59,7 @@ def shoot(automaton: HybridAutomaton, guess: OrbitGuess, tolerance: float) -> Sh
         Where Newton's method does not get below the tolerance.
     """
     z, period = guess.state, guess.period
-    shot = _shooting_result(automaton, z, period, guess.size)
+    shot = run_one_period(automaton, z, period, guess.size)
     for _ in range(MAX_ITERATIONS):
         if shot.residual <= RESIDUAL_ROUNDING:
             break
@@ -71,10 +77,21 @@ def shoot(automaton: HybridAutomaton, guess: OrbitGuess, tolerance: float) -> Sh
     return shot
 
 
-def _shooting_result(automaton: HybridAutomaton, z: Array, period: float, size: Array) -> ShootingResult:
+def run_one_period(automaton: HybridAutomaton, z: Array, period: float, size: Array) -> ShootingResult:
+    """The motion from `z` for a period, and what it misses of `z`, in units of `size`.
+
+    Raises
+    ------
+    KeyboardInterrupt
+        If the run is stopped by ctrl-C.
+    SaltationError
+        If the motion ends early.
+    """
     run = solve(automaton, period, x0=z, progress=False)
+    if run.status is Status.INTERRUPTED:
+        raise KeyboardInterrupt
     if not run.status.ok:
-        raise SaltationError(f"a motion near the guess ends after {run.raw.t:g} s: {run.status}")
+        raise SaltationError(f"a motion near the orbit ends after {run.raw.t:g} s: {run.status}")
     missed = float(np.abs((run.final_state - z) / size).max())
     return ShootingResult(run, tangent_flow(run, progress=False).matrix, missed)
 
@@ -86,8 +103,8 @@ def _newton_step(shot: ShootingResult, period: float, size: Array) -> Array:
     """
     last = end_rates(shot.run)[1] / size
     matrix = shot.matrix * size / size[:, None] - np.eye(len(size))
-    gap = (shot.run.final_state - shot.run.raw.step_states[0]) / size
-    return np.linalg.lstsq(np.column_stack([matrix, last * period]), -gap, rcond=FAMILY_RCOND)[0]
+    missed = (shot.run.final_state - shot.run.raw.step_states[0]) / size
+    return np.linalg.lstsq(np.column_stack([matrix, last * period]), -missed, rcond=FAMILY_RCOND)[0]
 
 
 def _damped_step(
@@ -100,7 +117,7 @@ def _damped_step(
         if not period / MAX_PERIOD_FACTOR < longer < period * MAX_PERIOD_FACTOR:
             continue
         try:
-            shot = _shooting_result(automaton, other, longer, size)
+            shot = run_one_period(automaton, other, longer, size)
         except SaltationError:
             continue
         if shot.residual < residual:
@@ -137,7 +154,7 @@ def check_orbit(shot: ShootingResult, guess: OrbitGuess) -> None:
     or whose monodromy matrix is too inexact.
     """
     check_return_mode(shot)
-    if (amount := condition_violation(shot.run)) > MAX_VIOLATION:
+    if (amount := shot.run.violation) > MAX_VIOLATION:
         raise ValueError(
             f"the orbit found violates a condition of its modes by {amount:.2g}: give another guess"
         )

@@ -8,10 +8,9 @@ from typing import Any
 import numpy as np
 import sympy
 
-from frictionlab.components.names import did_you_mean
 from frictionlab.hybrid.outputs import array_function
 from frictionlab.hybrid.trajectory import SectionPoints, Trajectory
-from frictionlab.validation import check_number
+from frictionlab.validation import check_number, did_you_mean_or_known
 
 STICK = "stick"
 NAME_PATTERN = re.compile(r"(?<![\w.])[A-Za-z_]\w*'?")
@@ -65,8 +64,8 @@ def parse_section(automaton: Any, text: str) -> Any:
     unknown = [word for word in NAME_PATTERN.findall(text) if _identifier(word) not in symbols]
     if unknown:
         known = [symbol.name for symbol in automaton.states]
-        hint = did_you_mean(unknown[0], known)
-        raise ValueError(f"section {text!r} has the unknown name {unknown[0]!r}: {hint}")
+        hint = did_you_mean_or_known(unknown[0], known)
+        raise ValueError(f"section {text!r} has the unknown name {unknown[0]!r}{hint}")
     found = symbols.get(_identifier(text)) or _parse(
         text, symbols
     )  # a single name needs no parser, which is slow

@@ -9,7 +9,6 @@ from frictionlab.hybrid.methods.base import Method
 from frictionlab.hybrid.methods.method_registry import method_of
 from frictionlab.hybrid.solve import solve
 from frictionlab.hybrid.trajectory import Trajectory
-from frictionlab.models import Model
 from frictionlab.models.coercion import automaton_of
 from frictionlab.validation import check_number
 
@@ -126,7 +125,4 @@ def _run_window(
     if method.riders and point is not None:
         automaton = with_equilibrium_parameters(automaton, point)
         options["quadratures"] = squared_distance(automaton)
-    run = solve(automaton, t_end, x0=x0, **options)
-    if isinstance(model, Model):
-        run.description["model"] = model.to_dict()
-    return run
+    return solve(automaton, t_end, x0=x0, **options)

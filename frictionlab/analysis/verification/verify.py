@@ -19,7 +19,6 @@ from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.hybrid.problem import Status
 from frictionlab.hybrid.solve import solve
 from frictionlab.hybrid.trajectory import Trajectory
-from frictionlab.models import Model
 from frictionlab.models.coercion import automaton_of
 from frictionlab.validation import check_number
 
@@ -177,8 +176,6 @@ class _RunSetup:
         )
         if run.status is Status.INTERRUPTED:
             raise KeyboardInterrupt
-        if isinstance(self._model, Model):
-            run.description["model"] = self._model.to_dict()
         return run
 
     def beside(self, run: Trajectory) -> Trajectory:

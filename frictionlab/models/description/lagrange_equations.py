@@ -13,12 +13,12 @@ from frictionlab.models.mechanical.equations_of_motion import LagrangeSystem, Pa
 from frictionlab.models.mechanical.mechanics import Friction, Stop
 from frictionlab.models.mechanical.modes import contact_suffix, solve_contact_forces
 from frictionlab.models.symbols import structure_of_component, symbol, symbolic_copy
+from frictionlab.validation import check_choice
 
 from .equations import (
     LETTERS,
     TIME,
     Equations,
-    check_mode,
     equation,
     in_time_functions,
     parameter_letters,
@@ -51,7 +51,7 @@ def lagrange_equations(model: Any, mode: str) -> Equations:
     copy = symbolic_copy(structure_of_component(model))
     found = lagrange_system(copy)
     names = tuple(found.combinations)
-    check_mode(mode, (*names, *_others(found)))
+    check_choice("mode", mode, (*names, *_others(found)))
     letters = {**LETTERS, **parameter_letters(model), **_contact_letters(found)}
     if mode == "impact":
         return _impact(copy, found, letters)

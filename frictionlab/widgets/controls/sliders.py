@@ -11,8 +11,8 @@ from typing import Any
 
 import ipywidgets
 
-from frictionlab.components.names import did_you_mean
 from frictionlab.components.parameter import Parameter
+from frictionlab.validation import did_you_mean_or_known
 
 MAX_SLIDER_STEPS = 300  # most steps of a slider from one end to the other
 STEPS_PER_DECADE = 50
@@ -144,5 +144,5 @@ def remove_browser_rounding(value: float, start: float) -> float:
 def check_parameter(model: Any, name: str) -> None:
     """Refuse a name that is no parameter of the model."""
     if name not in model.parameters:
-        hint = did_you_mean(name, model.parameters)
-        raise ValueError(f"{type(model).__name__} has no parameter {name!r}: {hint}")
+        hint = did_you_mean_or_known(name, model.parameters)
+        raise ValueError(f"{type(model).__name__} has no parameter {name!r}{hint}")

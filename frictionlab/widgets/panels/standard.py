@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 
 from frictionlab.analysis.spectrum import highest_frequency
-from frictionlab.components.names import did_you_mean
 from frictionlab.models.parameter_namespace import parameter_metadata
 from frictionlab.models.symbols import structure_of_component
 from frictionlab.plotting.drawing import Curve, Drawing, envelope
@@ -33,6 +32,7 @@ from frictionlab.plotting.style import (
     state_unit,
 )
 from frictionlab.stability import CriticalCurve, critical_curve
+from frictionlab.validation import did_you_mean
 from frictionlab.widgets.controls.sliders import check_parameter, round_to_step, slider_range
 
 from .mechanism import mechanism
@@ -265,5 +265,5 @@ def _panel_name(panel: Any) -> str:
         return getattr(panel, "__name__", type(panel).__name__)
     known = ", ".join(map(repr, PANELS))
     raise ValueError(
-        f"panels must be functions or some of {known}, got {panel!r}: {did_you_mean(panel, PANELS)}"
+        f"panels must be functions or some of {known}, got {panel!r}{did_you_mean(panel, PANELS)}"
     )

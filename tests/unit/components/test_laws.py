@@ -80,7 +80,8 @@ def test_no_restitution_is_the_plastic_impact_on_the_full_rate():
 
 def test_impacts_refuse_what_they_do_not_know():
     with pytest.raises(
-        ValueError, match="penetration_rate must be 'material' or 'full', got 'fulll': did you mean 'full'"
+        ValueError,
+        match="penetration_rate must be one of 'material', 'full', got 'fulll': did you mean 'full'",
     ):
         PlasticImpact(penetration_rate="fulll")
     with pytest.raises(ValueError, match=r"e must be at most 1, got 1\.5: lower e"):

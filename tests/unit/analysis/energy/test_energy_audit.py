@@ -148,7 +148,7 @@ def test_a_normal_force_acts_along_the_gradient_of_the_gap():
     vertical = fl.MovingLoad()
     assert vertical.normal(*q) == (0, 1, 0, -1, q[0] - q[2])
     assert vertical == fl.MovingLoad("vertical")
-    with pytest.raises(ValueError, match="direction must be 'vertical' or 'normal', got 'norml'"):
+    with pytest.raises(ValueError, match="direction must be one of 'vertical', 'normal', got 'norml'"):
         fl.MovingLoad("norml")
 
 
