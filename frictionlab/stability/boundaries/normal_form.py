@@ -25,9 +25,8 @@ Vector = NDArray[Any]
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 ZERO_RTOL = 1e-9  # what is below this share of its terms, or of the largest eigenvalue, counts as zero
-DOUBLE_EIGENVALUE_RTOL = (
-    1e-6  # eigenvalues nearer to each other than this share count as one: rounding parts a double one so far
-)
+# Eigenvalues nearer to each other than this share count as one: rounding parts a double one so far.
+DOUBLE_EIGENVALUE_RTOL = 1e-6
 
 
 class ExpansionPoint(NamedTuple):

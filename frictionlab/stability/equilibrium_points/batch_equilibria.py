@@ -25,7 +25,7 @@ from .static_equations import SlidingEquations, Statics, sliding_equations, stat
 
 Array = NDArray[np.float64]
 REAL_ROOT_RTOL = 1e-4  # a double root comes out of the eigenvalues as a pair, some 1e-8 off the real axis
-STATIC_RESIDUAL_RTOL = 1e-9
+STATIC_RESIDUAL_RTOL = 1e-9  # share of the largest force: roots that leave more over are none
 NEWTON_STEPS = 4
 SEARCH_POINTS, FINEST_SHARE, SEARCH_FACTOR, BISECTIONS = 401, 1e-9, 3.0, 60
 

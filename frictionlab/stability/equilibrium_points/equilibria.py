@@ -24,7 +24,7 @@ from .real_roots import real_roots, roots_on_grid
 from .static_equations import Statics, by_gap, sliding_equations, static_residual, statics_for_values
 
 Array = NDArray[np.float64]
-MAX_STATIC_RESIDUAL = 1e-6
+MAX_STATIC_RESIDUAL = 1e-6  # share of the largest force that may be left over at an equilibrium
 
 
 @dataclass(frozen=True, eq=False)

@@ -26,13 +26,10 @@ from .static_equations import by_gap
 EQUILIBRIUM_RTOL = 1e-12  # share of a coordinate: an equilibrium computed again is the same but for rounding
 
 Array = NDArray[np.float64]
-BRANCH_SEARCH_POINTS = (
-    9  # values at which all equilibria are looked for: one branch may live between two of them
-)
-SAME_BRANCH_RTOL, SAME_BRANCH_ROUNDING = (
-    1e-6,
-    1e-12,
-)  # shares of a state and of the largest, to which two branches agree
+# Values at which all equilibria are looked for: one branch may live between two of them.
+BRANCH_SEARCH_POINTS = 9
+SAME_BRANCH_RTOL = 1e-6  # share of a state to which two branches agree
+SAME_BRANCH_ROUNDING = 1e-12  # share of the largest state: what differs by less differs by rounding
 
 
 def equilibrium_problem(model: Any, equilibrium: Equilibrium | None = None) -> EquilibriumProblem:
