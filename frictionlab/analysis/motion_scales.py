@@ -17,12 +17,14 @@ from frictionlab.models import Model
 
 Array = NDArray[np.float64]
 
-MIN_RANGE_RTOL = 1e-6  # least scale of a coordinate, as a share of the largest range in its group
-AT_REST_RTOL = 1e-9  # share of a coordinate's values below which its range counts as no motion
+# Range of a coordinate, as a share of the largest of them, below which it counts as that.
+MIN_RANGE_RTOL = 1e-6
+AT_REST_RTOL = 1e-9  # share of a coordinate's values below which it does not move
 
 LEAST_MOTION_RTOL = 1e-6  # share of its values by which a coordinate is measured where it moves less
 
 DEFAULT_PERIOD = 0.1  # s, of the slider on a belt
+ROUND_NUMBER_RTOL = 1e-9  # share by which rounding may keep a number from the round one that it is
 
 
 def state_ranges(states: Any) -> Array:
@@ -69,7 +71,16 @@ def oscillation_period(source: Any) -> float:
 
 
 def rounded_period(source: Any) -> float:
-    """That period rounded down to 1, 2 or 5 times a power of ten."""
-    period = oscillation_period(source) * (1 + 1e-9)
-    power = 10.0 ** floor(log10(period))
-    return next(round(s * power, 12) for s in (5.0, 2.0, 1.0) if s * power <= period)
+    """The same as 1, 2 or 5 times a power of ten, from below."""
+    return round_down_1_2_5(oscillation_period(source))
+
+
+def round_down_1_2_5(x: float) -> float:
+    """The next smaller of 1, 2, 5, 10, 20, ...
+
+    >>> round_down_1_2_5(37.0), round_down_1_2_5(0.05)
+    (20.0, 0.05)
+    """
+    limit = x * (1 + ROUND_NUMBER_RTOL)
+    power = 10.0 ** floor(log10(limit))
+    return float(f"{max(d for d in (1, 2, 5) if d * power <= limit) * power:.3g}")

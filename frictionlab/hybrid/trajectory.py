@@ -198,20 +198,24 @@ class Trajectory:
         ValueError
             Outside the run.
         """
+        times = self._checked_times(t)
+        order, steps = np.argsort(times, kind="stable"), self._steps_at(times)
+        states = np.empty((len(times), self.raw.state.size))
+        states[order] = self._states_in_steps(times[order], steps[order])
+        return states, self._modes_of_steps(steps)
+
+    def _checked_times(self, t: Any) -> np.ndarray:
         times = np.atleast_1d(np.asarray(t, dtype=float))
         if times.size and not (times.min() >= 0.0 and times.max() <= self.raw.t):
             raise ValueError(
                 f"t must lie within the run, 0 to {self.raw.t:g} s, got {times.min():g} to {times.max():g}: "
                 "simulate longer"
             )
-        order, steps = np.argsort(times, kind="stable"), self._steps_at(times)
-        states = np.empty((len(times), self.raw.state.size))
-        states[order] = self._states_in_steps(times[order], steps[order])
-        return states, self._modes_of_steps(steps)
+        return times
 
     def modes_at(self, t: Any) -> np.ndarray:
         """Names of the modes at times `t` of the run, (N,); at an event, of the mode entered."""
-        return self._mode_names(self.states_and_modes(t)[1])
+        return self._mode_names(self._modes_of_steps(self._steps_at(self._checked_times(t))))
 
     @property
     def t(self) -> np.ndarray:

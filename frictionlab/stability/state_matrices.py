@@ -19,11 +19,10 @@ Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complexfloating[Any, Any]]
 
 SMALLEST_EIGENVALUE = 1e-280  # where all eigenvalues are zero
-NEUTRAL_RTOL = (
-    1e-10  # growth rates below this share of the largest eigenvalue count as zero: no damping at all
-)
-
-BACKWARD_ERROR = 4.0 * float(np.finfo(float).eps)  # of both, with a factor of two to spare
+# Growth rates below this share of the largest eigenvalue count as zero: no damping at all.
+NEUTRAL_RTOL = 1e-10
+MACHINE_EPSILON = float(np.finfo(float).eps)  # spacing of floats at 1
+BACKWARD_ERROR = 4.0 * MACHINE_EPSILON  # of both, with a factor of two to spare
 
 
 def eigenvalues_of_matrices(matrices: Array) -> ComplexArray:

@@ -10,7 +10,7 @@ import numpy as np
 
 from frictionlab.analysis.motion_scales import oscillation_period
 from frictionlab.models.model import PITCH, Model, Tone
-from frictionlab.plotting.runs.time_window import Array, Window, check_run, window_limits
+from frictionlab.plotting.runs.time_window import SAMPLING_RTOL, Array, Window, check_run, window_limits
 from frictionlab.validation import check_choice, check_number
 
 PEAK_LEVEL = 0.9  # of full scale: no player clips it
@@ -128,7 +128,7 @@ def listen(
     check_number("pitch", pitch, above=0.0)
     check_number("rate", rate, integer=True, least=1)
     start, stop = window_limits(run, window)
-    count = int((stop - start) / pitch * rate * (1 + 1e-12))
+    count = int((stop - start) / pitch * rate * (1 + SAMPLING_RTOL))
     if count < MIN_SAMPLES:
         cure = "take a longer window or a smaller pitch"
         raise ValueError(

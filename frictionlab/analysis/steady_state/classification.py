@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from frictionlab.analysis.motion_scales import Array, state_ranges
+from frictionlab.analysis.motion_scales import AT_REST_RTOL, Array, state_ranges
 from frictionlab.hybrid.trajectory import SectionPoints, Trajectory
 
 from .decay import all_parts_decay, part_decays
@@ -30,9 +30,7 @@ from .recurrence import (
 EQUILIBRIUM, PERIODIC, NON_PERIODIC = "equilibrium", "periodic", "non-periodic"
 UNSETTLED, ENDED = "not settled yet", "ended early"
 REST_AMPLITUDE_RTOL = 1e-3  # size of a dying motion, as a share of the coordinates, that counts as at rest
-# factor by which a decaying motion has to shrink from the first quarter of the window to the last
-MIN_DECAY_FACTOR = 1.4
-NO_MOTION_RTOL = 1e-9
+MIN_DECAY_FACTOR = 1.4  # by which factor it has to shrink from the first quarter of the window to the last
 EVEN_SAMPLES = 8001
 
 
@@ -58,11 +56,11 @@ def _at_rest(run: Trajectory) -> bool | None:
         return None
     x = _even_samples(run)[:, : run.automaton.coordinates or None]
     first, *_, last = (float(state_ranges(part).max()) for part in np.array_split(x, 4))
-    if state_ranges(x).max() <= NO_MOTION_RTOL * np.abs(x).max():
-        return covers_period(run)  # what friction holds now the force may move later
+    if state_ranges(x).max() <= AT_REST_RTOL * np.abs(x).max():
+        return covers_period(run)  # what a force holds now it may move later on
     if len(run.events):
         return None
-    if last <= NO_MOTION_RTOL * np.abs(x).max():
+    if last <= AT_REST_RTOL * np.abs(x).max():
         return True
     return last < REST_AMPLITUDE_RTOL * np.abs(x).max() if last < first / MIN_DECAY_FACTOR else None
 

@@ -12,15 +12,15 @@ from matplotlib.artist import Artist
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
+from frictionlab.analysis.motion_scales import round_down_1_2_5
 from frictionlab.plotting.figure import AnimatedFigure
 from frictionlab.plotting.runs.phase_plane import plot_phase_plane
-from frictionlab.plotting.runs.time_window import Array, Periods, Window, window_limits
+from frictionlab.plotting.runs.time_window import SAMPLING_RTOL, Array, Periods, Window, window_limits
 from frictionlab.plotting.style import BLACK, mode_colours
 from frictionlab.validation import check_number
 
 from .parts import Parts
 from .run_picture import BeltPicture, mechanism_of, picture_of
-from .tilting_belt import round_down_1_2_5
 
 DEFAULT_DURATION = 6.0  # seconds that an animation lasts, or somewhat longer, where no speed is given
 DEFAULT_WINDOW = Periods(3.0)
@@ -111,7 +111,7 @@ def animate(
 
 def frame_times(start: float, stop: float, step: float) -> Array:
     """Times of the frames, both ends of the window as far as the step allows."""
-    return np.minimum(start + step * np.arange(int((stop - start) / step * (1 + 1e-12)) + 1), stop)
+    return np.minimum(start + step * np.arange(int((stop - start) / step * (1 + SAMPLING_RTOL)) + 1), stop)
 
 
 def _build_scene(run: Any, figure: Figure, picture: BeltPicture | Parts) -> AnimationScene:

@@ -15,12 +15,12 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Polygon
 
+from frictionlab.analysis.motion_scales import round_down_1_2_5
 from frictionlab.models.mechanism import Belt, Block, Forces, Mechanism, Place, Spring, Wall
 from frictionlab.plotting.runs.time_window import Array, modes_at
 from frictionlab.plotting.style import BLACK, BLUE, GREY, VERMILLION
 
 from .artists import spring_outline
-from .tilting_belt import round_down_1_2_5
 
 REACH = 0.5  # largest displacement drawn
 LONGEST = 0.6  # arrow

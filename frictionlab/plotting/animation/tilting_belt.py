@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from frictionlab.analysis.motion_scales import round_down_1_2_5
 from frictionlab.plotting.runs.time_window import Array, modes_at
 
 SLIDER_COORDINATES = ("x1", "y1", "x2", "y2")
@@ -168,13 +169,3 @@ def _part_positions(frames: Frames, s: float, spring: float, travel: Array) -> A
     # Bilateral contact pulls where the penetration is negative: only in flight is there no contact.
     foot = np.where(frames.mode == "separation", y1, surface)
     return np.column_stack([x1, y1 + spring, x1, foot, x2, y2, -frames.phi, travel])
-
-
-def round_down_1_2_5(x: float) -> float:
-    """The next smaller of 1, 2, 5, 10, 20, ...
-
-    >>> round_down_1_2_5(37.0), round_down_1_2_5(0.05)
-    (20.0, 0.05)
-    """
-    power = 10.0 ** np.floor(np.log10(x))
-    return float(f"{max(d for d in (1, 2, 5) if d * power <= x * (1 + 1e-9)) * power:.3g}")

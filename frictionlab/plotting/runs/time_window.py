@@ -30,6 +30,7 @@ Window = float | tuple[float, float] | Periods | None
 
 DEFAULT_WINDOW = Periods(7.5)  # 0.75 s of the slider on a belt
 SAMPLES = 4001
+SAMPLING_RTOL = 1e-12  # share by which rounding may keep a window from holding one more whole step
 
 
 def end_time(run: Any) -> float:

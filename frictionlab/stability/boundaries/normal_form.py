@@ -24,11 +24,9 @@ Vector = NDArray[Any]
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
-# a sum below this share of its terms, or an eigenvalue below this share of the largest, counts as zero
-ZERO_RTOL = 1e-9
-DOUBLE_EIGENVALUE_RTOL = (
-    1e-6  # eigenvalues nearer to each other than this share count as one: rounding splits a double one so far
-)
+ZERO_RTOL = 1e-9  # what is below this share of its terms, or of the largest eigenvalue, counts as zero
+# Eigenvalues nearer to each other than this share count as one: rounding parts a double one so far.
+DOUBLE_EIGENVALUE_RTOL = 1e-6
 
 
 class ExpansionPoint(NamedTuple):

@@ -17,13 +17,10 @@ from frictionlab.stability.state_matrices import Array, ComplexArray, growth_rat
 Flags = NDArray[np.bool_]
 Evaluate = Callable[[NDArray[np.intp], Array], ComplexArray]
 GRID_POINTS, MAX_HALVINGS = 129, 24
-MAX_INTERVAL_FACTOR = (
-    8  # times the pieces of the first grid: two modes with one eigenvalue throughout come close everywhere
-)
-NO_CHANGE_RTOL, EQUAL_EIGENVALUE_RTOL = (
-    1e-9,
-    1e-11,
-)  # shares of the largest eigenvalue: no motion, and no distance
+# Times the pieces of the first grid: two modes with one eigenvalue throughout come close everywhere.
+MAX_INTERVAL_FACTOR = 8
+NO_CHANGE_RTOL = 1e-9  # share of the largest eigenvalue: one that moves by less stays where it is
+EQUAL_EIGENVALUE_RTOL = 1e-11  # share of the largest eigenvalue: two that are nearer are one
 
 
 class Intervals(NamedTuple):

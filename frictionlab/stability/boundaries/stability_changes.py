@@ -21,13 +21,13 @@ from .sign_changes import Brackets, Evaluate, bracket_sign_changes
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
-FOLD_RATE_AT_ROOT, FOLD_RATE_INSIDE = (
-    1e-6,
-    1e-4,
-)  # shares of the largest eigenvalue: largest growth rate at a root, and just inside
-OUTSIDE_SHARES, INSIDE_SHARE = np.array([0.0, 1e-3, 1.0]), 1e-9  # shares of a bracket
-DECAY_RTOL, MAX_ROOT_STEPS = 1e-13, 200
-MIN_INSIDE_RTOL = 1e-12  # share of a root
+# Shares of the largest eigenvalue: a growth rate that is larger at a root, or just inside it, has jumped.
+FOLD_RATE_AT_ROOT, FOLD_RATE_INSIDE = 1e-6, 1e-4
+OUTSIDE_SHARES = np.array([0.0, 1e-3, 1.0])  # of a bracket: where decay is looked for outside it
+INSIDE_SHARE = 1e-9  # of a bracket: how far "just inside" is, and as a share of the root at least
+MIN_INSIDE_RTOL = 1e-12
+DECAY_RTOL = 1e-13  # share of the largest eigenvalue: a rate below minus this decays
+MAX_ROOT_STEPS = 200
 
 
 @dataclass(frozen=True)

@@ -24,17 +24,13 @@ SAME_MODE, OTHER_MODE = 0.7, 0.4  # products of unit vectors that count as one m
 UNMOVED_SHARE = 0.1  # of the distance to other eigenvalues
 EQUAL_RTOL = 1e-10  # share of the largest eigenvalue by which rounding may separate equal ones
 OFFSET_SHARE = 1e-3  # of a step: where vectors are taken from instead
-ENCOUNTER_SHARE, WEAK_COUPLING = (
-    0.5,
-    0.05,
-)  # of the way two modes go past each other; of the distance at which they pass
+ENCOUNTER_SHARE = 0.5  # of the way two modes go past each other: nearer than that they may have met
+WEAK_COUPLING = 0.05  # of the distance at which they pass: a coupling below changes nothing
 UNCOUPLED_RTOL = 1e-12  # share of the largest eigenvalue
 RANK_WEIGHT, TINY_DISTANCE = 0.1, 1e-150
-NARROWEST_STEP_RTOL, EXTRA_POINTS = (
-    1e-12,
-    1000,
-)  # share of the largest parameter: narrowest step; points for halving steps
-SPLIT_SHARE = 0.47  # where a step is divided: not in the middle, as crossings tend to lie at round values
+NARROWEST_STEP_RTOL = 1e-12  # share of the largest parameter: steps are not halved below
+EXTRA_POINTS = 1000  # points that may be spent on halving steps
+SPLIT_SHARE = 0.47  # not a half: crossings tend to lie at round values
 NO_EIGENVALUE = complex(np.nan, np.nan)
 
 

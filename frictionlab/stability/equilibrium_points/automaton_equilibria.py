@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from frictionlab.automaton import HybridAutomaton, Mode
 from frictionlab.automaton.modes_on_demand import ModesOnDemand
+from frictionlab.models import Model
 from frictionlab.models.coercion import automaton_of
 from frictionlab.stability.equilibrium_problem import EquilibriumProblem
 from frictionlab.stability.flow import Flow
@@ -20,7 +21,7 @@ from .newton_homotopy import find_zeros, follow_zero
 from .newton_zeros import newton_step
 
 Array = NDArray[np.float64]
-CONSTRAINT_RTOL = 1e-9
+CONSTRAINT_RTOL = 1e-9  # share of its terms to which a constraint has to hold at an equilibrium
 
 
 def nearest_equilibrium_problem(model: Any, closest_to: Array | None = None) -> EquilibriumProblem:
@@ -34,7 +35,8 @@ def nearest_equilibrium_problem(model: Any, closest_to: Array | None = None) -> 
     ValueError
         If no mode has one.
     """
-    mode, flow, points = first_mode_equilibria(model)
+    automaton = automaton_of(model)
+    mode, flow, points = first_mode_equilibria(automaton, isinstance(model, Model))
     if not points.size:
         raise no_equilibrium_error(model)
     i = (
@@ -42,20 +44,21 @@ def nearest_equilibrium_problem(model: Any, closest_to: Array | None = None) -> 
         if closest_to is None
         else int(np.argmin(np.linalg.norm(points[: len(closest_to)] - closest_to[:, None], axis=0)))
     )
-    return problem_from_equilibrium(model, mode, flow, points[:, i], parameter_values(automaton_of(model)))
+    return problem_from_equilibrium(model, automaton, mode, flow, points[:, i])
 
 
 def problem_from_equilibrium(
-    model: Any, mode: Mode, flow: Flow, x: Array, values: tuple[float, ...]
+    model: Any, automaton: HybridAutomaton, mode: Mode, flow: Flow, x: Array, **changes: float
 ) -> EquilibriumProblem:
-    """The equilibrium of a mode followed from `x` (m,), its state at some values of the parameters."""
-    automaton, guards = automaton_of(model), tuple(event.function for event in mode.events)
+    """The steady state of a mode followed from `x` (m,), where it is with some parameters changed."""
+    guards, values = tuple(event.function for event in mode.events), parameter_values(automaton)
+    start = parameter_values(automaton.replace(**changes)) if changes else values
     return EquilibriumProblem(
         model,
         _state_names(automaton),
         flow,
-        parameter_values(automaton),
-        continuation_solver(flow, x, values, partial(_is_admissible, mode, flow)),
+        values,
+        continuation_solver(flow, x, start, partial(_is_admissible, mode, flow)),
         guards,
     )
 
@@ -81,13 +84,9 @@ def equilibrium_modes(automaton: HybridAutomaton, sliding: bool) -> Iterator[Mod
             yield automaton.modes[i]
 
 
-def first_mode_equilibria(model: Any, **changes: float) -> tuple[Mode, Flow, Array]:
-    """The first mode with equilibria inside its guards, its flow, and them (m, K); else K is 0.
-
-    Some parameters may be changed, also beyond the rules of the model.
-    """
-    automaton = automaton_of(model).replace(**changes)
-    sliding, values = not isinstance(model, HybridAutomaton), tuple(automaton.parameters.items())
+def first_mode_equilibria(automaton: HybridAutomaton, sliding: bool) -> tuple[Mode, Flow, Array]:
+    """The first mode with equilibria inside its guards, its flow, and them (m, K); else K is 0."""
+    values = tuple(automaton.parameters.items())
     return _mode_equilibria(automaton.modes, sliding, automaton.states, values, automaton.coordinates)
 
 

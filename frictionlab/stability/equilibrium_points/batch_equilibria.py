@@ -12,29 +12,20 @@ from functools import cache, partial
 from typing import Any
 
 import numpy as np
-import sympy
 from numpy.typing import NDArray
 
 from frictionlab.models.mechanical.contact_regimes import regime
-from frictionlab.models.mechanical.equations_of_motion import system_of
 from frictionlab.models.mechanical.modes import mode_of
-from frictionlab.models.symbols import (
-    Structure,
-    parameter_symbols,
-    structure_of_component,
-    structure_values,
-    symbolic_copy,
-)
 from frictionlab.stability.equilibrium_problem import EquilibriumProblem
 from frictionlab.stability.flow import Flow
 
 from .automaton_equilibria import continuation_solver
 from .real_roots import UNKNOWN, Polynomial
-from .static_equations import Statics, static_residual, statics_groups
+from .static_equations import SlidingEquations, Statics, sliding_equations, static_residual, statics_groups
 
 Array = NDArray[np.float64]
 REAL_ROOT_RTOL = 1e-4  # a double root comes out of the eigenvalues as a pair, some 1e-8 off the real axis
-STATIC_RESIDUAL_RTOL = 1e-9
+STATIC_RESIDUAL_RTOL = 1e-9  # share of the largest force: roots that leave more over are none
 NEWTON_STEPS = 4
 SEARCH_POINTS, FINEST_SHARE, SEARCH_FACTOR, BISECTIONS = 401, 1e-9, 3.0, 60
 
@@ -135,45 +126,44 @@ def sliding_problem(model: Any, start: Array | None = None) -> EquilibriumProble
 
     Or at that whose coordinates are `start` (n,), followed from there.
     """
-    key, values = structure_of_component(model), structure_values(model)
-    flow = sliding_flow(key)
+    equations = sliding_equations(model)
+    values, flow = equations.values(model), sliding_flow(equations)
 
-    solve: Callable[[Sequence[Any], int], Array] = partial(_solve, key)
+    solve: Callable[[Sequence[Any], int], Array] = partial(_solve, equations)
 
     def pressed(x: Array, values: Sequence[Any]) -> Any:
-        return (flow.margin(x, values) > 0) & ~_belt_rests(key, values)
+        return (flow.margin(x, values) > 0) & ~_belt_rests(equations, values)
 
     if start is not None:
         solve = continuation_solver(flow, np.append(start, np.zeros(len(start))), values, pressed)
-    guards = sliding_guards(key, bool(_belt_speed(key)(*values) > 0))
-    return EquilibriumProblem(model, model.coordinates, flow, values, solve, guards)
+    guards = sliding_guards(equations, bool(equations.belt_speed(*values) > 0))
+    return EquilibriumProblem(model, equations.coordinates, flow, values, solve, guards)
 
 
 @cache
-def sliding_flow(key: Structure) -> Flow:
-    """The flow of sliding with friction of the sign of the belt's speed, whatever modes the model has."""
-    found = system_of(key)
+def sliding_flow(equations: SlidingEquations) -> Flow:
+    """Sliding whose friction force has the sign of the belt's speed, whatever else the model can do."""
+    found = equations.system
     mode = mode_of(found, (regime(found.rubbing, "slip", found),))
-    return Flow(found.states, parameter_symbols(key), mode.flow, (found.rubbing.pressing,), len(found.q))
+    return Flow(found.states, equations.parameters, mode.flow, (found.rubbing.pressing,), len(found.q))
 
 
 @cache
-def sliding_guards(key: Structure, forwards: bool) -> tuple[Any, ...]:
-    """The guards of that flow, positive while the model slides: v_r, the penetration."""
-    found = system_of(key)
+def sliding_guards(equations: SlidingEquations, forwards: bool) -> tuple[Any, ...]:
+    """The functions that stay positive while the model slides as in the flow: v_r, the gap."""
+    found = equations.system
     contact = found.rubbing
     name = "slip" if "slip" in contact.modes else "slip+" if forwards else "slip-"
     sliding = regime(contact, name, found)
     return tuple(end.function for end in sliding.ends(sliding.force))
 
 
-def _solve(key: Structure, values: Sequence[Any], count: int) -> Array:
-    coordinates = symbolic_copy(key).coordinates
-    x = np.full((2 * len(coordinates), count), np.nan)
-    for statics, chosen in statics_groups(key, values, coordinates, count):
+def _solve(equations: SlidingEquations, values: Sequence[Any], count: int) -> Array:
+    x = np.full((2 * len(equations.coordinates), count), np.nan)
+    for statics, chosen in statics_groups(equations, values, count):
         some = [v if np.ndim(v) == 0 else np.broadcast_to(v, (count,))[chosen] for v in values]
         x[:, chosen] = _states_in_contact(statics, some, len(x), int(chosen.sum()))
-    x[:, np.broadcast_to(_belt_rests(key, values), (count,))] = np.nan
+    x[:, np.broadcast_to(_belt_rests(equations, values), (count,))] = np.nan
     return x
 
 
@@ -186,17 +176,6 @@ def _states_in_contact(statics: Statics, values: Sequence[Any], rows: int, count
     return x
 
 
-def _belt_rests(key: Structure, values: Sequence[Any]) -> Any:
+def _belt_rests(equations: SlidingEquations, values: Sequence[Any]) -> Any:
     """Where the belt rests and the model has stick: friction has no derivative there."""
-    return (np.asarray(_belt_speed(key)(*values)) == 0) & _sticks(key)
-
-
-def _sticks(key: Structure) -> bool:
-    return "stick" in system_of(key).rubbing.modes
-
-
-@cache
-def _belt_speed(key: Structure) -> Callable[..., Any]:
-    found = system_of(key)
-    speed = found.at_rest(found.rubbing.relative_velocity)
-    return sympy.lambdify(parameter_symbols(key), speed, modules="numpy")
+    return (np.asarray(equations.belt_speed(*values)) == 0) & equations.sticks

@@ -11,17 +11,21 @@ import numpy as np
 import sympy
 from numpy.typing import NDArray
 
+from frictionlab.models import Model
 from frictionlab.models.coercion import automaton_of
-from frictionlab.models.symbols import structure_of_component, structure_values
 
-from .automaton_equilibria import first_mode_equilibria, no_equilibrium_error, parameter_values
-from .automaton_equilibria import newton_residual as left_over
+from .automaton_equilibria import (
+    first_mode_equilibria,
+    newton_residual,
+    no_equilibrium_error,
+    parameter_values,
+)
 from .batch_equilibria import FINEST_SHARE, excess_polynomial, polish_roots, search_range
 from .real_roots import real_roots, roots_on_grid
-from .static_equations import Statics, by_gap, static_residual, statics_for_values
+from .static_equations import Statics, by_gap, sliding_equations, static_residual, statics_for_values
 
 Array = NDArray[np.float64]
-MAX_STATIC_RESIDUAL = 1e-6
+MAX_STATIC_RESIDUAL = 1e-6  # share of the largest force that may be left over at an equilibrium
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,8 +80,9 @@ def equilibria(model: Any) -> tuple[Equilibrium, ...]:
     """
     if not by_gap(model):
         return _automaton_equilibria(model)
-    values = structure_values(model)
-    statics = statics_for_values(structure_of_component(model), values, model.coordinates)
+    equations = sliding_equations(model)
+    values = equations.values(model)
+    statics = statics_for_values(equations, values)
     return tuple(
         _sliding_equilibrium(statics, values, penetration) for penetration in _penetrations(statics, values)
     )
@@ -126,14 +131,14 @@ def equilibrium(model: Any) -> Equilibrium:
 
 def _automaton_equilibria(model: Any) -> tuple[Equilibrium, ...]:
     automaton = automaton_of(model)
-    mode, flow, points = first_mode_equilibria(model)
+    mode, flow, points = first_mode_equilibria(automaton, isinstance(model, Model))
     n, values = automaton.coordinates or len(automaton.states), parameter_values(automaton)
     outputs = [
         mode.outputs.get(name, sympy.nan) for name in ("penetration", "normal_force", "friction_force")
     ]
     evaluated = flow.compiled(outputs)
     return tuple(
-        Equilibrium(x[:n], *map(float, evaluated(*x, *values)), residual=left_over(flow, x, values))
+        Equilibrium(x[:n], *map(float, evaluated(*x, *values)), residual=newton_residual(flow, x, values))
         for x in points.T
     )
 

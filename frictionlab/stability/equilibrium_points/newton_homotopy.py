@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionlab.stability.flow import Flow
+from frictionlab.stability.state_matrices import MACHINE_EPSILON
 
 from .newton_zeros import (
-    EPSILON,
     LAST_STEP_RTOL,
     SCALE_ROUNDING,
     distinct_zeros,
@@ -23,10 +23,8 @@ from .newton_zeros import (
 Array = NDArray[np.float64]
 START_COUNT, SEARCH_STEPS = 192, 64  # starting points, and steps from each
 START_DECADES = 15.0  # by which a state may differ from the linearised flow's zero
-RESTART_ROUNDS, RESTART_DECADES = (
-    8,
-    (-9.0, 2.0),
-)  # of starts from what is found, and decades of their distances from it
+RESTART_ROUNDS = 8  # of starts from what is found
+RESTART_DECADES = (-9.0, 2.0)  # of the distances of these starts from it
 HOMOTOPY_STEPS, CORRECTOR_STEPS = 16, 8
 SAFE_CONTRACTION = 0.25
 
@@ -135,7 +133,7 @@ def _newton(flow: Flow, x: Array, values: Sequence[Any]) -> Array:
     for _ in range(CORRECTOR_STEPS):
         step = newton_step(flow, x, values)
         x = x + step
-        if not (np.abs(step) > EPSILON * np.abs(x)).any():
+        if not (np.abs(step) > MACHINE_EPSILON * np.abs(x)).any():
             break
     return x
 

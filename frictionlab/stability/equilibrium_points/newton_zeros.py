@@ -9,29 +9,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionlab.stability.flow import Flow
+from frictionlab.stability.state_matrices import MACHINE_EPSILON
 
 Array = NDArray[np.float64]
-EPSILON = float(np.finfo(float).eps)
-MAX_UNCERTAINTY, LAST_STEP_RTOL, SCALE_ROUNDING = (
-    1e-6,
-    1e-9,
-    1e-14,
-)  # shares of a state's size: largest uncertainty, and largest last step
-MAX_POLISH_STEPS, POLISH_CONTRACTION = (
-    64,
-    0.9,
-)  # most steps, and the factor by which a step shrinks unless it is rounding alone
-NOISE_SAMPLES, NOISE_DISTANCE = (
-    16,
-    1e-8,
-)  # neighbouring points at which the flow's rounding is sampled, and shares of their distances
-NONLINEARITY_RTOL = (
-    1e-3  # relative change of the Jacobian from which on a flow's change is more than linear and rounding
-)
-ORIGIN_DISTANCE = (
-    1e4  # times rounding: how far they are from a zero at the origin, as a share of the usual size
-)
-SAME_ZERO_FACTOR = 16.0  # multiple of both uncertainties: zeros closer than that are one
+MAX_UNCERTAINTY = 1e-6  # share of a state: what may be unknown of it
+LAST_STEP_RTOL = 1e-9  # share of a state: a step so short is the last
+SCALE_ROUNDING = 1e-14  # of a state's usual size: what is smaller is rounding
+MAX_POLISH_STEPS = 64
+POLISH_CONTRACTION = 0.9  # a step that shrinks less than to this share of the last is rounding alone
+NOISE_SAMPLES = 16  # states near a zero at which the rounding of the flow is seen
+NOISE_DISTANCE = 1e-8  # share of a state: how far they are from the zero
+ORIGIN_DISTANCE = 1e4  # times rounding, of the usual size: how far they are from a zero at the origin
+# Relative change of the Jacobian from which on a flow's change is more than linear and rounding.
+NONLINEARITY_RTOL = 1e-3
+SAME_ZERO_FACTOR = 16.0  # times what is unknown of both: zeros so close are one
 
 
 def newton_step(flow: Flow, x: Array, values: Sequence[Any]) -> Array:
@@ -86,7 +77,8 @@ def _polish(flow: Flow, x: Array, values: Sequence[Any]) -> tuple[Array, Array]:
     for _ in range(MAX_POLISH_STEPS):
         x = np.where(active, x + step, x)
         after = newton_step(flow, x, values)
-        shrinks = (np.abs(after) < POLISH_CONTRACTION * np.abs(step)) & (np.abs(after) > EPSILON * np.abs(x))
+        least, most = MACHINE_EPSILON * np.abs(x), POLISH_CONTRACTION * np.abs(step)
+        shrinks = (np.abs(after) < most) & (np.abs(after) > least)
         step, active = after, active & shrinks.any(axis=0)
         if not active.any():
             break
@@ -100,7 +92,7 @@ def _rounding_noise(flow: Flow, x: Array, values: Sequence[Any], scale: Array) -
     """
     matrices, random = flow.jacobian(x, values), np.random.default_rng(0)
     noise = np.zeros_like(x)
-    for least in EPSILON * np.append(
+    for least in MACHINE_EPSILON * np.append(
         np.zeros(NOISE_SAMPLES), np.geomspace(1, ORIGIN_DISTANCE, NOISE_SAMPLES)
     ):
         way = random.uniform(-1, 1, size=(len(x), 1)) * (NOISE_DISTANCE * np.abs(x) + least * scale)
@@ -114,7 +106,7 @@ def _rounding_noise(flow: Flow, x: Array, values: Sequence[Any], scale: Array) -
         noise = np.where(bent & (least > 0), noise, np.fmax(noise, missed))
     inverse = np.abs(solve_matrices(matrices, np.broadcast_to(np.eye(len(x)), matrices.shape)))
     terms = _times(inverse, _times(np.abs(matrices), np.abs(x)))
-    return noise, EPSILON * terms + _times(inverse, noise), terms
+    return noise, MACHINE_EPSILON * terms + _times(inverse, noise), terms
 
 
 def _times(matrices: Array, x: Array) -> Array:

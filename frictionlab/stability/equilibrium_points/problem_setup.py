@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from frictionlab.models import Model
 from frictionlab.models.coercion import automaton_of
 from frictionlab.stability.equilibrium_problem import EquilibriumProblem
 
@@ -16,7 +17,6 @@ from .automaton_equilibria import (
     first_mode_equilibria,
     nearest_equilibrium_problem,
     no_equilibrium_error,
-    parameter_values,
     problem_from_equilibrium,
 )
 from .batch_equilibria import sliding_problem
@@ -26,13 +26,10 @@ from .static_equations import by_gap
 EQUILIBRIUM_RTOL = 1e-12  # share of a coordinate: an equilibrium computed again is the same but for rounding
 
 Array = NDArray[np.float64]
-BRANCH_SEARCH_POINTS = (
-    9  # values at which all equilibria are searched for: a branch may exist only between two of them
-)
-SAME_BRANCH_RTOL, SAME_BRANCH_ROUNDING = (
-    1e-6,
-    1e-12,
-)  # shares of a state and of the largest, to which two branches agree
+# Values at which all equilibria are looked for: one branch may live between two of them.
+BRANCH_SEARCH_POINTS = 9
+SAME_BRANCH_RTOL = 1e-6  # share of a state to which two branches agree
+SAME_BRANCH_ROUNDING = 1e-12  # share of the largest state: what differs by less differs by rounding
 
 
 def equilibrium_problem(model: Any, equilibrium: Equilibrium | None = None) -> EquilibriumProblem:
@@ -82,19 +79,20 @@ def equilibrium_branches(model: Any, parameter: str, bounds: tuple[float, float]
     """
     if by_gap(model):
         return [equilibrium_problem(model)]
+    automaton = automaton_of(model)
     at, found = np.linspace(*bounds, BRANCH_SEARCH_POINTS), []
     # states (m, BRANCH_SEARCH_POINTS) of each branch, NaN where it does not exist
     branch_states: list[Array] = []
     for i, value in enumerate(at):
-        mode, flow, points = first_mode_equilibria(model, **{parameter: float(value)})
+        changed = {parameter: float(value)}
+        mode, flow, points = first_mode_equilibria(automaton.replace(**changed), isinstance(model, Model))
         for x in points.T:
             if any(
                 problem.flow is flow and _same_state(way[:, i], x)
                 for problem, way in zip(found, branch_states)
             ):
                 continue
-            values = parameter_values(automaton_of(model).replace(**{parameter: float(value)}))
-            found.append(problem_from_equilibrium(model, mode, flow, x, values))
+            found.append(problem_from_equilibrium(model, automaton, mode, flow, x, **changed))
             branch_states.append(found[-1].solve(*found[-1].at({parameter: at})))
     if not found:
         raise no_equilibrium_error(model)

@@ -11,6 +11,7 @@ from typing import Any
 
 import ipywidgets
 
+from frictionlab.analysis.motion_scales import ROUND_NUMBER_RTOL
 from frictionlab.components.parameter import Parameter
 from frictionlab.validation import did_you_mean_or_known
 
@@ -24,6 +25,8 @@ LOG_READOUT_FORMAT = ".4r"  # four digits: these values are not round
 # its
 # exponent, 0.9999999999977 for 1, and sends it unasked when it first shows the slider.
 BROWSER_ROUNDING = 1e-11
+END_MARGIN = 1e-12  # decades by which a slider goes beyond its ends, whose logarithms are rounded
+STEP_MISS = 1e-6  # of a step: a value so near to a whole number of them is one
 
 
 def slider(name: str, about: Parameter, value: float) -> Any:
@@ -87,8 +90,8 @@ def _logarithmic_slider(low: float, high: float, value: float) -> Any:
     return ipywidgets.FloatLogSlider(
         value,
         base=10.0,
-        min=math.log10(low) - 1e-12,
-        max=math.log10(high) + 1e-12,
+        min=math.log10(low) - END_MARGIN,
+        max=math.log10(high) + END_MARGIN,
         step=(exponent - least) / steps if exponent > least else 1 / STEPS_PER_DECADE,
         readout_format=LOG_READOUT_FORMAT,
         continuous_update=True,
@@ -101,7 +104,7 @@ def round_step(span: float) -> float:
         return 0.1
     least = span / MAX_SLIDER_STEPS
     power = 10.0 ** math.floor(math.log10(least))
-    return next(s * power for s in (1.0, 2.0, 5.0, 10.0) if s * power >= least * (1 - 1e-9))
+    return next(s * power for s in (1.0, 2.0, 5.0, 10.0) if s * power >= least * (1 - ROUND_NUMBER_RTOL))
 
 
 def round_to_step(value: float, bounds: tuple[float, float]) -> float:
@@ -120,7 +123,7 @@ def refine_step(control: Any, value: float) -> None:
 def _step_to_value(step: float, distance: float) -> float:
     """The step, or a finer one that leads to the value: else the browser would show another one."""
     for finer in (step / n for n in (1, 2, 5, 10, 20, 50, 100)):
-        if abs(distance / finer - round(distance / finer)) < 1e-6:
+        if abs(distance / finer - round(distance / finer)) < STEP_MISS:
             return finer
     return step
 
