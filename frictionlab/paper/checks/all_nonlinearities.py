@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -86,7 +87,7 @@ def _check_sections(setting: Setting) -> Finding:
     return Finding(*_by_range(b, ranges))
 
 
-def _by_range(b: Any, ranges: dict[str, tuple[str, float, float]]) -> tuple[str, dict[str, bool]]:
+def _by_range(b: Any, ranges: Mapping[str, tuple[str, float, float]]) -> tuple[str, dict[str, bool]]:
     """Stretches and counts in words, and whether each range is of one kind throughout."""
     held, counts = {}, []
     for text, (kind, first, last) in ranges.items():

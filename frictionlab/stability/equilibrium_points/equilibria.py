@@ -18,7 +18,7 @@ from .automaton_equilibria import first_mode_equilibria, no_equilibrium_error, p
 from .automaton_equilibria import newton_residual as left_over
 from .batch_equilibria import FINEST_SHARE, excess_polynomial, polish_roots, search_range
 from .real_roots import real_roots, roots_on_grid
-from .static_equations import Statics, by_gap, static_residual, statics_for_values
+from .static_equations import Statics, by_penetration, static_residual, statics_for_values
 
 Array = NDArray[np.float64]
 MAX_STATIC_RESIDUAL = 1e-6
@@ -74,7 +74,7 @@ def equilibria(model: Any) -> tuple[Equilibrium, ...]:
     ValueError
         If the springs do not hold a coordinate (singular stiffness matrix).
     """
-    if not by_gap(model):
+    if not by_penetration(model):
         return _automaton_equilibria(model)
     values = structure_values(model)
     statics = statics_for_values(structure_of_component(model), values, model.coordinates)
@@ -109,7 +109,7 @@ def equilibrium(model: Any) -> Equilibrium:
     [-0.0042, -0.0304, -0.0036, -0.0061, -0.0001]
     """
     found = equilibria(model)
-    if not by_gap(model):
+    if not by_penetration(model):
         if not found:
             raise no_equilibrium_error(model)
         return found[0]
