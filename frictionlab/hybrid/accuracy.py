@@ -24,15 +24,15 @@ from frictionlab.hybrid.kernels.taylor_steps import step_series
 from frictionlab.hybrid.problem import Problem, RunData
 from frictionlab.hybrid.tape.program import Numbers
 
-CHECK_POINTS = 8  # in a step, the zeros of a Chebyshev polynomial: dense towards its ends
+CHECK_POINTS = 8  # points in a step, the zeros of a Chebyshev polynomial: dense towards its ends
 RESIDUAL_ROUNDING = (
     8 * MACHINE_EPSILON
-)  # share of the terms of a sum that may be rounding, which is no defect
+)  # share of the terms of a sum that counts as rounding and not as defect
 UNKNOWN_END = np.nan  # end of a step too short for the clock, so that its event is not told from earlier ones
 
 
 class StoredSteps(NamedTuple):
-    """Steps of a run: start and length, mode, state at the start, and at the end before any event."""
+    """Steps of a run: start and length, mode, states at the start, and at the end before an event."""
 
     times: np.ndarray  # (steps, 2)
     modes: np.ndarray
@@ -72,7 +72,7 @@ def defects(
 
 
 def stored_steps(raw: RunData) -> StoredSteps:
-    """The steps with the states at their ends: those that follow, or those before the events there."""
+    """The steps with the states at their ends: the next stored state, or the state before the event there."""
     times = np.append(raw.step_times[1:, 0], raw.t)[: len(raw.step_times)]
     ends = np.concatenate([raw.step_states[1:], raw.state[None]])[: len(times)]
     first = np.searchsorted(raw.event_times, times)
@@ -148,7 +148,7 @@ def states_and_sums(order, s, room):
 
 @kernel
 def record_residuals(code, numbers, absolute, order, mode, s, room):
-    """|x' - f(x)| at time `s` of a step, as far as it is beyond rounding."""
+    """Record |x' - f(x)| at time `s` of a step, less what rounding explains."""
     states_and_sums(order, s, room)
     mode_jets(code, numbers, mode, 0, room.z, room.values)
     majorant(code, absolute, mode, 0, room.sums, room.values, room.bounds)
@@ -161,7 +161,7 @@ def record_residuals(code, numbers, absolute, order, mode, s, room):
 
 @kernel
 def record_jump(code, order, mode, h, end, room):
-    """From the end of the polynomial to the state that followed, as far as it is beyond rounding."""
+    """Record the jump from the end of the polynomial to the next state, less what rounding explains."""
     states_and_sums(order, h, room)
     for i in range(room.z.shape[0]):
         if end[i] == end[i]:

@@ -1,4 +1,4 @@
-"""Does a run keep to the conditions of its modes?  A check that is independent of how events are found."""
+"""The violation of the modes' conditions along a run, checked independently of how events are located."""
 
 from __future__ import annotations
 
@@ -11,17 +11,18 @@ from frictionlab.hybrid.trajectory import Trajectory
 
 
 def condition_violation(run: Trajectory) -> float:
-    """Most that a sample of a run violates a condition of its mode, as a share of the condition's size.
+    """Largest violation of a mode's condition at the samples of a run, as a share of the condition's size.
 
     Event functions must not be negative, constraints must be zero.  The size of a condition is the largest
-    sum of its absolute terms along the run, in whatever mode: where a flight begins the gap is all rounding,
-    and a flight may be as short as one likes.
+    sum of its absolute terms along the run, in whatever mode: at the beginning of a flight the penetration is
+    all rounding, and a flight may be arbitrarily short.
     """
     states, modes, worst = run.states, run.sample_arrays[2], 0.0
     for mode in np.unique(modes):
         inside = states[modes == mode]
         amounts, terms = _condition_values(run.problem, mode, np.vstack([inside, run.raw.step_states]))
-        sizes = np.where(np.isfinite(terms), terms, 0.0).max(axis=0)  # elsewhere it may be none, as sqrt(gap)
+        # in other modes it may be undefined, as sqrt(penetration) in flight
+        sizes = np.where(np.isfinite(terms), terms, 0.0).max(axis=0)
         shares = amounts[: len(inside), sizes > 0] / sizes[sizes > 0]
         worst = max(worst, shares.max(initial=0.0))
     return float(worst)

@@ -52,7 +52,7 @@ def solve(
         Zero crossings to record; they change no mode.  An expression of the states, or an output's name;
         direction +1 rising, -1 falling, 0 both.  Method "taylor" only, like `quadratures`.
     quadratures : mapping of name to expression
-        Integrands whose integral over the run is wanted.  Steps heed their accuracy too.
+        Functions to be integrated over the run.  Step lengths take their accuracy into account too.
     progress : bool
         Show a progress bar on runs of more than a second.
     source : object
@@ -89,7 +89,8 @@ def solve(
             try:
                 raw = chosen.integrate(Problem(program, numbers, with_integrals, float(t_end), number), bar)
             except ModeNotDerived as missing:
-                # Run again from the start: a mode is missing once in a process, mostly early in a run.
+                # Run again from the start: each mode is missing only once in a process, mostly early in a
+                # run.
                 modes = _with_mode(automaton, missing.mode)
                 program, numbers = program_of(automaton, *asked, modes=modes)
     wall_time = time.perf_counter() - begin
@@ -109,7 +110,7 @@ def solve(
 
 
 def with_chatter_limit(automaton: HybridAutomaton, method: Method) -> HybridAutomaton:
-    """The automaton with the method's limit for chatter, if it asks for that."""
+    """The automaton with the method's dwell time of chatter, if it has that parameter."""
     names = [symbol.name for symbol in automaton.parameters]
     return automaton.replace(chatter=method.limits[1]) if "chatter" in names else automaton
 
@@ -186,6 +187,6 @@ def _mode(automaton: HybridAutomaton, mode: str | None) -> int | None:
 
 
 def _with_mode(automaton: HybridAutomaton, number: int) -> tuple[Mode, ...]:
-    """The modes known once one more is derived."""
+    """The modes known after one more is derived."""
     _ = automaton.modes[number]
     return automaton.known_modes

@@ -57,7 +57,7 @@ class StoredRun:
 
     @property
     def description(self) -> dict[str, Any]:
-        """What the run was described by."""
+        """The description of the run."""
         return self.about["description"]
 
     def trajectory(self, automaton: HybridAutomaton, source: Any = None) -> Trajectory:
@@ -95,7 +95,7 @@ def read_run_file(path: str | Path) -> StoredRun:
     Raises
     ------
     ValueError
-        Where it is none.
+        Where it is not such a file.
     """
     try:
         with open(path, "rb") as stream, np.load(stream, allow_pickle=False) as file:

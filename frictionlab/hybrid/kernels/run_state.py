@@ -1,4 +1,4 @@
-"""What a run carries along: where it stands, its clock, its scratch arrays, and the record that it leaves.
+"""The state of a run: its position and clock, its scratch arrays, and the record of its steps and events.
 
 Kernels allocate nothing: a `Record` has room for so many steps and events, and is filled, taken away, and
 replaced by a new one.
@@ -67,7 +67,7 @@ COUNTS = 11
 
 
 class Record(NamedTuple):
-    """Buffers of what a run leaves: steps, events and section points."""
+    """Buffers for steps, events and section points."""
 
     step_times: np.ndarray  # (capacity, 2) start and length
     step_modes: np.ndarray
