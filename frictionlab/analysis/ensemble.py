@@ -56,7 +56,7 @@ def ensemble(
 
     Returns
     -------
-    Ends
+    BatchResult
         Also where some ended early, or all by ctrl-C: see ``status``.
 
     Raises

@@ -75,8 +75,11 @@ def solve(
     check_number("t_end", t_end, above=0.0, cure="give the length of the run in seconds")
     state, times = _states(automaton, x0), _times(t_eval, t_end)
     asked = _sections(sections), _quadratures(quadratures)
-    for name, rider in [*((name, section.function) for name, section in asked[0].items()), *asked[1].items()]:
-        check_section_or_quadrature(name, rider, automaton)
+    for name, function in [
+        *((name, section.function) for name, section in asked[0].items()),
+        *asked[1].items(),
+    ]:
+        check_section_or_quadrature(name, function, automaton)
     if any(asked) and not chosen.riders:
         raise ValueError(f"sections and quadratures need method='taylor', got {method!r}: change the method")
     automaton = with_chatter_limit(automaton, chosen)

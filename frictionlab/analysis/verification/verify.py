@@ -295,5 +295,5 @@ def _comparison_limit(run: Trajectory, third: Trajectory | None) -> str:
     if third is not None and not third.status.ok:
         return f"where it ended ({third.status})"
     if third is None or math.isclose(third.raw.t, accumulation_time(run), rel_tol=TIME_RTOL):
-        return "where events begin to pile up"
+        return "at a Zeno accumulation of events"
     return "where a mode lasts too short a time for its steps"

@@ -83,7 +83,7 @@ class Record(NamedTuple):
 def new_run_state(
     state: np.ndarray, mode: int, t_end: float, limits: tuple[float, float], raises: bool
 ) -> RunState:
-    """Cursor at time 0 in `mode`, whose jets are at hand; without sections."""
+    """A run at time 0 in `mode`, whose jets have been computed; without sections."""
     counts = np.zeros(COUNTS, dtype=np.int64)
     counts[MODE], counts[JETS_READY], counts[STOPS_AT_ZENO] = mode, 1, raises
     signs = np.zeros(0, dtype=np.int64)
@@ -91,7 +91,7 @@ def new_run_state(
 
 
 def initial_times(t_end: float, limits: tuple[float, float]) -> np.ndarray:
-    """Times of a cursor at 0."""
+    """The times of a run at t = 0."""
     return np.array([0.0, t_end, 0.0, *limits, 0.0])
 
 

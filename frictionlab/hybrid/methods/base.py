@@ -43,7 +43,7 @@ def initial_mode(problem: Problem, order: int, absolute: Numbers, work) -> int:
     ------
     ValueError
         Where the mode that was asked for cannot be entered there.
-    Unbuilt
+    ModeNotDerived
         Where a mode is to be tried that has yet to be derived.
     """
     program = problem.program
@@ -111,7 +111,7 @@ class Method(ABC):
 
     @abstractmethod
     def advance(self, run: ActiveRun, record: run_state.Record) -> int:
-        """Fill `record` until it is full (bookkeeping.RUNNING), the run ends, or a mode is NOT_DERIVED."""
+        """Fill `record` until it is full (run_state.RUNNING), the run ends, or a mode is NOT_DERIVED."""
 
     def describe(self) -> dict[str, Any]:
         """Name and settings, for the record."""
@@ -125,7 +125,7 @@ class Method(ABC):
             )
 
     def integrate(self, problem: Problem, progress: Progress) -> RunData:
-        """Run the problem to its end, or as far as it goes; raise Unbuilt where it needs another mode."""
+        """Run the problem to its end, or as far as it goes; raise ModeNotDerived where it needs another mode."""
         with np.errstate(all="ignore"):
             return self._integrate(problem, progress)
 

@@ -95,7 +95,7 @@ def _reset_jacobian(program: Program, numbers: Numbers, reset: int, z: np.ndarra
     if reset < 0:
         return np.eye(len(z))
     code, first = program.code, program.code.reset_ops
-    # The order is 0 but for the jets of `_linear`, which take the new values for rates: never looked at.
+    # The order is 0 but for the jets of `_linear`, which take the new values for rates and are not used.
     tape = _linear(program, numbers, (first[reset], first[reset + 1]), code.reset_out[reset], z)
     return tape.gradients[code.reset_out[reset]]
 

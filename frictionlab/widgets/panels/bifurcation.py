@@ -182,7 +182,7 @@ class BifurcationPanel:
         seconds = ipywidgets.FloatSlider(
             first, max=most, step=step, readout_format=READOUT_FORMAT, continuous_update=False
         )
-        text = f"values of {parameter} that are looked at; a narrow range is computed more finely"
+        text = f"values of {parameter} that are shown; a narrow range is computed more finely"
         self.controls: Mapping[str, Any] = MappingProxyType(
             {
                 "range": label_control(span, "range", f"{parameter_description(about)} from, to", text),
