@@ -125,7 +125,7 @@ class Method(ABC):
             )
 
     def integrate(self, problem: Problem, progress: Progress) -> RunData:
-        """Run the problem to its end, or as far as it goes; raise ModeNotDerived where it needs another mode."""
+        """Run the problem to its end, or as far as it goes; ModeNotDerived where it needs another mode."""
         with np.errstate(all="ignore"):
             return self._integrate(problem, progress)
 
