@@ -56,7 +56,7 @@ def ensemble(
 
     Returns
     -------
-    Ends
+    BatchResult
         Also where some ended early, or all by ctrl-C: see ``status``.
 
     Raises
@@ -118,7 +118,7 @@ def _problems(models: Sequence[Any], x0: Any, t_end: float, method: Taylor) -> l
     first: dict[int, int] = {}  # one model may be given for many initial states
     for i, model in enumerate(models):
         first.setdefault(id(model), i)
-    automata = {key: _checked(models[i], i) for key, i in first.items()}
+    automata = {key: _check_model(models[i], i) for key, i in first.items()}
     programs = {key: program_of(with_chatter_limit(automaton, method)) for key, automaton in automata.items()}
     return [
         Problem(*programs[id(model)], validate_initial_state(model, start, automata[id(model)]), t_end)
@@ -126,7 +126,7 @@ def _problems(models: Sequence[Any], x0: Any, t_end: float, method: Taylor) -> l
     ]
 
 
-def _checked(model: Any, i: int) -> HybridAutomaton:
+def _check_model(model: Any, i: int) -> HybridAutomaton:
     try:
         automaton = automaton_of(model)
         check_automaton(automaton)

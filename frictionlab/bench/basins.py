@@ -15,6 +15,7 @@ import numpy as np
 import sympy as sp
 
 from frictionlab.analysis.basins.basins import BasinStability, basin_stability
+from frictionlab.analysis.steady_state.motion_kind import MotionKind
 from frictionlab.analysis.tables import markdown_table
 from frictionlab.automaton import Event, HybridAutomaton, Mode, Reset
 from frictionlab.hybrid.compilation import NUMBA
@@ -69,7 +70,7 @@ def basin_times(samples: int = 10_000, some: int = 200, widths: Sequence[float] 
     begin = time.perf_counter()
     found = exact(samples)
     seconds = time.perf_counter() - begin
-    resting = np.take([a.kind == "equilibrium" for a in found.attractors], found.labels)
+    resting = np.take([a.kind == MotionKind.EQUILIBRIUM for a in found.attractors], found.labels)
     rows = [BasinRow("exact", seconds, samples, float(resting.mean()), 0)]
     return rows + [_smooth_row(width, found.points[:some], resting[:some]) for width in widths]
 

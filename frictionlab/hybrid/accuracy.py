@@ -38,7 +38,7 @@ UNKNOWN_END = np.nan  # end of a step too short for the clock, so that its event
 
 
 class StoredSteps(NamedTuple):
-    """Steps of a run: start and length, mode, state at the start, and at the end before any event."""
+    """Steps of a run: start and length, mode, states at the start, and at the end before an event."""
 
     times: np.ndarray  # (steps, 2)
     modes: np.ndarray
@@ -78,7 +78,7 @@ def defects(
 
 
 def stored_steps(raw: RunData) -> StoredSteps:
-    """The steps with the states at their ends: those that follow, or those before the events there."""
+    """The steps with the states at their ends: the next stored state, or the state before the event there."""
     times = np.append(raw.step_times[1:, 0], raw.t)[: len(raw.step_times)]
     ends = np.concatenate([raw.step_states[1:], raw.state[None]])[: len(times)]
     first = np.searchsorted(raw.event_times, times)
@@ -154,7 +154,7 @@ def states_and_sums(order, s, room):
 
 @kernel
 def record_residuals(code, numbers, absolute, order, mode, s, room):
-    """|x' - f(x)| at time `s` of a step, as far as it is beyond rounding."""
+    """Record |x' - f(x)| at time `s` of a step, less what rounding explains."""
     states_and_sums(order, s, room)
     mode_jets(code, numbers, mode, 0, room.z, room.values)
     majorant(code, absolute, mode, 0, room.sums, room.values, room.bounds)
@@ -167,7 +167,7 @@ def record_residuals(code, numbers, absolute, order, mode, s, room):
 
 @kernel
 def record_jump(code, order, mode, h, end, room):
-    """From the end of the polynomial to the state that followed, as far as it is beyond rounding."""
+    """Record the jump from the end of the polynomial to the next state, less what rounding explains."""
     states_and_sums(order, h, room)
     for i in range(room.z.shape[0]):
         if end[i] == end[i]:

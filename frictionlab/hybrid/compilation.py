@@ -63,7 +63,7 @@ def cache_folder(numba: Any) -> str:
 
 NUMBA = _numba()
 CACHE_FOLDER = cache_folder(NUMBA) if NUMBA else ""
-_FOUND: set[Any] = set()  # kernels seen in the folder, so that it is read once for each
+_FOUND: set[Any] = set()  # kernels found in the cache folder, so that it is read once for each
 
 
 def needs_compilation(function: Any) -> bool:
@@ -81,12 +81,13 @@ def kernel(function: Callable) -> Callable:
 
 
 def inlined(function: Callable) -> Callable:
-    """A kernel that becomes part of its callers: a call passes some hundred numbers for its arrays."""
+    """A kernel that is inlined into its callers: a call would pass some hundred numbers for its arrays."""
     return _compile(function, {"forceinline": True})
 
 
 def _without_reference_counts() -> dict[str, bool]:
-    """No reference counts: kernels allocate nothing, and counting would take most of their time."""
+    """Compile without reference counts: kernels allocate nothing, and counting would take most of their
+    time."""
     return {"_nrt": False} if hasattr(NUMBA.core.options.DefaultOptions, "_nrt") else {}
 
 

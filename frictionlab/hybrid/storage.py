@@ -45,7 +45,7 @@ def read_run_file(path: str | Path) -> StoredRun:
     Raises
     ------
     ValueError
-        Where it is none.
+        Where it is not such a file.
     """
     try:
         with open(path, "rb") as stream, np.load(stream, allow_pickle=False) as file:

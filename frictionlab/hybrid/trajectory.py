@@ -42,7 +42,7 @@ class Events:
     source, target : (E,) names of the modes left and entered ("" where none could be entered)
     guard : (E,) names of the event functions that reached zero
     state, before : (E, states) state after and before the reset
-    closed : (E,) whether the event closed an accumulation
+    closed : (E,) whether the event closed a Zeno accumulation
     """
 
     t: np.ndarray
@@ -84,7 +84,7 @@ class Sampling(NamedTuple):
 
 
 class Trajectory:
-    """What a run computed.
+    """The result of a run.
 
     Samples are computed from the stored steps when they are first asked for.  ``run(t)`` gives the states
     at any times of the run; at an event, those after it.  States and outputs have names: ``run["x1"]``,
@@ -99,7 +99,7 @@ class Trajectory:
     time_in_mode : mapping: seconds spent in each mode
     final_state : (2n,) state at the end
     status : Status;  str(status) is a sentence
-    stats : mapping: steps, events, accumulations closed, wall time in seconds
+    stats : mapping: steps, events, Zeno accumulations closed, wall time in seconds
     defect : mapping: largest relative error of a step, by the mode
     violation : share of its size by which a sample violates a condition of its mode at most
     sections : mapping of name to SectionPoints;  quadratures : mapping of name to the integral up to the end
@@ -271,7 +271,7 @@ class Trajectory:
         Raises
         ------
         KeyError
-            Where the model has none of that name.
+            Where the model has no output of that name.
         """
         known = list(self.automaton.outputs)
         if name not in known:
@@ -319,7 +319,7 @@ class Trajectory:
 
         The residual |x' - f(x)| of the dense output times the length of the step, or the jump from its end
         to the next state, as a share of the largest state of its group in that step: coordinates,
-        velocities, others.  What may be rounding does not count.  It compares with the tolerance.  The jump
+        velocities, others.  What rounding explains does not count.  It compares with the tolerance.  The jump
         tells of RK4 and scipy's methods, the residual of the Taylor series.
         """
         return defects(self.problem, self.raw, self.samples.order)

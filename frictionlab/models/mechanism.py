@@ -130,12 +130,12 @@ def held_block(
     return Wall((wall, -0.2), (wall, 0.6)), held, Block(block), Forces(block, number)
 
 
-def leaning(angle: float) -> tuple[float, float]:
+def inclined_end(angle: float) -> tuple[float, float]:
     """The fixed end of a spring that points downwards to a body at this angle."""
     return -1.6 * float(functions.cos(angle)), 1.6 * float(functions.sin(angle))
 
 
-def pressed_on_belt(*springs: tuple[float, float], speed: str = "v") -> Mechanism:
+def body_on_belt(*springs: tuple[float, float], speed: str = "v") -> Mechanism:
     """A body, x along the belt and y into it, on its contact spring and further springs, whose fixed ends are
     at the given distances."""
     body = Place(0.0, 0.8, right="x", up="-y")

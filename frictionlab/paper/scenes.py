@@ -25,7 +25,8 @@ from frictionlab.validation import check_choice
 ALGORITHMS = ("exact", "paper")
 IMPACTS = ("paper", "full gap rate")
 PAPER_STEP = 2e-4  # s, of the paper's algorithm: that at which it gives the paper's 1.58 Hz
-# s.  Under Eq. (13) flights pile up by the thousand: replaced by their limit from here on, which leaves
+# s.  Under Eq. (13) there are thousands of ever shorter flights: replaced by their limit from here on, which
+# leaves
 # errors of 1e-8 in the usual structure.
 CHATTER_LIMIT = 1e-5
 MAX_EVENTS_AND_STEPS = 1_000_000  # events, and steps, of a run: one that grows without bound ends there

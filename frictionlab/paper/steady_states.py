@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from frictionlab.analysis.steady_state.motion_kind import MotionKind
 from frictionlab.analysis.steady_state.result import SteadyState
 from frictionlab.analysis.steady_state.steady_state import steady_state
 from frictionlab.analysis.sweeps.bifurcation import bifurcation
@@ -38,7 +39,6 @@ GEOMETRY_NAMES = {True: "with GN", False: "without GN"}
 
 MAX_INTERVALS = 7  # intervals that a text lists at most
 GRID_TOLERANCE = 1e-9  # for values that are the same but for rounding
-AT_REST, PERIODIC, NON_PERIODIC = "equilibrium", "periodic", "non-periodic"
 
 ROUNDING_MARGIN = 1 + 1e-9  # a value that lies exactly between two roundings agrees with both
 
@@ -183,7 +183,7 @@ def _cached_steady_state(
 
 def is_vibration(found: Any) -> NDArray[np.bool_]:
     """Where a sweep found a vibration, periodic or not, as booleans."""
-    return np.isin(found.kinds, (PERIODIC, NON_PERIODIC))
+    return np.isin(found.kinds, (MotionKind.PERIODIC, MotionKind.NON_PERIODIC))
 
 
 def is_kind(found: Any, kind: str) -> NDArray[np.bool_]:
@@ -227,7 +227,7 @@ def _share_text(found: Any, kind: str) -> str:
 
 def regimes(found: Any) -> list[tuple[str, int]]:
     """Kind, and the onsets of stick in a period where there is one, of all that has settled."""
-    settled = is_vibration(found) | is_kind(found, AT_REST)
+    settled = is_vibration(found) | is_kind(found, MotionKind.EQUILIBRIUM)
     return [(kind, int(n)) for kind, n, known in zip(found.kinds, found.onsets, settled) if known]
 
 

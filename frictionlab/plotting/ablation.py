@@ -10,6 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from frictionlab.analysis.spectrum import Spectrum
+from frictionlab.analysis.steady_state.motion_kind import MotionKind
 from frictionlab.analysis.steady_state.result import SteadyState
 from frictionlab.analysis.sweeps.ablation import all_of
 from frictionlab.analysis.sweeps.bifurcation import Bifurcation
@@ -93,13 +94,13 @@ def _share_labels(figure: RunFigure, panels: list[Axes]) -> None:
 
 def _phase_plane(result: Any, ax: Axes, name: str) -> None:
     run = result.trajectory
-    if result.kind == "equilibrium":
+    if result.kind == MotionKind.EQUILIBRIUM:
         column = run.names.index(name)
         x, rate = run.final_state[[column, column + run.automaton.coordinates]]
         ax.plot(x, rate, "+", color=BLACK, markersize=9.0, label="equilibrium")
         ax.set(ylim=(-1.0, 1.0))
     else:
-        seconds = SHOWN_PERIODS * result.period if result.kind == "periodic" else SHOWN_SECONDS
+        seconds = SHOWN_PERIODS * result.period if result.kind == MotionKind.PERIODIC else SHOWN_SECONDS
         plot_phase_plane(run, ax, name=name, window=min(seconds, float(run.raw.t)))
     ax.set(xlabel=_state_axis_label(name), ylabel=_state_axis_label(f"{name}'"))
 

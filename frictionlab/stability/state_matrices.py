@@ -74,7 +74,7 @@ def is_neutral(matrix: Array, values: NDArray[np.complex128]) -> NDArray[np.bool
 
     To first order E moves an eigenvalue by |E| times its condition number.  Where two coalesce that number
     is infinite and tells nothing, as at critical damping: an E is required as well that puts an eigenvalue on
-    the imaginary axis at this frequency.  Both are looked at for the balanced matrix.
+    the imaginary axis at this frequency.  Both are evaluated for the balanced matrix.
     """
     balanced: Any = matrix_balance(matrix, permute=False)[0]
     error = len(matrix) * BACKWARD_ERROR * np.linalg.norm(balanced, 2)

@@ -8,14 +8,8 @@ from typing import Any
 import numpy as np
 
 from frictionlab.analysis.motion_scales import Array, state_ranges
-from frictionlab.analysis.steady_state.classification import (
-    ENDED,
-    EQUILIBRIUM,
-    EVEN_SAMPLES,
-    MIN_DECAY_FACTOR,
-    UNSETTLED,
-    classify_run,
-)
+from frictionlab.analysis.steady_state.classification import EVEN_SAMPLES, MIN_DECAY_FACTOR, classify_run
+from frictionlab.analysis.steady_state.motion_kind import MotionKind
 from frictionlab.analysis.steady_state.poincare_sections import sections_to_record
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.hybrid.solve import solve
@@ -38,7 +32,12 @@ def probe_attractor(automaton: HybridAutomaton, start: Any, settings: BasinSetti
     passed = np.vstack([run.raw.step_states, run.final_state])
     reach = [passed.min(axis=0).tolist(), passed.max(axis=0).tolist()]
     if not run.status.ok:
-        return {"kind": ENDED, "period": None, "state": run.final_state.tolist(), "reach": reach}
+        return {
+            "kind": MotionKind.ENDED_EARLY,
+            "period": None,
+            "state": run.final_state.tolist(),
+            "reach": reach,
+        }
     found = classify_attractor(automaton, run.final_state, np.ptp(passed, axis=0), settings)
     return {**add_ranges(found, attractor_points(automaton, found, settings)), "reach": reach}
 
@@ -51,7 +50,7 @@ def classify_attractor(
     section, tolerance = settings["section"], settings["tolerance"]
     run = _run(automaton, settings["window"], state, settings, sections_to_record(automaton, section))
     verdict = classify_run(run, section, tolerance)
-    kind = EQUILIBRIUM if _decays(run, verdict.kind, spread, settings["rtol"]) else verdict.kind
+    kind = MotionKind.EQUILIBRIUM if _decays(run, verdict.kind, spread, settings["rtol"]) else verdict.kind
     end, period = run.final_state, None if np.isnan(verdict.period) else verdict.period
     if kind in RANGE_RTOL:
         end = _state_on_attractor(automaton, end, kind, spread, settings)
@@ -63,7 +62,7 @@ def _decays(run: Trajectory, kind: str, spread: Array, rtol: float) -> bool:
 
     Measured by its own size alone, a motion that decays to zero never becomes small.
     """
-    if kind != UNSETTLED or len(run.events):
+    if kind != MotionKind.NOT_SETTLED or len(run.events):
         return False
     x = run(np.linspace(0.0, run.raw.t, EVEN_SAMPLES))[:, spread > 0] / spread[spread > 0]
     first, *_, last = (float(state_ranges(part).max(initial=0.0)) for part in np.array_split(x, 4))
@@ -76,7 +75,7 @@ def _state_on_attractor(
     """A state closer to the attractor, which is known to a few digits so far: after one transient more, or at
     rest."""
     size, moving = attractor_scale([], spread, automaton.coordinates), 2 * automaton.coordinates or None
-    for _ in range(MAX_REST_TRANSIENTS if kind == EQUILIBRIUM else 1):
+    for _ in range(MAX_REST_TRANSIENTS if kind == MotionKind.EQUILIBRIUM else 1):
         before, state = state, _run(automaton, settings["transient"], state, settings).final_state
         if not (np.abs(state - before) / size)[:moving].max() > REST_CHANGE_RTOL:
             break
@@ -86,7 +85,7 @@ def _state_on_attractor(
 def attractor_points(automaton: HybridAutomaton, found: AttractorData, settings: BasinSettings) -> Array:
     """Points (K, n) on an attractor, evenly in time; none where the motion has not settled or ended early."""
     state = np.array(found["state"])
-    if found["kind"] == EQUILIBRIUM and len(state) <= 2 * automaton.coordinates:
+    if found["kind"] == MotionKind.EQUILIBRIUM and len(state) <= 2 * automaton.coordinates:
         return state[None]
     if found["kind"] not in RANGE_RTOL:
         return state[None][:0]

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from frictionlab.analysis.motion_scales import Array, state_groups
-from frictionlab.analysis.steady_state.classification import EQUILIBRIUM, NON_PERIODIC, PERIODIC
+from frictionlab.analysis.steady_state.motion_kind import MotionKind
 
 MIN_RANGE_SHARE = (
     # least scale of a state, as a share of the largest range in its group, or over the motions to the
@@ -18,7 +18,11 @@ MIN_RANGE_SHARE = (
     1e-2
 )
 PERIOD_RTOL = 1e-3
-RANGE_RTOL = {EQUILIBRIUM: 1e-2, PERIODIC: 1e-2, NON_PERIODIC: 0.1}  # share of the attractors' size
+RANGE_RTOL = {
+    MotionKind.EQUILIBRIUM: 1e-2,
+    MotionKind.PERIODIC: 1e-2,
+    MotionKind.NON_PERIODIC: 0.1,
+}  # share of the attractors' size
 
 UNDECIDED = -1
 
@@ -88,7 +92,7 @@ def same_attractor(one: AttractorData, other: AttractorData, size: Array) -> boo
     """Whether two attractors are the same: of one kind, one period and one range in each state."""
     if one["kind"] != other["kind"] or one["kind"] not in RANGE_RTOL:
         return one["kind"] == other["kind"]
-    if one["kind"] == PERIODIC and abs(one["period"] / other["period"] - 1.0) > PERIOD_RTOL:
+    if one["kind"] == MotionKind.PERIODIC and abs(one["period"] / other["period"] - 1.0) > PERIOD_RTOL:
         return False
     apart = [np.abs(np.subtract(one[side], other[side])) / size for side in ("low", "high")]
     return bool(np.max(apart) < RANGE_RTOL[one["kind"]])
@@ -155,7 +159,7 @@ def name_attractors(attractors: Sequence[AttractorData]) -> tuple[Attractor, ...
 
 
 def _name(found: AttractorData) -> str:
-    return f"period {found['period']:.4g} s" if found["kind"] == PERIODIC else found["kind"]
+    return f"period {found['period']:.4g} s" if found["kind"] == MotionKind.PERIODIC else found["kind"]
 
 
 def _attractor(name: str, found: AttractorData) -> Attractor:

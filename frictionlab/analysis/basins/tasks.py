@@ -16,7 +16,7 @@ import numpy as np
 
 from frictionlab.analysis.ensemble import advance_group, start_group
 from frictionlab.analysis.motion_scales import Array
-from frictionlab.analysis.steady_state.classification import ENDED
+from frictionlab.analysis.steady_state.motion_kind import MotionKind
 from frictionlab.analysis.steady_state.steady_state import check_steady_state_arguments
 from frictionlab.analysis.sweeps.journal import Journal
 from frictionlab.analysis.sweeps.task_runner import check_workers, run_tasks
@@ -190,7 +190,9 @@ def _labels_of_runs(group: Batch, catalogue: AttractorCatalogue) -> np.ndarray:
     """The attractor that each run is on; runs that ended early are labelled so."""
     labels = catalogue.reached(group.runs.states)
     for i in np.flatnonzero(group.runs.status != FINISHED):
-        labels[i] = catalogue.place({"kind": ENDED, "period": None, "state": group.runs.states[i].tolist()})
+        labels[i] = catalogue.place(
+            {"kind": MotionKind.ENDED_EARLY, "period": None, "state": group.runs.states[i].tolist()}
+        )
     return labels
 
 

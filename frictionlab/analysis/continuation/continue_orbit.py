@@ -188,12 +188,12 @@ def _check(orbit: Any, parameter: str, bounds: Any, step: float, max_points: int
 
 
 def _with_progress_bar(
-    walks: Iterator[BranchHalf], bounds: tuple[float, float], progress: bool
+    halves: Iterator[BranchHalf], bounds: tuple[float, float], progress: bool
 ) -> Iterator[BranchHalf]:
     from tqdm.auto import tqdm
 
     bar = tqdm(
-        walks, desc="continue orbit", unit=" orbits", leave=False, delay=PROGRESS_DELAY, disable=not progress
+        halves, desc="continue orbit", unit=" orbits", leave=False, delay=PROGRESS_DELAY, disable=not progress
     )
     for found in bar:
         if found.points:

@@ -79,14 +79,16 @@ class Balance:
         found |= {name: self._at(energy, states) for name, energy in self._terms.potential.items()}
         springs = [c for c in self._terms.contacts if c.law is not None]
         if springs:
-            found["contact"] = np.sum([self._stored(contact, states, modes) for contact in springs], axis=0)
+            found["contact"] = np.sum(
+                [self._contact_energy(contact, states, modes) for contact in springs], axis=0
+            )
         return found
 
     def powers(self, states: Array, modes: Any) -> dict[str, Array]:
         """The powers (W), each (N,), that change the sum of the energies, between events."""
         found = {name: self._at(power, states) for name, power in self._terms.powers.items()}
         for contact in self._terms.contacts:
-            for name, power in self._of_contact(contact, states, modes):
+            for name, power in self._contact_powers(contact, states, modes):
                 found[name] = found.get(name, 0.0) + power
         return {name: found[name] for name in WORKS if name in found}
 
@@ -100,7 +102,7 @@ class Balance:
     def _output(self, name: str, contact: ContactTerms, states: Array, modes: Any) -> Array:
         return evaluate_output(self.automaton, name + contact.number, states, modes)
 
-    def _of_contact(self, contact: ContactTerms, states: Array, modes: Any) -> Any:
+    def _contact_powers(self, contact: ContactTerms, states: Array, modes: Any) -> Any:
         """Names and powers (W) of a contact with friction."""
         if contact.speed is None:
             return
@@ -109,7 +111,10 @@ class Balance:
         yield "friction", -friction * self._output("relative_velocity", contact, states, modes)
         if contact.approach is None:
             return
-        normal, pressed = self._output("normal_force", contact, states, modes), self._pressed(contact)[modes]
+        normal, pressed = (
+            self._output("normal_force", contact, states, modes),
+            self._modes_in_contact(contact)[modes],
+        )
         approaching = self._at(contact.approach, states)
         yield "impacts", np.where(pressed, 0.0, -normal * approaching)
         # the energy that the contact stores is not known: all power of F_N counts as work
@@ -118,7 +123,7 @@ class Balance:
         elif contact.travel is not None:
             yield "moving load", np.where(pressed, normal * self._at(contact.travel, states), 0.0)
 
-    def _stored(self, contact: ContactTerms, states: Array, modes: Any) -> Array:
+    def _contact_energy(self, contact: ContactTerms, states: Array, modes: Any) -> Array:
         """Energy stored by the contact (J): the integral of F_N from 0 to the penetration; none in flight."""
         law: Any = contact.law
         penetration = self._at(contact.penetration, states)
@@ -126,9 +131,9 @@ class Balance:
         shares = (1.0 + CONTACT_NODES) / 2.0
         at = (law(penetration * share**2, *self._values) * share for share in shares)
         energy = penetration * sum(w * f for w, f in zip(CONTACT_WEIGHTS, at, strict=True))
-        return np.where(self._pressed(contact)[modes], energy, 0.0)
+        return np.where(self._modes_in_contact(contact)[modes], energy, 0.0)
 
-    def _pressed(self, contact: ContactTerms) -> np.ndarray:
+    def _modes_in_contact(self, contact: ContactTerms) -> np.ndarray:
         """Modes in which the contact's spring acts: not in flight, nor in the limit mode of many impacts."""
         apart = "separation", CHATTER_MODE
         return np.array([name.split(JOINT)[contact.place] not in apart for name in self.automaton.names])

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from frictionlab.analysis.motion_scales import AT_REST_RTOL, Array, state_groups
-from frictionlab.analysis.steady_state.classification import PERIODIC
+from frictionlab.analysis.steady_state.motion_kind import MotionKind
 from frictionlab.analysis.steady_state.result import SteadyState
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.hybrid.solve import solve
@@ -37,7 +37,7 @@ def state_and_period(
         Where the motion does not return to the state.
     """
     if isinstance(guess, SteadyState):
-        if guess.kind != PERIODIC:
+        if guess.kind != MotionKind.PERIODIC:
             raise ValueError(
                 f"guess must be periodic, the steady state is {guess.kind!r}: give another state"
             )

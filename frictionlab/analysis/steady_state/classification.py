@@ -14,6 +14,7 @@ from frictionlab.hybrid.trajectory import SectionPoints, Trajectory
 
 from .decay import all_parts_decay, part_decays
 from .forcing_phase import covers_period, only_phase_resets, phase_on_circle
+from .motion_kind import MotionKind
 from .poincare_sections import STICK, Section, section_crossings, stick_onsets, turning_section
 from .recurrence import (
     MIN_CROSSINGS,
@@ -27,27 +28,29 @@ from .recurrence import (
     is_periodic,
 )
 
-EQUILIBRIUM, PERIODIC, NON_PERIODIC = "equilibrium", "periodic", "non-periodic"
-UNSETTLED, ENDED = "not settled yet", "ended early"
 REST_AMPLITUDE_RTOL = 1e-3  # size of a dying motion, as a share of the coordinates, that counts as at rest
 MIN_DECAY_FACTOR = 1.4  # by which factor it has to shrink from the first quarter of the window to the last
 EVEN_SAMPLES = 8001
 
 
-def kind_of_motion(run: Trajectory, crossings: Array, returns: Recurrence, tolerance: float) -> str:
+def kind_of_motion(run: Trajectory, crossings: Array, returns: Recurrence, tolerance: float) -> MotionKind:
     """The kind of motion in a run, from its crossings (K, m) of a section and their recurrence.
 
     Crossings are those of :func:`frictionlab.analysis.steady_state.forcing_phase.phase_on_circle`.
     """
     resting = _at_rest(run)
     if resting is not None:
-        return EQUILIBRIUM if resting else UNSETTLED
+        return MotionKind.EQUILIBRIUM if resting else MotionKind.NOT_SETTLED
     if is_periodic(returns, tolerance):
-        return PERIODIC
+        return MotionKind.PERIODIC
     if _decays_slowly(run):
-        return EQUILIBRIUM
+        return MotionKind.EQUILIBRIUM
     near = returns.deviation < NEAR_RECURRENCE_RTOL or returns.shrinking > MIN_SETTLING_FACTOR
-    return UNSETTLED if len(crossings) < MIN_CROSSINGS or near or _has_trend(run, crossings) else NON_PERIODIC
+    return (
+        MotionKind.NOT_SETTLED
+        if len(crossings) < MIN_CROSSINGS or near or _has_trend(run, crossings)
+        else MotionKind.NON_PERIODIC
+    )
 
 
 def _at_rest(run: Trajectory) -> bool | None:
@@ -110,7 +113,7 @@ class MotionClass(NamedTuple):
 
     section: SectionPoints
     returns: Recurrence
-    kind: str
+    kind: MotionKind
     period: float
 
 
@@ -119,7 +122,7 @@ def classify_run(run: Trajectory, section: Section | None, tolerance: float) -> 
     if not run.status.ok:
         # A motion that grows without bounds does not repeat, and may have a million crossings.
         end = SectionPoints(np.array([run.raw.t]), run.final_state[None])
-        return MotionClass(end, Recurrence(0, np.nan, np.nan, np.nan), ENDED, np.nan)
+        return MotionClass(end, Recurrence(0, np.nan, np.nan, np.nan), MotionKind.ENDED_EARLY, np.nan)
     if section is None:
         section = STICK if stick_onsets(run).sum() >= MIN_PERIODS_SEEN else turning_section(run.automaton)
     crossings = section_crossings(run, section)
@@ -132,7 +135,7 @@ def classify_run(run: Trajectory, section: Section | None, tolerance: float) -> 
         if is_periodic(other, tolerance) or len(states) < MIN_CROSSINGS:
             states, returns = turns, other
     kind = kind_of_motion(run, states, returns, tolerance)
-    return MotionClass(crossings, returns, kind, returns.period if kind == PERIODIC else np.nan)
+    return MotionClass(crossings, returns, kind, returns.period if kind == MotionKind.PERIODIC else np.nan)
 
 
 def _section_recurrence(

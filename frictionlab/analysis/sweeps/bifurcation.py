@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from frictionlab.analysis.ensemble import ensemble
-from frictionlab.analysis.steady_state.classification import ENDED
+from frictionlab.analysis.steady_state.motion_kind import MotionKind
 from frictionlab.analysis.steady_state.poincare_sections import Section
 from frictionlab.analysis.steady_state.steady_state import check_steady_state_arguments, steady_state
 from frictionlab.hybrid.methods.base import Method
@@ -199,7 +199,7 @@ def _run_continued(
                 except Exception as error:
                     raise RuntimeError(f"{names[i]} failed with {type(error).__name__}: {error}") from error
             done = journal.results[i]
-            start = "rest" if done["kind"] == ENDED else np.array(done["final"])
+            start = "rest" if done["kind"] == MotionKind.ENDED_EARLY else np.array(done["final"])
             if interrupted():
                 return
 

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionlab.analysis.steady_state.classification import EQUILIBRIUM
+from frictionlab.analysis.steady_state.motion_kind import MotionKind
 from frictionlab.analysis.tables import import_optional
 from frictionlab.models import Model
 from frictionlab.validation import check_choice
@@ -87,12 +87,12 @@ class Bifurcation:
         """
         check_choice("name", name, self.names)
         column = self.names.index(name)
-        chosen = kinds or tuple({*self.kinds} - {EQUILIBRIUM, ""})
+        chosen = kinds or tuple({*self.kinds} - {MotionKind.EQUILIBRIUM, ""})
         found = [self._states(i)[:, column] if kind in chosen else () for i, kind in enumerate(self.kinds)]
         return np.repeat(self.values, [len(f) for f in found]), np.concatenate([*found, np.zeros(0)])
 
     def _states(self, i: int) -> Array:
-        if self.kinds[i] == EQUILIBRIUM:
+        if self.kinds[i] == MotionKind.EQUILIBRIUM:
             return np.array([self.results[i]["final"]])
         return self.sections[i]
 

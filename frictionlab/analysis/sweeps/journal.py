@@ -65,9 +65,9 @@ def write_journal(path: str | Path, specification: dict[str, Any], results: dict
         _json_line(specification),
         *(_json_line({"task": i, "result": results[i]}) for i in sorted(results)),
     ]
-    beside = path.with_name(path.name + ".new")
-    beside.write_text("".join(lines), encoding="utf-8")
-    os.replace(beside, path)
+    temporary = path.with_name(path.name + ".new")
+    temporary.write_text("".join(lines), encoding="utf-8")
+    os.replace(temporary, path)
     return path
 
 

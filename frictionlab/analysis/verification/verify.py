@@ -141,8 +141,8 @@ def verify(
         raise ValueError(f"the motion must not end where it begins, it does: {run.status}")
     second = motion.run(_more_exact_method(chosen), t_end=run.raw.t)
     size = motion_size(second)
-    until = compare_runs(motion.beside(second), second, size, UNPREDICTABLE_DEVIATION).until
-    if math.isclose(until, run.raw.t, rel_tol=TIME_RTOL):  # the start beside ends a little earlier
+    until = compare_runs(motion.neighbouring_run(second), second, size, UNPREDICTABLE_DEVIATION).until
+    if math.isclose(until, run.raw.t, rel_tol=TIME_RTOL):  # the neighbouring run ends a little earlier
         until = run.raw.t
     same = compare_runs(run, second, size, np.inf, until)
     third = _independent_run(motion, second, size, until, 0.5)
@@ -178,7 +178,7 @@ class _RunSetup:
             raise KeyboardInterrupt
         return run
 
-    def beside(self, run: Trajectory) -> Trajectory:
+    def neighbouring_run(self, run: Trajectory) -> Trajectory:
         """A run by the same method from a neighbouring state, in the same mode.
 
         In stick the velocities are constrained, at a stop a coordinate as well: all states are changed where
@@ -292,5 +292,5 @@ def _comparison_limit(run: Trajectory, third: Trajectory | None) -> str:
     if third is not None and not third.status.ok:
         return f"where it ended ({third.status})"
     if third is None or math.isclose(third.raw.t, accumulation_time(run), rel_tol=TIME_RTOL):
-        return "where events begin to pile up"
+        return "at a Zeno accumulation of events"
     return "where a mode lasts too short a time for its steps"

@@ -2,7 +2,7 @@
 
 It does the same operations in the same sequence as :func:`frictionlab.hybrid.kernels.jets.run_tape`, so its
 results are those of the interpreter to the last bit, and a run may change from one to the other at any step.
-It leaves out the rows of slots that nobody reads; of the rates it keeps the values.  `LaneWriter` writes the
+It leaves out the rows of slots that are not used; of the rates it keeps the values.  `LaneWriter` writes the
 same for several runs side by side: every value has one number for each run (lane).
 """
 
@@ -34,7 +34,7 @@ CONTROL_ROWS = 6
 
 
 class ModeTape(NamedTuple):
-    """What the code of one mode is made from."""
+    """The tape of one mode, from which its code is written."""
 
     tape: Tape
     first: tuple[int, int]  # place of the tape's operations, and of its terms, among all
@@ -104,7 +104,8 @@ class JetWriter(Instructions):
         return [self.values[slot] for slot in self.function.flow]
 
     def _columns(self, done: Any, fours: Any, rates: Values) -> Values:
-        """The next four columns, so that what a convolution leaves after groups of four is known."""
+        """The next four columns: four at a time, the remainder of each convolution after groups of four is
+        known."""
         build, first = self.build, self.build.shl(fours, self.whole(2))
         for rest in range(PARTS):
             k = build.add(first, self.whole(rest + 1))
@@ -203,7 +204,7 @@ class JetWriter(Instructions):
         return self._fma(build.fmul(two, self._at(a, self.J)), self.values[a], total)
 
     def _prepare_powers(self) -> None:
-        """What the base of a power is to be larger than, relative to its rate, to have a series."""
+        """The least base of a power, relative to its rate, for which it has a series."""
         if any(kind == POWER for kind, _, _ in self.function.tape.ops):
             build, kind, one = self.build, self.ir.DoubleType(), self.whole(1)
             order = build.select(build.icmp_signed(">", self.order, one), self.order, one)
@@ -235,7 +236,7 @@ class JetWriter(Instructions):
         return self.build.fcmp_ordered(">", base, self._number(0.0))
 
     def _limit(self, exponent: Any) -> Any:
-        """Of a power where its base goes to zero."""
+        """The limit of a power where its base goes to zero."""
         negative = self.build.fcmp_ordered("<", exponent, self._number(0.0))
         return self.build.select(negative, self._number(float("inf")), self._number(0.0))
 
@@ -286,7 +287,7 @@ class JetWriter(Instructions):
 
 
 class LaneWriter(JetWriter):
-    """The recurrences, and what else all lanes do at once."""
+    """The recurrences for several runs side by side, and other operations on all lanes."""
 
     width = LANE_COUNT
 

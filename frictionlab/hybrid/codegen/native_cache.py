@@ -30,10 +30,11 @@ from frictionlab.hybrid.kernels import arithmetic
 from frictionlab.hybrid.tape import tape
 from frictionlab.hybrid.tape.program import Code, Program
 
-COMPILE_AFTER = 20_000  # jets of a mode after which its code pays: interpreted, they take as long as it does
+# number of a mode's jets after which compiling pays: interpreted, they take as long as the compilation
+COMPILE_AFTER = 20_000
 NAME, STEP = "jets", "step"
 _MADE: WeakKeyDictionary[Program, NativeCode] = WeakKeyDictionary()
-_ENGINES: list[Any] = []  # own the code, so they live as long as the process
+_ENGINES: list[Any] = []  # engines own the code, so they live as long as the process
 
 
 class NativeCode:
@@ -62,7 +63,7 @@ class NativeCode:
             steps[mode] = _load_from_cache(_path(function, STEP, self._of_steps[mode]))
 
     def used(self, modes: np.ndarray) -> None:
-        """Take note of jets that were computed, by their modes; have what is long compiled."""
+        """Count the jets computed in each mode; start the compilation of modes with many."""
         if compilation.NUMBA is None:
             return
         self._used += np.bincount(modes, minlength=len(self._used))
@@ -94,14 +95,14 @@ class NativeCode:
         self.requested.clear()
 
     def share(self, modes: Iterable[int]) -> None:
-        """Have the steps of several runs in these modes compiled."""
+        """Start the compilation of the lane steps of these modes."""
         for mode in modes if compilation.NUMBA is not None else ():
             if not (self.code.lanes[mode] or self.code.powers[mode]) and ~mode not in self.requested:
                 self.requested[~mode] = _worker().submit(self.compile_step, mode)
 
 
 def native_code(program: Program) -> NativeCode:
-    """Those of a program, made once."""
+    """The native code of a program, created once."""
     if program not in _MADE:
         _MADE[program] = NativeCode(program)
     return _MADE[program]
@@ -109,7 +110,7 @@ def native_code(program: Program) -> NativeCode:
 
 @contextmanager
 def _garbage_collection_off() -> Iterator[None]:
-    """Without collecting garbage: instructions are many objects that all stay, looked at each time."""
+    """Context without garbage collection, which would scan the many instruction objects again and again."""
     was_on = gc.isenabled()
     gc.disable()
     try:
@@ -156,7 +157,7 @@ def _machine() -> Any:
 
 @cache
 def _host() -> str:
-    """What compiled code depends on besides the function and the kernels, by which the folder is named."""
+    """The properties of the machine and versions on which compiled code depends, which name the folder."""
     import llvmlite
 
     llvm = _llvm()
@@ -211,7 +212,7 @@ def _machine_of_engine() -> Any:
 
 
 def _store(code: bytes, path: Path | None) -> None:
-    """Write it beside and rename, so that nobody reads half a file."""
+    """Write to a temporary file and rename it, so that no process reads an incomplete file."""
     if path is None:
         return
     with suppress(OSError):

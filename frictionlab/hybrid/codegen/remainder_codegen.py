@@ -2,9 +2,9 @@
 discs.
 
 That is :mod:`frictionlab.hybrid.kernels.remainder` for all lanes: the operations are those of a single run in
-the same sequence, but that zeros are not added; the library's functions are called for each lane by itself.
-Radii are tried until every lane has its step.  In the ranges `d` is how far the argument goes from its value
-`a`; `y` and `slope` are the absolute values of the function and its derivative there.
+the same sequence, except that zeros are not added; the library's functions are called for each lane by
+itself. Radii are tried until every lane has its step.  In the ranges `d` is how far the argument goes from
+its value `a`; `y` and `slope` are the absolute values of the function and its derivative there.
 """
 
 from __future__ import annotations
@@ -155,14 +155,15 @@ class StepStructure(NamedTuple):
 
 
 class RangeBound(NamedTuple):
-    """How far a slot goes on the disc, and without its polynomial; None for what is not asked for or zero."""
+    """Range of a slot on the disc, and of its remainder; None where it is not needed or zero."""
 
     reach: Any
     rest: Any
 
 
 class RemainderWriter(RangeWriter):
-    """Writes the passes through the tape; `bounds` and `series` are what one knows of the slots."""
+    """Writes the passes through the tape; `bounds` and `series` hold the bounds and series of the slots known
+    so far."""
 
     bounds: dict[int, RangeBound]
     series: dict[int, Any]
@@ -388,5 +389,5 @@ class RemainderWriter(RangeWriter):
         return self._abs(self._at(slot, self.J))
 
     def _finite(self, bound: Any) -> Any:
-        """Infinite where it is no number, as 0 times infinity."""
+        """A bound; infinite where it is not a number, as 0 times infinity."""
         return self._where(self.build.fcmp_ordered("ord", bound, bound), bound, math.inf)

@@ -1,9 +1,9 @@
 """What is done at an event: it is recorded, the state is reset, the next mode entered; Zeno points are
 closed.
 
-Events that follow each other within less than a dwell time, twice in a row, are taken for an accumulation in
-finite time (Zeno): the closing reset is applied, and the automaton's limit mode entered if it has one that is
-admissible.
+Events that follow each other within less than a dwell time, twice in a row, are taken for a Zeno
+accumulation, infinitely many in finite time: the closing reset is applied, and the automaton's limit mode
+entered if it has one that is admissible.
 """
 
 from __future__ import annotations
@@ -37,7 +37,8 @@ MAX_REPEATS = 50  # events or steps without advance of time after which the run 
 
 @inlined
 def status_after_repeat(counts):
-    """How a run goes on after events, or steps, that the clock does not show."""
+    """Status of a run after an event or step that does not advance the clock: stalled after too many of
+    them."""
     return STALLED if counts[REPEATED] > MAX_REPEATS else RUNNING
 
 
@@ -50,7 +51,8 @@ def count_repeat(counts):
 
 @kernel
 def is_zeno(code, guard, limit, count, cursor):
-    """Whether the mode that ends lasted less than a limit, and the one before it; counts on."""
+    """Whether the stay that ends and the one before it were both shorter than a dwell time; updates the
+    counts."""
     times, counts = cursor.times, cursor.counts
     if times[NOW] - times[ENTERED] >= max(times[limit], 1e-15 * abs(times[NOW])):
         counts[count] = 0
@@ -64,7 +66,7 @@ def is_zeno(code, guard, limit, count, cursor):
 
 @kernel
 def select_limit_mode(code, numbers, absolute, guard, order, cursor, work):
-    """Enter what the events come to, if that is admissible; else leave the state, and return NO_MODE."""
+    """Enter the limit mode, if it is admissible; else leave the state, and return NO_MODE."""
     z, before = cursor.state, work.before
     copy_vector(z, before)
     apply_reset(code, numbers, code.resets[guard, 1], z, work.jets)
@@ -106,7 +108,7 @@ def reset_and_select_mode(code, numbers, absolute, guard, multiplicity, order, t
 
 @kernel
 def handle_event(code, numbers, absolute, guard, multiplicity, order, tol, cursor, record, work):
-    """Record the event, change the mode; returns how the run goes on.
+    """Record the event and change the mode; returns the status of the run.
 
     `tol` is the share of the states by which the steps may miss the event.
     """

@@ -124,8 +124,9 @@ def has_series(base, rate, order):
 def power_coefficient(exponent, a, out, k, order, sign, values, J):
     """Coefficient k of a power of slot a, which is not below zero.
 
-    Where a is zero or nearly so, as at the onset of contact with a force gap^1.5, there is no series: then
-    the power counts as constant, and :mod:`frictionlab.hybrid.kernels.powers` finds a step in which it may.
+    Where a is zero or nearly so, as at the onset of contact with a force penetration^1.5, there is no series:
+    then the power counts as constant, and :mod:`frictionlab.hybrid.kernels.powers` finds a step in which it
+    may.
     """
     base = values[a, 0]
     if not base > 0.0:

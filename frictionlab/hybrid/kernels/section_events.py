@@ -7,7 +7,7 @@ from frictionlab.hybrid.kernels.event_location import absolute_sum, rescale
 from frictionlab.hybrid.kernels.jets import polynomial_value, states_at
 from frictionlab.hybrid.kernels.roots import isolate_roots
 
-NOW = 0  # places in Cursor.times and Cursor.counts, see bookkeeping
+NOW = 0  # places in RunState.times and RunState.counts, see run_state
 POINTS = 3
 SECTION_ROUNDING = 1e-14  # a value below this share of its terms has no sign
 

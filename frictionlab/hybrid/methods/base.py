@@ -23,7 +23,7 @@ from frictionlab.hybrid.progress import Progress
 from frictionlab.hybrid.tape.program import Numbers
 from frictionlab.validation import check_number
 
-RECORD_CAPACITY = 2048  # steps between two looks at the progress bar and ctrl-C
+RECORD_CAPACITY = 2048  # steps between two updates of the progress bar, which check for ctrl-C
 
 STATUS_OF_CODE = {
     run_state.RUNNING: Status.RUNNING,
@@ -43,7 +43,7 @@ def initial_mode(problem: Problem, order: int, absolute: Numbers, work) -> int:
     ------
     ValueError
         Where the mode that was asked for cannot be entered there.
-    Unbuilt
+    ModeNotDerived
         Where a mode is to be tried that has yet to be derived.
     """
     program = problem.program
@@ -72,7 +72,7 @@ def initial_mode(problem: Problem, order: int, absolute: Numbers, work) -> int:
 
 @dataclass(frozen=True)
 class ActiveRun:
-    """A problem under way: its arrays, as the kernels take them."""
+    """A run in progress: its arrays, as the kernels take them."""
 
     problem: Problem
     natives: NativeCode
@@ -83,10 +83,10 @@ class ActiveRun:
 
 @dataclass(frozen=True)
 class Method(ABC):
-    """Base of all methods; owns the bookkeeping."""
+    """Base of all methods; runs the loop and keeps the records."""
 
     name: ClassVar[str]
-    riders: ClassVar[bool] = False  # whether sections and quadratures can ride along
+    riders: ClassVar[bool] = False  # whether the method records sections and integrates quadratures
     entry: ClassVar[Any]  # the kernel that takes longest to compile
     parts: ClassVar[int] = 1  # samples a step is cut into where no t_eval is given
 
@@ -95,12 +95,13 @@ class Method(ABC):
 
     @property
     def limits(self) -> tuple[float, float]:
-        """Dwell times (s) below which events in a row pile up: without a limit mode, and with one."""
+        """Dwell times (s) below which consecutive events count as Zeno: without a limit mode, and with
+        one."""
         return 0.0, 0.0
 
     @property
     def raises(self) -> bool:
-        """Whether an accumulation ends the run."""
+        """Whether a Zeno accumulation ends the run."""
         return False
 
     @property
@@ -110,7 +111,7 @@ class Method(ABC):
 
     @abstractmethod
     def advance(self, run: ActiveRun, record: run_state.Record) -> int:
-        """Fill `record` until it is full (bookkeeping.RUNNING), the run ends, or a mode is NOT_DERIVED."""
+        """Fill `record` until it is full (run_state.RUNNING), the run ends, or a mode is NOT_DERIVED."""
 
     def describe(self) -> dict[str, Any]:
         """Name and settings, for the record."""
@@ -124,7 +125,7 @@ class Method(ABC):
             )
 
     def integrate(self, problem: Problem, progress: Progress) -> RunData:
-        """Run the problem to its end, or as far as it goes; raise Unbuilt where it needs another mode."""
+        """Run the problem to its end, or as far as it goes; ModeNotDerived where it needs another mode."""
         with np.errstate(all="ignore"):
             return self._integrate(problem, progress)
 

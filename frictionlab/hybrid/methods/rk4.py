@@ -1,4 +1,5 @@
-"""The paper's algorithm (its Fig. 19) as a method: fixed steps, conditions looked at when a step is over."""
+"""The paper's algorithm (its Fig. 19) as a method: fixed steps, conditions checked at the end of each
+step."""
 
 from __future__ import annotations
 
@@ -78,7 +79,7 @@ def bisect_event(code, numbers, mode, z, h, J, stages, new):
 def select_mode_by_values(code, numbers, absolute, guard, z, work):
     """First target whose conditions hold by their values alone; what the event made zero holds.
 
-    So slip is entered after a re-contact whatever the gap rate.
+    So slip is entered after a re-contact whatever the penetration rate.
     """
     J = work.jets
     declared = code.declared[guard, 0]
@@ -173,7 +174,7 @@ def advance_rk4(code, numbers, absolute, step, cursor, record, work, stages, new
 class RK4(Method):
     """The algorithm of the paper's Fig. 19: classical Runge-Kutta on a fixed time grid.
 
-    The conditions of a state are looked at only at the end of a step; where one fails, bisection finds
+    The conditions of a mode are checked only at the end of a step; where one fails, bisection finds
     the instant within the step, the state changes, and the rest of the step follows.  After a re-contact
     slip is entered.  What happens and ends within a step is not seen, so the results depend on `step`;
     use it to compare with the paper.

@@ -140,12 +140,12 @@ class Taylor(Method):
         cost, 0.5 would be cheapest (Jorba & Zou 2005); these models are mostly affine, which favours more.
     chatter : float
         Two flights in a row shorter than this (in seconds) are taken for chatter, and replaced by its limit
-        (mode "chatter"); the error goes with the square of it.  0 walks through every flight.
+        (mode "chatter"); the error is proportional to its square.  0 computes every flight.
     dwell : float
-        Two flights in a row shorter than this (in seconds), where there is no such limit, are taken for an
-        accumulation of impacts, which is closed: the gap rate set to zero.
+        Two flights in a row shorter than this (in seconds), where there is no such limit, are taken for a
+        Zeno accumulation of impacts, which is closed: the gap rate is set to zero.
     accumulation : "close" or "raise"
-        Whether to go on after chatter or an accumulation, counted in ``run.stats``, or end the run there.
+        Whether to go on after chatter or a Zeno accumulation, counted in ``run.stats``, or end the run there.
     max_steps, max_events : int
         A run that reaches one ends with a status and keeps what it has.
 

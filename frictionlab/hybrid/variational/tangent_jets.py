@@ -98,7 +98,7 @@ def linearise(code, numbers, first, last, flow, z, J, T):
 
 @kernel
 def carry_step(code, numbers, mode, order, tol, longest, z, frame, J, T):
-    """Carry the state `z` and the rows of `frame`, tangent vectors, a step on in a mode.
+    """Propagate the state `z` and the rows of `frame`, tangent vectors, by one step in a mode.
 
     The step is as long as the series of the tangents allow: near an equilibrium the state's would allow any.
     Returns its length, which is not positive, or no number, where the series diverge.

@@ -25,7 +25,7 @@ def stick_reset(found: LagrangeSystem, contact: Any) -> Reset:
     if pair is not None:
         return _together(found, pair)
     w = found.direction(contact)
-    jump = _kick(found, w, contact.relative_velocity / compliance(found, w))
+    jump = _velocity_jump(found, w, contact.relative_velocity / compliance(found, w))
     return Reset({rate: expand_products(after) for rate, after in jump.items()})
 
 
@@ -51,10 +51,10 @@ def compliance(found: LagrangeSystem, w: Any) -> Any:
 
 def velocities_after(found: LagrangeSystem, direction: Any, impulse: Any) -> dict[Any, Any]:
     """M dv = W p, Eqs. (10) to (12): the velocities that jump, after an impulse along W_N or W_T."""
-    return _kick(found, direction, impulse) if impulse != 0 else {}
+    return _velocity_jump(found, direction, impulse) if impulse != 0 else {}
 
 
-def _kick(found: LagrangeSystem, w: Any, impulse: Any) -> dict[Any, Any]:
+def _velocity_jump(found: LagrangeSystem, w: Any, impulse: Any) -> dict[Any, Any]:
     changes = [p * impulse / m for p, m in zip(w, found.masses)] or found.inverse * w * impulse
     return {rate: rate + change for rate, change in zip(found.v, changes, strict=True) if change != 0}
 
@@ -104,7 +104,7 @@ def _on_stop(found: LagrangeSystem, contact: Stop, law: Any) -> Reset:
     # stop is on it to the last bit.
     moved = zip(found.q, found.inverse * w * (contact.distance / compliance(found, w)), strict=True)
     placed = {x: expand_products(x - change) for x, change in moved if change != 0}
-    after = _kick(found, w, law.impulse(-rate, -rate, compliance(found, w)))
+    after = _velocity_jump(found, w, law.impulse(-rate, -rate, compliance(found, w)))
     return Reset({**placed, **{v: expand_products(a) for v, a in after.items()}}, {contact.distance: order})
 
 

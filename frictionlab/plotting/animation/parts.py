@@ -188,7 +188,7 @@ def parts(run: Any, mechanism: Mechanism, t: Array, magnify: float | None = None
     visible."""
     values = {str(name): np.full(len(t), float(value)) for name, value in run.automaton.parameters.items()}
     values |= dict(zip(run.names, run(t).T, strict=True))
-    seen = Seen(run, t, values, modes_at(run, t))
+    seen = SampledRun(run, t, values, modes_at(run, t))
     used = [values[name.lstrip("-")] for name in sorted(_names(mechanism))]
     largest = max((float(np.abs(value).max()) for value in used), default=0.0)
     s = magnify if magnify is not None else round_down_1_2_5(REACH / largest) if largest > 0 else 1.0
@@ -206,7 +206,7 @@ def parts(run: Any, mechanism: Mechanism, t: Array, magnify: float | None = None
 
 
 @dataclass(frozen=True, eq=False)
-class Seen:
+class SampledRun:
     """Samples of a run at times `t`: states and parameters by name, and modes."""
 
     run: Any
@@ -225,7 +225,7 @@ class Seen:
         return (-s if name.startswith("-") else s) * self.values[name.lstrip("-")]
 
 
-def _shapes(part: Any, seen: Seen, s: float, forces: Any) -> list[Shape]:
+def _shapes(part: Any, seen: SampledRun, s: float, forces: Any) -> list[Shape]:
     ones = np.ones(len(seen.t))
     if isinstance(part, Wall):
         return [Shape("wall", np.column_stack([*seen.at(part.start, s), *seen.at(part.end, s)]), GREY)]
@@ -241,7 +241,7 @@ def _shapes(part: Any, seen: Seen, s: float, forces: Any) -> list[Shape]:
     return _pair(part, seen, s, forces)
 
 
-def _pair(part: Forces, seen: Seen, s: float, forces: Any) -> list[Shape]:
+def _pair(part: Forces, seen: SampledRun, s: float, forces: Any) -> list[Shape]:
     """The arrows of both contact forces."""
     sizes, scale = forces
     foot, nothing = seen.at(part.at, s), np.zeros(len(seen.t))
@@ -252,7 +252,7 @@ def _pair(part: Forces, seen: Seen, s: float, forces: Any) -> list[Shape]:
     return [Shape("arrow", np.column_stack([*foot, *v]), FORCES[name][0]) for name, v in vectors.items()]
 
 
-def _spring(part: Spring, seen: Seen, s: float) -> Array:
+def _spring(part: Spring, seen: SampledRun, s: float) -> Array:
     start, end = seen.at(part.start, s), seen.at(part.end, s)
     if part.loose:
         hangs, rest = seen.mode == part.loose, (part.start.x - part.end.x, part.start.y - part.end.y)

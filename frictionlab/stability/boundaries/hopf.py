@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from frictionlab.models.coercion import automaton_of
 from frictionlab.stability.equilibrium_points.equilibria import Equilibrium
 from frictionlab.stability.equilibrium_points.problem_setup import equilibrium_branches, equilibrium_problem
-from frictionlab.stability.equilibrium_points.static_equations import by_gap
+from frictionlab.stability.equilibrium_points.static_equations import by_penetration
 from frictionlab.stability.equilibrium_problem import EquilibriumProblem, check_bounds
 
 from .normal_form import (
@@ -223,7 +223,7 @@ def _problems(
     model: Any, parameter: str, bounds: Any, equilibrium: Equilibrium | None
 ) -> tuple[list[EquilibriumProblem], tuple[float, float]]:
     """The equilibria to follow, and the bounds, checked."""
-    if equilibrium is not None or by_gap(model):
+    if equilibrium is not None or by_penetration(model):
         problem = equilibrium_problem(model, equilibrium)
         return [problem], check_bounds(problem.model, problem.parameters, parameter, bounds)
     known = {symbol.name: value for symbol, value in automaton_of(model).parameters.items()}

@@ -63,7 +63,7 @@ class Modes:
         parts: Any = (self.at, self.values, self.right, self.left, self.unstable)
         return Modes(*(part[chosen] for part in parts))
 
-    def permuted(self, order: NDArray[np.intp]) -> Modes:
+    def permute(self, order: NDArray[np.intp]) -> Modes:
         """With the modes of each point in another order (N, k)."""
         return Modes(
             self.at,
@@ -122,7 +122,7 @@ def track_modes(path: Modes, sample: Callable[[Array], Modes]) -> Modes:
     order[:1] = np.arange(path.values.shape[1])
     for before, after, step in zip(order, order[1:], steps):
         after[:] = step[before]
-    return parted.permuted(order)
+    return parted.permute(order)
 
 
 def _separate_equal(path: Modes, sample: Callable[[Array], Modes]) -> Modes:
@@ -162,7 +162,7 @@ def _match_modes(
         found[known] = _match_modes(a[known], b[known], sample, least, left)
         return found
     found = _assign(_likeness(a, b))
-    clear, apart = _is_clear(a, b.permuted(found))
+    clear, apart = _is_clear(a, b.permute(found))
     wide = ~(clear & apart) & (np.abs(b.at - a.at) > least)
     if wide.any() and wide.sum() <= left[0]:
         left[0] -= int(wide.sum())

@@ -22,7 +22,7 @@ from .automaton_equilibria import (
 )
 from .batch_equilibria import FINEST_SHARE, excess_polynomial, polish_roots, search_range
 from .real_roots import real_roots, roots_on_grid
-from .static_equations import Statics, by_gap, sliding_equations, static_residual, statics_for_values
+from .static_equations import Statics, by_penetration, sliding_equations, static_residual, statics_for_values
 
 Array = NDArray[np.float64]
 MAX_STATIC_RESIDUAL = 1e-6  # share of the largest force that may be left over at an equilibrium
@@ -78,7 +78,7 @@ def equilibria(model: Any) -> tuple[Equilibrium, ...]:
     ValueError
         If the springs do not hold a coordinate (singular stiffness matrix).
     """
-    if not by_gap(model):
+    if not by_penetration(model):
         return _automaton_equilibria(model)
     equations = sliding_equations(model)
     values = equations.values(model)
@@ -114,7 +114,7 @@ def equilibrium(model: Any) -> Equilibrium:
     [-0.0042, -0.0304, -0.0036, -0.0061, -0.0001]
     """
     found = equilibria(model)
-    if not by_gap(model):
+    if not by_penetration(model):
         if not found:
             raise no_equilibrium_error(model)
         return found[0]

@@ -21,7 +21,7 @@ from .automaton_equilibria import (
 )
 from .batch_equilibria import sliding_problem
 from .equilibria import Equilibrium, equilibria
-from .static_equations import by_gap
+from .static_equations import by_penetration
 
 EQUILIBRIUM_RTOL = 1e-12  # share of a coordinate: an equilibrium computed again is the same but for rounding
 
@@ -43,7 +43,7 @@ def equilibrium_problem(model: Any, equilibrium: Equilibrium | None = None) -> E
         If the equilibrium is not one of the model.
     """
     near = None if equilibrium is None else _check_equilibrium(model, equilibrium)
-    if by_gap(model):
+    if by_penetration(model):
         return sliding_problem(model, near)
     return nearest_equilibrium_problem(model, near)
 
@@ -56,7 +56,7 @@ def _check_equilibrium(model: Any, equilibrium: Any) -> NDArray[np.float64]:
             f"equilibrium must be one of the {len(known)} of the model, got {equilibrium!r}: "
             "take one from equilibria(model)"
         )
-    if by_gap(model) and not equilibrium.normal_force > 0:
+    if by_penetration(model) and not equilibrium.normal_force > 0:
         raise ValueError(
             f"equilibrium must have F_N > 0, got {equilibrium.normal_force:.4g} N: there is no contact"
         )
@@ -77,7 +77,7 @@ def equilibrium_branches(model: Any, parameter: str, bounds: tuple[float, float]
     ValueError
         If there is none in the range.
     """
-    if by_gap(model):
+    if by_penetration(model):
         return [equilibrium_problem(model)]
     automaton = automaton_of(model)
     at, found = np.linspace(*bounds, BRANCH_SEARCH_POINTS), []

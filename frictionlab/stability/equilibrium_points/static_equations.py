@@ -110,7 +110,7 @@ def _equations_of_structure(key: Structure) -> SlidingEquations:
     return SlidingEquations(lagrange_system(copy), names, parameters, names.index(copy.statics.height))
 
 
-def by_gap(model: Any) -> bool:
+def by_penetration(model: Any) -> bool:
     """Whether a model's equilibria follow from the penetration of its contact."""
     return isinstance(model, Model) and model.statics is not None
 
@@ -126,10 +126,10 @@ def derive_statics(equations: SlidingEquations, held_by_contact: bool) -> Static
     normal, friction = _forces(found, PENETRATION)
     q = _deflections(found, height, normal, friction)
     if height is None:
-        excess = _gap(found, q) - PENETRATION
+        excess = _penetration(found, q) - PENETRATION
     else:
         # The slider's height enters the penetration with the factor -1.
-        q[height] = _gap(found, q) - PENETRATION
+        q[height] = _penetration(found, q) - PENETRATION
         excess = _loads(found, q, normal, friction)[height]
     arguments = [PENETRATION, *p]
     return Statics(
@@ -148,7 +148,7 @@ def _forces(found: LagrangeSystem, penetration: Any) -> tuple[Any, Any]:
     return normal, sympy.sign(speed) * contact.law.kinetic(normal, abs(speed))
 
 
-def _gap(found: LagrangeSystem, q: Sequence[Any]) -> Any:
+def _penetration(found: LagrangeSystem, q: Sequence[Any]) -> Any:
     return found.rubbing.penetration.xreplace(dict(zip(found.q, q, strict=True)))
 
 

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionlab.analysis.motion_scales import rounded_period
-from frictionlab.analysis.steady_state.classification import ENDED, UNSETTLED
+from frictionlab.analysis.steady_state.motion_kind import MotionKind
 from frictionlab.analysis.sweeps.bifurcation import bifurcation, steady_state_task
 from frictionlab.analysis.sweeps.task_runner import run_tasks
 from frictionlab.models.parameter_namespace import parameter_metadata
@@ -135,7 +135,7 @@ class ProgressiveSweep:
         kind, states = result["kind"], result["section"]
         self.found[value] = SteadyStatePoints(kind, np.array(states).reshape(-1, len(result["final"])))
         self.unsettled.pop(value, None)
-        if kind == UNSETTLED and times < MAX_EXTENSIONS:
+        if kind == MotionKind.NOT_SETTLED and times < MAX_EXTENSIONS:
             self.unsettled[value] = UnsettledMotion(result["final"], times)
 
 
@@ -182,7 +182,7 @@ class BifurcationPanel:
         seconds = ipywidgets.FloatSlider(
             first, max=most, step=step, readout_format=READOUT_FORMAT, continuous_update=False
         )
-        text = f"values of {parameter} that are looked at; a narrow range is computed more finely"
+        text = f"values of {parameter} that are shown; a narrow range is computed more finely"
         self.controls: Mapping[str, Any] = MappingProxyType(
             {
                 "range": label_control(span, "range", f"{parameter_description(about)} from, to", text),
@@ -216,8 +216,8 @@ class BifurcationPanel:
             parameter_label(result.model, self.parameter),
             f"section of {state_label(name)} ({state_unit(name)})",
         )
-        waiting = kinds.count(UNSETTLED)
-        note = f"{len(kinds)} values" + (f", {waiting} {UNSETTLED}" if waiting else "")
+        waiting = kinds.count(MotionKind.NOT_SETTLED)
+        note = f"{len(kinds)} values" + (f", {waiting} {MotionKind.NOT_SETTLED}" if waiting else "")
         return Drawing(*labels, curves, note=note, xlim=(low, high), progress=progress)
 
     def pick(self, x: float, _: float) -> dict[str, float]:
@@ -259,6 +259,6 @@ def _section_curve(found: Mapping[float, SteadyStatePoints], kind: str, column: 
     x = [np.full(len(states), value) for value, states in chosen]
     y = [states for _, states in chosen]
     style = {"linestyle": "none", **MOTION_STYLES[kind]}
-    if kind == ENDED:
+    if kind == MotionKind.ENDED_EARLY:
         return Curve([value for value, _ in chosen], [EARLY_END_HEIGHT] * len(chosen), style, "strip")
     return Curve(np.concatenate(x or [[]]), np.concatenate(y or [[]]), style)
