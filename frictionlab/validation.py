@@ -75,6 +75,15 @@ def check_choice(name: str, value: Any, choices: Sequence[str], cure: str = "") 
         raise ValueError(f"{name} must be one of {allowed}, got {value!r}{hint}")
 
 
+def unknown_parameter(owner: str, name: Any, known: Sequence[str], hint: str = "") -> TypeError:
+    """The error for a parameter that there is not: the same wherever one is named.
+
+    A TypeError, as Python's for an unknown keyword, since parameters are keywords of models.
+    """
+    hint = hint or did_you_mean(name, known).removeprefix(": ") or f"known are {', '.join(known)}"
+    return TypeError(f"{owner} has no parameter {name!r}: {hint}")
+
+
 def did_you_mean(name: Any, known: Sequence[str]) -> str:
     """`: did you mean ...?`, or nothing."""
     close = get_close_matches(str(name), known, n=1)

@@ -68,8 +68,8 @@ class Sweep:
 
 
 def sweep(
-    function: Callable[..., Any],
     model: Any,
+    function: Callable[..., Any],
     over: Mapping[str, Any],
     *,
     x0: Sequence[Any] = (),
@@ -82,9 +82,9 @@ def sweep(
 
     Parameters
     ----------
+    model : Model
     function : callable
         Called as ``function(model)``, or as ``function(model, start)`` where `x0` is given.
-    model : Model
     over : mapping of str to array_like
         Parameters and their values.
     x0 : sequence
@@ -116,12 +116,12 @@ def sweep(
     Examples
     --------
     >>> import frictionlab as fl
-    >>> found = fl.sweep(lambda m: fl.equilibrium(m).normal_force, fl.SliderOnBelt(), {"F": [100, 200]})
+    >>> found = fl.sweep(fl.SliderOnBelt(), lambda m: fl.equilibrium(m).normal_force, {"F": [100, 200]})
     >>> found.to_array().round(2)
     array([ 60.75, 121.54])
     """
-    check_function("function", function, "write sweep(function, model, over)")
-    require_model(model, cure="write sweep(function, model, over), the model made, such as fl.SliderOnBelt()")
+    require_model(model, cure="write sweep(model, function, over), the model made, such as fl.SliderOnBelt()")
+    check_function("function", function, "write sweep(model, function, over)")
     check_workers(workers)
     axes = _axes(over)
     points = list(product(*axes.values()))

@@ -49,7 +49,7 @@ class StabilityMap:
 
 
 def stability_map(
-    model: Any, *, x: tuple[str, Any], y: tuple[str, Any], progress: bool = True
+    model: Any, x: tuple[str, Any], y: tuple[str, Any], *, progress: bool = True
 ) -> StabilityMap:
     """Number of growing pairs and largest growth rate over a grid, and the curves between.
 
@@ -70,13 +70,15 @@ def stability_map(
 
     Raises
     ------
+    TypeError
+        For an unknown parameter, or what is no model.
     ValueError
-        For an unknown parameter, a value that breaks its rule, or values that do not ascend.
+        For a value that breaks its rule, or values that do not ascend.
 
     Examples
     --------
     >>> import frictionlab as fl
-    >>> plane = fl.stability_map(fl.SliderOnBelt(), x=("F", [100, 500, 1000]), y=("mu_k", [0.5, 1.5]))
+    >>> plane = fl.stability_map(fl.SliderOnBelt(), ("F", [100, 500, 1000]), ("mu_k", [0.5, 1.5]))
     >>> plane.unstable.tolist()
     [[0, 0, 0], [0, 1, 1]]
     """
@@ -99,7 +101,7 @@ def _check_axis(problem: EquilibriumProblem, which: str, given: tuple[str, Any])
         ) from None
     if len(values) < 2 or not (np.diff(values) > 0).all():
         raise ValueError(f"the values of {which} must ascend, two at least, got {values}: sort them")
-    check_parameter(problem.model, problem.parameters, name, values.tolist())
+    check_parameter(problem.model, name, values.tolist())
     return values
 
 

@@ -79,8 +79,10 @@ def root_locus(model: Any, parameter: str, values: Any) -> RootLocus:
 
     Raises
     ------
+    TypeError
+        For an unknown parameter, or what is no model.
     ValueError
-        For an unknown parameter, or a value that breaks its rule, or where no value has an equilibrium.
+        For a value that breaks its rule, or where no value has an equilibrium.
 
     Examples
     --------

@@ -11,7 +11,6 @@ from typing import Any
 
 import ipywidgets
 
-from frictionlab.components.names import did_you_mean
 from frictionlab.components.parameter import Parameter
 
 MAX_SLIDER_STEPS = 300  # of a slider, at most so many from one end to the other
@@ -138,10 +137,3 @@ def remove_browser_rounding(value: float, start: float) -> float:
     return next(
         number for number in (start, float(f"{value:.9g}"), value) if equal_within_rounding(value, number)
     )
-
-
-def check_parameter(model: Any, name: str) -> None:
-    """Refuse a name that is no parameter of the model."""
-    if name not in model.parameters:
-        hint = did_you_mean(name, model.parameters)
-        raise ValueError(f"{type(model).__name__} has no parameter {name!r}: {hint}")

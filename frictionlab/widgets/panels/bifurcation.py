@@ -20,6 +20,7 @@ from frictionlab.analysis.motion_scales import rounded_period
 from frictionlab.analysis.steady_state.classification import ENDED, UNSETTLED
 from frictionlab.analysis.sweeps.bifurcation import bifurcation, steady_state_task
 from frictionlab.analysis.sweeps.task_runner import run_tasks
+from frictionlab.models.coercion import check_parameter_name
 from frictionlab.models.parameter_namespace import parameter_metadata
 from frictionlab.models.symbols import structure_of_component
 from frictionlab.plotting.bifurcation import EARLY_END_HEIGHT, MOTION_STYLES
@@ -27,7 +28,6 @@ from frictionlab.plotting.drawing import Curve, Drawing
 from frictionlab.plotting.style import GREY, parameter_label, state_label, state_unit
 from frictionlab.widgets.controls.sliders import (
     READOUT_FORMAT,
-    check_parameter,
     label_control,
     parameter_description,
     round_to_step,
@@ -199,7 +199,7 @@ class BifurcationPanel:
 
     def __call__(self, result: Any) -> Drawing:
         """The points in the range, by the kind of motion, and a line at the model's own value."""
-        check_parameter(result.model, self.parameter)
+        check_parameter_name(result.model, self.parameter)
         low, high = self.controls["range"].value
         inside, progress = self._fill(result, low, high)
         name = result.settings.coordinate
