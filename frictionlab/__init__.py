@@ -13,8 +13,6 @@ from __future__ import annotations
 from importlib import import_module
 from typing import Any
 
-from frictionlab._version import __version__
-
 
 def _names_in_stub() -> dict[str, str]:
     """Public name -> module that holds it; a package of frictionlab has none.

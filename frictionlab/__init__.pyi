@@ -19,6 +19,8 @@ from .analysis.ensemble import BatchResult as BatchResult
 from .analysis.ensemble import ensemble as ensemble
 from .analysis.lyapunov import LyapunovSpectrum as LyapunovSpectrum
 from .analysis.lyapunov import lyapunov as lyapunov
+from .analysis.options import Execution as Execution
+from .analysis.options import SteadyStateOptions as SteadyStateOptions
 from .analysis.orbits.periodic_orbit import PeriodicOrbit as PeriodicOrbit
 from .analysis.orbits.periodic_orbit import periodic_orbit as periodic_orbit
 from .analysis.simulate import load as load
