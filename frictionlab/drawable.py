@@ -13,6 +13,7 @@ class Drawable:
     """A result that a function of :mod:`frictionlab.plotting` draws."""
 
     drawn_by: ClassVar[str]  # the name of that function
+    several_axes: ClassVar[bool] = False  # whether it may make several, and returns them
 
     def plot(self, ax: Any = None, **options: Any) -> Any:
         """Draw the result by the function of :mod:`frictionlab.plotting` that `drawn_by` names.
@@ -27,10 +28,13 @@ class Drawable:
         Returns
         -------
         Axes
-            Those drawn into; a notebook shows the picture.
+            Those drawn into, the first where there are several; a notebook shows the picture.
         """
         from frictionlab import plotting
 
+        draw = getattr(plotting, self.drawn_by)
+        if self.several_axes:
+            return draw(self, ax, **options)[0]
         ax = plotting.axes_or_new(ax)
-        getattr(plotting, self.drawn_by)(self, ax, **options)
+        draw(self, ax, **options)
         return ax

@@ -18,6 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from frictionlab.automaton import HybridAutomaton
+from frictionlab.drawable import Drawable
 from frictionlab.hybrid.accuracy import defects
 from frictionlab.hybrid.codegen.native_cache import native_code
 from frictionlab.hybrid.kernels.run_state import jet_columns
@@ -76,7 +77,7 @@ class Sampling(NamedTuple):
     t_eval: np.ndarray | None = None
 
 
-class Trajectory:
+class Trajectory(Drawable):
     """What a run computed.
 
     Samples are computed from the stored steps when they are first asked for.  ``run(t)`` gives the states
@@ -113,6 +114,8 @@ class Trajectory:
     >>> {mode: round(seconds, 4) for mode, seconds in run.time_in_mode.items() if seconds}
     {'stick': 0.0345, 'slip+': 0.0155}
     """
+
+    drawn_by = "plot_displacements"
 
     def __init__(
         self,

@@ -10,6 +10,7 @@ import numpy as np
 
 from frictionlab.analysis.motion_scales import Array
 from frictionlab.analysis.orbits.periodic_orbit import PeriodicOrbit, mode_sequence
+from frictionlab.drawable import Drawable
 from frictionlab.hybrid.progress import PROGRESS_DELAY
 from frictionlab.hybrid.solve import solve
 from frictionlab.models.coercion import automaton_of, check_parameter_name
@@ -43,7 +44,7 @@ class SpecialOrbit:
 
 
 @dataclass(frozen=True, eq=False)
-class OrbitBranch:
+class OrbitBranch(Drawable):
     """A branch of closed orbits.
 
     Parameters
@@ -58,6 +59,8 @@ class OrbitBranch:
         Why the branch ends at its first and at its last orbit: "bound", "grazing", "mode change", "Hopf",
         "no orbit found", "most orbits" or "interrupted".
     """
+
+    drawn_by = "plot_orbit_branch"
 
     parameter: str
     values: Array

@@ -8,13 +8,14 @@ from itertools import compress, product
 from typing import Any, Unpack
 
 from frictionlab.analysis.options import Execution, ExecutionKeywords, merge_keywords
+from frictionlab.drawable import Drawable
 from frictionlab.models.coercion import require_model
 
 from .task_runner import check_function, run_tasks
 
 
 @dataclass(frozen=True, eq=False)
-class Ablation:
+class Ablation(Drawable):
     """What a study gave for each scene, eight of three nonlinearities.
 
     Parameters
@@ -25,6 +26,9 @@ class Ablation:
     results : tuple
         What the study returned.
     """
+
+    drawn_by = "plot_ablation"
+    several_axes = True
 
     without: tuple[tuple[str, ...], ...]
     models: tuple[Any, ...]

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from frictionlab.analysis.initial_states import initial_state_of
 from frictionlab.analysis.options import Execution, ExecutionKeywords, merge_keywords
 from frictionlab.analysis.tables import import_optional
+from frictionlab.drawable import Drawable
 from frictionlab.models.coercion import require_model
 from frictionlab.validation import check_mapping, float_array
 
@@ -21,7 +22,7 @@ from .task_runner import check_function, run_tasks
 
 
 @dataclass(frozen=True, eq=False)
-class Sweep:
+class Sweep(Drawable):
     """Results over a grid of parameters and initial states.
 
     Parameters
@@ -32,11 +33,16 @@ class Sweep:
         Initial states, the last axis; empty where the function takes none.
     results : object array
         What the function returned; None for what was not done (after ctrl-C).
+    model : Model
+        With the values that are not in `over`.
     """
+
+    drawn_by = "plot_sweep"
 
     over: Mapping[str, NDArray[np.float64]]
     x0: tuple[Any, ...]
     results: NDArray[np.object_]
+    model: Any
 
     def to_array(self) -> NDArray[np.float64]:
         """The results as numbers; NaN for those that are None."""
@@ -144,7 +150,7 @@ def sweep(
     for i, result in journal.results.items():
         results[i] = result
     shape = [len(values) for values in axes.values()] + ([len(starts)] if starts else [])
-    return Sweep(axes, tuple(x0), results.reshape(shape))
+    return Sweep(axes, tuple(x0), results.reshape(shape), model)
 
 
 def _axes(over: Mapping[str, Any]) -> dict[str, NDArray[np.float64]]:

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize.elementwise import find_root
 
+from frictionlab.drawable import Drawable
 from frictionlab.stability.equilibrium_points.equilibria import Equilibrium
 from frictionlab.stability.equilibrium_points.problem_setup import equilibrium_problem
 from frictionlab.stability.equilibrium_problem import EquilibriumProblem, check_bounds, check_parameter
@@ -128,7 +129,7 @@ def critical_value(
 
 
 @dataclass(frozen=True, eq=False)
-class CriticalCurve:
+class CriticalCurve(Drawable):
     """Critical values of one parameter against another.
 
     Parameters
@@ -141,6 +142,8 @@ class CriticalCurve:
     values : array (N,)
         Critical values of `parameter`; NaN where there is none in the range.
     """
+
+    drawn_by = "plot_critical"
 
     model: Any
     parameter: str

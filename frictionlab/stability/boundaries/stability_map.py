@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from frictionlab.drawable import Drawable
 from frictionlab.stability.equilibrium_points.problem_setup import equilibrium_problem
 from frictionlab.stability.equilibrium_problem import EquilibriumProblem, check_parameter
 from frictionlab.stability.state_matrices import unstable_pairs
@@ -20,7 +21,7 @@ GRID_CHUNK = 4096  # grid points between two looks of the progress bar
 
 
 @dataclass(frozen=True, eq=False)
-class StabilityMap:
+class StabilityMap(Drawable):
     """Stability of the sliding equilibrium over a grid of two parameters.
 
     Parameters
@@ -37,6 +38,8 @@ class StabilityMap:
     boundary : tuple of Boundary
         The curves on which a growth rate is zero, to rounding.
     """
+
+    drawn_by = "plot_stability_map"
 
     model: Any
     x: str
