@@ -25,7 +25,7 @@ COLUMNS = 4  # panels side by side
 PANEL_SHARE = 0.7  # of its cell that a panel takes, the rest for labels and title
 
 
-def plot_ablation(ablation: Any, ax: Axes | None = None, *, name: str = "x1") -> list[Axes]:
+def plot_ablation(ablation: Any, ax: Axes | None = None, *, name: str | None = None) -> list[Axes]:
     """Draw what a study gave for each scene: a small panel for each, or bars of numbers.
 
     Parameters
@@ -35,8 +35,8 @@ def plot_ablation(ablation: Any, ax: Axes | None = None, *, name: str = "x1") ->
         or numbers (None: no such number).
     ax : Axes or None
         Where bars, or all panels side by side, stand; None draws into a new figure.
-    name : str
-        The coordinate to draw.
+    name : str or None
+        The coordinate to draw; None takes the first.
 
     Returns
     -------
@@ -103,15 +103,15 @@ def _share_labels(panels: list[Axes]) -> None:
         panels[0].figure.legend(handles=list(handles.values()), loc="outside right center", frameon=False)
 
 
-def _phase_plane(result: Any, ax: Axes, name: str) -> None:
+def _phase_plane(result: Any, ax: Axes, name: str | None) -> None:
     plot_steady_state(result, ax, name=name)
 
 
-def _points(result: Any, ax: Axes, name: str) -> None:
+def _points(result: Any, ax: Axes, name: str | None) -> None:
     plot_bifurcation(result, ax, name=name, legend=False)
 
 
-def _spectrum(result: Any, ax: Axes, name: str) -> None:
+def _spectrum(result: Any, ax: Axes, name: str | None) -> None:
     plot_amplitudes(result, ax)
 
 
