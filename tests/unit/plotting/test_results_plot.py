@@ -7,6 +7,7 @@ from matplotlib.figure import Figure
 import frictionlab as fl
 
 MODEL = fl.ModeCoupling(c=0.1)
+BELT = fl.MassOnBelt()
 SLIDER = fl.SliderOnBelt()
 QUIET = {"progress": False}
 
@@ -27,7 +28,7 @@ RESULTS = {
     "map": lambda: fl.stability_map(SLIDER, ("F", [100, 500, 1000]), ("mu_k", [0.5, 1.5])),
     "ends": lambda: fl.ensemble([SLIDER.replace(mu_k=mu) for mu in (0.1, 0.2)], 0.05, **QUIET),
     "steady state": lambda: fl.steady_state(MODEL, transient=5.0, window=2.0, **QUIET),
-    "bifurcation": lambda: fl.bifurcation(MODEL, "c", [0.1, 0.2], transient=5.0, window=2.0, **QUIET),
+    "bifurcation": lambda: fl.bifurcation(BELT, "mu_k", [0.2, 0.3], transient=5.0, window=5.0, **QUIET),
     "exponents": lambda: fl.lyapunov(MODEL, transient=1.0, t_end=2.0, blocks=2, **QUIET),
     "energies": lambda: fl.energy_audit(fl.simulate(SLIDER, 0.1, **QUIET), **QUIET),
     "spectrum": lambda: fl.amplitude_spectrum(fl.simulate(MODEL, 20 * MODEL.period, **QUIET)),
