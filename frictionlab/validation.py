@@ -98,3 +98,12 @@ def did_you_mean_or_known(name: Any, known: Iterable[str]) -> str:
     names = list(known)
     listed = f": known are {', '.join(names)}" if names else ": there are none"
     return did_you_mean(name, names) or listed
+
+
+def unknown_parameter(owner: str, name: Any, known: Sequence[str], hint: str = "") -> TypeError:
+    """The error for a parameter that there is not: the same wherever one is named.
+
+    A TypeError, as Python's for an unknown keyword, since parameters are keywords of models.
+    """
+    hint = hint or did_you_mean_or_known(name, known).removeprefix(": ")
+    return TypeError(f"{owner} has no parameter {name!r}: {hint}")

@@ -39,13 +39,6 @@ GROUPS = {
     "paper": ("The paper", "Figures and claims of the paper, computed again."),
     "testing": ("Testing", "What a law or a model of your own has to pass."),
 }
-RESULTS = {  # what functions return and nobody has to import
-    "models": ("models.description.equations.Equations", "models.description.parameter_table.ParameterTable"),
-    "hybrid": ("hybrid.events.Events",),
-    "analysis": ("analysis.sweeps.ablation.Ablation", "analysis.sweeps.sweep.Sweep"),
-    "plotting": ("plotting.drawing.Curve", "plotting.drawing.Drawing"),
-    "widgets": ("widgets.result.Result",),
-}
 BACK = re.compile(r'(class="viewcode-back" href="[^"#]*)#[^"]*"')
 HEAD = "# Reference\n\nEvery public name. Units are SI, angles in radians.\n"
 GROUP = """
@@ -67,9 +60,9 @@ def names_of(package: str) -> list[str]:
     """Public names that live in a package, the way one writes them after ``frictionlab.``."""
     found = [name for name, home in frictionlab._HOME.items() if home.partition(".")[0] == package]
     module = import_module(f"frictionlab.{package}") if find_spec(f"frictionlab.{package}") else None
-    own = [name for name in getattr(module, "__all__", ()) if name not in found]
+    own = [name for name in getattr(module, "__all__", ()) if name not in frictionlab._HOME]
     paths = map(path_of, found)
-    return sorted([*paths, *(f"{package}.{name}" for name in own), *RESULTS.get(package, ())], key=by_name)
+    return sorted([*paths, *(f"{package}.{name}" for name in own)], key=by_name)
 
 
 def path_of(name: str) -> str:
@@ -85,7 +78,7 @@ def by_name(path: str) -> tuple[bool, str]:
 
 
 def make_page(app, config) -> None:
-    homes = {home.partition(".")[0] for home in frictionlab._HOME.values()}
+    homes = {home.partition(".")[0] for home in frictionlab._HOME.values()} - {"", "_version"}
     unknown = homes - set(GROUPS)
     if unknown:
         raise ValueError(f"the package {unknown.pop()!r} has no title: add it to GROUPS in {__file__}")

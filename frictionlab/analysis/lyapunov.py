@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from frictionlab.automaton import HybridAutomaton
+from frictionlab.drawable import Drawable
 from frictionlab.hybrid.progress import PROGRESS_DELAY
 from frictionlab.hybrid.solve import solve
 from frictionlab.hybrid.variational.tangent_flow import tangent_growth
@@ -19,7 +20,7 @@ from .motion_scales import Array, state_scales
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class LyapunovSpectrum:
+class LyapunovSpectrum(Drawable):
     """Lyapunov exponents of a motion.
 
     Parameters
@@ -33,6 +34,8 @@ class LyapunovSpectrum:
     final_state : array (n,)
         Where the run ended; give it as `x0` to go on.
     """
+
+    drawn_by = "plot_lyapunov"
 
     exponents: Array
     standard_errors: Array

@@ -76,11 +76,11 @@ def simulate(
         else "write simulate(model, t_end)"
     )
     model = require_model(model, cure=cure)
-    method_of(method)
+    chosen = method_of(method)
     options: dict[str, Any] = {"sections": sections, "quadratures": quadratures, "progress": progress}
     automaton = model.automaton()
     start = model_initial_state(model, x0, automaton)
-    return solve(automaton, t_end, x0=start, method=method, t_eval=t_eval, source=model, **options)
+    return solve(automaton, t_end, x0=start, method=chosen, t_eval=t_eval, source=model, **options)
 
 
 def load(path: str | Path, model: Any = None) -> Trajectory:

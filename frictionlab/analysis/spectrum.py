@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from frictionlab.drawable import Drawable
 from frictionlab.validation import check_choice
 
 from .motion_scales import oscillation_period, rounded_period
@@ -23,13 +24,18 @@ MIN_LINES = 5
 
 
 class Spectrum(NamedTuple):
-    """Amplitudes (unit of the state) at frequencies (Hz) `resolution` apart, from `start` to `stop` (s)."""
+    """Amplitudes of the state `name` at frequencies (Hz) `resolution` apart, from `start` to `stop` (s)."""
 
     frequencies: Array
     amplitudes: Array
     resolution: float
     start: float
     stop: float
+    name: str = ""
+
+    drawn_by = "plot_amplitudes"
+    several_axes = False
+    plot = Drawable.plot
 
     @property
     def strongest(self) -> float:
@@ -76,8 +82,8 @@ def amplitude_spectrum(
     Spectrum or None
         None where the part is too short to resolve five lines up to `f_max`.
     """
-    name = run.names[0] if name is None else name
-    check_choice("name", name, run.names)
+    shown: str = run.names[0] if name is None else name
+    check_choice("name", shown, run.names)
     f_max = f_max or highest_frequency(run.source)
     stop = float(run.raw.t)
     length = min(stop / 2, MAX_PERIODS * oscillation_period(run.source)) if start is None else stop - start
@@ -85,13 +91,13 @@ def amplitude_spectrum(
         return None
     count = int(np.ceil(length * f_max * OVERSAMPLING))
     t = np.clip(stop - length + np.arange(count) * (length / count), 0.0, stop)
-    x = run(t)[:, run.names.index(name)]
+    x = run(t)[:, run.names.index(shown)]
     window = 0.5 - 0.5 * np.cos(2 * np.pi * np.arange(count) / count)
     # Subtract the mean weighted by the window, so that nothing of it is left in the first lines.
     amplitudes = np.abs(np.fft.rfft((x - np.average(x, weights=window)) * window)) * (2 / window.sum())
     frequencies = np.arange(len(amplitudes)) / length
     kept = frequencies <= f_max
-    return Spectrum(frequencies[kept], amplitudes[kept], 1 / length, stop - length, stop)
+    return Spectrum(frequencies[kept], amplitudes[kept], 1 / length, stop - length, stop, shown)
 
 
 def highest_frequency(source: Any) -> float:

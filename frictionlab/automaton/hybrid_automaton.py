@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from frictionlab.validation import unknown_parameter
+
 from .mode import Mode, Symbol, check_elements
 from .modes_on_demand import ModesOnDemand, Sketch
 
@@ -78,13 +80,13 @@ class HybridAutomaton:
 
         Raises
         ------
-        ValueError
+        TypeError
             For an unknown name.
         """
         symbols = {symbol.name: symbol for symbol in self.parameters}
         unknown = [name for name in values if name not in symbols]
         if unknown:
-            raise ValueError(f"no parameter is called {unknown[0]!r}: known are {', '.join(symbols)}")
+            raise unknown_parameter("HybridAutomaton", unknown[0], list(symbols))
         changed = {symbols[name]: value for name, value in values.items()}
         return HybridAutomaton(self.states, self.modes, {**self.parameters, **changed}, self.coordinates)
 

@@ -121,7 +121,7 @@ def sweep_times(t_end: float = 300.0, repeats: int = 3) -> list[SweepRow]:
 def run_sweep(values: Any, t_end: float, method: Method, workers: int) -> Sweep:
     study = partial(_final_state, t_end=t_end, method=method)
     return sweep(
-        study, FULL_GAP_RATE_SLIDER, {"mu_k": values}, x0=SWEEP_STARTS, workers=workers, progress=False
+        FULL_GAP_RATE_SLIDER, study, {"mu_k": values}, x0=SWEEP_STARTS, workers=workers, progress=False
     )
 
 

@@ -19,6 +19,7 @@ import numpy as np
 
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.automaton.modes_on_demand import ModesOnDemand
+from frictionlab.drawable import Drawable
 from frictionlab.hybrid.accuracy import condition_violation, defects
 from frictionlab.hybrid.codegen.native_cache import native_code
 from frictionlab.hybrid.kernels.run_state import jet_columns
@@ -83,7 +84,7 @@ class Sampling(NamedTuple):
     sections: tuple[str, ...] = ()
 
 
-class Trajectory:
+class Trajectory(Drawable):
     """The result of a run.
 
     Samples are computed from the stored steps when they are first asked for.  ``run(t)`` gives the states
@@ -123,6 +124,8 @@ class Trajectory:
     >>> {mode: round(seconds, 4) for mode, seconds in run.time_in_mode.items() if seconds}
     {'stick': 0.0345, 'slip+': 0.0155}
     """
+
+    drawn_by = "plot_displacements"
 
     def __init__(
         self,

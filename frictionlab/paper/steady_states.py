@@ -90,7 +90,7 @@ def sweep_results(
 
     def compute(path: Path | None) -> Any:
         options: dict[str, Any] = {"workers": setting.workers, "progress": setting.progress}
-        found = sweep(function, model, over, resume=path, **options)
+        found = sweep(model, function, over, resume=path, **options)
         return found, all(result is not None for result in found.results.flat)
 
     return _cached(asked, setting, compute)

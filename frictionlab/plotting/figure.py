@@ -28,12 +28,20 @@ class RunFigure(Figure):
         return buffer.getvalue()
 
 
+class RunAxes(Axes):
+    """Axes that a notebook displays by their figure."""
+
+    def _repr_png_(self) -> bytes | None:
+        figure = self.get_figure(root=True)
+        return figure._repr_png_() if isinstance(figure, RunFigure) else None
+
+
 def axes_or_new(ax: Axes | None, **options: Any) -> Axes:
     """The axes given, or those of a new figure, found as ``artist.axes.figure``."""
     if ax is not None:
         return ax
     settings = {"figsize": (7.0, 4.0), "layout": "constrained"} | options
-    return RunFigure(**settings).add_subplot()
+    return RunFigure(**settings).add_subplot(axes_class=RunAxes)
 
 
 def legend_beside(ax: Axes, handles: list[Any] | None = None) -> None:

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from frictionlab.components.parameter import check_value
 from frictionlab.models import Model
+from frictionlab.models.coercion import check_parameter_name
 from frictionlab.models.parameter_namespace import parameter_metadata
-from frictionlab.validation import did_you_mean_or_known
 
 from .flow import Flow
 from .state_matrices import eigenvalues_of_matrices
@@ -77,13 +77,12 @@ class EquilibriumProblem:
         return np.take_along_axis(found, np.argsort(-found.real, axis=1), axis=1)
 
 
-def check_parameter(model: Any, known: Mapping[str, float], name: Any, values: Sequence[float]) -> None:
+def check_parameter(model: Any, name: Any, values: Sequence[float]) -> None:
     """Refuse an unknown parameter, and values that break its own rule.
 
     Rules between parameters (mu_s is at least mu_k) do not matter here: no steady motion depends on both.
     """
-    if name not in known:
-        raise ValueError(f"no parameter is called {name!r}{did_you_mean_or_known(name, known)}")
+    check_parameter_name(model, name)
     if isinstance(model, Model):
         about = parameter_metadata(type(model), model.components)[name]
         for value in values:
@@ -98,11 +97,11 @@ def check_path(problem: EquilibriumProblem, name: Any, values: Any) -> NDArray[n
         at = np.empty(0)
     if not len(at):
         raise ValueError(f"values must be one number or more, got {values!r}: give those of {name}")
-    check_parameter(problem.model, problem.parameters, name, at.tolist())
+    check_parameter(problem.model, name, at.tolist())
     return at
 
 
-def check_bounds(model: Any, known: Mapping[str, float], name: Any, bounds: Any) -> tuple[float, float]:
+def check_bounds(model: Any, name: Any, bounds: Any) -> tuple[float, float]:
     """Two values of a parameter, in ascending order."""
     try:
         low, high = (float("nan") if isinstance(b, str) else float(b) for b in bounds)
@@ -110,5 +109,5 @@ def check_bounds(model: Any, known: Mapping[str, float], name: Any, bounds: Any)
         low = high = float("nan")
     if not low < high:
         raise ValueError(f"bounds must be two numbers in ascending order, got {bounds!r}: give (low, high)")
-    check_parameter(model, known, name, (low, high))
+    check_parameter(model, name, (low, high))
     return low, high

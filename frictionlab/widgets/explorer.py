@@ -11,10 +11,10 @@ from functools import partial
 from typing import Any
 
 from frictionlab.models import SliderOnBelt
-from frictionlab.models.coercion import require_model
+from frictionlab.models.coercion import check_parameter_name, require_model
 from frictionlab.widgets.controls.model_controls import ComponentControls, ParameterControls
 from frictionlab.widgets.controls.run_controls import RunControls
-from frictionlab.widgets.controls.sliders import check_parameter, equal_within_rounding, refine_step
+from frictionlab.widgets.controls.sliders import equal_within_rounding, refine_step
 from frictionlab.widgets.panels.bifurcation import BifurcationPanel
 from frictionlab.widgets.panels.standard import (
     CriticalValuePanel,
@@ -227,9 +227,9 @@ def explore_stability(model: Any = None, parameter: str = "mu_k", over: str = "F
     Raises
     ------
     TypeError
-        If it is no model.
+        If it is no model, or has no such parameter.
     ValueError
-        For an unknown parameter, or twice the same.
+        For twice the same parameter.
 
     Examples
     --------
@@ -241,7 +241,7 @@ def explore_stability(model: Any = None, parameter: str = "mu_k", over: str = "F
     """
     model = starting_model(model)
     for name in (parameter, over):
-        check_parameter(model, name)
+        check_parameter_name(model, name)
     if parameter == over:
         raise ValueError(f"over must be another parameter than {parameter!r}: take for example 'F'")
     panels = {"eigenvalues": eigenvalues, "critical": CriticalValuePanel(model, parameter, over)}
@@ -267,9 +267,7 @@ def explore_bifurcation(model: Any = None, parameter: str = "mu_k") -> Explorer:
     Raises
     ------
     TypeError
-        If it is no model.
-    ValueError
-        For an unknown parameter.
+        If it is no model, or has no such parameter.
 
     Examples
     --------
@@ -280,7 +278,7 @@ def explore_bifurcation(model: Any = None, parameter: str = "mu_k") -> Explorer:
     [1.2, 1.5]
     """
     model = starting_model(model)
-    check_parameter(model, parameter)
+    check_parameter_name(model, parameter)
     panels = {"bifurcation": BifurcationPanel(model, parameter), "response": response, "phase": phase}
     explorer = Explorer(default_settings(model), panels)
     for name, slider in explorer.parameters.sliders.items():

@@ -139,7 +139,7 @@ def test_it_can_be_swept(model):
     assert all(found.kinds)
     assert "ended early" not in found.kinds
     assert found.model == model
-    swept = fl.sweep(lambda m: len(m.coordinates), model, {name: values}, progress=False)
+    swept = fl.sweep(model, lambda m: len(m.coordinates), {name: values}, progress=False)
     assert swept is not None
 
 

@@ -5,6 +5,8 @@ import json
 import re
 import shutil
 import subprocess
+import sys
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -13,6 +15,7 @@ from matplotlib import pyplot
 import frictionlab as fl
 
 ROOT = Path(__file__).parents[2]
+DISTRIBUTIONS = {"PIL": "pillow", "IPython": "ipython"}  # where a package is not called as what it imports
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 CONTRIBUTING = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
 AT_THE_TOP = """
@@ -83,6 +86,28 @@ def test_version_is_the_same_everywhere():
     citation = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
     assert f'\nversion: "{fl.__version__}"\n' in citation
     assert f"\n## [{fl.__version__}]" in (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+
+
+def imported_packages(folder: Path) -> set[str]:
+    """Packages of others that modules of a folder import, at the top or in functions."""
+    trees = [ast.parse(path.read_text(encoding="utf-8")) for path in folder.rglob("*.py")]
+    names = set()
+    for node in [node for tree in trees for node in ast.walk(tree)]:
+        if isinstance(node, ast.Import):
+            names |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom) and not node.level:
+            names.add(str(node.module))
+    return {name.partition(".")[0] for name in names} - {*sys.stdlib_module_names, "frictionlab"}
+
+
+def test_every_package_that_is_imported_is_declared():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    extras = project["optional-dependencies"]
+    asked = [*project["dependencies"], *extras["data"], *extras["lab"]]
+    declared = {re.split(r"[^\w-]", line)[0] for line in asked}
+    imported = {DISTRIBUTIONS.get(name, name) for name in imported_packages(ROOT / "frictionlab")}
+    assert "numpy" in imported
+    assert imported <= declared
 
 
 def test_there_is_a_notebook():

@@ -7,19 +7,19 @@ The runs of a group go side by side and are checked from time to time; a run on 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from concurrent.futures import Executor
 from hashlib import sha256
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from frictionlab.analysis.ensemble import advance_group, start_group
+from frictionlab.analysis.initial_states import initial_state_of
 from frictionlab.analysis.motion_scales import Array
+from frictionlab.analysis.options import Execution
 from frictionlab.analysis.steady_state.motion_kind import MotionKind
-from frictionlab.analysis.steady_state.steady_state import check_steady_state_arguments
+from frictionlab.analysis.steady_state.steady_state import check_section
 from frictionlab.analysis.sweeps.journal import Journal
-from frictionlab.analysis.sweeps.task_runner import check_workers, run_tasks
+from frictionlab.analysis.sweeps.task_runner import run_tasks
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.hybrid.ensemble.batch_state import Batch, select_runs
 from frictionlab.hybrid.kernels.run_state import FINISHED
@@ -50,33 +50,25 @@ def run_basin_tasks(
     starts: Array,
     about: dict[str, Any],
     settings: dict[str, Any],
-    workers: int | None,
-    executor: Executor | None,
-    resume: str | Path | None,
-    progress: bool,
+    execution: Execution,
 ) -> tuple[dict[str, Any], dict[int, Any]]:
-    """The specification, and the results of all tasks: those of the probes first, then those of the
-    groups."""
-    check_workers(workers)
-    transient, window, section, tolerance = (
-        settings[k] for k in ("transient", "window", "section", "tolerance")
-    )
-    check_steady_state_arguments(model, starts[0], transient, window, None, section, tolerance)
+    """What was asked, and the results of all tasks: those of the probes first, then those of the groups."""
+    check_section(model, settings["section"])
+    initial_state_of(model, starts[0])
     automaton, chosen = automaton_of(model), probe_indices(len(starts))
     size = max(MIN_GROUP_SIZE, min(MAX_GROUP_SIZE, len(starts) // TARGET_TASK_COUNT))
     groups = [starts[i : i + size] for i in range(0, len(starts), size)]
     layout = {"count": len(starts), "group": size, "probes": len(chosen), "starts": _digest(starts.tobytes())}
     specification = _basin_arguments(model, automaton, {**about, **layout}, settings)
-    journal = Journal(specification, resume)
-    run: dict[str, Any] = {"workers": workers, "executor": executor}
+    journal = Journal(specification, execution.resume)
     done = run_tasks(
         probe_attractor,
         [(automaton, starts[i], settings) for i in chosen],
         keep=journal.keep,
         names=[f"initial state {i}" for i in chosen],
         done=journal.results.keys(),
-        progress="attractors" if progress else None,
-        **run,
+        execution=execution,
+        title="attractors",
     )
     if done:
         probed = [journal.results[i] for i in range(len(chosen))]
@@ -88,8 +80,8 @@ def run_basin_tasks(
             keep=lambda i, result: journal.keep(i + len(chosen), result),
             names=[f"initial states from {i * size} on" for i in range(len(groups))],
             done={i - len(chosen) for i in journal.results},
-            progress=f"basins, {size} states each" if progress else None,
-            **run,
+            execution=execution,
+            title=f"basins, {size} states each",
         )
     journal.close()
     return specification, journal.results

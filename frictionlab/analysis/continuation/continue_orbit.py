@@ -11,10 +11,11 @@ import numpy as np
 from frictionlab.analysis.motion_scales import Array
 from frictionlab.analysis.orbits.periodic_orbit import PeriodicOrbit, mode_sequence
 from frictionlab.analysis.orbits.shooting import floquet_multipliers
+from frictionlab.drawable import Drawable
 from frictionlab.hybrid.progress import PROGRESS_DELAY
 from frictionlab.hybrid.solve import solve
-from frictionlab.models.coercion import automaton_of
-from frictionlab.validation import check_number, did_you_mean
+from frictionlab.models.coercion import automaton_of, check_parameter_name
+from frictionlab.validation import check_number
 
 from .driver import INTERRUPTED, MAX_POINTS, BranchHalf, follow_branch
 from .pseudo_arclength import BranchPoint, first_point, reversed_point, with_parameter_as_state
@@ -44,7 +45,7 @@ class SpecialOrbit:
 
 
 @dataclass(frozen=True, eq=False)
-class OrbitBranch:
+class OrbitBranch(Drawable):
     """A branch of periodic orbits.
 
     Parameters
@@ -59,6 +60,8 @@ class OrbitBranch:
         Why the branch ends at its first and at its last orbit: "bound", "grazing", "mode change", "Hopf",
         "no orbit found", "most orbits" or "interrupted".
     """
+
+    drawn_by = "plot_orbit_branch"
 
     parameter: str
     values: Array
@@ -124,8 +127,10 @@ def continue_orbit(
 
     Raises
     ------
+    TypeError
+        For an unknown parameter, or what is no orbit.
     ValueError
-        For bad arguments, before any work is done.
+        For other bad arguments; like the former before any work is done.
 
     Examples
     --------
@@ -169,12 +174,8 @@ def _check(orbit: Any, parameter: str, bounds: Any, step: float, max_points: int
     """The parameter's value, where all arguments are as they should be."""
     if not isinstance(orbit, PeriodicOrbit):
         raise TypeError(f"orbit must be a PeriodicOrbit, got {orbit!r}: find one with fl.periodic_orbit")
-    known = {s.name: value for s, value in automaton_of(orbit.model).parameters.items()}
-    if parameter not in known or parameter == "chatter":
-        names = [name for name in known if name != "chatter"]
-        hint = did_you_mean(parameter, names)
-        raise ValueError(f"parameter must be one of {', '.join(names)}, got {parameter!r}{hint}")
-    value = known[parameter]
+    check_parameter_name(orbit.model, parameter)
+    value = {s.name: value for s, value in automaton_of(orbit.model).parameters.items()}[parameter]
     low, high = bounds
     check_number("bounds[0]", low, most=value, cure=f"the orbit is at {parameter} = {value:g}")
     check_number("bounds[1]", high, least=value, above=low, cure=f"the orbit is at {parameter} = {value:g}")

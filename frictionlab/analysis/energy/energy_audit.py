@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from frictionlab.analysis.motion_scales import Array
+from frictionlab.drawable import Drawable
 from frictionlab.hybrid.progress import PROGRESS_DELAY
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models import MechanicalModel
@@ -21,7 +22,7 @@ PIECES_PER_CHUNK = 20_000  # intervals of the run computed at once
 
 
 @dataclass(frozen=True, eq=False)
-class EnergyAudit:
+class EnergyAudit(Drawable):
     """The energy balance of a run.
 
     Parameters
@@ -41,6 +42,8 @@ class EnergyAudit:
     turned_over : float
         J: the largest sum of the energies' sizes, plus the sizes of all works, whether in or out.
     """
+
+    drawn_by = "plot_energies"
 
     t: Array
     energies: Mapping[str, Array]

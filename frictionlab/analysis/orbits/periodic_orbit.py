@@ -11,6 +11,7 @@ from frictionlab.analysis.initial_states import resolve_initial_state
 from frictionlab.analysis.motion_scales import Array, state_scales
 from frictionlab.analysis.steady_state.result import SteadyState
 from frictionlab.automaton import HybridAutomaton
+from frictionlab.drawable import Drawable
 from frictionlab.hybrid.solve import solve
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models.coercion import automaton_of
@@ -27,7 +28,7 @@ MULTIPLIER_RTOL = (
 
 
 @dataclass(frozen=True, eq=False)
-class PeriodicOrbit:
+class PeriodicOrbit(Drawable):
     """A periodic orbit.
 
     Parameters
@@ -49,6 +50,8 @@ class PeriodicOrbit:
     trajectory : Trajectory
         One period.
     """
+
+    drawn_by = "plot_orbit"
 
     model: Any
     period: float

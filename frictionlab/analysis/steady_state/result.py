@@ -11,6 +11,7 @@ import numpy as np
 
 from frictionlab.analysis.spectrum import Spectrum, amplitude_spectrum
 from frictionlab.analysis.verification.defect_warning import defect_warning
+from frictionlab.drawable import Drawable
 from frictionlab.hybrid.trajectory import SectionPoints, Trajectory
 
 from .classification import classify_run, onsets_per_period
@@ -20,7 +21,7 @@ from .poincare_sections import Section
 
 
 @dataclass(frozen=True, eq=False)
-class SteadyState:
+class SteadyState(Drawable):
     """What a motion settles to.
 
     Parameters
@@ -49,6 +50,8 @@ class SteadyState:
     transient : float
         Seconds before the window.
     """
+
+    drawn_by = "plot_steady_state"
 
     model: Any
     kind: MotionKind

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from frictionlab.analysis.steady_state.motion_kind import MotionKind
 from frictionlab.analysis.tables import import_optional
+from frictionlab.drawable import Drawable
 from frictionlab.models import Model
 from frictionlab.validation import check_choice
 
@@ -22,7 +23,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class Bifurcation:
+class Bifurcation(Drawable):
     """Steady states at N values of a parameter; those not computed (after ctrl-C) have the kind "".
 
     Parameters
@@ -46,6 +47,8 @@ class Bifurcation:
     results : mapping of int to mapping
         The results computed, by index.
     """
+
+    drawn_by = "plot_bifurcation"
 
     parameter: str
     values: Array

@@ -14,12 +14,13 @@ from contextlib import contextmanager
 from multiprocessing import parent_process
 from typing import Any
 
-from frictionlab.validation import check_number
+from frictionlab.analysis.options import Execution
 
 TASKS_PER_WORKER = (
     2  # tasks handed to each worker at a time, so that ctrl-C does not have to wait for all of them
 )
-INTERRUPT_POLL_TIME = 0.2  # seconds between two checks for ctrl-C
+QUIETLY = Execution(progress=False)
+INTERRUPT_POLL_TIME = 0.2  # seconds between two looks at ctrl-C
 
 
 def run_tasks(
@@ -29,9 +30,8 @@ def run_tasks(
     keep: Callable[[int, Any], None],
     names: Sequence[str],
     done: Container[int] = (),
-    workers: int | None = None,
-    executor: Executor | None = None,
-    progress: str | None = None,
+    execution: Execution = QUIETLY,
+    title: str = "",
 ) -> bool:
     """Call `function` on each task and hand every result to `keep` with its index, as soon as it is there.
 
@@ -46,12 +46,10 @@ def run_tasks(
         Name of each task, for the message where it fails, e.g. "mu_k = 1.4".
     done : container of int
         Indices of the tasks that are left out.
-    workers : int or None
-        Threads; None takes one for each processor.  The solver's kernels run at the same time in threads.
-    executor : concurrent.futures.Executor or None
-        Used instead of threads, and left open.
-    progress : str or None
-        What the progress bar says; None shows none.
+    execution : Execution
+        Its workers, executor and progress; the solver's kernels run at the same time in threads.
+    title : str
+        What the progress bar says.
 
     Returns
     -------
@@ -65,11 +63,10 @@ def run_tasks(
     """
     from tqdm.auto import tqdm
 
-    check_workers(workers)
-    count = workers or os.cpu_count() or 1
+    executor, count = execution.executor, execution.workers or os.cpu_count() or 1
     left = [(i, task) for i, task in enumerate(tasks) if i not in done]
     max_running = TASKS_PER_WORKER * count if executor is None else len(left)
-    bar = tqdm(total=len(left), desc=progress, disable=progress is None, delay=1.0, leave=False)
+    bar = tqdm(total=len(left), desc=title, disable=not execution.progress, delay=1.0, leave=False)
     todo, running, failed = iter(left), {}, {}
     with bar, _executor(executor, count) as pool, deferred_interrupts() as interrupted:
         while not failed and not interrupted():
@@ -91,12 +88,6 @@ def check_function(name: str, function: Any, cure: str) -> None:
     """Raise unless it can be called."""
     if not callable(function):
         raise TypeError(f"{name} must be a function of a model, got {function!r}: {cure}")
-
-
-def check_workers(workers: int | None) -> None:
-    """Raise unless it is None or a positive integer."""
-    if workers is not None:
-        check_number("workers", workers, integer=True, least=1, cure="leave it out for all processors")
 
 
 def _collect_results(

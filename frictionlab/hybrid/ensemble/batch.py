@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from frictionlab.drawable import Drawable
 from frictionlab.hybrid.codegen.native_cache import COMPILE_AFTER
 from frictionlab.hybrid.ensemble import batch_state, lanes
 from frictionlab.hybrid.ensemble.batch_state import Batch, new_batch
@@ -27,7 +28,7 @@ CODE_OF_STATUS = {
 
 
 @dataclass(frozen=True)
-class BatchResult:
+class BatchResult(Drawable):
     """How runs ended, a row for each.
 
     Parameters
@@ -37,7 +38,11 @@ class BatchResult:
     modes : int array (N,)
     steps, events : int array (N,)
     status : tuple of Status
+    names : tuple of str
+        Names of the states.
     """
+
+    drawn_by = "plot_ends"
 
     t: np.ndarray
     states: np.ndarray
@@ -45,6 +50,7 @@ class BatchResult:
     steps: np.ndarray
     events: np.ndarray
     status: tuple[Status, ...]
+    names: tuple[str, ...] = ()
 
 
 def integrate_batch(problems: Sequence[Problem], method: Taylor, progress: Progress) -> BatchResult:

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionlab.models.coercion import automaton_of
 from frictionlab.stability.equilibrium_points.equilibria import Equilibrium
 from frictionlab.stability.equilibrium_points.problem_setup import equilibrium_branches, equilibrium_problem
 from frictionlab.stability.equilibrium_points.static_equations import by_penetration
@@ -225,9 +224,8 @@ def _problems(
     """The equilibria to follow, and the bounds, checked."""
     if equilibrium is not None or by_penetration(model):
         problem = equilibrium_problem(model, equilibrium)
-        return [problem], check_bounds(problem.model, problem.parameters, parameter, bounds)
-    known = {symbol.name: value for symbol, value in automaton_of(model).parameters.items()}
-    limits = check_bounds(model, known, parameter, bounds)
+        return [problem], check_bounds(problem.model, parameter, bounds)
+    limits = check_bounds(model, parameter, bounds)
     return equilibrium_branches(model, parameter, limits), limits
 
 

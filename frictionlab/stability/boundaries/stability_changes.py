@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize.elementwise import find_root
 
+from frictionlab.drawable import Drawable
 from frictionlab.stability.equilibrium_points.equilibria import Equilibrium
 from frictionlab.stability.equilibrium_points.problem_setup import equilibrium_problem
 from frictionlab.stability.equilibrium_problem import EquilibriumProblem, check_bounds, check_parameter
@@ -81,8 +82,10 @@ def stability_changes(
 
     Raises
     ------
+    TypeError
+        For an unknown parameter, or what is no model.
     ValueError
-        For an unknown parameter, bounds that are none or break its rule, or an equilibrium of another model.
+        For bounds that are none or break the parameter's rule, or an equilibrium of another model.
 
     Examples
     --------
@@ -91,7 +94,7 @@ def stability_changes(
     ['flutter at 1.51378']
     """
     problem = equilibrium_problem(model, equilibrium)
-    low, high = check_bounds(problem.model, problem.parameters, parameter, bounds)
+    low, high = check_bounds(problem.model, parameter, bounds)
     return changes_on_lines(problem, parameter, (low, high), {})[0]
 
 
@@ -113,7 +116,7 @@ def critical_value(
 
     Raises
     ------
-    ValueError
+    TypeError, ValueError
         As :func:`stability_changes`.
 
     Examples
@@ -126,7 +129,7 @@ def critical_value(
 
 
 @dataclass(frozen=True, eq=False)
-class CriticalCurve:
+class CriticalCurve(Drawable):
     """Critical values of one parameter against another.
 
     Parameters
@@ -139,6 +142,8 @@ class CriticalCurve:
     values : array (N,)
         Critical values of `parameter`; NaN where there is none in the range.
     """
+
+    drawn_by = "plot_critical"
 
     model: Any
     parameter: str
@@ -164,9 +169,9 @@ def critical_curve(model: Any, parameter: str, bounds: Any, *, over: tuple[str, 
         As :func:`stability_changes`, for both parameters; if they are the same, or there are no values.
     """
     problem = equilibrium_problem(model)
-    low, high = check_bounds(problem.model, problem.parameters, parameter, bounds)
+    low, high = check_bounds(problem.model, parameter, bounds)
     name, at = over[0], np.asarray(over[1], dtype=float).ravel()
-    check_parameter(problem.model, problem.parameters, name, at.tolist())
+    check_parameter(problem.model, name, at.tolist())
     if name == parameter or not at.size:
         raise ValueError(
             f"over must be another parameter than {parameter!r} and at least one value of it, got {over!r}: "

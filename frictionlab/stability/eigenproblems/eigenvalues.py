@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from frictionlab.drawable import Drawable
 from frictionlab.stability.equilibrium_points.equilibria import Equilibrium, equilibrium
 from frictionlab.stability.equilibrium_points.problem_setup import equilibrium_problem
 from frictionlab.stability.state_matrices import is_neutral
@@ -17,7 +18,7 @@ ComplexArray = NDArray[np.complex128]
 
 
 @dataclass(frozen=True, eq=False)
-class Eigenvalues:
+class Eigenvalues(Drawable):
     """Eigenvalues and modes of the linearised system.
 
     Parameters
@@ -30,6 +31,8 @@ class Eigenvalues:
     equilibrium : Equilibrium
         Where the system was linearised.
     """
+
+    drawn_by = "plot_eigenvalues"
 
     values: ComplexArray
     vectors: ComplexArray

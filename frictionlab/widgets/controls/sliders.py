@@ -13,7 +13,6 @@ import ipywidgets
 
 from frictionlab.analysis.motion_scales import ROUND_NUMBER_RTOL
 from frictionlab.components.parameter import Parameter
-from frictionlab.validation import did_you_mean_or_known
 
 MAX_SLIDER_STEPS = 300  # most steps of a slider from one end to the other
 STEPS_PER_DECADE = 50
@@ -142,10 +141,3 @@ def remove_browser_rounding(value: float, start: float) -> float:
     return next(
         number for number in (start, float(f"{value:.9g}"), value) if equal_within_rounding(value, number)
     )
-
-
-def check_parameter(model: Any, name: str) -> None:
-    """Refuse a name that is no parameter of the model."""
-    if name not in model.parameters:
-        hint = did_you_mean_or_known(name, model.parameters)
-        raise ValueError(f"{type(model).__name__} has no parameter {name!r}{hint}")

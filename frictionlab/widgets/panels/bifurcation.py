@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from time import perf_counter
 from types import MappingProxyType
 from typing import Any, NamedTuple
@@ -17,9 +18,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionlab.analysis.motion_scales import rounded_period
+from frictionlab.analysis.options import SteadyStateOptions
 from frictionlab.analysis.steady_state.motion_kind import MotionKind
 from frictionlab.analysis.sweeps.bifurcation import bifurcation, steady_state_task
 from frictionlab.analysis.sweeps.task_runner import run_tasks
+from frictionlab.models.coercion import check_parameter_name
 from frictionlab.models.parameter_namespace import parameter_metadata
 from frictionlab.models.symbols import structure_of_component
 from frictionlab.plotting.bifurcation import EARLY_END_HEIGHT, MOTION_STYLES
@@ -27,7 +30,6 @@ from frictionlab.plotting.drawing import Curve, Drawing
 from frictionlab.plotting.style import GREY, parameter_label, state_label, state_unit
 from frictionlab.widgets.controls.sliders import (
     READOUT_FORMAT,
-    check_parameter,
     label_control,
     parameter_description,
     round_to_step,
@@ -87,7 +89,7 @@ class ProgressiveSweep:
     Motions that are to be extended.
     """
 
-    def __init__(self, model: Any, parameter: str, x0: Any, options: dict[str, Any]) -> None:
+    def __init__(self, model: Any, parameter: str, x0: Any, options: SteadyStateOptions) -> None:
         self.model, self.parameter, self.x0, self.options = model, parameter, x0, options
         self.found: dict[float, SteadyStatePoints] = {}
         self.unsettled: dict[float, UnsettledMotion] = {}
@@ -109,14 +111,14 @@ class ProgressiveSweep:
                 self._extend(left[:BATCH_SIZE])
 
     def _start(self, values: list[float]) -> None:
-        done = bifurcation(self.model, self.parameter, values, self.x0, progress=False, **self.options)
+        done = bifurcation(self.model, self.parameter, values, self.x0, options=self.options, progress=False)
         for i, value in enumerate(values):
             self._keep(value, done.results[i], 0)
 
     def _extend(self, values: list[float]) -> None:
-        # Half a window more, so that rounding does not lose one.
-        longest = (WINDOWS_PER_EXTENSION + 0.5) * self.options["window"]
-        options = {**self.options, "transient": 0.0, "t_max": longest}
+        # Half a window more, so that rounding takes none away.
+        longest = (WINDOWS_PER_EXTENSION + 0.5) * self.options.window
+        options = replace(self.options, transient=0.0, t_max=longest)
         models = [self.model.replace(**{self.parameter: value}) for value in values]
         starts = [np.array(self.unsettled[value].final) for value in values]
         names = [f"{self.parameter} = {value:g}" for value in values]
@@ -203,7 +205,7 @@ class BifurcationPanel:
 
     def __call__(self, result: Any) -> Drawing:
         """The points in the range, by the kind of motion, and a line at the model's own value."""
-        check_parameter(result.model, self.parameter)
+        check_parameter_name(result.model, self.parameter)
         low, high = self.controls["range"].value
         inside, progress = self._fill(result, low, high)
         name = result.settings.coordinate
@@ -248,7 +250,7 @@ class BifurcationPanel:
                 WINDOW_PERIODS * rounded_period(result.model),
                 tighten_tolerance(limit_steps(settings.method)),
             )
-            options = {"transient": transient, "window": window, "method": method}
+            options = SteadyStateOptions(transient, window, method=method)
             self.sweep = ProgressiveSweep(result.model, self.parameter, settings.x0, options)
             self._key = key
         return self.sweep

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from frictionlab.analysis.spectrum import highest_frequency
+from frictionlab.models.coercion import check_parameter_name
 from frictionlab.models.parameter_namespace import parameter_metadata
 from frictionlab.models.symbols import structure_of_component
 from frictionlab.plotting.drawing import Curve, Drawing, envelope
@@ -33,7 +34,7 @@ from frictionlab.plotting.style import (
 )
 from frictionlab.stability import CriticalCurve, critical_curve
 from frictionlab.validation import did_you_mean
-from frictionlab.widgets.controls.sliders import check_parameter, round_to_step, slider_range
+from frictionlab.widgets.controls.sliders import round_to_step, slider_range
 
 from .mechanism import mechanism
 
@@ -189,7 +190,7 @@ class CriticalValuePanel:
         """The curve, and a point in the colour of its stability."""
         model, found = result.model, result.eigenvalues
         for name in (self.parameter, self.over):
-            check_parameter(model, name)
+            check_parameter_name(model, name)
         curve = self._curve(_ModelApartFrom(model, (self.parameter, self.over)))
         here = [model.parameters[self.over]], [model.parameters[self.parameter]]
         stable = found is not None and found.stable

@@ -71,7 +71,7 @@ def test_a_parameter_that_a_switch_takes_away_is_missed_in_plain_words():
 
 @pytest.mark.parametrize("explore", [fl.explore_stability, fl.explore_bifurcation])
 def test_unknown_parameters_are_refused(explore):
-    with pytest.raises(ValueError, match="has no parameter 'mu': did you mean"):
+    with pytest.raises(TypeError, match="has no parameter 'mu': did you mean"):
         explore(parameter="mu")
 
 

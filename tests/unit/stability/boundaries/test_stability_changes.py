@@ -246,13 +246,13 @@ def test_errors():
     for bounds in [(1, 1), (3, 0), (0, np.nan), (0, 1, 2), None, 3.0, "04"]:
         with pytest.raises(ValueError, match="bounds must be two numbers in ascending order"):
             fl.stability_changes(S(), "mu_k", bounds)
-    with pytest.raises(ValueError, match="did you mean 'mu_k'"):
+    with pytest.raises(TypeError, match="SliderOnBelt has no parameter 'muk': did you mean 'mu_k'"):
         fl.stability_changes(S(), "muk", (0, 1))
-    with pytest.raises(ValueError, match="no parameter is called 'r': known are p"):
+    with pytest.raises(TypeError, match="HybridAutomaton has no parameter 'r': known are p"):
         fl.critical_value(linear([[1 + P, 0.05], [-0.05, 2 - P]]), "r", (0, 1))
     with pytest.raises(ValueError, match="k4 must be at least 0"):
         fl.critical_curve(S(), "mu_k", (0, 1), over=("k4", [1e4, -1.0]))
-    with pytest.raises(ValueError, match="no parameter is called 'G'"):
+    with pytest.raises(TypeError, match="SliderOnBelt has no parameter 'G'"):
         fl.critical_curve(S(), "mu_k", (0, 1), over=("G", [1.0]))
     with pytest.raises(ValueError, match="over must be another parameter than 'mu_k'"):
         fl.critical_curve(S(), "mu_k", (0, 1), over=("mu_k", [1.0]))
