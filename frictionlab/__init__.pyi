@@ -124,3 +124,5 @@ from .widgets.explorer import explore_stability as explore_stability
 from .widgets.result import Result as Result
 from .widgets.sound import Sound as Sound
 from .widgets.sound import listen as listen
+
+__all__: list[str]
