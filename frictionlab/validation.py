@@ -105,5 +105,4 @@ def unknown_parameter(owner: str, name: Any, known: Sequence[str], hint: str = "
 
     A TypeError, as Python's for an unknown keyword, since parameters are keywords of models.
     """
-    hint = hint or did_you_mean_or_known(name, known).removeprefix(": ")
-    return TypeError(f"{owner} has no parameter {name!r}: {hint}")
+    return TypeError(f"{owner} has no parameter {name!r}{hint or did_you_mean_or_known(name, known)}")

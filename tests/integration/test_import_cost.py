@@ -63,7 +63,8 @@ def test_the_stub_lists_each_name_once_and_nothing_else():
     """What the package reads of its stub is what Python's own parser reads, and so type checkers."""
     stub = Path(fl.__file__).with_suffix(".pyi")
     assert stub.with_name("py.typed").exists()
-    imports = ast.parse(stub.read_text()).body
+    *imports, listed = ast.parse(stub.read_text()).body
+    assert ast.unparse(listed) == "__all__: list[str]"
     assert all(isinstance(node, ast.ImportFrom) and node.level == 1 for node in imports)
     names = [(alias.name, alias.asname) for node in imports for alias in node.names]
     assert all(name == alias for name, alias in names)

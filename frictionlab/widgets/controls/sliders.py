@@ -21,8 +21,7 @@ CONTROL_WIDTH = "310px"
 READOUT_FORMAT = ".7"
 LOG_READOUT_FORMAT = ".4r"  # four digits: these values are not round
 # A browser computes a slider's value from its position, 20.000000000000004 for 20, a logarithmic one's from
-# its
-# exponent, 0.9999999999977 for 1, and sends it unasked when it first shows the slider.
+# its exponent, 0.9999999999977 for 1, and sends it unasked when it first shows the slider.
 BROWSER_ROUNDING = 1e-11
 END_MARGIN = 1e-12  # decades by which a slider goes beyond its ends, whose logarithms are rounded
 STEP_MISS = 1e-6  # of a step: a value so near to a whole number of them is one

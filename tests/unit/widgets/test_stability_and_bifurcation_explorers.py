@@ -112,7 +112,7 @@ def test_a_narrow_range_is_computed_more_finely_and_nothing_twice(diagram):
 def test_the_points_are_those_of_the_analysis(diagram):
     diagram.controls["range"].value = (0.3, 0.6)
     sweep = diagram.picture.panels["bifurcation"].sweep
-    found, method = sweep.found, sweep.options["method"]
+    found, method = sweep.found, sweep.options.method
     assert (method.tol, method.chatter) == (1e-10, diagram.settings.method.chatter)
     model = FLAT.replace(mu_s=4.0)
     options = {"transient": 5.0, "window": 10.0, "t_max": LONGEST, "method": method, "progress": False}
@@ -186,7 +186,7 @@ def test_in_an_event_loop_the_diagram_fills_while_newer_values_are_heard():
     assert marked == "visible"
     assert last == (24, "hidden")
     assert explorer.error is None
-    assert explorer.picture.panels["bifurcation"].sweep.options["transient"] == 5.0
+    assert explorer.picture.panels["bifurcation"].sweep.options.transient == 5.0
 
 
 def test_an_explorer_that_is_closed_computes_no_more():
@@ -223,7 +223,7 @@ def test_motions_that_have_not_settled_are_marked_and_go_on_until_they_have():
     assert filled[-1] == ("24 values", set())
     panel, value = explorer.picture.panels["bifurcation"], max(filled[0][1])
     options = {"transient": 40.0, "window": 10.0, "t_max": LONGEST}
-    options["method"] = panel.sweep.options["method"]
+    options["method"] = panel.sweep.options.method
     alone = fl.bifurcation(FULL, "mu_k", [value], progress=False, **options)
     kind, states = panel.found[value]
     assert kind == alone.kinds[0] == "periodic"
