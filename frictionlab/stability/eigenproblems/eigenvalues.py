@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from frictionlab.drawable import Drawable
 from frictionlab.stability.equilibrium_points.equilibria import Equilibrium, equilibrium
 from frictionlab.stability.equilibrium_points.problem_setup import equilibrium_problem
+from frictionlab.stability.equilibrium_points.static_equations import by_penetration, sliding_equations
 from frictionlab.stability.state_matrices import is_neutral
 
 Array = NDArray[np.float64]
@@ -127,16 +128,16 @@ def jacobian(model: Any, q: Array) -> Array:
         If the belt rests and the model has stick: friction has no derivative there.
     """
     problem = equilibrium_problem(model)
-    if "stick" in interface_modes(model) and model.v == 0:
+    if by_penetration(model) and _sticks_at_rest(model):
         raise ValueError("v must not be 0 for steady sliding, got 0.0: give the belt a speed")
     x = np.zeros(len(problem.flow.states))
     x[: len(q)] = q
     return problem.flow.jacobian(x, problem.values)
 
 
-def interface_modes(model: Any) -> tuple[str, ...]:
-    """Names of the modes of a model's interface; none for an automaton."""
-    return model.interface.modes if hasattr(model, "interface") else ()
+def _sticks_at_rest(model: Any) -> bool:
+    equations = sliding_equations(model)
+    return equations.sticks and float(equations.belt_speed(*equations.values(model))) == 0.0
 
 
 def mode_shapes(vectors: ComplexArray, n: int) -> ComplexArray:

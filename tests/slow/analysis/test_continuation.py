@@ -250,10 +250,13 @@ def test_where_an_impact_leads_back_to_its_mode_the_sequence_changes_all_the_sam
     stop = fl.Event("stop", 1 - X, ("free",), fl.Reset({X: sp.S.One, V: -V * 4 / 5}))
     scene = automaton(fl.Mode("free", flow, (stop,)), states=(X, V, c, s), f=0.2)
     orbit = fl.periodic_orbit(scene, fl.solve(scene, 200.0, x0=[0.0, 0.0, 1.0, 0.0]))
+    beyond = []
     for end in (0.6, 1.0, 3.0):
         branch = followed(orbit, "f", (0.05, end))
         (value,) = [special.value for special in branch.special if special.kind == "grazing"]
         assert value == pytest.approx(np.hypot(1 - 0.64, 0.16), abs=1e-9)
         impacts = np.array([len(found.trajectory.events) for found in branch.orbits])
         assert_all(impacts[branch.values < value - 1e-6] == 0)
-        assert_all(impacts[branch.values > value + 1e-6] > 0)
+        beyond += [*impacts[branch.values > value + 1e-6]]
+    # A branch may end where it grazes, as the return map has a corner there; not all of the three do.
+    assert_all(np.array(beyond) > 0)
