@@ -95,7 +95,6 @@ from .models.description.equations import Equations as Equations
 from .models.description.parameter_table import ParameterTable as ParameterTable
 from .plotting import animate as animate
 from .plotting import plot_run as plot_run
-from .plotting.animation.animate import RunAnimation as RunAnimation
 from .plotting.drawing import Curve as Curve
 from .plotting.drawing import Drawing as Drawing
 from .stability import Boundary as Boundary

@@ -10,13 +10,13 @@ from typing import Any, ClassVar
 
 
 class Drawable:
-    """A result that a function of :mod:`frictionlab.plotting` draws."""
+    """A result that a function of ``frictionlab.plotting`` draws."""
 
     drawn_by: ClassVar[str]  # the name of that function
     several_axes: ClassVar[bool] = False  # whether it may make several, and returns them
 
     def plot(self, ax: Any = None, **options: Any) -> Any:
-        """Draw the result by the function of :mod:`frictionlab.plotting` that `drawn_by` names.
+        """Draw the result by the function of ``frictionlab.plotting`` that `drawn_by` names.
 
         Parameters
         ----------
