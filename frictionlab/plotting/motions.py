@@ -9,11 +9,12 @@ from matplotlib.axes import Axes
 from matplotlib.container import ErrorbarContainer
 from matplotlib.lines import Line2D
 
+from frictionlab.analysis.steady_state.motion_kind import MotionKind
 from frictionlab.validation import check_choice
 
-from .figure import axes_or_new
-from .runs.phase_plane import plot_phase_plane
-from .style import BLACK, BLUE, GREY, state_label, state_unit
+from .figure import axes_or_new, legend_beside
+from .runs.phase_plane import label_phase_plane, plot_phase_plane
+from .style import BLACK, BLUE, GREY
 
 SHOWN_PERIODS = 3  # periods drawn of a periodic motion
 SHOWN_SECONDS = 2.0  # drawn of others
@@ -38,16 +39,18 @@ def plot_steady_state(found: Any, ax: Axes | None = None, *, name: str | None = 
     run = found.trajectory
     shown: str = run.names[0] if name is None else name
     check_choice("name", shown, run.names[: run.automaton.coordinates])
-    ax = axes_or_new(ax)
-    if found.kind == "equilibrium":
+    alone, ax = ax is None, axes_or_new(ax)
+    if found.kind == MotionKind.EQUILIBRIUM:
         column = run.names.index(shown)
         x, rate = run.final_state[[column, column + run.automaton.coordinates]]
         lines = ax.plot(x, rate, "+", color=BLACK, markersize=9.0, label="equilibrium")
         ax.set(ylim=(-1.0, 1.0))
     else:
-        seconds = SHOWN_PERIODS * found.period if found.kind == "periodic" else SHOWN_SECONDS
+        seconds = SHOWN_PERIODS * found.period if found.kind == MotionKind.PERIODIC else SHOWN_SECONDS
         lines = plot_phase_plane(run, ax, name=shown, window=min(seconds, float(run.raw.t)))
-    _label_phase_plane(ax, shown, f"Steady state: {found.kind}")
+    label_phase_plane(ax, shown, f"Steady state: {found.kind}")
+    if alone:
+        legend_beside(ax)
     return lines
 
 
@@ -67,10 +70,12 @@ def plot_orbit(orbit: Any, ax: Axes | None = None, *, name: str | None = None) -
     list of Line2D
         One for every mode that occurs.
     """
-    ax = axes_or_new(ax)
+    alone, ax = ax is None, axes_or_new(ax)
     lines = plot_phase_plane(orbit.trajectory, ax, name=name, window=None)
     kind = "Stable" if orbit.stable else "Unstable"
     ax.set_title(f"{kind} orbit of period {orbit.period:.6g} s")
+    if alone:
+        legend_beside(ax)
     return lines
 
 
@@ -96,7 +101,7 @@ def plot_ends(ends: Any, ax: Axes | None = None, *, name: str | None = None) -> 
     x, rate = (ends.states[:, ends.names.index(each)] for each in (shown, f"{shown}'"))
     ax = axes_or_new(ax)
     lines = ax.plot(x, rate, ".", color=BLUE)
-    _label_phase_plane(ax, shown, f"Ends of {len(x)} runs")
+    label_phase_plane(ax, shown, f"Ends of {len(x)} runs")
     return lines
 
 
@@ -120,8 +125,3 @@ def plot_lyapunov(found: Any, ax: Axes | None = None) -> ErrorbarContainer:
     ax.axhline(0.0, color=GREY, linewidth=0.8)
     ax.set(xlabel="direction", ylabel="Lyapunov exponent (1/s)", xticks=place)
     return bars
-
-
-def _label_phase_plane(ax: Axes, name: str, title: str) -> None:
-    x, rate = (f"{state_label(each)} ({state_unit(each)})" for each in (name, f"{name}'"))
-    ax.set(xlabel=x, ylabel=rate, title=title)

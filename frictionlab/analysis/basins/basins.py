@@ -50,8 +50,8 @@ def basins(
     x, y : (str, array_like)
         A state, such as "x1" or "x1'", and its initial values (N,) and (M,).
     x0 : "rest", "near", array_like (n,) or callable
-        What the other states begin with.  A callable is given the state (n,), the others zero, and returns
-        the one to begin with.
+        Initial values of the other states.  A callable takes the state (n,) with the others zero, and returns
+        the complete initial state.
     options : SteadyStateOptions or None
         With a method that is a Taylor.  The transient should be as long as the slowest motion takes to
         settle; a longer one costs only those that have not settled.

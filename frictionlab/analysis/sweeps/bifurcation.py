@@ -49,8 +49,8 @@ def bifurcation(
     values : array_like (N,)
     x0 : "rest", "near", "continue" or array_like (2n,)
         "continue" starts each value from where the one before ended, the first from rest, and so does one
-        after a run that ended early.  Values that ascend and then descend show hysteresis.  One after
-        another, so in one thread.
+        after a run that ended early.  Values that ascend and then descend show hysteresis.  The values are
+        computed one after another, in one thread.
     options : SteadyStateOptions or None
         As :func:`steady_state`: with `t_max` values that have not settled go on, window by window.
     execution : Execution or None
@@ -112,7 +112,7 @@ def _models(model: Any, parameter: str, values: Any) -> list[Any]:
 
 
 def _initial_states(models: Sequence[Any], x0: Any) -> list[np.ndarray]:
-    """What each model starts from; a name stands for a state of each."""
+    """The initial state of each model; a name stands for a state of each."""
     first = initial_state_of(models[0], x0)
     return [first, *(initial_state_of(m, x0) if isinstance(x0, str) else first for m in models[1:])]
 

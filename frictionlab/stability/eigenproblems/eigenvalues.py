@@ -128,16 +128,11 @@ def jacobian(model: Any, q: Array) -> Array:
         If the belt rests and the model has stick: friction has no derivative there.
     """
     problem = equilibrium_problem(model)
-    if by_penetration(model) and _sticks_at_rest(model):
+    if by_penetration(model) and (equations := sliding_equations(model)).rests(equations.values(model)):
         raise ValueError("v must not be 0 for steady sliding, got 0.0: give the belt a speed")
     x = np.zeros(len(problem.flow.states))
     x[: len(q)] = q
     return problem.flow.jacobian(x, problem.values)
-
-
-def _sticks_at_rest(model: Any) -> bool:
-    equations = sliding_equations(model)
-    return equations.sticks and float(equations.belt_speed(*equations.values(model))) == 0.0
 
 
 def mode_shapes(vectors: ComplexArray, n: int) -> ComplexArray:

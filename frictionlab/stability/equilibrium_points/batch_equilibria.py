@@ -132,7 +132,7 @@ def sliding_problem(model: Any, start: Array | None = None) -> EquilibriumProble
     solve: Callable[[Sequence[Any], int], Array] = partial(_solve, equations)
 
     def pressed(x: Array, values: Sequence[Any]) -> Any:
-        return (flow.margin(x, values) > 0) & ~_belt_rests(equations, values)
+        return (flow.margin(x, values) > 0) & ~equations.rests(values)
 
     if start is not None:
         solve = continuation_solver(flow, np.append(start, np.zeros(len(start))), values, pressed)
@@ -163,7 +163,7 @@ def _solve(equations: SlidingEquations, values: Sequence[Any], count: int) -> Ar
     for statics, chosen in statics_groups(equations, values, count):
         some = [v if np.ndim(v) == 0 else np.broadcast_to(v, (count,))[chosen] for v in values]
         x[:, chosen] = _states_in_contact(statics, some, len(x), int(chosen.sum()))
-    x[:, np.broadcast_to(_belt_rests(equations, values), (count,))] = np.nan
+    x[:, np.broadcast_to(equations.rests(values), (count,))] = np.nan
     return x
 
 
@@ -174,8 +174,3 @@ def _states_in_contact(statics: Statics, values: Sequence[Any], rows: int, count
         row[:] = q
     x[:, np.isnan(penetrations)] = np.nan
     return x
-
-
-def _belt_rests(equations: SlidingEquations, values: Sequence[Any]) -> Any:
-    """Where the belt rests and the model has stick: friction has no derivative there."""
-    return (np.asarray(equations.belt_speed(*values)) == 0) & equations.sticks

@@ -81,6 +81,10 @@ class SlidingEquations:
         """The relative velocity at rest, m/s, of the parameters."""
         return _lambdify(list(self.parameters), self.system.at_rest(self.system.rubbing.relative_velocity))
 
+    def rests(self, values: Sequence[Any]) -> Any:
+        """Where the belt rests and the contact can stick: there friction has no derivative."""
+        return (np.asarray(self.belt_speed(*values)) == 0) & self.sticks
+
     @cached_property
     def stiffness_entries(self) -> Callable[..., Any]:
         """The stiffness matrix as rows, of the parameters."""
