@@ -62,7 +62,8 @@ if TYPE_CHECKING:
         functions,
         parameter,
     )
-    from frictionlab.hybrid.methods.rk4 import RK4
+    from frictionlab.hybrid.methods.one_step import RK4, OneStepMethod
+    from frictionlab.hybrid.methods.runge_kutta import Tableau
     from frictionlab.hybrid.methods.scipy_methods import Scipy
     from frictionlab.hybrid.methods.taylor import Taylor
     from frictionlab.hybrid.problem import Status
@@ -120,7 +121,8 @@ _HOMES = {
     "Coulomb ExponentialDecay Stribeck WeakeningStrengthening PressureDependent MovingLoad FixedLoad "
     "ImpactLaw PlasticImpact RestitutionImpact FrictionalImpact StickSlipSeparation StickSlip "
     "SlidingSeparation SlidingOnly parameter functions",
-    "hybrid.methods.rk4": "RK4",
+    "hybrid.methods.one_step": "RK4 OneStepMethod",
+    "hybrid.methods.runge_kutta": "Tableau",
     "hybrid.methods.scipy_methods": "Scipy",
     "hybrid.methods.taylor": "Taylor",
     "hybrid.problem": "Status",
