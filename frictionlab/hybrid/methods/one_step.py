@@ -69,6 +69,8 @@ class OneStepMethod(Method):
     def __post_init__(self) -> None:
         check_number("step", self.step, above=0.0, cure="2e-4 s reproduces the paper")
         self.check_caps()
+        if self.tableau is not None:
+            _check_tableau(self.tableau)
 
     @property
     def entry(self) -> Any:
@@ -88,7 +90,7 @@ class OneStepMethod(Method):
 
     def advance(self, run: ActiveRun, record: run_state.Record) -> int:
         if self.tableau is not None:
-            scheme = new_scheme(self.tableau, self.step, self._order, len(run.cursor.state))
+            scheme = new_scheme(self.tableau, float(self.step), self._order, len(run.cursor.state))
             arrays = run.natives.code, run.problem.numbers, run.absolute
             return advance_runge_kutta(*arrays, scheme, run.cursor, record, run.work)
         times = run.cursor.times
@@ -178,3 +180,14 @@ class RK4(OneStepMethod):
     )
 
     step: float = 2e-4
+
+
+def _check_tableau(tableau: Tableau) -> None:
+    """Raise ValueError unless stages use those before them only, and all have a weight."""
+    lengths = [len(row) for row in tableau.stages]
+    if len(lengths) != len(tableau.weights) or any(count > s for s, count in enumerate(lengths)):
+        raise ValueError(
+            "stages of a tableau must have a row for each weight, with numbers for the stages before it, "
+            f"got rows of {lengths} numbers for {len(tableau.weights)} weights: give (), (a,), (a, b), ...; "
+            "an implicit method gives take_step"
+        )
