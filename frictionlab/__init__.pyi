@@ -68,7 +68,9 @@ from .components import WeakeningStrengthening as WeakeningStrengthening
 from .components import functions as functions
 from .components import parameter as parameter
 from .hybrid.methods.base import Method as Method
-from .hybrid.methods.rk4 import RK4 as RK4
+from .hybrid.methods.one_step import RK4 as RK4
+from .hybrid.methods.one_step import OneStepMethod as OneStepMethod
+from .hybrid.methods.runge_kutta import Tableau as Tableau
 from .hybrid.methods.scipy_methods import Scipy as Scipy
 from .hybrid.methods.taylor import Taylor as Taylor
 from .hybrid.problem import Status as Status

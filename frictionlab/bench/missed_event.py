@@ -10,7 +10,7 @@ import numpy as np
 from frictionlab.analysis.simulate import simulate
 from frictionlab.analysis.tables import markdown_table
 from frictionlab.hybrid.methods.base import Method
-from frictionlab.hybrid.methods.rk4 import RK4
+from frictionlab.hybrid.methods.one_step import RK4
 from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models import SliderOnBelt

@@ -14,7 +14,7 @@ from frictionlab.analysis.simulate import simulate
 from frictionlab.analysis.sweeps.sweep import Sweep, sweep
 from frictionlab.analysis.tables import markdown_table
 from frictionlab.hybrid.methods.base import Method
-from frictionlab.hybrid.methods.rk4 import RK4
+from frictionlab.hybrid.methods.one_step import RK4
 from frictionlab.hybrid.methods.taylor import Taylor
 
 from .harness import interleaved_medians, warm_up, warm_up_lanes

@@ -155,7 +155,7 @@ def _given_parameters(chosen: argparse.Namespace) -> dict[str, float]:
 def method_from_options(chosen: argparse.Namespace) -> Any:
     """The method with its settings."""
     from frictionlab.hybrid.methods import method_registry
-    from frictionlab.hybrid.methods.rk4 import RK4
+    from frictionlab.hybrid.methods.one_step import RK4
 
     by_lower = {name.lower(): name for name in METHOD_NAMES}
     method = method_registry.method_of(by_lower.get(chosen.method.lower(), chosen.method))

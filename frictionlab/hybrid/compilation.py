@@ -85,6 +85,11 @@ def inlined(function: Callable) -> Callable:
     return _compile(function, {"forceinline": True})
 
 
+def c_function(function: Callable, signature: str) -> Any:
+    """A function compiled now, as C code calls it; its ``address`` is that of the code, while it is kept."""
+    return _cached(function, lambda options: NUMBA.cfunc(signature, **options))
+
+
 def _without_reference_counts() -> dict[str, bool]:
     """Compile without reference counts: kernels allocate nothing, and counting would take most of their
     time."""
@@ -94,16 +99,15 @@ def _without_reference_counts() -> dict[str, bool]:
 def _compile(function: Callable, further: dict[str, bool]) -> Callable:
     if NUMBA is None:
         return function
+    return _cached(function, lambda options: NUMBA.njit(nogil=True, **options, **further))
+
+
+def _cached(function: Callable, decorator: Callable[[dict[str, Any]], Callable]) -> Any:
+    """What numba's decorator makes of a function, with our options and our folder."""
     before = NUMBA.config.CACHE_DIR
     NUMBA.config.CACHE_DIR = CACHE_FOLDER or before
+    options = {"error_model": "numpy", "boundscheck": False, **_without_reference_counts()}
     try:
-        options = {
-            "nogil": True,
-            "error_model": "numpy",
-            "boundscheck": False,
-            **_without_reference_counts(),
-            **further,
-        }
-        return NUMBA.njit(cache=bool(CACHE_FOLDER), **options)(function)
+        return decorator({"cache": bool(CACHE_FOLDER), **options})(function)
     finally:
         NUMBA.config.CACHE_DIR = before

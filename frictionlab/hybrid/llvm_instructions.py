@@ -163,7 +163,7 @@ class Instructions:
 
     def _called(self, name: str, kind: Any, *arguments: Any) -> Any:
         if name not in self.called:
-            signature = self.ir.FunctionType(kind, [kind] * len(arguments))
+            signature = self.ir.FunctionType(kind, [argument.type for argument in arguments])
             self.called[name] = self.ir.Function(self.build.module, signature, name)
         return self.build.call(self.called[name], arguments)
 

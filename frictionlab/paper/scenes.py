@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from frictionlab.components import PlasticImpact
 from frictionlab.hybrid.methods.base import Method
-from frictionlab.hybrid.methods.rk4 import RK4
+from frictionlab.hybrid.methods.one_step import RK4
 from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.models import SliderOnBelt
 from frictionlab.validation import check_choice

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.hybrid.kernels import run_state, taylor_steps
 from frictionlab.hybrid.methods.base import ActiveRun, Method
-from frictionlab.hybrid.methods.rk4 import RK4
+from frictionlab.hybrid.methods.one_step import RK4
 from frictionlab.hybrid.methods.taylor import Taylor
 
 from .callback_adapters import Cvode, PathSim, SolveIvp

@@ -11,22 +11,15 @@ from __future__ import annotations
 from functools import partial
 from typing import Any, NamedTuple
 
+from frictionlab.hybrid.codegen.kernel_symbols import VALUE_SYMBOL
 from frictionlab.hybrid.kernels.arithmetic import PARTS
 from frictionlab.hybrid.kernels.jets import INVERSE_LARGEST_COEFFICIENT, JET_COLUMNS
 from frictionlab.hybrid.llvm_instructions import Instructions, Values, llvm_constant, write_branch, write_loop
-from frictionlab.hybrid.tape.operations import (
-    AFFINE,
-    FUNCTIONS,
-    POWER,
-    PRODUCT,
-    QUOTIENT,
-    RATE,
-    SECH2,
-    SQUARE,
-)
+from frictionlab.hybrid.tape.functions import FUNCTIONS
+from frictionlab.hybrid.tape.operations import AFFINE, POWER, PRODUCT, QUOTIENT, RATE, SQUARE
 from frictionlab.hybrid.tape.tape import Tape
 
-LIBRARY_SYMBOLS = {POWER: "pow"} | {POWER + 1 + i: f.__name__ for i, f in enumerate(FUNCTIONS)}
+LIBRARY_SYMBOLS = {function.kind: function.name for function in FUNCTIONS if function.in_library}
 
 LANE_COUNT = 4
 LEFT, LENGTH, REGULAR, TOL, LOG_TOL, GUARD_TOL = range(6)  # rows of `control`, all of LANE_COUNT numbers
@@ -140,18 +133,12 @@ class JetWriter(Instructions):
             return build.fdiv(values[a], values[b])
         if kind == RATE:
             return self._number(0.0)
-        if kind == SECH2:
-            return self._sech2(values[a])
-        return (
-            self._power_value(i, values[a]) if kind == POWER else self._call(LIBRARY_SYMBOLS[kind], values[a])
-        )
+        return self._power_value(i, values[a]) if kind == POWER else self._function_value(kind, values[a])
 
-    def _sech2(self, a: Any) -> Any:
-        """As in :func:`jets.function_value`."""
-        build, one = self.build, self._number(1.0)
-        q = self._call("exp", build.fmul(self._number(-2.0), self._abs(a)))
-        below = build.fadd(one, q)
-        return build.fdiv(build.fmul(self._number(4.0), q), build.fmul(below, below))
+    def _function_value(self, kind: int, a: Any) -> Any:
+        if kind in LIBRARY_SYMBOLS:
+            return self._call(LIBRARY_SYMBOLS[kind], a)
+        return self._call(VALUE_SYMBOL, self.whole(kind), a)
 
     def _coefficient(self, i: int, kind: int, a: int, b: int, at: OrderInLoop) -> Any:
         """Coefficient k > 0."""
@@ -317,7 +304,8 @@ class LaneWriter(JetWriter):
         result = self._number(0.0)
         for lane in range(LANE_COUNT):
             place = self.ir.IntType(32)(lane)
-            each = super()._call(name, *(self.build.extract_element(vector, place) for vector in arguments))
+            numbers = (self.build.extract_element(a, place) if a.type == self.kind else a for a in arguments)
+            each = super()._call(name, *numbers)
             result = self.build.insert_element(result, each, place)
         return result
 

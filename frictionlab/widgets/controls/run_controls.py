@@ -8,7 +8,7 @@ import ipywidgets
 import numpy as np
 
 from frictionlab.analysis.motion_scales import rounded_period
-from frictionlab.hybrid.methods.rk4 import RK4
+from frictionlab.hybrid.methods.one_step import RK4
 from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.widgets.settings import QUICK_METHOD, Settings
 

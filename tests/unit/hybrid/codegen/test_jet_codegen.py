@@ -20,7 +20,7 @@ from frictionlab.hybrid.kernels.jets import (
     mode_jets,
 )
 from frictionlab.hybrid.kernels.run_state import jet_columns
-from frictionlab.hybrid.tape.operations import FUNCTIONS
+from frictionlab.hybrid.tape.functions import FUNCTIONS
 from frictionlab.hybrid.tape.packing import program_of
 
 pytestmark = pytest.mark.skipif(compilation.NUMBA is None, reason="needs numba")
@@ -49,9 +49,9 @@ def stiffened():
 def functions():
     """Every function, within another, and powers with exponents of all kinds."""
     x, y, a = sp.symbols("x y a")
-    inner = x * y + a
+    inner, every = x * y + a, [function.expression for function in FUNCTIONS]
     flow = (
-        sum((f(inner / 3) for f in FUNCTIONS if f is not sp.log), sp.log(2 + y**2)),
+        sum((f(inner / 3) for f in every if f is not sp.log), sp.log(2 + y**2)),
         sp.tanh(sp.exp(-(x**2))) + (1 + x**2) ** a - (2 + y**2) ** sp.Rational(-3, 2),
     )
     return HybridAutomaton((x, y), (Mode("m", flow, (), (sp.sqrt(1 + x**2) - y,)),), {a: 0.3}, 0)
