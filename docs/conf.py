@@ -38,7 +38,7 @@ nitpick_ignore_regex = [("py:.*", r"(matplotlib|numpy|scipy)\..*")]  # their pag
 
 # Pages in Markdown; those with code cells are run while the site is built, and the course unless tests
 # have left executed copies (see borrowed_pages.py).
-myst_enable_extensions = ["amsmath", "colon_fence", "dollarmath"]
+myst_enable_extensions = ["amsmath", "colon_fence", "deflist", "dollarmath"]
 myst_heading_anchors = 3
 SOURCES = b"".join(path.read_bytes() for path in sorted(HERE.parent.glob("frictionlab/**/*.py")))
 nb_execution_mode = "cache"  # until the page or the package changes

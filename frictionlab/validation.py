@@ -1,17 +1,19 @@
 """Checks of single arguments: each message has the name, the rule, what was given, and the cure.
 
-Also the one "did you mean" of the package.
+Also the one "did you mean" of the package.  Components use it too, so numpy is imported only where it is
+needed.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from difflib import get_close_matches
 from numbers import Real
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import numpy as np
+if TYPE_CHECKING:
+    import numpy as np
 
 MAX_CHARACTERS = 100  # characters of a value that a message shows
 
@@ -55,6 +57,8 @@ def check_mapping(name: str, value: Any, cure: str) -> None:
 
 def float_array(name: str, values: Any, cure: str) -> np.ndarray:
     """The values as a new array of floats; raises unless they are numbers."""
+    import numpy as np
+
     try:
         return np.array(values, dtype=float)
     except (TypeError, ValueError):
@@ -63,7 +67,7 @@ def float_array(name: str, values: Any, cure: str) -> np.ndarray:
 
 def abbreviate(value: Any) -> str:
     """The value as a message shows it, cut where it is long."""
-    text = repr(value.tolist() if isinstance(value, np.ndarray) else value)
+    text = repr(value.tolist() if hasattr(value, "tolist") else value)  # an array as a list
     return text if len(text) <= MAX_CHARACTERS else f"{text[:MAX_CHARACTERS]}..."
 
 
@@ -75,7 +79,30 @@ def check_choice(name: str, value: Any, choices: Sequence[str], cure: str = "") 
         raise ValueError(f"{name} must be one of {allowed}, got {value!r}{hint}")
 
 
-def did_you_mean(name: Any, known: Sequence[str]) -> str:
-    """`: did you mean ...?`, or nothing."""
-    close = get_close_matches(str(name), known, n=1)
-    return f": did you mean {close[0]!r}?" if close else ""
+def nearest_name(name: Any, known: Iterable[str]) -> str | None:
+    """The one of some known names that may have been meant, whatever the case of its letters; or None."""
+    names = list(known)
+    lower = [each.lower() for each in names]
+    near = get_close_matches(str(name).lower(), lower, n=1)
+    return names[lower.index(near[0])] if near else None
+
+
+def did_you_mean(name: Any, known: Iterable[str]) -> str:
+    """The end of a message that lists what is known: `: did you mean ...?`, or nothing where none is near."""
+    near = nearest_name(name, known)
+    return "" if near is None else f": did you mean {near!r}?"
+
+
+def did_you_mean_or_known(name: Any, known: Iterable[str]) -> str:
+    """The end of a message that does not: `: did you mean ...?`, or the list where none is near."""
+    names = list(known)
+    listed = f": known are {', '.join(names)}" if names else ": there are none"
+    return did_you_mean(name, names) or listed
+
+
+def unknown_parameter(owner: str, name: Any, known: Sequence[str], hint: str = "") -> TypeError:
+    """The error for a parameter that there is not: the same wherever one is named.
+
+    A TypeError, as Python's for an unknown keyword, since parameters are keywords of models.
+    """
+    return TypeError(f"{owner} has no parameter {name!r}{hint or did_you_mean_or_known(name, known)}")

@@ -1,4 +1,4 @@
-"""Pages that are kept elsewhere in the repository: README, changelog and the course.
+"""Pages that are kept elsewhere in the repository: README, changelog, how to contribute, and the course.
 
 They are copied next to the site's own before these are read. A notebook is taken from the folder that
 the environment variable FRICTIONLAB_EXECUTED names, where the tests have left it executed
@@ -16,7 +16,11 @@ from myst_nb.core.render import NbElementRenderer
 
 DOCS = Path(__file__).parents[1]
 ROOT = DOCS.parent
-PAGES = {"README.md": "getting-started.md", "CHANGELOG.md": "changelog.md"}
+PAGES = {
+    "README.md": "getting-started.md",
+    "CHANGELOG.md": "changelog.md",
+    "CONTRIBUTING.md": "contributing.md",
+}
 FILES = ("LICENSE", "CITATION.cff")
 FOLDERS = {"tutorials/": "course/", "docs/": ""}
 TITLES = {"# frictionlab\n": "# Getting started\n"}

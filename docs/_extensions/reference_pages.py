@@ -29,7 +29,7 @@ GROUPS = {
     ),
     "hybrid": ("Solver", "Methods, runs, and the derivative of a run."),
     "stability": ("Stability of steady sliding", "Equilibria, eigenvalues and how parameters change them."),
-    "analysis": ("Runs and their analysis", "From one run to steady states, sweeps and closed orbits."),
+    "analysis": ("Runs and their analysis", "From one run to steady states, sweeps and periodic orbits."),
     "plotting": (
         "Figures",
         "All of them take `ax=` and return artists. Those not in `frictionlab` itself are in "
@@ -38,12 +38,6 @@ GROUPS = {
     "widgets": ("Explorers", "For notebooks and, by `frictionlab app`, the browser."),
     "paper": ("The paper", "Figures and claims of the paper, computed again."),
     "testing": ("Testing", "What a law or a model of your own has to pass."),
-}
-RESULTS = {  # what functions return and nobody has to import
-    "models": ("models.equations.Equations", "models.description.Description"),
-    "hybrid": ("hybrid.events.Events",),
-    "analysis": ("analysis.ablation.Ablation", "analysis.sweep.Sweep"),
-    "widgets": ("widgets.drawing.Curve", "widgets.drawing.Drawing", "widgets.result.Result"),
 }
 BACK = re.compile(r'(class="viewcode-back" href="[^"#]*)#[^"]*"')
 HEAD = "# Reference\n\nEvery public name. Units are SI, angles in radians.\n"
@@ -66,9 +60,9 @@ def names_of(package: str) -> list[str]:
     """Public names that live in a package, the way one writes them after ``frictionlab.``."""
     found = [name for name, home in frictionlab._HOME.items() if home.partition(".")[0] == package]
     module = import_module(f"frictionlab.{package}") if find_spec(f"frictionlab.{package}") else None
-    own = [name for name in getattr(module, "__all__", ()) if name not in found]
+    own = [name for name in getattr(module, "__all__", ()) if name not in frictionlab._HOME]
     paths = map(path_of, found)
-    return sorted([*paths, *(f"{package}.{name}" for name in own), *RESULTS.get(package, ())], key=by_name)
+    return sorted([*paths, *(f"{package}.{name}" for name in own)], key=by_name)
 
 
 def path_of(name: str) -> str:
@@ -84,7 +78,7 @@ def by_name(path: str) -> tuple[bool, str]:
 
 
 def make_page(app, config) -> None:
-    homes = {home.partition(".")[0] for home in frictionlab._HOME.values()}
+    homes = {home.partition(".")[0] for home in frictionlab._HOME.values()} - {"", "_version"}
     unknown = homes - set(GROUPS)
     if unknown:
         raise ValueError(f"the package {unknown.pop()!r} has no title: add it to GROUPS in {__file__}")

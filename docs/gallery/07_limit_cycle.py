@@ -1,6 +1,6 @@
 """A limit cycle and its multipliers.
 
-A closed orbit by Newton's method, and the Floquet multipliers that say what becomes of a small deviation
+A periodic orbit by Newton's method, and the Floquet multipliers that say what becomes of a small deviation
 after one period. All but the one along the orbit lie inside the unit circle, so the cycle attracts.
 Stick makes one of them zero: it forgets.
 """

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -39,8 +40,8 @@ def ensemble(
     """Run many models of one structure from 0 to `t_end`, side by side on one core.
 
     Runs that are in the same mode take their steps together, as lanes of vector instructions.  Each takes the
-    steps that it would take in :func:`simulate`, to the last bit, whatever the others do.  Nothing but the
-    ends is kept.
+    steps that it would take in :func:`simulate`, to the last bit, whatever the others do.  Only the final
+    states are kept.
 
     Parameters
     ----------
@@ -56,7 +57,7 @@ def ensemble(
 
     Returns
     -------
-    Ends
+    BatchResult
         Also where some ended early, or all by ctrl-C: see ``status``.
 
     Raises
@@ -93,18 +94,19 @@ def ensemble(
                 "call ensemble for each kind, or use fl.sweep"
             )
     with Progress(t_end, progress, needs_compilation(advance_batch_kernel)) as bar:
-        return integrate_batch(problems, chosen, bar)
+        ends = integrate_batch(problems, chosen, bar)
+    return replace(ends, names=tuple(map(str, automaton_of(models[0]).states)))
 
 
 def start_group(automaton: HybridAutomaton, states: np.ndarray, method: Taylor) -> Batch:
-    """Runs of one automaton from some states (N, n), to be taken on; not checked."""
+    """A batch of runs of one automaton from states (N, n), to be advanced; the arguments are not checked."""
     program, numbers = program_of(with_chatter_limit(automaton, method))
     rows = Numbers(*(np.tile(each, (len(states), 1)) for each in numbers))
     return new_batch(program, rows, states, method)
 
 
 def advance_group(group: Batch, t_end: float) -> None:
-    """Take runs on to a time; it is not shown."""
+    """Advance the runs of a batch to a time, without a progress bar."""
     with Progress(t_end, False) as bar:
         advance_batch(group, t_end, bar)
 
@@ -115,10 +117,10 @@ def _problems(models: Sequence[Any], x0: Any, t_end: float, method: Taylor) -> l
         raise ValueError(
             f"x0 must hold a state for each of the {len(models)} models, got {len(each)}: give as many"
         )
-    first: dict[int, int] = {}  # one may be given for many initial states
+    first: dict[int, int] = {}  # one model may be given for many initial states
     for i, model in enumerate(models):
         first.setdefault(id(model), i)
-    automata = {key: _checked(models[i], i) for key, i in first.items()}
+    automata = {key: _check_model(models[i], i) for key, i in first.items()}
     programs = {key: program_of(with_chatter_limit(automaton, method)) for key, automaton in automata.items()}
     return [
         Problem(*programs[id(model)], validate_initial_state(model, start, automata[id(model)]), t_end)
@@ -126,7 +128,7 @@ def _problems(models: Sequence[Any], x0: Any, t_end: float, method: Taylor) -> l
     ]
 
 
-def _checked(model: Any, i: int) -> HybridAutomaton:
+def _check_model(model: Any, i: int) -> HybridAutomaton:
     try:
         automaton = automaton_of(model)
         check_automaton(automaton)

@@ -18,7 +18,7 @@ NEAR_EQUILIBRIUM_FACTOR = 1.01  # "near": the equilibrium displaced by one perce
 def model_initial_state(model: Any, x0: Any, automaton: Any = None) -> Any:
     """The state that a name stands for; of an array the states it leaves out are zero.
 
-    The model's automaton spares its assembly where it is at hand.
+    Give the model's automaton where it is at hand, to save its assembly.
     """
     if not isinstance(model, Model):  # an automaton, whose start is an array
         return x0
@@ -36,9 +36,9 @@ def model_initial_state(model: Any, x0: Any, automaton: Any = None) -> Any:
     return start
 
 
-def check_initial_state(model: Any, x0: Any) -> None:
-    """Raise for an initial state that :func:`simulate` would not take."""
-    validate_initial_state(model, x0, automaton_of(model))
+def initial_state_of(model: Any, x0: Any) -> np.ndarray:
+    """The initial state (n,) that :func:`simulate` would begin with; raises for one that it refuses."""
+    return validate_initial_state(model, x0, automaton_of(model))
 
 
 def validate_initial_state(model: Any, x0: Any, automaton: HybridAutomaton) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""`fl.lyapunov`: how fast neighbouring motions part, in every direction."""
+"""`fl.lyapunov`: how fast neighbouring motions separate, in every direction."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from frictionlab.automaton import HybridAutomaton
+from frictionlab.drawable import Drawable
 from frictionlab.hybrid.progress import PROGRESS_DELAY
 from frictionlab.hybrid.solve import solve
 from frictionlab.hybrid.variational.tangent_flow import tangent_growth
@@ -19,13 +20,13 @@ from .motion_scales import Array, state_scales
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class LyapunovSpectrum:
+class LyapunovSpectrum(Drawable):
     """Lyapunov exponents of a motion.
 
     Parameters
     ----------
     exponents : array (n,)
-        1/s, the largest first; -inf for a direction that events take away (onsets of stick, plastic impacts).
+        1/s, the largest first; -inf for a direction that events remove (onsets of stick, plastic impacts).
     standard_errors : array (n,)
         Of the mean over `blocks`; NaN where the exponent is -inf.
     blocks : array (K, n)
@@ -33,6 +34,8 @@ class LyapunovSpectrum:
     final_state : array (n,)
         Where the run ended; give it as `x0` to go on.
     """
+
+    drawn_by = "plot_lyapunov"
 
     exponents: Array
     standard_errors: Array

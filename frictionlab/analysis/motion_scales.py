@@ -17,14 +17,14 @@ from frictionlab.models import Model
 
 Array = NDArray[np.float64]
 
-MIN_RANGE_RTOL = (
-    1e-6  # range of a coordinate, as a share of the largest of them, below which it counts as that
-)
+# Range of a coordinate, as a share of the largest of them, below which it counts as that.
+MIN_RANGE_RTOL = 1e-6
 AT_REST_RTOL = 1e-9  # share of a coordinate's values below which it does not move
 
-LEAST_MOTION_RTOL = 1e-6  # of its values: a motion of less is measured by this much of them
+LEAST_MOTION_RTOL = 1e-6  # share of its values by which a coordinate is measured where it moves less
 
 DEFAULT_PERIOD = 0.1  # s, of the slider on a belt
+ROUND_NUMBER_RTOL = 1e-9  # share by which rounding may keep a number from the round one that it is
 
 
 def state_ranges(states: Any) -> Array:
@@ -41,8 +41,8 @@ def state_groups(coordinates: int) -> tuple[slice, slice, slice]:
 def state_scales(states: Array, coordinates: int) -> Array:
     """The range of each state, by which differences are measured.
 
-    It is at least a share of the largest in its group, as what dies away need not come back.  A group that
-    does not move is measured by its values.
+    It is at least a share of the largest range in its group, so that a state that only decays is not compared
+    by its own small range.  A group that does not move is measured by its values.
     """
     found, values = state_ranges(states), np.abs(states).max(axis=0)
     for group in state_groups(coordinates):
@@ -56,7 +56,8 @@ def motion_size(run: Trajectory, samples: int | None = None) -> Array:
 
     Groups are coordinates, velocities, others.
     """
-    states = run.states[:samples]  # within steps too: at the events of dry friction all velocities are zero
+    # sampled within steps too: at the events of dry friction all velocities may be zero
+    states = run.states[:samples]
     ranges, values = state_ranges(states), np.abs(states).max(axis=0)
     for group in state_groups(run.automaton.coordinates):
         largest = max(ranges[group].max(initial=0.0), LEAST_MOTION_RTOL * values[group].max(initial=0.0))
@@ -65,12 +66,21 @@ def motion_size(run: Trajectory, samples: int | None = None) -> Array:
 
 
 def oscillation_period(source: Any) -> float:
-    """That of a model, s; of an automaton that of the slider on a belt."""
+    """About the period of an oscillation (s): the model's; for an automaton that of the slider on a belt."""
     return source.period if isinstance(source, Model) else DEFAULT_PERIOD
 
 
 def rounded_period(source: Any) -> float:
     """The same as 1, 2 or 5 times a power of ten, from below."""
-    period = oscillation_period(source) * (1 + 1e-9)
-    power = 10.0 ** floor(log10(period))
-    return next(round(s * power, 12) for s in (5.0, 2.0, 1.0) if s * power <= period)
+    return round_down_1_2_5(oscillation_period(source))
+
+
+def round_down_1_2_5(x: float) -> float:
+    """The next smaller of 1, 2, 5, 10, 20, ...
+
+    >>> round_down_1_2_5(37.0), round_down_1_2_5(0.05)
+    (20.0, 0.05)
+    """
+    limit = x * (1 + ROUND_NUMBER_RTOL)
+    power = 10.0 ** floor(log10(limit))
+    return float(f"{max(d for d in (1, 2, 5) if d * power <= limit) * power:.3g}")

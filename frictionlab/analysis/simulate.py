@@ -11,7 +11,7 @@ from frictionlab.hybrid.methods.base import Method
 from frictionlab.hybrid.methods.method_registry import method_of
 from frictionlab.hybrid.solve import solve
 from frictionlab.hybrid.storage import read_run_file
-from frictionlab.hybrid.trajectory import Trajectory
+from frictionlab.hybrid.trajectory import Trajectory, trajectory_from_file
 from frictionlab.models import Model
 from frictionlab.models.coercion import require_model
 
@@ -40,8 +40,8 @@ def simulate(
     x0 : "rest", "near" or array_like (2n,)
         "rest": coordinates and velocities zero, or where the model says it is released.  "near": the sliding
         equilibrium with its coordinates displaced by one percent, velocities zero.  An array holds
-        coordinates, then velocities; what other states a model has, such as the phase of a force, are zero
-        where they are left out.
+        coordinates, then velocities; further states of a model, such as the phase of a force, are zero where
+        they are left out.
     method : "taylor", Taylor(...), "rk4", RK4(...), Scipy(...), or the name of a scipy method
         "taylor" is exact to rounding; RK4 is the paper's algorithm.
     t_eval : array_like or None
@@ -59,7 +59,7 @@ def simulate(
     Raises
     ------
     TypeError
-        For what is no model.
+        Where `model` is no model.
     ValueError
         For bad arguments, or ``x0="near"`` where there is no equilibrium; before any work is done.
 
@@ -76,13 +76,11 @@ def simulate(
         else "write simulate(model, t_end)"
     )
     model = require_model(model, cure=cure)
-    method_of(method)
+    chosen = method_of(method)
     options: dict[str, Any] = {"sections": sections, "quadratures": quadratures, "progress": progress}
     automaton = model.automaton()
     start = model_initial_state(model, x0, automaton)
-    run = solve(automaton, t_end, x0=start, method=method, t_eval=t_eval, source=model, **options)
-    run.description["model"] = model.to_dict()
-    return run
+    return solve(automaton, t_end, x0=start, method=chosen, t_eval=t_eval, source=model, **options)
 
 
 def load(path: str | Path, model: Any = None) -> Trajectory:
@@ -92,8 +90,8 @@ def load(path: str | Path, model: Any = None) -> Trajectory:
     ----------
     path : path
     model : model or automaton, optional
-        What ran, where the file cannot tell: needed for automata of :func:`frictionlab.solve`, and for
-        laws of your own that are not defined in this session.
+        The model or automaton of the run, where the file does not contain it: needed for automata of
+        :func:`frictionlab.solve`, and for laws of your own that are not defined in this session.
 
     Raises
     ------
@@ -106,4 +104,4 @@ def load(path: str | Path, model: Any = None) -> Trajectory:
     if model is None:
         raise ValueError(f"{path} holds a run of an automaton: give it as load(path, model=automaton)")
     automaton = model.automaton() if isinstance(model, Model) else model
-    return stored.trajectory(automaton, source=model if isinstance(model, Model) else None)
+    return trajectory_from_file(stored, automaton, model if isinstance(model, Model) else None)

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from frictionlab.validation import unknown_parameter
+
 from .mode import Mode, Symbol, check_elements
 from .modes_on_demand import ModesOnDemand, Sketch
 
@@ -16,20 +18,20 @@ class HybridAutomaton:
     Parameters
     ----------
     states : tuple of Symbol
-        Coordinates first, then their velocities, then anything else.
+        Coordinates first, then their velocities, then other states.
     modes : tuple of Mode, or ModesOnDemand
         In the order in which they are tried where no event says otherwise, the start included.
         What is derived from them is remembered per Mode object: build them once, vary `parameters`.
     parameters : mapping of Symbol to float
-        Every symbol of the expressions that is not a state.  One called ``chatter`` is given the
-        dwell time (s) below which the solver replaces events in a row by their limit.
+        Every symbol of the expressions that is not a state.  The solver sets one called ``chatter`` to the
+        dwell time (s) below which it replaces events in a row by their limit mode.
     coordinates : int
         How many of the states are coordinates; as many velocities follow them.
 
     Raises
     ------
     TypeError
-        For states that are no symbols, or modes that are none.
+        For states that are no symbols, or modes that are no `Mode`.
 
     Examples
     --------
@@ -70,7 +72,7 @@ class HybridAutomaton:
 
     @property
     def known_modes(self) -> tuple[Mode, ...]:
-        """The modes, with a sketch for each that is yet to be derived."""
+        """The modes, with a sketch for each one not yet derived."""
         return self.modes.known() if isinstance(self.modes, ModesOnDemand) else self.modes
 
     def replace(self, **values: float) -> HybridAutomaton:
@@ -78,15 +80,15 @@ class HybridAutomaton:
 
         Raises
         ------
-        ValueError
+        TypeError
             For an unknown name.
         """
         symbols = {symbol.name: symbol for symbol in self.parameters}
         unknown = [name for name in values if name not in symbols]
         if unknown:
-            raise ValueError(f"no parameter is called {unknown[0]!r}: known are {', '.join(symbols)}")
+            raise unknown_parameter("HybridAutomaton", unknown[0], list(symbols))
         changed = {symbols[name]: value for name, value in values.items()}
         return HybridAutomaton(self.states, self.modes, {**self.parameters, **changed}, self.coordinates)
 
-    def __repr__(self) -> str:  # without the equations, which may take pages
+    def __repr__(self) -> str:  # without the equations, which may be pages long
         return f"HybridAutomaton(states {', '.join(map(str, self.states))}; modes {', '.join(self.names)})"

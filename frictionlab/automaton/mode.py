@@ -37,15 +37,15 @@ class Event:
     Parameters
     ----------
     name : str
-        What the run's event table calls it, e.g. ``"gap"``.
+        The name in the run's event table, e.g. ``"gap"`` where a contact opens or closes.
     function : Expr
         The event function.
     targets : tuple of str
         Modes to try first, in this order; the automaton's other modes follow in its own order.
     reset : Reset
-        What happens to the state.
+        The jump of the state.
     accumulation : Reset or None
-        Used instead of `reset` when these events pile up in finite time (chatter).
+        Used instead of `reset` at a Zeno accumulation of these events (chatter).
     """
 
     name: str
@@ -78,8 +78,8 @@ class Mode:
     outputs : mapping of str to Expr
         Named quantities that the trajectory offers as ``run.<name>``; every mode has the same names.
     limit : bool
-        Whether this is what events that pile up come to: entered, before any other mode, by an event's
-        `accumulation` reset, and in no other way.
+        Whether this is a limit mode of Zeno behaviour: it is entered by an event's `accumulation` reset,
+        before any other mode, and in no other way.
     """
 
     name: str
@@ -94,7 +94,7 @@ class Mode:
 
     @property
     def holds(self) -> bool:
-        """Whether it holds something fast."""
+        """Whether the mode has constraints, as stick has."""
         return bool(self.constraints)
 
 

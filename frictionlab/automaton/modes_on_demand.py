@@ -19,7 +19,7 @@ class Sketch(Mode):
     Parameters
     ----------
     held : bool
-        Whether the mode will hold something fast.
+        Whether the mode will have constraints.
     """
 
     held: bool = False
@@ -30,7 +30,7 @@ class Sketch(Mode):
 
 
 class ModesOnDemand(Sequence[Mode]):
-    """Modes that are derived once they are asked for, by index or in turn, and then kept.
+    """A sequence of modes, each derived when it is first used and then kept.
 
     Parameters
     ----------
@@ -47,7 +47,7 @@ class ModesOnDemand(Sequence[Mode]):
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Names of all modes, of which none is derived for that."""
+        """Names of all modes; none is derived for this."""
         return tuple(sketch.name for sketch in self._sketches)
 
     @property
@@ -56,7 +56,7 @@ class ModesOnDemand(Sequence[Mode]):
         return tuple(self._derived)
 
     def known(self, names: Iterable[str] | None = None) -> tuple[Mode, ...]:
-        """All, with a sketch for each but those of the given names; by default those derived so far."""
+        """All modes, as sketches but for those named; by default those derived so far are complete."""
         chosen = frozenset(self.derived if names is None else names)
         return tuple(self[i] if s.name in chosen else s for i, s in enumerate(self._sketches))
 
@@ -77,4 +77,4 @@ class ModesOnDemand(Sequence[Mode]):
         return self._derived[name]
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return tuple, (list(self),)  # a file or another process gets them all
+        return tuple, (list(self),)  # a pickle contains all modes

@@ -1,7 +1,7 @@
-"""Basin stability by events, each run as long as it takes, against a model made smooth.
+"""Basin stability of an automaton, each run until it is on an attractor, against a regularised model.
 
-The bistable oscillator x'' + 0.1 x' + x = -sgn(v_r) (1 + exp(-2 |v_r|))/2 with v_r = x' - v_d sticks up
-to 1; made smooth it has tanh(v_r/width) for the sign.  Random initial states in -2 < x < 2, 0 < x' < 2.
+The bistable oscillator x'' + 0.1 x' + x = -sgn(v_r) (1 + exp(-2 |v_r|))/2 with v_r = x' - v_d sticks up to 1;
+regularised it has tanh(v_r/width) for the sign.  Random initial states in -2 < x < 2, 0 < x' < 2.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ import numpy as np
 import sympy as sp
 
 from frictionlab.analysis.basins.basins import BasinStability, basin_stability
+from frictionlab.analysis.steady_state.motion_kind import MotionKind
 from frictionlab.analysis.tables import markdown_table
 from frictionlab.automaton import Event, HybridAutomaton, Mode, Reset
 from frictionlab.hybrid.compilation import NUMBA
@@ -25,17 +26,18 @@ from .harness import warm_up, warm_up_lanes
 BELT_SPEED, EQUILIBRIUM_SHARE = (
     1.5,
     0.30713,
-)  # of the initial states that go to the equilibrium, known independently
+)  # share of the initial states that go to the equilibrium, known independently
 RANGES = {"x": (-2.0, 2.0), "v": (0.0, 2.0)}
 WIDTHS = (1.0, 1e-1, 1e-2)
 T_END = 300.0  # of every run of the smooth model
-REST_DISTANCE = 0.1  # distance from the equilibrium within which such a run has settled
+REST_DISTANCE = 0.1  # distance from the equilibrium within which a run of the smooth model counts as settled
 RTOL = 1e-6
 
 
 @dataclass(frozen=True)
 class BasinRow:
-    """How, wall time in s of the runs that were timed, their number, the share found, wrong labels."""
+    """A row of the table: method, wall time (s) of the timed runs, their number, the share found, wrong
+    labels."""
 
     name: str
     seconds: float
@@ -61,14 +63,14 @@ def oscillator(belt: float) -> HybridAutomaton:
 
 
 def basin_times(samples: int = 10_000, some: int = 200, widths: Sequence[float] = WIDTHS) -> list[BasinRow]:
-    """The exact ones for all samples, the smooth models for the first of them; one worker each."""
+    """The automaton for all samples, the smooth models for the first of them; one worker each."""
     warm_up(oscillator(BELT_SPEED), Taylor())
     warm_up_lanes(oscillator(BELT_SPEED), Taylor())
     exact()
     begin = time.perf_counter()
     found = exact(samples)
     seconds = time.perf_counter() - begin
-    resting = np.take([a.kind == "equilibrium" for a in found.attractors], found.labels)
+    resting = np.take([a.kind == MotionKind.EQUILIBRIUM for a in found.attractors], found.labels)
     rows = [BasinRow("exact", seconds, samples, float(resting.mean()), 0)]
     return rows + [_smooth_row(width, found.points[:some], resting[:some]) for width in widths]
 
@@ -112,7 +114,7 @@ def _final_state(flow: Callable[..., Any], start: np.ndarray, t_end: float) -> n
 
 
 def basin_table(rows: Sequence[BasinRow]) -> str:
-    """The rows as Markdown: states a second, how many times slower that is, and what is wrong."""
+    """The rows as Markdown: initial states per second, how many times slower, and the errors."""
     rates = [row.runs / row.seconds for row in rows]
     lines = (
         f"{r.name} | {r.runs} | {rate:,.0f} | {rates[0] / rate:.3g} | {r.share:.4f} "

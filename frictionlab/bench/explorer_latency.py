@@ -1,4 +1,4 @@
-"""How long a step of an explorer's slider takes, and its simulation's share."""
+"""Response time of an explorer to a step of a slider, and the share of the simulation."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ LATENCY_SCENES: Mapping[str, Any] = MappingProxyType(
 
 @dataclass(frozen=True)
 class SliderStep:
-    """A step of a slider: seconds in all and of its simulation, and how many axes were drawn anew."""
+    """A step of a slider: total seconds, seconds of the simulation, and the number of axes redrawn."""
 
     parameter: str
     seconds: float
@@ -52,14 +52,14 @@ def latencies(
     ----------
     model : SliderOnBelt
     parameters : sequence of str or None
-        Names of sliders; None takes those in sight.
+        Names of sliders; None takes those shown first.
     count : int
         Steps of each.
     panels : sequence of str
 
     Returns
     -------
-    list of Step
+    list of SliderStep
     """
     explorer, steps = explore(model, panels), []
     for warm in (True, False):

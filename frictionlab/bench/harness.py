@@ -1,7 +1,7 @@
 """Work against precision: scenes x methods, timed in turns, errors against references.
 
 Whatever is compiled is compiled before anything is timed: kernels, and native code of all modes, as a
-long run has it. Times are medians of runs that are interleaved, so that a slow moment hits all.
+long run has it. Times are medians of runs that are interleaved, so that a slow moment affects all.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ def warm_up_lanes(automaton: HybridAutomaton, method: Taylor) -> None:
 
 
 def interleaved_medians(runs: Sequence[Callable[[], Any]], repeats: int) -> list[float]:
-    """Median wall time of each, after one run to warm up; in turns, so that a slow moment hits all."""
+    """Median wall time of each, after one run to warm up; in turns, so that a slow moment affects all."""
     for run in runs:
         run()
     spent = [[_time_call(run) for run in runs] for _ in range(repeats)]
@@ -70,7 +70,7 @@ def _time_call(run: Callable[[], Any]) -> float:
 
 @dataclass(frozen=True)
 class WorkPrecisionRow:
-    """A method on a scene: what it took, found and missed; `note` says why a number is not there."""
+    """A method on a scene: its time, error, steps and missed events; `note` says why a number is missing."""
 
     scene: str
     family: str
@@ -86,7 +86,7 @@ class WorkPrecisionRow:
 def measure(
     scene: BenchScene, ways: Sequence[BenchMethod] = METHODS, repeats: int = 3
 ) -> list[WorkPrecisionRow]:
-    """A row for every way; those whose package is absent say so."""
+    """A row for every method; where its package is not installed the row says so."""
     there = [way for way in ways if not way.package or find_spec(way.package)]
     methods = {way.name: way.create(scene.automaton) for way in there}
     for method in methods.values():
@@ -111,7 +111,7 @@ def measure(
 
 
 def _regularised_row(scene: BenchScene) -> WorkPrecisionRow:
-    """Another model, not another method: its error is what smoothing does."""
+    """The row of the regularised model, whose error is that of the smoothing."""
     state, seconds, steps = regularised.run(scene.model, scene.t_end)
     name = "model made smooth, LSODA"
     return WorkPrecisionRow(scene.name, "regularised", name, seconds, scene.error(state), 0, None, steps)

@@ -10,7 +10,7 @@ import numpy as np
 from frictionlab.analysis.simulate import simulate
 from frictionlab.analysis.tables import markdown_table
 from frictionlab.hybrid.methods.base import Method
-from frictionlab.hybrid.methods.rk4 import RK4
+from frictionlab.hybrid.methods.one_step import RK4
 from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models import SliderOnBelt
@@ -18,7 +18,7 @@ from frictionlab.models import SliderOnBelt
 MISSED_EVENT_MODEL = SliderOnBelt(mu_k=1.4)  # Eq. (13) as printed: short hops after each landing
 T_END = 0.14  # s
 TIMES_NEAR_LANDING = np.linspace(-0.1e-3, 0.78e-3, 2001)  # s after the first landing
-TIMES_OF_ERRORS = np.linspace(-10e-3, 40e-3, 1000)  # not at the landing itself
+TIMES_OF_ERRORS = np.linspace(-10e-3, 40e-3, 1000)  # start a little after the landing itself
 TABLE_TIMES = (-1e-3, 1e-3, 30e-3)
 REFERENCE = Taylor(order=34, chatter=1e-9)
 COMPARED_METHODS: tuple[tuple[str, Method], ...] = (
@@ -31,7 +31,7 @@ COMPARED_METHODS: tuple[tuple[str, Method], ...] = (
 
 @dataclass(frozen=True, eq=False)
 class MethodResult:
-    """What one method makes of the hops after the first landing; times count from the landing.
+    """The hops after the first landing as one method computes them; times count from the landing.
 
     Parameters
     ----------

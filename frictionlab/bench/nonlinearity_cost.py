@@ -1,4 +1,4 @@
-"""What each nonlinearity costs, and what is paid once.
+"""The cost of each nonlinearity, and the costs that arise once.
 
 The eight scenes with and without nonlinearities: size of the tape and wall time; their first call in a
 fresh process; native code for each mode, compiled and loaded.
@@ -45,7 +45,7 @@ print(imported - begin, time.perf_counter() - imported)
 
 @dataclass(frozen=True)
 class NonlinearityCost:
-    """A scene of the eight: what is left out, and what the rest costs; operations summed over modes."""
+    """One of the eight scenes: the nonlinearities left out, and its costs; operations summed over modes."""
 
     without: tuple[str, ...]
     states: int
@@ -126,7 +126,7 @@ def native_code_times(repeats: int = 3) -> list[NativeCodeTime]:
     if compilation.NUMBA is None:
         return []
     program = program_of(FULL_GAP_RATE_SLIDER.automaton())[0]
-    _time_native_code(program, 0)  # LLVM itself starts here
+    _time_native_code(program, 0)  # LLVM itself is loaded here
     modes = range(len(program.modes))
     spent = [[_time_native_code(program, mode) for mode in modes] for _ in range(repeats)]
     columns = (zip(*column, strict=True) for column in zip(*spent, strict=True))

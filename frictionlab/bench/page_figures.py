@@ -1,6 +1,6 @@
 """Pictures of the pages: run time against error on every scene, and the three of docs/exact-and-fast.md.
 
-In the three names stand beside the data.
+In these three the names stand beside the data.
 """
 
 from __future__ import annotations
@@ -84,7 +84,7 @@ def _draw_scene(ax: Axes, name: str, rows: Sequence[WorkPrecisionRow]) -> None:
 
 
 def cost(rows: Sequence[WorkPrecisionRow]) -> RunFigure:
-    """Error against wall time on one scene, with the slope that RK4's order promises."""
+    """Error against wall time on one scene, with the slope of RK4's order."""
     picture = RunFigure(figsize=(8.0, 5.2), layout="constrained")
     ax = picture.subplots()
     for family in PICTURE_FAMILIES:

@@ -14,7 +14,7 @@ from frictionlab.analysis.simulate import simulate
 from frictionlab.analysis.sweeps.sweep import Sweep, sweep
 from frictionlab.analysis.tables import markdown_table
 from frictionlab.hybrid.methods.base import Method
-from frictionlab.hybrid.methods.rk4 import RK4
+from frictionlab.hybrid.methods.one_step import RK4
 from frictionlab.hybrid.methods.taylor import Taylor
 
 from .harness import interleaved_medians, warm_up, warm_up_lanes
@@ -22,7 +22,7 @@ from .scenes import FULL_GAP_RATE_SLIDER, STIFF_SLIDER
 
 MU_K = np.round(np.arange(1, 61) * 0.05, 10)
 SWEEP_STARTS = ("rest", "near")
-FIXED_STEP_STRIDE = 10  # a fixed step runs one value in so many, and is scaled up
+FIXED_STEP_STRIDE = 10  # the method of fixed steps runs one value in so many; its time is scaled up
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,7 @@ class EnsembleScene:
 
 
 def _variant_of_b(name: str, *without: str) -> EnsembleScene:
-    # Sliding only, what starts from rest goes beyond all bounds where mu_k is larger than 1.
+    # Sliding only, the motion from rest grows without bounds where mu_k is above 1.
     return EnsembleScene(name, FULL_GAP_RATE_SLIDER.without(*without), (0.2, 1.0), 20.0)
 
 
@@ -95,7 +95,7 @@ def ensemble_table(rows: Sequence[EnsembleRow]) -> str:
 
 @dataclass(frozen=True)
 class SweepRow:
-    """How, wall time of the whole sweep in s, runs that were timed."""
+    """A row of the table: method, wall time of the whole sweep (s), number of timed runs."""
 
     name: str
     seconds: float
@@ -112,16 +112,16 @@ def sweep_times(t_end: float = 300.0, repeats: int = 3) -> list[SweepRow]:
         ("exact, one worker, the same values", Taylor(), some, 1),
     )
     seconds = interleaved_medians(
-        [partial(_run_sweep, values, t_end, m, n) for _, m, values, n in ways], repeats
+        [partial(run_sweep, values, t_end, m, n) for _, m, values, n in ways], repeats
     )
     scaled = [s * len(MU_K) / len(values) for s, (_, _, values, _) in zip(seconds, ways, strict=True)]
     return [SweepRow(name, s, 2 * len(values)) for s, (name, _, values, _) in zip(scaled, ways, strict=True)]
 
 
-def _run_sweep(values: Any, t_end: float, method: Method, workers: int) -> Sweep:
+def run_sweep(values: Any, t_end: float, method: Method, workers: int) -> Sweep:
     study = partial(_final_state, t_end=t_end, method=method)
     return sweep(
-        study, FULL_GAP_RATE_SLIDER, {"mu_k": values}, x0=SWEEP_STARTS, workers=workers, progress=False
+        FULL_GAP_RATE_SLIDER, study, {"mu_k": values}, x0=SWEEP_STARTS, workers=workers, progress=False
     )
 
 

@@ -54,7 +54,7 @@ REFERENCES = {
     ),
 }
 STIFF_SLIDER = SliderOnBelt(mu_k=2.5, k_nl=1e7, F=800.0, k4=5e6, k5=5e6, k6=5e6).without("nonsmooth")
-# Fewest and most events that are right: the last one of "Coulomb" may come just after the end.
+# Smallest and largest correct number of events: the last one of "Coulomb" may come just after the end.
 EVENT_COUNTS = {"A": (885, 885), "B": (886, 886), "Coulomb": (1999, 2000)}
 COULOMB_PERIOD = 5 + 2 * np.pi - 2 * np.arctan(2.5)  # of the Coulomb mass on a belt
 
@@ -74,9 +74,9 @@ class BenchScene:
     reference : callable
         State at `t_end`.
     model : SliderOnBelt or None
-        The model that the automaton is of, where it has non-smooth behaviours to be made smooth.
+        The model that the automaton is of, where it has non-smooth behaviours that can be regularised.
     events : (int, int) or None
-        Fewest and most events that are right, where their number does not depend on the method.
+        Smallest and largest correct number of events, where it does not depend on the method.
     """
 
     name: str
@@ -89,7 +89,7 @@ class BenchScene:
     events: tuple[int, int] | None = None
 
     def missed(self, found: int) -> int | None:
-        """How many events too few; negative: too many."""
+        """Number of missed events; negative where there are too many."""
         return None if self.events is None else min(max(found, self.events[0]), self.events[1]) - found
 
     def error(self, state: np.ndarray) -> float:
@@ -123,7 +123,8 @@ def _model(name: str, text: str, model: Any, t_end: float) -> BenchScene:
 
 
 def _chatter(model: Any) -> BenchScene:
-    """No closed form: the solver itself, of another order, with the limit of chatter taken much later."""
+    """Without a closed form: the reference is the solver itself, of another order, with a much shorter limit
+    of chatter."""
     automaton, rest, t_end = model.automaton(), np.zeros(10), 1.0
     finest = Taylor(order=34, chatter=1e-9)
 

@@ -23,12 +23,14 @@ from .scenes import FULL_GAP_RATE_SLIDER
 LOOP_STRIDE = 20  # the loop solves one problem in so many and is scaled up
 EIGENPROBLEM_MODEL = SliderOnBelt()
 
-DIFFERENCE_STEPS = (1e-4, 1e-6, 1e-8)  # of finite differences, as a share of the motion's range in each state
+# step of finite differences, as a share of the motion's range in each state
+DIFFERENCE_STEPS = (1e-4, 1e-6, 1e-8)
 
 
 @dataclass(frozen=True)
 class EigenproblemRow:
-    """What was done, wall time in s, largest difference of an eigenvalue from those of the loop in 1/s."""
+    """A row of the table: task, wall time (s), largest difference of an eigenvalue from those of the loop
+    (1/s)."""
 
     name: str
     seconds: float
@@ -79,7 +81,8 @@ def eigenproblem_table(rows: list[EigenproblemRow]) -> str:
 
 @dataclass(frozen=True)
 class MultiplierRow:
-    """How, wall time in s, runs of a period, errors of the multipliers 1 and 0, and of the largest other."""
+    """A row of the table: method, wall time (s), runs over a period, errors of the multipliers 1 and 0, and
+    of the largest other."""
 
     scene: str
     name: str
@@ -131,7 +134,7 @@ def monodromy_by_differences(orbit: PeriodicOrbit, step: float) -> np.ndarray:
 
 
 def monodromy_extrapolated(orbit: PeriodicOrbit) -> np.ndarray:
-    """Differences of two steps, extrapolated: what errors are measured by."""
+    """Monodromy matrix from differences of two steps, extrapolated: the reference for errors."""
     return (4.0 * monodromy_by_differences(orbit, 1e-5) - monodromy_by_differences(orbit, 2e-5)) / 3.0
 
 
@@ -144,7 +147,7 @@ def _state_after_period(orbit: PeriodicOrbit, off: np.ndarray) -> np.ndarray:
 
 
 def _largest_other(matrix: np.ndarray) -> float:
-    """Size of the largest multiplier but that along the orbit."""
+    """Size of the largest multiplier apart from that along the orbit."""
     values = np.linalg.eigvals(matrix)
     return float(np.abs(np.delete(values, np.argmin(np.abs(values - 1.0)))).max())
 

@@ -1,4 +1,4 @@
-"""`frictionlab app`: the explorer as a page of its own, without a notebook in sight."""
+"""`frictionlab app`: the explorer as a page of its own, without a visible notebook."""
 
 from __future__ import annotations
 
@@ -30,8 +30,8 @@ examples:
 
 exit status: 0 ended by ctrl-C; 1 Voila is not installed; 2 bad arguments."""
 
-# Voila's page asks a server elsewhere for a style sheet it can do without, and stays blank until that answers
-# or gives up: where it is forbidden to ask, it is there at once in a hall without network.
+# Voila's page requests an optional style sheet from another server, and stays blank until that answers
+# or fails: with that request forbidden the page appears at once, also without a network.
 CONTENT_SECURITY_POLICY = (
     "default-src 'self' ws: data: blob: 'unsafe-inline' 'unsafe-eval'; frame-ancestors 'self'"
 )
@@ -62,7 +62,7 @@ def app_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
         sys.stderr.write(f"{parser.prog}: error: the page needs Voila, which is not installed: {cure}\n")
         return EXIT_FAILED
     try:
-        port = _choose_port(chosen.port)
+        port = choose_port(chosen.port)
     except OSError as error:
         cure = "give another, or leave it out for any that is free"
         parser.error(f"--port {chosen.port} cannot be had ({error.strerror}): {cure}")
@@ -74,8 +74,8 @@ def app_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
     return 0
 
 
-def _choose_port(asked: int | None) -> int:
-    """The port asked for; without one the usual, or any if that is taken."""
+def choose_port(asked: int | None) -> int:
+    """The port asked for; by default the usual one, or any free one if that is taken."""
     if asked is not None:
         return _bind_port(asked)
     try:

@@ -124,7 +124,7 @@ def _measure_others(quick: bool, switched: list[Any]) -> list[str]:
 
 
 def _table_or_reason(measure: Callable[[], str]) -> str:
-    """A table, or why there is none: one that fails must not cost the others."""
+    """A table, or why there is none: one that fails must not prevent the others."""
     try:
         return measure()
     except Exception as error:

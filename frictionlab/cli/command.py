@@ -78,7 +78,7 @@ def _run_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
     except KeyboardInterrupt:  # a second ctrl-C, or one while the solver is compiled or a picture drawn
         sys.stderr.write(f"{parser.prog}: interrupted\n")
         return EXIT_INTERRUPTED
-    except BrokenPipeError:  # the reader, such as `head`, has seen enough
+    except BrokenPipeError:  # the reader of the pipe, such as `head`, has closed it
         _quiet_exit()
 
 

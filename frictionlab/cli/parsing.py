@@ -7,11 +7,12 @@ import os
 import re
 import sys
 from collections.abc import Sequence
-from difflib import get_close_matches
 from pathlib import Path
 from typing import Any, NoReturn
 
-# Negative numbers, "-1e-3" and "-inf" included, and lists of them: argparse takes some for options.
+from frictionlab.validation import nearest_name
+
+# Negative numbers, "-1e-3" and "-inf" included, and lists of them: argparse mistakes some for options.
 NEGATIVE_NUMBER = re.compile(r"-(\d|\.\d|inf|nan)", re.IGNORECASE)
 
 PICTURE_FORMATS = (".png", ".pdf", ".svg", ".eps", ".jpg", ".webp")
@@ -44,16 +45,15 @@ def _with_dashes(word: str) -> str:
 
 
 def unknown_option_text(words: Sequence[str], parser: argparse.ArgumentParser) -> str:
-    """What is wrong with words that no option took; options are suggested by likeness."""
+    """The message for words that belong to no option, with the most similar options as suggestions."""
     word = words[0]
     if not word.startswith("-"):
         return f"unexpected argument {word!r}: values follow their option, as in --mu-k 1.4"
     option = word.partition("=")[0]
     known = [name for action in parser._actions for name in action.option_strings]
-    same = [name for name in known if name.lower() == option.lower()]
-    bare = {name.lstrip("-"): name for name in known}  # the dashes that all have are no likeness
-    near = same or [bare[name] for name in get_close_matches(option.lstrip("-"), bare, n=1)]
-    hint = f"did you mean {near[0]!r}?" if near else f"see {parser.prog} --help"
+    bare = {name.lstrip("-"): name for name in known}  # the dashes, which all options have, do not count
+    near = nearest_name(option.lstrip("-"), bare)
+    hint = f"see {parser.prog} --help" if near is None else f"did you mean {bare[near]!r}?"
     return f"unknown option {option!r}: {hint}"
 
 

@@ -123,7 +123,7 @@ def _add_parameter(group: Any, name: str, about: Any) -> None:
     default = DEFAULT_MU_K if name == "mu_k" else about.default
     text = f"{about.meaning} (default: {default:g}{' ' * bool(about.unit)}{about.unit})"
     option = f"--{name.replace('_', '-')}"
-    # No default here: only what was given must fit the laws chosen.
+    # No default here: only parameters that were given must fit the laws chosen.
     group.add_argument(
         option, dest=f"parameter {name}", type=float, metavar="X", help=text.replace("%", "%%")
     )
@@ -142,7 +142,8 @@ def model_from_options(chosen: argparse.Namespace) -> Any:
     laws = SliderOnBelt(impact=impact).without(*chosen.without)
     values = {"mu_k": DEFAULT_MU_K, **_given_parameters(chosen)}
     usual = replace(parameters_of(type(laws.friction))["mu_k"], default=DEFAULT_MU_K)
-    check_value("mu_k", values["mu_k"], usual)  # here, as the model's own message names another default
+    # checked here, as the model's own message names another default
+    check_value("mu_k", values["mu_k"], usual)
     return laws.replace(**values)
 
 
@@ -154,7 +155,7 @@ def _given_parameters(chosen: argparse.Namespace) -> dict[str, float]:
 def method_from_options(chosen: argparse.Namespace) -> Any:
     """The method with its settings."""
     from frictionlab.hybrid.methods import method_registry
-    from frictionlab.hybrid.methods.rk4 import RK4
+    from frictionlab.hybrid.methods.one_step import RK4
 
     by_lower = {name.lower(): name for name in METHOD_NAMES}
     method = method_registry.method_of(by_lower.get(chosen.method.lower(), chosen.method))
@@ -190,12 +191,12 @@ def initial_state_from_options(chosen: argparse.Namespace, model: Any) -> Any:
 
 
 def before(model: Any, method: Any, chosen: argparse.Namespace) -> str:
-    """What is run, and what is known without running it."""
+    """The lines printed before the run: what is run, and what is known without running it."""
     return "\n".join([_job_line(model, method, chosen), *_equilibrium_lines(model)])
 
 
 def after(run: Any) -> str:
-    """What the run gave."""
+    """The lines printed after the run: its results."""
     return "\n".join([f"\nRun: {run.status}", *_event_lines(run), *_time_lines(run), _cost_line(run)])
 
 
@@ -220,7 +221,7 @@ def _equilibrium_lines(model: Any) -> Iterator[str]:
         for name, value in zip(model.coordinates, point.q, strict=True):
             yield f"  {name:4} {value:+.6f} {'rad' if name == 'phi' else 'm'}"
         forces = f"F_N {point.normal_force:.4f} N, F_T {point.friction_force:.4f} N"
-        yield f"  gap  {point.penetration:+.6f} m, {forces}"
+        yield f"  penetration  {point.penetration:+.6f} m, {forces}"
         yield from _eigenvalue_lines(model)
     except ValueError as error:
         yield f"\nNo sliding equilibrium: {error}"

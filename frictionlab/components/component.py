@@ -9,7 +9,7 @@ from .parameter import check_value, parameters_of
 
 @dataclass(frozen=True, repr=False)
 class Component:
-    """A law as data: fields are its parameters, methods state it once.
+    """A law as data: its fields are the parameters, its methods the formulas.
 
     The methods use nothing but arithmetic, so that they take floats, arrays and sympy symbols alike.
     Two components are equal when they have the same class and the same values.
@@ -24,7 +24,8 @@ class Component:
         """Raise ValueError where values contradict each other; a subclass may say how."""
 
     def reduced(self) -> Component:
-        """The same law with fewer parameters, where a value makes it one; else the component itself."""
+        """A simpler law that this one equals at its values (a restitution of 0 is a plastic impact); else the
+        component itself."""
         return self
 
     def __repr__(self) -> str:

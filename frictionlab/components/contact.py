@@ -29,12 +29,12 @@ class ContactLaw(Component):
 
     def force(self, penetration: Any) -> Any:
         """Normal force (N) at a penetration (m), positive where the bodies press on each other."""
-        raise NotImplementedError(f"{type(self).__name__} must define force(gap)")
+        raise NotImplementedError(f"{type(self).__name__} must define force(penetration)")
 
 
 @dataclass(frozen=True, repr=False)
 class CubicContact(ContactLaw):
-    """Linear and cubic spring, Eq. (2): F_N = k2 gap + k_nl gap^3.
+    """Linear and cubic spring, Eq. (2): F_N = k2 delta + k_nl delta^3, with the penetration delta.
 
     Parameters
     ----------
@@ -62,7 +62,7 @@ class CubicContact(ContactLaw):
 
 @dataclass(frozen=True, repr=False)
 class LinearContact(ContactLaw):
-    """Linear spring, Eq. (2) without its cubic term: F_N = k2 gap.
+    """Linear spring, Eq. (2) without its cubic term: F_N = k2 delta, with the penetration delta.
 
     Parameters
     ----------
@@ -79,9 +79,9 @@ class LinearContact(ContactLaw):
 
 @dataclass(frozen=True, repr=False)
 class HertzContact(ContactLaw):
-    """Two elastic bodies that touch in a point: F_N = k_h gap^(3/2).
+    """Two elastic bodies that touch in a point: F_N = k_h delta^(3/2), with the penetration delta.
 
-    The bodies must be able to separate, as the law has no value for a negative gap.
+    The bodies must be able to separate, as the law has no value for a negative penetration.
 
     Parameters
     ----------
@@ -120,7 +120,7 @@ def _polynomial_coefficient(n: int, default: float = 0.0) -> Any:
 
 @dataclass(frozen=True, repr=False)
 class PolynomialContact(ContactLaw):
-    """Spring with a polynomial of degree five: F_N = a1 gap + a2 gap^2 + ... + a5 gap^5.
+    """Spring with a polynomial of degree five: F_N = a1 delta + a2 delta^2 + ... + a5 delta^5.
 
     Parameters
     ----------

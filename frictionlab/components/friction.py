@@ -21,7 +21,7 @@ class FrictionLaw(Component):
         raise NotImplementedError(f"{type(self).__name__} must define kinetic(normal_force, speed)")
 
     def static_limit(self, normal_force: Any) -> Any:
-        """Largest friction force (N) that sticking can bear."""
+        """Largest friction force (N) in stick."""
         raise NotImplementedError(f"{type(self).__name__} must define static_limit(normal_force)")
 
 
@@ -205,11 +205,13 @@ class PressureDependent(Coulomb):
 
     def kinetic(self, normal_force: Any, speed: Any) -> Any:
         """Friction force (N) at a sliding speed (m/s)."""
-        return (self.mu_k + (self.mu_s - self.mu_k) * exp(-speed / self.v_s)) * self._pressed(normal_force)
+        return (self.mu_k + (self.mu_s - self.mu_k) * exp(-speed / self.v_s)) * self._effective_normal_force(
+            normal_force
+        )
 
     def static_limit(self, normal_force: Any) -> Any:
-        """Largest friction force (N) that sticking can bear."""
-        return self.mu_s * self._pressed(normal_force)
+        """Largest friction force (N) in stick."""
+        return self.mu_s * self._effective_normal_force(normal_force)
 
-    def _pressed(self, normal_force: Any) -> Any:
+    def _effective_normal_force(self, normal_force: Any) -> Any:
         return self.F_ref**self.n * normal_force ** (1 - self.n)

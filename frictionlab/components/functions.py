@@ -5,13 +5,16 @@ from __future__ import annotations
 import sys
 from typing import Any
 
+NAMES_IN_NUMPY = {"atan": "arctan", "asinh": "arcsinh"}  # where they differ from sympy's
+
 
 def _evaluate(name: str, x: Any) -> Any:
-    if hasattr(x, "free_symbols"):  # of sympy, so that is loaded; laws themselves do without it
+    # a sympy expression, so sympy is loaded already; laws themselves do not need it
+    if hasattr(x, "free_symbols"):
         return getattr(sys.modules["sympy"], name)(x)
-    import numpy  # here, as the command line reads the laws' parameters and is to start quickly
+    import numpy  # imported here, as the command line reads the laws' parameters and should start quickly
 
-    return getattr(numpy, "arctan" if name == "atan" else name)(x)
+    return getattr(numpy, NAMES_IN_NUMPY.get(name, name))(x)
 
 
 def exp(x: Any) -> Any:
@@ -39,6 +42,11 @@ def cos(x: Any) -> Any:
     return _evaluate("cos", x)
 
 
+def tan(x: Any) -> Any:
+    """Tangent of an angle in radians."""
+    return _evaluate("tan", x)
+
+
 def tanh(x: Any) -> Any:
     """Hyperbolic tangent."""
     return _evaluate("tanh", x)
@@ -57,3 +65,8 @@ def cosh(x: Any) -> Any:
 def arctan(x: Any) -> Any:
     """Angle in radians whose tangent is x."""
     return _evaluate("atan", x)
+
+
+def arcsinh(x: Any) -> Any:
+    """Number whose hyperbolic sine is x: log(x + sqrt(1 + x^2)), as in rate-and-state friction."""
+    return _evaluate("asinh", x)

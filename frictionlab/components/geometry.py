@@ -1,12 +1,13 @@
-"""Geometries: the coordinates, the gap between slider and belt, and where the contact forces act."""
+"""Geometries: the coordinates, the penetration of slider and belt, and where the contact forces act."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from frictionlab.validation import check_choice
+
 from .component import Component
-from .names import did_you_mean
 
 DIRECTIONS = ("vertical", "normal")
 
@@ -21,8 +22,8 @@ class Geometry(Component):
     coordinates: ClassVar[tuple[str, ...]]
 
     def penetration(self, *q: Any) -> Any:
-        """Compression of the contact (m) at the coordinates `q`; negative in flight."""
-        raise NotImplementedError(f"{type(self).__name__} must define gap(...)")
+        """Penetration (m) at the coordinates `q`: positive in contact, negative in flight."""
+        raise NotImplementedError(f"{type(self).__name__} must define penetration(...)")
 
     def normal(self, *q: Any) -> tuple[Any, ...]:
         """W_N: where the normal force enters."""
@@ -37,10 +38,10 @@ class Geometry(Component):
 class MovingLoad(Geometry):
     """The slider travels along a belt that may tilt by phi: the geometrical nonlinearity of Eqs. (1), (2).
 
-    gap = y2 - (x1 - x2) phi - y1 and W_N = (0, 1, 0, -1, x1 - x2).  As in the paper the normal force acts
-    vertically, so W_N is not minus the gradient of the gap, and the contact does work of its own at the rate
-    -F_N phi (x1' - x2'), see `fl.energy_audit`.  Normal to the tilted belt it has the components F_N phi and
-    -F_N phi along x1 and x2 as well: W_N = (phi, 1, -phi, -1, x1 - x2) is that gradient.
+    The penetration is y2 - (x1 - x2) phi - y1, and W_N = (0, 1, 0, -1, x1 - x2).  As in the paper the normal
+    force acts vertically, so W_N is not the gradient of the gap, and the contact does work of its own
+    at the rate -F_N phi (x1' - x2'), see `fl.energy_audit`.  Normal to the tilted belt it has the components
+    F_N phi and -F_N phi along x1 and x2 as well: W_N = (phi, 1, -phi, -1, x1 - x2) is that gradient.
 
     Parameters
     ----------
@@ -53,12 +54,10 @@ class MovingLoad(Geometry):
 
     def check(self) -> None:
         """The direction is one of two."""
-        if self.direction not in DIRECTIONS:
-            hint = did_you_mean(self.direction, DIRECTIONS)
-            raise ValueError(f"direction must be 'vertical' or 'normal', got {self.direction!r}: {hint}")
+        check_choice("direction", self.direction, DIRECTIONS, "'vertical' is that of Eq. (1)")
 
     def penetration(self, x1: Any, y1: Any, x2: Any, y2: Any, phi: Any) -> Any:
-        """Compression (m), the bracket of Eq. (2); lengths in m, `phi` in rad."""
+        """Penetration (m), the bracket of Eq. (2); lengths in m, `phi` in rad."""
         return y2 - (x1 - x2) * phi - y1
 
     def normal(self, x1: Any, y1: Any, x2: Any, y2: Any, phi: Any) -> tuple[Any, ...]:
@@ -71,13 +70,13 @@ class MovingLoad(Geometry):
 class FixedLoad(Geometry):
     """The belt does not rotate: Eqs. (1), (2) with phi = 0 and without its equation.
 
-    gap = y2 - y1 and W_N = (0, 1, 0, -1).
+    The penetration is y2 - y1, and W_N = (0, 1, 0, -1).
     """
 
     coordinates: ClassVar[tuple[str, ...]] = ("x1", "y1", "x2", "y2")
 
     def penetration(self, x1: Any, y1: Any, x2: Any, y2: Any) -> Any:
-        """Compression (m)."""
+        """Penetration (m)."""
         return y2 - y1
 
     def normal(self, x1: Any, y1: Any, x2: Any, y2: Any) -> tuple[Any, ...]:

@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from frictionlab.validation import check_choice
+
 from .component import Component
-from .names import did_you_mean
 from .parameter import parameter
 
 PENETRATION_RATES = ("material", "full")
@@ -24,7 +25,8 @@ class ImpactLaw(Component):
         material_rate : float
             Velocity (m/s) at which the slider approaches the belt's material point, -W_N^T v.
         penetration_rate : float
-            Time derivative of the gap (m/s); it has the slider's travel along the tilted belt as well.
+            Time derivative of the penetration (m/s), which is minus the gap rate; it includes the slider's
+            travel along the tilted belt.
         compliance : float
             W_N^T M^-1 W_N, 1/kg.
         """
@@ -51,18 +53,16 @@ class PlasticImpact(ImpactLaw):
     ----------
     penetration_rate : {"material", "full"}
         What the impact brings to zero: the velocity relative to the belt's material point, as the
-        paper's Eq. (13) has it, or the full rate of the gap.
+        paper's Eq. (13) has it, or the full gap rate.
     """
 
     penetration_rate: str = "material"
 
     def check(self) -> None:
-        """The gap rate is one of two."""
-        if self.penetration_rate not in PENETRATION_RATES:
-            hint = did_you_mean(self.penetration_rate, PENETRATION_RATES)
-            raise ValueError(
-                f"penetration_rate must be 'material' or 'full', got {self.penetration_rate!r}: {hint}"
-            )
+        """`penetration_rate` must be one of two."""
+        check_choice(
+            "penetration_rate", self.penetration_rate, PENETRATION_RATES, "'material' is that of Eq. (13)"
+        )
 
     def impulse(self, material_rate: Any, penetration_rate: Any, compliance: Any) -> Any:
         """Impulse (N s), Eq. (14), with the chosen rate in its numerator."""
@@ -72,7 +72,7 @@ class PlasticImpact(ImpactLaw):
 
 @dataclass(frozen=True, repr=False)
 class RestitutionImpact(ImpactLaw):
-    """Newton's impact law on the full gap rate: after = -e * before.
+    """Newton's impact law: the full gap rate after an impact is -e times that before.
 
     Parameters
     ----------
@@ -89,7 +89,7 @@ class RestitutionImpact(ImpactLaw):
         return PlasticImpact("full") if self.e == 0 else self
 
     def impulse(self, material_rate: Any, penetration_rate: Any, compliance: Any) -> Any:
-        """Impulse (N s): (1 + e) gap_rate / compliance."""
+        """Impulse (N s): (1 + e) penetration_rate / compliance."""
         return (1 + self.e) * penetration_rate / compliance
 
 
@@ -104,7 +104,7 @@ def _impact_friction_coefficient() -> Any:
 
 
 def clip_to_cone(stopping_impulse: Any, limit: Any) -> Any:
-    """The stopping impulse, or what of it does not exceed the limit."""
+    """The stopping impulse, cut to the friction cone where it exceeds the limit."""
     return (abs(stopping_impulse + limit) - abs(stopping_impulse - limit)) / 2
 
 
@@ -114,7 +114,7 @@ class FrictionalImpact(RestitutionImpact):
 
     The tangential impulse stops the sliding where the cone allows it, and opposes it otherwise.  The normal
     impulse is that for the velocities after the tangential one; the cone is that of the impulse without
-    it, which is the same but for a share of the belt's angle, by which the two are coupled.
+    it, which differs only by a share of the belt's angle, by which the two are coupled.
 
     Parameters
     ----------
@@ -131,7 +131,7 @@ class FrictionalImpact(RestitutionImpact):
     mu_i: float = _impact_friction_coefficient()
 
     def reduced(self) -> ImpactLaw:
-        """Without friction the law without; at e = 0 the gap rate afterwards is zero by construction."""
+        """Without friction RestitutionImpact; at e = 0 the gap rate afterwards is zero by construction."""
         if self.mu_i == 0:
             return super().reduced()
         return _PlasticFrictionalImpact(mu_i=self.mu_i) if self.e == 0 else self

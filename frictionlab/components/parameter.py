@@ -70,8 +70,8 @@ def parameter(
         class Hertz(ContactLaw):
             k_h: float = parameter(1e6, unit="N/m^1.5", symbol="k_H", meaning="Hertz stiffness", minimum=0.0)
 
-            def force(self, gap):
-                return self.k_h * gap**1.5
+            def force(self, penetration):
+                return self.k_h * penetration**1.5
 
     Raises
     ------

@@ -3,13 +3,12 @@
 Data pass in this order, and each part imports only from those before it:
 
 ``compilation``
-    The decorators of all kernels: compiled by numba where it exists, plain Python where not.
+    The decorators of all kernels: compiled by numba where it is installed, plain Python where not.
 ``llvm_instructions``
-    Arithmetic, loops and branches for what writes machine code: intrinsics of the kernels, and ``codegen``.
+    Arithmetic, loops and branches in LLVM, for the intrinsics of the kernels and for ``codegen``.
 ``tape``
     Expressions become a tape, a list of operations on numbered slots; an automaton becomes a `Program`, the
-    arrays
-    of all its tapes, guards, resets and sections, and `Numbers`, the values of its parameters.
+    arrays of all its tapes, guards, resets and sections, and `Numbers`, the values of its parameters.
 ``kernels``
     What is computed with these arrays: Taylor series (jets), the length of a step, the location of events,
     the choice of the next mode, resets, the loop of steps.

@@ -18,21 +18,28 @@ import numpy as np
 
 from frictionlab.hybrid.codegen.native_cache import native_code
 from frictionlab.hybrid.compilation import inlined, kernel
-from frictionlab.hybrid.kernels.jets import MACHINE_EPSILON, majorant, mode_jets, polynomial_slope, states_at
+from frictionlab.hybrid.kernels.jets import (
+    MACHINE_EPSILON,
+    majorant,
+    mode_jets,
+    mode_operations,
+    polynomial_slope,
+    run_tape,
+    states_at,
+)
 from frictionlab.hybrid.kernels.run_state import jet_columns
 from frictionlab.hybrid.kernels.taylor_steps import step_series
 from frictionlab.hybrid.problem import Problem, RunData
 from frictionlab.hybrid.tape.program import system_of
 
 CHECK_POINTS = 8  # in a step, the zeros of a Chebyshev polynomial: dense towards its ends
-RESIDUAL_ROUNDING = (
-    8 * MACHINE_EPSILON
-)  # share of the terms of a sum that may be rounding, which is no defect
+# Share of the terms of a sum that may be rounding, which is no defect.
+RESIDUAL_ROUNDING = 8 * MACHINE_EPSILON
 UNKNOWN_END = np.nan  # end of a step too short for the clock, so that its event is not told from earlier ones
 
 
 class StoredSteps(NamedTuple):
-    """Steps of a run: start and length, mode, state at the start, and at the end before any event."""
+    """Steps of a run: start and length, mode, states at the start, and at the end before an event."""
 
     times: np.ndarray  # (steps, 2)
     modes: np.ndarray  # (steps,)
@@ -70,7 +77,7 @@ def defects(
 
 
 def stored_steps(raw: RunData) -> StoredSteps:
-    """The steps with the states at their ends: those that follow, or those before the events there."""
+    """The steps with the states at their ends: the next stored state, or the state before the event there."""
     times = np.append(raw.step_times[1:, 0], raw.t)[: len(raw.step_times)]
     ends = np.concatenate([raw.step_states[1:], raw.state[None]])[: len(times)]
     first = np.searchsorted(raw.event_times, times)
@@ -146,7 +153,7 @@ def states_and_sums(order, s, scratch):
 
 @kernel
 def record_residuals(system, order, mode, s, scratch):
-    """|x' - f(x)| at time `s` of a step, as far as it is beyond rounding."""
+    """Record |x' - f(x)| at time `s` of a step, less what rounding explains."""
     code = system.code
     states_and_sums(order, s, scratch)
     mode_jets(code, system.numbers, mode, 0, scratch.z, scratch.values)
@@ -160,7 +167,7 @@ def record_residuals(system, order, mode, s, scratch):
 
 @kernel
 def record_jump(code, order, mode, h, end, scratch):
-    """From the end of the polynomial to the state that followed, as far as it is beyond rounding."""
+    """Record the jump from the end of the polynomial to the next state, less what rounding explains."""
     states_and_sums(order, h, scratch)
     for i in range(scratch.z.shape[0]):
         if end[i] == end[i]:
@@ -179,3 +186,46 @@ def relative_defect(code, scratch):
         if error > 0.0:
             worst = larger_or_infinite(error / size, worst)
     return worst
+
+
+def condition_violation(problem: Problem, raw: RunData, states: np.ndarray, modes: np.ndarray) -> float:
+    """Most that samples of a run violate a condition of their modes, as a share of the condition's size.
+
+    Event functions must not be negative, constraints must be zero.  The size of a condition is the largest
+    sum of its absolute terms along the run, in whatever mode: where a flight begins the gap is all rounding,
+    and a flight may be as short as one likes.
+
+    Parameters
+    ----------
+    problem, raw : Problem, RunData
+        Of the run.
+    states : array (N, states)
+        Samples of it.
+    modes : int array (N,)
+        The mode of each.
+    """
+    worst = 0.0
+    for mode in np.unique(modes):
+        inside = states[modes == mode]
+        amounts, terms = _condition_values(problem, mode, np.vstack([inside, raw.step_states]))
+        sizes = np.where(np.isfinite(terms), terms, 0.0).max(axis=0)  # elsewhere it may be none, as sqrt(gap)
+        shares = amounts[: len(inside), sizes > 0] / sizes[sizes > 0]
+        worst = max(worst, shares.max(initial=0.0))
+    return float(worst)
+
+
+def _condition_values(problem: Problem, mode: int, states: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """By how much states (N, n) violate a mode's conditions (N, k), and the sums of their absolute terms."""
+    code, numbers = problem.program.code, problem.numbers
+    magnitudes, J = system_of(code, numbers).magnitudes, np.zeros((problem.program.slots, 1))
+    guards = code.function_slots[code.mode_guards[mode] : code.mode_guards[mode + 1]]
+    fixed = code.function_slots[code.mode_constraints[mode] : code.mode_constraints[mode + 1]]
+    amounts = np.empty((len(states), len(guards) + len(fixed)))
+    terms, sums = np.empty_like(amounts), J.copy()
+    for i, z in enumerate(states):
+        J[: len(z), 0] = z
+        run_tape(code, numbers, mode_operations(code, mode), 0, code.flow[mode], -1.0, J, J)
+        majorant(code, magnitudes, mode, 0, z, J, sums)
+        amounts[i] = np.append(-J[guards, 0], np.abs(J[fixed, 0]))
+        terms[i] = np.append(sums[guards, 0], sums[fixed, 0])
+    return amounts, terms

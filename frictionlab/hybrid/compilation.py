@@ -63,7 +63,7 @@ def cache_folder(numba: Any) -> str:
 
 NUMBA = _numba()
 CACHE_FOLDER = cache_folder(NUMBA) if NUMBA else ""
-_FOUND: set[Any] = set()  # kernels seen in the folder, so that it is read once for each
+_FOUND: set[Any] = set()  # kernels found in the cache folder, so that it is read once for each
 
 
 def needs_compilation(function: Any) -> bool:
@@ -81,28 +81,33 @@ def kernel(function: Callable) -> Callable:
 
 
 def inlined(function: Callable) -> Callable:
-    """A kernel that becomes part of its callers: a call passes some hundred numbers for its arrays."""
+    """A kernel that is inlined into its callers: a call would pass some hundred numbers for its arrays."""
     return _compile(function, {"forceinline": True})
 
 
+def c_function(function: Callable, signature: str) -> Any:
+    """A function compiled now, as C code calls it; its ``address`` is that of the code, while it is kept."""
+    return _cached(function, lambda options: NUMBA.cfunc(signature, **options))
+
+
 def _without_reference_counts() -> dict[str, bool]:
-    """No reference counts: kernels allocate nothing, and counting would take most of their time."""
+    """Compile without reference counts: kernels allocate nothing, and counting would take most of their
+    time."""
     return {"_nrt": False} if hasattr(NUMBA.core.options.DefaultOptions, "_nrt") else {}
 
 
 def _compile(function: Callable, further: dict[str, bool]) -> Callable:
     if NUMBA is None:
         return function
+    return _cached(function, lambda options: NUMBA.njit(nogil=True, **options, **further))
+
+
+def _cached(function: Callable, decorator: Callable[[dict[str, Any]], Callable]) -> Any:
+    """What numba's decorator makes of a function, with our options and our folder."""
     before = NUMBA.config.CACHE_DIR
     NUMBA.config.CACHE_DIR = CACHE_FOLDER or before
+    options = {"error_model": "numpy", "boundscheck": False, **_without_reference_counts()}
     try:
-        options = {
-            "nogil": True,
-            "error_model": "numpy",
-            "boundscheck": False,
-            **_without_reference_counts(),
-            **further,
-        }
-        return NUMBA.njit(cache=bool(CACHE_FOLDER), **options)(function)
+        return decorator({"cache": bool(CACHE_FOLDER), **options})(function)
     finally:
         NUMBA.config.CACHE_DIR = before

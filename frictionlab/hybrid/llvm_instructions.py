@@ -1,4 +1,4 @@
-"""What is said in LLVM's instructions: arithmetic, places in arrays, loops, branches, quick logarithms.
+"""Operations written as LLVM instructions: arithmetic, places in arrays, loops, branches, quick logarithms.
 
 A value is one number, or a vector with a number for each of several runs, which are the last axis of arrays.
 Values that a loop changes are passed to its body and returned by it.  The quick logarithm and power of two
@@ -113,7 +113,7 @@ def write_while_loop(
 
 
 def write_branch(build: Any, condition: Any, yes: Callable[[], Values], no: Callable[[], Values]) -> Values:
-    """Write `yes() if condition else no()`; what is not wanted is not computed."""
+    """Write `yes() if condition else no()`; only the branch taken is computed."""
     inside, other, after = (build.append_basic_block() for _ in range(3))
     build.cbranch(condition, inside, other)
     incoming = []
@@ -163,7 +163,7 @@ class Instructions:
 
     def _called(self, name: str, kind: Any, *arguments: Any) -> Any:
         if name not in self.called:
-            signature = self.ir.FunctionType(kind, [kind] * len(arguments))
+            signature = self.ir.FunctionType(kind, [argument.type for argument in arguments])
             self.called[name] = self.ir.Function(self.build.module, signature, name)
         return self.build.call(self.called[name], arguments)
 
@@ -174,7 +174,7 @@ class Instructions:
         return self._ahead(column, self.whole(slot * self.row))
 
     def _ahead(self, place: Any, count: Any) -> Any:
-        """So many values further."""
+        """The address a number of values further."""
         numbers = count if self.width == 1 else self.build.mul(count, self.whole(self.width))
         return self.build.gep(place, [numbers])
 

@@ -17,7 +17,8 @@ from frictionlab.automaton import HybridAutomaton, Mode
 
 
 def nonnegative_power(base: Any, exponent: Any) -> Any:
-    """A power whose base counts as zero where it is below, as gap^1.5 at a gap of -1e-18 m by rounding."""
+    """A power whose base counts as zero where it is negative, as penetration^1.5 at a penetration of -1e-18 m
+    by rounding."""
     with np.errstate(divide="ignore"):
         return np.maximum(base, 0.0) ** exponent
 

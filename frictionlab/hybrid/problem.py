@@ -1,4 +1,4 @@
-"""What every method is given to integrate, and what it gives back.
+"""The problem that a method integrates, and the data that it returns.
 
 A `Problem` is a program with its numbers, an initial state and an end.  Kernels fill records of fixed
 capacity; `RecordList` joins these to `RunData`, the arrays that a
@@ -18,7 +18,7 @@ from frictionlab.hybrid.tape.program import Code, Numbers, Program
 
 
 class ModeNotDerived(Exception):
-    """A run came to where a mode is to be tried that has yet to be derived; `mode` is its number."""
+    """A run needs a mode that is not derived yet; `mode` is its index."""
 
     def __init__(self, mode: int) -> None:
         super().__init__(mode)
@@ -58,7 +58,7 @@ class RunData(NamedTuple):
     status: Status
 
     def cut(self, states: int) -> RunData:
-        """The same without the integrals that follow the first `states` states."""
+        """The data without the integrals, which follow the first `states` states."""
         if self.state.size == states:
             return self
         names = ("step_states", "event_states", "point_states", "state")
@@ -66,7 +66,7 @@ class RunData(NamedTuple):
 
 
 class Status(Enum):
-    """End of a run; the value says what happened and what can be done."""
+    """How a run ended; the value is a sentence that says what happened and what can be done."""
 
     FINISHED = "finished: the end time was reached"
     NO_ADMISSIBLE_MODE = (

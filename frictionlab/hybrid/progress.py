@@ -15,12 +15,12 @@ PROGRESS_DELAY = 1.0  # seconds before a bar is shown
 class Progress:
     """Counts simulated seconds; `update` tells whether the user asked to stop.
 
-    A first ctrl-C is noted and the run ends at the next look with what it has; a second one interrupts at
+    A first ctrl-C is noted, and the run ends at the next update with what it has; a second one interrupts at
     once.  In a thread other than the main one Python delivers no signals, so nothing is installed there.
     """
 
     def __init__(self, t_end: float, show: bool = True, compiling: bool = False) -> None:
-        # In a thread of a sweep, whose own bar counts, a bar for each run would be in the way.
+        # In a thread of a sweep, which has a bar of its own, runs show none.
         self._t_end, self._show = t_end, show and threading.current_thread() is threading.main_thread()
         self._compiling = compiling
         self._stop = False
@@ -49,7 +49,7 @@ class Progress:
         self._stop = True
 
     def update(self, t: float) -> bool:
-        """Show that time `t` was reached; True where the run is to stop."""
+        """Show that time `t` was reached; returns whether the run is to stop."""
         late = time.monotonic() - self._since > PROGRESS_DELAY
         if self._show and late and self._bar is None and t < self._t_end:
             self._bar = self._new_bar()

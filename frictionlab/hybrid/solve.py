@@ -18,7 +18,7 @@ from frictionlab.hybrid.tape.automaton_checks import check_automaton, check_sect
 from frictionlab.hybrid.tape.packing import program_of
 from frictionlab.hybrid.tape.program import Section
 from frictionlab.hybrid.trajectory import Sampling, Trajectory
-from frictionlab.validation import abbreviate, check_mapping, check_number, did_you_mean, float_array
+from frictionlab.validation import abbreviate, check_choice, check_mapping, check_number, float_array
 
 
 def solve(
@@ -52,11 +52,11 @@ def solve(
         Zero crossings to record; they change no mode.  An expression of the states, or an output's name;
         direction +1 rising, -1 falling, 0 both.  Method "taylor" only, like `quadratures`.
     quadratures : mapping of name to expression
-        Integrands whose integral over the run is wanted.  Steps heed their accuracy too.
+        Functions to be integrated over the run.  Step lengths take their accuracy into account too.
     progress : bool
         Show a progress bar on runs of more than a second.
     source : object
-        Kept as ``run.source``.
+        The model that the automaton is of, kept as ``run.source``; saved runs hold it by its ``to_dict()``.
 
     Returns
     -------
@@ -75,8 +75,11 @@ def solve(
     check_number("t_end", t_end, above=0.0, cure="give the length of the run in seconds")
     state, times = _states(automaton, x0), _times(t_eval, t_end)
     asked = _sections(sections), _quadratures(quadratures)
-    for name, rider in [*((name, section.function) for name, section in asked[0].items()), *asked[1].items()]:
-        check_section_or_quadrature(name, rider, automaton)
+    for name, function in [
+        *((name, section.function) for name, section in asked[0].items()),
+        *asked[1].items(),
+    ]:
+        check_section_or_quadrature(name, function, automaton)
     if any(asked) and not chosen.riders:
         raise ValueError(f"sections and quadratures need method='taylor', got {method!r}: change the method")
     automaton = with_chatter_limit(automaton, chosen)
@@ -89,7 +92,8 @@ def solve(
             try:
                 raw = chosen.integrate(Problem(program, numbers, with_integrals, float(t_end), number), bar)
             except ModeNotDerived as missing:
-                # Run again from the start: a mode is missing once in a process, mostly early in a run.
+                # Run again from the start: each mode is missing only once in a process, mostly early in a
+                # run.
                 modes = _with_mode(automaton, missing.mode)
                 program, numbers = program_of(automaton, *asked, modes=modes)
     wall_time = time.perf_counter() - begin
@@ -99,17 +103,22 @@ def solve(
         automaton,
         problem,
         raw.cut(len(state)),
-        Sampling(chosen.degree, chosen.parts, times),
-        sections=tuple(asked[0]),
+        Sampling(chosen.degree, chosen.parts, times, tuple(asked[0])),
         quadratures=integrals,
-        description={"method": chosen.describe(), "t_end": float(t_end)},
+        description=_description(chosen, t_end, source),
         source=source,
         wall_time=wall_time,
     )
 
 
+def _description(method: Method, t_end: float, source: Any) -> dict[str, Any]:
+    """What is said of a run beside its arrays, as data that JSON can hold."""
+    model = {"model": source.to_dict()} if hasattr(source, "to_dict") else {}
+    return {"method": method.describe(), "t_end": float(t_end), **model}
+
+
 def with_chatter_limit(automaton: HybridAutomaton, method: Method) -> HybridAutomaton:
-    """The automaton with the method's limit for chatter, if it asks for that."""
+    """The automaton with the method's dwell time of chatter, if it has that parameter."""
     names = [symbol.name for symbol in automaton.parameters]
     return automaton.replace(chatter=method.limits[1]) if "chatter" in names else automaton
 
@@ -179,13 +188,11 @@ def _quadratures(quadratures: Any) -> dict[str, Any]:
 def _mode(automaton: HybridAutomaton, mode: str | None) -> int | None:
     if mode is None:
         return None
-    if mode not in automaton.names:
-        names = ", ".join(map(repr, automaton.names))
-        raise ValueError(f"mode must be one of {names}, got {mode!r}{did_you_mean(mode, automaton.names)}")
+    check_choice("mode", mode, automaton.names)
     return automaton.names.index(mode)
 
 
 def _with_mode(automaton: HybridAutomaton, number: int) -> tuple[Mode, ...]:
-    """The modes known once one more is derived."""
+    """The modes known after one more is derived."""
     _ = automaton.modes[number]
     return automaton.known_modes

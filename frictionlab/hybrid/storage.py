@@ -1,9 +1,10 @@
-"""Runs on disk: one npz file of arrays, with the description as JSON among them."""
+"""Runs on disk: one npz file of arrays, with a description as JSON among them."""
 
 from __future__ import annotations
 
 import json
 import zipfile
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -11,82 +12,31 @@ from typing import Any
 import numpy as np
 
 from frictionlab._version import __version__
-from frictionlab.automaton import HybridAutomaton
-from frictionlab.automaton.modes_on_demand import ModesOnDemand
-from frictionlab.hybrid.problem import Problem, RunData, Status
-from frictionlab.hybrid.tape.packing import program_of
-from frictionlab.hybrid.trajectory import Sampling, Trajectory
 
 FILE_FORMAT = 1
-ARRAYS = RunData._fields[:9]
-
-
-def write_run_file(run: Trajectory, path: str | Path) -> Path:
-    """Write a run; the suffix .npz is added where it is missing."""
-    path = Path(path)
-    path = path if path.suffix == ".npz" else path.with_name(path.name + ".npz")
-    raw, program = run.raw, run.problem.program
-    about = {
-        "format": FILE_FORMAT,
-        "version": __version__,
-        "states": run.names,
-        "parameters": {str(k): v for k, v in run.automaton.parameters.items()},
-        "t": raw.t,
-        "mode": int(raw.mode),
-        "modes": [name for name, built in zip(program.modes, program.code.built, strict=True) if built],
-        "status": raw.status.name,
-        "samples": {"order": run.samples.order, "parts": run.samples.parts},
-        "sections": run.section_names,
-        "quadratures": dict(run.quadratures),
-        "wall_time": run.stats["wall_time"],
-        "description": run.description,
-    }
-    arrays = {name: getattr(raw, name) for name in (*ARRAYS, "state")}
-    if run.samples.t_eval is not None:
-        arrays["t_eval"] = run.samples.t_eval
-    np.savez_compressed(path, about=np.array(json.dumps(about)), **arrays)
-    return path
 
 
 @dataclass(frozen=True)
 class StoredRun:
-    """The content of a file."""
+    """The content of a file: what is said of the run, and its arrays by name."""
 
     about: dict[str, Any]
     arrays: dict[str, np.ndarray]
 
     @property
     def description(self) -> dict[str, Any]:
-        """What the run was described by."""
+        """The description of the run: its method, its end time, its model if it had one."""
         return self.about["description"]
 
-    def trajectory(self, automaton: HybridAutomaton, source: Any = None) -> Trajectory:
-        """The run, on the automaton that made it."""
-        names = [str(state) for state in automaton.states]
-        if names != self.about["states"]:
-            raise ValueError(
-                f"the run has the states {self.about['states']}, the model {names}: give the right model"
-            )
-        about, modes = self.about, None
-        if isinstance(automaton.modes, ModesOnDemand) and "modes" in about:
-            modes = automaton.modes.known(about["modes"])  # by which the events are numbered
-        program, numbers = program_of(automaton, modes=modes)
-        arrays = {name: self.arrays[name] for name in (*ARRAYS, "state")}
-        status = Status[about["status"]]
-        raw = RunData(**arrays, t=about["t"], mode=about["mode"], status=status)
-        samples = Sampling(**about["samples"], t_eval=self.arrays.get("t_eval"))
-        problem = Problem(program, numbers, raw.state, about["t"])
-        return Trajectory(
-            automaton,
-            problem,
-            raw,
-            samples,
-            sections=tuple(about["sections"]),
-            quadratures=about["quadratures"],
-            description=self.description,
-            source=source,
-            wall_time=about["wall_time"],
-        )
+
+def write_run_file(path: str | Path, about: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> Path:
+    """Write what JSON can hold, and arrays; the suffix .npz is added where it is missing."""
+    path = Path(path)
+    path = path if path.suffix == ".npz" else path.with_name(path.name + ".npz")
+    text = json.dumps({"format": FILE_FORMAT, "version": __version__, **about})
+    everything: dict[str, Any] = {"about": np.array(text), **arrays}
+    np.savez_compressed(path, **everything)
+    return path
 
 
 def read_run_file(path: str | Path) -> StoredRun:
@@ -95,7 +45,7 @@ def read_run_file(path: str | Path) -> StoredRun:
     Raises
     ------
     ValueError
-        Where it is none.
+        Where it is not such a file.
     """
     try:
         with open(path, "rb") as stream, np.load(stream, allow_pickle=False) as file:

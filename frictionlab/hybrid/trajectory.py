@@ -18,13 +18,19 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from frictionlab.automaton import HybridAutomaton
-from frictionlab.hybrid.accuracy import defects
+from frictionlab.automaton.modes_on_demand import ModesOnDemand
+from frictionlab.drawable import Drawable
+from frictionlab.hybrid.accuracy import condition_violation, defects
 from frictionlab.hybrid.codegen.native_cache import native_code
 from frictionlab.hybrid.kernels.run_state import StepData, jet_columns
 from frictionlab.hybrid.kernels.taylor_steps import sample_states, subdivide_steps
 from frictionlab.hybrid.outputs import evaluate_output
-from frictionlab.hybrid.problem import Problem, RunData
+from frictionlab.hybrid.problem import Problem, RunData, Status
+from frictionlab.hybrid.storage import StoredRun, write_run_file
+from frictionlab.hybrid.tape.packing import program_of
 from frictionlab.validation import did_you_mean
+
+STORED_ARRAYS = (*RunData._fields[:9], "state")  # what a file holds of a run, beside the end's time and mode
 
 
 @dataclass(frozen=True)
@@ -37,7 +43,7 @@ class Events:
     source, target : (E,) names of the modes left and entered ("" where none could be entered)
     guard : (E,) names of the event functions that reached zero
     state, before : (E, states) state after and before the reset
-    closed : (E,) whether the event closed an accumulation
+    closed : (E,) whether the event closed a Zeno accumulation
     """
 
     t: np.ndarray
@@ -69,15 +75,17 @@ class SectionPoints(NamedTuple):
 
 
 class Sampling(NamedTuple):
-    """How a run is sampled: order of the dense output, parts of a step, or the times asked for."""
+    """How a run is sampled: order of the dense output, parts of a step, or the times asked for; the sections
+    whose crossings were recorded."""
 
     order: int
     parts: int
     t_eval: np.ndarray | None = None
+    sections: tuple[str, ...] = ()
 
 
-class Trajectory:
-    """What a run computed.
+class Trajectory(Drawable):
+    """The result of a run.
 
     Samples are computed from the stored steps when they are first asked for.  ``run(t)`` gives the states
     at any times of the run; at an event, those after it.  States and outputs have names: ``run["x1"]``,
@@ -92,11 +100,14 @@ class Trajectory:
     time_in_mode : mapping: seconds spent in each mode
     final_state : (2n,) state at the end
     status : Status;  str(status) is a sentence
-    stats : mapping: steps, events, accumulations closed, wall time in seconds
+    stats : mapping: steps, events, Zeno accumulations closed, wall time in seconds
     defect : mapping: largest relative error of a step, by the mode
-    sections : mapping of name to Points;  quadratures : mapping of name to the integral up to the end
+    violation : share of its size by which a sample violates a condition of its mode at most
+    sections : mapping of name to SectionPoints;  quadratures : mapping of name to the integral up to the end
     automaton : the automaton that ran;  source : the model it came from, if any
-    description : mapping that :meth:`save` writes beside the arrays
+    description : mapping that :meth:`save` writes beside the arrays: the method, the end time, the model
+    problem : Problem, what the method was given: the automaton as a program, and its numbers
+    raw : RunData, the arrays that the method gave back
 
     Examples
     --------
@@ -114,6 +125,8 @@ class Trajectory:
     {'stick': 0.0345, 'slip+': 0.0155}
     """
 
+    drawn_by = "plot_displacements"
+
     def __init__(
         self,
         automaton: HybridAutomaton,
@@ -121,18 +134,16 @@ class Trajectory:
         raw: RunData,
         samples: Sampling,
         *,
-        sections: tuple[str, ...] = (),
         quadratures: Mapping[str, float] | None = None,
         description: Mapping[str, Any] | None = None,
         source: Any = None,
         wall_time: float = 0.0,
     ) -> None:
-        self.automaton, self.source = automaton, source
+        self.automaton, self.source, self.problem = automaton, source, problem
         self.raw, self.status, self.samples = raw, raw.status, samples
         self.quadratures = MappingProxyType(dict(quadratures or {}))
-        self.description = dict(description or {})
-        self.section_names = sections
-        self.problem, self._wall_time = problem, wall_time
+        self.description = MappingProxyType(dict(description or {}))
+        self._wall_time = wall_time
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -140,22 +151,26 @@ class Trajectory:
         return tuple(str(state) for state in self.automaton.states)
 
     @cached_property
-    def sample_arrays(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def _samples(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Times, states and modes."""
         raw = self.raw
         if self.samples.t_eval is not None:
             t = self.samples.t_eval[self.samples.t_eval <= raw.t]
-            steps = self.step_at(t)
-            return t, self.states_in_steps(t, steps), self.mode_at(t, steps)
-        t, steps = subdivide_steps(raw.step_times, self.samples.parts)
-        t, steps = np.append(t, raw.t), np.append(steps, len(raw.step_modes))
-        return t, self.states_in_steps(t, steps), self.mode_at(t, steps)
+            steps = self._steps_at(t)
+        else:
+            t, steps = subdivide_steps(raw.step_times, self.samples.parts)
+            t, steps = np.append(t, raw.t), np.append(steps, len(raw.step_modes))
+        return t, self._states_in_steps(t, steps), self._modes_of_steps(steps)
 
-    def step_at(self, t: np.ndarray) -> np.ndarray:
+    def _steps_at(self, t: np.ndarray) -> np.ndarray:
         """Step that holds each time; one past the last step stands for the final state."""
         steps = np.searchsorted(self.raw.step_times[:, 0], t, side="right") - 1
         return np.where(t >= self.raw.t, len(self.raw.step_modes), steps)
 
-    def states_in_steps(self, t: np.ndarray, steps: np.ndarray) -> np.ndarray:
+    def _modes_of_steps(self, steps: np.ndarray) -> np.ndarray:
+        return np.append(self.raw.step_modes, self.raw.mode)[steps]
+
+    def _states_in_steps(self, t: np.ndarray, steps: np.ndarray) -> np.ndarray:
         raw, program, order = self.raw, self.problem.program, self.samples.order
         out = np.empty((len(t), raw.state.size))
         inside = steps < len(raw.step_modes)
@@ -167,9 +182,6 @@ class Trajectory:
         out[inside], out[~inside] = part, raw.state
         return out
 
-    def mode_at(self, t: np.ndarray, steps: np.ndarray) -> np.ndarray:
-        return np.append(self.raw.step_modes, self.raw.mode)[steps]
-
     def __call__(self, t: Any) -> np.ndarray:
         """States at times `t`: (states,) for one time, (N, states) for an array.
 
@@ -178,24 +190,43 @@ class Trajectory:
         ValueError
             Outside the run.
         """
+        states, _ = self.states_and_modes(t)
+        return states if np.ndim(t) else states[0]
+
+    def states_and_modes(self, t: Any) -> tuple[np.ndarray, np.ndarray]:
+        """States (N, states) and modes (N,) at times `t`, the modes as numbers in ``automaton.modes``.
+
+        Raises
+        ------
+        ValueError
+            Outside the run.
+        """
+        times = self._checked_times(t)
+        order, steps = np.argsort(times, kind="stable"), self._steps_at(times)
+        states = np.empty((len(times), self.raw.state.size))
+        states[order] = self._states_in_steps(times[order], steps[order])
+        return states, self._modes_of_steps(steps)
+
+    def _checked_times(self, t: Any) -> np.ndarray:
         times = np.atleast_1d(np.asarray(t, dtype=float))
         if times.size and not (times.min() >= 0.0 and times.max() <= self.raw.t):
             raise ValueError(
                 f"t must lie within the run, 0 to {self.raw.t:g} s, got {times.min():g} to {times.max():g}: "
                 "simulate longer"
             )
-        order = np.argsort(times, kind="stable")
-        states = np.empty((len(times), self.raw.state.size))
-        states[order] = self.states_in_steps(times[order], self.step_at(times[order]))
-        return states if np.ndim(t) else states[0]
+        return times
+
+    def modes_at(self, t: Any) -> np.ndarray:
+        """Names of the modes at times `t` of the run, (N,); at an event, of the mode entered."""
+        return self._mode_names(self._modes_of_steps(self._steps_at(self._checked_times(t))))
 
     @property
     def t(self) -> np.ndarray:
-        return self.sample_arrays[0]
+        return self._samples[0]
 
     @property
     def states(self) -> np.ndarray:
-        return self.sample_arrays[1]
+        return self._samples[1]
 
     @property
     def q(self) -> np.ndarray:
@@ -208,7 +239,12 @@ class Trajectory:
 
     @cached_property
     def mode(self) -> np.ndarray:
-        return self._mode_names(self.sample_arrays[2])
+        return self._mode_names(self.mode_indices)
+
+    @property
+    def mode_indices(self) -> np.ndarray:
+        """The modes at the samples, as numbers in ``automaton.modes``."""
+        return self._samples[2]
 
     def _mode_names(self, codes: np.ndarray) -> np.ndarray:
         return np.array([*self.automaton.names, ""])[codes]
@@ -238,16 +274,15 @@ class Trajectory:
         Raises
         ------
         KeyError
-            Where the model has none of that name.
+            Where the model has no output of that name.
         """
         known = list(self.automaton.outputs)
         if name not in known:
             hint = f": write run[{name!r}]" if name in self.names else did_you_mean(name, known)
             raise KeyError(f"the run has no output {name!r}{hint}; it has {', '.join(known) or 'none'}")
         if t is None:
-            return evaluate_output(self.automaton, name, self.states, self.sample_arrays[2])
-        times = np.asarray(t, dtype=float)
-        return evaluate_output(self.automaton, name, self(times), self.mode_at(times, self.step_at(times)))
+            return evaluate_output(self.automaton, name, self.states, self.mode_indices)
+        return evaluate_output(self.automaton, name, *self.states_and_modes(t))
 
     @cached_property
     def events(self) -> Events:
@@ -287,23 +322,42 @@ class Trajectory:
 
         The residual |x' - f(x)| of the dense output times the length of the step, or the jump from its end
         to the next state, as a share of the largest state of its group in that step: coordinates,
-        velocities, others.  What may be rounding does not count.  It compares with the tolerance.  The jump
+        velocities, others.  What rounding explains does not count.  It compares with the tolerance.  The jump
         tells of RK4 and scipy's methods, the residual of the Taylor series.
         """
         return defects(self.problem, self.raw, self.samples.order)
 
     @cached_property
+    def violation(self) -> float:
+        """Most that a sample violates a condition of its mode, as a share of the condition's terms."""
+        return condition_violation(self.problem, self.raw, self.states, self.mode_indices)
+
+    @cached_property
     def sections(self) -> Mapping[str, SectionPoints]:
         raw = self.raw
-        chosen = {name: raw.point_sections == i for i, name in enumerate(self.section_names)}
+        chosen = {name: raw.point_sections == i for i, name in enumerate(self.samples.sections)}
         points = {k: SectionPoints(raw.point_times[m], raw.point_states[m]) for k, m in chosen.items()}
         return MappingProxyType(points)
 
     def save(self, path: str | Path) -> Path:
         """Write the run to an npz file, which :func:`frictionlab.load` reads; returns its path."""
-        from frictionlab.hybrid.storage import write_run_file
-
-        return write_run_file(self, path)
+        raw, program, samples = self.raw, self.problem.program, self.samples
+        about = {
+            "states": self.names,
+            "parameters": {str(k): v for k, v in self.automaton.parameters.items()},
+            "t": raw.t,
+            "mode": int(raw.mode),
+            "modes": [name for name, built in zip(program.modes, program.code.built, strict=True) if built],
+            "status": raw.status.name,
+            "samples": {"order": samples.order, "parts": samples.parts, "sections": samples.sections},
+            "quadratures": dict(self.quadratures),
+            "wall_time": self._wall_time,
+            "description": dict(self.description),
+        }
+        arrays = {name: getattr(raw, name) for name in STORED_ARRAYS}
+        if samples.t_eval is not None:
+            arrays["t_eval"] = samples.t_eval
+        return write_run_file(path, about, arrays)
 
     def to_dataframe(self) -> Any:
         """The samples as a pandas DataFrame, indexed by time (needs the extra ``data``)."""
@@ -317,3 +371,33 @@ class Trajectory:
     def __repr__(self) -> str:
         end = f"0 to {self.raw.t:g} s, {len(self.raw.step_modes)} steps, {len(self.events)} events"
         return f"Trajectory({end}, {self.status.name.lower()})"
+
+
+def trajectory_from_file(stored: StoredRun, automaton: HybridAutomaton, source: Any = None) -> Trajectory:
+    """The run that a file holds, on the automaton that made it.
+
+    Raises
+    ------
+    ValueError
+        Where the automaton has other states.
+    """
+    about, names = stored.about, [str(state) for state in automaton.states]
+    if names != about["states"]:
+        raise ValueError(f"the run has the states {about['states']}, the model {names}: give the right model")
+    modes = None
+    if isinstance(automaton.modes, ModesOnDemand) and "modes" in about:
+        modes = automaton.modes.known(about["modes"])  # by which the events are numbered
+    program, numbers = program_of(automaton, modes=modes)
+    arrays = {name: stored.arrays[name] for name in STORED_ARRAYS}
+    raw = RunData(**arrays, t=about["t"], mode=about["mode"], status=Status[about["status"]])
+    order, parts, sections = (about["samples"][key] for key in ("order", "parts", "sections"))
+    return Trajectory(
+        automaton,
+        Problem(program, numbers, raw.state, raw.t),
+        raw,
+        Sampling(order, parts, stored.arrays.get("t_eval"), tuple(sections)),
+        quadratures=about["quadratures"],
+        description=stored.description,
+        source=source,
+        wall_time=about["wall_time"],
+    )

@@ -5,8 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 from frictionlab.automaton import HybridAutomaton
+from frictionlab.validation import unknown_parameter
 
 from .model import Model
+from .parameter_namespace import owner_among_laws
 
 
 def require_model(
@@ -20,6 +22,17 @@ def require_model(
     else:
         got = repr(model)
     raise TypeError(f"model must be {kinds}, got {got}: {cure}")
+
+
+def check_parameter_name(model: Any, name: Any) -> None:
+    """Raise TypeError unless it names a parameter of the model or automaton, and suggest the nearest."""
+    if isinstance(model, Model):
+        known, hint = list(model.parameters), owner_among_laws(name, model.roles, model.components)
+    else:
+        known, hint = [symbol.name for symbol in automaton_of(model).parameters], ""
+    if name not in known:
+        owner = type(model).__name__
+        raise unknown_parameter(owner, name, known, hint)
 
 
 def automaton_of(model: Any) -> HybridAutomaton:

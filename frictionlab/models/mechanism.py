@@ -1,7 +1,7 @@
-"""What a model looks like, as data, which animations, the live canvas and the explorer draw.
+"""The mechanism of a model as data, which animations, the live canvas and the explorer draw.
 
 Lengths are in units of the picture.  A coordinate moves a point to the right or up; how far one metre takes
-it is chosen where it is drawn, so that the largest displacement is well seen::
+it is chosen where it is drawn, so that the largest displacement is well visible::
 
     @property
     def mechanism(self):
@@ -19,7 +19,7 @@ from frictionlab.components import functions
 
 @dataclass(frozen=True)
 class Place:
-    """A point: where it is drawn while its coordinates are zero, and what moves it.
+    """A point: its position at zero coordinates, and the coordinates that move it.
 
     Parameters
     ----------
@@ -60,7 +60,7 @@ class Spring:
     ----------
     start, end : Place
     loose : str
-        Name of the modes in which its start hangs free, as the spring of a contact does in "separation".
+        Name of the modes in which its start is free, as the spring of a contact in "separation".
     """
 
     start: Place
@@ -96,7 +96,7 @@ class Forces:
     ----------
     at : Place
     contact : str
-        What tells its outputs from those of other contacts: "_1", "_2".
+        Suffix of the outputs of this contact: "_1", "_2".
     """
 
     at: Place
@@ -124,19 +124,20 @@ class TiltingBelt:
 def held_block(
     coordinate: str, *, wall: float = -1.6, place: float = 0.0, number: str = ""
 ) -> tuple[Any, ...]:
-    """A block that slides along, the contact forces on it, and a spring that holds it at a wall."""
+    """A sliding block, the contact forces on it, and a spring between it and a wall."""
     block, side = Place(place, 0.2, right=coordinate), 0.3 if wall > place else -0.3
     held = Spring(Place(wall, 0.2), block.beside(side))
     return Wall((wall, -0.2), (wall, 0.6)), held, Block(block), Forces(block, number)
 
 
-def leaning(angle: float) -> tuple[float, float]:
-    """Where the fixed end of a spring is that points to a body at this angle, downwards."""
+def inclined_end(angle: float) -> tuple[float, float]:
+    """The fixed end of a spring that points downwards to a body at this angle."""
     return -1.6 * float(functions.cos(angle)), 1.6 * float(functions.sin(angle))
 
 
-def pressed_on_belt(*springs: tuple[float, float], speed: str = "v") -> Mechanism:
-    """A body, x along the belt and y into it, on its contact spring; others hold it, at so far from it."""
+def body_on_belt(*springs: tuple[float, float], speed: str = "v") -> Mechanism:
+    """A body, x along the belt and y into it, on its contact spring and further springs, whose fixed ends are
+    at the given distances."""
     body = Place(0.0, 0.8, right="x", up="-y")
     held = [part for x, y in springs for part in _held(body, x, y)]
     contact = Spring(Place(0.0, 0.0, right="x"), body.beside(0.0, -0.2), loose="separation")

@@ -30,11 +30,11 @@ if TYPE_CHECKING:
     from frictionlab.models.description.equations import Equations
 
 M = TypeVar("M", bound="Model")
-PITCH = 200.0  # Hz, as which an oscillation is heard
+PITCH = 200.0  # Hz: pitch at which an oscillation is played
 
 
 class Tone(NamedTuple):
-    """What is heard of a model, and how much faster than the motion it is played."""
+    """The quantity of a model that is played as sound, and the factor of speed."""
 
     signal: str
     pitch: float
@@ -54,17 +54,17 @@ class Model(Component):
     * either :meth:`~frictionlab.models.MechanicalModel.mechanics` (derive from
       :class:`~frictionlab.models.MechanicalModel`): energies and contacts, from which modes and equations
       follow; or :meth:`derive`: the automaton itself, whose states are the coordinates, their rates with a
-      prime, and what else there is.
+      prime, and further states.
 
-    It may have `reference` (where it comes from), `period` (about how long an oscillation takes, by which
-    pictures choose what they show), :meth:`release` (where a run from rest begins), `mechanism` (what it
-    looks like), `nonlinearities` (what it can be without), `sound` and `statics`.  All the rest then works:
-    `simulate`, `eigenvalues`, `bifurcation`, `explore`, `plot_run`, files; with energies `energy_audit`, with
-    a mechanism `animate` and `watch`.
+    It may have `reference` (its source), `period` (about how long an oscillation takes, by which
+    pictures choose what they show), :meth:`release` (where a run from rest begins), `mechanism` (its
+    picture), `nonlinearities` (those that can be switched off), `sound` and `statics`.  Everything else then
+    works: `simulate`, `eigenvalues`, `bifurcation`, `explore`, `plot_run`, files; with energies
+    `energy_audit`, with a mechanism `animate` and `watch`.
 
     Modes named "stick", "slip+", "slip-", "separation", and outputs named "penetration", "normal_force",
-    "friction_force", "relative_velocity" are drawn and checked as such.  A mode with constraints holds
-    something fast; steady sliding is looked for in the others.
+    "friction_force", "relative_velocity" are drawn and checked as such.  Steady sliding is searched for in
+    the modes without constraints.
 
     Examples
     --------
@@ -113,11 +113,11 @@ class Model(Component):
 
     @property
     def period(self) -> float:
-        """About how long an oscillation takes, s: pictures and explorers show so and so many of them."""
+        """Approximate period of an oscillation, s: pictures and explorers show multiples of it."""
         return 0.1
 
     def release(self) -> Mapping[str, float]:
-        """The states that are not zero where a run starts from rest, by name."""
+        """The states that are not zero when a run starts from rest, by name."""
         return {}
 
     def derive(self) -> HybridAutomaton:
@@ -183,19 +183,19 @@ class Model(Component):
 
     @property
     def sound(self) -> Tone:
-        """What `listen` plays: v_r, or the first coordinate's rate, with periods heard as 200 Hz."""
+        """What `listen` plays: v_r, or the first coordinate's rate, with the period scaled to 200 Hz."""
         outputs = self.automaton().modes[0].outputs
         heard = next((name for name in outputs if name.startswith("relative_velocity")), None)
         return Tone(heard or f"{self.coordinates[0]}'", float(f"{PITCH * self.period:.3g}"))
 
     @property
     def mechanism(self) -> Mechanism | TiltingBelt | None:
-        """What the model looks like, for `animate` and `watch`; None where it does not say."""
+        """The mechanism for `animate` and `watch`; None where the model has none."""
         return None
 
     @property
     def nonlinearities(self) -> Mapping[str, Nonlinearity]:
-        """What the model can be without, by name: the switches of `without`, `ablation` and `explore`.
+        """The nonlinearities that can be switched off, by name, in `without`, `ablation` and `explore`.
 
         They follow from the kinds of the components; a model of your own may have others.
         """
@@ -239,7 +239,7 @@ class Model(Component):
         return component_from_dict(data, cls)
 
     def __getattr__(self, name: str) -> Any:
-        # Reached only for what is no field: a component's parameter, model.mu_k.
+        # Called only for names that are no fields: a component's parameter, as model.mu_k.
         if not name.startswith("_"):
             for role in type(self).roles:
                 component = self.__dict__.get(role)
@@ -261,7 +261,7 @@ def with_signature(cls: type[M]) -> type[M]:
 
 
 def _differences(model: Model) -> list[str]:
-    """What differs from the defaults, as keywords that make the model again."""
+    """Differences from the defaults, as keywords that recreate the model."""
     usual = type(model)()
     same = {
         role for role, component in model.components.items() if type(component) is type(getattr(usual, role))

@@ -1,4 +1,4 @@
-"""The nonlinearities of a model by name, each with what the model has without it."""
+"""The nonlinearities of a model by name, each with the components that replace it."""
 
 from __future__ import annotations
 
@@ -10,19 +10,19 @@ from typing import Any
 from frictionlab.components.contact import ContactLaw, LinearContact
 from frictionlab.components.geometry import FixedLoad, Geometry
 from frictionlab.components.interface import Interface, SlidingOnly
-from frictionlab.components.names import did_you_mean
+from frictionlab.validation import did_you_mean
 
 
 @dataclass(frozen=True)
 class Nonlinearity:
-    """A nonlinearity that a model can be without.
+    """A nonlinearity that can be switched off.
 
     Parameters
     ----------
     about : str
-        What an explorer calls it.
+        Label in an explorer.
     without : callable
-        From the model to the parameters and components, by name, that take its place.
+        Function of the model that returns the parameters and components, by name, that take its place.
     """
 
     about: str
@@ -37,7 +37,7 @@ class Nonlinearity:
 
 
 def nonlinearities_of(model: Any) -> dict[str, Nonlinearity]:
-    """Those that follow from the kinds of a model's components, in the order of its roles."""
+    """The nonlinearities that follow from the classes of a model's components, in the order of its roles."""
     found = {}
     for name, (base, about, instead) in OF_COMPONENTS.items():
         for role in (role for role, kind in model.roles.items() if kind is base):
@@ -66,8 +66,8 @@ def without(model: Any, names: tuple[str, ...]) -> dict[str, Any]:
     for name in names:
         if not isinstance(name, str) or name not in known:
             listed = ", ".join(map(repr, known))
-            hint = did_you_mean(name, known) if isinstance(name, str) else f"write without({listed})"
-            raise ValueError(f"a model can be without {listed}, got {name!r}: {hint}")
+            hint = did_you_mean(name, known) if isinstance(name, str) else f": write without({listed})"
+            raise ValueError(f"a model can be without {listed}, got {name!r}{hint}")
     return {key: value for name in names for key, value in known[name].without(model).items()}
 
 
@@ -80,7 +80,7 @@ def _linear(contact: Any) -> LinearContact:
     return LinearContact(k2=stiffness)
 
 
-# Name -> the kind of component that has it, what it is called, and what takes the component's place.
+# Name -> class of component that has it, label, and what takes the component's place.
 OF_COMPONENTS: Mapping[str, tuple[type, str, Callable[[Any], Any]]] = {
     "cubic": (ContactLaw, "cubic contact", _linear),
     "nonsmooth": (Interface, "stick, slip, separation", lambda _: SlidingOnly()),

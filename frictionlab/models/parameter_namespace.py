@@ -8,12 +8,12 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from frictionlab.components.component import Component
-from frictionlab.components.names import did_you_mean
 from frictionlab.components.parameter import Parameter, is_decorated, parameters_of
+from frictionlab.validation import unknown_parameter
 
 
 def parameter_owners(cls: type, components: Mapping[str, Component]) -> dict[str, str]:
-    """Whose each parameter is: a component's role, or "" for the model's own.
+    """The owner of each parameter: a component's role, or "" for the model.
 
     Raises
     ------
@@ -48,8 +48,7 @@ def refuse_unknown(
     known = [*parameter_owners(cls, components), *roles]
     for name in given:
         if name not in known:
-            hint = _owner_among_laws(name, roles, components) or did_you_mean(name, known)
-            raise TypeError(f"{cls.__name__} has no parameter {name!r}: {hint}")
+            raise unknown_parameter(cls.__name__, name, known, owner_among_laws(name, roles, components))
 
 
 def check_component(role: str, base: type, component: object) -> Component:
@@ -93,10 +92,11 @@ def parameter_metadata(cls: type, components: Mapping[str, Component]) -> dict[s
     return found
 
 
-def _owner_among_laws(name: str, roles: Mapping[str, type], components: Mapping[str, Component]) -> str:
+def owner_among_laws(name: Any, roles: Mapping[str, type], components: Mapping[str, Component]) -> str:
+    """Half a sentence that says which law has the parameter, empty where none has."""
     for role, base in roles.items():
         for kind in base.__subclasses__():
-            # A student's class without its decorator is no owner; it has an error of its own when it is used.
+            # A class that lacks its decorator is no owner; it raises an error of its own when it is used.
             if is_decorated(kind) and name in parameters_of(kind):
-                return f"it belongs to {kind.__name__}, and {role} is {components[role]!r}"
+                return f": it belongs to {kind.__name__}, and {role} is {components[role]!r}"
     return ""

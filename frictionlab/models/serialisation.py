@@ -1,6 +1,6 @@
 """A model as data that JSON can hold, and back.
 
-Reading creates nothing but components: a class is looked up among the loaded subclasses of the base that its
+Reading creates only components: a class is looked up among the loaded subclasses of the base that its
 role asks for, so that a file can neither import a module nor call anything else.
 """
 

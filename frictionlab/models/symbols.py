@@ -1,8 +1,8 @@
 """Symbols, and the copy of a model that has them for values.
 
 A model is derived once for its *structure*: the classes of its components and those of their fields that are
-no parameters.  The copy made here runs no checks, since there is nothing to check about a symbol.  The
-methods of its laws say what is wrong where they cannot answer with symbols.
+no parameters.  The copy made here runs no checks of values, as symbols have none.  Where the methods of its
+laws cannot take symbols they raise an error that says so.
 """
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ def parameter_symbols(key: Structure) -> tuple[sympy.Symbol, ...]:
 
 
 def structure_values(model: Any) -> tuple[float, ...]:
-    """Values of the parameters that the model's structure has, in one order."""
+    """Values of the parameters of the model's structure, in the order of its symbols."""
     values = model.parameters
     return tuple(values[name] for name in _parameter_names(structure_of_component(model)))
 
@@ -70,15 +70,15 @@ def _parameter_names(key: Structure) -> tuple[str, ...]:
 
 
 def expand_products(expr: Any) -> Any:
-    """Products of sums as sums of products; what stands within a law's function stays as it is.
+    """Expand products of sums; arguments of a law's functions stay as they are.
 
-    Taken apart, exp(v - x') is exp(v) exp(-x'), of which one factor may be above the largest number.
+    Otherwise exp(v - x') would become exp(v) exp(-x'), of which one factor may overflow.
     """
     return sympy.expand(expr, power_exp=False, power_base=False, log=False)
 
 
 def explain_errors(copy: Component) -> None:
-    """Make the methods of a law's symbolic copy name themselves in what they raise."""
+    """Make the methods of a law's symbolic copy raise errors that name law and method."""
     for name in LAW_METHODS if isinstance(copy, (ContactLaw, FrictionLaw, ImpactLaw)) else ():
         if hasattr(copy, name):
             object.__setattr__(copy, name, _with_explanation(getattr(copy, name), type(copy).__name__))

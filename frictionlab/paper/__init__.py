@@ -14,7 +14,7 @@ without GN: 0 -> 1 at mu_k 1.8717 (16.48 Hz)
     steady_states    steady states that figures and claims share, computed once; results in words
     figures/         the figures as results: data, summary, picture
     checks/          the claims, each computed in up to three ways, with a verdict
-    step_study       what a fixed step does to a motion
+    step_sizes       what a fixed step does to a motion
     report           all of it as pages: `frictionlab reproduce`
 
 A Setting goes down from registry or report; steady states come up from the sweeps; figures and checks
@@ -26,6 +26,6 @@ from __future__ import annotations
 from .checks.claim import Claim, Claims, Verdict
 from .figures.paper_figure import PaperFigure
 from .registry import claims, figure
-from .step_study import StepStudy, step_study
+from .step_sizes import StepStudy, step_study
 
 __all__ = ["Claim", "Claims", "PaperFigure", "StepStudy", "Verdict", "claims", "figure", "step_study"]

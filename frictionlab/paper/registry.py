@@ -63,7 +63,7 @@ def figure(
     algorithm : "exact" or "paper"
         The Taylor method, or ``fl.RK4(step=2e-4)``.  Figs 7 to 18.
     impact : "paper" or "full gap rate"
-        Eq. (13) as printed, or with the gap's full rate.  Figs 7 to 12 and 15 to 18: without the moving
+        Eq. (13) as printed, or with the full gap rate.  Figs 7 to 12 and 15 to 18: without the moving
         load (Figs 13, 14) both are the same.
     quick : bool
         A coarser grid of parameters.

@@ -19,7 +19,7 @@ from frictionlab.paper.checks.claim import Claims
 
 from .registry import EVERY_CLAIM, FIGURES, WITHOUT_GEOMETRY, check, figure
 from .scenes import CHATTER_LIMIT, IMPACTS, PAPER_STEP, RETURN_TOLERANCES, Setting
-from .step_study import IMPACT_LAW_NAMES, StepStudy, step_study_with
+from .step_sizes import IMPACT_LAW_NAMES, StepStudy, step_study_with
 
 STEP_SIZE_PAGE = "step-size.md"
 EXAMPLE_MU_K = 1.4
@@ -76,7 +76,7 @@ fixed steps of {step:g} s. A motion counts as periodic where its whole state ret
 within {exact:g} of its size, for the paper's algorithm, which sees an event up to a step late, within
 {paper:g}. The verdict is the exact solver's with Eq. (13); "{by_paper}" means that only the column of
 that algorithm shows all that the paper says. E1 to E5 are errata found by deriving the equations again;
-E3: after an impact by Eq. (13) the gap still changes at the rate -(x1' - x2') phi, so that the slider may
+E3: after an impact by Eq. (13) the gap still changes at the rate (x1' - x2') phi, so that the slider may
 leave again at once; E5: what follows depends on the algorithm.
 
 """
@@ -139,7 +139,7 @@ def reproduce(folder: str | Path, setting: Setting) -> Path:
     """
     begin, folder = time.monotonic(), Path(folder)
     (folder / IMAGES).mkdir(parents=True, exist_ok=True)
-    pictures = list(_figure_variants())
+    pictures = list(figure_variants())
     with _progress_bar(len(EVERY_CLAIM) + len(pictures) + 1, setting.progress) as bar:
         table = Claims(tuple(_run_and_count(bar, name, check, name, setting) for name in EVERY_CLAIM))
         drawn = [
@@ -154,7 +154,7 @@ def reproduce(folder: str | Path, setting: Setting) -> Path:
     return page
 
 
-def _figure_variants() -> Iterator[tuple[int, str]]:
+def figure_variants() -> Iterator[tuple[int, str]]:
     """Every figure, in each way that makes a difference to it."""
     for number in (*FIGURES, *range(7, 19)):
         for way, options in SOLVER_VARIANTS.items():

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from frictionlab.components import PlasticImpact
 from frictionlab.hybrid.methods.base import Method
-from frictionlab.hybrid.methods.rk4 import RK4
+from frictionlab.hybrid.methods.one_step import RK4
 from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.models import SliderOnBelt
 from frictionlab.validation import check_choice
@@ -25,13 +25,14 @@ from frictionlab.validation import check_choice
 ALGORITHMS = ("exact", "paper")
 IMPACTS = ("paper", "full gap rate")
 PAPER_STEP = 2e-4  # s, of the paper's algorithm: that at which it gives the paper's 1.58 Hz
-# s.  Under Eq. (13) flights pile up by the thousand: replaced by their limit from here on, which leaves
+# s.  Under Eq. (13) there are thousands of ever shorter flights: replaced by their limit from here on, which
+# leaves
 # errors of 1e-8 in the usual structure.
 CHATTER_LIMIT = 1e-5
 MAX_EVENTS_AND_STEPS = 1_000_000  # events, and steps, of a run: one that grows without bound ends there
 TAYLOR = Taylor(chatter=CHATTER_LIMIT, max_events=MAX_EVENTS_AND_STEPS, max_steps=MAX_EVENTS_AND_STEPS)
 HIGHEST_FREQUENCY = 20.0  # Hz, of a mode of the usual structure
-# The exact solver returns to a state within rounding.  A fixed step sees a condition up to a step late, while
+# The exact solver returns to a state within rounding.  A fixed step detects an event up to a step late, while
 # a state moves by 2 pi f h of its size, 2.5 %: at both crossings, and at an event or more before each.
 RETURN_TOLERANCES = {"exact": 1e-6, "paper": round(4 * 2 * pi * HIGHEST_FREQUENCY * PAPER_STEP, 3)}
 
@@ -78,7 +79,7 @@ class Setting:
         return model.replace(impact=PlasticImpact(penetration_rate="full"))
 
     def with_solver(self, algorithm: str, impact: str) -> Setting:
-        """Another way, all else the same."""
+        """The setting with another algorithm and impact law."""
         return replace(self, algorithm=algorithm, impact=impact)
 
     @property
@@ -91,7 +92,7 @@ class Setting:
 
 
 class Times(NamedTuple):
-    """Seconds thrown away, and looked at."""
+    """Seconds of transient, and of the window that is classified."""
 
     transient: float
     window: float
@@ -103,7 +104,7 @@ STIFF_TIMES = Times(150.0, 50.0)  # at 30 Hz; sliding only it settles as slowly 
 
 
 def times_of(model: Any, setting: Setting) -> Times:
-    """What a model is given, by the cost of its motion and by how slowly it settles."""
+    """The times for a model, by the cost of its motion and by how slowly it settles."""
     if setting.algorithm == "paper":
         return FIXED_STEP_TIMES
     smooth = "separation" not in model.interface.modes

@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from frictionlab.analysis.steady_state.motion_kind import MotionKind
 from frictionlab.analysis.steady_state.result import SteadyState
 from frictionlab.analysis.steady_state.steady_state import steady_state
 from frictionlab.analysis.sweeps.bifurcation import bifurcation
@@ -27,7 +28,7 @@ from frictionlab.hybrid.methods.base import Method
 from . import scenes
 from .scenes import Setting, times_of
 
-_CACHE: dict[str, Any] = {}
+CACHE: dict[str, Any] = {}
 
 START_NAMES = {"near": "near the equilibrium", "rest": "far from it (at rest)"}
 EXAMPLES = (0.3, 1.4, 2.5)  # mu_k of Fig. 7
@@ -36,9 +37,8 @@ TURNING_SECTION = "x1'"  # the section of Fig. 17b, passed either way
 MU_K_PRELOAD = 2.5
 GEOMETRY_NAMES = {True: "with GN", False: "without GN"}
 
-MAX_INTERVALS = 7  # stretches that a reader can take in
+MAX_INTERVALS = 7  # intervals that a text lists at most
 GRID_TOLERANCE = 1e-9  # for values that are the same but for rounding
-AT_REST, PERIODIC, NON_PERIODIC = "equilibrium", "periodic", "non-periodic"
 
 ROUNDING_MARGIN = 1 + 1e-9  # a value that lies exactly between two roundings agrees with both
 
@@ -90,7 +90,7 @@ def sweep_results(
 
     def compute(path: Path | None) -> Any:
         options: dict[str, Any] = {"workers": setting.workers, "progress": setting.progress}
-        found = sweep(function, model, over, resume=path, **options)
+        found = sweep(model, function, over, resume=path, **options)
         return found, all(result is not None for result in found.results.flat)
 
     return _cached(asked, setting, compute)
@@ -98,7 +98,7 @@ def sweep_results(
 
 def _cached(asked: Any, setting: Setting, compute: Callable[[Path | None], tuple[Any, bool]]) -> Any:
     key = hashlib.sha256(json.dumps(asked, sort_keys=True).encode()).hexdigest()[:16]
-    if key not in _CACHE:
+    if key not in CACHE:
         path = None
         if setting.resume is not None:
             setting.resume.mkdir(parents=True, exist_ok=True)
@@ -106,8 +106,8 @@ def _cached(asked: Any, setting: Setting, compute: Callable[[Path | None], tuple
         found, complete = compute(path)
         if not complete:
             raise KeyboardInterrupt
-        _CACHE[key] = found
-    return _CACHE[key]
+        CACHE[key] = found
+    return CACHE[key]
 
 
 def model_with_contact(k_nl: float, geometry: bool = True) -> Any:
@@ -182,12 +182,12 @@ def _cached_steady_state(
 
 
 def is_vibration(found: Any) -> NDArray[np.bool_]:
-    """Where a sweep found a vibration, periodic or not."""
-    return np.isin(found.kinds, (PERIODIC, NON_PERIODIC))
+    """Where a sweep found a vibration, periodic or not, as booleans."""
+    return np.isin(found.kinds, (MotionKind.PERIODIC, MotionKind.NON_PERIODIC))
 
 
 def is_kind(found: Any, kind: str) -> NDArray[np.bool_]:
-    """Where a sweep found this kind."""
+    """Where a sweep found this kind of motion, as booleans."""
     return np.array(found.kinds) == kind
 
 
@@ -227,7 +227,7 @@ def _share_text(found: Any, kind: str) -> str:
 
 def regimes(found: Any) -> list[tuple[str, int]]:
     """Kind, and the onsets of stick in a period where there is one, of all that has settled."""
-    settled = is_vibration(found) | is_kind(found, AT_REST)
+    settled = is_vibration(found) | is_kind(found, MotionKind.EQUILIBRIUM)
     return [(kind, int(n)) for kind, n, known in zip(found.kinds, found.onsets, settled) if known]
 
 

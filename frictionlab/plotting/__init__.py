@@ -7,7 +7,7 @@ None of them uses pyplot, so a figure is freed with its last reference and no wi
     drawing                 a panel as data: curves, labels, limits (the explorers' panels give these)
     runs/                   panels of one run, and `plot_run`, which is four of them
     root_locus, stability_boundaries            eigenvalues and stability against parameters
-    bifurcation, basins, energy, ablation       what analyses found
+    bifurcation, basins, energy, ablation, sweep, motions       what analyses found
     animation/              the slider on its belt, frame by frame
 
 A result of an analysis comes in, artists go out; nothing is computed here but samples of a run.
@@ -20,31 +20,39 @@ from .animation.animate import animate
 from .basins import plot_basin_stability, plot_basins
 from .bifurcation import plot_bifurcation, plot_intensity, plot_orbit_branch
 from .energy import plot_energies, plot_works
-from .figure import RunFigure
-from .root_locus import plot_frequencies, plot_growth_rates, plot_root_locus
+from .figure import RunFigure, axes_or_new
+from .motions import plot_ends, plot_lyapunov, plot_orbit, plot_steady_state
+from .root_locus import plot_eigenvalues, plot_frequencies, plot_growth_rates, plot_root_locus
 from .runs.overview import plot_run
 from .runs.phase_plane import plot_phase_plane
-from .runs.spectrum import Spectrum, amplitude_spectrum, plot_spectrum
+from .runs.spectrum import Spectrum, amplitude_spectrum, plot_amplitudes, plot_spectrum
 from .runs.time_histories import plot_contact_forces, plot_displacements, plot_rates
 from .runs.time_window import shade_modes
 from .stability_boundaries import plot_critical, plot_stability_map
+from .sweep import plot_sweep
 
 __all__ = [
     "RunFigure",
     "Spectrum",
     "amplitude_spectrum",
     "animate",
+    "axes_or_new",
     "plot_ablation",
+    "plot_amplitudes",
     "plot_basin_stability",
     "plot_basins",
     "plot_bifurcation",
     "plot_contact_forces",
     "plot_critical",
     "plot_displacements",
+    "plot_eigenvalues",
+    "plot_ends",
     "plot_energies",
     "plot_frequencies",
     "plot_growth_rates",
     "plot_intensity",
+    "plot_lyapunov",
+    "plot_orbit",
     "plot_orbit_branch",
     "plot_phase_plane",
     "plot_rates",
@@ -52,6 +60,8 @@ __all__ = [
     "plot_run",
     "plot_spectrum",
     "plot_stability_map",
+    "plot_steady_state",
+    "plot_sweep",
     "plot_works",
     "shade_modes",
 ]

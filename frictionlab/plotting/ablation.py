@@ -1,4 +1,4 @@
-"""Small multiples of an ablation: one study of all scenes."""
+"""Small multiples of an ablation: the result of a study for each scene."""
 
 from __future__ import annotations
 
@@ -13,19 +13,19 @@ from frictionlab.analysis.spectrum import Spectrum
 from frictionlab.analysis.steady_state.result import SteadyState
 from frictionlab.analysis.sweeps.ablation import all_of
 from frictionlab.analysis.sweeps.bifurcation import Bifurcation
-from frictionlab.plotting.runs.phase_plane import plot_phase_plane
-from frictionlab.plotting.runs.spectrum import DECADES
+from frictionlab.plotting.runs.spectrum import plot_amplitudes
 
 from .bifurcation import LOG_SCALE_RATIO, plot_bifurcation
-from .figure import RunFigure, axes_or_new
-from .style import BLACK, BLUE, GREY, state_label, state_unit
+from .figure import RunAxes, RunFigure, axes_or_new
+from .motions import plot_steady_state
+from .style import BLUE, GREY
 
-SHOWN_PERIODS = 3  # periods drawn of a periodic motion
-SHOWN_SECONDS = 2.0  # drawn of others
+RUN_AXES = {"axes_class": RunAxes}
 COLUMNS = 4  # panels side by side
+PANEL_SHARE = 0.7  # of its cell that a panel takes, the rest for labels and title
 
 
-def plot_ablation(ablation: Any, *, name: str = "x1") -> list[Axes]:
+def plot_ablation(ablation: Any, ax: Axes | None = None, *, name: str | None = None) -> list[Axes]:
     """Draw what a study gave for each scene: a small panel for each, or bars of numbers.
 
     Parameters
@@ -33,13 +33,15 @@ def plot_ablation(ablation: Any, *, name: str = "x1") -> list[Axes]:
     ablation : Ablation
         With results that are SteadyState (drawn as phase planes), Bifurcation (section points), Spectrum,
         or numbers (None: no such number).
-    name : str
-        The coordinate to draw.
+    ax : Axes or None
+        Where bars, or all panels side by side, stand; None draws into a new figure.
+    name : str or None
+        The coordinate to draw; None takes the first.
 
     Returns
     -------
     list of Axes
-        Of a new figure, ``axes[0].figure``: one for each scene, of its own scale, or one of bars.
+        One for each scene, of its own scale, or one of bars; the figure is ``axes[0].figure``.
 
     Raises
     ------
@@ -48,21 +50,31 @@ def plot_ablation(ablation: Any, *, name: str = "x1") -> list[Axes]:
     """
     known = [result for result in ablation.results if result is not None]
     if all(isinstance(result, Real) for result in known):
-        return [_bars(ablation)]
+        return [_bars(ablation, axes_or_new(ax))]
     draw = _panel_for(known)
     count = len(ablation.results)
     columns = min(COLUMNS, count)
     rows = -(-count // columns)
-    figure = RunFigure(figsize=(3.25 * columns, 3.0 * rows), layout="constrained")
-    panels = list(figure.subplots(rows, columns, squeeze=False).ravel())
+    panels = _panels(rows, columns, ax)
     for ax, (without, result) in zip(panels, ablation, strict=True):
         if result is None:
             ax.text(0.5, 0.5, "not done", ha="center", va="center", transform=ax.transAxes)
         else:
             draw(result, ax, name)
         ax.set_title(_scene_title(without, ablation.switches) + _motion_title(result), fontsize=9.0)
-    _share_labels(figure, panels)
+    _share_labels(panels)
     return panels
+
+
+def _panels(rows: int, columns: int, ax: Axes | None) -> list[Axes]:
+    """Axes in rows: of a new figure, or in the place of axes that are given."""
+    if ax is None:
+        figure = RunFigure(figsize=(3.25 * columns, 3.0 * rows), layout="constrained")
+        return list(figure.subplots(rows, columns, squeeze=False, subplot_kw=RUN_AXES).ravel())
+    ax.set_axis_off()
+    width, height = 1.0 / columns, 1.0 / rows
+    corners = [(column * width, 1.0 - (row + 1) * height) for row in range(rows) for column in range(columns)]
+    return [ax.inset_axes((x, y, PANEL_SHARE * width, PANEL_SHARE * height)) for x, y in corners]
 
 
 def _panel_for(results: Iterable[Any]) -> Any:
@@ -77,7 +89,7 @@ def _panel_for(results: Iterable[Any]) -> Any:
     return panels[kinds.pop()]
 
 
-def _share_labels(figure: RunFigure, panels: list[Axes]) -> None:
+def _share_labels(panels: list[Axes]) -> None:
     """Labels at the outer panels only, and one legend for all."""
     for i, ax in enumerate(panels):
         ax.tick_params(labelsize=8.0)
@@ -88,35 +100,19 @@ def _share_labels(figure: RunFigure, panels: list[Axes]) -> None:
             ax.set_ylabel("")
     handles = {str(text): h for ax in panels for h, text in zip(*ax.get_legend_handles_labels())}
     if handles:
-        figure.legend(handles=list(handles.values()), loc="outside right center", frameon=False)
+        panels[0].figure.legend(handles=list(handles.values()), loc="outside right center", frameon=False)
 
 
-def _phase_plane(result: Any, ax: Axes, name: str) -> None:
-    run = result.trajectory
-    if result.kind == "equilibrium":
-        column = run.names.index(name)
-        x, rate = run.final_state[[column, column + run.automaton.coordinates]]
-        ax.plot(x, rate, "+", color=BLACK, markersize=9.0, label="equilibrium")
-        ax.set(ylim=(-1.0, 1.0))
-    else:
-        seconds = SHOWN_PERIODS * result.period if result.kind == "periodic" else SHOWN_SECONDS
-        plot_phase_plane(run, ax, name=name, window=min(seconds, float(run.raw.t)))
-    ax.set(xlabel=_state_axis_label(name), ylabel=_state_axis_label(f"{name}'"))
+def _phase_plane(result: Any, ax: Axes, name: str | None) -> None:
+    plot_steady_state(result, ax, name=name)
 
 
-def _points(result: Any, ax: Axes, name: str) -> None:
+def _points(result: Any, ax: Axes, name: str | None) -> None:
     plot_bifurcation(result, ax, name=name, legend=False)
 
 
-def _spectrum(result: Any, ax: Axes, name: str) -> None:
-    ax.semilogy(result.frequencies, result.amplitudes, color=BLACK, linewidth=0.8)
-    top = float(result.amplitudes.max())
-    ax.set(xlim=(0.0, result.frequencies[-1]), ylim=(top * 10.0**-DECADES, 2 * top) if top > 0 else None)
-    ax.set(xlabel="frequency (Hz)", ylabel=f"amplitude of {_state_axis_label(name)}")
-
-
-def _state_axis_label(name: str) -> str:
-    return f"{state_label(name)} ({state_unit(name)})"
+def _spectrum(result: Any, ax: Axes, name: str | None) -> None:
+    plot_amplitudes(result, ax)
 
 
 def _scene_title(without: tuple[str, ...], switches: tuple[str, ...]) -> str:
@@ -131,9 +127,8 @@ def _motion_title(result: Any) -> str:
     return f"\n{kind}" if isinstance(kind, str) and kind else ""
 
 
-def _bars(ablation: Any) -> Axes:
+def _bars(ablation: Any, ax: Axes) -> Axes:
     values = np.array([np.nan if result is None else result for _, result in ablation], dtype=float)
-    ax = axes_or_new(None)
     bars = ax.barh(range(len(values)), np.nan_to_num(values), color=BLUE)
     ax.bar_label(bars, ["" if np.isnan(v) else f"{v:.5g}" for v in values], padding=4)
     for i in np.flatnonzero(np.isnan(values)):

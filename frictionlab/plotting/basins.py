@@ -12,11 +12,13 @@ from matplotlib.container import BarContainer
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from frictionlab.analysis.steady_state.motion_kind import MotionKind
+
 from .figure import axes_or_new, legend_beside
 from .style import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILLION, YELLOW, state_label, state_unit
 
 COLOURS = (SKY, ORANGE, GREEN, YELLOW, PURPLE, BLUE, VERMILLION)  # of attractors, in turn
-UNCLASSIFIED_COLOURS = {"not settled yet": GREY, "ended early": "#444444"}
+UNCLASSIFIED_COLOURS = {MotionKind.NOT_SETTLED: GREY, MotionKind.ENDED_EARLY: "#444444"}
 HATCH = "////"
 
 
@@ -28,7 +30,7 @@ class BasinArtists(NamedTuple):
 
 
 def plot_basins(found: Any, ax: Axes | None = None, *, legend: bool = True) -> BasinArtists:
-    """Draw which attractor each initial state goes to, and the attractors as far as they are in sight.
+    """Draw which attractor each initial state goes to, and those attractors that are within the axes.
 
     Initial states that were not computed are hatched.
 

@@ -14,7 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from frictionlab.analysis.steady_state.classification import ENDED
+from frictionlab.analysis.steady_state.motion_kind import MotionKind
 
 from .figure import axes_or_new, legend_beside
 from .style import (
@@ -35,15 +35,16 @@ from .style import (
 
 Array = NDArray[np.float64]
 MOTION_STYLES: dict[str, dict[str, Any]] = {
-    "periodic": {"color": BLUE, "marker": ".", "markersize": 4.0},
-    "non-periodic": {"color": VERMILLION, "marker": ".", "markersize": 2.0},
-    "not settled yet": {"color": GREY, "marker": ".", "markersize": 3.0},
-    "ended early": {"color": GREY, "marker": "x", "markersize": 3.0},
-    "equilibrium": {"color": BLACK, "marker": "_", "markersize": 6.0},
+    MotionKind.PERIODIC: {"color": BLUE, "marker": ".", "markersize": 4.0},
+    MotionKind.NON_PERIODIC: {"color": VERMILLION, "marker": ".", "markersize": 2.0},
+    MotionKind.NOT_SETTLED: {"color": GREY, "marker": ".", "markersize": 3.0},
+    MotionKind.ENDED_EARLY: {"color": GREY, "marker": "x", "markersize": 3.0},
+    MotionKind.EQUILIBRIUM: {"color": BLACK, "marker": "_", "markersize": 6.0},
 }
-AT_REST = "equilibrium"
 EARLY_END_HEIGHT = (
-    0.03  # of the axes' height: where marks are of what ended early, mostly for having grown beyond bounds
+    # share of the axes' height at which runs that ended early are marked, mostly motions that grew without
+    # bounds
+    0.03
 )
 LOG_SCALE_RATIO = 30.0  # largest over smallest intensity above which the axis is logarithmic
 
@@ -75,7 +76,7 @@ def plot_bifurcation(
     Returns
     -------
     list of Line2D
-        The points of every kind of motion that occurs; what ended early is marked at the foot.
+        The points of every kind of motion that occurs; runs that ended early are marked at the bottom.
 
     Raises
     ------
@@ -87,7 +88,7 @@ def plot_bifurcation(
     ax = axes_or_new(ax)
     lines = []
     for kind, (values, states) in groups.items():
-        if kind == ENDED:
+        if kind == MotionKind.ENDED_EARLY:
             states, where = np.full(len(values), EARLY_END_HEIGHT), ax.get_xaxis_transform()
         else:
             where = ax.transData
@@ -119,7 +120,7 @@ def plot_intensity(
     ax : Axes or None
         None draws into a new figure, ``lines[0].axes.figure``.
     labels : sequence of str or None
-        A name for each; None says where they start from.
+        A name for each; None takes the initial state of each.
     legend : bool
         Whether to put a legend beside the panel, where there is more than one line.
 
@@ -141,7 +142,7 @@ def plot_intensity(
     for i, (result, text) in enumerate(zip(results, labels)):
         style = line_style(i, "")
         lines += ax.plot(result.values, result.intensities, ".", label=text, **style)
-        resting = np.array(result.kinds) == AT_REST
+        resting = np.array(result.kinds) == MotionKind.EQUILIBRIUM
         hollow = {"color": style["color"], "markerfacecolor": "white", "linestyle": "none", "markersize": 4.0}
         ax.plot(result.values[resting], result.intensities[resting], "o", label="_at rest", **hollow)
     _set_intensity_scale(ax, results)
@@ -152,8 +153,8 @@ def plot_intensity(
 
 
 def _set_intensity_scale(ax: Axes, results: list[Any]) -> None:
-    moving = np.concatenate([r.intensities[np.array(r.kinds) != AT_REST] for r in results])
-    moving = moving[moving > 0]  # NaN, of what is not done, is dropped too
+    moving = np.concatenate([r.intensities[np.array(r.kinds) != MotionKind.EQUILIBRIUM] for r in results])
+    moving = moving[moving > 0]  # drops NaN as well, which stands for values not computed
     if len(moving) and moving.max() > LOG_SCALE_RATIO * moving.min():
         foot = 10.0 ** np.floor(np.log10(moving.min()))
         ax.set_yscale("symlog", linthresh=foot, linscale=0.3)
@@ -251,7 +252,7 @@ def _orbit_measure(orbit: Any, name: str | None) -> float:
 
 
 def _stability_intervals(stable: np.ndarray) -> list[tuple[bool, slice]]:
-    """Each stretch of equal stability, with the first orbit of the next, so that the line has no gaps."""
+    """Each stretch of equal stability, with the first orbit of the next, so that the line is not broken."""
     found, start = [], 0
     for value, group in groupby(stable.tolist()):
         count = len(list(group))

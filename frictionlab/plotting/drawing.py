@@ -1,7 +1,7 @@
-"""What a panel shows, as data: a panel is a function that takes a result and returns a `Drawing`.
+"""The content of a panel as data: a panel is a function that takes a result and returns a `Drawing`.
 
-It makes no artists, so that it says nothing of how a picture is kept up to date, and the same curves can
-be checked in a test or stay behind in grey::
+It makes no artists, so that it does not depend on how a picture is updated, and the same curves can be
+checked in a test or kept in grey for comparison::
 
     def penetration(result):
         t = result.times()
@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-ENVELOPE_BINS = 400  # about the pixels that a panel is wide
+ENVELOPE_BINS = 400  # about the width of a panel in pixels
 
 
 class Curve(NamedTuple):
@@ -35,9 +35,9 @@ class Curve(NamedTuple):
     x, y : array_like (N,)
         NaN breaks the line.
     style : mapping
-        Keywords of matplotlib's Line2D; those that a curve had first are kept.
+        Keywords of matplotlib's Line2D; those given when a curve is first drawn are kept.
     axis : "left", "right" or "strip"
-        Whose y it is; of a strip 0 is the foot of the panel and 1 its top.
+        The axis of y; on a strip 0 is the bottom of the panel and 1 its top.
     """
 
     x: Any
@@ -64,7 +64,7 @@ class Drawing:
     xlim, ylim : (float, float) or None
         None follows the curves.
     progress : (int, int) or None
-        How much is done, and of how much, where the panel wants to be asked again until all is.
+        Parts done and their total, where the panel is to be called again until all are done.
     """
 
     xlabel: str
@@ -104,7 +104,7 @@ def envelope(x: Any, y: Any, bins: int = ENVELOPE_BINS) -> tuple[Array, Array]:
 
 
 def _extreme_indices(extreme: Any, y: Array, edges: NDArray[np.intp]) -> NDArray[np.intp]:
-    """Where in each part (from one edge to the next) its extreme value stands first."""
+    """Index of the first extreme value in each part, from one edge to the next."""
     value = extreme.reduceat(y, edges)
     part = np.repeat(np.arange(len(edges)), np.diff(np.append(edges, len(y))))
     places = np.flatnonzero(y == value[part])

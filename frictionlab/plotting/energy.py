@@ -1,4 +1,4 @@
-"""Where the energy of a run is, and what put it there: the balance of :func:`frictionlab.energy_audit`."""
+"""The energies of a run and the works that changed them: the balance of :func:`frictionlab.energy_audit`."""
 
 from __future__ import annotations
 
@@ -50,7 +50,8 @@ def plot_energies(audit: Any, ax: Axes | None = None) -> list[Line2D]:
 
 
 def plot_works(audit: Any, ax: Axes | None = None) -> list[Line2D]:
-    """Draw what every contribution did from 0 to t, and the sum, dashed: that is what the system gained.
+    """Draw the work of every contribution from 0 to t, and their sum, dashed: the energy that the system
+    gained.
 
     Parameters
     ----------

@@ -1,7 +1,7 @@
 """Figures without pyplot: they show themselves in a notebook; legends stand where they cover no data.
 
-`RunFigure` is what every function here makes where it is given no axes.  `AnimatedFigure` keeps the
-picture of what does not move, for films of many frames.
+`RunFigure` is what every function here makes where it is given no axes.  `AnimatedFigure` keeps the image of
+the parts that do not move, for animations of many frames.
 """
 
 from __future__ import annotations
@@ -28,12 +28,20 @@ class RunFigure(Figure):
         return buffer.getvalue()
 
 
+class RunAxes(Axes):
+    """Axes that a notebook displays by their figure."""
+
+    def _repr_png_(self) -> bytes | None:
+        figure = self.get_figure(root=True)
+        return figure._repr_png_() if isinstance(figure, RunFigure) else None
+
+
 def axes_or_new(ax: Axes | None, **options: Any) -> Axes:
     """The axes given, or those of a new figure, found as ``artist.axes.figure``."""
     if ax is not None:
         return ax
     settings = {"figsize": (7.0, 4.0), "layout": "constrained"} | options
-    return RunFigure(**settings).add_subplot()
+    return RunFigure(**settings).add_subplot(axes_class=RunAxes)
 
 
 def legend_beside(ax: Axes, handles: list[Any] | None = None) -> None:
@@ -44,13 +52,14 @@ def legend_beside(ax: Axes, handles: list[Any] | None = None) -> None:
 
 
 class AnimatedFigure(RunFigure):
-    """A figure that keeps the picture of its still parts: to draw all in every frame takes far longer."""
+    """A figure that keeps the image of its fixed parts, as drawing all of them in every frame takes far
+    longer."""
 
     moving_artists: Sequence[Artist] = ()
     _still: tuple[Any, Any] = (None, None)
 
     def savefig(self, fname: Any, *, transparent: bool | None = None, **options: Any) -> None:
-        """Write a file; from the kept picture where it is PNG or raw pixels, as writers of animations ask."""
+        """Write a file; from the kept image for PNG or raw pixels, which writers of animations use."""
         kind = options.get("format")
         if (
             not self.moving_artists

@@ -176,6 +176,34 @@ def plot_root_locus(
     return curves
 
 
+def plot_eigenvalues(found: Any, ax: Axes | None = None) -> list[Line2D]:
+    """Draw eigenvalues in the complex plane; to the right of the imaginary axis they grow.
+
+    Of a conjugate pair the one in the upper half-plane is drawn.
+
+    Parameters
+    ----------
+    found : Eigenvalues
+    ax : Axes or None
+        None draws into a new figure, ``lines[0].axes.figure``.
+
+    Returns
+    -------
+    list of Line2D
+        The points of those that do not grow, then of those that do, where there are such.
+    """
+    ax = axes_or_new(ax)
+    ax.axvline(0.0, **ZERO_LINE)
+    upper = found.values[found.values.imag >= 0]
+    lines = []
+    for chosen, marker, label in (upper.real <= 0, "o", "decays or lasts"), (upper.real > 0, "^", "grows"):
+        if chosen.any():
+            lines += ax.plot(upper.real[chosen], upper.imag[chosen], marker, color=BLACK, label=label)
+    ax.set(xlabel="growth rate (1/s)", ylabel="angular frequency (rad/s)")
+    legend_beside(ax, lines)
+    return lines
+
+
 def _mark_end_values(locus: Any, ax: Axes, modes: list[int]) -> None:
     known = np.flatnonzero(np.isfinite(locus.values[:, modes]).all(axis=1))
     for row, marker in (known[0], "o"), (known[-1], "x"):

@@ -109,7 +109,7 @@ def parameter_value_text(model: Any, name: str, value: float) -> str:
 
 
 def distinguishing_labels(models: Sequence[Any], varied: Container[str] = ()) -> list[str]:
-    """What tells models apart, for a legend: the values that differ, else the models in short lines.
+    """Labels that distinguish models in a legend: the values that differ, else the models in short lines.
 
     Parameters
     ----------

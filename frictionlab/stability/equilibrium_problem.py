@@ -1,5 +1,4 @@
-"""Equilibria and linearised flow as functions of the parameters: the one thing that all stability analyses
-work on.
+"""Equilibria and linearised flow as functions of the parameters, on which all stability analyses work.
 
 Give a flow and `solve`, and all analyses work.  Also the checks of parameter names, values and bounds.
 """
@@ -13,9 +12,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionlab.components.names import did_you_mean
 from frictionlab.components.parameter import check_value
 from frictionlab.models import Model
+from frictionlab.models.coercion import check_parameter_name
 from frictionlab.models.parameter_namespace import parameter_metadata
 
 from .flow import Flow
@@ -40,7 +39,7 @@ class EquilibriumProblem:
     solve : callable
         Values (numbers or arrays (N,)), and N -> states (m, N) of the equilibrium; NaN where there is none.
     guards : tuple of sympy.Expr
-        What is positive while the motion goes on in this mode: v_r, the gap.
+        Functions that are positive while the motion stays in this mode: v_r, the penetration.
     """
 
     model: Any
@@ -78,13 +77,12 @@ class EquilibriumProblem:
         return np.take_along_axis(found, np.argsort(-found.real, axis=1), axis=1)
 
 
-def check_parameter(model: Any, known: Mapping[str, float], name: Any, values: Sequence[float]) -> None:
+def check_parameter(model: Any, name: Any, values: Sequence[float]) -> None:
     """Refuse an unknown parameter, and values that break its own rule.
 
     Rules between parameters (mu_s is at least mu_k) do not matter here: no steady motion depends on both.
     """
-    if name not in known:
-        raise ValueError(f"no parameter is called {name!r}: {did_you_mean(name, known)}")
+    check_parameter_name(model, name)
     if isinstance(model, Model):
         about = parameter_metadata(type(model), model.components)[name]
         for value in values:
@@ -99,11 +97,11 @@ def check_path(problem: EquilibriumProblem, name: Any, values: Any) -> NDArray[n
         at = np.empty(0)
     if not len(at):
         raise ValueError(f"values must be one number or more, got {values!r}: give those of {name}")
-    check_parameter(problem.model, problem.parameters, name, at.tolist())
+    check_parameter(problem.model, name, at.tolist())
     return at
 
 
-def check_bounds(model: Any, known: Mapping[str, float], name: Any, bounds: Any) -> tuple[float, float]:
+def check_bounds(model: Any, name: Any, bounds: Any) -> tuple[float, float]:
     """Two values of a parameter, in ascending order."""
     try:
         low, high = (float("nan") if isinstance(b, str) else float(b) for b in bounds)
@@ -111,5 +109,5 @@ def check_bounds(model: Any, known: Mapping[str, float], name: Any, bounds: Any)
         low = high = float("nan")
     if not low < high:
         raise ValueError(f"bounds must be two numbers in ascending order, got {bounds!r}: give (low, high)")
-    check_parameter(model, known, name, (low, high))
+    check_parameter(model, name, (low, high))
     return low, high

@@ -1,9 +1,10 @@
-"""Eigenvalues, vectors and growth rates of stacks of state matrices; what counts as zero but for rounding.
+"""Eigenvalues, vectors and growth rates of stacks of state matrices, and which of them are zero but for
+rounding.
 
 Without damping the squares of the eigenvalues are computed, so that growth rates are exact zeros until two
-modes coalesce.  Single growth rates are zero where the backward error of the eigenvalue problem could make
-them up: computed eigenvalues of A are exact ones of A + E, where |E| is about m eps |A|. Source: Golub and
-Van Loan, Matrix Computations, 4th ed., sections 7.2 and 7.5.
+modes coalesce.  Single growth rates are zero where the backward error of the eigenvalue problem could explain
+them: computed eigenvalues of A are exact ones of A + E, where |E| is about m eps |A|. Source: Golub and Van
+Loan, Matrix Computations, 4th ed., sections 7.2 and 7.5.
 """
 
 from __future__ import annotations
@@ -18,11 +19,10 @@ Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complexfloating[Any, Any]]
 
 SMALLEST_EIGENVALUE = 1e-280  # where all eigenvalues are zero
-NEUTRAL_RTOL = (
-    1e-10  # growth rates below this share of the largest eigenvalue count as zero: no damping at all
-)
-
-BACKWARD_ERROR = 4.0 * float(np.finfo(float).eps)  # of both, with a factor of two to spare
+# Growth rates below this share of the largest eigenvalue count as zero: no damping at all.
+NEUTRAL_RTOL = 1e-10
+MACHINE_EPSILON = float(np.finfo(float).eps)  # spacing of floats at 1
+BACKWARD_ERROR = 4.0 * MACHINE_EPSILON  # of both, with a factor of two to spare
 
 
 def eigenvalues_of_matrices(matrices: Array) -> ComplexArray:
@@ -73,8 +73,8 @@ def is_neutral(matrix: Array, values: NDArray[np.complex128]) -> NDArray[np.bool
     """Whether the real part of each eigenvalue (m,) of a real matrix (m, m) is nothing but rounding.
 
     To first order E moves an eigenvalue by |E| times its condition number.  Where two coalesce that number
-    is infinite and tells nothing, as at critical damping: there has to be an E as well that puts an
-    eigenvalue on the imaginary axis at this frequency.  Both are looked at for the balanced matrix.
+    is infinite and tells nothing, as at critical damping: an E is required as well that puts an eigenvalue on
+    the imaginary axis at this frequency.  Both are evaluated for the balanced matrix.
     """
     balanced: Any = matrix_balance(matrix, permute=False)[0]
     error = len(matrix) * BACKWARD_ERROR * np.linalg.norm(balanced, 2)

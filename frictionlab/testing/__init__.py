@@ -1,4 +1,4 @@
-"""Checks that every law and every model can be put through, one's own included.
+"""Checks for laws and models, your own included.
 
 >>> import frictionlab as fl
 >>> fl.testing.check_law(fl.HertzContact())

@@ -49,7 +49,7 @@ def check_law(law: Component) -> None:
 def _check_contact(law: Any) -> None:
     force = _consistent_values(law, "force", PENETRATIONS)
     if not (force >= 0.0).all():
-        fail(law, "force(gap) must not be negative where the bodies press on each other", force)
+        fail(law, "force(penetration) must not be negative where the bodies press on each other", force)
 
 
 def _check_friction(law: Any) -> None:

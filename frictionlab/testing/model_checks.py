@@ -111,12 +111,13 @@ def _check_agreement(model: Any, t_end: float) -> None:
 def rule_violations(run: Trajectory) -> dict[str, float]:
     """Worst violation of each rule as a share of its scale, for those that are violated.
 
-    Looked at on a grid, at the steps and just after every event.  Which rules there are depends on the
+    Checked on a grid, at the steps and just after every event.  Which rules there are depends on the
     outputs and the names of the modes: v_r = 0 in stick, v_r of the mode's sign in slip, friction along it,
-    F_N >= 0 and gap >= 0 in contact, gap <= 0 and no force in flight (where there is a flight).
+    F_N >= 0 and penetration >= 0 in contact, penetration <= 0 and no force in flight (where there is a
+    flight).
     """
     t = np.unique(np.concatenate([np.linspace(0.0, run.t[-1], SAMPLE_COUNT), run.t, run.events.t]))
-    modes = np.array(run.automaton.names)[run.mode_at(t, run.step_at(t))]
+    modes = run.modes_at(t)
     if not np.isfinite(run(t)).all():
         return {"every state is a number": np.inf}
     known = [name for name in CONTACT_OUTPUTS if all(name in mode.outputs for mode in run.automaton.modes)]
@@ -131,13 +132,13 @@ def _violation_of_rules(run: Trajectory, modes: Any, values: dict[str, Any]) -> 
     for name, value in values.items():
         yield f"{name} is a number", 0.0 if np.isfinite(value).all() else np.inf
     if "relative_velocity" in values:
-        # Where contact is bilateral, friction turns round with F_N.
+        # Where contact is bilateral, friction reverses with F_N.
         friction = values.get("friction_force") if unilateral else None
         yield from _friction_violations(modes, values["relative_velocity"], friction)
     if unilateral and "penetration" in values:
         penetration, scale = values["penetration"], _scale(values["penetration"])
-        yield "gap <= 0 in flight", (penetration[flight] / scale).max(initial=0.0)
-        yield "gap >= 0 in contact", (-penetration[~flight] / scale).max(initial=0.0)
+        yield "penetration <= 0 in flight", (penetration[flight] / scale).max(initial=0.0)
+        yield "penetration >= 0 in contact", (-penetration[~flight] / scale).max(initial=0.0)
     if unilateral and "normal_force" in values:
         force, scale = values["normal_force"], _scale(values["normal_force"])
         yield "no normal force in flight", np.abs(force[flight]).max(initial=0.0)

@@ -1,12 +1,12 @@
-"""What shows, moves and plays in a notebook: explorers, a live canvas, sound.
+"""Interactive views in a notebook: explorers, a live canvas, sound.
 
     explorer            `Explorer` and the three functions that make one
     settings, result    what an explorer is set to; run, eigenvalues, spectrum, computed when asked for
     controls/           sliders, switches and lists, made from a model's metadata; they give Settings
     panels/             functions of a Result that return a `Drawing` (frictionlab.plotting.drawing)
     rendering/          from Drawings to PNGs: axes kept, curves drawn over them
-    layout, messages    where everything stands, and what stands beside the picture in words
-    update_scheduler    the last value wins; the mark that something computes
+    layout, messages    the arrangement of all widgets, and the texts beside the picture
+    update_scheduler    updates of which only the latest is computed; the busy indicator
     canvas, sound       `fl.watch` and `fl.listen`
 
 A change of a control makes Settings, these a Result, the panels draw from it, the picture is painted and

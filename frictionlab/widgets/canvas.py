@@ -20,9 +20,9 @@ from frictionlab.plotting.style import mode_colours, state_unit
 from frictionlab.validation import check_number
 
 DEFAULT_WINDOW = Periods(20.0)
-FRAMES = 100.0  # in a period: 50 a second where a period takes two
+FRAMES = 100.0  # frames in a period: 50 a second where a period takes two
 MAX_FRAMES = 200_000  # frames: ten megabytes
-SECONDS = 2.0  # that a period takes at first
+SECONDS = 2.0  # seconds that a period takes at first
 BELT = (*COLUMNS, "normal_force", "friction_force", "x1", "rate", "mode")
 SUBSCRIPTS = str.maketrans("0123456789'", "₀₁₂₃₄₅₆₇₈₉′")
 
@@ -56,8 +56,8 @@ def watch(
     Parameters
     ----------
     run : Trajectory
-        Of a model that has a `mechanism`: of all of the package, or of one of your own that says in a few
-        lines what it looks like (:class:`~frictionlab.models.Mechanism`).
+        Of a model that has a `mechanism`: any model of the package, or one of your own with a few lines for
+        its picture (:class:`~frictionlab.models.Mechanism`).
     window : float, (float, float) or None
         The last so many seconds, from one time to another, or the whole run; by default twenty periods.
     speed : float or None
@@ -66,7 +66,7 @@ def watch(
     rate : float or None
         Frames in a second of the run; None makes a hundred in a period of the model.
     magnify : float or None
-        Factor of the displacements; None makes the largest well seen.
+        Factor of the displacements; None makes the largest well visible.
 
     Returns
     -------

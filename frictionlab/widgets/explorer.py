@@ -11,10 +11,10 @@ from functools import partial
 from typing import Any
 
 from frictionlab.models import SliderOnBelt
-from frictionlab.models.coercion import require_model
+from frictionlab.models.coercion import check_parameter_name, require_model
 from frictionlab.widgets.controls.model_controls import ComponentControls, ParameterControls
 from frictionlab.widgets.controls.run_controls import RunControls
-from frictionlab.widgets.controls.sliders import check_parameter, equal_within_rounding, refine_step
+from frictionlab.widgets.controls.sliders import equal_within_rounding, refine_step
 from frictionlab.widgets.panels.bifurcation import BifurcationPanel
 from frictionlab.widgets.panels.standard import (
     CriticalValuePanel,
@@ -42,14 +42,14 @@ class Explorer:
     result : Result
         Of the last values that worked: ``result.run``, ``result.eigenvalues``, ``result.settings``.
     error : Exception or None
-        What is wrong with the values of now.
+        The error raised for the current values.
     controls : mapping of str to widget
         Set the ``value`` of one and the picture follows.  Each has its name as a CSS class, ``fl-<name>``.
     picture : Picture
-    layout : Face
-        What it says in words.
+    layout : Layout
+        The arrangement, with its texts and buttons.
     widget : Box
-        All of it, to be put into an application.
+        The whole explorer, to be placed in an application.
     """
 
     def __init__(self, settings: Settings, panels: dict[str, Any]) -> None:
@@ -91,11 +91,11 @@ class Explorer:
 
     @property
     def _others(self) -> dict[str, Any]:
-        """Controls that are there from the start to the end."""
+        """Controls that exist throughout."""
         return {**self.components.controls, **self.running.controls, **self.extra}
 
     def reset(self, _: Any = None) -> None:
-        """All controls back to the values of the start."""
+        """Reset all controls to their initial values."""
         with self.scheduler.batch():
             self.parameters.reset()
             for name, control in self._others.items():
@@ -110,7 +110,7 @@ class Explorer:
                 self.controls[name].value = value
 
     def close(self) -> None:
-        """Take the widgets away and free what they hold."""
+        """Close the widgets and free their resources."""
         self.scheduler.cancel()
         for control in (*self.controls.values(), *self.picture.images.values(), self.widget):
             control.close()
@@ -134,7 +134,7 @@ class Explorer:
                 result = self.result if settings == self.settings else Result(settings)
                 self.busy.left = self.picture.draw(result)
                 self.layout.describe(result)
-            except Exception as error:  # whatever a law of one's own may raise is told, not lost in a log
+            except Exception as error:  # any error of a user's law is shown, not lost in a log
                 self.error, self.busy.left = error, None
                 self.layout.show_message(error_text(error))
                 return
@@ -158,13 +158,13 @@ class Explorer:
 
 
 def explore(model: Any = None, panels: Iterable[Any] = DEFAULT_PANELS) -> Explorer:
-    """Change a model with sliders and watch what it does.
+    """Change a model with sliders and watch its motion.
 
     Every parameter has a slider, made from its symbol, unit, meaning and range: those of your own laws too.
-    The nonlinearities can be switched off and on, and the curves of now kept in grey beside those to come.
-    The model and its run are ``explorer.model`` and ``explorer.run``, and there as Python and JSON to copy.
-    The method is quick at first: to a tolerance of 1e-7, and flights too short to be seen are replaced by
-    their limit.
+    The nonlinearities can be switched off and on, and the present curves kept in grey for comparison.
+    The model and its run are ``explorer.model`` and ``explorer.run``; Python and JSON that give them are
+    shown to copy. The initial method is quick: to a tolerance of 1e-7, and flights too short to be seen are
+    replaced by their limit.
 
     Parameters
     ----------
@@ -203,7 +203,7 @@ def starting_model(model: Any) -> Any:
     Raises
     ------
     TypeError
-        If it is none.
+        If it is not a model.
     """
     return SliderOnBelt() if model is None else require_model(model)
 
@@ -227,9 +227,9 @@ def explore_stability(model: Any = None, parameter: str = "mu_k", over: str = "F
     Raises
     ------
     TypeError
-        If it is no model.
+        If it is no model, or has no such parameter.
     ValueError
-        For an unknown parameter, or twice the same.
+        For twice the same parameter.
 
     Examples
     --------
@@ -241,7 +241,7 @@ def explore_stability(model: Any = None, parameter: str = "mu_k", over: str = "F
     """
     model = starting_model(model)
     for name in (parameter, over):
-        check_parameter(model, name)
+        check_parameter_name(model, name)
     if parameter == over:
         raise ValueError(f"over must be another parameter than {parameter!r}: take for example 'F'")
     panels = {"eigenvalues": eigenvalues, "critical": CriticalValuePanel(model, parameter, over)}
@@ -251,7 +251,7 @@ def explore_stability(model: Any = None, parameter: str = "mu_k", over: str = "F
 def explore_bifurcation(model: Any = None, parameter: str = "mu_k") -> Explorer:
     """Zoom into a bifurcation diagram, and see the motion at any value of the parameter.
 
-    The range slider says what is looked at; values in between are computed when it gets narrower.  The
+    The range slider sets the range shown; values in between are computed when it is narrowed.  The
     parameter's own slider selects the value whose response is shown, and so does a click into the diagram.
 
     Parameters
@@ -267,9 +267,7 @@ def explore_bifurcation(model: Any = None, parameter: str = "mu_k") -> Explorer:
     Raises
     ------
     TypeError
-        If it is no model.
-    ValueError
-        For an unknown parameter.
+        If it is no model, or has no such parameter.
 
     Examples
     --------
@@ -280,7 +278,7 @@ def explore_bifurcation(model: Any = None, parameter: str = "mu_k") -> Explorer:
     [1.2, 1.5]
     """
     model = starting_model(model)
-    check_parameter(model, parameter)
+    check_parameter_name(model, parameter)
     panels = {"bifurcation": BifurcationPanel(model, parameter), "response": response, "phase": phase}
     explorer = Explorer(default_settings(model), panels)
     for name, slider in explorer.parameters.sliders.items():

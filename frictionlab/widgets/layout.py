@@ -1,4 +1,4 @@
-"""How an explorer is laid out: messages, buttons and code beside the picture, below it on a narrow screen."""
+"""The layout of an explorer: messages, buttons and code beside the picture, below it on a narrow screen."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import ipywidgets
 from .messages import equilibrium_text, run_end_text
 from .settings import python_snippet, to_json
 
-# Controls beside the picture, which stays in sight and scrolls by itself where it is higher than the window;
+# Controls beside the picture, which stays visible and scrolls by itself where it is higher than the window;
 # on a narrow screen below it, its panels side by side, of the second one an edge as a hint.  A sticky box
 # keeps to the nearest ancestor that could scroll; notebooks let every output do so, but not this one.
 STYLE_SHEET = """<style>
@@ -39,7 +39,7 @@ class Layout:
     Attributes
     ----------
     message, equilibrium : HTML
-        What is wrong; the sliding equilibrium and its stability.
+        The error, if any; the sliding equilibrium and its stability.
     python, json : Textarea
         The state to copy.
     compare : ToggleButton
@@ -59,7 +59,7 @@ class Layout:
             button.add_class(f"fl-{button.description}")
 
     def describe(self, result: Any) -> None:
-        """Say what the result is."""
+        """Show the texts that describe a result."""
         self.equilibrium.value = equilibrium_text(result)
         self.python.value, self.json.value = python_snippet(result.settings), to_json(result.settings)
         self.show_message(run_end_text(result))

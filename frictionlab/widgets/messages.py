@@ -1,4 +1,4 @@
-"""What stands beside the picture in words: the equilibrium and its stability, errors, and why a run ended."""
+"""The texts beside the picture: the equilibrium and its stability, errors, and why a run ended."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def stability_text(found: Any) -> str:
 
 
 def error_text(error: Exception) -> str:
-    """What is wrong, in plain words; other errors than bad values with their kind."""
+    """The message of an error; that of other errors than bad values begins with their class."""
     kind = "" if isinstance(error, (ValueError, TypeError)) else f"{type(error).__name__}: "
     return (
         f"<b>{escape(kind + (str(error) or type(error).__name__), quote=False)}</b><br>"

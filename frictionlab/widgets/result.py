@@ -1,4 +1,4 @@
-"""What the panels draw from: computed when one first asks for it, so nothing is that no panel needs."""
+"""The data that panels draw, computed when first needed, so that only what some panel uses is computed."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class Result:
     eigenvalues : Eigenvalues or None
         With the equilibrium; None where there is none.
     no_equilibrium_reason : str
-        Why there is none; empty where there is one.
+        Why there is no equilibrium; empty where there is one.
     """
 
     def __init__(self, settings: Settings) -> None:
@@ -40,19 +40,19 @@ class Result:
     @cached_property
     def run(self) -> Trajectory:
         s = self.settings
-        # No bar: one that has come and gone leaves "model not found" on Voila's page.
+        # No progress bar: one that is removed leaves "model not found" on Voila's page.
         return simulate(s.model, s.t_end, x0=s.x0, method=limit_steps(s.method), progress=False)
 
     @property
     def has_run(self) -> bool:
-        """Whether anybody has asked for the run."""
+        """Whether the run has been computed."""
         return "run" in self.__dict__
 
     @cached_property
     def _linear(self) -> tuple[Eigenvalues | None, str]:
         try:
             return eigenvalues(self.model), ""
-        except ValueError as error:  # a motion may well have no equilibrium: no reason not to show it
+        except ValueError as error:  # without an equilibrium the motion is still shown
             return None, str(error)
 
     @property

@@ -1,4 +1,4 @@
-"""What an explorer is set to: as data, as Python that gives it again, as JSON."""
+"""The settings of an explorer: as data, as Python that recreates them, as JSON."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ class Settings:
     window : float or None
         Seconds at the end that are shown; None shows the whole run.
     coordinate : str
-        What phase plane and spectrum are of.
+        The coordinate of phase plane and spectrum.
     """
 
     model: Any
@@ -56,7 +56,7 @@ class Settings:
 
 
 def default_settings(model: Any, method: Method = QUICK_METHOD) -> Settings:
-    """Those that an explorer begins with: the model's own time scale says how long a run is."""
+    """The initial settings of an explorer; the length of a run follows from the model's own time scale."""
     period = rounded_period(model)
     return Settings(
         model, SIMULATED_PERIODS * period, "rest", method, SHOWN_PERIODS * period, model.coordinates[0]
@@ -64,19 +64,19 @@ def default_settings(model: Any, method: Method = QUICK_METHOD) -> Settings:
 
 
 def limit_steps(method: Method) -> Method:
-    """The method with an end to what a motion without bounds may cost: its steps get ever shorter."""
+    """The method with a cap on its steps, as a motion that grows without bounds takes ever shorter ones."""
     return replace(method, max_steps=MAX_STEPS) if isinstance(method, Taylor) else method
 
 
 def tighten_tolerance(method: Method) -> Method:
-    """The method with so small a tolerance that a motion that repeats is seen to."""
+    """The method with a tolerance small enough to recognise that a motion repeats."""
     return (
         replace(method, tol=min(method.tol, PERIODICITY_TOLERANCE)) if isinstance(method, Taylor) else method
     )
 
 
 def python_snippet(settings: Settings) -> str:
-    """Python that makes the model and the run again."""
+    """Python code that recreates the model and the run."""
     start = settings.x0 if isinstance(settings.x0, str) else list(settings.x0)
     described = _with_package_prefix(f"{type(settings.model).__name__}, {settings.model!r}").partition(", ")[
         2
@@ -116,7 +116,7 @@ def _with_package_prefix(text: str) -> str:
 
 
 def _import_lines(model: Any) -> Iterator[str]:
-    """What makes the names of laws known that are not the package's own."""
+    """Import lines for laws that are not the package's own."""
     for cls in dict.fromkeys(_component_classes(model)):
         if cls.__name__ in frictionlab.__all__ and cls.__module__.startswith("frictionlab."):
             continue

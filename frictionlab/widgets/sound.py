@@ -10,12 +10,13 @@ import numpy as np
 
 from frictionlab.analysis.motion_scales import oscillation_period
 from frictionlab.models.model import PITCH, Model, Tone
-from frictionlab.plotting.runs.time_window import Array, Window, check_run, window_limits
+from frictionlab.plotting.runs.time_window import SAMPLING_RTOL, Array, Window, check_run, window_limits
 from frictionlab.validation import check_choice, check_number
 
 PEAK_LEVEL = 0.9  # of full scale: no player clips it
 FADE_TIME = 0.01  # seconds at both ends, at most a tenth of the sound: a cut waveform clicks
-OVERSAMPLING = 8  # stick-slip has corners and impacts are jumps, whose high harmonics must not fold back
+# oversampling: stick-slip has corners and impacts are jumps, whose high harmonics must not be aliased
+OVERSAMPLING = 8
 SILENCE_LEVEL = 1e-9  # a signal that varies by less than this share of its size is rounding, not sound
 MIN_SAMPLES = 16  # samples
 CHUNK_SAMPLES = 200_000  # samples computed at a time
@@ -127,7 +128,7 @@ def listen(
     check_number("pitch", pitch, above=0.0)
     check_number("rate", rate, integer=True, least=1)
     start, stop = window_limits(run, window)
-    count = int((stop - start) / pitch * rate * (1 + 1e-12))
+    count = int((stop - start) / pitch * rate * (1 + SAMPLING_RTOL))
     if count < MIN_SAMPLES:
         cure = "take a longer window or a smaller pitch"
         raise ValueError(
@@ -139,7 +140,8 @@ def listen(
 
 
 def _usual(run: Any) -> Tone:
-    """What the model says; of an automaton the relative velocity, or the first state."""
+    """The default signal and pitch: those of the model; of an automaton the relative velocity, or the first
+    state."""
     if isinstance(run.source, Model):
         return run.source.sound
     signal = "relative_velocity" if "relative_velocity" in run.automaton.outputs else run.names[0]
@@ -147,7 +149,7 @@ def _usual(run: Any) -> Tone:
 
 
 def _signal_samples(run: Any, signal: str, t: Array) -> Array:
-    """The signal less its mean; nothing where it does not vary beyond rounding."""
+    """The signal less its mean; zero where it does not vary beyond rounding."""
     from tqdm.auto import tqdm
 
     # In parts, as all states of every sample would fill the memory.
@@ -174,7 +176,7 @@ def _normalize(x: Array) -> Array:
 
 
 def _fade(x: Array, rate: int) -> Array:
-    """With ends that rise from zero and fall to it as half a cosine."""
+    """The samples with both ends faded by half a cosine."""
     n = max(1, min(round(FADE_TIME * rate), len(x) // 10))
     ramp = 0.5 - 0.5 * np.cos(np.pi * np.arange(n) / n)
     return x * np.concatenate([ramp, np.ones(len(x) - 2 * n), ramp[::-1]])

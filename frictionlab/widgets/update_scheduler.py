@@ -1,8 +1,8 @@
-"""When an explorer computes: of the changes that come while an update runs only the last is computed.
+"""The scheduling of an explorer's updates: of the changes that arrive during an update only the last is
+computed.
 
-`UpdateScheduler` runs one update at a time and another for what was asked meanwhile; long updates are
-done in parts. `BusyIndicator` is a line of text that appears where an update takes longer than one
-notices.
+`UpdateScheduler` runs one update at a time, and one more for all changes that arrived meanwhile; long updates
+are done in parts.  `BusyIndicator` is a line of text that appears where an update takes noticeably long.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from typing import Any
 
 import ipywidgets
 
-EVENT_LOOP_PAUSE = 0.01  # seconds that what has come from the browser is given
+EVENT_LOOP_PAUSE = 0.01  # seconds in which messages from the browser are handled first
 
 INDICATOR_DELAY = 0.3  # seconds
 INDICATOR_TEXT = "computing …"
@@ -23,11 +23,10 @@ PROGRESS_BAR = '<progress value="{0}" max="{1}" style="width: 70px"></progress> 
 
 
 class UpdateScheduler:
-    """Calls `update` for what is asked of it, once at a time.
+    """Calls `update` on request, one call at a time.
 
-    The update reads the settings when it begins.  What is asked for while it runs, from within or from
-    another thread, makes it run once more.  A long update is done in parts, each of which asks for
-    the next one.
+    The update reads the settings when it begins.  Requests while it runs, from within or from another thread,
+    make it run once more.  A long update is done in parts, each of which requests the next one.
     """
 
     def __init__(self, update: Callable[[], None]) -> None:
@@ -37,7 +36,7 @@ class UpdateScheduler:
         self._timer: asyncio.TimerHandle | None = None
 
     def request(self) -> None:
-        """Update now, or once more after the update that is under way."""
+        """Update now, or once more after the update that is running."""
         with self._lock:
             self._asked = True
             if self._busy:
@@ -51,7 +50,8 @@ class UpdateScheduler:
             raise
 
     def request_later(self) -> None:
-        """Update after what waits in the event loop, such as newer values; at once where there is none."""
+        """Update after the events waiting in the event loop, such as newer values; at once where there is no
+        loop."""
         self.cancel()
         try:
             loop = asyncio.get_running_loop()
@@ -61,14 +61,14 @@ class UpdateScheduler:
             self._timer = loop.call_later(EVENT_LOOP_PAUSE, self.request)
 
     def cancel(self) -> None:
-        """No update soon."""
+        """Cancel a requested update."""
         if self._timer is not None:
             self._timer.cancel()
             self._timer = None
 
     @contextmanager
     def batch(self) -> Iterator[None]:
-        """Changes made inside count as one."""
+        """Context in which all changes count as one request."""
         before, self._busy = self._busy, True
         try:
             yield
@@ -86,12 +86,12 @@ class UpdateScheduler:
 
 
 class BusyIndicator:
-    """A line of text, seen while something computes.
+    """A line of text, shown while something is computed.
 
     Attributes
     ----------
     left : (int, int) or None
-        How much is done, and of how much, where a computation goes on after the block that is marked.
+        Parts done and their total, where a computation goes on after the marked block.
     """
 
     def __init__(self) -> None:
@@ -102,7 +102,7 @@ class BusyIndicator:
 
     @contextmanager
     def show_while_busy(self) -> Iterator[None]:
-        """Show the mark after INDICATOR_DELAY until the block is done, or on until all is done."""
+        """Show the text after INDICATOR_DELAY until the block is done, or until the whole computation is."""
         timer: Any = threading.Timer(INDICATOR_DELAY, self._show)
         timer.daemon = True
         timer.start()

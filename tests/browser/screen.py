@@ -1,5 +1,7 @@
 """What an explorer shows in a browser, and a hand on its controls."""
 
+import time
+
 PATIENCE = 60_000  # milliseconds
 SEEN = """async (root) => {
   const explorer = document.querySelector(root);
@@ -47,12 +49,12 @@ def changed(page, root, before, pictures=1, words=True):
 
     They come in messages of their own, one after the other.
     """
-    page.wait_for_function(
-        f"""async ([root, before, pictures, words]) => {{
-          const now = await ({SEEN})(root), differ = now.pictures.filter((p, i) => p !== before.pictures[i]);
-          return differ.length >= pictures && (!words || now.words !== before.words);
-        }}""",
-        arg=[root, before, pictures, words],
-        timeout=PATIENCE,
-    )
-    return settled(page, root)
+    # Asked from here: a predicate that awaits is no predicate for Playwright, its promise counts as true.
+    end = time.monotonic() + PATIENCE / 1000
+    while True:
+        now = seen(page, root)
+        different = sum(a != b for a, b in zip(before["pictures"], now["pictures"], strict=True))
+        if different >= pictures and (not words or now["words"] != before["words"]):
+            return settled(page, root)
+        assert time.monotonic() < end, f"after {PATIENCE / 1000} s {root} still says {now['words']!r}"
+        page.wait_for_timeout(100)

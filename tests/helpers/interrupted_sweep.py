@@ -20,7 +20,7 @@ def slow(model):
 def main(path, kind):
     if kind == "processes":
         with ProcessPoolExecutor(2) as pool:
-            found = fl.sweep(slow, MODEL, {"mu_k": VALUES}, executor=pool, resume=path, progress=False)
+            found = fl.sweep(MODEL, slow, {"mu_k": VALUES}, executor=pool, resume=path, progress=False)
         done = sum(result is not None for result in found.results)
     elif kind == "basins":
         speeds = ("x1'", VALUES), ("y1'", VALUES)

@@ -12,8 +12,7 @@ def unilateral(model):
 def violations(model, run):
     """Name -> worst violation relative to its scale, on a dense grid and just after every event."""
     t = np.unique(np.concatenate([np.linspace(0.0, run.t[-1], 400), run.t, run.events.t]))
-    mode = run.mode_at(t, run.step_at(t))
-    mode = np.array(run.automaton.names)[mode]
+    mode = run.modes_at(t)
     z = run(t)
     names = list(run.names)
     out = {

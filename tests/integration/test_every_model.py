@@ -94,6 +94,7 @@ def test_its_equations_are_those_of_its_automaton(model):
         functions = {name: found.symbols[name] for name in model.coordinates}
         seconds = [sp.diff(functions[name], time, 2) for name in model.coordinates]
         forces = {e.lhs: e.rhs for e in (*found.definitions, *found.forces)}
+        assert len(found.motion) == len(seconds) > 0
         written = [(e.lhs - e.rhs).subs(forces).subs(forces) for e in found.motion]
         solved = sp.solve(written, seconds, dict=True)[0]
         numbers = {symbol.name: value for symbol, value in {**states, **automaton.parameters}.items()}
@@ -138,7 +139,7 @@ def test_it_can_be_swept(model):
     assert all(found.kinds)
     assert "ended early" not in found.kinds
     assert found.model == model
-    swept = fl.sweep(lambda m: len(m.coordinates), model, {name: values}, progress=False)
+    swept = fl.sweep(model, lambda m: len(m.coordinates), {name: values}, progress=False)
     assert swept is not None
 
 

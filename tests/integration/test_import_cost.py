@@ -1,8 +1,10 @@
 """`import frictionlab` is cheap, and every public name is there when asked for."""
 
+import ast
 import json
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -54,6 +56,20 @@ def test_everything_listed_resolves():
     assert set(PUBLIC) <= set(fl.__all__) <= set(dir(fl))
     for name in fl.__all__:
         getattr(fl, name)
+
+
+@pytest.mark.plain_python
+def test_the_stub_lists_each_name_once_and_nothing_else():
+    """What the package reads of its stub is what Python's own parser reads, and so type checkers."""
+    stub = Path(fl.__file__).with_suffix(".pyi")
+    assert stub.with_name("py.typed").exists()
+    *imports, listed = ast.parse(stub.read_text()).body
+    assert ast.unparse(listed) == "__all__: list[str]"
+    assert all(isinstance(node, ast.ImportFrom) and node.level == 1 for node in imports)
+    names = [(alias.name, alias.asname) for node in imports for alias in node.names]
+    assert all(name == alias for name, alias in names)
+    assert [name for name, _ in names] == fl.__all__
+    assert len(set(names)) == len(names)
 
 
 @pytest.mark.plain_python

@@ -1,7 +1,12 @@
 """The files around the package agree with it and with each other."""
 
+import ast
 import json
 import re
+import shutil
+import subprocess
+import sys
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -10,7 +15,13 @@ from matplotlib import pyplot
 import frictionlab as fl
 
 ROOT = Path(__file__).parents[2]
+DISTRIBUTIONS = {"PIL": "pillow", "IPython": "ipython"}  # where a package is not called as what it imports
 README = (ROOT / "README.md").read_text(encoding="utf-8")
+CONTRIBUTING = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+AT_THE_TOP = """
+    .ci .gitattributes .github .gitignore .pre-commit-config.yaml CHANGELOG.md CITATION.cff CONTRIBUTING.md
+    LICENSE README.md docs frictionlab noxfile.py pyproject.toml tests tutorials
+""".split()
 NOTEBOOKS = sorted(ROOT.glob("tutorials/*.ipynb"))
 
 
@@ -28,8 +39,38 @@ def test_readme_starts_with_two_commands_of_one_line_each():
     assert "pytest" in commands[1]
 
 
-def test_readme_links_lead_somewhere():
-    targets = re.findall(r"\]\(([^)#:]+)\)", README)
+def test_at_the_top_there_is_what_belongs_there_and_nothing_else():
+    if shutil.which("git") is None or not (ROOT / ".git").exists():
+        pytest.skip("git lists the files, and this is no clone")
+    command = ["git", "-c", "safe.directory=*", "ls-files"]
+    listed = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True).stdout.splitlines()
+    assert sorted({name.split("/")[0] for name in listed}) == sorted(AT_THE_TOP)
+
+
+def test_every_session_of_nox_is_run():
+    tree = ast.parse((ROOT / "noxfile.py").read_text(encoding="utf-8"))
+    functions = [node for node in tree.body if isinstance(node, ast.FunctionDef)]
+    sessions = {f.name for f in functions if any("nox.session" in ast.unparse(d) for d in f.decorator_list)}
+    called = re.findall(r"^run nox --no-venv -s (.*)$", (ROOT / ".ci/run").read_text(), flags=re.MULTILINE)
+    by_readme = {"tests", "site"}  # its second and third command, which .ci/run takes from there
+    assert sessions == {*" ".join(called).split(), *by_readme}
+
+
+def test_what_contributors_are_sent_to_is_there():
+    rows = CONTRIBUTING.partition("## Where is what")[2].partition("\nTests:")[0].splitlines()
+    cells = [row.split("|")[1:-1] for row in rows if row.startswith("| ") and "?" in row]
+    assert len(cells) > 15
+    for question, where, which in cells:
+        first, *others = re.findall(r"`([\w/]+/)`", where)
+        folders = [ROOT / first, *((ROOT / first).parent / other for other in others)]
+        assert all(folder.is_dir() for folder in folders), question
+        for file in re.findall(r"`([\w/]+\.py)`", which):
+            assert any((folder / file).exists() for folder in [*folders, ROOT / "frictionlab"]), file
+
+
+@pytest.mark.parametrize("page", [README, CONTRIBUTING], ids=["README", "CONTRIBUTING"])
+def test_links_lead_somewhere(page):
+    targets = re.findall(r"\]\(([^)#:]+)(?:#[\w-]+)?\)", page)
     assert targets
     assert [target for target in targets if not (ROOT / target).exists()] == []
 
@@ -45,6 +86,28 @@ def test_version_is_the_same_everywhere():
     citation = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
     assert f'\nversion: "{fl.__version__}"\n' in citation
     assert f"\n## [{fl.__version__}]" in (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+
+
+def imported_packages(folder: Path) -> set[str]:
+    """Packages of others that modules of a folder import, at the top or in functions."""
+    trees = [ast.parse(path.read_text(encoding="utf-8")) for path in folder.rglob("*.py")]
+    names = set()
+    for node in [node for tree in trees for node in ast.walk(tree)]:
+        if isinstance(node, ast.Import):
+            names |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom) and not node.level:
+            names.add(str(node.module))
+    return {name.partition(".")[0] for name in names} - {*sys.stdlib_module_names, "frictionlab"}
+
+
+def test_every_package_that_is_imported_is_declared():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    extras = project["optional-dependencies"]
+    asked = [*project["dependencies"], *extras["data"], *extras["lab"]]
+    declared = {re.split(r"[^\w-]", line)[0] for line in asked}
+    imported = {DISTRIBUTIONS.get(name, name) for name in imported_packages(ROOT / "frictionlab")}
+    assert "numpy" in imported
+    assert imported <= declared
 
 
 def test_there_is_a_notebook():

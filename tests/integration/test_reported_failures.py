@@ -209,7 +209,9 @@ def test_stick_and_slip_do_not_play_ping_pong(speed):
     run = fl.simulate(model, 10.5 * period, x0=[1.0, speed], progress=False)
     assert run.status is fl.Status.FINISHED
     assert len(run.events) in (20, 21)
-    assert np.diff(run.events.t[run.events.target == "stick"]) == pytest.approx(period, rel=1e-10)
+    onsets = run.events.t[run.events.target == "stick"]
+    assert len(onsets) >= 10
+    assert np.diff(onsets) == pytest.approx(period, rel=1e-10)
 
 
 @ONCE

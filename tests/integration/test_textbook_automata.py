@@ -83,5 +83,7 @@ def test_parameters_are_replaced_by_name():
     slower = belt.replace(belt=0.1)
     assert slower.modes is belt.modes  # so that nothing is derived again
     assert {s.name: v for s, v in slower.parameters.items()} == {"belt": 0.1, "mu_s": 1.0, "mu_k": 0.5}
-    with pytest.raises(ValueError, match="no parameter is called 'speed': known are belt, mu_s, mu_k"):
+    with pytest.raises(
+        TypeError, match="HybridAutomaton has no parameter 'speed': known are belt, mu_s, mu_k"
+    ):
         belt.replace(speed=0.1)

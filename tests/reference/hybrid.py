@@ -94,7 +94,7 @@ class Motion:
 
 @dataclass
 class Walker:
-    """A run under way."""
+    """A run in progress."""
 
     system: System
     times: np.ndarray

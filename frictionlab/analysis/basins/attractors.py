@@ -10,13 +10,19 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from frictionlab.analysis.motion_scales import Array, state_groups
-from frictionlab.analysis.steady_state.classification import EQUILIBRIUM, NON_PERIODIC, PERIODIC
+from frictionlab.analysis.steady_state.motion_kind import MotionKind
 
 MIN_RANGE_SHARE = (
-    1e-2  # smallest range of a state, as a share of the largest in its group, or of motions to attractors
+    # least scale of a state, as a share of the largest range in its group, or over the motions to the
+    # attractors
+    1e-2
 )
 PERIOD_RTOL = 1e-3
-RANGE_RTOL = {EQUILIBRIUM: 1e-2, PERIODIC: 1e-2, NON_PERIODIC: 0.1}  # share of the attractors' size
+RANGE_RTOL = {
+    MotionKind.EQUILIBRIUM: 1e-2,
+    MotionKind.PERIODIC: 1e-2,
+    MotionKind.NON_PERIODIC: 0.1,
+}  # share of the attractors' size
 
 UNDECIDED = -1
 
@@ -25,23 +31,23 @@ AttractorData = dict[str, Any]  # an attractor as data that JSON can hold
 
 @dataclass(frozen=True, eq=False)
 class Attractor:
-    """What motions settle to.
+    """An attractor, or one of the two outcomes that are none.
 
     Parameters
     ----------
     name : str
-        "equilibrium", "period 6.316 s", "non-periodic"; others of the same name are numbered.  Two more stand
-        for no attractor: "not settled yet" and "ended early".
+        "equilibrium", "period 6.316 s", "non-periodic"; others of the same name are numbered.  "not settled
+        yet" and "ended early" are no attractors.
     kind : str
         As of :func:`frictionlab.steady_state`.
     period : float
         s; NaN where the motion is not periodic.
     state : array (n,)
-        On the attractor.
+        A state on the attractor.
     low, high : array (n,)
         Smallest and largest value of each state.
     path : array (K, n)
-        Some of its points, in their order in time.
+        Some of its points, in the order of time.
     """
 
     name: str
@@ -83,24 +89,24 @@ def attractor_scale(attractors: Sequence[AttractorData], spread: Array, coordina
 
 
 def same_attractor(one: AttractorData, other: AttractorData, size: Array) -> bool:
-    """Whether two are one attractor: of one kind, one period and one range in each state."""
+    """Whether two attractors are the same: of one kind, one period and one range in each state."""
     if one["kind"] != other["kind"] or one["kind"] not in RANGE_RTOL:
         return one["kind"] == other["kind"]
-    if one["kind"] == PERIODIC and abs(one["period"] / other["period"] - 1.0) > PERIOD_RTOL:
+    if one["kind"] == MotionKind.PERIODIC and abs(one["period"] / other["period"] - 1.0) > PERIOD_RTOL:
         return False
     apart = [np.abs(np.subtract(one[side], other[side])) / size for side in ("low", "high")]
     return bool(np.max(apart) < RANGE_RTOL[one["kind"]])
 
 
 class AttractorCatalogue:
-    """Attractors that are known, in the order in which they were found.
+    """The known attractors, in the order in which they were found.
 
     Parameters
     ----------
     size : array (n,)
-        By which differences of states are measured.
+        Scale of each state, by which differences are measured.
     rtol : float
-        Share of it within which a state is on an attractor.
+        Share of `size` within which a state counts as on an attractor.
     """
 
     def __init__(self, size: Array, rtol: float) -> None:
@@ -109,7 +115,7 @@ class AttractorCatalogue:
         self._trees: list[Any] = []
 
     def copy(self) -> AttractorCatalogue:
-        """One that goes on by itself."""
+        """A copy that can be extended on its own."""
         other = AttractorCatalogue(self._size, self._rtol)
         other.found, other._trees = [*self.found], [*self._trees]
         return other
@@ -121,7 +127,8 @@ class AttractorCatalogue:
         )
 
     def place(self, found: AttractorData, points: Array | None = None) -> int:
-        """Index of an attractor; one that is new is added.  Its points (K, n) tell who has reached it."""
+        """Index of an attractor, which is added where it is new; by its points (K, n) runs are seen to have
+        reached it."""
         index = self.known(found)
         if index != UNDECIDED:
             return index
@@ -152,7 +159,7 @@ def name_attractors(attractors: Sequence[AttractorData]) -> tuple[Attractor, ...
 
 
 def _name(found: AttractorData) -> str:
-    return f"period {found['period']:.4g} s" if found["kind"] == PERIODIC else found["kind"]
+    return f"period {found['period']:.4g} s" if found["kind"] == MotionKind.PERIODIC else found["kind"]
 
 
 def _attractor(name: str, found: AttractorData) -> Attractor:

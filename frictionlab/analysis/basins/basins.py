@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import Executor
-from pathlib import Path
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 
 from frictionlab.analysis.initial_states import validate_initial_state
 from frictionlab.analysis.motion_scales import Array
-from frictionlab.analysis.steady_state.poincare_sections import Section
-from frictionlab.hybrid.methods.method_registry import method_of
+from frictionlab.analysis.options import Execution, SteadyStateOptions, StudyKeywords, merge_keywords
 from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.models.coercion import automaton_of
 from frictionlab.validation import abbreviate, check_choice, check_mapping, check_number, float_array
@@ -36,23 +33,16 @@ def basins(
     y: tuple[str, Any],
     x0: Any = "rest",
     *,
-    transient: float = 200.0,
-    window: float = 100.0,
-    rtol: float = 1e-3,
-    method: str | Taylor = "taylor",
-    section: Section | None = None,
-    tolerance: float = 1e-6,
-    workers: int | None = None,
-    executor: Executor | None = None,
-    resume: str | Path | None = None,
-    progress: bool = True,
+    options: SteadyStateOptions | None = None,
+    execution: Execution | None = None,
+    **keywords: Unpack[StudyKeywords],
 ) -> Basins:
     """Basins of attraction in a plane of initial states.
 
     First a dozen of the initial states are run to the end, which gives the attractors.  Then all are run side
-    by side (see :func:`ensemble`), each until it is on a known attractor; what is on none after the transient
-    is examined as :func:`steady_state` does, and either has the features of a known attractor (kind, period,
-    range of each state) or is a new one.
+    by side (see :func:`ensemble`), each until it is on a known attractor; a motion that is on none after the
+    transient is classified as by :func:`steady_state`; it either has the features of a known attractor (kind,
+    period, range of each state) or is on a new one.
 
     Parameters
     ----------
@@ -60,17 +50,16 @@ def basins(
     x, y : (str, array_like)
         A state, such as "x1" or "x1'", and its initial values (N,) and (M,).
     x0 : "rest", "near", array_like (n,) or callable
-        What the other states begin with.  A callable is given the state (n,), the others zero, and returns
-        the one to begin with.
-    transient, window, section, tolerance
-        As :func:`steady_state`.  The transient should be as long as the slowest motion takes to settle; a
-        longer one costs only those that have not settled.
-    rtol : float
-        Share of the attractors' size within which a motion counts as having reached one, in every state.
-    method : "taylor" or Taylor
-    workers, executor, resume
-        As :func:`bifurcation`.
-    progress : bool
+        Initial values of the other states.  A callable takes the state (n,) with the others zero, and returns
+        the complete initial state.
+    options : SteadyStateOptions or None
+        With a method that is a Taylor.  The transient should be as long as the slowest motion takes to
+        settle; a longer one costs only those that have not settled.
+    execution : Execution or None
+        Workers, executor, file and progress bar; None takes the usual ones.
+    **keywords
+        Fields of :class:`SteadyStateOptions` and :class:`Execution`, in the place of those of `options` and
+        `execution`: ``transient=60.0, workers=2``.
 
     Returns
     -------
@@ -79,8 +68,10 @@ def basins(
 
     Raises
     ------
+    TypeError
+        For what is no model, or an unknown keyword.
     ValueError
-        For bad arguments, or a file of other basins; before any work is done.
+        For other bad arguments, or a file of other basins; like the former before any work is done.
     OSError
         Where the file cannot be written.
     RuntimeError
@@ -95,16 +86,14 @@ def basins(
     >>> [attractor.kind for attractor in found.attractors]
     ['equilibrium', 'periodic']
     """
+    settings, how = _settings("basins", keywords, options, execution)
     axes = [_axis(model, "x", x), _axis(model, "y", y)]
     if axes[0][0] == axes[1][0]:
         raise ValueError(f"x and y must be two states, got {x[0]!r} twice: choose another")
     plane = np.stack(np.meshgrid(axes[0][1], axes[1][1]), axis=-1).reshape(-1, 2)
     starts = _initial_states(model, [name for name, _ in axes], plane, x0)
     about = {key: {"name": name, "values": v.tolist()} for key, (name, v) in zip("xy", axes)}
-    settings = _settings(transient, window, rtol, method, section, tolerance)
-    return basins_from_results(
-        *run_basin_tasks(model, starts, about, settings, workers, executor, resume, progress)
-    )
+    return basins_from_results(*run_basin_tasks(model, starts, about, settings, how))
 
 
 def basin_stability(
@@ -114,16 +103,9 @@ def basin_stability(
     seed: int = 0,
     x0: Any = "rest",
     *,
-    transient: float = 200.0,
-    window: float = 100.0,
-    rtol: float = 1e-3,
-    method: str | Taylor = "taylor",
-    section: Section | None = None,
-    tolerance: float = 1e-6,
-    workers: int | None = None,
-    executor: Executor | None = None,
-    resume: str | Path | None = None,
-    progress: bool = True,
+    options: SteadyStateOptions | None = None,
+    execution: Execution | None = None,
+    **keywords: Unpack[StudyKeywords],
 ) -> BasinStability:
     """The share of random initial states that goes to each attractor.
 
@@ -138,7 +120,7 @@ def basin_stability(
     samples : int
     seed : int
         Of the random numbers.
-    x0, transient, window, rtol, method, section, tolerance, workers, executor, resume, progress
+    x0, options, execution, **keywords
         As :func:`basins`.
 
     Returns
@@ -148,7 +130,7 @@ def basin_stability(
 
     Raises
     ------
-    ValueError, OSError, RuntimeError
+    TypeError, ValueError, OSError, RuntimeError
         As :func:`basins`.
 
     Examples
@@ -159,6 +141,7 @@ def basin_stability(
     >>> found.fractions
     {'equilibrium': 1.0}
     """
+    settings, how = _settings("basin_stability", keywords, options, execution)
     check_number("samples", samples, integer=True, least=1, cure="1000 give errors of 0.016 at most")
     check_number("seed", seed, integer=True, least=0, cure="give another for other random numbers")
     check_mapping("ranges", ranges, "give states their smallest and largest values, as {'x1': (0, 1)}")
@@ -168,22 +151,25 @@ def basin_stability(
     points = random_initial_values(limits, samples, seed)
     starts = _initial_states(model, list(limits), points, x0)
     about = {"ranges": limits, "samples": int(samples), "seed": int(seed)}
-    settings = _settings(transient, window, rtol, method, section, tolerance)
-    return basin_stability_from_results(
-        *run_basin_tasks(model, starts, about, settings, workers, executor, resume, progress)
-    )
+    return basin_stability_from_results(*run_basin_tasks(model, starts, about, settings, how))
 
 
 def _settings(
-    transient: float, window: float, rtol: float, method: Any, section: Section | None, tolerance: float
-) -> dict[str, Any]:
-    chosen = method_of(method)
-    if not isinstance(chosen, Taylor):
-        raise ValueError(f"method must be 'taylor' or a Taylor, got {method!r}: others have no ensembles")
-    check_number("transient", transient, above=0.0, cure="give the seconds in which motions settle")
-    check_number("rtol", rtol, above=0.0, below=1.0, cure="1e-3 suits attractors that are well apart")
-    settings = {"transient": float(transient), "window": float(window), "rtol": float(rtol)}
-    return {**settings, "method": chosen, "section": section, "tolerance": float(tolerance)}
+    function: str, keywords: Mapping[str, Any], options: Any, execution: Any
+) -> tuple[dict[str, Any], Execution]:
+    """What tasks and files need of the options, and how the tasks are done."""
+    bundles = {"options": (SteadyStateOptions, options), "execution": (Execution, execution)}
+    chosen, how = merge_keywords(function, keywords, "t_max", **bundles)
+    if not isinstance(chosen.method, Taylor):
+        raise ValueError(
+            f"method must be 'taylor' or a Taylor, got {chosen.method!r}: others have no ensembles"
+        )
+    check_number("transient", chosen.transient, above=0.0, cure="give the seconds in which motions settle")
+    if chosen.t_max is not None:
+        raise ValueError(f"t_max must be None, got {chosen.t_max}: give a longer transient")
+    numbers = {name: float(getattr(chosen, name)) for name in ("transient", "window", "rtol")}
+    last = {"method": chosen.method, "section": chosen.section, "tolerance": float(chosen.tolerance)}
+    return {**numbers, **last}, how
 
 
 def _axis(model: Any, which: str, axis: Any) -> tuple[str, Array]:
@@ -211,7 +197,8 @@ def _range(model: Any, name: str, limits: Any) -> tuple[float, float]:
 
 
 def _initial_states(model: Any, names: Sequence[str], points: Array, x0: Any) -> Array:
-    """Initial states (N, n): the named ones take their columns of `points`, the others come from `x0`."""
+    """Initial states (N, n): the named states take their values from the columns of `points`, the others from
+    `x0`."""
     known = state_names(model)
     base = np.zeros(len(known)) if callable(x0) else validate_initial_state(model, x0, automaton_of(model))
     starts = np.repeat(base[None], len(points), axis=0)
@@ -220,7 +207,7 @@ def _initial_states(model: Any, names: Sequence[str], points: Array, x0: Any) ->
 
 
 def _complete_states(x0: Callable[[Array], Any], starts: Array, names: tuple[str, ...]) -> Array:
-    """What `x0` makes of each of the states (N, n)."""
+    """The states (N, n), each completed by `x0`."""
     given = [x0(start.copy()) for start in starts]
     try:
         states = np.array(given, dtype=float)

@@ -10,6 +10,7 @@ import numpy as np
 
 from frictionlab.analysis.motion_scales import Array
 from frictionlab.analysis.sweeps.journal import read_journal, write_journal
+from frictionlab.drawable import Drawable
 
 from .attractors import (
     UNDECIDED,
@@ -22,7 +23,7 @@ from .attractors import (
 
 
 @dataclass(frozen=True, eq=False)
-class LabelledStates:
+class LabelledStates(Drawable):
     """Initial states, each with the attractor it goes to; the base of both results."""
 
     labels: np.ndarray
@@ -63,6 +64,8 @@ class Basins(LabelledStates):
         What was computed, by task.
     """
 
+    drawn_by = "plot_basins"
+
     x: str
     y: str
     x_values: Array
@@ -86,6 +89,8 @@ class BasinStability(LabelledStates):
     attractors, names, specification, results
         As :class:`Basins`.
     """
+
+    drawn_by = "plot_basin_stability"
 
     ranges: dict[str, tuple[float, float]]
     points: Array

@@ -1,25 +1,25 @@
 """The tasks of `fl.basins`: probes of some initial states, which give the attractors, then all states in
 groups.
 
-A group is run side by side and looked at from time to time; a run that is on a known attractor is stopped.
+The runs of a group go side by side and are checked from time to time; a run on a known attractor is stopped.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from concurrent.futures import Executor
 from hashlib import sha256
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from frictionlab.analysis.ensemble import advance_group, start_group
+from frictionlab.analysis.initial_states import initial_state_of
 from frictionlab.analysis.motion_scales import Array
-from frictionlab.analysis.steady_state.classification import ENDED
-from frictionlab.analysis.steady_state.steady_state import check_steady_state_arguments
+from frictionlab.analysis.options import Execution
+from frictionlab.analysis.steady_state.motion_kind import MotionKind
+from frictionlab.analysis.steady_state.steady_state import check_section
 from frictionlab.analysis.sweeps.journal import Journal
-from frictionlab.analysis.sweeps.task_runner import check_workers, run_tasks
+from frictionlab.analysis.sweeps.task_runner import run_tasks
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.hybrid.ensemble.batch_state import Batch, select_runs
 from frictionlab.hybrid.kernels.run_state import FINISHED
@@ -29,15 +29,15 @@ from frictionlab.models.coercion import automaton_of
 from .attractor_probe import BasinSettings, add_ranges, attractor_points, classify_attractor, probe_attractor
 from .attractors import UNDECIDED, AttractorCatalogue, AttractorData, attractor_scale, transient_ranges
 
-PROBE_COUNT = 12  # initial states from which the attractors are looked for first
+PROBE_COUNT = 12  # initial states of the probes, which look for the attractors first
 MIN_GROUP_SIZE, MAX_GROUP_SIZE = (
     250,
     1000,
-)  # initial states in a task: what is done once for each should not count,
-TARGET_TASK_COUNT = 16  # and yet there should be some for every processor
+)  # initial states in a task: enough that the cost of a task by itself does not count,
+TARGET_TASK_COUNT = 16  # and few enough that every processor has several tasks
 
-CHECKS_PER_TRANSIENT = 20  # looks at the runs within the transient, evenly
-EARLY_CHECKS = 4  # and before the first of them
+CHECKS_PER_TRANSIENT = 20  # checks of the runs within the transient, evenly spaced
+EARLY_CHECKS = 4  # further checks before the first of them
 
 
 def state_names(model: Any) -> tuple[str, ...]:
@@ -50,32 +50,25 @@ def run_basin_tasks(
     starts: Array,
     about: dict[str, Any],
     settings: dict[str, Any],
-    workers: int | None,
-    executor: Executor | None,
-    resume: str | Path | None,
-    progress: bool,
+    execution: Execution,
 ) -> tuple[dict[str, Any], dict[int, Any]]:
     """What was asked, and the results of all tasks: those of the probes first, then those of the groups."""
-    check_workers(workers)
-    transient, window, section, tolerance = (
-        settings[k] for k in ("transient", "window", "section", "tolerance")
-    )
-    check_steady_state_arguments(model, starts[0], transient, window, None, section, tolerance)
-    automaton, chosen = automaton_of(model), _probe_indices(len(starts))
+    check_section(model, settings["section"])
+    initial_state_of(model, starts[0])
+    automaton, chosen = automaton_of(model), probe_indices(len(starts))
     size = max(MIN_GROUP_SIZE, min(MAX_GROUP_SIZE, len(starts) // TARGET_TASK_COUNT))
     groups = [starts[i : i + size] for i in range(0, len(starts), size)]
     layout = {"count": len(starts), "group": size, "probes": len(chosen), "starts": _digest(starts.tobytes())}
     specification = _basin_arguments(model, automaton, {**about, **layout}, settings)
-    journal = Journal(specification, resume)
-    run: dict[str, Any] = {"workers": workers, "executor": executor}
+    journal = Journal(specification, execution.resume)
     done = run_tasks(
         probe_attractor,
         [(automaton, starts[i], settings) for i in chosen],
         keep=journal.keep,
         names=[f"initial state {i}" for i in chosen],
         done=journal.results.keys(),
-        progress="attractors" if progress else None,
-        **run,
+        execution=execution,
+        title="attractors",
     )
     if done:
         probed = [journal.results[i] for i in range(len(chosen))]
@@ -87,15 +80,15 @@ def run_basin_tasks(
             keep=lambda i, result: journal.keep(i + len(chosen), result),
             names=[f"initial states from {i * size} on" for i in range(len(groups))],
             done={i - len(chosen) for i in journal.results},
-            progress=f"basins, {size} states each" if progress else None,
-            **run,
+            execution=execution,
+            title=f"basins, {size} states each",
         )
     journal.close()
     return specification, journal.results
 
 
-def _probe_indices(count: int) -> list[int]:
-    """Which initial states are run first: some at random, as a grid's rows may be alike."""
+def probe_indices(count: int) -> list[int]:
+    """Initial states of the probes: some at random, as the rows of a grid may be alike."""
     drawn = np.random.default_rng(0).choice(count, min(PROBE_COUNT, count), replace=False)
     return np.sort(drawn).tolist()
 
@@ -109,7 +102,7 @@ def _basin_arguments(
 
 
 def _automaton_text(automaton: HybridAutomaton) -> str:
-    """All of an automaton in words; equal ones have equal texts."""
+    """An automaton as text; equal automata have equal texts."""
     modes = [
         (
             m.name,
@@ -134,7 +127,7 @@ def _digest(content: bytes) -> str:
 def catalogue_of_probes(
     automaton: HybridAutomaton, probed: Sequence[AttractorData], settings: BasinSettings
 ) -> AttractorCatalogue:
-    """A catalogue of what probes found, each once."""
+    """A catalogue of the attractors that the probes found, each once."""
     size = attractor_scale(probed, transient_ranges(probed), automaton.coordinates)
     catalogue = AttractorCatalogue(size, settings["rtol"])
     for each in probed:
@@ -144,7 +137,8 @@ def catalogue_of_probes(
 
 
 def check_times(transient: float) -> Array:
-    """Times of the looks at the runs: first each twice the one before, for what settles soon."""
+    """Times at which the runs are checked: each twice the one before at first, for motions that settle
+    soon."""
     even = transient / CHECKS_PER_TRANSIENT
     return np.array(
         [
@@ -157,15 +151,15 @@ def check_times(transient: float) -> Array:
 def label_initial_states(
     automaton: HybridAutomaton, starts: Array, known: AttractorCatalogue, settings: BasinSettings
 ) -> dict[str, list[Any]]:
-    """One task: which attractors the starts (N, n) go to.
+    """One task: the attractors to which the initial states (N, n) lead.
 
-    Runs are looked at from time to time; who has come to a known attractor is run no further.  What is left
-    after the transient is examined one by one.
+    Runs are checked from time to time; one that has come to a known attractor is stopped.  Those left after
+    the transient are classified one by one.
 
     Returns
     -------
     dict
-        "labels": N indices, those beyond the known attractors into "found".
+        "labels": N indices; those beyond the known attractors refer to "found".
     """
     catalogue, states = known.copy(), np.array(starts, dtype=float)
     labels, left = np.full(len(states), UNDECIDED), np.arange(len(states))
@@ -185,17 +179,19 @@ def label_initial_states(
 
 
 def _labels_of_runs(group: Batch, catalogue: AttractorCatalogue) -> np.ndarray:
-    """Which attractor each run is on; runs that ended early are on that of their kind."""
+    """The attractor that each run is on; runs that ended early are labelled so."""
     labels = catalogue.reached(group.runs.states)
     for i in np.flatnonzero(group.runs.status != FINISHED):
-        labels[i] = catalogue.place({"kind": ENDED, "period": None, "state": group.runs.states[i].tolist()})
+        labels[i] = catalogue.place(
+            {"kind": MotionKind.ENDED_EARLY, "period": None, "state": group.runs.states[i].tolist()}
+        )
     return labels
 
 
 def _label_after_transient(
     automaton: HybridAutomaton, state: Array, catalogue: AttractorCatalogue, settings: BasinSettings
 ) -> int:
-    """What the motion from a state comes to, the transient being over."""
+    """The attractor of the motion from a state after the transient."""
     found = classify_attractor(automaton, state, settings["spread"], settings)
     points = attractor_points(automaton, found, settings)
     return catalogue.place(add_ranges(found, points), points)

@@ -1,6 +1,6 @@
 """Branches of periodic orbits, followed through a parameter.
 
-`continue_orbit` goes both ways from an orbit; `driver` chooses the steps and ends a branch;
+`continue_orbit` follows a branch both ways from an orbit; `driver` chooses the steps and ends a branch;
 `pseudo_arclength` takes one step (tangent predictor, Newton corrector) and gives a `BranchPoint`;
 `special_points` locates folds, period doublings and Neimark-Sacker points between two of them; `branch_ends`
 names what happens where the sequence of modes changes.

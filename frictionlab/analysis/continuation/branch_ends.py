@@ -1,5 +1,5 @@
-"""What ends a sequence of modes on a branch of periodic orbits: a stay in a mode vanishes, or an orbit grazes
-a guard.
+"""Why the sequence of modes changes along a branch of periodic orbits: a stay in a mode vanishes, or an orbit
+grazes a guard.
 """
 
 from __future__ import annotations
@@ -16,13 +16,14 @@ from .pseudo_arclength import BranchPoint
 GRAZING, MODE_CHANGE, NO_ORBIT = "grazing", "mode change", "no orbit found"
 VANISHING_STAY_SHARE = 1e-3  # share of the period below which a stay is about to vanish
 GRAZING_RTOL = (
-    1e-4  # share of its largest value to which an event function falls between events, where it grazes
+    1e-4  # an orbit grazes where an event function falls to this share of its largest value between events
 )
 SAMPLES_PER_PERIOD = 4001
 
 
 def branch_end_kind(automaton: HybridAutomaton, point: BranchPoint, other: BranchPoint | None) -> str:
-    """What happens to the modes after an orbit, by those of the other side, if that is known."""
+    """How the sequence of modes changes after an orbit, by the modes beyond the change where these are
+    known."""
     if other is not None:
         few, many = sorted((point, other), key=lambda side: len(side.modes))
         more = len(many.modes) - len(few.modes)
@@ -49,10 +50,10 @@ def _self_transitions(point: BranchPoint) -> int:
 
 
 def _grazes(automaton: HybridAutomaton, point: BranchPoint) -> bool:
-    """Whether an event function all but vanishes at a minimum within a stay."""
+    """Whether an event function has a minimum of nearly zero within a stay."""
     run = point.shot.run
     t = np.linspace(0.0, point.period, SAMPLES_PER_PERIOD)
-    states, modes = run(t), run.mode_at(t, run.step_at(t))
+    states, modes = run.states_and_modes(t)
     arguments, numbers = [*automaton.states, *automaton.parameters], automaton.parameters.values()
     for i in np.unique(modes):
         for event in automaton.modes[i].events:
@@ -63,9 +64,11 @@ def _grazes(automaton: HybridAutomaton, point: BranchPoint) -> bool:
 
 
 def _at_guard_limit(automaton: HybridAutomaton, point: BranchPoint) -> bool:
-    """Whether an event function of a mode is all but zero where that is entered, though not by construction.
+    """Whether an event function of a mode is nearly zero where the mode is entered, though not by
+    construction.
 
-    The friction force at an onset of stick that has come to the static limit: beyond it slip goes on.
+    So is the margin of friction where it has reached its static limit at an onset of stick: beyond, slip goes
+    on.
     """
     events, numbers = point.shot.run.events, automaton.parameters.values()
     modes = {mode.name: mode for mode in automaton.modes}
@@ -87,7 +90,7 @@ def _at_guard_limit(automaton: HybridAutomaton, point: BranchPoint) -> bool:
 
 
 def _has_zero_minimum(values: Array) -> bool:
-    """Whether values, NaN in other modes, have a minimum that is all but zero."""
+    """Whether values, NaN in other modes, have a minimum of nearly zero."""
     inner = values[1:-1]
     least = (inner <= values[:-2]) & (inner < values[2:])
     return bool((inner[least] < GRAZING_RTOL * np.nanmax(np.abs(values))).any())

@@ -10,14 +10,16 @@ import numpy as np
 
 from frictionlab.analysis.motion_scales import Array
 from frictionlab.analysis.orbits.periodic_orbit import PeriodicOrbit, mode_sequence
+from frictionlab.analysis.orbits.shooting import floquet_multipliers
+from frictionlab.drawable import Drawable
 from frictionlab.hybrid.progress import PROGRESS_DELAY
 from frictionlab.hybrid.solve import solve
-from frictionlab.models.coercion import automaton_of
-from frictionlab.validation import check_number, did_you_mean
+from frictionlab.models.coercion import automaton_of, check_parameter_name
+from frictionlab.validation import check_number
 
 from .driver import INTERRUPTED, MAX_POINTS, BranchHalf, follow_branch
 from .pseudo_arclength import BranchPoint, first_point, reversed_point, with_parameter_as_state
-from .special_points import SpecialPoint, floquet_multipliers
+from .special_points import SpecialPoint
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,14 +29,14 @@ class SpecialOrbit:
     Parameters
     ----------
     kind : str
-        "fold", "period doubling", "Neimark-Sacker"; "grazing", where a stay in another mode comes or goes
-        that begins and ends in one mode; "mode change", another change of the modes; "Hopf", where the orbit
-        shrinks to an equilibrium.
+        "fold", "period doubling", "Neimark-Sacker"; "grazing", where a stay in another mode, entered from and
+        left to one and the same mode, appears or vanishes; "mode change", another change of the modes;
+        "Hopf", where the orbit shrinks to an equilibrium.
     value : float
-        Of the parameter.
+        Value of the parameter.
     orbit : PeriodicOrbit
-        There, or for "grazing", "mode change" and "Hopf" the last one before; the value of "Hopf" is
-        extrapolated to no amplitude.
+        The orbit there, or for "grazing", "mode change" and "Hopf" the last one before; the value of "Hopf"
+        is extrapolated to zero amplitude.
     """
 
     kind: str
@@ -43,8 +45,8 @@ class SpecialOrbit:
 
 
 @dataclass(frozen=True, eq=False)
-class OrbitBranch:
-    """A branch of closed orbits.
+class OrbitBranch(Drawable):
+    """A branch of periodic orbits.
 
     Parameters
     ----------
@@ -58,6 +60,8 @@ class OrbitBranch:
         Why the branch ends at its first and at its last orbit: "bound", "grazing", "mode change", "Hopf",
         "no orbit found", "most orbits" or "interrupted".
     """
+
+    drawn_by = "plot_orbit_branch"
 
     parameter: str
     values: Array
@@ -95,12 +99,13 @@ def continue_orbit(
     max_points: int = 400,
     progress: bool = True,
 ) -> OrbitBranch:
-    """Follow a closed orbit through a parameter, by pseudo-arclength continuation.
+    """Follow a periodic orbit through a parameter, by pseudo-arclength continuation.
 
-    Both ways from the orbit, to the bounds or to where the branch ends.  The derivative by the parameter is
-    that of the tangent flow with the parameter as one state more.  Folds, period doublings and
-    Neimark-Sacker points are located by the multipliers, and where the sequence of modes changes by halving
-    the step until both sides meet.  Source: Seydel, Practical Bifurcation and Stability Analysis (2010).
+    The branch is followed both ways from the orbit, to the bounds or to where it ends.  The derivative by the
+    parameter is that of the tangent flow, with the parameter as an additional state.  Folds, period doublings
+    and Neimark-Sacker points are located by the multipliers, and where the sequence of modes changes by
+    halving the step until both sides meet.  Source: Seydel, Practical Bifurcation and Stability Analysis
+    (2010).
 
     Parameters
     ----------
@@ -112,7 +117,7 @@ def continue_orbit(
     step : float
         Longest step, as a share of the motion's size, the period and the distance of the bounds together.
     max_points : int
-        Orbits after which to stop, in each direction.
+        Largest number of orbits in each direction.
     progress : bool
         Show a progress bar where it takes more than a second.  Ctrl-C ends with the orbits found so far.
 
@@ -122,8 +127,10 @@ def continue_orbit(
 
     Raises
     ------
+    TypeError
+        For an unknown parameter, or what is no orbit.
     ValueError
-        For bad arguments, before any work is done.
+        For other bad arguments; like the former before any work is done.
 
     Examples
     --------
@@ -167,17 +174,13 @@ def _check(orbit: Any, parameter: str, bounds: Any, step: float, max_points: int
     """The parameter's value, where all arguments are as they should be."""
     if not isinstance(orbit, PeriodicOrbit):
         raise TypeError(f"orbit must be a PeriodicOrbit, got {orbit!r}: find one with fl.periodic_orbit")
-    known = {s.name: value for s, value in automaton_of(orbit.model).parameters.items()}
-    if parameter not in known or parameter == "chatter":
-        names = [name for name in known if name != "chatter"]
-        hint = did_you_mean(parameter, names)
-        raise ValueError(f"parameter must be one of {', '.join(names)}, got {parameter!r}{hint}")
-    value = known[parameter]
+    check_parameter_name(orbit.model, parameter)
+    value = {s.name: value for s, value in automaton_of(orbit.model).parameters.items()}[parameter]
     low, high = bounds
     check_number("bounds[0]", low, most=value, cure=f"the orbit is at {parameter} = {value:g}")
     check_number("bounds[1]", high, least=value, above=low, cure=f"the orbit is at {parameter} = {value:g}")
     for bound in bounds:
-        orbit.model.replace(**{parameter: bound})  # a model refuses values out of its range
+        orbit.model.replace(**{parameter: bound})  # a model raises for values outside the parameter's range
     check_number("step", step, above=0.0, cure="0.1 is usual")
     check_number(
         "max_points", max_points, integer=True, least=1, cure="give the number of orbits to stop after"
@@ -186,12 +189,12 @@ def _check(orbit: Any, parameter: str, bounds: Any, step: float, max_points: int
 
 
 def _with_progress_bar(
-    walks: Iterator[BranchHalf], bounds: tuple[float, float], progress: bool
+    halves: Iterator[BranchHalf], bounds: tuple[float, float], progress: bool
 ) -> Iterator[BranchHalf]:
     from tqdm.auto import tqdm
 
     bar = tqdm(
-        walks, desc="continue orbit", unit=" orbits", leave=False, delay=PROGRESS_DELAY, disable=not progress
+        halves, desc="continue orbit", unit=" orbits", leave=False, delay=PROGRESS_DELAY, disable=not progress
     )
     for found in bar:
         if found.points:
@@ -200,7 +203,7 @@ def _with_progress_bar(
 
 
 def _orbit_at(model: Any, parameter: str, point: BranchPoint) -> PeriodicOrbit:
-    """The closed orbit as an object of its own, of the model with the parameter's value."""
+    """The periodic orbit of a branch point, of the model with the parameter's value there."""
     here = model.replace(**{parameter: point.value})
     start = point.shot.run.raw.step_states[0][:-1]
     run = solve(automaton_of(here), point.period, x0=start, progress=False)

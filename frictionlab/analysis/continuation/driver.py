@@ -17,23 +17,25 @@ from .pseudo_arclength import BranchPoint, continuation_step, reversed_point
 from .special_points import SpecialPoint, special_points_between
 
 BOUND, MAX_POINTS, INTERRUPTED, HOPF = "bound", "most orbits", "interrupted", "Hopf"
-SHORTEST_STEP_PARTS = 64  # parts of the longest step below which a failure is the end of the modes' sequence
-END_BISECTIONS = 40  # from there on, until both sides of such an end have met
+# share of the longest step below which a failed step means that the sequence of modes changes
+SHORTEST_STEP_PARTS = 64
+END_BISECTIONS = 40  # halvings from there on, until both sides of such a change have met
 FAST_ITERATIONS, SLOW_ITERATIONS = (
     3,
     6,
-)  # iterations of Newton's method that make the next step longer, or shorter
-RESTART_LENGTHS = 5  # lengths tried to get away from such an end, each a quarter of the one before
+)  # iterations of Newton's method below, and above, which the next step is made longer, or shorter
+RESTART_LENGTHS = 5  # lengths tried to step beyond such a change, each a quarter of the one before
 MAX_TANGENT_CHANGE = 0.3  # largest change of a component of the tangent in a step
 HOPF_FIT_POINTS, HOPF_FIT_SPARE = (
     12,
     3,
-)  # orbits at most, and more than a polynomial has coefficients at least, to see scatter
-HOPF_SIZE_RTOL = 1e-2  # share of the largest size so far below which an orbit has become an equilibrium
+)  # most orbits fitted; and orbits needed beyond the coefficients of a polynomial, to estimate the scatter
+HOPF_SIZE_RTOL = 1e-2  # share of the largest size so far below which an orbit has shrunk to an equilibrium
 
 
 class BranchHalf(NamedTuple):
-    """The points and the special points found, in turn, and why it ended."""
+    """One half of a branch, from its first orbit on: points and special points in their order, and why it
+    ended."""
 
     points: list[BranchPoint]
     special: list[SpecialPoint]
@@ -41,8 +43,8 @@ class BranchHalf(NamedTuple):
 
 
 class BranchStep(NamedTuple):
-    """The orbit a step ahead, the length, "bound" where that is there, and at an edge of the modes the orbit
-    beyond, if one is found.
+    """A step along the branch: the orbit ahead, the length of the step, "bound" where the orbit is at a
+    bound, and where the sequence of modes changes the orbit beyond, if one is found.
     """
 
     after: BranchPoint | None
@@ -59,7 +61,7 @@ def follow_branch(
     max_step: float,
     max_points: int,
 ) -> Iterator[BranchHalf]:
-    """Follow a branch from a point on, which is left out; yields what it has after every orbit."""
+    """Follow a branch from a point, which is left out; yields the half found so far after every orbit."""
     points: list[BranchPoint] = []
     special: list[SpecialPoint] = []
     point, length, largest = start, max_step / 4, start.scale[:-2]
@@ -96,7 +98,8 @@ def _next_step(
     max_step: float,
     bounds: tuple[float, float],
 ) -> BranchStep:
-    """The next orbit with the same modes; where there is none at a short distance, the last such."""
+    """The next orbit with the same modes; where there is none close by, the last one before the modes
+    change."""
     while True:
         at_bound = _step_to_bound(automaton, point, length, bounds)
         if at_bound is not None:
@@ -112,7 +115,7 @@ def _next_step(
 def _step_to_bound(
     automaton: HybridAutomaton, point: BranchPoint, length: float, bounds: tuple[float, float]
 ) -> BranchStep | None:
-    """The orbit at a bound, where that is within a length: beyond it there may be no model."""
+    """The orbit at a bound, where the bound is within a step: beyond it there may be no model."""
     speed = point.tangent[-1] * point.scale[-1]
     bound = bounds[int(speed > 0.0)]
     if speed == 0.0 or (bound - point.value) / speed > length:
@@ -125,7 +128,8 @@ def _step_to_bound(
 def _locate_mode_change(
     automaton: HybridAutomaton, point: BranchPoint, length: float, other: BranchPoint | None
 ) -> BranchStep:
-    """Where the modes change, or the branch ends, within a length: both sides, by halving it."""
+    """The orbits on both sides of where the modes change, or the branch ends, within a step, by halving
+    it."""
     low, high, last = 0.0, length, None
     other = other if other is not None and other.modes != point.modes else None
     for _ in range(END_BISECTIONS):
@@ -148,7 +152,8 @@ def _try_step(
 
 
 def _continues(point: BranchPoint, after: BranchPoint | None) -> bool:
-    """Whether it is an orbit of the same modes, in line with the one before.
+    """Whether a point continues the branch: the same modes, and a tangent in line with that of the point
+    before.
 
     The tangents are compared in period and parameter only, as the state has been moved along the orbit.
     """
@@ -162,7 +167,7 @@ def _hopf_value(points: list[BranchPoint]) -> float:
 
     A line through the last two orbits would take their rounding to some five times itself.  So lines and
     parabolas are fitted to the last dozen or fewer, and that with the least standard error at zero is taken:
-    more orbits mean less rounding, fewer of them less curvature.
+    more orbits average out rounding, fewer of them see less curvature.
     """
     last = [p for p in points[-HOPF_FIT_POINTS:] if p.modes == points[-1].modes]
     size = last[-1].scale[:-2]
@@ -179,7 +184,7 @@ def _hopf_value(points: list[BranchPoint]) -> float:
 
 
 def _fit_at_zero(x: Array, y: Array, degree: int) -> tuple[float, float]:
-    """Where a fitted polynomial is at x = 0, and the standard error of that."""
+    """Value of a fitted polynomial at x = 0, and its standard error."""
     powers = (x[:, None] / x.max()) ** np.arange(degree + 1)
     inverse = np.linalg.pinv(powers)
     left = y - powers @ (inverse @ y)
@@ -195,7 +200,8 @@ def _next_length(length: float, after: BranchPoint, max_step: float) -> float:
 def _restart_beyond(
     automaton: HybridAutomaton, point: BranchPoint | None, length: float
 ) -> BranchPoint | None:
-    """The point, pointing to where the modes stay as they are; None where there is no such way."""
+    """The point with its tangent in the direction in which the modes stay the same; None where there is
+    none."""
     for part in length * 0.25 ** np.arange(RESTART_LENGTHS):
         for way in () if point is None else (point, reversed_point(point)):
             ahead = _try_step(automaton, way, float(part))

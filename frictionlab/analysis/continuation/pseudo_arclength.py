@@ -2,8 +2,8 @@
 plane.
 
 The parameter is one more state, of zero rate, so that the tangent flow has the derivative by it, events
-included. Unknown are the state z, the period T and the parameter; u = (z/size, T/period, parameter/span).
-Source: Seydel, Practical Bifurcation and Stability Analysis, 3rd ed., Springer 2010.
+included. The unknowns are the state z, the period T and the parameter; u = (z/size, T/period,
+parameter/span). Source: Seydel, Practical Bifurcation and Stability Analysis, 3rd ed., Springer 2010.
 """
 
 from __future__ import annotations
@@ -17,29 +17,33 @@ import sympy as sp
 
 from frictionlab.analysis.motion_scales import AT_REST_RTOL, Array, state_ranges, state_scales
 from frictionlab.analysis.orbits.orbit_guess import OrbitGuess
-from frictionlab.analysis.orbits.shooting import RESIDUAL_ROUNDING, ShootingResult, check_orbit
+from frictionlab.analysis.orbits.shooting import (
+    RESIDUAL_ROUNDING,
+    ShootingResult,
+    check_orbit,
+    run_one_period,
+)
 from frictionlab.automaton import HybridAutomaton, Mode
-from frictionlab.hybrid.problem import Status
 from frictionlab.hybrid.solve import solve
-from frictionlab.hybrid.variational.saltation import SaltationError
 from frictionlab.hybrid.variational.tangent_flow import end_rates, tangent_flow
 
 MAX_CORRECTOR_ITERATIONS = 12
 RESIDUAL_TOLERANCE = 1e-9  # largest residual of an orbit, as a share of the motion's size
-FAMILY_SINGULAR_RATIO = (
-    1e-9  # least over largest singular value below which there are closed orbits in every neighbourhood
+# Least over largest singular value below which there are periodic orbits in every neighbourhood.
+FAMILY_SINGULAR_RATIO = 1e-9
+CORRECTOR_RCOND = (
+    1e-13  # share of the largest singular value: smaller ones of a corrector's matrix are rounding
 )
-MAX_PREDICTION_ERROR = (
-    0.01  # how far from its prediction, beyond the length of the step, an orbit may be found
-)
+# How far from its prediction, beyond the length of the step, an orbit may be found.
+MAX_PREDICTION_ERROR = 0.01
 MIN_CONTRACTION = 0.5  # a residual that shrinks less has reached rounding, or will not converge
 
 
 class BranchPoint(NamedTuple):
-    """A closed orbit on a branch.
+    """A periodic orbit on a branch.
 
-    `state` (n + 1,) ends with the parameter; `scale` (n + 2,) is what u is measured by, the period last but
-    one; `tangent` (n + 2,) is du/ds; `modes` are those that events lead to; `cost` counts iterations.
+    `state` (n + 1,) ends with the parameter; `scale` (n + 2,) divides the unknowns to give u, the period last
+    but one; `tangent` (n + 2,) is du/ds; `modes` are those entered at the events; `cost` counts iterations.
     """
 
     shot: ShootingResult
@@ -80,8 +84,8 @@ def _modes_with_constant(modes: tuple[Mode, ...]) -> tuple[Mode, ...]:
 
 
 def first_point(automaton: HybridAutomaton, state: Array, period: float, span: float) -> BranchPoint:
-    """The point of a closed orbit whose state ends with the parameter; its parameter grows along s."""
-    shot = _shooting_result(automaton, state, period, np.ones(len(state)))
+    """The point of a periodic orbit whose state ends with the parameter; its parameter grows along s."""
+    shot = run_one_period(automaton, state, period, np.ones(len(state)))
     scale = _point_scale(automaton, shot, period, span)
     tangent = _tangent(shot, state, period, scale)
     return _centre_in_stay(
@@ -99,14 +103,15 @@ def first_point(automaton: HybridAutomaton, state: Array, period: float, span: f
 
 
 def reversed_point(point: BranchPoint) -> BranchPoint:
-    """The same, to go the other way."""
+    """The same point with its tangent reversed."""
     return point._replace(tangent=-point.tangent)
 
 
 def continuation_step(
     automaton: HybridAutomaton, point: BranchPoint, step: float, value: float | None = None
 ) -> BranchPoint:
-    """The closed orbit about `step` further along the branch, or near there at a value of the parameter.
+    """The periodic orbit about `step` further along the branch, or near there at a given value of the
+    parameter.
 
     Raises
     ------
@@ -123,7 +128,7 @@ def continuation_step(
         state, period = np.append(start[:-2], start[-1]), float(start[-2])
         if not 0.0 < period < 2.0 * point.period:
             raise ValueError("the period leaves its range")
-        shot = _shooting_result(automaton, state, period, size)
+        shot = run_one_period(automaton, state, period, size)
         if shot.residual <= RESIDUAL_ROUNDING or (
             shot.residual < RESIDUAL_TOLERANCE and shot.residual > MIN_CONTRACTION * missed and cost
         ):
@@ -134,9 +139,9 @@ def continuation_step(
         start = start + scale * _corrector_step(shot, period, scale, across, (start - aim) / scale)
         start[-1] = start[-1] if value is None else value
     if not shot.residual < RESIDUAL_TOLERANCE:
-        raise ValueError(f"no closed orbit found: the residual is {shot.residual:.2g}")
+        raise ValueError(f"no periodic orbit found: the residual is {shot.residual:.2g}")
     if np.linalg.norm((start - aim) / scale) > MAX_PREDICTION_ERROR + abs(step):
-        raise ValueError("the closed orbit found is of another branch")
+        raise ValueError("the periodic orbit found is of another branch")
     check_orbit(shot, OrbitGuess(state, period, size))
     return _next_point(automaton, point, shot, state, period, cost)
 
@@ -149,7 +154,7 @@ def _next_point(
     period: float,
     cost: int,
 ) -> BranchPoint:
-    """The point of an orbit found: its tangent points on, its state is far from events."""
+    """The branch point of an orbit found: its tangent points forwards, its state is far from events."""
     scale = _point_scale(automaton, shot, period, float(before.scale[-1]))
     tangent = _tangent(shot, state, period, scale)
     ahead = float(tangent @ (before.tangent * before.scale / scale)) < 0.0
@@ -159,27 +164,17 @@ def _next_point(
     )
 
 
-def _shooting_result(automaton: HybridAutomaton, state: Array, period: float, size: Array) -> ShootingResult:
-    run = solve(automaton, period, x0=state, progress=False)
-    if run.status is Status.INTERRUPTED:
-        raise KeyboardInterrupt
-    if not run.status.ok:
-        raise SaltationError(f"the motion ends after {run.raw.t:g} s: {run.status}")
-    missed = float(np.abs((run.final_state - state) / size).max())
-    return ShootingResult(run, tangent_flow(run, progress=False).matrix, missed)
-
-
 def _point_scale(automaton: HybridAutomaton, shot: ShootingResult, period: float, span: float) -> Array:
     states = shot.run.states[:, :-1]
     found, values = state_scales(states, automaton.coordinates), np.abs(states).max(axis=0)
     still = (
         state_ranges(states) < AT_REST_RTOL * values
-    )  # a state that rests may change along the branch by what it is
+    )  # a state that does not move may change along the branch by its own size
     return np.append(np.where(still, np.maximum(found, values), found), [period, span])
 
 
 def _corrector_rows(shot: ShootingResult, period: float, scale: Array) -> Array:
-    """Derivative (n + 1, n + 2) by u of what closes the orbit, and the direction of the flow at its start."""
+    """Derivative (n + 1, n + 2) of the orbit's residual by u, and the direction of the flow at its start."""
     first, last = (rate[:-1] / scale[:-2] for rate in end_rates(shot.run))
     n, matrix = len(first), shot.matrix[:-1]
     by_state = matrix[:, :-1] * scale[:n] / scale[:n, None] - np.eye(n)
@@ -203,7 +198,7 @@ def _corrector_step(shot: ShootingResult, period: float, scale: Array, across: A
     missed = (shot.run.final_state - shot.run.raw.step_states[0])[:-1] / scale[:-2]
     matrix = np.vstack([_corrector_rows(shot, period, scale), across])
     left: Any = np.concatenate([missed, [0.0], [across @ off]])
-    return np.linalg.lstsq(matrix, -left, rcond=1e-13)[0]
+    return np.linalg.lstsq(matrix, -left, rcond=CORRECTOR_RCOND)[0]
 
 
 def _centre_in_stay(automaton: HybridAutomaton, point: BranchPoint) -> BranchPoint:
@@ -233,6 +228,7 @@ def _middle_of_free_stay(automaton: HybridAutomaton, run: Any) -> float:
 
 
 def cyclic_mode_sequence(run: Any) -> tuple[str, ...]:
-    """The modes that the events of a closed orbit lead to, begun where that is first in the alphabet."""
+    """The modes entered at the events of a periodic orbit, rotated so that the first in the alphabet comes
+    first."""
     names = tuple(run.events.target.tolist())
     return min((names[i:] + names[:i] for i in range(len(names))), default=())

@@ -11,20 +11,15 @@ import numpy as np
 from scipy.optimize import brentq
 
 from frictionlab.analysis.motion_scales import Array
+from frictionlab.analysis.orbits.shooting import floquet_multipliers
 from frictionlab.automaton import HybridAutomaton
 
 from .pseudo_arclength import BranchPoint, continuation_step
 
-LOCATION_XTOL = 1e-12  # of the step, to which a special point is found
+LOCATION_XTOL = 1e-12  # share of the step to which a special point is located
 UNIT_CIRCLE_ATOL = (
     1e-3  # how far from the unit circle the pair of a Neimark-Sacker point may be, with rounding
 )
-
-
-def floquet_multipliers(monodromy: Array) -> Array:
-    """Eigenvalues, the largest first."""
-    values = np.linalg.eigvals(monodromy).astype(complex)
-    return values[np.argsort(-np.abs(values), kind="stable")]
 
 
 def transverse_multipliers(point: BranchPoint) -> Array:
@@ -86,7 +81,7 @@ def special_points_between(
 def locate_zero(
     automaton: HybridAutomaton, point: BranchPoint, step: float, test: Callable[[BranchPoint], float]
 ) -> tuple[BranchPoint, float]:
-    """Where a test changes its sign within a step, and how far into it that is."""
+    """The point at which a test function changes its sign within a step, and how far into the step it is."""
 
     def value(share: float) -> float:
         return test(continuation_step(automaton, point, share)) if share else test(point)
@@ -96,7 +91,8 @@ def locate_zero(
 
 
 def _is_special(kind: str, point: BranchPoint) -> bool:
-    """Real multipliers whose product is 1 are no Neimark-Sacker point."""
+    """Whether a zero is a special point: two real multipliers whose product is 1 are no Neimark-Sacker
+    point."""
     values = transverse_multipliers(point)
     pairs = values[np.abs(values.imag) > 0.0]
     return kind != "Neimark-Sacker" or bool((np.abs(np.abs(pairs) - 1.0) < UNIT_CIRCLE_ATOL).any())

@@ -19,7 +19,7 @@ from frictionlab.models.mechanical.mechanics import Friction
 from frictionlab.models.mechanical.modes import contact_suffix
 from frictionlab.models.symbols import Structure, parameter_symbols, structure_of_component, structure_values
 
-# Exact for contact laws that are polynomials in sqrt(gap).
+# Exact for contact laws that are polynomials in sqrt(penetration).
 CONTACT_NODES, CONTACT_WEIGHTS = np.polynomial.legendre.leggauss(12)
 GAP = sp.Symbol("gap_of_contact", real=True)
 WORKS = ("belt drive", "friction", "dampers", "impacts", "loads", "moving springs", "contact", "moving load")
@@ -27,22 +27,24 @@ WORKS = ("belt drive", "friction", "dampers", "impacts", "loads", "moving spring
 
 @dataclass(frozen=True, eq=False)
 class ContactTerms:
-    """What a contact has to do with energy.
+    """The terms of a contact in the energy balance.
 
     Parameters
     ----------
     number : str
-        What tells its outputs from those of other contacts.
+        Suffix that tells its outputs from those of other contacts.
     place : int
-        Which of the regimes in a mode's name is its own.
+        Which of the regimes in a mode's name is that of this contact.
     speed : callable or None
-        Of states and parameters: speed of the belt, m/s; None of a stop.
+        Speed of the belt (m/s) as a function of states and parameters; None for a stop.
     approach : callable or None
-        -W_N . q', m/s; None where the contact cannot be lost.
+        Material penetration rate -W_N . q' (m/s); None where the contact cannot be lost.
     travel : callable or None
-        Gap rate less that: at which the contact does work of its own; None where it is zero by construction.
+        Full penetration rate less that (m/s), at which the contact does work of its own; None where it is
+        zero by construction.
     penetration, law : callable or None
-        The gap (m), of states and parameters, and F_N (N), of the gap and the parameters.
+        The penetration (m) as a function of states and parameters, and F_N (N) as one of penetration and
+        parameters.
     """
 
     number: str
@@ -77,14 +79,16 @@ class Balance:
         found |= {name: self._at(energy, states) for name, energy in self._terms.potential.items()}
         springs = [c for c in self._terms.contacts if c.law is not None]
         if springs:
-            found["contact"] = np.sum([self._stored(contact, states, modes) for contact in springs], axis=0)
+            found["contact"] = np.sum(
+                [self._contact_energy(contact, states, modes) for contact in springs], axis=0
+            )
         return found
 
     def powers(self, states: Array, modes: Any) -> dict[str, Array]:
         """The powers (W), each (N,), that change the sum of the energies, between events."""
         found = {name: self._at(power, states) for name, power in self._terms.powers.items()}
         for contact in self._terms.contacts:
-            for name, power in self._of_contact(contact, states, modes):
+            for name, power in self._contact_powers(contact, states, modes):
                 found[name] = found.get(name, 0.0) + power
         return {name: found[name] for name in WORKS if name in found}
 
@@ -98,8 +102,8 @@ class Balance:
     def _output(self, name: str, contact: ContactTerms, states: Array, modes: Any) -> Array:
         return evaluate_output(self.automaton, name + contact.number, states, modes)
 
-    def _of_contact(self, contact: ContactTerms, states: Array, modes: Any) -> Any:
-        """Names and powers of a contact with friction."""
+    def _contact_powers(self, contact: ContactTerms, states: Array, modes: Any) -> Any:
+        """Names and powers (W) of a contact with friction."""
         if contact.speed is None:
             return
         friction = self._output("friction_force", contact, states, modes)
@@ -107,32 +111,37 @@ class Balance:
         yield "friction", -friction * self._output("relative_velocity", contact, states, modes)
         if contact.approach is None:
             return
-        normal, pressed = self._output("normal_force", contact, states, modes), self._pressed(contact)[modes]
+        normal, pressed = (
+            self._output("normal_force", contact, states, modes),
+            self._modes_in_contact(contact)[modes],
+        )
         approaching = self._at(contact.approach, states)
         yield "impacts", np.where(pressed, 0.0, -normal * approaching)
-        if contact.law is None:  # what the contact stores is not known: all that F_N does is work
+        # the energy that the contact stores is not known: all power of F_N counts as work
+        if contact.law is None:
             yield "contact", np.where(pressed, -normal * approaching, 0.0)
         elif contact.travel is not None:
             yield "moving load", np.where(pressed, normal * self._at(contact.travel, states), 0.0)
 
-    def _stored(self, contact: ContactTerms, states: Array, modes: Any) -> Array:
-        """The integral of F_N from 0 to the gap; none in flight."""
+    def _contact_energy(self, contact: ContactTerms, states: Array, modes: Any) -> Array:
+        """Energy stored by the contact (J): the integral of F_N from 0 to the penetration; none in flight."""
         law: Any = contact.law
         penetration = self._at(contact.penetration, states)
-        shares = (1.0 + CONTACT_NODES) / 2.0  # of sqrt(gap), in which gap^1.5 is a polynomial too
+        # in sqrt(penetration), in which penetration^1.5 is a polynomial too
+        shares = (1.0 + CONTACT_NODES) / 2.0
         at = (law(penetration * share**2, *self._values) * share for share in shares)
         energy = penetration * sum(w * f for w, f in zip(CONTACT_WEIGHTS, at, strict=True))
-        return np.where(self._pressed(contact)[modes], energy, 0.0)
+        return np.where(self._modes_in_contact(contact)[modes], energy, 0.0)
 
-    def _pressed(self, contact: ContactTerms) -> np.ndarray:
-        """Modes in which the contact's spring is at work: not in flight, nor in the limit of many impacts."""
+    def _modes_in_contact(self, contact: ContactTerms) -> np.ndarray:
+        """Modes in which the contact's spring acts: not in flight, nor in the limit mode of many impacts."""
         apart = "separation", CHATTER_MODE
         return np.array([name.split(JOINT)[contact.place] not in apart for name in self.automaton.names])
 
 
 @lru_cache(maxsize=64)
 def terms_of(key: Structure) -> Terms:
-    """The terms of a structure."""
+    """The terms of the energy balance of a structure."""
     found = system_of(key)
     mechanics = found.mechanics
     arguments = [*found.states, *parameter_symbols(key)]
@@ -152,7 +161,7 @@ def terms_of(key: Structure) -> Terms:
 
 
 def _powers(found: LagrangeSystem) -> dict[str, Any]:
-    """The powers of dampers, of loads, and of what moves with the time."""
+    """The powers of dampers, of loads, and of energies that depend on time."""
     damping = [sp.diff(found.mechanics.dissipation, rate) for rate in found.v]
     powers = {"dampers": -_dot(damping, found.v), "impacts": sp.S.Zero}
     if any(load != 0 for load in found.loads):

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from frictionlab.analysis.motion_scales import Array
+from frictionlab.drawable import Drawable
 from frictionlab.hybrid.progress import PROGRESS_DELAY
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models import MechanicalModel
@@ -17,11 +18,11 @@ from frictionlab.models import MechanicalModel
 from .balance_terms import Balance
 
 PIECE_NODES, PIECE_WEIGHTS = np.polynomial.legendre.leggauss(10)
-PIECES_PER_CHUNK = 20_000  # pieces of the run at once
+PIECES_PER_CHUNK = 20_000  # intervals of the run computed at once
 
 
 @dataclass(frozen=True, eq=False)
-class EnergyAudit:
+class EnergyAudit(Drawable):
     """The energy balance of a run.
 
     Parameters
@@ -30,17 +31,19 @@ class EnergyAudit:
         Times (s), those of the run.
     energies : mapping of str to array (N,)
         J: "kinetic"; those that the model names, as "springs" and "preload", or "potential"; and "contact",
-        the integral of F_N over the gap, none in flight.
+        the integral of F_N over the penetration, none in flight.
     powers : mapping of str to array (N,)
-        W: "dampers"; "impacts", where a limit of many replaces them; of contacts with friction "belt drive"
-        F_T v, v the speed of the belt, and "friction" -F_T v_r; where W_N is not minus the gradient of the
-        gap "moving load" F_N (gap rate + W_N . q'), -F_N phi (x1' - x2') with the paper's; and "loads".
-        "contact" is the power of an F_N that is not given as a function of the gap.
+        W: "dampers"; "impacts", in the limit mode that replaces them; of contacts with friction "belt drive"
+        F_T v, v the speed of the belt, and "friction" -F_T v_r; where W_N is not the gradient of the gap
+        "moving load" F_N (penetration rate + W_N . q'), -F_N phi (x1' - x2') with the paper's; and "loads".
+        "contact" is the power of an F_N that is not given as a function of the penetration.
     works : mapping of str to array (N,)
-        J: what each of them did from 0 to t, impacts with their jumps.
+        J: the work of each from 0 to t, that of impacts with their jumps.
     turned_over : float
-        J: the largest sum of the energies' sizes, and all that the works moved, whether in or out.
+        J: the largest sum of the energies' sizes, plus the sizes of all works, whether in or out.
     """
+
+    drawn_by = "plot_energies"
 
     t: Array
     energies: Mapping[str, Array]
@@ -55,7 +58,7 @@ class EnergyAudit:
 
     @property
     def residual(self) -> Array:
-        """What the balance misses (N,), J: gain of the total since the first sample, less all works."""
+        """Residual of the balance (N,), J: gain of the total since the first sample, less all works."""
         gained = self.total - np.sum(list(self.works.values()), axis=0)
         return gained - gained[:1]
 
@@ -73,11 +76,11 @@ def energy_audit(run: Trajectory, *, progress: bool = True) -> EnergyAudit:
     """The energy balance of a run: energies, powers, the work of each, and what is missing.
 
     Of the slider on a belt d/dt (kinetic + springs + preload + contact) = F_T v - F_T v_r - 2 D
-    + F_N (gap rate + W_N . q'), and velocities jump at impacts, Eqs. (10) to (12).  Every model that states
-    its energies (`MechanicalModel`) has a balance, with the terms that it has.
+    + F_N (penetration rate + W_N . q'), and velocities jump at impacts, Eqs. (10) to (12).  Every model that
+    states its energies (`MechanicalModel`) has a balance, with the terms that it has.
 
     Works are Gauss quadratures of the run's Taylor polynomials, step by step, exact to rounding.  Runs of
-    other methods are audited as they are: what is missing is their error.
+    other methods are audited as they are: the residual is their error.
 
     Parameters
     ----------
@@ -93,7 +96,7 @@ def energy_audit(run: Trajectory, *, progress: bool = True) -> EnergyAudit:
     Raises
     ------
     ValueError
-        For a run of an automaton, or of a model that gives but an automaton: it has no masses nor springs.
+        For a run of an automaton, or of a model that gives only an automaton: it has no masses or springs.
 
     Examples
     --------
@@ -109,13 +112,12 @@ def energy_audit(run: Trajectory, *, progress: bool = True) -> EnergyAudit:
     edges = np.unique(np.concatenate([[0.0], run.raw.step_times[:, 0], run.t, [run.raw.t]]))
     net, gross = _work_integrals(run, balance, edges, progress)
     at = np.searchsorted(edges, run.t)
-    modes = run.sample_arrays[2]
-    powers = balance.powers(run.states, modes)
+    powers = balance.powers(run.states, run.mode_indices)
     works = {name: net[i][at] for i, name in enumerate(powers)}
     gains = balance.jumps(run.events.before, run.events.state)
     summed = np.append(0.0, np.cumsum(gains, dtype=np.longdouble))
     works["impacts"] = works["impacts"] + summed[np.searchsorted(run.events.t, run.t, side="right")]
-    energies = balance.energies(run.states, modes)
+    energies = balance.energies(run.states, run.mode_indices)
     largest = np.sum(np.abs(list(energies.values())), axis=0).max(initial=0.0)
     return EnergyAudit(
         t=run.t,
@@ -153,8 +155,7 @@ def _work_of_pieces(run: Trajectory, balance: Balance, edges: Array) -> tuple[Ar
     """The work (contributions, pieces) on each piece of a run between two edges, and the sum of all sizes."""
     half = np.diff(edges)[:, None] / 2.0
     t = (edges[:-1, None] + half * (1.0 + PIECE_NODES)).ravel()
-    steps = run.step_at(t)
-    found = balance.powers(run.states_in_steps(t, steps), run.mode_at(t, steps))
+    found = balance.powers(*run.states_and_modes(t))
     weights = half * PIECE_WEIGHTS
     each = [power.reshape(weights.shape) for power in found.values()]
     net = np.array([(power * weights).sum(axis=1) for power in each])

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from frictionlab.analysis.motion_scales import AT_REST_RTOL, Array, state_groups
-from frictionlab.analysis.steady_state.classification import PERIODIC
+from frictionlab.analysis.steady_state.motion_kind import MotionKind
 from frictionlab.analysis.steady_state.result import SteadyState
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.hybrid.solve import solve
@@ -18,7 +18,8 @@ RETURN_RTOL = 0.1  # share of the largest distance so far within which a state h
 
 
 class OrbitGuess(NamedTuple):
-    """A state (n,), about a period (s), and the size (n,) of the motion in each state."""
+    """A state (n,) near the orbit, an approximate period (s), and the size (n,) of the motion in each
+    state."""
 
     state: Array
     period: float
@@ -28,15 +29,15 @@ class OrbitGuess(NamedTuple):
 def state_and_period(
     automaton: HybridAutomaton, guess: Any, period: float | None, t_max: float
 ) -> tuple[Array, float]:
-    """The state (n,) and the period that a guess of :func:`frictionlab.periodic_orbit` stands for.
+    """State (n,) and period of the guess that :func:`frictionlab.periodic_orbit` was given.
 
     Raises
     ------
     ValueError
-        Where it does not come back to where it was.
+        Where the motion does not return to the state.
     """
     if isinstance(guess, SteadyState):
-        if guess.kind != PERIODIC:
+        if guess.kind != MotionKind.PERIODIC:
             raise ValueError(
                 f"guess must be periodic, the steady state is {guess.kind!r}: give another state"
             )
@@ -50,7 +51,7 @@ def state_and_period(
 def first_return(run: Trajectory, start: float, direction: int) -> float:
     """Time from `start`, an end of the run, to where the state is close to that again.
 
-    Close is what is near as compared with the largest distance on the way there.
+    Close means a small share of the largest distance reached before.
     """
     t = run.t[::direction]
     away = _distances(run, t, start)

@@ -11,24 +11,25 @@ from frictionlab.analysis.initial_states import resolve_initial_state
 from frictionlab.analysis.motion_scales import Array, state_scales
 from frictionlab.analysis.steady_state.result import SteadyState
 from frictionlab.automaton import HybridAutomaton
+from frictionlab.drawable import Drawable
 from frictionlab.hybrid.solve import solve
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models.coercion import automaton_of
 from frictionlab.validation import check_number
 
 from .orbit_guess import OrbitGuess, state_and_period
-from .shooting import ShootingResult, check_motion, check_orbit, shoot
+from .shooting import ShootingResult, check_motion, check_orbit, floquet_multipliers, shoot
 
 PERIOD_DIVISORS = (2, 3, 5, 7)
 SAME_STATE_RTOL = 1e-6  # share of the motion's size within which two states are one
 MULTIPLIER_RTOL = (
-    1e-6  # a multiplier that is 1 twice, in a family of orbits, is known to the root of rounding
+    1e-6  # in a family of orbits the multiplier 1 is double, and so known only to the square root of rounding
 )
 
 
 @dataclass(frozen=True, eq=False)
-class PeriodicOrbit:
-    """A closed orbit.
+class PeriodicOrbit(Drawable):
+    """A periodic orbit.
 
     Parameters
     ----------
@@ -49,6 +50,8 @@ class PeriodicOrbit:
     trajectory : Trajectory
         One period.
     """
+
+    drawn_by = "plot_orbit"
 
     model: Any
     period: float
@@ -78,9 +81,9 @@ def periodic_orbit(
     t_max: float = 100.0,
     tolerance: float = 1e-9,
 ) -> PeriodicOrbit:
-    """The closed orbit near a guess, stable or unstable, by Newton's method on the return map.
+    """The periodic orbit near a guess, stable or unstable, by Newton's method on the return map.
 
-    The monodromy matrix is that of :func:`frictionlab.tangent_flow`, so that events count as they should.
+    The monodromy matrix is that of :func:`frictionlab.tangent_flow`, so that events are accounted for.
     The result has been checked: it closes, keeps to the conditions of its modes, and its monodromy matrix
     maps the flow's direction upon itself.
 
@@ -89,11 +92,11 @@ def periodic_orbit(
     model : Model or HybridAutomaton
     guess : SteadyState, Trajectory, array_like (n,), "rest" or "near"
         A periodic steady state; a run whose end is near the orbit; or a state near the orbit, see `simulate`.
-        All may be of other parameter values.
+        It may be of other parameter values.
     period : float or None
-        About the period in s; None takes that after which the guess first comes back to where it was.
+        Approximate period in s; None takes the time after which the motion first returns to the guess.
     t_max : float
-        Seconds in which a state is given the time to come back.
+        Longest time (s) in which the motion from a state has to return.
     tolerance : float
         Largest residual, as a share of the motion's size.
 
@@ -104,8 +107,8 @@ def periodic_orbit(
     Raises
     ------
     ValueError
-        For bad arguments; for a guess that does not come back; where Newton's method does not get below the
-        tolerance, with what it reached; where the motion has no derivative, see `tangent_flow`.
+        For bad arguments; for a guess to which the motion does not return; where Newton's method does not get
+        below the tolerance, with what it reached; where the motion has no derivative, see `tangent_flow`.
 
     Examples
     --------
@@ -124,14 +127,13 @@ def periodic_orbit(
     check_motion(shot, start)
     shot = _shortest_period(automaton, start, shot, tolerance)
     check_orbit(shot, start)
-    values = np.linalg.eigvals(shot.matrix).astype(complex)
     run = shot.run
     return PeriodicOrbit(
         model=model,
         period=run.raw.t,
         state=run.raw.step_states[0].copy(),
         monodromy=shot.matrix,
-        multipliers=values[np.argsort(-np.abs(values), kind="stable")],
+        multipliers=floquet_multipliers(shot.matrix),
         modes=mode_sequence(run),
         residual=shot.residual,
         trajectory=run,
@@ -162,7 +164,7 @@ def _guess_state(model: Any, guess: Any) -> Any:
 
 
 def _start_in_free_mode(automaton: HybridAutomaton, state: Array, period: float) -> OrbitGuess:
-    """The guess, moved along its motion to where no constraint holds, far from the events."""
+    """The guess, moved along its motion into a mode without constraints, far from the events."""
     run = solve(automaton, period, x0=state, progress=False)
     if not run.status.ok:
         raise ValueError(f"guess must be near a periodic orbit; its motion ends early: {run.status}")
@@ -173,7 +175,7 @@ def _start_in_free_mode(automaton: HybridAutomaton, state: Array, period: float)
     if not stays.max() > 0.0:
         raise ValueError("guess must pass a mode without constraints, it only sticks: give another state")
     i = np.argmax(stays)
-    # Without events it stays where it is: an unstable motion leads away from the orbit.
+    # Without events it is not moved: an unstable motion leads away from the orbit.
     middle = 0.5 * (ends[i] + ends[i + 1]) if len(run.events) else 0.0
     return OrbitGuess(run(middle), period, state_scales(run.states, automaton.coordinates))
 
@@ -181,7 +183,7 @@ def _start_in_free_mode(automaton: HybridAutomaton, state: Array, period: float)
 def _shortest_period(
     automaton: HybridAutomaton, guess: OrbitGuess, shot: ShootingResult, tolerance: float
 ) -> ShootingResult:
-    """The same orbit, run through once."""
+    """The orbit with its shortest period, where the guess was several of them."""
     for fold in PERIOD_DIVISORS:
         period = shot.run.raw.t / fold
         while np.abs((shot.run(period) - shot.run.raw.step_states[0]) / guess.size).max() < SAME_STATE_RTOL:

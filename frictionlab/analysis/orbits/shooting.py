@@ -13,7 +13,7 @@ import numpy as np
 
 from frictionlab.analysis.motion_scales import Array, state_ranges
 from frictionlab.automaton import HybridAutomaton
-from frictionlab.hybrid.admissible import condition_violation
+from frictionlab.hybrid.problem import Status
 from frictionlab.hybrid.solve import solve
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.hybrid.variational.saltation import SaltationError
@@ -23,27 +23,35 @@ from .orbit_guess import OrbitGuess
 
 MAX_ITERATIONS = 40
 MAX_HALVINGS = 8
-RESIDUAL_ROUNDING = 1e-14  # residual that cannot become smaller
-FAMILY_RCOND = 1e-11  # directions in which orbits are this near to a family are left as they are
-MAX_PERIOD_FACTOR = 2.0  # by which factor the period may change in one iteration
+RESIDUAL_ROUNDING = 1e-14  # residual at the level of rounding, which cannot become smaller
+# relative singular values below this belong to a family of orbits: no step is taken in their directions
+FAMILY_RCOND = 1e-11
+MAX_PERIOD_FACTOR = 2.0  # factor by which the period may change in one iteration
 
-MIN_ORBIT_SIZE = 1e-3  # share of the guess's size below which an orbit is but an equilibrium
+MIN_ORBIT_SIZE = 1e-3  # share of the guess's size below which an orbit is only an equilibrium
 MAX_VIOLATION = 1e-6  # share of a condition's terms by which it may be violated
 FLOW_DIRECTION_RTOL = 1e-6  # share by which the monodromy matrix may miss the direction of the flow
 
 
 class ShootingResult(NamedTuple):
-    """One period tried: the run, its fundamental matrix, and its residual, scaled by the motion's size."""
+    """A trial over one period: the run, its fundamental matrix, and its residual, scaled by the motion's
+    size."""
 
     run: Trajectory
     matrix: Array
     residual: float
 
 
-def shoot(automaton: HybridAutomaton, guess: OrbitGuess, tolerance: float) -> ShootingResult:
-    """The closed orbit near a guess.
+def floquet_multipliers(monodromy: Array) -> Array:
+    """Eigenvalues of a monodromy matrix, the largest first."""
+    values = np.linalg.eigvals(monodromy).astype(complex)
+    return values[np.argsort(-np.abs(values), kind="stable")]
 
-    Unknown are the state z and the period T: the flow after T is z.
+
+def shoot(automaton: HybridAutomaton, guess: OrbitGuess, tolerance: float) -> ShootingResult:
+    """The periodic orbit near a guess.
+
+    The unknowns are the state z and the period T, such that the flow after T is z again.
 
     Raises
     ------
@@ -51,7 +59,7 @@ def shoot(automaton: HybridAutomaton, guess: OrbitGuess, tolerance: float) -> Sh
         Where Newton's method does not get below the tolerance.
     """
     z, period = guess.state, guess.period
-    shot = _shooting_result(automaton, z, period, guess.size)
+    shot = run_one_period(automaton, z, period, guess.size)
     for _ in range(MAX_ITERATIONS):
         if shot.residual <= RESIDUAL_ROUNDING:
             break
@@ -69,35 +77,47 @@ def shoot(automaton: HybridAutomaton, guess: OrbitGuess, tolerance: float) -> Sh
     return shot
 
 
-def _shooting_result(automaton: HybridAutomaton, z: Array, period: float, size: Array) -> ShootingResult:
+def run_one_period(automaton: HybridAutomaton, z: Array, period: float, size: Array) -> ShootingResult:
+    """The motion from `z` for a period, and what it misses of `z`, in units of `size`.
+
+    Raises
+    ------
+    KeyboardInterrupt
+        If the run is stopped by ctrl-C.
+    SaltationError
+        If the motion ends early.
+    """
     run = solve(automaton, period, x0=z, progress=False)
+    if run.status is Status.INTERRUPTED:
+        raise KeyboardInterrupt
     if not run.status.ok:
-        raise SaltationError(f"a motion near the guess ends after {run.raw.t:g} s: {run.status}")
+        raise SaltationError(f"a motion near the orbit ends after {run.raw.t:g} s: {run.status}")
     missed = float(np.abs((run.final_state - z) / size).max())
     return ShootingResult(run, tangent_flow(run, progress=False).matrix, missed)
 
 
 def _newton_step(shot: ShootingResult, period: float, size: Array) -> Array:
-    """Newton's step for (z / size, T / period): the least that closes the orbit.
+    """Newton's step for (z / size, T / period): the shortest that closes the orbit.
 
-    At a closed orbit it is normal to the flow, so that z moves on a Poincare section.
+    At a periodic orbit it is normal to the flow, so that z moves on a Poincare section.
     """
     last = end_rates(shot.run)[1] / size
     matrix = shot.matrix * size / size[:, None] - np.eye(len(size))
-    gap = (shot.run.final_state - shot.run.raw.step_states[0]) / size
-    return np.linalg.lstsq(np.column_stack([matrix, last * period]), -gap, rcond=FAMILY_RCOND)[0]
+    missed = (shot.run.final_state - shot.run.raw.step_states[0]) / size
+    return np.linalg.lstsq(np.column_stack([matrix, last * period]), -missed, rcond=FAMILY_RCOND)[0]
 
 
 def _damped_step(
     automaton: HybridAutomaton, z: Array, period: float, step: Array, size: Array, residual: float
 ) -> tuple[Array, float, ShootingResult] | None:
-    """The step, or the largest half, quarter ... of it that lessens the residual; None where none does."""
+    """The step, or the largest of its half, quarter and so on that reduces the residual; None where none
+    does."""
     for share in 0.5 ** np.arange(MAX_HALVINGS):
         other, longer = z + share * step[:-1] * size, period * (1.0 + share * step[-1])
         if not period / MAX_PERIOD_FACTOR < longer < period * MAX_PERIOD_FACTOR:
             continue
         try:
-            shot = _shooting_result(automaton, other, longer, size)
+            shot = run_one_period(automaton, other, longer, size)
         except SaltationError:
             continue
         if shot.residual < residual:
@@ -106,7 +126,7 @@ def _damped_step(
 
 
 def check_motion(shot: ShootingResult, guess: OrbitGuess) -> None:
-    """Raise for what closes because it does not move."""
+    """Raise where the motion closes because it is an equilibrium."""
     if (state_ranges(shot.run.states) / guess.size).max() < MIN_ORBIT_SIZE:
         raise ValueError(
             "no periodic orbit found near the guess: Newton's method reached an equilibrium, "
@@ -115,10 +135,10 @@ def check_motion(shot: ShootingResult, guess: OrbitGuess) -> None:
 
 
 def check_return_mode(shot: ShootingResult) -> None:
-    """Raise for what closes in its states only.
+    """Raise where the motion returns in its states but not in its mode.
 
-    At zero relative velocity, between kinetic and static friction, both slip and stick may begin: what slips
-    away from such a state and comes back to stick there does not repeat.
+    At zero relative velocity, with the force between kinetic and static friction, both slip and stick may
+    begin: a motion that slips away from such a state and returns to stick there does not repeat.
     """
     names = shot.run.automaton.names
     first, last = names[int(shot.run.raw.step_modes[0])], names[shot.run.raw.mode]
@@ -131,10 +151,10 @@ def check_return_mode(shot: ShootingResult) -> None:
 
 def check_orbit(shot: ShootingResult, guess: OrbitGuess) -> None:
     """Raise for an orbit that ends in another mode than it begins in, that breaks a condition of its modes,
-    or whose monodromy matrix is useless.
+    or whose monodromy matrix is too inexact.
     """
     check_return_mode(shot)
-    if (amount := condition_violation(shot.run)) > MAX_VIOLATION:
+    if (amount := shot.run.violation) > MAX_VIOLATION:
         raise ValueError(
             f"the orbit found violates a condition of its modes by {amount:.2g}: give another guess"
         )

@@ -1,6 +1,6 @@
 """The kind of motion in a run: equilibrium, periodic, non-periodic, or not settled yet.
 
-Recurrence at a section is looked at first, then decay and drift over the whole window.
+Recurrence at a section is checked first, then decay and drift over the whole window.
 """
 
 from __future__ import annotations
@@ -9,11 +9,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from frictionlab.analysis.motion_scales import Array, state_ranges
+from frictionlab.analysis.motion_scales import AT_REST_RTOL, Array, state_ranges
 from frictionlab.hybrid.trajectory import SectionPoints, Trajectory
 
 from .decay import all_parts_decay, part_decays
 from .forcing_phase import covers_period, only_phase_resets, phase_on_circle
+from .motion_kind import MotionKind
 from .poincare_sections import STICK, Section, section_crossings, stick_onsets, turning_section
 from .recurrence import (
     MIN_CROSSINGS,
@@ -27,47 +28,49 @@ from .recurrence import (
     is_periodic,
 )
 
-EQUILIBRIUM, PERIODIC, NON_PERIODIC = "equilibrium", "periodic", "non-periodic"
-UNSETTLED, ENDED = "not settled yet", "ended early"
 REST_AMPLITUDE_RTOL = 1e-3  # size of a dying motion, as a share of the coordinates, that counts as at rest
 MIN_DECAY_FACTOR = 1.4  # by which factor it has to shrink from the first quarter of the window to the last
-NO_MOTION_RTOL = 1e-9
 EVEN_SAMPLES = 8001
 
 
-def kind_of_motion(run: Trajectory, crossings: Array, returns: Recurrence, tolerance: float) -> str:
-    """The kind of motion in a run with these crossings (K, m) of a section, which return so nearly.
+def kind_of_motion(run: Trajectory, crossings: Array, returns: Recurrence, tolerance: float) -> MotionKind:
+    """The kind of motion in a run, from its crossings (K, m) of a section and their recurrence.
 
     Crossings are those of :func:`frictionlab.analysis.steady_state.forcing_phase.phase_on_circle`.
     """
     resting = _at_rest(run)
     if resting is not None:
-        return EQUILIBRIUM if resting else UNSETTLED
+        return MotionKind.EQUILIBRIUM if resting else MotionKind.NOT_SETTLED
     if is_periodic(returns, tolerance):
-        return PERIODIC
+        return MotionKind.PERIODIC
     if _decays_slowly(run):
-        return EQUILIBRIUM
+        return MotionKind.EQUILIBRIUM
     near = returns.deviation < NEAR_RECURRENCE_RTOL or returns.shrinking > MIN_SETTLING_FACTOR
-    return UNSETTLED if len(crossings) < MIN_CROSSINGS or near or _has_trend(run, crossings) else NON_PERIODIC
+    return (
+        MotionKind.NOT_SETTLED
+        if len(crossings) < MIN_CROSSINGS or near or _has_trend(run, crossings)
+        else MotionKind.NON_PERIODIC
+    )
 
 
 def _at_rest(run: Trajectory) -> bool | None:
-    """Whether a motion without events has come to rest; None where it is not on its way there."""
+    """Whether a motion without events has come to rest; None where it does not decay."""
     if not only_phase_resets(run):
         return None
     x = _even_samples(run)[:, : run.automaton.coordinates or None]
     first, *_, last = (float(state_ranges(part).max()) for part in np.array_split(x, 4))
-    if state_ranges(x).max() <= NO_MOTION_RTOL * np.abs(x).max():
+    if state_ranges(x).max() <= AT_REST_RTOL * np.abs(x).max():
         return covers_period(run)  # what a force holds now it may move later on
     if len(run.events):
         return None
-    if last <= NO_MOTION_RTOL * np.abs(x).max():
+    if last <= AT_REST_RTOL * np.abs(x).max():
         return True
     return last < REST_AMPLITUDE_RTOL * np.abs(x).max() if last < first / MIN_DECAY_FACTOR else None
 
 
 def _decays_slowly(run: Trajectory) -> bool:
-    """Whether a motion without events has all but died, too slowly to shrink much within the window."""
+    """Whether a motion without events is nearly at rest, but decays too slowly to shrink much within the
+    window."""
     if len(run.events):
         return False
     x = _even_samples(run)
@@ -77,7 +80,7 @@ def _decays_slowly(run: Trajectory) -> bool:
 
 
 def _has_trend(run: Trajectory, crossings: Array) -> bool:
-    """Whether a motion that does not repeat goes one way all along."""
+    """Whether a motion that does not repeat drifts, grows or decays throughout the window."""
     size = state_ranges(phase_on_circle(run, run.raw.step_states))
     if (
         crossings_drift(crossings, size)
@@ -100,44 +103,45 @@ def onsets_per_period(run: Trajectory, period: float) -> int:
     if not len(times):
         return 0
     count = max(1, int((times[-1] - times[0]) / period + 0.5))
-    # Half a thousandth of a period aside, so that rounding does not count both ends.
+    # Shifted by half a thousandth of a period, so that rounding does not count both ends.
     return round(int((times > times[-1] - (count - 5e-4) * period).sum()) / count)
 
 
 class MotionClass(NamedTuple):
-    """What a run tells: crossings of a section, how they repeat, the kind of motion, its period (s)."""
+    """The classification of a run: crossings of a section, their recurrence, the kind of motion, its period
+    (s)."""
 
     section: SectionPoints
     returns: Recurrence
-    kind: str
+    kind: MotionKind
     period: float
 
 
 def classify_run(run: Trajectory, section: Section | None, tolerance: float) -> MotionClass:
     """The kind of motion in a run and its period; arguments as of `steady_state`."""
     if not run.status.ok:
-        # Nothing repeats, and what grows without bounds may have a million crossings.
+        # A motion that grows without bounds does not repeat, and may have a million crossings.
         end = SectionPoints(np.array([run.raw.t]), run.final_state[None])
-        return MotionClass(end, Recurrence(0, np.nan, np.nan, np.nan), ENDED, np.nan)
+        return MotionClass(end, Recurrence(0, np.nan, np.nan, np.nan), MotionKind.ENDED_EARLY, np.nan)
     if section is None:
         section = STICK if stick_onsets(run).sum() >= MIN_PERIODS_SEEN else turning_section(run.automaton)
     crossings = section_crossings(run, section)
     states, returns = _section_recurrence(run, crossings, tolerance)
     if section == STICK and not is_periodic(returns, tolerance):
-        # Where the belt's speed is but touched, stick begins or not as rounding has it.
+        # Where the belt's speed is only touched, rounding decides whether stick begins.
         turns, other = _section_recurrence(
             run, section_crossings(run, turning_section(run.automaton)), tolerance
         )
         if is_periodic(other, tolerance) or len(states) < MIN_CROSSINGS:
             states, returns = turns, other
     kind = kind_of_motion(run, states, returns, tolerance)
-    return MotionClass(crossings, returns, kind, returns.period if kind == PERIODIC else np.nan)
+    return MotionClass(crossings, returns, kind, returns.period if kind == MotionKind.PERIODIC else np.nan)
 
 
 def _section_recurrence(
     run: Trajectory, crossings: SectionPoints, tolerance: float
 ) -> tuple[Array, Recurrence]:
-    """The states at crossings of a section, clocks as points on a circle, and how they repeat."""
+    """The states at crossings of a section, phases as points on a circle, and their recurrence."""
     states, size = (
         phase_on_circle(run, crossings.state),
         state_ranges(phase_on_circle(run, run.raw.step_states)),

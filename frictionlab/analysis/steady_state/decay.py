@@ -16,29 +16,32 @@ from frictionlab.analysis.motion_scales import Array
 
 from .recurrence import TREND_PARTS
 
-SAMPLE_RANK_RTOL = 1e-10  # share of the largest below which a direction in the samples is rounding
-MIN_LOSS_SHARE = 1e-9  # share of the motion's square that it has to lose
+# share of the largest singular value below which a direction in the samples is rounding
+SAMPLE_RANK_RTOL = 1e-10
+MIN_LOSS_SHARE = 1e-9  # share of its square that a decaying part has to lose
 MIN_RATE_RATIO = (
-    0.5  # least rate of decay, as a share of the largest, where events between disturb the linear map
+    0.5  # least rate of decay, as a share of the largest, where events between samples disturb the linear map
 )
-SINGLE_RATE_RATIO = 0.99  # and where nothing is left in the end: what nears a cycle does so ever more slowly
-SIGNIFICANT_SHARE = 1e-6  # share of the motion's square above which a part of it has to die as well
+# the same where nothing is left in the end: a motion approaches a cycle ever more slowly
+SINGLE_RATE_RATIO = 0.99
+SIGNIFICANT_SHARE = 1e-6  # share of the motion's square above which a part of it has to decay as well
 
 
 class EigenvectorSquares(NamedTuple):
-    """Mean squares (TREND_PARTS, k) of the motion along k eigenvectors; which shrink by the map."""
+    """Mean squares (TREND_PARTS, k) of the motion along k eigenvectors, and which of these shrink under the
+    map."""
 
     squares: Array
     inside: NDArray[np.bool_]
 
     @property
     def whole(self) -> float:
-        """The largest square of all of them together."""
+        """The largest square of all parts together."""
         return float(self.squares.sum(axis=1).max())
 
 
 def part_decays(samples: Array, size: Array, *, evenly: bool = False) -> bool:
-    """Whether something in a motion fades, or grows, all along.
+    """Whether some part of a motion decays, or grows, throughout.
 
     Parameters
     ----------
@@ -47,7 +50,8 @@ def part_decays(samples: Array, size: Array, *, evenly: bool = False) -> bool:
     size : array (m,)
         Size of the motion in each state.
     evenly : bool
-        Whether it has to do so at about one rate: beats of a motion with events may look like it for a while.
+        Whether it has to do so at about a constant rate: beats of a motion with events may look like decay
+        for a while.
     """
     found = _eigenvector_squares(samples, size)
     if found is None:
@@ -58,7 +62,7 @@ def part_decays(samples: Array, size: Array, *, evenly: bool = False) -> bool:
 
 
 def all_parts_decay(samples: Array, size: Array) -> bool:
-    """Whether all parts of a motion fade, each at a rate of its own."""
+    """Whether all parts of a motion decay, each at a rate of its own."""
     found = _eigenvector_squares(samples, size)
     if found is None:
         return False
@@ -84,7 +88,7 @@ def _eigenvector_squares(samples: Array, size: Array) -> EigenvectorSquares | No
     if not len(spread) or len(steps) <= 2 * len(spread):
         return None
     first, later = shares[:-1], shares[1:]
-    step = np.linalg.solve(first.T @ first, first.T @ later)  # the columns are all but orthonormal
+    step = np.linalg.solve(first.T @ first, first.T @ later)  # the columns are nearly orthonormal
     factors, modes = np.linalg.eig(step)
     lengths = (np.abs(np.linalg.pinv(modes) * spread) ** 2).sum(axis=1)
     parts = np.array_split(np.abs(shares @ modes) ** 2 * lengths, TREND_PARTS)

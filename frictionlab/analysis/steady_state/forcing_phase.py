@@ -15,7 +15,7 @@ from frictionlab.hybrid.trajectory import Trajectory
 
 
 def phase_resets(run: Trajectory) -> np.ndarray:
-    """Which events (E,) do nothing but set a clock back: no coordinate, velocity or mode changes."""
+    """Which events (E,) only set a phase back: no coordinate, velocity or mode changes."""
     events, automaton = run.events, run.automaton
     if not _other_states(run):
         return np.zeros(len(events), dtype=bool)
@@ -26,7 +26,7 @@ def phase_resets(run: Trajectory) -> np.ndarray:
 
 
 def _phase_guards(run: Trajectory, mode: Mode) -> list[str]:
-    """The events of a mode that set a clock back."""
+    """The events of a mode that set a phase back."""
     others = _other_states(run)
     return [
         e.name
@@ -42,12 +42,13 @@ def _other_states(run: Trajectory) -> set[Any]:
 
 
 def only_phase_resets(run: Trajectory) -> bool:
-    """Whether a motion stays in one mode and nothing happens in it."""
+    """Whether a motion stays in one mode without events but the resets of a phase."""
     return bool(phase_resets(run).all())
 
 
 def covers_period(run: Trajectory) -> bool:
-    """Whether the clocks of an undisturbed run have shown all their times, if it has any."""
+    """Whether every phase of a run without other events has gone through a whole period; true without
+    phases."""
     events, passed = run.events, run.final_state - run.raw.step_states[0]
     for guard in _phase_guards(run, run.automaton.modes[run.raw.mode]):
         at = np.flatnonzero(events.guard == guard)
@@ -57,7 +58,7 @@ def covers_period(run: Trajectory) -> bool:
 
 
 def phase_on_circle(run: Trajectory, states: Array) -> Array:
-    """States (N, m) of a run with every clock as a point on a circle."""
+    """States (N, m) of a run with every phase as a point on a circle."""
     at, columns = phase_resets(run), [*states.T]
     if not at.any():
         return states

@@ -16,7 +16,7 @@ from frictionlab.stability import equilibrium
 
 Array = NDArray[np.float64]
 SQUARED_DISTANCE = "square"
-INTENSITY_SAMPLES = 100_001  # of runs of methods that integrate nothing beside the states
+INTENSITY_SAMPLES = 100_001  # samples of a run whose method integrates no quadratures
 
 
 def equilibrium_coordinates(model: Any) -> Array | None:
@@ -28,9 +28,9 @@ def equilibrium_coordinates(model: Any) -> Array | None:
 
 
 def with_equilibrium_parameters(automaton: HybridAutomaton, point: Array) -> HybridAutomaton:
-    """The automaton with the equilibrium (n,) as parameters beside its own.
+    """The automaton with the equilibrium (n,) as additional parameters.
 
-    As numbers in the integrand they would make a new program for every value of a parameter.
+    As numbers in the integrand they would need a new program for every value of a parameter.
     """
     resting = {_equilibrium_symbol(x): float(e) for x, e in zip(automaton.states, point)}
     return replace(automaton, parameters={**automaton.parameters, **resting})
@@ -53,8 +53,8 @@ def _equilibrium_symbol(state: sympy.Symbol) -> sympy.Symbol:
 def intensity(run: Trajectory, period: float) -> float:
     """L_s, Eq. (20): the mean over the last period of a run, or over all of it where `period` is NaN.
 
-    Runs of the Taylor method integrate along their polynomials, given the integral over all of the run as
-    the quadrature `SQUARED_DISTANCE`.  NaN where there is no equilibrium.
+    Runs of the Taylor method carry the integral as the quadrature `SQUARED_DISTANCE`.  NaN where there is no
+    equilibrium.
     """
     point = equilibrium_coordinates(run.source)
     if point is None:

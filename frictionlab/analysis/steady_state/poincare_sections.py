@@ -8,16 +8,15 @@ from typing import Any
 import numpy as np
 import sympy
 
-from frictionlab.components.names import did_you_mean
 from frictionlab.hybrid.outputs import array_function
 from frictionlab.hybrid.trajectory import SectionPoints, Trajectory
-from frictionlab.validation import check_number
+from frictionlab.validation import check_number, did_you_mean_or_known
 
 STICK = "stick"
 NAME_PATTERN = re.compile(r"(?<![\w.])[A-Za-z_]\w*'?")
 ARITHMETIC_PATTERN = re.compile(r"(?!.*\.\s*[A-Za-z_])[\w\s.+*/()'-]+")
 BISECTIONS = 40
-EVENT_TIME_ATOL = 1e-9  # seconds to an event that are but rounding
+EVENT_TIME_ATOL = 1e-9  # s: a crossing so near to an event is at the event, but for rounding
 Section = str | tuple[str, int]
 
 
@@ -35,7 +34,7 @@ def section_function(automaton: Any, section: Section) -> dict[str, Any]:
     Raises
     ------
     ValueError
-        For an unknown name in the expression, or what is none; for another direction; for "stick" where
+        For an unknown name in the expression, or no expression; for another direction; for "stick" where
         no mode has that name.
     """
     if isinstance(section, str) and section == STICK:
@@ -65,23 +64,24 @@ def parse_section(automaton: Any, text: str) -> Any:
     unknown = [word for word in NAME_PATTERN.findall(text) if _identifier(word) not in symbols]
     if unknown:
         known = [symbol.name for symbol in automaton.states]
-        hint = did_you_mean(unknown[0], known)
-        raise ValueError(f"section {text!r} has the unknown name {unknown[0]!r}: {hint}")
+        hint = did_you_mean_or_known(unknown[0], known)
+        raise ValueError(f"section {text!r} has the unknown name {unknown[0]!r}{hint}")
     found = symbols.get(_identifier(text)) or _parse(
         text, symbols
-    )  # a name alone needs no parser, which is slow
+    )  # a single name needs no parser, which is slow
     if not isinstance(found, sympy.Expr) or not found.free_symbols & {*automaton.states}:
         raise ValueError(f'section must be an expression of the states such as "x1 - x2", got {text!r}')
     return found
 
 
 def _parse(text: str, symbols: dict[str, Any]) -> Any:
-    """What sympy makes of it, None where that is nothing; its parser evaluates, so it sees but arithmetic."""
+    """The text as a sympy expression, None where it is none; sympy's parser evaluates text, so it is given
+    only arithmetic."""
     if not ARITHMETIC_PATTERN.fullmatch(text):
         return None
     try:
         return sympy.parse_expr(_identifier(text), local_dict=symbols)
-    except Exception:  # a parser's errors are many
+    except Exception:  # the parser raises errors of many kinds
         return None
 
 
@@ -90,21 +90,23 @@ def _identifier(name: str) -> str:
 
 
 def sections_to_record(automaton: Any, section: Section | None) -> dict[str, Any]:
-    """What a run has to record for recurrence to be looked at: beside onsets of stick where it turns."""
+    """The sections that a run has to record to check recurrence: with onsets of stick the turning points
+    too."""
     return section_function(automaton, section or turning_section(automaton)) or section_function(
         automaton, turning_section(automaton)
     )
 
 
 def turning_section(automaton: Any) -> tuple[str, int]:
-    """Where the first coordinate is largest; without coordinates, where the first state passes zero."""
+    """The section where the first coordinate is largest; without coordinates, where the first state passes
+    zero."""
     return (str(automaton.states[automaton.coordinates]), -1)
 
 
 def section_crossings(run: Trajectory, section: Section) -> SectionPoints:
     """Crossings of the section in a run: times (K,), states (K, m).
 
-    At an onset of stick the state after it, at other events that before.
+    At an onset of stick the state is that after it, at other events that before.
     """
     if section == STICK:
         chosen = stick_onsets(run)
@@ -116,7 +118,8 @@ def section_crossings(run: Trajectory, section: Section) -> SectionPoints:
 
 
 def _states_before_events(run: Trajectory, found: SectionPoints) -> SectionPoints:
-    """The crossings, with the state before an event where one is at an event: either may have been found."""
+    """The crossings, with the state before the event where one is at an event: the state after it may have
+    been found."""
     events = run.events
     if not len(events):
         return found
@@ -133,7 +136,8 @@ def stick_onsets(run: Trajectory) -> Any:
 
 
 def _search_crossings(run: Trajectory, function: Any, direction: int) -> SectionPoints:
-    """For methods that record no sections: changes of sign between samples, found by bisection."""
+    """Crossings for methods that record no sections: changes of sign between samples, located by
+    bisection."""
     level = _section_values(run, function)
     value = level(run.t)
     rising = (value[:-1] < 0) & (value[1:] >= 0) & (direction >= 0)

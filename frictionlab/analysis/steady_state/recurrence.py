@@ -12,16 +12,18 @@ import numpy as np
 
 from frictionlab.analysis.motion_scales import Array, state_ranges
 
-MIN_PERIODS_SEEN = 3  # periods that have to be seen at least
-MAX_LAG = 500  # crossings in a period that are looked for at most
+MIN_PERIODS_SEEN = 3  # periods that the window has to contain at least
+MAX_LAG = 500  # most crossings in a period
 NEAR_RECURRENCE_RTOL = 1e-3
 MIN_SETTLING_FACTOR = (
-    1.5  # a deviation that shrinks so much from each third of the window to the next still settles
+    # factor from each third of the window to the next by which the deviation shrinks where the motion still
+    # settles
+    1.5
 )
-TREND_PARTS = 8  # by chance, eight numbers are in ascending or descending order twice in 40320 times
+TREND_PARTS = 8  # eight random numbers are in ascending or descending order twice in 40320 times
 MIN_CROSSINGS = (
     TREND_PARTS * MIN_PERIODS_SEEN
-)  # crossings below which a motion that does not repeat may do so yet, or go one way
+)  # crossings below which a motion that does not repeat may still do so, or drift
 
 
 class Recurrence(NamedTuple):
@@ -32,14 +34,14 @@ class Recurrence(NamedTuple):
     lag : int
         Crossings in a period; 0 where there are too few to tell.
     period : float
-        Mean time of them in s, over the second half of the crossings; NaN where `lag` is 0.
+        Mean duration of so many crossings in s, over the second half of them; NaN where `lag` is 0.
     deviation : float
-        Largest difference of the state to that one period before, as a share of the motion's size, or of
-        the time between the two to the last such time, as a share of the longest; over the second half of
-        the crossings.
+        Largest difference of the state to that one period before, as a share of the motion's size, or of the
+        time between the two to the last such time, as a share of the longest such time; over the second half
+        of the crossings.
     shrinking : float
-        By which factor at least it shrinks from each third of them to the next: large where the motion
-        still settles.
+        Least factor by which the deviation shrinks from each third of the crossings to the next: large where
+        the motion still settles.
     """
 
     lag: int
@@ -52,7 +54,8 @@ NO_RECURRENCE = Recurrence(0, np.nan, np.inf, 1.0)
 
 
 def find_recurrence(t: Array, states: Array, size: Array, tolerance: float) -> Recurrence:
-    """The shortest period that repeats within a tolerance, or nearly and ever better; else the nearest lag.
+    """The shortest lag at which the motion repeats within a tolerance, or nearly and ever more closely; else
+    the closest lag.
 
     Parameters
     ----------
@@ -68,12 +71,13 @@ def find_recurrence(t: Array, states: Array, size: Array, tolerance: float) -> R
     repeating = next((r for r in found if is_periodic(r, tolerance)), None)
     if repeating is None:
         return min(found, key=lambda r: r.deviation, default=NO_RECURRENCE)
-    # Where the motion spirals inwards a long lag repeats first, but what a shorter one misses dies away too.
+    # Where the motion spirals inwards a long lag repeats first, but the deviation at a shorter one decays
+    # too.
     return next((r for r in found[: repeating.lag] if r.shrinking > MIN_SETTLING_FACTOR), repeating)
 
 
 def is_periodic(found: Recurrence, tolerance: float) -> bool:
-    """Whether a motion is periodic, or approaches a periodic one and is near."""
+    """Whether a motion is periodic, or close to a periodic one and approaching it."""
     return found.deviation < tolerance or (
         found.deviation < NEAR_RECURRENCE_RTOL and found.shrinking > MIN_SETTLING_FACTOR
     )
@@ -90,10 +94,10 @@ def _recurrence_at_lag(t: Array, states: Array, lag: int) -> Recurrence:
 
 
 def _time_deviations(times: Array) -> Array:
-    """How far times between returns are from the last of them, as shares of the longest.
+    """Differences of the times between returns from the last of them, as shares of the longest.
 
-    A section that is only touched misses some of the returns, and a state may come upon it twice at once: it
-    is the same state at each crossing, though not after the same time.
+    Where a section is only touched, some returns are missed or counted twice: the state is the same at each
+    crossing, but the times between differ.
     """
     longest = times.max()
     return np.abs(times - times[-1]) / longest if longest > 0.0 else np.ones(len(times))
@@ -107,8 +111,8 @@ def _settling_factor(differences: Array) -> float:
 
 
 def crossings_drift(states: Array, size: Array) -> bool:
-    """Whether a motion that does not repeat is still on its way: its crossings of a section move, or spread,
-    one way all along.
+    """Whether a motion that does not repeat still drifts: its crossings of a section move, or spread, in one
+    direction throughout.
 
     Parameters
     ----------

@@ -11,31 +11,34 @@ import numpy as np
 
 from frictionlab.analysis.spectrum import Spectrum, amplitude_spectrum
 from frictionlab.analysis.verification.defect_warning import defect_warning
+from frictionlab.drawable import Drawable
 from frictionlab.hybrid.trajectory import SectionPoints, Trajectory
 
-from .classification import ENDED, EQUILIBRIUM, NON_PERIODIC, PERIODIC, classify_run, onsets_per_period
+from .classification import classify_run, onsets_per_period
 from .intensity import intensity
+from .motion_kind import MotionKind
 from .poincare_sections import Section
 
 
 @dataclass(frozen=True, eq=False)
-class SteadyState:
+class SteadyState(Drawable):
     """What a motion settles to.
 
     Parameters
     ----------
     model : Model or HybridAutomaton
-    kind : "equilibrium", "periodic", "non-periodic", "not settled yet" or "ended early"
-        The last where the solver did not reach the end of the run: ``trajectory.status`` says why.
+    kind : MotionKind
+        One of "equilibrium", "periodic", "non-periodic", "not settled yet" and "ended early", the last where
+        the solver did not reach the end of the run: ``trajectory.status`` says why.
     period : float
         s; NaN where the motion is not periodic.
     onsets_per_period : int
         Transitions from slip to stick in a period; 0 where the motion is not periodic.
     intensity : float
         L_s, Eq. (20): mean of the squared distance from the sliding equilibrium, the coordinates summed (m^2
-        and rad^2).  Over the last period where there is one, else over the window.  NaN without an
+        and rad^2).  Taken over the last period where there is one, else over the window.  NaN without an
         equilibrium, or where the run ended early.
-    section : Points
+    section : SectionPoints
         Crossings of the section in the window: times (K,), states (K, 2n).  Of a run that ended early the
         place where it ended.
     deviation : float
@@ -43,13 +46,15 @@ class SteadyState:
     time_in_mode : mapping
         Share of the window spent in each mode.
     trajectory : Trajectory
-        The window; its time starts at zero.
+        The run over the window; its time starts at zero.
     transient : float
         Seconds before the window.
     """
 
+    drawn_by = "plot_steady_state"
+
     model: Any
-    kind: str
+    kind: MotionKind
     period: float
     onsets_per_period: int
     intensity: float
@@ -67,7 +72,7 @@ class SteadyState:
     @property
     def settled(self) -> bool:
         """Whether the transient was long enough to tell."""
-        return self.kind in (EQUILIBRIUM, PERIODIC, NON_PERIODIC)
+        return self.kind in (MotionKind.EQUILIBRIUM, MotionKind.PERIODIC, MotionKind.NON_PERIODIC)
 
     def spectrum(self, name: str | None = None, *, f_max: float | None = None) -> Spectrum | None:
         """Amplitude spectrum (the state's unit, over Hz) of the whole window, Hann-weighted; see
@@ -76,11 +81,12 @@ class SteadyState:
         return amplitude_spectrum(self.trajectory, name, f_max=f_max, start=0.0)
 
     def __repr__(self) -> str:
-        if self.kind == ENDED:
-            return f"SteadyState({ENDED}: {self.trajectory.status})"
+        if self.kind == MotionKind.ENDED_EARLY:
+            return f"SteadyState({MotionKind.ENDED_EARLY}: {self.trajectory.status})"
         onsets = "onset" if self.onsets_per_period == 1 else "onsets"
         period = f", period {self.period:.6g} s, {self.onsets_per_period} {onsets} of stick in it"
-        return f"SteadyState({self.kind}{period if self.kind == PERIODIC else ''}, L_s {self.intensity:.5g})"
+        period = period if self.kind == MotionKind.PERIODIC else ""
+        return f"SteadyState({self.kind}{period}, L_s {self.intensity:.5g})"
 
 
 def steady_state_of_window(
@@ -92,8 +98,8 @@ def steady_state_of_window(
         model=model,
         kind=found.kind,
         period=found.period,
-        onsets_per_period=onsets_per_period(run, found.period) if found.kind == PERIODIC else 0,
-        intensity=np.nan if found.kind == ENDED else intensity(run, found.period),
+        onsets_per_period=onsets_per_period(run, found.period) if found.kind == MotionKind.PERIODIC else 0,
+        intensity=np.nan if found.kind == MotionKind.ENDED_EARLY else intensity(run, found.period),
         section=found.section,
         deviation=found.returns.deviation,
         time_in_mode={name: seconds / (run.raw.t or 1.0) for name, seconds in run.time_in_mode.items()},

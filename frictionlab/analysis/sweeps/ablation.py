@@ -1,21 +1,22 @@
-"""`fl.ablation`: one study of all models that nonlinearities, each on or off, make."""
+"""`fl.ablation`: one study of a model with every combination of its nonlinearities on and off."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from concurrent.futures import Executor
 from dataclasses import dataclass
 from itertools import compress, product
-from typing import Any
+from typing import Any, Unpack
 
+from frictionlab.analysis.options import Execution, ExecutionKeywords, merge_keywords
+from frictionlab.drawable import Drawable
 from frictionlab.models.coercion import require_model
 
-from .task_runner import check_function, check_workers, run_tasks
+from .task_runner import check_function, run_tasks
 
 
 @dataclass(frozen=True, eq=False)
-class Ablation:
-    """What a study gave for each scene, eight of three nonlinearities.
+class Ablation(Drawable):
+    """The results of a study for each combination of nonlinearities: eight scenes for three of them.
 
     Parameters
     ----------
@@ -23,8 +24,11 @@ class Ablation:
         The nonlinearities that each scene lacks; the first lacks none, the last all.
     models : tuple
     results : tuple
-        What the study returned.
+        The results that the study returned.
     """
+
+    drawn_by = "plot_ablation"
+    several_axes = True
 
     without: tuple[tuple[str, ...], ...]
     models: tuple[Any, ...]
@@ -66,9 +70,8 @@ def ablation(
     model: Any,
     study: Callable[[Any], Any],
     *,
-    workers: int | None = None,
-    executor: Executor | None = None,
-    progress: bool = True,
+    execution: Execution | None = None,
+    **keywords: Unpack[ExecutionKeywords],
 ) -> Ablation:
     """Put all scenes with a model's :attr:`~Model.nonlinearities` on or off through a study.
 
@@ -81,11 +84,10 @@ def ablation(
         With all of its nonlinearities.
     study : callable
         Called as ``study(model)``: ``fl.steady_state``, or a function of your own.
-    workers : int or None
-        Threads; None takes one for each processor.
-    executor : concurrent.futures.Executor or None
-        Used instead of threads, as by :func:`bifurcation`.
-    progress : bool
+    execution : Execution or None
+        Workers, executor and progress bar; None takes the usual ones.  `resume` must be None.
+    **keywords
+        Fields of :class:`Execution`, in the place of those of `execution`: ``workers=2``.
 
     Returns
     -------
@@ -95,9 +97,9 @@ def ablation(
     Raises
     ------
     TypeError
-        For what is no model, or no function.
+        For what is no model, or no function, or an unknown keyword.
     ValueError
-        For a model that cannot be without one of them.
+        For a model that cannot be without one of them, or an `execution` with a file.
     RuntimeError
         Where the study of a scene fails, from its error.
 
@@ -110,7 +112,9 @@ def ablation(
     """
     require_model(model, cure="write ablation(model, study), the model made, such as fl.SliderOnBelt()")
     check_function("study", study, "give one such as fl.steady_state")
-    check_workers(workers)
+    (how,) = merge_keywords("ablation", keywords, unused="resume", execution=(Execution, execution))
+    if how.resume is not None:
+        raise ValueError(f"resume must be None, got {how.resume!r}: an ablation keeps no file, leave it out")
     switches = tuple(model.nonlinearities)
     left_out = tuple(tuple(compress(switches, choice)) for choice in product((0, 1), repeat=len(switches)))
     models = tuple(model.without(*names) for names in left_out)
@@ -120,8 +124,7 @@ def ablation(
         [(m,) for m in models],
         keep=results.__setitem__,
         names=[f"the scene {_scene(names, len(switches))}" for names in left_out],
-        workers=workers,
-        executor=executor,
-        progress="ablation" if progress else None,
+        execution=how,
+        title="ablation",
     )
     return Ablation(left_out, models, tuple(results.get(i) for i in range(len(models))))

@@ -11,8 +11,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionlab.analysis.steady_state.classification import EQUILIBRIUM
+from frictionlab.analysis.steady_state.motion_kind import MotionKind
 from frictionlab.analysis.tables import import_optional
+from frictionlab.drawable import Drawable
 from frictionlab.models import Model
 from frictionlab.validation import check_choice
 
@@ -22,7 +23,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class Bifurcation:
+class Bifurcation(Drawable):
     """Steady states at N values of a parameter; those not computed (after ctrl-C) have the kind "".
 
     Parameters
@@ -44,8 +45,10 @@ class Bifurcation:
     specification : mapping
         All that determines the result: model, start, method and so on.
     results : mapping of int to mapping
-        What was computed, by index.
+        The results computed, by index.
     """
+
+    drawn_by = "plot_bifurcation"
 
     parameter: str
     values: Array
@@ -66,7 +69,7 @@ class Bifurcation:
 
     @property
     def warnings(self) -> tuple[str | None, ...]:
-        """Of each value what ``SteadyState.warning`` says; None where there is nothing to be said."""
+        """The ``SteadyState.warning`` of each value; None where there is none."""
         return tuple(self.results.get(i, {}).get("warning") for i in range(len(self.values)))
 
     def section(self, name: str, *kinds: str) -> tuple[Array, Array]:
@@ -77,7 +80,8 @@ class Bifurcation:
         name : str
             The state, e.g. "x1" or "x1'".
         kinds : str
-            Kinds of motion; none takes all that move.  "equilibrium" gives the states at rest instead.
+            Kinds of motion; without any, all but equilibria.  "equilibrium" gives the states of equilibria
+            instead.
 
         Raises
         ------
@@ -86,12 +90,12 @@ class Bifurcation:
         """
         check_choice("name", name, self.names)
         column = self.names.index(name)
-        chosen = kinds or tuple({*self.kinds} - {EQUILIBRIUM, ""})
+        chosen = kinds or tuple({*self.kinds} - {MotionKind.EQUILIBRIUM, ""})
         found = [self._states(i)[:, column] if kind in chosen else () for i, kind in enumerate(self.kinds)]
         return np.repeat(self.values, [len(f) for f in found]), np.concatenate([*found, np.zeros(0)])
 
     def _states(self, i: int) -> Array:
-        if self.kinds[i] == EQUILIBRIUM:
+        if self.kinds[i] == MotionKind.EQUILIBRIUM:
             return np.array([self.results[i]["final"]])
         return self.sections[i]
 
@@ -134,7 +138,7 @@ def load_bifurcation(path: str | Path) -> Bifurcation:
     Raises
     ------
     ValueError
-        If the file is none.
+        If the file is not of a bifurcation.
     """
     specification, results = read_journal(path)
     if "parameter" not in specification:

@@ -1,7 +1,8 @@
-"""Results of a sweep in a file of JSON lines, written as they come, so that a sweep that was cut off goes on.
+"""Results of a sweep in a file of JSON lines, written as they come, so that an interrupted sweep can be
+resumed.
 
 The first line holds the arguments of the sweep; each further one the result of one task.  When all are there
-the lines are put in order, so that the file does not depend on how often the sweep was cut off.
+the lines are put in order, so that the file does not depend on how often the sweep was interrupted.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ LINE_KEYS = {"task", "result"}
 
 
 class Journal:
-    """What is known of a sweep, on disk as well if there is a path."""
+    """The specification and results of a sweep so far, also on disk if there is a path."""
 
     def __init__(self, specification: dict[str, Any], path: str | Path | None = None) -> None:
         self.results: dict[int, Any] = {}
@@ -36,7 +37,7 @@ class Journal:
             raise OSError(f"resume must be a file that can be written, {path} is none: {error}") from error
 
     def keep(self, task: int, result: Any) -> None:
-        """Remember a result; it is on disk when this returns, and is remembered as the file gives it back.
+        """Keep a result, in the form in which the file gives it back; it is on disk when this returns.
 
         Raises
         ------
@@ -58,20 +59,20 @@ class Journal:
 
 
 def write_journal(path: str | Path, specification: dict[str, Any], results: dict[int, Any]) -> Path:
-    """Write all lines in order, at once: whoever reads the file sees the old or the new one."""
+    """Write all lines in order, atomically: a reader sees the old file or the new one."""
     path = Path(path)
     lines = [
         _json_line(specification),
         *(_json_line({"task": i, "result": results[i]}) for i in sorted(results)),
     ]
-    beside = path.with_name(path.name + ".new")
-    beside.write_text("".join(lines), encoding="utf-8")
-    os.replace(beside, path)
+    temporary = path.with_name(path.name + ".new")
+    temporary.write_text("".join(lines), encoding="utf-8")
+    os.replace(temporary, path)
     return path
 
 
 def read_journal(path: str | Path) -> tuple[dict[str, Any], dict[int, Any]]:
-    """What was asked, and the results by index.
+    """The specification of a sweep, and its results by index.
 
     Raises
     ------
@@ -101,7 +102,7 @@ def _json_value(value: Any) -> Any:
 
 
 def _complete_lines(path: Path) -> list[Any]:
-    """The lines of a file, but for a last one that was not written to its end."""
+    """The complete lines of a file, without a last one that was cut off."""
     text = path.read_text(encoding="utf-8")
     try:
         return [json.loads(line) for line in text[: text.rfind("\n") + 1].splitlines()] or [None]

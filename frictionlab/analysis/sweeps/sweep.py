@@ -3,26 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import Executor
 from dataclasses import dataclass
 from itertools import product
-from pathlib import Path
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionlab.analysis.initial_states import check_initial_state
+from frictionlab.analysis.initial_states import initial_state_of
+from frictionlab.analysis.options import Execution, ExecutionKeywords, merge_keywords
 from frictionlab.analysis.tables import import_optional
+from frictionlab.drawable import Drawable
 from frictionlab.models.coercion import require_model
 from frictionlab.validation import check_mapping, float_array
 
 from .journal import Journal
-from .task_runner import check_function, check_workers, run_tasks
+from .task_runner import check_function, run_tasks
 
 
 @dataclass(frozen=True, eq=False)
-class Sweep:
+class Sweep(Drawable):
     """Results over a grid of parameters and initial states.
 
     Parameters
@@ -33,11 +33,16 @@ class Sweep:
         Initial states, the last axis; empty where the function takes none.
     results : object array
         What the function returned; None for what was not done (after ctrl-C).
+    model : Model
+        With the values that are not in `over`.
     """
+
+    drawn_by = "plot_sweep"
 
     over: Mapping[str, NDArray[np.float64]]
     x0: tuple[Any, ...]
     results: NDArray[np.object_]
+    model: Any
 
     def to_array(self) -> NDArray[np.float64]:
         """The results as numbers; NaN for those that are None."""
@@ -63,39 +68,36 @@ class Sweep:
         return self.to_dataframe().to_xarray()
 
     def labels(self) -> list[str]:
-        """What each initial state is called: its name, or its place."""
+        """A label for each initial state: its name, or its index."""
         return [start if isinstance(start, str) else f"state {i}" for i, start in enumerate(self.x0)]
 
 
 def sweep(
-    function: Callable[..., Any],
     model: Any,
+    function: Callable[..., Any],
     over: Mapping[str, Any],
     *,
     x0: Sequence[Any] = (),
-    workers: int | None = None,
-    executor: Executor | None = None,
-    resume: str | Path | None = None,
-    progress: bool = True,
+    execution: Execution | None = None,
+    **keywords: Unpack[ExecutionKeywords],
 ) -> Sweep:
     """Call a function with the model at each point of a grid of parameters.
 
     Parameters
     ----------
+    model : Model
     function : callable
         Called as ``function(model)``, or as ``function(model, start)`` where `x0` is given.
-    model : Model
     over : mapping of str to array_like
         Parameters and their values.
     x0 : sequence
         Initial states: names, or arrays (2n,), as :func:`simulate` takes them.
-    workers, executor
-        As :func:`bifurcation`.
-    resume : path or None
-        File in which results are kept as they come; if it is there, what it holds is not computed again.
-        They have to be numbers, texts, or lists and mappings of such.  Of the function the file knows only
-        the name: give every function, and every setting that it has inside, a file of its own.
-    progress : bool
+    execution : Execution or None
+        Workers, executor, file and progress bar; None takes the usual ones.  Results that the file of
+        `resume` keeps have to be numbers, texts, or lists and mappings of such.  Of the function the file
+        knows only the name: give every function, and every setting that it has inside, a file of its own.
+    **keywords
+        Fields of :class:`Execution`, in the place of those of `execution`: ``workers=2``.
 
     Returns
     -------
@@ -105,7 +107,7 @@ def sweep(
     Raises
     ------
     TypeError
-        For an unknown parameter, what is no function, or no model.
+        For an unknown parameter or keyword, what is no function, or no model.
     ValueError
         For a value that breaks a rule or a bad initial state; like the others before any work is done.
     OSError
@@ -116,13 +118,13 @@ def sweep(
     Examples
     --------
     >>> import frictionlab as fl
-    >>> found = fl.sweep(lambda m: fl.equilibrium(m).normal_force, fl.SliderOnBelt(), {"F": [100, 200]})
+    >>> found = fl.sweep(fl.SliderOnBelt(), lambda m: fl.equilibrium(m).normal_force, {"F": [100, 200]})
     >>> found.to_array().round(2)
     array([ 60.75, 121.54])
     """
-    check_function("function", function, "write sweep(function, model, over)")
-    require_model(model, cure="write sweep(function, model, over), the model made, such as fl.SliderOnBelt()")
-    check_workers(workers)
+    require_model(model, cure="write sweep(model, function, over), the model made, such as fl.SliderOnBelt()")
+    check_function("function", function, "write sweep(model, function, over)")
+    (how,) = merge_keywords("sweep", keywords, execution=(Execution, execution))
     axes = _axes(over)
     points = list(product(*axes.values()))
     models = [model.replace(**dict(zip(axes, map(float, point)))) for point in points]
@@ -130,9 +132,9 @@ def sweep(
         raise ValueError(f"x0 must be a sequence of initial states, got {x0!r}: write [{x0!r}]")
     starts = [s if isinstance(s, str) else np.asarray(s, dtype=float).tolist() for s in x0]
     for start in starts:
-        check_initial_state(model, start)
+        initial_state_of(model, start)
     specification = {"function": _name(function), "model": model.to_dict(), "x0": starts}
-    journal = Journal({**specification, "over": {k: v.tolist() for k, v in axes.items()}}, resume)
+    journal = Journal({**specification, "over": {k: v.tolist() for k, v in axes.items()}}, how.resume)
     tasks = [(m, start) for m in models for start in x0] if starts else [(m,) for m in models]
     run_tasks(
         function,
@@ -140,16 +142,15 @@ def sweep(
         keep=journal.keep,
         names=[_point(axes, points[i // (len(starts) or 1)]) for i in range(len(tasks))],
         done=frozenset(journal.results),
-        workers=workers,
-        executor=executor,
-        progress="sweep" if progress else None,
+        execution=how,
+        title="sweep",
     )
     journal.close()
     results = np.empty(len(tasks), dtype=object)
     for i, result in journal.results.items():
         results[i] = result
     shape = [len(values) for values in axes.values()] + ([len(starts)] if starts else [])
-    return Sweep(axes, tuple(x0), results.reshape(shape))
+    return Sweep(axes, tuple(x0), results.reshape(shape), model)
 
 
 def _axes(over: Mapping[str, Any]) -> dict[str, NDArray[np.float64]]:

@@ -1,6 +1,6 @@
 """Many independent computations: in threads by default, in any executor, resumable, with a progress bar.
 
-A first ctrl-C lets the tasks that have begun come to their end; a second one interrupts at once.
+After a first ctrl-C tasks that have begun are finished; a second one interrupts at once.
 """
 
 from __future__ import annotations
@@ -14,11 +14,12 @@ from contextlib import contextmanager
 from multiprocessing import parent_process
 from typing import Any
 
-from frictionlab.validation import check_number
+from frictionlab.analysis.options import Execution
 
 TASKS_PER_WORKER = (
     2  # tasks handed to each worker at a time, so that ctrl-C does not have to wait for all of them
 )
+QUIETLY = Execution(progress=False)
 INTERRUPT_POLL_TIME = 0.2  # seconds between two looks at ctrl-C
 
 
@@ -29,9 +30,8 @@ def run_tasks(
     keep: Callable[[int, Any], None],
     names: Sequence[str],
     done: Container[int] = (),
-    workers: int | None = None,
-    executor: Executor | None = None,
-    progress: str | None = None,
+    execution: Execution = QUIETLY,
+    title: str = "",
 ) -> bool:
     """Call `function` on each task and hand every result to `keep` with its index, as soon as it is there.
 
@@ -43,15 +43,13 @@ def run_tasks(
     keep : callable of (index, result)
         Called in this thread only, and never interrupted by a first ctrl-C.
     names : sequence of str
-        What each task is called where it fails, e.g. "mu_k = 1.4".
+        Name of each task, for the message where it fails, e.g. "mu_k = 1.4".
     done : container of int
         Indices of the tasks that are left out.
-    workers : int or None
-        Threads; None takes one for each processor.  The solver's kernels run at the same time in threads.
-    executor : concurrent.futures.Executor or None
-        Used instead of threads, and left open.
-    progress : str or None
-        What the progress bar says; None shows none.
+    execution : Execution
+        Its workers, executor and progress; the solver's kernels run at the same time in threads.
+    title : str
+        What the progress bar says.
 
     Returns
     -------
@@ -65,11 +63,10 @@ def run_tasks(
     """
     from tqdm.auto import tqdm
 
-    check_workers(workers)
-    count = workers or os.cpu_count() or 1
+    executor, count = execution.executor, execution.workers or os.cpu_count() or 1
     left = [(i, task) for i, task in enumerate(tasks) if i not in done]
     max_running = TASKS_PER_WORKER * count if executor is None else len(left)
-    bar = tqdm(total=len(left), desc=progress, disable=progress is None, delay=1.0, leave=False)
+    bar = tqdm(total=len(left), desc=title, disable=not execution.progress, delay=1.0, leave=False)
     todo, running, failed = iter(left), {}, {}
     with bar, _executor(executor, count) as pool, deferred_interrupts() as interrupted:
         while not failed and not interrupted():
@@ -93,19 +90,13 @@ def check_function(name: str, function: Any, cure: str) -> None:
         raise TypeError(f"{name} must be a function of a model, got {function!r}: {cure}")
 
 
-def check_workers(workers: int | None) -> None:
-    """Raise unless it is None or a positive integer."""
-    if workers is not None:
-        check_number("workers", workers, integer=True, least=1, cure="leave it out for all processors")
-
-
 def _collect_results(
     running: dict[Future[Any], int],
     keep: Callable[[int, Any], None],
     failed: dict[int, BaseException],
     bar: Any,
 ) -> None:
-    """Keep what has been done, after a wait of a moment at most."""
+    """Keep the results that have arrived, waiting for a moment at most."""
     for future in wait(running, timeout=INTERRUPT_POLL_TIME, return_when=FIRST_COMPLETED).done:
         index = running.pop(future)
         error = future.exception()
@@ -149,7 +140,7 @@ def _executor(given: Executor | None, workers: int) -> Iterator[Executor]:
 
 @contextmanager
 def deferred_interrupts() -> Iterator[Callable[[], bool]]:
-    """Within it a first ctrl-C is only noted: the function given tells of it; a second one interrupts.
+    """Context in which a first ctrl-C is only noted, as the function yielded tells; a second one interrupts.
 
     In a thread other than the main one Python delivers no signals, so nothing is installed there.
     """
@@ -172,6 +163,7 @@ def deferred_interrupts() -> Iterator[Callable[[], bool]]:
 
 
 def ignore_interrupts_in_worker() -> None:
-    """In a process of a pool: ctrl-C reaches all processes of a terminal, only the first has to heed it."""
+    """Ignore ctrl-C in a process of a pool: it reaches all processes of a terminal, and only the first
+    handles it."""
     if parent_process() is not None and threading.current_thread() is threading.main_thread():
         signal.signal(signal.SIGINT, signal.SIG_IGN)

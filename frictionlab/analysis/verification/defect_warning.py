@@ -11,16 +11,16 @@ import numpy as np
 from frictionlab.hybrid.accuracy import defects
 from frictionlab.hybrid.trajectory import Trajectory
 
-SUSPECT_TOLERANCES = 1e4  # tolerances: sound steps stay hundreds below
-HARMLESS_DEFECT = 1e-9  # of the motion's size: below what any analysis here tells apart
-STEPS_PER_MODE = 64  # steps of a mode that are looked at where a run is to cost next to nothing more
+SUSPECT_TOLERANCES = 1e4  # tolerances: the defects of sound steps are hundreds of times smaller
+HARMLESS_DEFECT = 1e-9  # share of the motion's size, below what any analysis here resolves
+STEPS_PER_MODE = 64  # steps of a mode that are sampled, so that the check costs next to nothing
 
 
 def defect_warning(run: Trajectory) -> str | None:
     """A sentence where steps of a Taylor run are far less exact than asked, else None.
 
-    Some steps of each mode are looked at, and only modes whose law is no polynomial of the states: of
-    polynomials the series itself tells how long a step may be.
+    Some steps of each mode are sampled, only of modes with other functions than polynomials of the states:
+    for polynomials the series itself tells how long a step may be.
     """
     tol = run.description.get("method", {}).get("tol")
     if tol is None:

@@ -1,6 +1,6 @@
 """Comparison of two runs of one motion: in their events, and in their states between events.
 
-Events close together (two at once, the last bounces of a Zeno accumulation) count as one.
+Events close together (two at once, the last bounces before a Zeno point) count as one.
 """
 
 from __future__ import annotations
@@ -13,10 +13,10 @@ from frictionlab.analysis.motion_scales import Array
 from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.hybrid.trajectory import Trajectory
 
-SIMULTANEOUS_SHARE = 1e-5  # of the longest stay in a mode: events nearer to each other count as one
-ACCUMULATION_SHARE = 1e-3  # of it: stays so short that lead to an accumulation belong to it
+SIMULTANEOUS_SHARE = 1e-5  # share of the longest stay in a mode: events nearer to each other count as one
+ACCUMULATION_SHARE = 1e-3  # share of the longest stay: stays so short that lead to a Zeno point belong to it
 END_MARGIN_SHARE = (
-    1e-3  # of the longest stay: so near to the end one run may have an event that the other has not
+    1e-3  # share of the longest stay: so near to the end one run may have an event that the other has not
 )
 COMPARISON_TIMES = 2000  # times at which states are compared, besides some within every stay
 SAMPLES_WITHIN_STAY = np.array([0.1, 0.5, 0.9])
@@ -30,7 +30,7 @@ class RunComparison(NamedTuple):
     error : float
         Largest deviation up to `until`, as a share of the motion's size.
     until : float
-        s: up to where they were compared, or came apart.
+        s: time up to which they were compared, or agreed.
     differs_at : float
         s: the first event in which they differ; infinite where there is none.
     """
@@ -41,8 +41,8 @@ class RunComparison(NamedTuple):
 
 
 class ModeStays(NamedTuple):
-    """Events, those close together as one: when the first and the last of them happen, the mode entered,
-    whether an accumulation was closed."""
+    """Events, those close together as one: times of the first and the last of them, the mode entered, whether
+    a Zeno accumulation was closed."""
 
     first: Array
     last: Array
@@ -68,7 +68,8 @@ def longest_stay(run: Trajectory, end: float) -> float:
 
 
 def accumulation_time(run: Trajectory) -> float:
-    """Time between the last event by itself and the first that pile up; infinite where none do."""
+    """Time of a Zeno accumulation, between the last separate event and the first of those close together;
+    infinite without one."""
     found = mode_stays(run, ACCUMULATION_SHARE * longest_stay(run, run.raw.t))
     closed = np.flatnonzero(found.closed)
     if not len(closed):
@@ -82,8 +83,8 @@ def compare_runs(
 ) -> RunComparison:
     """Compare two runs up to `until`, to an event that differs, or to a deviation beyond `max_deviation`.
 
-    Of other methods than Taylor's `other` is looked at where its steps begin: between these the series that
-    stand for it may not converge, however exact it is.
+    Where `other` is not of the Taylor method it is compared at the starts of its steps: between these its
+    dense output, a series, may not converge, however exact the run is.
     """
     end = min(until, run.raw.t, other.raw.t)
     if not end > 0.0:
@@ -108,10 +109,10 @@ def compare_runs(
 
 
 def first_event_difference(one: ModeStays, two: ModeStays, end: float, late: float) -> float:
-    """When two runs first have different events before `end`; infinite where they have the same.
+    """Time at which two runs first have different events before `end`; infinite where they have the same.
 
-    Events number k of both are the same where they lead to the same mode, and each comes before number
-    k + 1 of the other: so it is noted if two are missing and all others look alike.
+    Events number k of both are the same where they lead to the same mode, and each comes before number k + 1
+    of the other; so two missing events are noticed even if all others are alike.
     """
     n = min(len(one.first), len(two.first))
     earlier = np.minimum(one.first[:n], two.first[:n])
@@ -137,5 +138,5 @@ def _events_before(first: Array, t: Array) -> Any:
 
 
 def _outside_accumulations(found: ModeStays, t: Array) -> Any:
-    """Whether no events that are close together are under way."""
+    """Whether a time is outside all groups of events close together."""
     return _events_before(found.first, t) == _events_before(found.last, t)

@@ -19,7 +19,6 @@ from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.hybrid.problem import Status
 from frictionlab.hybrid.solve import solve
 from frictionlab.hybrid.trajectory import Trajectory
-from frictionlab.models import Model
 from frictionlab.models.coercion import automaton_of
 from frictionlab.validation import check_number
 
@@ -34,23 +33,27 @@ from .run_comparison import (
 )
 
 NEIGHBOUR_OFFSET = (
-    1e-9  # of what moves at first: how far beside the start a run begins that shows what is predictable
+    # share of the initial motion by which the neighbouring run starts off, to show how far the motion is
+    # predictable
+    1e-9
 )
 FIRST_SAMPLES = 80  # samples, of ten steps: some periods of the fastest vibration
 UNPREDICTABLE_DEVIATION = (
-    1e-3  # of the motion's size: when that run is so far away, the motion is no longer predictable
+    # share of the motion's size: when the neighbouring run is so far away, the motion is no longer
+    # predictable
+    1e-3
 )
-TRUSTED_DEVIATION = 1e-4  # of the motion's size: runs that agree so well draw one line in a picture
+TRUSTED_DEVIATION = 1e-4  # share of the motion's size: runs that agree so well give one line in a plot
 EXTRA_ORDERS, TOLERANCE_FACTOR = 6, 0.1  # of the second run
 INDEPENDENT_RTOL = 1e-12  # relative tolerance of the independent method
 MAX_INDEPENDENT_STEPS = 20_000  # of the independent method, some ten seconds
-TIME_RTOL = 1e-6  # share of a time by which two runs may differ that find the same
+TIME_RTOL = 1e-6  # share of a time by which two runs with the same events may differ
 UNPREDICTABLE_MESSAGE = "a start changed by a billionth leads elsewhere."
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Verification:
-    """What several runs of one motion say about the first; printed, it is a verdict in a sentence or two.
+    """The verification of a run by other runs of the same motion; prints as a verdict in a sentence or two.
 
     Parameters
     ----------
@@ -60,13 +63,14 @@ class Verification:
         Largest deviation from the other runs up to `until`, as a share of the motion's size, which is that of
         the largest coordinate, velocity and other state.
     until : float
-        s: how far the motion can be predicted.  Beyond, a start changed by a billionth leads elsewhere.
+        s: time up to which the motion can be predicted.  Beyond it an initial state changed by a billionth
+        leads elsewhere.
     independent_until : float
-        s: how far the independent method was compared.  It ends where events pile up.
+        s: time up to which the independent method was compared, at most to a Zeno point.
     events_agree : bool
         Whether the events up to `until` are the same, in the same sequence.
     defect : mapping
-        That of the run: largest relative error of a step, by the mode.
+        Defect of the run: largest relative error of a step, by the mode.
     ok : bool
         Whether the run can be trusted up to `until`.
     verdict : str
@@ -94,9 +98,10 @@ def verify(
     """Run a model, and check the run by others.
 
     A second run has series of a higher order and a tighter tolerance.  A third is by DOP853 of scipy, which
-    shares the equations but neither series nor root finder nor steps; where events pile up (chatter, a ball
-    that comes to rest) it cannot follow, and is compared up to there.  A fourth begins a billionth beside
-    the start and tells how far the motion can be predicted: what is chaotic is not compared.
+    shares the equations but neither series nor root finder nor steps; it cannot follow Zeno behaviour
+    (chatter, a ball that comes to rest), and is compared up to there. A fourth starts from an initial state
+    changed by a billionth and tells how far the motion can be predicted: beyond, a chaotic motion is not
+    compared.
 
     Parameters
     ----------
@@ -136,13 +141,13 @@ def verify(
         raise ValueError(f"the motion must not end where it begins, it does: {run.status}")
     second = motion.run(_more_exact_method(chosen), t_end=run.raw.t)
     size = motion_size(second)
-    until = compare_runs(motion.beside(second), second, size, UNPREDICTABLE_DEVIATION).until
-    if math.isclose(until, run.raw.t, rel_tol=TIME_RTOL):  # the start beside ends a little earlier
+    until = compare_runs(motion.neighbouring_run(second), second, size, UNPREDICTABLE_DEVIATION).until
+    if math.isclose(until, run.raw.t, rel_tol=TIME_RTOL):  # the neighbouring run ends a little earlier
         until = run.raw.t
     same = compare_runs(run, second, size, np.inf, until)
     third = _independent_run(motion, second, size, until, 0.5)
     other = _compare_independent(run, third, size)
-    if _differ(other) and not _differ(same):  # its steps may have passed over something
+    if _differ(other) and not _differ(same):  # its steps may have missed events
         third = _independent_run(motion, second, size, until, 0.0)
         other = _compare_independent(run, third, size)
     found = same, other
@@ -154,7 +159,7 @@ def verify(
 
 
 class _RunSetup:
-    """What is run, by several methods."""
+    """The motion that several methods run."""
 
     def __init__(self, model: Any, start: Array, t_end: float, progress: bool) -> None:
         self._model, self._automaton, self._progress = model, automaton_of(model), progress
@@ -171,15 +176,14 @@ class _RunSetup:
         )
         if run.status is Status.INTERRUPTED:
             raise KeyboardInterrupt
-        if isinstance(self._model, Model):
-            run.description["model"] = self._model.to_dict()
         return run
 
-    def beside(self, run: Trajectory) -> Trajectory:
-        """A run by the same method that starts a little beside another, in the same mode.
+    def neighbouring_run(self, run: Trajectory) -> Trajectory:
+        """A run by the same method from a neighbouring state, in the same mode.
 
-        In stick the velocities are held, at a stop both they and a coordinate: all states are moved where
-        that is possible, else the coordinates, else the velocities.  The run itself where it is not.
+        In stick the velocities are constrained, at a stop a coordinate as well: all states are changed where
+        that is possible, else the coordinates, else the velocities; where none can be, the run itself is
+        returned.
         """
         method, n = method_of(Taylor(**_method_settings(run))), self._automaton.coordinates
         size = np.minimum(motion_size(run, FIRST_SAMPLES), motion_size(run))
@@ -208,9 +212,9 @@ def _more_exact_method(method: Method) -> Method:
 def _independent_run(
     motion: _RunSetup, second: Trajectory, size: Array, until: float, share: float
 ) -> Trajectory | None:
-    """The run by another method, up to where it can follow; None where that is nowhere.
+    """The run by an independent method, up to where it can follow; None where it cannot at all.
 
-    Its steps are at most a `share` of the shortest stay in a mode, but for what would need too many.
+    Its steps are at most a `share` of the shortest stay in a mode, as long as that does not need too many.
     """
     end = min(until, accumulation_time(second))
     if not end > 0.0:
@@ -222,7 +226,8 @@ def _independent_run(
 
 
 def _compare_independent(run: Trajectory, third: Trajectory | None, size: Array) -> RunComparison:
-    """With the independent run; that it misses what lasts less than two of its steps is no difference."""
+    """Compare with the independent run; that it misses a stay shorter than two of its steps is no
+    difference."""
     if third is None:
         return RunComparison(0.0, 0.0, np.inf)
     found = compare_runs(run, third, size, np.inf)
@@ -235,7 +240,7 @@ def _compare_independent(run: Trajectory, third: Trajectory | None, size: Array)
 
 
 def _stays_before(run: Trajectory, end: float) -> tuple[Array, Array]:
-    """When the stays before `end` begin, and how long they last; the one under way there lasts on."""
+    """Start and length of the stays before `end`; that at `end` is taken to last on."""
     found = mode_stays(run, SIMULTANEOUS_SHARE * longest_stay(run, end))
     begins = np.append(0.0, found.last)
     lengths = np.append(found.first, max(run.raw.t, end)) - begins
@@ -247,7 +252,7 @@ def _differ(found: RunComparison) -> bool:
 
 
 def _reason_for_doubt(run: Trajectory, second: Trajectory, same: RunComparison, other: RunComparison) -> str:
-    """Why a run is not to be trusted; nothing where it is."""
+    """The reason why a run is not to be trusted; empty where it is."""
     for found, which in ((same, "a more exact one"), (other, "an independent one")):
         if found.differs_at < np.inf:
             return f"its events are not those of {which} from t = {found.differs_at:.4g} s on"
@@ -262,7 +267,7 @@ def _reason_for_doubt(run: Trajectory, second: Trajectory, same: RunComparison, 
 def _agreement_message(
     run: Trajectory, third: Trajectory | None, until: float, found: tuple[RunComparison, RunComparison]
 ) -> str:
-    """What runs that agree say."""
+    """The verdict where the runs agree."""
     count = int((run.raw.event_times <= until).sum())
     events = {0: "without an event", 1: "with the same event"}.get(count, f"with the same {count} events")
     agree = f"agree to {max(MACHINE_EPSILON, *(each.error for each in found)):.0e} of the motion's size"
@@ -281,11 +286,11 @@ def _agreement_message(
 
 
 def _comparison_limit(run: Trajectory, third: Trajectory | None) -> str:
-    """What ended the comparison with the independent method."""
+    """Why the comparison with the independent method ended."""
     if third is not None and third.status is Status.STEP_CAP:
         return f"where it had taken {len(third.raw.step_modes)} steps"
     if third is not None and not third.status.ok:
         return f"where it ended ({third.status})"
     if third is None or math.isclose(third.raw.t, accumulation_time(run), rel_tol=TIME_RTOL):
-        return "where events begin to pile up"
+        return "at a Zeno accumulation of events"
     return "where a mode lasts too short a time for its steps"

@@ -1,6 +1,6 @@
 """Tools that call functions back: scipy's solve_ivp, CVODE, PathSim.
 
-scipy as one would use it: compiled right-hand side, a call for each mode, terminal events.  CVODE
+scipy as users call it: compiled right-hand side, a call for each mode, terminal events.  CVODE
 (Hindmarsh et al. 2005) with its root finding, through scikit-sundae.  PathSim: block diagrams in
 Python; each mode is an ODE block with its zero crossings.
 """

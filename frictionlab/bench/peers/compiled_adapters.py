@@ -116,12 +116,12 @@ class Diffrax(RestartedMethod):
 
     @cached_property
     def solutions(self) -> list[Callable[..., Any]]:
-        """Compiled, one for each mode."""
+        """Compiled integrations, one for each mode."""
         automaton, values = self.automaton, self.values
         return [_compile_solution(mode, automaton.states, values, self.max_steps) for mode in automaton.modes]
 
     def flow(self, mode: int, z: np.ndarray, length: float) -> tuple[float, np.ndarray, int, int]:
-        # Not for the whole process: other users of JAX in it may want single precision.
+        # Double precision here only: other users of JAX in the process may want single precision.
         with import_module("jax").enable_x64(True):
             t, y, guard, steps = self.solutions[mode](z, length, self.rtol, self.atol)
         return float(t), np.array(y), int(guard), int(steps)
@@ -153,7 +153,7 @@ def _compile_solution(
         )
         y = found.ys[-1]
         guard = jax.numpy.where(found.event_mask, guards(y).argmin(), -1) if guards else -1
-        capped = found.result == dx.RESULTS.max_steps_reached  # counts rejected ones too
+        capped = found.result == dx.RESULTS.max_steps_reached  # counts rejected steps too
         steps = jax.numpy.where(capped, max_steps, found.stats["num_accepted_steps"])
         return found.ts[-1], y, guard, steps
 

@@ -35,7 +35,7 @@ class CompiledMode(NamedTuple):
 
     rates: Callable[[Array, Array], None]
     guards: Callable[[Array, Array], None]
-    jacobian: Callable[[Array, Array], None]  # of the rates, row by row
+    jacobian: Callable[[Array, Array], None]  # Jacobian of the rates, row by row
     count: int  # guards
 
 
@@ -73,7 +73,7 @@ class ExternalMethod(Method):
     Parameters
     ----------
     automaton : HybridAutomaton
-        What is to be run: other tools need its expressions.
+        The automaton to be run: other tools need its expressions.
     max_steps : int
         Of the tool's own steps; a run that reaches it ends with a status.
     """
@@ -97,7 +97,7 @@ class ExternalMethod(Method):
         return self.count[0]
 
     def prepare(self, z: np.ndarray) -> None:
-        """Have compiled what every mode needs, so that no run that is timed does."""
+        """Compile what every mode needs, so that no timed run does."""
         with np.errstate(all="ignore"):
             for mode in range(len(self.automaton.modes)):
                 self.to_event(mode, z.copy(), 0.0, WARM_UP_TIME)
@@ -110,7 +110,7 @@ class ExternalMethod(Method):
 
     @cached_property
     def values(self) -> tuple[tuple[Any, float], ...]:
-        """The parameters with their numbers; that of the limit of chatter is the method's, as in `solve`."""
+        """The parameters and their values; the dwell time of chatter is the method's, as in `solve`."""
         numbers = self.automaton.parameters.items()
         return tuple(
             (symbol, CHATTER_DWELL if symbol.name == "chatter" else number) for symbol, number in numbers
@@ -153,7 +153,7 @@ class ExternalMethod(Method):
         guard += int(code.mode_guards[mode])
         system, truncation = run.system._replace(code=code), run_state.Truncation(self.degree, 0.0)
         event = GuardZero(t - now, guard, 1)
-        return event_handling.handle_event(system, truncation, event, cursor, record, run.work)
+        return event_handling.handle_event(system, truncation, event, cursor, record, run.scratch)
 
     def _begin(self, problem: Problem) -> ActiveRun:
         self.count[0] = 0
@@ -179,7 +179,8 @@ class RestartedMethod(ExternalMethod):
         for _ in range(MAX_RESTARTS):
             passed, z, guard, steps = self.flow(mode, z, t_end - now)
             now, total = now + passed if passed < t_end - now else t_end, total + steps
-            # The zero just left, which rounding has made fall once more: to go on from behind it is enough.
+            # The zero just left, which the guard passes once more by rounding: it suffices to go on from
+            # after it.
             if guard < 0 or now - t >= SAME_INSTANT:
                 break
         return now, z, guard, total

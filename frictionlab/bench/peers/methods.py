@@ -1,6 +1,6 @@
 """The methods that are compared, by name, each with the package it needs.
 
-`InterpretedTaylor` is our own method on the tape alone: what native code is worth.
+`InterpretedTaylor` is our own method without native code, to show what native code gains.
 """
 
 from __future__ import annotations
@@ -11,13 +11,13 @@ from dataclasses import dataclass
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.hybrid.kernels import run_state, taylor_steps
 from frictionlab.hybrid.methods.base import ActiveRun, Method
-from frictionlab.hybrid.methods.rk4 import RK4
+from frictionlab.hybrid.methods.one_step import RK4
 from frictionlab.hybrid.methods.taylor import Taylor
 
 from .callback_adapters import Cvode, PathSim, SolveIvp
 from .compiled_adapters import Diffrax, Heyoka
 
-MAX_STEPS = 100_000  # steps of the slow ones, which take a fifth of that where they get through
+MAX_STEPS = 100_000  # cap of steps of the slow methods; those that reach the end take a fifth of it
 
 
 @dataclass(frozen=True)
@@ -27,7 +27,7 @@ class InterpretedTaylor(Taylor):
     def advance(self, run: ActiveRun, record: run_state.Record) -> int:
         system = run.system._replace(code=run.problem.program.code)
         truncation = run_state.Truncation(self.degree, self.tol)
-        return taylor_steps.advance_taylor(system, truncation, run.cursor, record, run.work)
+        return taylor_steps.advance_taylor(system, truncation, run.cursor, record, run.scratch)
 
 
 @dataclass(frozen=True)

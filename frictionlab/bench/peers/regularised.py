@@ -1,6 +1,7 @@
-"""The model made smooth, as many do instead: tanh for the sign of friction, a contact that only pushes.
+"""The regularised model, a common alternative to events: tanh for the sign of friction, a contact that only
+pushes.
 
-There are no events left, no stick (v_r creeps where it should be zero) and no impacts: the contact springs
+There are no events, no stick (v_r creeps where it should be zero) and no impacts: the contact springs
 back.  Any integrator of stiff equations runs it, here LSODA with a compiled right-hand side.
 """
 
@@ -16,12 +17,13 @@ from frictionlab.hybrid.compilation import NUMBA
 from frictionlab.models.mechanical.equations_of_motion import system_of
 from frictionlab.models.symbols import structure_of_component, symbol
 
-REGULARISATION_WIDTH = 1e-3  # m/s, over which friction turns round
+REGULARISATION_WIDTH = 1e-3  # m/s, width over which friction reverses
 RTOL = 1e-9
 
 
 def regularised_flow(model: Any) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
-    """States and their rates, with F_T = mu_k F_N tanh(v_r/width) and F_N only where the gap is closed."""
+    """States and their rates, with F_T = mu_k F_N tanh(v_r/width) and F_N only where the penetration is
+    positive."""
     found = system_of(structure_of_component(model))
     contact = found.rubbing
     numbers = {symbol(name): value for name, value in model.parameters.items()}

@@ -2,7 +2,7 @@
 
 It does the same operations in the same sequence as :func:`frictionlab.hybrid.kernels.jets.run_tape`, so its
 results are those of the interpreter to the last bit, and a run may change from one to the other at any step.
-It leaves out the rows of slots that nobody reads; of the rates it keeps the values.  `LaneWriter` writes the
+It leaves out the rows of slots that are not used; of the rates it keeps the values.  `LaneWriter` writes the
 same for several runs side by side: every value has one number for each run (lane).
 """
 
@@ -11,22 +11,15 @@ from __future__ import annotations
 from functools import partial
 from typing import Any, NamedTuple
 
+from frictionlab.hybrid.codegen.kernel_symbols import VALUE_SYMBOL
 from frictionlab.hybrid.kernels.arithmetic import PARTS
 from frictionlab.hybrid.kernels.jets import INVERSE_LARGEST_COEFFICIENT, JET_COLUMNS
 from frictionlab.hybrid.llvm_instructions import Instructions, Values, llvm_constant, write_branch, write_loop
-from frictionlab.hybrid.tape.operations import (
-    AFFINE,
-    FUNCTIONS,
-    POWER,
-    PRODUCT,
-    QUOTIENT,
-    RATE,
-    SECH2,
-    SQUARE,
-)
+from frictionlab.hybrid.tape.functions import FUNCTIONS
+from frictionlab.hybrid.tape.operations import AFFINE, POWER, PRODUCT, QUOTIENT, RATE, SQUARE
 from frictionlab.hybrid.tape.tape import Tape
 
-LIBRARY_SYMBOLS = {POWER: "pow"} | {POWER + 1 + i: f.__name__ for i, f in enumerate(FUNCTIONS)}
+LIBRARY_SYMBOLS = {function.kind: function.name for function in FUNCTIONS if function.in_library}
 
 LANE_COUNT = 4
 LEFT, LENGTH, REGULAR, TOL, LOG_TOL, GUARD_TOL = range(6)  # rows of `control`, all of LANE_COUNT numbers
@@ -34,7 +27,7 @@ CONTROL_ROWS = 6
 
 
 class ModeTape(NamedTuple):
-    """What the code of one mode is made from."""
+    """The tape of one mode, from which its code is written."""
 
     tape: Tape
     first: tuple[int, int]  # place of the tape's operations, and of its terms, among all
@@ -104,7 +97,8 @@ class JetWriter(Instructions):
         return [self.values[slot] for slot in self.function.flow]
 
     def _columns(self, done: Any, fours: Any, rates: Values) -> Values:
-        """The next four columns, so that what a convolution leaves after groups of four is known."""
+        """The next four columns: four at a time, the remainder of each convolution after groups of four is
+        known."""
         build, first = self.build, self.build.shl(fours, self.whole(2))
         for rest in range(PARTS):
             k = build.add(first, self.whole(rest + 1))
@@ -139,18 +133,12 @@ class JetWriter(Instructions):
             return build.fdiv(values[a], values[b])
         if kind == RATE:
             return self._number(0.0)
-        if kind == SECH2:
-            return self._sech2(values[a])
-        return (
-            self._power_value(i, values[a]) if kind == POWER else self._call(LIBRARY_SYMBOLS[kind], values[a])
-        )
+        return self._power_value(i, values[a]) if kind == POWER else self._function_value(kind, values[a])
 
-    def _sech2(self, a: Any) -> Any:
-        """As in :func:`jets.function_value`."""
-        build, one = self.build, self._number(1.0)
-        q = self._call("exp", build.fmul(self._number(-2.0), self._abs(a)))
-        below = build.fadd(one, q)
-        return build.fdiv(build.fmul(self._number(4.0), q), build.fmul(below, below))
+    def _function_value(self, kind: int, a: Any) -> Any:
+        if kind in LIBRARY_SYMBOLS:
+            return self._call(LIBRARY_SYMBOLS[kind], a)
+        return self._call(VALUE_SYMBOL, self.whole(kind), a)
 
     def _coefficient(self, i: int, kind: int, a: int, b: int, at: OrderInLoop) -> Any:
         """Coefficient k > 0."""
@@ -203,7 +191,7 @@ class JetWriter(Instructions):
         return self._fma(build.fmul(two, self._at(a, self.J)), self.values[a], total)
 
     def _prepare_powers(self) -> None:
-        """What the base of a power is to be larger than, relative to its rate, to have a series."""
+        """The least base of a power, relative to its rate, for which it has a series."""
         if any(kind == POWER for kind, _, _ in self.function.tape.ops):
             build, kind, one = self.build, self.ir.DoubleType(), self.whole(1)
             order = build.select(build.icmp_signed(">", self.order, one), self.order, one)
@@ -235,7 +223,7 @@ class JetWriter(Instructions):
         return self.build.fcmp_ordered(">", base, self._number(0.0))
 
     def _limit(self, exponent: Any) -> Any:
-        """Of a power where its base goes to zero."""
+        """The limit of a power where its base goes to zero."""
         negative = self.build.fcmp_ordered("<", exponent, self._number(0.0))
         return self.build.select(negative, self._number(float("inf")), self._number(0.0))
 
@@ -286,7 +274,7 @@ class JetWriter(Instructions):
 
 
 class LaneWriter(JetWriter):
-    """The recurrences, and what else all lanes do at once."""
+    """The recurrences for several runs side by side, and other operations on all lanes."""
 
     width = LANE_COUNT
 
@@ -316,7 +304,8 @@ class LaneWriter(JetWriter):
         result = self._number(0.0)
         for lane in range(LANE_COUNT):
             place = self.ir.IntType(32)(lane)
-            each = super()._call(name, *(self.build.extract_element(vector, place) for vector in arguments))
+            numbers = (self.build.extract_element(a, place) if a.type == self.kind else a for a in arguments)
+            each = super()._call(name, *numbers)
             result = self.build.insert_element(result, each, place)
         return result
 

@@ -22,47 +22,58 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from frictionlab.hybrid import compilation, llvm_instructions
-from frictionlab.hybrid.codegen import jet_codegen, remainder_codegen, step_codegen
+from frictionlab.hybrid.codegen import jet_codegen, kernel_symbols, remainder_codegen, step_codegen
 from frictionlab.hybrid.codegen.jet_codegen import ModeTape, jets_module
 from frictionlab.hybrid.codegen.remainder_codegen import StepStructure
 from frictionlab.hybrid.codegen.step_codegen import lane_step_module
 from frictionlab.hybrid.kernels import arithmetic
-from frictionlab.hybrid.tape import tape
+from frictionlab.hybrid.tape import functions, tape
 from frictionlab.hybrid.tape.program import Code, Program
 
-COMPILE_AFTER = 20_000  # jets of a mode after which its code pays: interpreted, they take as long as it does
+# number of a mode's jets after which compiling pays: interpreted, they take as long as the compilation
+COMPILE_AFTER = 20_000
 NAME, STEP = "jets", "step"
 _MADE: WeakKeyDictionary[Program, NativeCode] = WeakKeyDictionary()
-_ENGINES: list[Any] = []  # own the code, so they live as long as the process
+_ENGINES: list[Any] = []  # engines own the code, so they live as long as the process
 
 
 class NativeCode:
-    """The native jets of a program's modes, of all orders up to HIGHEST."""
+    """The native jets of a program's modes, of all orders up to HIGHEST.
+
+    Attributes
+    ----------
+    code : Code
+        The program's arrays, with the addresses of what is compiled.
+    tapes : dict of int to ModeTape
+        By mode, what its jets are compiled from.
+    requested : dict of int to Future
+        What is compiled in the background, or has been: jets by their mode, steps of several runs by ~mode.
+    """
 
     def __init__(self, program: Program) -> None:
         built, count = np.flatnonzero(program.code.built).tolist(), len(program.tapes)
-        self._functions = {mode: _mode_tape(program, mode) for mode in built}
+        self.tapes = {mode: _mode_tape(program, mode) for mode in built}
         self._used = np.zeros(count, dtype=np.int64)
-        self._asked: dict[int, Future[None]] = {}
+        self.requested: dict[int, Future[None]] = {}
         self._of_steps = {mode: _step_structure(program.code, mode) for mode in built}
         addresses, steps = np.zeros((2, count), dtype=np.int64)
         self.code: Code = program.code._replace(native=addresses, lanes=steps)
-        for mode, function in self._functions.items():
+        for mode, function in self.tapes.items():
             addresses[mode] = _load_from_cache(_path(function))
             steps[mode] = _load_from_cache(_path(function, STEP, self._of_steps[mode]))
 
     def used(self, modes: np.ndarray) -> None:
-        """Take note of jets that were computed, by their modes; have what is long compiled."""
+        """Count the jets computed in each mode; start the compilation of modes with many."""
         if compilation.NUMBA is None:
             return
         self._used += np.bincount(modes, minlength=len(self._used))
         for mode in np.flatnonzero((self._used > COMPILE_AFTER) & (self.code.native == 0)).tolist():
-            if mode not in self._asked:
-                self._asked[mode] = _worker().submit(self.compile, mode)
+            if mode not in self.requested:
+                self.requested[mode] = _worker().submit(self.compile, mode)
 
     def compile(self, mode: int) -> None:
         """Compile a mode now."""
-        function = self._functions[mode]
+        function = self.tapes[mode]
         with _garbage_collection_off():
             code = _emit_object(jets_module(function, NAME))
         _store(code, _path(function))
@@ -70,21 +81,28 @@ class NativeCode:
 
     def compile_step(self, mode: int) -> None:
         """Compile a mode's step of several runs now."""
-        function, more = self._functions[mode], self._of_steps[mode]
+        function, more = self.tapes[mode], self._of_steps[mode]
         with _garbage_collection_off():
             code = _emit_object(lane_step_module(function, more, NAME))
         _store(code, _path(function, STEP, more))
         self.code.lanes[mode] = _load_object(code)
 
+    def forget(self) -> None:
+        """Interpret all modes from now on, until code is asked for anew."""
+        for addresses in (self.code.native, self.code.lanes):
+            addresses[:] = 0
+        self._used[:] = 0
+        self.requested.clear()
+
     def share(self, modes: Iterable[int]) -> None:
-        """Have the steps of several runs in these modes compiled."""
+        """Start the compilation of the lane steps of these modes."""
         for mode in modes if compilation.NUMBA is not None else ():
-            if not (self.code.lanes[mode] or self.code.powers[mode]) and ~mode not in self._asked:
-                self._asked[~mode] = _worker().submit(self.compile_step, mode)
+            if not (self.code.lanes[mode] or self.code.powers[mode]) and ~mode not in self.requested:
+                self.requested[~mode] = _worker().submit(self.compile_step, mode)
 
 
 def native_code(program: Program) -> NativeCode:
-    """Those of a program, made once."""
+    """The native code of a program, created once."""
     if program not in _MADE:
         _MADE[program] = NativeCode(program)
     return _MADE[program]
@@ -92,7 +110,7 @@ def native_code(program: Program) -> NativeCode:
 
 @contextmanager
 def _garbage_collection_off() -> Iterator[None]:
-    """Without collecting garbage: instructions are many objects that all stay, looked at each time."""
+    """Context without garbage collection, which would scan the many instruction objects again and again."""
     was_on = gc.isenabled()
     gc.disable()
     try:
@@ -139,12 +157,12 @@ def _machine() -> Any:
 
 @cache
 def _host() -> str:
-    """What compiled code depends on besides the function and the kernels, by which the folder is named."""
+    """The properties of the machine and versions on which compiled code depends, which name the folder."""
     import llvmlite
 
     llvm = _llvm()
     writers: Any = (jet_codegen, step_codegen, remainder_codegen)
-    writers = (*writers, arithmetic, llvm_instructions, tape)
+    writers = (*writers, kernel_symbols, arithmetic, llvm_instructions, tape, functions)
     writer = "".join(Path(module.__file__).read_text(encoding="utf-8") for module in writers)
     cpu = llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten()
     return "\n".join([writer, llvmlite.__version__, llvm.get_default_triple(), *cpu])
@@ -181,6 +199,7 @@ def _emit_object(module: Any) -> bytes:
 
 def _load_object(code: bytes) -> int:
     llvm = _llvm()
+    kernel_symbols.register_used(code)
     engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), _machine_of_engine())
     engine.add_object_file(llvm.ObjectFileRef.from_data(code))
     engine.finalize_object()
@@ -194,7 +213,7 @@ def _machine_of_engine() -> Any:
 
 
 def _store(code: bytes, path: Path | None) -> None:
-    """Write it beside and rename, so that nobody reads half a file."""
+    """Write to a temporary file and rename it, so that no process reads an incomplete file."""
     if path is None:
         return
     with suppress(OSError):

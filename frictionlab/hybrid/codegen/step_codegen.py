@@ -2,8 +2,8 @@
 
 Every value is a vector with one number for each run (lane).  The operations are those of one run, in the same
 sequence (`jet_codegen`, :func:`step_length.step_length`, :func:`event_location.lower_bound`), so a lane's
-numbers are those that the run would have alone, to the last bit.  Where a lane needs more than the usual,
-which is an event or anything rare, it is marked, and its state is left for the kernel of single runs.
+numbers are those that the run would have alone, to the last bit.  A lane with an event or a rare case is
+marked, and its state is left unchanged for the kernels of single runs.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ def lane_step_module(function: ModeTape, structure: StepStructure, name: str) ->
     """LLVM module with the function `name`(z, constants, terms, J, control, order).
 
     All arrays have the lanes as their last axis.  Row LEFT of `control` holds the longest step wanted;
-    LENGTH and REGULAR (1 or 0) are written; `z` is moved on where the lane is fine.
+    LENGTH and REGULAR (1 or 0) are written; `z` is advanced in regular lanes.
     """
     from llvmlite import ir
 
@@ -59,7 +59,7 @@ class _StepWriter(RemainderWriter):
         build.ret_void()
 
     def _length(self) -> tuple[Any, Any]:
-        """Length of the step, and whether it is one of the usual."""
+        """Length of the step, and whether it is regular."""
         build, best = self.build, self._number(float("inf"))
         fine = self._number(0.0)
         fine = build.fcmp_ordered("==", fine, fine)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from frictionlab.drawable import Drawable
 from frictionlab.hybrid.codegen.native_cache import COMPILE_AFTER
 from frictionlab.hybrid.ensemble import batch_state, lanes
 from frictionlab.hybrid.ensemble.batch_state import Batch, new_batch
@@ -17,7 +18,7 @@ from frictionlab.hybrid.problem import Problem, Status
 from frictionlab.hybrid.progress import Progress
 from frictionlab.hybrid.tape.program import Numbers
 
-STEPS_PER_ROUND = 100_000  # steps between two looks at the progress bar and ctrl-C
+STEPS_PER_ROUND = 100_000  # steps between two updates of the progress bar, which check for ctrl-C
 CODE_OF_STATUS = {
     **{status: code for code, status in STATUS_OF_CODE.items()},
     Status.INTERRUPTED: run_state.RUNNING,
@@ -27,7 +28,7 @@ CODE_OF_STATUS = {
 
 
 @dataclass(frozen=True)
-class BatchResult:
+class BatchResult(Drawable):
     """How runs ended, a row for each.
 
     Parameters
@@ -37,7 +38,11 @@ class BatchResult:
     modes : int array (N,)
     steps, events : int array (N,)
     status : tuple of Status
+    names : tuple of str
+        Names of the states.
     """
+
+    drawn_by = "plot_ends"
 
     t: np.ndarray
     states: np.ndarray
@@ -45,6 +50,7 @@ class BatchResult:
     steps: np.ndarray
     events: np.ndarray
     status: tuple[Status, ...]
+    names: tuple[str, ...] = ()
 
 
 def integrate_batch(problems: Sequence[Problem], method: Taylor, progress: Progress) -> BatchResult:
@@ -57,7 +63,7 @@ def integrate_batch(problems: Sequence[Problem], method: Taylor, progress: Progr
 
 
 def advance_batch(group: Batch, t_end: float, progress: Progress) -> None:
-    """Take runs on to a time; those that ended early stay where they are."""
+    """Advance runs to a time; those that ended early keep their state."""
     runs = group.runs
     goes_on = (runs.status == run_state.RUNNING) | (runs.status == run_state.FINISHED)
     runs.times[goes_on, run_state.END] = t_end
@@ -69,7 +75,7 @@ def advance_batch(group: Batch, t_end: float, progress: Progress) -> None:
 
 
 def _advance_one_by_one(group: Batch, which: np.ndarray, progress: Progress) -> None:
-    """Where a step is a product with a matrix, for each run another, there is nothing to share."""
+    """Advance each run alone: where a step is a product with a matrix of its own, lanes gain nothing."""
     runs = group.runs
     for i in which:
         numbers, (now, end) = Numbers(runs.constants[i], runs.terms[i]), runs.times[i, :2]
@@ -83,7 +89,7 @@ def _advance_one_by_one(group: Batch, which: np.ndarray, progress: Progress) -> 
 def _advance_side_by_side(group: Batch, goes_on: np.ndarray, progress: Progress) -> None:
     runs, program, arrays = group.runs, group.program, (group.record, group.scratch)
     settings = group.native.code, run_state.Truncation(group.method.degree, group.method.tol)
-    # Jets that were at hand are so no longer: such a run begins anew.  All do so the first time.
+    # Jets kept from the last step have been overwritten: such a run begins again, as all do the first time.
     begins = goes_on & (runs.counts[:, run_state.JETS_READY] != 0)
     _fill_queues(runs, goes_on & ~begins)
     lanes.begin_runs(*settings, runs, np.flatnonzero(begins), program.initial, *arrays)
@@ -91,7 +97,7 @@ def _advance_side_by_side(group: Batch, goes_on: np.ndarray, progress: Progress)
     while left and not interrupted:
         waiting = np.flatnonzero(
             runs.queued >= lanes.MIN_RUNS_FOR_LANES
-        )  # afterwards there may be nobody left
+        )  # afterwards there may be no run left
         left = lanes.advance_batch_kernel(*settings, runs, group.lanes, *arrays, STEPS_PER_ROUND)
         if runs.totals[:, 0].sum() > COMPILE_AFTER:
             group.native.share(waiting.tolist())
@@ -99,7 +105,7 @@ def _advance_side_by_side(group: Batch, goes_on: np.ndarray, progress: Progress)
 
 
 def _fill_queues(runs: batch_state.BatchRuns, which: np.ndarray) -> None:
-    """Have some runs wait, each in the queue of its mode, and nobody else."""
+    """Fill the queues of the modes with some runs, and no others."""
     modes = runs.counts[:, run_state.MODE]
     for mode in range(len(runs.queued)):
         waiting = np.flatnonzero(which & (modes == mode))
@@ -108,7 +114,7 @@ def _fill_queues(runs: batch_state.BatchRuns, which: np.ndarray) -> None:
 
 
 def batch_result(group: Batch) -> BatchResult:
-    """Where runs stand."""
+    """The present state of all runs."""
     runs = group.runs
     status = tuple(_status(int(s), totals, runs.caps) for s, totals in zip(runs.status, runs.totals))
     modes, now = runs.counts[:, run_state.MODE], runs.times[:, run_state.NOW]

@@ -1,4 +1,4 @@
-"""Runs of one structure on their way: their arrays, as the kernels of lanes take them.
+"""The arrays of many runs of one structure, as the kernels of lanes take them.
 
 `BatchRuns` has a row for each run; `Lanes` holds those that step side by side, whose last axis is the lane.
 """
@@ -24,7 +24,7 @@ CACHE_LINE_BYTES = 64  # bytes
 
 @dataclass(frozen=True, eq=False)
 class Batch:
-    """Runs that can be taken on and on, with what they share."""
+    """Runs that can be advanced repeatedly, with the program and method that they share."""
 
     program: Program
     method: Taylor
@@ -50,7 +50,7 @@ def new_batch(program: Program, numbers: Numbers, states: np.ndarray, method: Ta
 
 
 def select_runs(group: Batch, which: np.ndarray) -> Batch:
-    """Some of the runs, which go on without the others."""
+    """A batch of some of the runs."""
     shared = ("signs", "caps", "queue", "queued")
     rows = {name: array[which] for name, array in group.runs._asdict().items() if name not in shared}
     queue = np.zeros((len(group.runs.queued), len(rows["status"])), dtype=np.int64)
@@ -97,7 +97,7 @@ class BatchRuns(NamedTuple):
     """All runs, one row each."""
 
     states: np.ndarray
-    sizes: np.ndarray  # these, times and counts as Cursor has them
+    sizes: np.ndarray  # these, times and counts as in RunState
     times: np.ndarray
     counts: np.ndarray
     signs: np.ndarray
@@ -113,9 +113,9 @@ class BatchRuns(NamedTuple):
 
 
 class Lanes(NamedTuple):
-    """The runs that step together; the last axis of all arrays is the seat."""
+    """The runs that step together; the last axis of all arrays is the lane."""
 
-    runs: np.ndarray  # FREE where a seat is free
+    runs: np.ndarray  # index of the run in each lane, FREE where there is none
     z: np.ndarray
     constants: np.ndarray
     terms: np.ndarray

@@ -55,7 +55,7 @@ def system_of_run(code, runs, i):
 
 @kernel
 def record_step_end(runs, i, status):
-    """Note how a step ended; True where the run is over."""
+    """Record how a step ended; True where the run is over."""
     counts, totals = runs.counts[i], runs.totals[i]
     totals[0] += counts[STEPS]
     totals[1] += counts[EVENTS]
@@ -104,14 +104,14 @@ def begin_run(code, truncation, runs, i, initial, record, scratch):
 
 @kernel
 def begin_runs(code, truncation, runs, which, initial, record, scratch):
-    """Begin some of them."""
+    """Begin some of the runs."""
     for i in which:
         begin_run(code, truncation, runs, i, initial, record, scratch)
 
 
 @kernel
 def load_lane(runs, lanes, lane, i):
-    """Give a run a seat."""
+    """Load a run into a lane."""
     lanes.runs[lane] = i
     copy_vector(runs.states[i], lanes.z[:, lane])
     copy_vector(runs.constants[i], lanes.constants[:, lane])
@@ -120,7 +120,7 @@ def load_lane(runs, lanes, lane, i):
 
 @kernel
 def load_lanes(runs, lanes, mode):
-    """Give free seats to who waits; returns how many are taken."""
+    """Load runs from the queue of the mode into free lanes; returns the number of occupied lanes."""
     taken = 0
     for lane in range(LANE_COUNT):
         if lanes.runs[lane] == FREE and runs.queued[mode] > 0:
@@ -135,7 +135,7 @@ def load_lanes(runs, lanes, mode):
 
 @kernel
 def release_lanes(runs, lanes):
-    """Free all seats; who sat there waits again."""
+    """Free all lanes; their runs return to the queue."""
     for lane in range(LANE_COUNT):
         i = lanes.runs[lane]
         if i != FREE:
@@ -146,7 +146,7 @@ def release_lanes(runs, lanes):
 
 @kernel
 def accept_lane_step(runs, lanes, lane):
-    """Note a step that was fine."""
+    """Record a regular step of a lane."""
     i = lanes.runs[lane]
     goes_on = advance_clock(runs.times[i], lanes.control[LENGTH, lane], lanes.control[LEFT, lane])
     runs.counts[i, STEPS] = 1
@@ -157,7 +157,7 @@ def accept_lane_step(runs, lanes, lane):
 
 @kernel
 def finish_lane_step(code, truncation, runs, lanes, lane, record, scratch):
-    """The rest of a step that was not fine, from the jets that are there."""
+    """Complete a step that was not regular, from the jets that the lane has computed."""
     i = lanes.runs[lane]
     lanes.runs[lane] = FREE
     for slot in range(scratch.jets.shape[0]):
@@ -170,7 +170,7 @@ def finish_lane_step(code, truncation, runs, lanes, lane, record, scratch):
 
 @kernel
 def advance_lanes(code, truncation, runs, lanes, mode, record, scratch):
-    """Steps of the runs in a mode, until few are left in it; returns how many calls it took."""
+    """Advance the runs in a mode until few are left in it; returns the number of calls."""
     calls = 0
     while calls < MAX_CALLS and load_lanes(runs, lanes, mode) >= MIN_RUNS_FOR_LANES:
         calls += 1

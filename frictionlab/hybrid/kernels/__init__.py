@@ -1,4 +1,4 @@
-"""What is computed in a run, as functions of arrays that numba compiles once on a machine.
+"""The computations of a run, as functions of arrays that numba compiles once on a machine.
 
 In the order of their imports:
 

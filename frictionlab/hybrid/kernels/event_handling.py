@@ -1,9 +1,9 @@
 """What is done at an event: it is recorded, the state is reset, the next mode entered; Zeno points are
 closed.
 
-Events that follow each other within less than a dwell time, twice in a row, are taken for an accumulation in
-finite time (Zeno): the closing reset is applied, and the automaton's limit mode entered if it has one that is
-admissible.
+Events that follow each other within less than a dwell time, twice in a row, are taken for a Zeno
+accumulation, infinitely many in finite time: the closing reset is applied, and the automaton's limit mode
+entered if it has one that is admissible.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from frictionlab.hybrid.kernels.jets import copy_vector
 from frictionlab.hybrid.kernels.mode_selection import NO_MODE, Rounding, apply_reset, select_mode
 from frictionlab.hybrid.kernels.run_state import (
     CHATTER,
+    CLOCK_RESOLUTION,
     DWELL,
     ENTERED,
     EVENTS,
@@ -37,7 +38,8 @@ MAX_REPEATS = 50  # events or steps without advance of time after which the run 
 
 @inlined
 def status_after_repeat(counts):
-    """How a run goes on after events, or steps, that the clock does not show."""
+    """Status of a run after an event or step that does not advance the clock: stalled after too many of
+    them."""
     return STALLED if counts[REPEATED] > MAX_REPEATS else RUNNING
 
 
@@ -50,9 +52,10 @@ def count_repeat(counts):
 
 @kernel
 def is_zeno(code, guard, limit, count, run):
-    """Whether the mode that ends lasted less than a limit, and the one before it; counts on."""
+    """Whether the stay that ends and the one before it were both shorter than a dwell time; updates the
+    counts."""
     times, counts = run.times, run.counts
-    if times[NOW] - times[ENTERED] >= max(times[limit], 1e-15 * abs(times[NOW])):
+    if times[NOW] - times[ENTERED] >= max(times[limit], CLOCK_RESOLUTION * abs(times[NOW])):
         counts[count] = 0
     elif code.resets[guard, 1] != code.resets[guard, 0]:
         counts[count] += 1
@@ -64,7 +67,7 @@ def is_zeno(code, guard, limit, count, run):
 
 @kernel
 def select_limit_mode(system, guard, order, run, scratch):
-    """Enter what the events come to, if that is admissible; else leave the state, and return NO_MODE."""
+    """Enter the limit mode, if it is admissible; else leave the state, and return NO_MODE."""
     code, z, before = system.code, run.state, scratch.states
     copy_vector(z, before)
     apply_reset(system, code.resets[guard, 1], z, scratch.jets)
@@ -103,7 +106,7 @@ def reset_and_select_mode(system, truncation, event, run, scratch):
 
 @kernel
 def handle_event(system, truncation, event, run, record, scratch):
-    """Record an event, a :class:`GuardZero`, and change the mode; returns how the run goes on.
+    """Record the event and change the mode; returns the status of the run.
 
     ``truncation.tol`` is the share of the states by which the steps may miss the event.
     """

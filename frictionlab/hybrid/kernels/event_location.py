@@ -1,4 +1,4 @@
-"""Event functions along a step: do they stay positive, and where is the first that reaches zero?
+"""Event functions along a step: whether they stay positive, and the first that reaches zero.
 
 A cheap lower bound dismisses most; otherwise the roots of the function's polynomial are isolated.
 Coefficients below their rounding error, bounded by the majorant of the jets, count as zero.
@@ -15,7 +15,7 @@ from frictionlab.hybrid.kernels.roots import isolate_roots
 
 COEFFICIENT_ROUNDING = 64 * MACHINE_EPSILON
 GUARD_ROUNDING = 8 * MACHINE_EPSILON  # a guard below this share of its terms is at its zero
-LOW_ORDER = 2  # orders that nearly always decide, looked at first
+LOW_ORDER = 2  # orders that nearly always decide, examined first
 SUSPECT_SHARE = (
     1e-9  # below this share of its terms, a leading coefficient is compared with its rounding error
 )

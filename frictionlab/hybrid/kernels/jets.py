@@ -10,26 +10,10 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from frictionlab.hybrid.compilation import inlined, kernel
 from frictionlab.hybrid.kernels.arithmetic import call_jets, fma
-from frictionlab.hybrid.tape.operations import (
-    AFFINE,
-    COS,
-    COSH,
-    EXP,
-    LOG,
-    POWER,
-    PRODUCT,
-    RATE,
-    SECH2,
-    SIN,
-    SINH,
-    SQUARE,
-    TAN,
-    TANH,
-)
+from frictionlab.hybrid.tape.functions import function_value
+from frictionlab.hybrid.tape.operations import AFFINE, POWER, PRODUCT, RATE, SQUARE
 
 MAX_ORDER = 60  # order that may be asked for
 JET_COLUMNS = MAX_ORDER + 1  # no power of two, for which rows would lie on few sets of the cache
@@ -80,31 +64,6 @@ def square_coefficient(J, a, k):
 
 
 @kernel
-def function_value(kind, x):
-    """Value of a function."""
-    if kind == EXP:
-        return np.exp(x)
-    if kind == LOG:
-        return np.log(x)
-    if kind == SIN:
-        return np.sin(x)
-    if kind == COS:
-        return np.cos(x)
-    if kind == TAN:
-        return np.tan(x)
-    if kind == TANH:
-        return np.tanh(x)
-    if kind == SINH:
-        return np.sinh(x)
-    if kind == COSH:
-        return np.cosh(x)
-    if kind == SECH2:
-        q = np.exp(-2.0 * abs(x))
-        return 4.0 * q / ((1.0 + q) * (1.0 + q))
-    return np.arctan(x)
-
-
-@kernel
 def function_coefficient(kind, a, slope, out, k, sign, values, J):
     """Coefficient k of a function of slot a, its derivative s in `slope`: the sum of j a_j s_(k-j) / k."""
     if k > 0:
@@ -124,8 +83,9 @@ def has_series(base, rate, order):
 def power_coefficient(exponent, a, out, k, order, sign, values, J):
     """Coefficient k of a power of slot a, which is not below zero.
 
-    Where a is zero or nearly so, as at the onset of contact with a force gap^1.5, there is no series: then
-    the power counts as constant, and :mod:`frictionlab.hybrid.kernels.powers` finds a step in which it may.
+    Where a is zero or nearly so, as at the onset of contact with a force penetration^1.5, there is no series:
+    then the power counts as constant, and :mod:`frictionlab.hybrid.kernels.powers` finds a step in which it
+    may.
     """
     base = values[a, 0]
     if not base > 0.0:

@@ -1,6 +1,6 @@
 """Steps where a power has no Taylor series of full order: its base is zero, or nearly so.
 
-The force gap^1.5 of two spheres is such a power, at the onset and at the end of their contact.  Its
+The force penetration^1.5 of two spheres is such a power, at the onset and at the end of their contact.  Its
 coefficients grow like (rate/base)^k, beyond the largest number where the base is small.  Then the series ends
 earlier, which is enough: so near to zero little of the motion is at stake.  At zero itself the power counts
 as constant for a step.

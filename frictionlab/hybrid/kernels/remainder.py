@@ -21,8 +21,6 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from frictionlab.hybrid.compilation import inlined, kernel
 from frictionlab.hybrid.kernels.arithmetic import PARTS, exp2, log2, sum_of_series
 from frictionlab.hybrid.kernels.powers import INSTANT
@@ -32,20 +30,8 @@ from frictionlab.hybrid.kernels.step_length import (
     largest_coefficient,
     log2_step_from_later_terms,
 )
-from frictionlab.hybrid.tape.operations import (
-    AFFINE,
-    ATAN,
-    EXP,
-    LOG,
-    POWER,
-    PRODUCT,
-    QUOTIENT,
-    RATE,
-    SECH2,
-    SQUARE,
-    TAN,
-    TANH,
-)
+from frictionlab.hybrid.tape.functions import function_range
+from frictionlab.hybrid.tape.operations import AFFINE, POWER, PRODUCT, QUOTIENT, RATE, SQUARE
 from frictionlab.hybrid.tape.tape import Range
 
 WHEN_BLIND, OPERATION, BOTH, SERIES = map(int, (Range.WHEN_BLIND, Range.OPERATION, Range.BOTH, Range.SERIES))
@@ -58,69 +44,13 @@ MIN_RADIUS_IN_STEPS = (
 BOUND_EXCESS = (
     1.25  # what a step may be longer: bounds of ordinary motions are larger than their remainders by that
 )
-SINH_LIMIT = 700.0  # beyond, sinh overflows
 SUFFICIENT_SHARE = 0.83  # share of a step that is taken without looking for a longer one, which costs as much
 RADIUS_TRIES = 200  # radii tried at the most: RADIUS_FACTOR to this power is below the smallest number
 
 
-@inlined
-def tanh_range(a, y, slope, d):
-    """Bound of |tanh(z) - tanh(a)| for |z - a| <= d; `y` and `slope` are the values at `a`."""
-    near = far = math.inf
-    if d < 1.5:  # from the addition theorem
-        t = math.tan(d)
-        if y * t < 1.0:
-            near = slope * t / (1.0 - y * t)
-    if d < abs(a):  # from tanh(z) = 1 - 2 q/(1 + q), q = exp(-2 z), which is at most w
-        w = np.exp(2.0 * (d - abs(a)))
-        far = -2.0 * w * np.expm1(-2.0 * d) / (1.0 - w)
-    return min(near, far)
-
-
-@inlined
-def sech2_range(a, y, slope, d):
-    """The same for 1/cosh(z)^2."""
-    near = far = math.inf
-    half = np.sinh(0.5 * min(d, 2.0))
-    tanh = min(0.5 * slope / y, 1.0) if y > 0.0 else 1.0
-    g = 2.0 * half * half + tanh * np.sinh(min(d, 2.0))  # bounds 1 - cosh(z)/cosh(a); above 1 before d = 2
-    if g < 1.0:
-        near = y * g * (2.0 - g) / ((1.0 - g) * (1.0 - g))
-    if d < abs(a):  # by 4 q/(1 + q)^2
-        w = np.exp(2.0 * (d - abs(a)))
-        far = 4.0 * w / ((1.0 - w) * (1.0 - w))
-    return min(near, far)
-
-
-@kernel
-def function_range(kind, a, y, slope, d):
-    """Bound of |f(z) - f(a)| for complex |z - a| <= d, infinite where a pole or branch point is so near.
-
-    `y` and `slope` are the absolute values of f and its derivative at `a`.
-    """
-    if kind == EXP:  # `y` may be below the smallest number where `a` is far below zero
-        return y * np.expm1(d) if d < 1.0 else np.exp(a + d)
-    if kind == LOG:
-        return -np.log1p(-d / a) if d < a else math.inf
-    if kind == TANH:
-        return tanh_range(a, y, slope, d)
-    if kind == SECH2:
-        return sech2_range(a, y, slope, d)
-    if kind == TAN:
-        t = math.tan(d) if d < 1.5 else math.inf
-        return slope * t / (1.0 - y * t) if y * t < 1.0 else math.inf
-    if kind == ATAN:  # its poles are at i and -i
-        room = math.sqrt(1.0 + a * a) - d
-        return d / (room * room) if room > 0.0 else math.inf
-    if not d < SINH_LIMIT:
-        return math.inf
-    half = np.sinh(0.5 * d)
-    return 2.0 * y * half * half + slope * np.sinh(d)  # sin, cos, sinh, cosh
-
-
 @kernel
 def power_range(exponent, base, d):
-    """The same for a power of a positive base, by the largest slope."""
+    """Bound of |z^p - a^p| for complex |z - a| <= d and a base a > 0, by the largest slope."""
     if not d < base:
         return math.inf
     steepest = max((base - d) ** (exponent - 1.0), (base + d) ** (exponent - 1.0))

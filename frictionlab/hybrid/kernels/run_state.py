@@ -1,4 +1,4 @@
-"""What a run carries along: where it stands, its clock, its scratch arrays, and the record that it leaves.
+"""The state of a run: its position and clock, its scratch arrays, and the record of its steps and events.
 
 Kernels allocate nothing: a `Record` has room for so many steps and events, and is filled, taken away, and
 replaced by a new one.
@@ -16,6 +16,8 @@ from frictionlab.hybrid.kernels.roots import RootScratch, new_root_scratch
 from frictionlab.hybrid.tape.program import Code
 
 RUNNING, FINISHED, NO_ADMISSIBLE_MODE, STALLED, ZENO, NOT_FINITE = range(6)
+
+CLOCK_RESOLUTION = 1e-15  # share of the time that the clock shows as some of its last digits
 
 
 class Scratch(NamedTuple):
@@ -78,7 +80,7 @@ COUNTS = 11
 
 
 class Record(NamedTuple):
-    """Buffers of what a run leaves: steps, events and section points."""
+    """Buffers for steps, events and section points."""
 
     step_times: np.ndarray  # (capacity, 2) start and length
     step_modes: np.ndarray
@@ -94,7 +96,7 @@ class Record(NamedTuple):
 def new_run_state(
     state: np.ndarray, mode: int, t_end: float, limits: tuple[float, float], raises: bool
 ) -> RunState:
-    """Cursor at time 0 in `mode`, whose jets are at hand; without sections."""
+    """A run at time 0 in `mode`, whose jets have been computed; without sections."""
     counts = np.zeros(COUNTS, dtype=np.int64)
     counts[MODE], counts[JETS_READY], counts[STOPS_AT_ZENO] = mode, 1, raises
     signs = np.zeros(0, dtype=np.int64)
@@ -102,7 +104,7 @@ def new_run_state(
 
 
 def initial_times(t_end: float, limits: tuple[float, float]) -> np.ndarray:
-    """Times of a cursor at 0."""
+    """The times of a run at t = 0."""
     return np.array([0.0, t_end, 0.0, *limits, 0.0])
 
 
@@ -162,6 +164,3 @@ def new_scratch(slots: int, code: Code, order: int) -> Scratch:
 def jet_columns(order: int) -> int:
     """Length of a row of jets: as native code has it, longer for orders that only the interpreter knows."""
     return max(JET_COLUMNS, order + 1)
-
-
-CLOCK_RESOLUTION = 1e-15  # share of the time that the clock shows as some of its last digits

@@ -3,7 +3,7 @@ output.
 
 The loop runs until the end, an end that is an error, or a full record, after which it can be called again.
 Steps are stored by the state at their start; for dense output the polynomial is computed again from it, which
-needs a twentieth of the memory and costs a jet per step looked at.
+needs a twentieth of the memory and costs one jet per step evaluated.
 """
 
 from __future__ import annotations

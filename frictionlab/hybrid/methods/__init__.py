@@ -5,8 +5,12 @@
 ``taylor``
     `Taylor`, the exact event-driven method, and the matrix by which it steps through linear scenes without
     events.
-``rk4``
-    `RK4`, the algorithm of the paper's Fig. 19.
+``one_step``
+    `OneStepMethod`, a base for methods of fixed steps, and `RK4`, the algorithm of the paper's Fig. 19.
+``runge_kutta``
+    `Tableau`, and the compiled steps of the method that it states.
+``step_events``
+    What these do at the end of a step: which condition fails, the record, the next mode.
 ``scipy_methods``
     `Scipy`: scipy's integrators on the same automaton.
 ``method_registry``

@@ -23,7 +23,7 @@ from frictionlab.hybrid.progress import Progress
 from frictionlab.hybrid.tape.program import System, system_of
 from frictionlab.validation import check_number
 
-RECORD_CAPACITY = 2048  # steps between two looks at the progress bar and ctrl-C
+RECORD_CAPACITY = 2048  # steps between two updates of the progress bar, which check for ctrl-C
 
 STATUS_OF_CODE = {
     run_state.RUNNING: Status.RUNNING,
@@ -36,21 +36,21 @@ STATUS_OF_CODE = {
 _COUNTED = [run_state.STEPS, run_state.EVENTS, run_state.POINTS]
 
 
-def initial_mode(problem: Problem, system: System, order: int, work: run_state.Scratch) -> int:
-    """First admissible mode at the initial state, -1 where there is none; leaves its jets in `work`.
+def initial_mode(problem: Problem, system: System, order: int, scratch: run_state.Scratch) -> int:
+    """First admissible mode at the initial state, -1 where there is none; leaves its jets in `scratch`.
 
     Raises
     ------
     ValueError
         Where the mode that was asked for cannot be entered there.
-    Unbuilt
+    ModeNotDerived
         Where a mode is to be tried that has yet to be derived.
     """
     program = problem.program
     candidates = program.initial if problem.mode is None else np.array([problem.mode], dtype=np.int64)
-    work.structural_zeros[:] = 0
+    scratch.structural_zeros[:] = 0
     rounding = Rounding(problem.x0, COEFFICIENT_ROUNDING)
-    mode = int(select_mode(system, candidates, problem.x0, rounding, order, work))
+    mode = int(select_mode(system, candidates, problem.x0, rounding, order, scratch))
     if mode <= NOT_DERIVED:
         raise ModeNotDerived(NOT_DERIVED - mode)
     if mode < 0 and problem.mode is not None:
@@ -63,21 +63,21 @@ def initial_mode(problem: Problem, system: System, order: int, work: run_state.S
 
 @dataclass(frozen=True)
 class ActiveRun:
-    """A problem under way: its arrays, as the kernels take them."""
+    """A run in progress: its arrays, as the kernels take them."""
 
     problem: Problem
     natives: NativeCode
     system: System  # with the addresses of native code
     cursor: run_state.RunState
-    work: run_state.Scratch
+    scratch: run_state.Scratch
 
 
 @dataclass(frozen=True)
 class Method(ABC):
-    """Base of all methods; owns the bookkeeping."""
+    """Base of all methods; runs the loop and keeps the records."""
 
     name: ClassVar[str]
-    riders: ClassVar[bool] = False  # whether sections and quadratures can ride along
+    riders: ClassVar[bool] = False  # whether the method records sections and integrates quadratures
     entry: ClassVar[Any]  # the kernel that takes longest to compile
     parts: ClassVar[int] = 1  # samples a step is cut into where no t_eval is given
 
@@ -86,12 +86,13 @@ class Method(ABC):
 
     @property
     def limits(self) -> tuple[float, float]:
-        """Dwell times (s) below which events in a row pile up: without a limit mode, and with one."""
+        """Dwell times (s) below which consecutive events count as Zeno: without a limit mode, and with
+        one."""
         return 0.0, 0.0
 
     @property
     def raises(self) -> bool:
-        """Whether an accumulation ends the run."""
+        """Whether a Zeno accumulation ends the run."""
         return False
 
     @property
@@ -101,7 +102,7 @@ class Method(ABC):
 
     @abstractmethod
     def advance(self, run: ActiveRun, record: run_state.Record) -> int:
-        """Fill `record` until it is full (bookkeeping.RUNNING), the run ends, or a mode is NOT_DERIVED."""
+        """Fill `record` until it is full (run_state.RUNNING), the run ends, or a mode is NOT_DERIVED."""
 
     def describe(self) -> dict[str, Any]:
         """Name and settings, for the record."""
@@ -115,7 +116,7 @@ class Method(ABC):
             )
 
     def integrate(self, problem: Problem, progress: Progress) -> RunData:
-        """Run the problem to its end, or as far as it goes; raise Unbuilt where it needs another mode."""
+        """Run the problem to its end, or as far as it goes; ModeNotDerived where it needs another mode."""
         with np.errstate(all="ignore"):
             return self._integrate(problem, progress)
 
@@ -141,11 +142,11 @@ class Method(ABC):
     def _begin(self, problem: Problem) -> ActiveRun:
         natives = native_code(problem.program)
         system = system_of(problem.program.code, problem.numbers)
-        work = new_scratch(problem.program.slots, problem.program.code, self.degree)
-        mode = initial_mode(problem, system, self.degree, work)
+        scratch = new_scratch(problem.program.slots, problem.program.code, self.degree)
+        mode = initial_mode(problem, system, self.degree, scratch)
         cursor = run_state.new_run_state(problem.x0, mode, problem.t_end, self.limits, self.raises)
         cursor = cursor._replace(signs=np.zeros(problem.program.code.sections.shape[1], dtype=np.int64))
-        return ActiveRun(problem, natives, system._replace(code=natives.code), cursor, work)
+        return ActiveRun(problem, natives, system._replace(code=natives.code), cursor, scratch)
 
     def _record(self, run: ActiveRun, pieces: RecordList) -> run_state.Record:
         code = run.problem.program.code

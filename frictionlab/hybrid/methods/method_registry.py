@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from frictionlab.hybrid.methods.base import Method
-from frictionlab.hybrid.methods.rk4 import RK4
+from frictionlab.hybrid.methods.one_step import RK4
 from frictionlab.hybrid.methods.scipy_methods import INTEGRATORS, Scipy
 from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.validation import did_you_mean

@@ -94,12 +94,12 @@ class Scipy(Method):
 
         def rates(t: float, z: np.ndarray) -> np.ndarray:
             out = np.empty_like(z)
-            state_rates(code, problem.numbers, mode, z, run.work.jets, out)
+            state_rates(code, problem.numbers, mode, z, run.scratch.jets, out)
             return out
 
         def jacobian(t: float, z: np.ndarray) -> np.ndarray:
             tangents = np.empty((problem.program.slots, len(z)))
-            slot_gradients(code, problem.numbers, mode, np.ascontiguousarray(z), run.work.jets, tangents)
+            slot_gradients(code, problem.numbers, mode, np.ascontiguousarray(z), run.scratch.jets, tangents)
             return tangents[code.flow[mode]]
 
         start, end = cursor.times[run_state.NOW], cursor.times[run_state.END]
@@ -121,9 +121,9 @@ class _Guards:
     def _values(self, z: np.ndarray) -> np.ndarray:
         run, code = self._run, self._run.natives.code
         state_rates(
-            code, run.problem.numbers, self._mode, np.ascontiguousarray(z), run.work.jets, np.empty_like(z)
+            code, run.problem.numbers, self._mode, np.ascontiguousarray(z), run.scratch.jets, np.empty_like(z)
         )
-        return run.work.jets[code.function_slots[self._guards.start : self._guards.stop], 0].copy()
+        return run.scratch.jets[code.function_slots[self._guards.start : self._guards.stop], 0].copy()
 
     def first(self, solver: Any) -> tuple[float, int]:
         """Length of the step up to the first guard that fails at its end, and the guard (-1: none)."""
@@ -161,4 +161,4 @@ def _handle_event(
     run: ActiveRun, record: run_state.Record, event: GuardZero, truncation: run_state.Truncation
 ) -> int:
     system = run.system._replace(code=run.problem.program.code)
-    return event_handling.handle_event(system, truncation, event, run.cursor, record, run.work)
+    return event_handling.handle_event(system, truncation, event, run.cursor, record, run.scratch)

@@ -149,12 +149,12 @@ class Taylor(Method):
         cost, 0.5 would be cheapest (Jorba & Zou 2005); these models are mostly affine, which favours more.
     chatter : float
         Two flights in a row shorter than this (in seconds) are taken for chatter, and replaced by its limit
-        (mode "chatter"); the error goes with the square of it.  0 walks through every flight.
+        (mode "chatter"); the error is proportional to its square.  0 computes every flight.
     dwell : float
-        Two flights in a row shorter than this (in seconds), where there is no such limit, are taken for an
-        accumulation of impacts, which is closed: the gap rate set to zero.
+        Two flights in a row shorter than this (in seconds), where there is no such limit, are taken for a
+        Zeno accumulation of impacts, which is closed: the gap rate is set to zero.
     accumulation : "close" or "raise"
-        Whether to go on after chatter or an accumulation, counted in ``run.stats``, or end the run there.
+        Whether to go on after chatter or a Zeno accumulation, counted in ``run.stats``, or end the run there.
     max_steps, max_events : int
         A run that reaches one ends with a status and keeps what it has.
 
@@ -205,8 +205,8 @@ class Taylor(Method):
     def advance(self, run: ActiveRun, record: run_state.Record) -> int:
         cursor, truncation = run.cursor, Truncation(self.degree, self.tol)
         if is_affine(run.problem.program):
-            change = affine_map(run.system, truncation, cursor.state, run.work.jets)
+            change = affine_map(run.system, truncation, cursor.state, run.scratch.jets)
             cursor.counts[run_state.JETS_READY] = 0  # the jets at hand have been overwritten
             if change is not None:
-                return advance_affine(run.system, truncation, change, cursor, record, run.work)
-        return taylor_steps.advance_taylor(run.system, truncation, cursor, record, run.work)
+                return advance_affine(run.system, truncation, change, cursor, record, run.scratch)
+        return taylor_steps.advance_taylor(run.system, truncation, cursor, record, run.scratch)

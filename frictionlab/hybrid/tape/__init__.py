@@ -1,7 +1,9 @@
 """From sympy expressions to the arrays that the kernels run on.
 
 ``operations``
-    The operations and functions that a tape may hold, and their numbers.
+    The operations that a tape may hold, by their numbers.
+``functions``
+    The functions among them: for each its derivative, its value, its range on a disc.
 ``tape``
     `Tape`, operations on numbered slots, and `TapeBuilder`, which lowers expressions onto one; equal
     subexpressions

@@ -17,18 +17,8 @@ from typing import Any
 import sympy as sp
 
 from frictionlab.automaton.mode import Expr
-from frictionlab.hybrid.tape.operations import (
-    AFFINE,
-    ALLOWED_OPERATIONS,
-    FUNCTIONS,
-    OPERATION_NAMES,
-    POWER,
-    PRODUCT,
-    QUOTIENT,
-    RATE,
-    SQUARE,
-    sech2,
-)
+from frictionlab.hybrid.tape.functions import ALLOWED_OPERATIONS, FUNCTION_OF, OPERATION_NAMES
+from frictionlab.hybrid.tape.operations import AFFINE, POWER, PRODUCT, QUOTIENT, RATE, SQUARE
 
 CONSTANT_TERM = -1  # the key of the constant term in an affine combination {slot: coefficient}
 AffineTerms = dict[int, Expr]
@@ -147,7 +137,7 @@ class Tape:
     def counts(self) -> dict[str, int]:
         """Number of operations by name."""
         kinds = [op[0] for op in self.ops]
-        return {name: kinds.count(kind) for kind, name in enumerate(OPERATION_NAMES)}
+        return {name: kinds.count(kind) for kind, name in OPERATION_NAMES.items()}
 
 
 class TapeBuilder:
@@ -185,16 +175,16 @@ class TapeBuilder:
             return {self._power(expr.base, int(expr.exp)): sp.S.One}
         if expr.is_Pow and self.constant(expr.exp):
             return {self._after_rate(POWER, self.slot(expr.base), expr.exp): sp.S.One}
-        if expr.func in FUNCTIONS:
+        if expr.func in FUNCTION_OF:
             return self._function(expr)
         raise TapeError(f"the tape has no operation for {expr}: write it with {ALLOWED_OPERATIONS}")
 
     def _function(self, expr: Expr) -> AffineTerms:
-        place = self._after_rate(POWER + 1 + FUNCTIONS.index(expr.func), self.slot(expr.args[0]))
+        function = FUNCTION_OF[expr.func]
+        a = self.slot(expr.args[0])
+        place = self._after_rate(function.kind, a)
         self._affine[expr] = {place: sp.S.One}  # its derivative may contain the function itself
-        derivative: Any = sech2(expr.args[0]) if expr.func is sp.tanh else expr.fdiff()
-        kind, a, _ = self.tape.ops[place - self.tape.inputs]
-        self.tape.ops[place - self.tape.inputs] = kind, a, self.slot(derivative)
+        self.tape.ops[place - self.tape.inputs] = function.kind, a, self.slot(function.slope(expr))
         return self._affine[expr]
 
     def _after_rate(self, kind: int, a: int, constant: Expr = sp.S.Zero) -> int:

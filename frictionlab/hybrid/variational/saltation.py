@@ -1,9 +1,9 @@
 """Saltation matrices: what an event does to a small perturbation of the motion.
 
-A neighbour reaches the guard g at another time, jumps there by the reset R, and flows on with f+ instead of
-f-.  To first order S = DR + (f+ - DR f-) (grad g)^T / (grad g . f-).  Only the values of R on g = 0 matter: S
-is the same whatever R is elsewhere.  Source: Leine & Nijmeijer, Dynamics and Bifurcations of Non-Smooth
-Mechanical Systems, Springer 2004.
+A neighbouring motion reaches the guard g at another time, jumps there by the reset R, and flows on with f+
+instead of f-.  To first order S = DR + (f+ - DR f-) (grad g)^T / (grad g . f-).  Only the values of R on g =
+0 matter: S is the same whatever R is elsewhere.  Source: Leine & Nijmeijer, Dynamics and Bifurcations of
+Non-Smooth Mechanical Systems, Springer 2004.
 """
 
 from __future__ import annotations
@@ -16,10 +16,11 @@ from frictionlab.hybrid.kernels.jets import mode_operations
 from frictionlab.hybrid.tape.program import Numbers, Program
 from frictionlab.hybrid.variational.tangent_jets import TangentScratch, linearise
 
-GRAZING_SHARE = 1e-7  # share of the time in the mode that ends, within which the guard would have turned back
-COINCIDENT_EVENT_SHARE = 1e-9  # share of that time within which another guard vanishes too
+GRAZING_SHARE = 1e-7  # a guard that would turn back within this share of the time in the mode is grazed
+# another guard that vanishes within this share of that time makes a double event
+COINCIDENT_EVENT_SHARE = 1e-9
 CONSTRAINT_SHARE = (
-    1e-6  # share of the saltation matrix by which neighbours may miss the next mode's constraints
+    1e-6  # share of the saltation matrix by which neighbouring motions may miss the next mode's constraints
 )
 
 
@@ -50,7 +51,8 @@ def saltation_matrix(program: Program, numbers: Numbers, event: EventCrossing) -
     Raises
     ------
     SaltationError
-        Where the motion grazes the guard, meets two at once, or enters the next mode by a coincidence.
+        Where the motion grazes the guard, meets two guards at once, or satisfies the next mode's constraints
+        only by coincidence.
     """
     code, source = program.code, int(program.guard_modes[event.guard])
     left, entered = (
@@ -75,7 +77,7 @@ def linearise_mode(program: Program, numbers: Numbers, mode: int, z: np.ndarray)
 
 
 def constraint_gradients(program: Program, mode: int, at: LinearisedTape) -> np.ndarray:
-    """Gradients (constraints, n) of what is zero throughout a mode."""
+    """Gradients (constraints, n) of a mode's constraints."""
     code = program.code
     chosen = slice(code.mode_constraints[mode], code.mode_constraints[mode + 1])
     return at.gradients[code.function_slots[chosen]]
@@ -93,7 +95,7 @@ def _reset_jacobian(program: Program, numbers: Numbers, reset: int, z: np.ndarra
     if reset < 0:
         return np.eye(len(z))
     code, first = program.code, program.code.reset_ops
-    # The order is 0 but for the jets of `_linear`, which take the new values for rates: never looked at.
+    # The order is 0 but for the jets of `_linear`, which take the new values for rates and are not used.
     tape = _linear(program, numbers, (first[reset], first[reset + 1]), code.reset_out[reset], z)
     return tape.gradients[code.reset_out[reset]]
 
@@ -106,7 +108,8 @@ def _check_grazing(guard: np.ndarray, dwell: float) -> None:
 
 
 def _check_alone(others: np.ndarray, dwell: float) -> None:
-    """No other guard of the mode that ends reaches zero as well; those that stay zero do not count."""
+    """Raise where another guard of the mode reaches zero at the same time; guards that are identically zero
+    do not count."""
     if (np.abs(others[:, 0]) < COINCIDENT_EVENT_SHARE * dwell * np.abs(others[:, 1])).any():
         raise SaltationError("two event functions vanish at one instant: neighbours meet only one of them")
 

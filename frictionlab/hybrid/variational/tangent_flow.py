@@ -1,6 +1,6 @@
 """`fl.tangent_flow`: how a motion depends on its initial state, and how fast perturbations grow.
 
-For the growth tangent vectors are kept apart by orthonormalising them after every step (Gram-Schmidt).
+For growth rates the tangent vectors are orthonormalised after every step (Gram-Schmidt).
 """
 
 from __future__ import annotations
@@ -33,7 +33,8 @@ from frictionlab.hybrid.variational.tangent_jets import (
     carry_steps,
 )
 
-LOST_SHARE = 1e-12  # share of a vector's length that is left by rounding alone where an event takes it all
+# share of a vector's length that remains by rounding alone where an event removes the vector
+LOST_SHARE = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,8 +63,8 @@ def tangent_flow(run: Trajectory, *, progress: bool = True) -> TangentFlow:
     The series are those of the run's tape, differentiated operation by operation, so that the matrix is as
     exact as the run.  Where stick begins the matrix loses a rank: neighbours stick as well.  In a run that
     starts in a mode with constraints (stick) only perturbations that keep them have a derivative; others are
-    projected upon these first.  Where a run starts on the boundary of its mode (at rest on the belt) the
-    derivative is that for neighbours inside.
+    projected onto these first.  Where a run starts on the boundary of its mode (at rest on the belt) the
+    derivative is that for neighbouring states inside.
 
     Parameters
     ----------
@@ -79,8 +80,8 @@ def tangent_flow(run: Trajectory, *, progress: bool = True) -> TangentFlow:
     Raises
     ------
     ValueError
-        Where the derivative does not exist or is not known: at an accumulation of impacts or chatter that was
-        closed, a grazing event, two events at one instant, an end without admissible mode, or a run of
+        Where the derivative does not exist or is not known: at a Zeno accumulation of impacts or chatter that
+        was closed, a grazing event, two events at one instant, an end without admissible mode, or a run of
         another method.  The message says when and why.
 
     Examples
@@ -97,7 +98,8 @@ def tangent_flow(run: Trajectory, *, progress: bool = True) -> TangentFlow:
 
 
 def initial_frame(run: Trajectory) -> np.ndarray:
-    """The perturbations (n, n) that a run's first mode admits: the unit matrix, constraints projected out."""
+    """The perturbations (n, n) that a run's first mode admits: the unit matrix projected onto its
+    constraints."""
     program, numbers, raw = run.problem.program, run.problem.numbers, run.raw
     frame = np.eye(raw.state.size)
     if not len(raw.step_modes):
@@ -108,7 +110,7 @@ def initial_frame(run: Trajectory) -> np.ndarray:
 
 
 def carry_frame(run: Trajectory, frame: np.ndarray, progress: bool) -> tuple[np.ndarray, list[np.ndarray]]:
-    """Columns (n, m), tangent vectors at a run's start, carried to its end; and the saltation matrices."""
+    """Columns (n, m), tangent vectors at a run's start, propagated to its end; and the saltation matrices."""
     from tqdm.auto import tqdm
 
     rows, matrices = np.ascontiguousarray(frame.T), []
@@ -128,7 +130,7 @@ def carry_frame(run: Trajectory, frame: np.ndarray, progress: bool) -> tuple[np.
 
 
 def smooth_segments(run: Trajectory) -> Iterator[tuple[slice, int | None]]:
-    """A run as slices of its steps, none too long to be interrupted, each with the event at its end."""
+    """The steps of a run in slices short enough for ctrl-C, each with the event at its end."""
     starts = run.raw.step_times[:, 0]
     ends = [*np.searchsorted(starts, run.raw.event_times).tolist(), len(starts)]
     for i, (first, last) in enumerate(pairwise([0, *ends])):
@@ -161,7 +163,7 @@ def check_taylor_run(run: Trajectory) -> None:
 
 
 def carry_rows(steps: Any, run: Trajectory, part: slice, rows: np.ndarray, *more: Growth) -> None:
-    """Carry the rows, tangent vectors, over a smooth piece of a run, by the kernel `steps`."""
+    """Propagate the rows, tangent vectors, along a smooth segment of a run, by the kernel `steps`."""
     problem, raw, order = run.problem, run.raw, run.samples.order
     J = np.zeros((problem.program.slots, order + 1))
     scratch = TangentScratch(J, np.zeros((*J.shape, len(rows))))
@@ -228,7 +230,7 @@ def orthonormalise(frame, growth):
 
 @kernel
 def carry_orthonormal_steps(code, numbers, truncation, steps, z, frame, scratch, growth):
-    """Carry the frame over the steps of a run; returns the number of the step that failed, or -1."""
+    """Propagate the frame along the steps of a run; returns the index of the step that failed, or -1."""
     for i in range(steps.modes.shape[0]):
         copy_vector(steps.states[i], z)
         left = steps.times[i, 1]
@@ -242,9 +244,9 @@ def carry_orthonormal_steps(code, numbers, truncation, steps, z, frame, scratch,
 
 
 def tangent_growth(run: Trajectory, rows: np.ndarray, size: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The rows (m, n) carried to the end of a run, orthonormal in units of `size` (n,), and their growth.
+    """The rows (m, n) propagated to the end of a run, orthonormal in units of `size` (n,), and their growth.
 
-    The growth (m,) is the logarithm of a factor: -inf where an event takes a direction away.
+    The growth (m,) is the logarithm of a factor: -inf where an event removes a direction.
     """
     growth, rows = np.zeros(len(rows)), rows.copy()
     for part, event in smooth_segments(run):
@@ -255,7 +257,8 @@ def tangent_growth(run: Trajectory, rows: np.ndarray, size: np.ndarray) -> tuple
 
 
 def _orthonormalise_after_event(rows: np.ndarray, size: np.ndarray, growth: np.ndarray) -> np.ndarray:
-    """Orthonormalise after an event; what it takes away is replaced by any vector, as the log of 0 tells."""
+    """Orthonormalise after an event; a vector that it removes, with a growth of -inf, is replaced by any
+    other."""
     columns = (rows / size).T
     frame, upper = np.linalg.qr(columns)
     kept, lengths = np.abs(np.diag(upper)), np.linalg.norm(columns, axis=0)

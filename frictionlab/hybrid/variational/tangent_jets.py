@@ -111,7 +111,7 @@ def linearise(code, numbers, operations, flow, z, scratch):
 
 @kernel
 def carry_step(code, numbers, truncation, mode, longest, z, frame, scratch):
-    """Carry the state `z` and the rows of `frame`, tangent vectors, a step on in a mode.
+    """Propagate the state `z` and the rows of `frame`, tangent vectors, by one step in a mode.
 
     The step is as long as the series of the tangents allow: near an equilibrium the state's would allow any.
     Returns its length, which is not positive, or no number, where the series diverge.

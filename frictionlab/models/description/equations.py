@@ -1,5 +1,5 @@
-"""`Equations` of one mode, in text and LaTeX, and those of a model that is but an automaton: its flow, mode
-by mode.
+"""`Equations` of one mode, in text and LaTeX, and those of a model given as an automaton: its flow, mode by
+mode.
 """
 
 from __future__ import annotations
@@ -12,10 +12,10 @@ import sympy
 from sympy import Symbol
 from sympy.printing.latex import LatexPrinter
 
-from frictionlab.components.names import did_you_mean
 from frictionlab.models.assembly import automaton_of_structure
 from frictionlab.models.parameter_namespace import parameter_metadata
 from frictionlab.models.symbols import structure_of_component
+from frictionlab.validation import check_choice
 
 TIME = Symbol("t", real=True)
 TIME_DERIVATIVE_DOTS = {1: r"\dot", 2: r"\ddot"}
@@ -90,7 +90,7 @@ class Equations:
     symbols : mapping of str to Expr
         The symbols and functions of time by name, for ``subs``.
     letters : mapping of str to str
-        LaTeX of those names that have their own.
+        LaTeX of the names that have a symbol of their own.
     """
 
     mode: str
@@ -132,7 +132,7 @@ def flow_equations(model: Any, mode: str) -> Equations:
         If the model has no such mode.
     """
     automaton = automaton_of_structure(structure_of_component(model))
-    check_mode(mode, automaton.names)
+    check_choice("mode", mode, automaton.names)
     chosen, n = automaton.modes[automaton.names.index(mode)], automaton.coordinates
     functions = time_functions(automaton.states, n)
     left = [sympy.diff(functions[x], TIME, 2) for x in automaton.states[:n]]
@@ -148,13 +148,6 @@ def flow_equations(model: Any, mode: str) -> Equations:
         symbols={str(x): f for x, f in functions.items()},
         letters=parameter_letters(model),
     )
-
-
-def check_mode(mode: Any, names: tuple[str, ...]) -> None:
-    """Raise ValueError unless it is one of the names."""
-    if mode not in names:
-        hint = did_you_mean(mode, names)
-        raise ValueError(f"mode must be one of {', '.join(map(repr, names))}, got {mode!r}: {hint}")
 
 
 def parameter_letters(model: Any) -> dict[str, str]:
@@ -174,5 +167,5 @@ def in_time_functions(expression: Any, functions: Mapping[Any, Any]) -> Any:
 
 
 def equation(left: Any, right: Any) -> Any:
-    """An equation that stays one: sympy does not try to prove it."""
+    """An equation that sympy does not try to evaluate to true or false."""
     return sympy.Eq(left, right, evaluate=False)

@@ -13,12 +13,12 @@ from frictionlab.models.mechanical.equations_of_motion import LagrangeSystem, Pa
 from frictionlab.models.mechanical.mechanics import Friction, Stop
 from frictionlab.models.mechanical.modes import contact_suffix, solve_contact_forces
 from frictionlab.models.symbols import structure_of_component, symbol, symbolic_copy
+from frictionlab.validation import check_choice
 
 from .equations import (
     LETTERS,
     TIME,
     Equations,
-    check_mode,
     equation,
     in_time_functions,
     parameter_letters,
@@ -51,7 +51,7 @@ def lagrange_equations(model: Any, mode: str) -> Equations:
     copy = symbolic_copy(structure_of_component(model))
     found = lagrange_system(copy)
     names = tuple(found.combinations)
-    check_mode(mode, (*names, *_others(found)))
+    check_choice("mode", mode, (*names, *_others(found)))
     letters = {**LETTERS, **parameter_letters(model), **_contact_letters(found)}
     if mode == "impact":
         return _impact(copy, found, letters)
@@ -62,7 +62,7 @@ def lagrange_equations(model: Any, mode: str) -> Equations:
 
 
 def _others(found: LagrangeSystem) -> tuple[str, ...]:
-    """What there are equations of beside the modes, of a single contact."""
+    """Names for which there are equations besides the modes, of a single contact."""
     if len(found.mechanics.contacts) != 1:
         return ()
     (contact,), modes = found.mechanics.contacts, found.combinations
@@ -125,7 +125,8 @@ def _motion(write: TimeDependentSystem, forces: Sequence[Any]) -> tuple[Any, ...
 def _forces(
     write: TimeDependentSystem, mode: str, chosen: Sequence[ContactRegime], i: int
 ) -> tuple[Any, ...]:
-    """Eqs. (2) and (3): F_N and F_T of a contact; in stick F_T, and at a stop F_N, is what holds it."""
+    """Eqs. (2) and (3): F_N and F_T of a contact; in stick F_T, and at a stop F_N, is the constraint
+    force."""
     found, force = write.system, _force_function(write.system, i)
     contact = found.mechanics.contacts[i]
     if isinstance(contact, Stop):
@@ -140,7 +141,7 @@ def _forces(
 
 
 def _friction(write: TimeDependentSystem, mode: str, regime: ContactRegime, i: int) -> Any:
-    """Eq. (3).  The sign is that of v_r, but of the belt's speed where the interface keeps it fixed."""
+    """Eq. (3).  The sign is that of v_r, or of the belt's speed where the interface keeps it fixed."""
     found = write.system
     contact: Any = found.mechanics.contacts[i]
     normal, velocity = (_contact_function(found, name, i) for name in ("F_N", "v_r"))

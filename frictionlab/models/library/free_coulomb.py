@@ -1,4 +1,4 @@
-"""An oscillator with dry friction, left to itself."""
+"""A free oscillator with dry friction."""
 
 from __future__ import annotations
 

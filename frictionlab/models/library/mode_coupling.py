@@ -1,4 +1,4 @@
-"""Hoffmann's model: two modes that friction couples until they merge, with a constant coefficient."""
+"""Hoffmann's model: mode coupling at a constant coefficient of friction: two frequencies coalesce."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from frictionlab.components import functions
 from frictionlab.components.friction import Coulomb, FrictionLaw
 from frictionlab.components.parameter import parameter
 from frictionlab.models.mechanical.mechanical_model import PlanarSlider, inclined_spring_energy
-from frictionlab.models.mechanism import Mechanism, leaning, pressed_on_belt
+from frictionlab.models.mechanism import Mechanism, body_on_belt, inclined_end
 from frictionlab.models.model import with_signature
 
 from .parameter_presets import (
@@ -115,7 +115,7 @@ class ModeCoupling(PlanarSlider):
     @property
     def mechanism(self) -> Mechanism:
         """A body on its contact spring on a belt, and both inclined springs."""
-        return pressed_on_belt(*(leaning(a) for a in (self.a1, self.a2)))
+        return body_on_belt(*(inclined_end(a) for a in (self.a1, self.a2)))
 
     def springs(self, q: Any) -> Any:
         """Energy of both inclined springs, J."""

@@ -18,8 +18,6 @@ from frictionlab.models.mechanical.mechanics import Friction, Mechanics, Sliding
 from frictionlab.models.mechanism import TiltingBelt
 from frictionlab.models.model import with_signature
 
-ALL = ("x1", "y1", "x2", "y2", "phi")
-
 
 def _mass(
     default: float, symbol: str, meaning: str, unit: str = "kg", slider: tuple[float, float] = (0.1, 10.0)
@@ -189,4 +187,4 @@ class SliderOnBelt(MechanicalModel):
 
 def _all(at: Any) -> SimpleNamespace:
     """All coordinates, or their rates; those that the geometry leaves out are zero."""
-    return SimpleNamespace(**{name: getattr(at, name, 0) for name in ALL})
+    return SimpleNamespace(**{name: getattr(at, name, 0) for name in MovingLoad.coordinates})

@@ -1,4 +1,4 @@
-"""A slider on a rigid belt with any contact law: mode coupling that the preload sets in, and separation."""
+"""A slider on a rigid belt with any contact law: mode coupling caused by the preload, and separation."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from frictionlab.components.contact import ContactLaw, CubicContact
 from frictionlab.components.friction import Coulomb, FrictionLaw
 from frictionlab.components.parameter import parameter
 from frictionlab.models.mechanical.mechanical_model import PlanarSlider, inclined_spring_energy
-from frictionlab.models.mechanism import Mechanism, leaning, pressed_on_belt
+from frictionlab.models.mechanism import Mechanism, body_on_belt, inclined_end
 from frictionlab.models.model import with_signature
 
 from .parameter_presets import (
@@ -99,7 +99,7 @@ class SliderOnRigidBelt(PlanarSlider):
     @property
     def mechanism(self) -> Mechanism:
         """A body on its contact spring on a belt, and two springs."""
-        return pressed_on_belt(leaning(0.0), leaning(self.a))
+        return body_on_belt(inclined_end(0.0), inclined_end(self.a))
 
     def springs(self, q: Any) -> Any:
         """Energy of both springs, J."""

@@ -32,8 +32,8 @@ class TwoBlocks(MechanicalModel):
         m2 x2'' + c x2' + k2 x2 + k12 (x2 - x1) = F_T2
 
     Each sticks or slips by the same law under a normal force of its own.  A mode names what both do, as in
-    "stick | slip+"; there are nine, each derived when a run first comes to try it.  Blocks that are alike and
-    start alike move as one: as :class:`MassOnBelt`, with the period 8.902605407815 s by default.  Sliding
+    "stick | slip+"; there are nine, each derived when a run first tries to enter it.  Blocks that are alike
+    and start alike move as one: as :class:`MassOnBelt`, with the period 8.902605407815 s by default.  Sliding
     they have the frequencies sqrt(k/m) and sqrt((k + 2 k12)/m).
 
     Galvanetto and Bishop use a friction law that falls hyperbolically; any law can take its place.

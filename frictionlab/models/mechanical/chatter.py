@@ -1,12 +1,14 @@
-"""Chatter: what impacts come to where each throws the slider off again, in ever shorter flights.
+"""Chatter: the limit of impacts after each of which the slider leaves the belt again, in ever shorter
+flights.
 
 Eq. (13) brings the velocity relative to the belt's *material* point to zero.  The slider then leaves the
-belt at the rate r = (x1' - x2') phi, which no impact changes.  Where r > 0 it flies; if in flight the gap
-closes with the acceleration a, it lands after 2 r/a, at the rate r, and so on.  Flights of length T differ
-from their limit T -> 0 by O(T^2).  In the limit the impulses are a force F_N = a/(W_N^T M^-1 W_N) that keeps
-gap and gap rate at zero, and there is no friction, as there is none in flight and none in an impact.  It
-ends where r comes to zero, which is the accumulation point of the flights, or where they grow long; the
-slider then takes off, with an error of the order of r, as the limit does not know which flight it is in.
+belt at the rate r = (x1' - x2') phi, which no impact changes.  Where r > 0 the gap opens; if in flight it
+closes with the acceleration a, the slider lands after 2 r/a, at the rate r, and so on.  Flights of length T
+differ from their limit T -> 0 by O(T^2).  In the limit the impulses are a force F_N = a/(W_N^T M^-1 W_N) that
+keeps gap and gap rate at zero, and there is no friction, as there is none in flight and none in an impact.
+It ends where r comes to zero, which is the accumulation (Zeno) point of the flights, or where they grow long;
+the slider then takes off, with an error of the order of r, as the limit does not contain the phase of a
+flight.
 """
 
 from __future__ import annotations
@@ -30,7 +32,7 @@ CHATTER_TIME = symbol("chatter")  # s, below which the solver replaces flights b
 
 
 def chatter_mode(found: LagrangeSystem) -> Mode | None:
-    """The mode of a single contact whose impacts throw off; None for others."""
+    """The limit mode of a single contact at which the gap opens again after an impact; None for others."""
     for contact in found.mechanics.contacts[:1]:
         if isinstance(contact, Friction) and contact.impact is not None and "separation" in contact.modes:
             rate = leaving_rate(found, contact)
@@ -56,9 +58,9 @@ def _limit(found: LagrangeSystem, contact: Friction, rate: Any) -> Mode:
 
 
 def leaving_rate(found: LagrangeSystem, contact: Friction) -> Any:
-    """Rate r at which the gap opens after an impact that it closed into at the rate r.
+    """Rate r at which the gap opens after an impact before which it closed at the rate r.
 
-    Zero where no other rate is such, and for impact laws that are not linear in the rates.
+    Zero where there is no other such rate, and for impact laws that are not linear in the rates.
     """
     material, full, soft = RATE_SYMBOLS
     rate, other = sympy.symbols("rate other")
@@ -73,19 +75,20 @@ def leaving_rate(found: LagrangeSystem, contact: Friction) -> Any:
 
 
 def closing_acceleration(found: LagrangeSystem, contact: Friction) -> Any:
-    """Second derivative of the gap in flight, Eq. (9)."""
+    """Second derivative of the penetration in flight, Eq. (9)."""
     state = zip((*found.q, *found.v), (*found.v, *_accelerations(found, contact, 0)), strict=True)
     penetration_rate = found.rate(contact.penetration)
     return sum(sympy.diff(penetration_rate, x) * rate for x, rate in state)
 
 
 def _accelerations(found: LagrangeSystem, contact: Friction, force: Any) -> list[Any]:
-    """Under a normal force and no friction."""
+    """Accelerations under a normal force without friction."""
     return list(found.inverse * sympy.Matrix(found.forces(contact, force)))
 
 
 def _chatter_events(found: LagrangeSystem, contact: Friction, rate: Any, closing: Any) -> tuple[Event, ...]:
-    """Where flights come to nothing, and where they last twice as long as those replaced."""
+    """The events of the limit mode: flights have become infinitely short, or twice as long as those
+    replaced."""
     targets = tuple(name for name in AFTER_FLIGHT if name in contact.modes)
     landed = Reset(vanishing={contact.penetration: 2, -contact.penetration: 2})
     return (

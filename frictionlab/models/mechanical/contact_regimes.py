@@ -15,15 +15,15 @@ if TYPE_CHECKING:
     from .equations_of_motion import LagrangeSystem
 
 PHASE = "phase"
-# The regimes tried first after an event, in this order, as far as the contact has them.
+# The regimes tried first after an event, in this order, where the contact has them.
 AFTER_SLIP = {"slip+": ("stick", "slip-"), "slip-": ("stick", "slip+")}
 AFTER_FLIGHT = ("slip+", "slip-", "slip", "stick")
 
 
 class RegimeEnd(NamedTuple):
-    """What ends a regime: a function that is positive before, the regimes to try then, and who jumps how.
+    """What ends a regime: an event function, the regimes to try then, and the kind of reset.
 
-    `jump` is None, "project" or "impact".
+    `jump` is None, "project" (onto the constraint) or "impact".
     """
 
     name: str
@@ -34,18 +34,18 @@ class RegimeEnd(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class ContactRegime:
-    """One way to be of one contact.
+    """A regime of one contact, such as stick or flight.
 
     Parameters
     ----------
     name : str
     force : Expr or None
-        Force (N) of the contact; None where it is what holds `held`.
+        Force (N) of the contact; None where it is the constraint force that keeps `held` at zero.
     held : Expr or None
-        The velocity that is kept at zero.
+        The velocity that is kept at zero; None without a constraint.
     constraints : tuple of Expr
     ends : callable
-        From the force to its events.
+        Function of the force that returns the events.
     """
 
     name: str
@@ -68,7 +68,7 @@ def regime(contact: Friction, name: str, found: LagrangeSystem) -> ContactRegime
     Raises
     ------
     ValueError
-        If there is none of that name.
+        If there is no regime of that name.
     """
     if name not in BUILDERS:
         raise ValueError(f"no mode is called {name!r}: an interface may list {', '.join(BUILDERS)}")
@@ -76,12 +76,12 @@ def regime(contact: Friction, name: str, found: LagrangeSystem) -> ContactRegime
 
 
 def sliding_friction(contact: Friction, sign: Any, normal: Any, speed: Any) -> Any:
-    """F_T while sliding towards `sign`."""
+    """F_T in slip with v_r of this `sign`."""
     return sign * contact.law.kinetic(normal, sign * speed)
 
 
 def _slip(contact: Friction, found: LagrangeSystem, name: str) -> ContactRegime:
-    """Sliding in one direction, Eqs. (1) to (4)."""
+    """Slip in one direction, Eqs. (1) to (4)."""
     sign, speed = 1 if name == "slip+" else -1, contact.relative_velocity
     stops = RegimeEnd("v_r", sign * speed, _known(contact, AFTER_SLIP[name]), "project")
     force = sliding_friction(contact, sign, contact.pressing, speed)
@@ -89,14 +89,14 @@ def _slip(contact: Friction, found: LagrangeSystem, name: str) -> ContactRegime:
 
 
 def _slip_on(contact: Friction, found: LagrangeSystem) -> ContactRegime:
-    """Sliding whose friction force keeps its sign, that of the belt's speed."""
+    """Slip whose friction force keeps its sign, that of the belt's speed."""
     speed = contact.relative_velocity
     force = sliding_friction(contact, sympy.sign(found.at_rest(speed)), contact.pressing, speed)
     return ContactRegime("slip", force, None, (), lambda _: _leaving(contact))
 
 
 def _stick(contact: Friction, found: LagrangeSystem) -> ContactRegime:
-    """Sticking, Eqs. (5) to (8), until the force that holds leaves the cone."""
+    """Stick, Eqs. (5) to (8), until the constraint force leaves the friction cone."""
     speed, limit = contact.relative_velocity, contact.law.static_limit(contact.pressing)
 
     def breaks(force: Any) -> tuple[RegimeEnd, ...]:
@@ -124,7 +124,7 @@ BUILDERS: dict[str, Callable[[Friction, Any], ContactRegime]] = {
 
 
 def _leaving(contact: Friction) -> tuple[RegimeEnd, ...]:
-    # Bilateral contact is an interface without the mode that a lost contact would lead to.
+    # A contact is bilateral where its interface has no mode for a lost contact.
     targets = _known(contact, ("separation",))
     return (RegimeEnd("gap", contact.penetration, targets),) if targets else ()
 

@@ -1,6 +1,6 @@
 """Lagrange's equations of a model's energies and loads: M q'' = r + sum of W F.
 
-r is what energies, dampers and loads give, F are the forces of the contacts, W where each of them enters.
+r comes from energies, dampers and loads, F are the forces of the contacts, W their directions.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from frictionlab.models.symbols import Structure, symbol, symbolic_copy
 from .contact_regimes import PHASE, ContactRegime, regimes_of_contact
 from .mechanics import Friction, Mechanics, Stop
 
-JOINT = " | "  # between the regimes of several contacts in a mode's name
+JOINT = " | "  # separates the regimes of several contacts in a mode's name
 
 
 class Pair(NamedTuple):
@@ -34,7 +34,8 @@ class Pair(NamedTuple):
 class LagrangeSystem:
     """Lagrange's equations of a model: M q'' = loads - internal + sum of W F.
 
-    Nothing is multiplied out: equal subexpressions (a gap above all) stay equal, so that they cost once.
+    Nothing is multiplied out: equal subexpressions (above all the penetration) stay equal, so that they are
+    computed once.
     """
 
     mechanics: Mechanics
@@ -56,13 +57,14 @@ class LagrangeSystem:
 
     @cached_property
     def combinations(self) -> dict[str, tuple[ContactRegime, ...]]:
-        """All combinations of regimes by their names, but those in which two contacts hold one velocity."""
+        """All combinations of regimes by their names, without those in which two contacts constrain one
+        velocity."""
         each = [regimes_of_contact(contact, self) for contact in self.mechanics.contacts]
         return {mode_name(chosen): chosen for chosen in product(*each) if _independent(self, chosen)}
 
     @property
     def rubbing(self) -> Friction:
-        """The one contact, with friction, of a system that has no other."""
+        """The contact with friction of a system with a single contact."""
         (contact,) = self.mechanics.contacts
         assert isinstance(contact, Friction)
         return contact
@@ -74,7 +76,7 @@ class LagrangeSystem:
 
     @cached_property
     def dead_loads(self) -> tuple[Any, ...]:
-        """What a linear structure is loaded with where no coordinate is displaced, (n,)."""
+        """Loads on a linear structure at zero coordinates, (n,)."""
         origin = dict.fromkeys(self.q, 0)
         rows = zip(self.loads, self.internal, strict=True)
         return tuple(load - self.at_rest(row).subs(origin) for load, row in rows)
@@ -90,12 +92,12 @@ class LagrangeSystem:
         return (*self.q, *self.v, *self.phase)
 
     def rate(self, expression: Any) -> Any:
-        """Derivative by time of a function of coordinates and phase."""
+        """Time derivative of a function of coordinates and phase."""
         pairs = [*zip(self.q, self.v, strict=True), *((x, self.mechanics.frequency) for x in self.phase)]
         return sum((sympy.diff(expression, x) * rate for x, rate in pairs), sympy.S.Zero)
 
     def at_rest(self, expression: Any) -> Any:
-        """The value where no coordinate moves: of a relative velocity the speed of the belt."""
+        """The value at zero velocities: that of a relative velocity is the speed of the belt."""
         return sympy.sympify(expression).subs(dict.fromkeys(self.v, 0))
 
     def direction(self, contact: Friction | Stop) -> Any:
@@ -105,7 +107,8 @@ class LagrangeSystem:
         return sympy.Matrix([sympy.diff(contact.distance, x) for x in self.q])
 
     def normal(self, contact: Friction | Stop) -> Any:
-        """W_N: where the normal force of a contact that may be lost enters, (n, 1); by default -grad gap."""
+        """W_N: where the normal force of a contact that may be lost enters, (n, 1); by default the gradient
+        of the gap."""
         if isinstance(contact, Stop) or contact.penetration is None:
             return sympy.zeros(len(self.q), 1)
         if contact.normal is not None:
@@ -113,12 +116,13 @@ class LagrangeSystem:
         return -sympy.Matrix([sympy.diff(contact.penetration, x) for x in self.q])
 
     def forces(self, contact: Friction | Stop, normal_force: Any) -> list[Any]:
-        """Loads less what the structure takes, and a contact's normal force, for each coordinate."""
+        """Loads less the forces of the structure, and a contact's normal force, for each coordinate."""
         rows = zip(self.loads, self.internal, self.normal(contact), strict=True)
         return [load - rest + w * normal_force for load, rest, w in rows]
 
     def pair(self, velocity: Any) -> Pair | None:
-        """The bodies that become one where this velocity is held: one with +1, one with -1 in it."""
+        """The two coordinates that move together where this velocity is zero: it contains one with +1, one
+        with -1."""
         rows = [sympy.diff(velocity, rate) for rate in self.v]
         moving = {i: row for i, row in enumerate(rows) if row != 0}
         speed = self.at_rest(velocity)
@@ -147,20 +151,20 @@ def system_at(model: Any, q: Sequence[Any], v: Sequence[Any]) -> LagrangeSystem:
     momenta = [sympy.diff(about.kinetic, rate) for rate in v]
     mass = sympy.Matrix(momenta).jacobian(v)
     loads = tuple(sympy.sympify(about.loads.get(name, 0)) for name in names)
-    # With matrices where the statics ask for K; the form decides on the last bits of equilibria.
+    # In matrix form where the statics need K; the form determines the last bits of equilibria.
     linear = model.statics is not None
     internal = _with_matrices(about, q, v) if linear else _internal(about, momenta, q, v)
     return LagrangeSystem(about, tuple(q), tuple(v), mass, internal, loads)
 
 
 def _in_regimes(about: Mechanics, model: Any) -> Mechanics:
-    """With the model's interface for contacts that name none."""
+    """The contacts, with the model's interface for those that have none."""
     contacts = (c if c.interface else replace(c, interface=model.interface) for c in about.contacts)
     return replace(about, contacts=tuple(contacts))
 
 
 def _internal(about: Mechanics, momenta: Sequence[Any], q: Sequence[Any], v: Sequence[Any]) -> Any:
-    """What energies and dampers give, for each coordinate."""
+    """Forces of energies and dampers, for each coordinate."""
     turning = sympy.Matrix(momenta).jacobian(q) * sympy.Matrix(v)
     slopes = [sympy.diff(about.stored - about.kinetic, x) for x in q]
     damping = [sympy.diff(about.dissipation, rate) for rate in v]
@@ -177,7 +181,7 @@ def _with_matrices(about: Mechanics, q: Sequence[Any], v: Sequence[Any]) -> Any:
 
 
 def _jacobian(gradient: Sequence[Any], x: Sequence[Any]) -> tuple[tuple[Any, ...], ...]:
-    # Second derivatives of one function: symmetric, so half of them do.
+    # Second derivatives of one function are symmetric, so half of them suffice.
     upper = {(i, j): sympy.diff(gradient[i], x[j]) for j in range(len(x)) for i in range(j + 1)}
     return tuple(tuple(upper[min(i, j), max(i, j)] for j in range(len(x))) for i in range(len(x)))
 

@@ -26,9 +26,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, init=False, repr=False)
 class MechanicalModel(Model):
-    """Base of the models that say what they are made of; modes, resets and equations follow from it.
+    """Base of the models that state their energies and contacts; modes, resets and equations follow from
+    these.
 
-    Beside its components a model has an `interface`: the regimes of its contacts, all by default.
+    Besides its components a model has an `interface`: the regimes of its contacts, by default all.
     """
 
     interface: Interface = StickSlipSeparation()
@@ -39,7 +40,7 @@ class MechanicalModel(Model):
 
     @property
     def nonlinearities(self) -> Mapping[str, Nonlinearity]:
-        """Those of its components; of a model without contacts the interface is none."""
+        """The nonlinearities of its components; without contacts the interface is none."""
         found = nonlinearities_of(self)
         if not self.system().mechanics.contacts:
             found.pop("nonsmooth", None)
@@ -58,7 +59,7 @@ class MechanicalModel(Model):
         raise NotImplementedError(f"{type(self).__name__} must define mechanics(q, v)")
 
     def derive(self) -> HybridAutomaton:
-        """By Lagrange's equations."""
+        """The automaton, derived by Lagrange's equations."""
         from .modes import derive_automaton
 
         return derive_automaton(self)
@@ -110,7 +111,7 @@ class PlanarSlider(MechanicalModel):
         raise NotImplementedError(f"{type(self).__name__} must define springs(q)")
 
     def normal_force(self, penetration: Any) -> Any:
-        """F_N at a compression of the contact, N."""
+        """F_N (N) at a penetration (m)."""
         raise NotImplementedError(f"{type(self).__name__} must define normal_force(penetration)")
 
     def mechanics(self, q: Any, v: Any) -> Mechanics:

@@ -1,4 +1,4 @@
-"""What a mechanical model is made of: energies, loads and contacts, in arithmetic that needs no sympy."""
+"""What a mechanical model states: energies, loads and contacts, in arithmetic that needs no sympy."""
 
 from __future__ import annotations
 
@@ -13,7 +13,8 @@ from frictionlab.components.interface import Interface, StickSlipSeparation
 
 @dataclass(frozen=True, eq=False)
 class Friction:
-    """A contact with dry friction; its modes are "stick", "slip+", "slip-" and, with a gap, "separation".
+    """A contact with dry friction; its modes are "stick", "slip+", "slip-" and, where the bodies can
+    separate, "separation".
 
     The friction force F_T acts along the relative velocity v_r: F_T dv_r is minus its power on the bodies.
 
@@ -22,16 +23,17 @@ class Friction:
     relative_velocity : Expr
         v_r, linear in the velocities, m/s.
     normal_force : Expr or callable
-        F_N, N; of a contact with a gap best as a function of the gap, such as ``contact.force`` of a law,
-        as its integral is the energy that the contact stores.
+        F_N, N.  Where the bodies can separate preferably a function of the penetration, such as
+        ``contact.force`` of a law, as its integral is the energy that the contact stores.
     law : FrictionLaw
     penetration : Expr or None
-        Compression of the contact, m, where the bodies may separate: F_N vanishes with it, and there is no
-        force while it is negative.  None for a contact that is never lost, under a normal force that does
+        Penetration, m, positive in contact, where the bodies can separate: F_N vanishes with it, and there is
+        no force while it is negative.  None for a contact that is never lost, under a normal force that does
         no work.
     normal : tuple of Expr or None
-        W_N, where F_N enters, for each coordinate; by default minus the gradient of the gap, so that the
-        contact does no work but that of its spring.  :class:`Geometry` gives the paper's.
+        W_N, where F_N enters, for each coordinate; by default the gradient of the gap, which is minus that of
+        the penetration, so that the contact does no work but that of its spring.  :class:`Geometry` gives the
+        paper's.
     impact : ImpactLaw or None
         What happens where the gap closes; by default nothing, as there is no mass at the contact.
     interface : Interface or None
@@ -53,7 +55,8 @@ class Friction:
 
     @property
     def modes(self) -> tuple[str, ...]:
-        """Names of the regimes, in the order in which they are tried; a contact without a gap is not lost."""
+        """Names of the regimes, in the order in which they are tried; a contact without a penetration cannot
+        separate."""
         names = (self.interface or StickSlipSeparation()).modes
         return (
             names if self.penetration is not None else tuple(name for name in names if name != "separation")
@@ -69,9 +72,10 @@ class Stop:
     distance : Expr
         Distance from the stop, m, at least 0.
     law : ImpactLaw
-        What happens where it comes to 0.
+        The impact law where the distance comes to 0.
     interface : Interface or None
-        By default the model's `interface`; one without separation knows no stop.
+        The regimes of the contact; by default those of the model's `interface`.  Without separation there is
+        no stop.
     """
 
     distance: Any
@@ -101,8 +105,8 @@ class Mechanics:
     loads : mapping of str to Expr
         Forces (N) along coordinates that come from no energy, such as ``F * cos(q.phase)``.
     frequency : Expr or None
-        Angular frequency (rad/s) of what depends on time: the rate of the state ``q.phase``, which goes
-        from 0 to 2 pi and begins anew.  None where nothing does.
+        Angular frequency (rad/s) of a force that depends on time: the rate of the state ``q.phase``, which
+        goes from 0 to 2 pi and begins anew.  None where nothing depends on time.
     """
 
     kinetic: Any
@@ -114,21 +118,22 @@ class Mechanics:
 
     @property
     def stored(self) -> Any:
-        """V (J), of all that is stored by position."""
+        """The potential energy V (J), the sum of all its parts."""
         return sum(self.potential.values()) if isinstance(self.potential, Mapping) else self.potential
 
 
 @dataclass(frozen=True)
 class SlidingStatics:
-    """What a model says whose equilibria follow from the gap of its one contact.
+    """States that the equilibria of a model follow from the penetration of its one contact.
 
-    Its structure is linear, its F_N a function of the gap.  So all coordinates follow from the gap, and what
-    is left is one scalar equation, of which all roots are found; for polynomial laws it is a polynomial.
+    Its structure is linear, and F_N a function of the penetration.  So all coordinates follow from the
+    penetration, and one scalar equation is left, of which all roots are found; for polynomial laws it is a
+    polynomial.
 
     Parameters
     ----------
     height : str
-        The coordinate, if there is no spring, that the contact alone holds.
+        The coordinate that the contact alone holds where no spring does.
     """
 
     height: str

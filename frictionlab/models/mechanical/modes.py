@@ -1,6 +1,7 @@
 """A model's energies, loads and contacts as a hybrid automaton, by Lagrange's equations.
 
-A contact that holds a velocity at zero gives the force that keeps it there; several are solved for at once.
+Where contacts keep velocities at zero, as in stick, their forces follow from these constraints, for all
+contacts at once.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ from .resets import impact_resets, stick_reset
 def derive_automaton(model: Any) -> HybridAutomaton:
     """States and modes of a symbolic copy of a model, one mode for each combination of regimes.
 
-    Several contacts have many combinations, of which a run visits few: each is derived once it is asked for.
+    Several contacts have many combinations, of which a run visits few: each is derived when it is first used.
     """
     found = lagrange_system(model)
     chosen, numbers = found.combinations, {}
@@ -40,7 +41,7 @@ def derive_automaton(model: Any) -> HybridAutomaton:
 
 
 def _sketch(name: str, chosen: Sequence[ContactRegime], states: int) -> Sketch:
-    """What can be said without solving for forces: sticking needs v_r = 0, sliding v_r of its sign."""
+    """The sketch of a mode, known without solving for forces: stick needs v_r = 0, slip v_r of its sign."""
     needs: list[Any] = []
     for regime in chosen:
         if regime.force is None:
@@ -73,7 +74,7 @@ def solve_contact_forces(
 
 
 def _as_one_body(found: LagrangeSystem, pair: Pair, r: Any) -> tuple[list[Any], Any]:
-    """Accelerations of two bodies that stick to each other, of one expression, and the force between."""
+    """Accelerations of two bodies that stick to each other, as one expression, and the force between them."""
     one, two, mass = pair.first, pair.second, found.masses
     accelerations = [force / m for force, m in zip(r, mass, strict=True)]
     accelerations[one] = accelerations[two] = (r[one] + r[two]) / (mass[one] + mass[two])
@@ -89,7 +90,7 @@ def sticking_force(found: LagrangeSystem, pair: Pair, r: Sequence[Any]) -> Any:
 def _held_by_forces(
     found: LagrangeSystem, chosen: Sequence[ContactRegime], held: Sequence[int], free: Any
 ) -> tuple[list[Any], list[Any]]:
-    """The same where the velocities of several contacts, or one of any direction, are held."""
+    """The same where the velocities of several contacts, or one in any direction, are constrained."""
     inverse, forces = found.inverse, [regime.force for regime in chosen]
     rows = sympy.Matrix([[sympy.diff(chosen[i].held, rate) for rate in found.v] for i in held])
     along = sympy.Matrix([found.rate(chosen[i].held) for i in held]) + rows * inverse * free
@@ -97,7 +98,7 @@ def _held_by_forces(
     holding = (rows * inverse * columns).LUsolve(-along)
     for i, force in zip(held, holding, strict=True):
         forces[i] = expand_products(force)
-    # Expanded, what cancels is gone: a held velocity keeps its value to the last bit.
+    # Expanded, terms that cancel vanish: a constrained velocity keeps its value to the last bit.
     return [expand_products(a) for a in inverse * (free + columns * holding)], forces
 
 
@@ -131,7 +132,7 @@ def _event(found: LagrangeSystem, chosen: Sequence[ContactRegime], i: int, end: 
 
 
 def contact_suffix(found: LagrangeSystem, i: int) -> str:
-    """What tells the contacts apart where there are several: _1, _2 ..."""
+    """Suffix of the outputs of a contact where there are several: _1, _2 ..."""
     return f"_{i + 1}" if len(found.mechanics.contacts) > 1 else ""
 
 

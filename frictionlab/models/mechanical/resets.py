@@ -1,4 +1,4 @@
-"""What jumps at an event: the projection on stick, the impact on a stop, and that of a re-contact."""
+"""The jumps at events: the projection onto stick, the impact on a stop, and that of a re-contact."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from .equations_of_motion import LagrangeSystem
 
 RATE_SYMBOLS = sympy.symbols("material_rate gap_rate compliance", real=True)
-CLOSING = PlasticImpact("full")  # ends an accumulation of impacts
+CLOSING = PlasticImpact("full")  # restitution of the impact that closes a Zeno accumulation
 
 
 def stick_reset(found: LagrangeSystem, contact: Any) -> Reset:
@@ -25,7 +25,7 @@ def stick_reset(found: LagrangeSystem, contact: Any) -> Reset:
     if pair is not None:
         return _together(found, pair)
     w = found.direction(contact)
-    jump = _kick(found, w, contact.relative_velocity / compliance(found, w))
+    jump = _velocity_jump(found, w, contact.relative_velocity / compliance(found, w))
     return Reset({rate: expand_products(after) for rate, after in jump.items()})
 
 
@@ -38,7 +38,7 @@ def _together(found: LagrangeSystem, pair: Any) -> Reset:
 
 
 def impact_resets(found: LagrangeSystem, contact: Friction | Stop) -> tuple[Reset, Reset]:
-    """The impact under the contact's law, and the one that closes an accumulation of them."""
+    """The impact by the contact's law, and the one that closes a Zeno accumulation of impacts."""
     if isinstance(contact, Stop):
         return _on_stop(found, contact, contact.law), _on_stop(found, contact, CLOSING)
     return _landing(found, contact, contact.impact), _landing(found, contact, CLOSING)
@@ -51,10 +51,10 @@ def compliance(found: LagrangeSystem, w: Any) -> Any:
 
 def velocities_after(found: LagrangeSystem, direction: Any, impulse: Any) -> dict[Any, Any]:
     """M dv = W p, Eqs. (10) to (12): the velocities that jump, after an impulse along W_N or W_T."""
-    return _kick(found, direction, impulse) if impulse != 0 else {}
+    return _velocity_jump(found, direction, impulse) if impulse != 0 else {}
 
 
-def _kick(found: LagrangeSystem, w: Any, impulse: Any) -> dict[Any, Any]:
+def _velocity_jump(found: LagrangeSystem, w: Any, impulse: Any) -> dict[Any, Any]:
     changes = [p * impulse / m for p, m in zip(w, found.masses)] or found.inverse * w * impulse
     return {rate: rate + change for rate, change in zip(found.v, changes, strict=True) if change != 0}
 
@@ -77,7 +77,7 @@ def normal_impulse(found: LagrangeSystem, contact: Friction, law: ImpactLaw) -> 
 
 
 def rates_after_impact(found: LagrangeSystem, contact: Friction, law: Any) -> tuple[Any, Any]:
-    """Material and full gap rate after the impact in terms of those before it, RATE_SYMBOLS."""
+    """Material and full penetration rate after the impact in terms of those before it, RATE_SYMBOLS."""
     material, full, soft = RATE_SYMBOLS
     if expand_products(material_rate(found, contact) - found.rate(contact.penetration)) == 0:
         material = full
@@ -86,7 +86,7 @@ def rates_after_impact(found: LagrangeSystem, contact: Friction, law: Any) -> tu
 
 
 def _landing(found: LagrangeSystem, contact: Friction, law: Any) -> Reset:
-    # The gap is zero where this happens; its rate afterwards only if the law makes it so identically.
+    # The penetration is zero at the impact; its rate afterwards only if the law makes it identically zero.
     order = 2 if rates_after_impact(found, contact, law)[1] == 0 else 1
     rubbed = velocities_after(found, found.direction(contact), friction_impulse(found, contact, law))
     pushed = velocities_after(found, found.normal(contact), normal_impulse(found, contact, law))
@@ -95,18 +95,20 @@ def _landing(found: LagrangeSystem, contact: Friction, law: Any) -> Reset:
 
 
 def _on_stop(found: LagrangeSystem, contact: Stop, law: Any) -> Reset:
-    """The impulse of an impact law; the distance is zero there, its rate if the law makes it so."""
+    """The impact on a stop: the distance is zero there, and so is its rate afterwards if the law makes it
+    so."""
     w, rate = found.direction(contact), found.rate(contact.distance)
     order = 2 if rate_after(law, symbol("rate")) == 0 else 1
-    # The place is put right as well, which removes only the rounding of the root: what comes to rest on the
+    # The position is projected as well, which removes only the rounding of the root: a body that comes to
+    # rest on the
     # stop is on it to the last bit.
     moved = zip(found.q, found.inverse * w * (contact.distance / compliance(found, w)), strict=True)
     placed = {x: expand_products(x - change) for x, change in moved if change != 0}
-    after = _kick(found, w, law.impulse(-rate, -rate, compliance(found, w)))
+    after = _velocity_jump(found, w, law.impulse(-rate, -rate, compliance(found, w)))
     return Reset({**placed, **{v: expand_products(a) for v, a in after.items()}}, {contact.distance: order})
 
 
 def rate_after(law: ImpactLaw, rate: Any) -> Any:
-    """Rate at which the distance from a stop grows after an impact, from that before."""
+    """Rate of the distance from a stop after an impact, as a function of that before."""
     soft = sympy.Symbol("compliance", positive=True)
     return expand_products(rate + soft * law.impulse(-rate, -rate, soft))

@@ -2,24 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 from scipy.stats import spearmanr
 
+from frictionlab.analysis.steady_state.motion_kind import MotionKind
 from frictionlab.paper import scenes, steady_states
 from frictionlab.paper.figures.bifurcations import example_cycle, steady_state_text
 from frictionlab.paper.scenes import Setting
-from frictionlab.paper.steady_states import (
-    AT_REST,
-    NON_PERIODIC,
-    PERIODIC,
-    count,
-    in_range,
-    intervals_text,
-    is_kind,
-    is_vibration,
-)
+from frictionlab.paper.steady_states import count, in_range, intervals_text, is_kind, is_vibration
 
 from .claim import Finding, Question
 
@@ -35,7 +28,11 @@ MIN_RANK_CORRELATION = 0.5  # rank correlation with mu_k above which the intensi
 
 
 def _outcome_words(kinds: tuple[str, ...]) -> list[str]:
-    words: dict[str, str] = {AT_REST: "rest", PERIODIC: "vibration", NON_PERIODIC: "vibration"}
+    words: dict[str, str] = {
+        MotionKind.EQUILIBRIUM: "rest",
+        MotionKind.PERIODIC: "vibration",
+        MotionKind.NON_PERIODIC: "vibration",
+    }
     return [words.get(kind, kind) for kind in kinds]
 
 
@@ -57,11 +54,11 @@ def _check_starts(setting: Setting) -> Finding:
 
 def _check_cycles(setting: Setting) -> Finding:
     low, high = example_cycle(1.4, setting), example_cycle(2.5, setting)
-    frequency = 1 / low.period if low.kind == PERIODIC else np.nan
+    frequency = 1 / low.period if low.kind == MotionKind.PERIODIC else np.nan
     held = {
-        "the motion at 1.4 is periodic": low.kind == PERIODIC,
+        "the motion at 1.4 is periodic": low.kind == MotionKind.PERIODIC,
         "its frequency is 1.58 Hz": bool(abs(frequency - CYCLE_FREQUENCY[0]) <= CYCLE_FREQUENCY[1]),
-        "the motion at 2.5 is non-periodic": high.kind == NON_PERIODIC,
+        "the motion at 2.5 is non-periodic": high.kind == MotionKind.NON_PERIODIC,
     }
     return Finding(f"mu_k 1.4: {steady_state_text(low)}; mu_k 2.5: {steady_state_text(high)}", held)
 
@@ -83,14 +80,14 @@ def _check_sections(setting: Setting) -> Finding:
     """C11."""
     b = steady_states.sweep_from_rest(1e4, setting)
     ranges = {
-        "periodic for 0.9 <= mu_k < 1.8": (PERIODIC, 0.9, 1.8),
-        "non-periodic for 0.4 <= mu_k < 0.9": (NON_PERIODIC, 0.4, 0.9),
-        "non-periodic for 1.8 <= mu_k < 3": (NON_PERIODIC, 1.8, 3.0),
+        "periodic for 0.9 <= mu_k < 1.8": (MotionKind.PERIODIC, 0.9, 1.8),
+        "non-periodic for 0.4 <= mu_k < 0.9": (MotionKind.NON_PERIODIC, 0.4, 0.9),
+        "non-periodic for 1.8 <= mu_k < 3": (MotionKind.NON_PERIODIC, 1.8, 3.0),
     }
     return Finding(*_by_range(b, ranges))
 
 
-def _by_range(b: Any, ranges: dict[str, tuple[str, float, float]]) -> tuple[str, dict[str, bool]]:
+def _by_range(b: Any, ranges: Mapping[str, tuple[str, float, float]]) -> tuple[str, dict[str, bool]]:
     """Stretches and counts in words, and whether each range is of one kind throughout."""
     held, counts = {}, []
     for text, (kind, first, last) in ranges.items():
@@ -105,7 +102,7 @@ def _check_coexistence(setting: Setting) -> Finding:
     rest, near = steady_states.sweep_from_rest(1e4, setting), steady_states.sweep_from_near(1e4, setting)
     low, high = in_range(rest, 0.0, 0.4, open_end=True), near.values > 1.5 + 1e-9
     held = {
-        "only the equilibrium for mu_k < 0.4": bool(is_kind(rest, AT_REST)[low].all()),
+        "only the equilibrium for mu_k < 0.4": bool(is_kind(rest, MotionKind.EQUILIBRIUM)[low].all()),
         "only the limit cycle for mu_k > 1.5": bool(is_vibration(near)[high].all()),
         "both in [0.4, 1.5]": _solutions_coexist(rest, near, 0.4, 1.5),
     }
@@ -115,14 +112,14 @@ def _check_coexistence(setting: Setting) -> Finding:
 def _solutions_coexist(rest: Any, near: Any, first: float, last: float) -> bool:
     """Whether from rest it vibrates and from near it comes to rest, all through a range."""
     vibrates = is_vibration(rest)[in_range(rest, first, last)].all()
-    return bool(vibrates and is_kind(near, AT_REST)[in_range(near, first, last)].all())
+    return bool(vibrates and is_kind(near, MotionKind.EQUILIBRIUM)[in_range(near, first, last)].all())
 
 
 def _check_linear_contact(setting: Setting) -> Finding:
     """C13."""
     b = steady_states.sweep_from_rest(0.0, setting)
     there, odd = in_range(b, 0.9, 1.8, open_end=True), in_range(b, 1.3, 1.3)
-    periodic = is_kind(b, PERIODIC)
+    periodic = is_kind(b, MotionKind.PERIODIC)
     held = {"periodic for 0.9 <= mu_k < 1.8 but at 1.3": bool(periodic[there & ~odd].all())}
     for mu, expected in (1.3, False), (0.05, True):
         at = in_range(b, mu, mu)
@@ -135,7 +132,7 @@ def _check_linear_contact(setting: Setting) -> Finding:
 def _check_hard_contact(setting: Setting) -> Finding:
     """C14."""
     b = steady_states.sweep_from_rest(1e7, setting)
-    there, at, periodic = in_range(b, 0.75, 2.9), in_range(b, 0.1, 0.1), is_kind(b, PERIODIC)
+    there, at, periodic = in_range(b, 0.75, 2.9), in_range(b, 0.1, 0.1), is_kind(b, MotionKind.PERIODIC)
     x1 = np.concatenate([s[:, b.names.index("x1")] for s, t in zip(b.sections, there) if t and len(s)])
     held = {"periodic for 0.75 <= mu_k <= 2.9": bool(periodic[there].all())}
     if at.any():
@@ -177,7 +174,9 @@ def _check_intensity(setting: Setting) -> Finding:
 
 def _coexistence_text(rest: Any, near: Any) -> str:
     shared = [
-        v for v, m in zip(rest.values, is_vibration(rest)) if m and v in near.values[is_kind(near, AT_REST)]
+        v
+        for v, m in zip(rest.values, is_vibration(rest))
+        if m and v in near.values[is_kind(near, MotionKind.EQUILIBRIUM)]
     ]
     return f"both at {shared[0]:g} to {shared[-1]:g}" if shared else "nowhere both"
 

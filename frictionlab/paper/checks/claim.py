@@ -1,6 +1,6 @@
 """Claims of the paper, their verdicts as a table, and one claim computed in three ways.
 
-The ways are the exact solver with either impact law, and the paper's algorithm; the exact solver decides.
+These are the exact solver with either impact law, and the paper's algorithm; the exact solver decides.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ REASON_FOR_DIFFERENCE = (
 
 
 class Verdict(StrEnum):
-    """What a check found."""
+    """The verdict of a check."""
 
     REPRODUCED = "reproduced"
     IN_PART = "reproduced in part"  # for some of the values that the claim speaks of; the note says which
@@ -61,7 +61,7 @@ class Claim:
     note : str
         What else the reader should know; may be empty.
     full_gap_rate : str
-        What the exact solver gives with the gap's full rate in the impact law, where that can differ.
+        What the exact solver gives with the full gap rate in the impact law, where that can differ.
     paper_algorithm : str
         What the paper's algorithm gives, and its step, where time is stepped.
     """
@@ -136,7 +136,7 @@ def _html_row(tag: str, cells: tuple[str, ...]) -> str:
 
 
 class Finding(NamedTuple):
-    """What one way gives: numbers in words, and the parts of the claim with whether they hold."""
+    """The result of one way of computing a claim: a text, and whether each part of the claim holds."""
 
     text: str
     held: dict[str, bool]

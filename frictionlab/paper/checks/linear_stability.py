@@ -84,7 +84,7 @@ def _coalescence() -> Claim:
     for preload in COALESCENCE_PRELOADS.values():
         data = coalescence(preload)
         critical = [changes[0].value for changes in data.changes.values()]
-        held += [_modes_couple(data, k) for k in data.loci] + (np.diff(critical) < 0).tolist()
+        held += [modes_couple(data, k) for k in data.loci] + (np.diff(critical) < 0).tolist()
         computed.append(f"{', '.join(f'{c:.4f}' for c in critical)} at F = {preload:g} N")
         others += [
             f"F = {preload:g} N: {stability_changes_text(c[1:])}" for c in data.changes.values() if len(c) > 1
@@ -99,7 +99,7 @@ def _coalescence() -> Claim:
     return Claim("C5", "Figs 2, 3", says, text, verdict_of_parts(*held), note)
 
 
-def _modes_couple(data: Coalescence, k_nl: float) -> bool:
+def modes_couple(data: Coalescence, k_nl: float) -> bool:
     """Whether the frequencies of the pair meet, and one of its growth rates turns positive there."""
     locus, pair = data.loci[k_nl], list(data.pairs[k_nl])
     apart = np.abs(np.diff(locus.frequencies[:, pair], axis=1))[:, 0]

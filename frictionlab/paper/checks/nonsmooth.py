@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from frictionlab.analysis.steady_state.motion_kind import MotionKind
 from frictionlab.paper import steady_states
 from frictionlab.paper.figures.stiff_structure import (
     PANELS_WITHOUT,
@@ -19,8 +20,6 @@ from frictionlab.paper.figures.stiff_structure import (
 )
 from frictionlab.paper.scenes import Setting
 from frictionlab.paper.steady_states import (
-    NON_PERIODIC,
-    PERIODIC,
     agrees_with_printed,
     count,
     in_range,
@@ -51,7 +50,7 @@ def _check_amplitudes(setting: Setting) -> Finding:
 def _check_sliding(setting: Setting) -> Finding:
     """C22."""
     rest, down = steady_states.stiff_sweep(False, setting), steady_states.sliding_sweep_downwards(setting)
-    periodic = {b: is_kind(b, PERIODIC)[in_range(b, 1.4, np.inf)] for b in (rest, down)}
+    periodic = {b: is_kind(b, MotionKind.PERIODIC)[in_range(b, 1.4, np.inf)] for b in (rest, down)}
     text = (
         f"followed from 3 down {intervals_text(down)}, periodic at {count(periodic[down])} values from 1.4 on"
         f"; from rest {intervals_text(rest)}, periodic at {count(periodic[rest])}"
@@ -62,7 +61,7 @@ def _check_sliding(setting: Setting) -> Finding:
 def _check_nonsmooth(setting: Setting) -> Finding:
     """C23."""
     b = steady_states.stiff_sweep(True, setting)
-    chosen = is_kind(b, NON_PERIODIC)
+    chosen = is_kind(b, MotionKind.NON_PERIODIC)
     held = {"non-periodic for most mu_k": bool(chosen.mean() > 0.5)}
     return Finding(f"{intervals_text(b)}; non-periodic at {count(chosen)} values", held)
 

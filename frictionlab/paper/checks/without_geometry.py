@@ -6,12 +6,11 @@ from typing import Any
 
 import numpy as np
 
+from frictionlab.analysis.steady_state.motion_kind import MotionKind
 from frictionlab.paper import scenes, steady_states
 from frictionlab.paper.figures.bifurcations import PHASE_PLANE_MU_K, phase_plane_cycle
 from frictionlab.paper.scenes import Setting
 from frictionlab.paper.steady_states import (
-    NON_PERIODIC,
-    PERIODIC,
     count,
     in_range,
     intervals_text,
@@ -33,7 +32,7 @@ def _check_unchanged(setting: Setting) -> Finding:
     for k_nl in (0.0, 1e4):
         b = steady_states.sweep_from_rest(k_nl, setting, geometry=False)
         there = in_range(b, 0.38, 2.95)
-        periodic, f = is_kind(b, PERIODIC)[there], 1 / b.periods[there]
+        periodic, f = is_kind(b, MotionKind.PERIODIC)[there], 1 / b.periods[there]
         held[f"periodic in [0.38, 2.95] for k_nl {k_nl:g}"] = bool(periodic.all())
         held[f"nearly unchanged for k_nl {k_nl:g}"] = bool(
             np.ptp(f) < MAX_PERIOD_VARIATION * f.mean() and np.ptp(b.onsets[there]) == 0
@@ -52,8 +51,8 @@ def _check_hard_contact(setting: Setting) -> Finding:
     b = steady_states.sweep_from_rest(1e7, setting, geometry=False)
     there, small = in_range(b, 0.05, 2.95), b.values < 0.05 - 1e-9
     held = {
-        "periodic in [0.05, 2.95]": bool(is_kind(b, PERIODIC)[there].all()),
-        "non-periodic at very small mu_k": bool(is_kind(b, NON_PERIODIC)[small].any()),
+        "periodic in [0.05, 2.95]": bool(is_kind(b, MotionKind.PERIODIC)[there].all()),
+        "non-periodic at very small mu_k": bool(is_kind(b, MotionKind.NON_PERIODIC)[small].any()),
     }
     return Finding(intervals_text(b), held)
 

@@ -14,6 +14,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from frictionlab.analysis.simulate import simulate
+from frictionlab.analysis.steady_state.motion_kind import MotionKind
 from frictionlab.analysis.steady_state.result import SteadyState
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.paper import scenes, steady_states
@@ -108,7 +109,7 @@ def steady_state_text(found: SteadyState) -> str:
     spectrum = found.spectrum(f_max=F_MAX)
     strongest = spectrum.peaks()[0][0] if spectrum else np.nan
     cycle = f" at {1 / found.period:.3f} Hz, {found.onsets_per_period} onsets of stick a period"
-    moving = found.kind == "periodic"
+    moving = found.kind == MotionKind.PERIODIC
     text = f"{found.kind}{cycle if moving else ''}, strongest line of x1 {strongest:.2f} Hz"
     turns = f", the belt turns by up to {_rotation(found):.3g} rad" if _rotation(found) > 0 else ""
     return f"{text}, L_s {found.intensity:.5g}, returns to {found.deviation:.1e} of its size{turns}"

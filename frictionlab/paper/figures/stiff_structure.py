@@ -15,12 +15,13 @@ from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
 from numpy.typing import NDArray
 
+from frictionlab.analysis.steady_state.motion_kind import MotionKind
 from frictionlab.analysis.steady_state.result import SteadyState
 from frictionlab.analysis.steady_state.steady_state import steady_state
 from frictionlab.hybrid.methods.base import Method
 from frictionlab.paper import scenes, steady_states
 from frictionlab.paper.scenes import Setting
-from frictionlab.paper.steady_states import AT_REST, intervals_text, sweep_results
+from frictionlab.paper.steady_states import intervals_text, sweep_results
 from frictionlab.plotting import RunFigure, plot_bifurcation, plot_intensity
 from frictionlab.plotting.style import BLUE, DASHED, VERMILLION, parameter_label, state_label, state_unit
 from frictionlab.stability import critical_value, root_locus
@@ -242,7 +243,7 @@ def spectrum_lines(model: Any, times: scenes.Times, method: Method, tolerance: f
     """Kind and spectrum of x1 in a steady state from rest, or up to where the run ended early."""
     found = steady_state(model, method=method, tolerance=tolerance, progress=False, **times._asdict())
     spectrum = found.spectrum(f_max=F_MAX)
-    if spectrum is None or found.kind == AT_REST:
+    if spectrum is None or found.kind == MotionKind.EQUILIBRIUM:
         return {"kind": found.kind, "strongest": None, "amplitudes": [0.0] * FREQUENCY_BINS}
     bins = np.minimum((spectrum.frequencies * (FREQUENCY_BINS / F_MAX)).astype(int), FREQUENCY_BINS - 1)
     amplitudes = np.zeros(FREQUENCY_BINS)

@@ -12,17 +12,17 @@ from matplotlib.artist import Artist
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
+from frictionlab.analysis.motion_scales import round_down_1_2_5
 from frictionlab.plotting.figure import AnimatedFigure
 from frictionlab.plotting.runs.phase_plane import plot_phase_plane
-from frictionlab.plotting.runs.time_window import Array, Periods, Window, window_limits
+from frictionlab.plotting.runs.time_window import SAMPLING_RTOL, Array, Periods, Window, window_limits
 from frictionlab.plotting.style import BLACK, mode_colours
 from frictionlab.validation import check_number
 
 from .parts import Parts
 from .run_picture import BeltPicture, mechanism_of, picture_of
-from .tilting_belt import round_down_1_2_5
 
-DEFAULT_DURATION = 6.0  # that an animation lasts, or somewhat longer, where no speed is given
+DEFAULT_DURATION = 6.0  # seconds that an animation lasts, or somewhat longer, where no speed is given
 DEFAULT_WINDOW = Periods(3.0)
 FONT_SIZE = 9.0
 DPI = 80.0  # an animation in a notebook holds every frame as a picture
@@ -50,15 +50,15 @@ def animate(
 ) -> RunAnimation:
     """Animate a run: the model's mechanism, coloured by mode, with the contact forces and the phase plane.
 
-    Dampers are left out.  Displacements and a belt's way are magnified, its tilt is not.  The slider of
-    :class:`SliderOnBelt` stands on its contact spring (k2, k_nl) on the belt, which k4, k5 and k6 hold;
+    Dampers are left out.  Displacements and the travel of a belt are magnified, its tilt is not.  The slider
+    of :class:`SliderOnBelt` stands on its contact spring (k2, k_nl) on the belt, which k4, k5 and k6 hold;
     forces are those on the slider.
 
     Parameters
     ----------
     run : Trajectory
-        Of a model that has a `mechanism`: of all of the package, or of one of your own that says in a few
-        lines what it looks like (:class:`~frictionlab.models.Mechanism`).
+        Of a model that has a `mechanism`: any model of the package, or one of your own with a few lines for
+        its picture (:class:`~frictionlab.models.Mechanism`).
     window : float, (float, float) or None
         The last so many seconds, from one time to another, or the whole run; by default three periods.
     speed : float or None
@@ -67,7 +67,7 @@ def animate(
     fps : float
         Frames a second.
     magnify : float or None
-        Factor of the displacements; None makes the largest well seen.  It stands in the picture.
+        Factor of the displacements, which the picture states; None makes the largest well visible.
     figure : Figure or None
         Where to draw; None makes a new figure that belongs to no window.
 
@@ -111,7 +111,7 @@ def animate(
 
 def frame_times(start: float, stop: float, step: float) -> Array:
     """Times of the frames, both ends of the window as far as the step allows."""
-    return np.minimum(start + step * np.arange(int((stop - start) / step * (1 + 1e-12)) + 1), stop)
+    return np.minimum(start + step * np.arange(int((stop - start) / step * (1 + SAMPLING_RTOL)) + 1), stop)
 
 
 def _build_scene(run: Any, figure: Figure, picture: BeltPicture | Parts) -> AnimationScene:
@@ -122,7 +122,7 @@ def _build_scene(run: Any, figure: Figure, picture: BeltPicture | Parts) -> Anim
     (phase,) = right.plot([], [], "o", color=BLACK, markersize=9.0, markeredgecolor="white", zorder=5)
     _draw_legend(figure, picture, {name: colours[name] for name in colours if name in picture.mode})
     left.set_xlabel(picture.note, fontsize=FONT_SIZE)
-    # With a height of its own, or each draw without it would move it.
+    # With a fixed height, as otherwise it would move with each draw.
     title = left.set_title("", y=1.0, fontsize=FONT_SIZE + 2)
     return AnimationScene(picture, colours, drawn, phase, title)
 

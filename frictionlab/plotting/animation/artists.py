@@ -23,7 +23,7 @@ SPRING_TURNS = 6
 
 SPRING_WIDTH = 0.12  # of springs, as a share of the size
 BELT_COLOUR = "#F2F2F2"
-# Name of each spring, and where it stands beside the spring's middle, as shares of the size.
+# Name of each spring, and the place of the name beside the spring's middle, as shares of the size.
 SPRING_LABELS = {
     "k1": ("$k_1$", (0.0, -0.2)),
     "k2": (r"$k_2, k_{\mathrm{nl}}$", (0.3, 0.0)),
@@ -66,7 +66,7 @@ def belt_outline(distance: Array, wheels: tuple[float, float], radius: float) ->
 
 
 def to_picture_frame(points: Array, x: float, y: float, slope: float) -> Array:
-    """Points (2, P) of the belt's frame as seen from outside: turned to a slope, moved to (x, y)."""
+    """Points (2, P) of the belt's frame in the frame of the picture: rotated to a slope, moved to (x, y)."""
     c, s = np.array([1.0, slope]) / np.hypot(1.0, slope)
     return np.array([[c, -s], [s, c]]) @ points + np.array([[x], [y]])
 
@@ -131,7 +131,8 @@ def move_mechanism(
 
 
 def outlines(mechanism: Mechanism, frame: int) -> list[Array]:
-    """Lines (2, P) of the moving parts in a frame: belt, springs, slider, and the foot's way to the belt."""
+    """Lines (2, P) of the moving parts in a frame: belt, springs, slider, and the line from the spring's foot
+    to the belt."""
     row, (width, height) = mechanism.row(frame), mechanism.block
     loop = 2 * (sum(mechanism.wheels) + np.pi * mechanism.radius)
     belt = belt_outline(np.linspace(0, loop, 200), mechanism.wheels, mechanism.radius)
@@ -168,7 +169,7 @@ def spring_ends(mechanism: Mechanism, row: dict[str, float]) -> dict[str, tuple[
 
 
 def _draw_walls(ax: Axes, mechanism: Mechanism) -> None:
-    """The fixed parts: two walls, the ground, the point that holds k3."""
+    """Draw the fixed parts: two walls, the ground, the anchor of k3."""
     (left, right, ground), (x, y) = mechanism.walls, mechanism.anchor
     span = mechanism.reach + 0.25 * mechanism.size
     middle = mechanism.spring + mechanism.block[1] / 2

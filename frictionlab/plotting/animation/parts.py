@@ -15,12 +15,12 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Polygon
 
+from frictionlab.analysis.motion_scales import round_down_1_2_5
 from frictionlab.models.mechanism import Belt, Block, Forces, Mechanism, Place, Spring, Wall
 from frictionlab.plotting.runs.time_window import Array, modes_at
 from frictionlab.plotting.style import BLACK, BLUE, GREY, VERMILLION
 
 from .artists import spring_outline
-from .tilting_belt import round_down_1_2_5
 
 REACH = 0.5  # largest displacement drawn
 LONGEST = 0.6  # arrow
@@ -39,8 +39,8 @@ class Shape:
     ----------
     kind : "wall", "spring", "block", "disc", "belt" or "arrow"
     rows : (K, numbers) array
-        Both ends of a wall and a spring; a centre, width and height; ends, height and way of a belt; foot and
-        vector of an arrow.
+        The numbers of a shape in each frame: both ends of a wall or spring; centre, width and height of a
+        block or disc; ends, height and travel of a belt; foot and vector of an arrow.
     colour : str
     """
 
@@ -86,7 +86,7 @@ class Parts:
 
     @property
     def note(self) -> str:
-        """What the picture does to the run."""
+        """A note on the magnification."""
         return f"displacements × {self.magnify:g}"
 
     def outlines(self, frame: int) -> list[Array]:
@@ -184,10 +184,11 @@ def _artists(shape: Shape) -> list[Any]:
 
 
 def parts(run: Any, mechanism: Mechanism, t: Array, magnify: float | None = None) -> Parts:
-    """The mechanism of a run at times `t` (K,); ``magnify=None`` makes the largest displacement well seen."""
+    """The mechanism of a run at times `t` (K,); ``magnify=None`` makes the largest displacement well
+    visible."""
     values = {str(name): np.full(len(t), float(value)) for name, value in run.automaton.parameters.items()}
     values |= dict(zip(run.names, run(t).T, strict=True))
-    seen = Seen(run, t, values, modes_at(run, t))
+    seen = SampledRun(run, t, values, modes_at(run, t))
     used = [values[name.lstrip("-")] for name in sorted(_names(mechanism))]
     largest = max((float(np.abs(value).max()) for value in used), default=0.0)
     s = magnify if magnify is not None else round_down_1_2_5(REACH / largest) if largest > 0 else 1.0
@@ -205,8 +206,8 @@ def parts(run: Any, mechanism: Mechanism, t: Array, magnify: float | None = None
 
 
 @dataclass(frozen=True, eq=False)
-class Seen:
-    """A run at times `t`: states and parameters by name, and modes."""
+class SampledRun:
+    """Samples of a run at times `t`: states and parameters by name, and modes."""
 
     run: Any
     t: Array
@@ -224,7 +225,7 @@ class Seen:
         return (-s if name.startswith("-") else s) * self.values[name.lstrip("-")]
 
 
-def _shapes(part: Any, seen: Seen, s: float, forces: Any) -> list[Shape]:
+def _shapes(part: Any, seen: SampledRun, s: float, forces: Any) -> list[Shape]:
     ones = np.ones(len(seen.t))
     if isinstance(part, Wall):
         return [Shape("wall", np.column_stack([*seen.at(part.start, s), *seen.at(part.end, s)]), GREY)]
@@ -240,7 +241,7 @@ def _shapes(part: Any, seen: Seen, s: float, forces: Any) -> list[Shape]:
     return _pair(part, seen, s, forces)
 
 
-def _pair(part: Forces, seen: Seen, s: float, forces: Any) -> list[Shape]:
+def _pair(part: Forces, seen: SampledRun, s: float, forces: Any) -> list[Shape]:
     """The arrows of both contact forces."""
     sizes, scale = forces
     foot, nothing = seen.at(part.at, s), np.zeros(len(seen.t))
@@ -251,7 +252,7 @@ def _pair(part: Forces, seen: Seen, s: float, forces: Any) -> list[Shape]:
     return [Shape("arrow", np.column_stack([*foot, *v]), FORCES[name][0]) for name, v in vectors.items()]
 
 
-def _spring(part: Spring, seen: Seen, s: float) -> Array:
+def _spring(part: Spring, seen: SampledRun, s: float) -> Array:
     start, end = seen.at(part.start, s), seen.at(part.end, s)
     if part.loose:
         hangs, rest = seen.mode == part.loose, (part.start.x - part.end.x, part.start.y - part.end.y)
@@ -260,6 +261,6 @@ def _spring(part: Spring, seen: Seen, s: float) -> Array:
 
 
 def _names(mechanism: Mechanism) -> set[str]:
-    """What moves the places of a mechanism."""
+    """Names of the coordinates and parameters that move the places of a mechanism."""
     places = [p for part in mechanism.parts for p in vars(part).values() if isinstance(p, Place)]
     return {name for place in places for name in (place.right, place.up) if name}

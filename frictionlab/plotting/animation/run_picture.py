@@ -1,4 +1,4 @@
-"""The picture of a run in its frames, of any model that says what it looks like."""
+"""The picture of a run in its frames, of any model that has a mechanism."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ class BeltPicture:
 
     @property
     def note(self) -> str:
-        """What the picture does to the run."""
+        """A note on the magnification."""
         return f"displacements × {self.sizes.magnify:g}, tilt as it is"
 
     @property
@@ -92,14 +92,14 @@ class BeltPicture:
 
 
 def mechanism_of(run: Any, function: str) -> Mechanism | TiltingBelt:
-    """What the model of a run looks like.
+    """The mechanism of the model of a run.
 
     Raises
     ------
     TypeError
         For what is no run.
     ValueError
-        If it does not say.
+        If the model has no mechanism.
     """
     check_run(run)
     source = run.source
@@ -117,7 +117,8 @@ def mechanism_of(run: Any, function: str) -> Mechanism | TiltingBelt:
 def picture_of(
     run: Any, mechanism: Mechanism | TiltingBelt, t: Array, magnify: float | None = None
 ) -> BeltPicture | Parts:
-    """The mechanism of a run at times `t` (K,); ``magnify=None`` makes the largest displacement well seen."""
+    """The mechanism of a run at times `t` (K,); ``magnify=None`` makes the largest displacement well
+    visible."""
     if isinstance(mechanism, Mechanism):
         return parts(run, mechanism, t, magnify)
     seen, p = sample_frames(run, t), parameters(run)

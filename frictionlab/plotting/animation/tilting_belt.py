@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from frictionlab.analysis.motion_scales import round_down_1_2_5
 from frictionlab.plotting.runs.time_window import Array, modes_at
 
 SLIDER_COORDINATES = ("x1", "y1", "x2", "y2")
@@ -34,7 +35,7 @@ class Frames:
     t : time
     x1, y1, x2, y2, phi : coordinates; phi is zero where the belt does not rotate
     rate : x1'
-    penetration : compression of the contact, negative in flight
+    penetration : positive in contact, negative in flight
     normal_force, friction_force : on the slider
     mode : names of the modes
     """
@@ -141,7 +142,7 @@ class Mechanism:
 def lay_out_mechanism(
     frames: Frames, *, v: float, l1: float, l2: float, magnify: float | None = None
 ) -> Mechanism:
-    """Where everything is drawn; ``magnify=None`` makes the largest displacement well seen.
+    """Where everything is drawn; ``magnify=None`` makes the largest displacement well visible.
 
     Parameters
     ----------
@@ -165,16 +166,6 @@ def lay_out_mechanism(
 def _part_positions(frames: Frames, s: float, spring: float, travel: Array) -> Array:
     x1, y1, x2, y2 = s * frames.x1, s * frames.y1, s * frames.x2, s * frames.y2
     surface = y2 - (x1 - x2) * frames.phi
-    # Bilateral contact pulls where the gap is negative: only in flight is there no contact.
+    # Bilateral contact pulls where the penetration is negative: only in flight is there no contact.
     foot = np.where(frames.mode == "separation", y1, surface)
     return np.column_stack([x1, y1 + spring, x1, foot, x2, y2, -frames.phi, travel])
-
-
-def round_down_1_2_5(x: float) -> float:
-    """The next smaller of 1, 2, 5, 10, 20, ...
-
-    >>> round_down_1_2_5(37.0), round_down_1_2_5(0.05)
-    (20.0, 0.05)
-    """
-    power = 10.0 ** np.floor(np.log10(x))
-    return float(f"{max(d for d in (1, 2, 5) if d * power <= x * (1 + 1e-9)) * power:.3g}")

@@ -66,14 +66,18 @@ def plot_phase_plane(
         x, rate = _masked_states(states, here == mode)
         if not np.isnan(x).all():
             lines += ax.plot(x, rate, color=colour, label=mode, linewidth=1.2)
-    title = f"Phase plane of {state_label(shown)}, {window_text(run, start, stop)}"
-    rate_label = f"{state_label(shown + chr(39))} ({state_unit(shown + chr(39))})"
-    ax.set(xlabel=f"{state_label(shown)} ({state_unit(shown)})", ylabel=rate_label, title=title)
+    label_phase_plane(ax, shown, f"Phase plane of {state_label(shown)}, {window_text(run, start, stop)}")
     ax.locator_params(axis="x", nbins=6)  # small numbers have long labels
     return lines
 
 
+def label_phase_plane(ax: Axes, name: str, title: str) -> None:
+    """Label the axes with a coordinate and its rate."""
+    x, rate = (f"{state_label(each)} ({state_unit(each)})" for each in (name, f"{name}'"))
+    ax.set(xlabel=x, ylabel=rate, title=title)
+
+
 def _masked_states(states: np.ndarray, chosen: np.ndarray) -> np.ndarray:
-    """The two columns, NaN outside the chosen samples and the one after each, so that no gap is seen."""
+    """The two columns, NaN outside the chosen samples and the one after each, so that lines meet."""
     kept = chosen | np.append(False, chosen[:-1])
     return np.where(kept[:, None], states, np.nan).T

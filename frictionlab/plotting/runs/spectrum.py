@@ -42,20 +42,44 @@ def plot_spectrum(
     f_max = f_max or highest_frequency(run.source)
     found = amplitude_spectrum(run, shown, f_max=f_max)
     ax = axes_or_new(ax)
-    ax.set(
-        xlabel="frequency (Hz)",
-        ylabel=f"amplitude of {state_label(shown)} ({state_unit(shown)})",
-        xlim=(0, f_max),
-    )
     if found is None:
+        ax.set(
+            xlabel="frequency (Hz)",
+            ylabel=f"amplitude of {state_label(shown)} ({state_unit(shown)})",
+            xlim=(0, f_max),
+        )
         ax.set_title(f"Spectrum of {state_label(shown)}")
         ax.text(
             0.5, 0.5, "the run is too short\nfor a spectrum", ha="center", va="center", transform=ax.transAxes
         )
         return []
+    lines = plot_amplitudes(found, ax)
+    ax.set_xlim(0, f_max)
+    return lines
+
+
+def plot_amplitudes(found: Spectrum, ax: Axes | None = None) -> list[Line2D]:
+    """Draw an amplitude spectrum.
+
+    Parameters
+    ----------
+    found : Spectrum
+    ax : Axes or None
+        None draws into a new figure.
+
+    Returns
+    -------
+    list of Line2D
+    """
+    ax = axes_or_new(ax)
     lines = ax.plot(found.frequencies, found.amplitudes, color=BLACK, linewidth=1.0)
     _logarithmic(ax, found.amplitudes)
-    ax.set_title(_title(shown, found))
+    ax.set(
+        xlabel="frequency (Hz)",
+        ylabel=f"amplitude of {state_label(found.name)} ({state_unit(found.name)})",
+        xlim=(0.0, found.frequencies[-1]),
+        title=_title(found.name, found),
+    )
     return lines
 
 

@@ -30,6 +30,7 @@ Window = float | tuple[float, float] | Periods | None
 
 DEFAULT_WINDOW = Periods(7.5)  # 0.75 s of the slider on a belt
 SAMPLES = 4001
+SAMPLING_RTOL = 1e-12  # share by which rounding may keep a window from holding one more whole step
 
 
 def end_time(run: Any) -> float:
@@ -101,7 +102,7 @@ def mode_intervals(run: Any) -> tuple[Array, list[str]]:
         return (np.array([0.0, end]), names) if names else (np.array([0.0]), [])
     modes = np.append(events.source[:1], events.target)
     starts = np.append(0.0, events.t)
-    # Of several events at one instant only the last mode lasts.
+    # Of several events at one instant only the mode entered last has a duration.
     lasting = np.append(starts[1:] > starts[:-1], end > starts[-1])
     modes, starts = modes[lasting], starts[lasting]
     new = np.append([True], modes[1:] != modes[:-1])[: len(modes)]

@@ -1,5 +1,5 @@
-"""The curves in a plane of two parameters on which a growth rate is zero, from the grid points between which
-they pass.
+"""The curves in a plane of two parameters on which a growth rate is zero, found between neighbouring grid
+points.
 """
 
 from __future__ import annotations
@@ -15,11 +15,11 @@ from frictionlab.stability.equilibrium_problem import EquilibriumProblem
 from frictionlab.stability.state_matrices import growth_rates, unstable_pairs
 
 from .boundary_tracing import STEP_RADIUS, ParameterPlane, distance_to_curve, trace_curve, zeros_on_segments
+from .stability_changes import FOLD_RATE_AT_ROOT
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 SAME_CURVE_DISTANCE = 0.1 * STEP_RADIUS  # a point this near to a curve lies on it
-FOLD_RATE_ON_CURVE = 1e-6  # as in stability_changes.py
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,13 +92,13 @@ def _levels(spectra: Any, counts: Any, a: tuple[int, int], b: tuple[int, int]) -
 
 
 def _describe_curve(plane: ParameterPlane, curve: Array, rank: int) -> list[Boundary]:
-    """The curve in pieces of one kind each: flutter, divergence, or the end of an equilibrium."""
+    """The curve, split into sections of one kind each: flutter, divergence, or the end of an equilibrium."""
     if len(curve) < 2:
         return []
     spectra = plane.spectra(curve)
     critical = spectra[:, rank]
     frequencies = np.abs(critical.imag) / (2 * np.pi)
-    frequencies[np.abs(critical.real) > FOLD_RATE_ON_CURVE * np.abs(spectra).max(axis=1)] = np.nan
+    frequencies[np.abs(critical.real) > FOLD_RATE_AT_ROOT * np.abs(spectra).max(axis=1)] = np.nan
     kinds = np.where(np.isnan(frequencies), 2, frequencies == 0)
     cuts = np.flatnonzero(np.diff(kinds)) + 1
     parts = zip(np.split(curve, cuts), np.split(frequencies, cuts))

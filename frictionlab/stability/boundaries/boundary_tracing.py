@@ -70,7 +70,7 @@ def zeros_on_segments(plane: ParameterPlane, low: Array, high: Array, ranks: Any
 
 
 def trace_curve(plane: ParameterPlane, seed: Array, rank: int) -> Array:
-    """The curve (k, 2) through a point of it, within the square."""
+    """The curve (k, 2) through a seed point on it, within the square."""
     forward = _follow(plane, seed, rank, 1)
     if len(forward) > 3 and np.hypot(*(forward[-1] - seed)) < STEP_RADIUS:  # closed
         loop = _project_onto_curve(plane, np.vstack([forward, seed]), rank)
@@ -104,7 +104,7 @@ def _follow(plane: ParameterPlane, seed: Array, rank: int, side: int) -> Array:
 def _turn(
     plane: ParameterPlane, centre: Array, radius: float, angles: Array, rank: int, side: int
 ) -> float | None:
-    """Angle from the middle one to that in which the curve leaves a circle; None where it ends."""
+    """Angle, relative to the middle of an arc, at which the curve crosses the arc; None where it ends."""
     circle = centre + radius * np.stack([np.cos(angles), np.sin(angles)], axis=1)
     rates = side * plane.rate(circle, rank)
     enters = np.flatnonzero((rates[:-1] < 0) & (rates[1:] >= 0))

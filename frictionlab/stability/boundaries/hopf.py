@@ -9,10 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionlab.models.coercion import automaton_of
 from frictionlab.stability.equilibrium_points.equilibria import Equilibrium
 from frictionlab.stability.equilibrium_points.problem_setup import equilibrium_branches, equilibrium_problem
-from frictionlab.stability.equilibrium_points.static_equations import by_gap
+from frictionlab.stability.equilibrium_points.static_equations import by_penetration
 from frictionlab.stability.equilibrium_problem import EquilibriumProblem, check_bounds
 
 from .normal_form import (
@@ -26,7 +25,7 @@ from .stability_changes import StabilityChange, changes_on_lines
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
-SAME_VALUE_RTOL = 1e-9  # of the value or the range: two points so close are of symmetric equilibria
+SAME_VALUE_RTOL = 1e-9  # share of the value or the range: two points so close belong to symmetric equilibria
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,7 +33,7 @@ class HopfPoint:
     """A value of a parameter at which flutter sets in or ends, and the cycle born there.
 
     Near it the state is x0 + 2 Re(w q) with
-    w' = (i omega + `eigenvalue_slope` (p - `value`)) w + `cubic_coefficient` w |w|^2.
+    w' = (i omega + `slope` (p - `value`)) w + `cubic` w |w|^2.
 
     Parameters
     ----------
@@ -53,7 +52,7 @@ class HopfPoint:
     cubic : complex
         1/s; depends on the length of q.
     reach : float
-        |w| at which v_r or the gap of the cycle first becomes zero, to leading order; inf if never.
+        |w| at which v_r or the penetration on the cycle first becomes zero, to leading order; inf if never.
     """
 
     model: Any
@@ -183,7 +182,7 @@ def hopf(model: Any, parameter: str, bounds: Any, *, equilibrium: Equilibrium | 
         Narrow them to reach a later point.
     equilibrium : Equilibrium, optional
         One of ``equilibria(model)``, to follow that alone.  By default all are followed that are found at 9
-        values in the range; of a SliderOnBelt the one with F_N > 0 and the smallest gap.
+        values in the range; of a SliderOnBelt the one with F_N > 0 and the smallest penetration.
 
     Returns
     -------
@@ -213,7 +212,7 @@ def hopf(model: Any, parameter: str, bounds: Any, *, equilibrium: Equilibrium | 
         changes = sorted((change for change, _ in found), key=lambda change: change.value)
         raise ValueError(_no_hopf_message(parameter, bounds, changes))
     first = min(change.value for change, _ in flutter)
-    # Of symmetric equilibria always the same one, whatever the rounding of their points.
+    # Of symmetric equilibria always take the same one, whatever the rounding of their points.
     alike = first + SAME_VALUE_RTOL * max(abs(first), high - low)
     change, problem = next(pair for pair in flutter if pair[0].value <= alike)
     return _hopf_point(problem, parameter, change)
@@ -223,11 +222,10 @@ def _problems(
     model: Any, parameter: str, bounds: Any, equilibrium: Equilibrium | None
 ) -> tuple[list[EquilibriumProblem], tuple[float, float]]:
     """The equilibria to follow, and the bounds, checked."""
-    if equilibrium is not None or by_gap(model):
+    if equilibrium is not None or by_penetration(model):
         problem = equilibrium_problem(model, equilibrium)
-        return [problem], check_bounds(problem.model, problem.parameters, parameter, bounds)
-    known = {symbol.name: value for symbol, value in automaton_of(model).parameters.items()}
-    limits = check_bounds(model, known, parameter, bounds)
+        return [problem], check_bounds(problem.model, parameter, bounds)
+    limits = check_bounds(model, parameter, bounds)
     return equilibrium_branches(model, parameter, limits), limits
 
 

@@ -25,13 +25,12 @@ Vector = NDArray[Any]
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 ZERO_RTOL = 1e-9  # what is below this share of its terms, or of the largest eigenvalue, counts as zero
-DOUBLE_EIGENVALUE_RTOL = (
-    1e-6  # eigenvalues nearer to each other than this share count as one: rounding parts a double one so far
-)
+# Eigenvalues nearer to each other than this share count as one: rounding parts a double one so far.
+DOUBLE_EIGENVALUE_RTOL = 1e-6
 
 
 class ExpansionPoint(NamedTuple):
-    """Where a flow is differentiated: its state (m,), and the values of its parameters."""
+    """The point at which a flow is differentiated: a state (m,), and the values of the parameters."""
 
     flow: Flow
     state: NDArray[np.float64]
@@ -80,7 +79,8 @@ def _parameter_rates(flow: Flow, parameter: str) -> tuple[Any, ...]:
 
 
 def _derivative(function: Any, symbol: Any) -> Any:
-    # At a kink, such as that of |v_r|, no steady motion is smooth; elsewhere its impulse is zero.
+    # No equilibrium lies at a kink, such as that of |v_r|; elsewhere the delta function in its derivative is
+    # zero.
     rate = sympy.diff(function, symbol)
     return rate.replace(sympy.DiracDelta, lambda *_: sympy.S.Zero) if rate.has(sympy.DiracDelta) else rate
 

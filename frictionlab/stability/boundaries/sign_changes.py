@@ -17,17 +17,15 @@ from frictionlab.stability.state_matrices import Array, ComplexArray, growth_rat
 Flags = NDArray[np.bool_]
 Evaluate = Callable[[NDArray[np.intp], Array], ComplexArray]
 GRID_POINTS, MAX_HALVINGS = 129, 24
-MAX_INTERVAL_FACTOR = (
-    8  # times the pieces of the first grid: two modes with one eigenvalue throughout come close everywhere
-)
-NO_CHANGE_RTOL, EQUAL_EIGENVALUE_RTOL = (
-    1e-9,
-    1e-11,
-)  # shares of the largest eigenvalue: no motion, and no distance
+# Times the pieces of the first grid: two modes with one eigenvalue throughout come close everywhere.
+MAX_INTERVAL_FACTOR = 8
+NO_CHANGE_RTOL = 1e-9  # share of the largest eigenvalue: one that moves by less stays where it is
+EQUAL_EIGENVALUE_RTOL = 1e-11  # share of the largest eigenvalue: two that are nearer are one
 
 
 class Intervals(NamedTuple):
-    """Pieces of lines: index of the line, ends, and the spectra there, sorted by descending growth rate."""
+    """Intervals of lines: index of the line, ends, and the spectra there, sorted by descending growth
+    rate."""
 
     line: NDArray[np.intp]
     low: Array
@@ -35,9 +33,9 @@ class Intervals(NamedTuple):
     at_low: ComplexArray
     at_high: ComplexArray
 
-    # a tuple's items are its fields; here they are the intervals, as of an array
+    # items of a tuple are its fields; here they are the intervals, as in an array
     def __getitem__(self, chosen: Any) -> Intervals:  # type: ignore[override]
-        parts: Any = tuple(self)  # as such, since indexing it ends here again
+        parts: Any = tuple(self)  # as a plain tuple, since indexing this class would call this method again
         return Intervals(*(part[chosen] for part in parts))
 
 
@@ -88,7 +86,8 @@ def _grid(evaluate: Evaluate, low: Array, high: Array) -> Intervals:
 
 
 def _classify_intervals(pieces: Intervals, at_middle: ComplexArray) -> tuple[Flags, Flags]:
-    """Whether no growth rate changes sign in a piece, and whether exactly one (or one pair's) does."""
+    """Whether no growth rate changes sign in an interval, and whether exactly one (or that of one pair)
+    does."""
     a, b, c = growth_rates(pieces.at_low), growth_rates(at_middle), growth_rates(pieces.at_high)
     unknown = np.isnan(a[:, 0]) | np.isnan(b[:, 0]) | np.isnan(c[:, 0])
     absent = np.isnan(a[:, 0]) & np.isnan(b[:, 0]) & np.isnan(c[:, 0])
@@ -124,9 +123,9 @@ def _may_coalesce(pieces: Intervals, at_middle: ComplexArray, least: Array) -> F
     moved = np.maximum(*(_distance(at_middle, end).min(axis=2) for end in ends))
     between = _distance(at_middle, at_middle)
     between[:, range(moved.shape[1]), range(moved.shape[1])] = np.inf
-    # A pair that is about to become two real eigenvalues has its conjugate for a neighbour: no matter.
+    # A pair that is about to become two real eigenvalues is close to its conjugate, which does not matter.
     between[at_middle.imag[:, :, None] * at_middle.imag[:, None, :] < 0] = np.inf
-    # Nor do modes that have one eigenvalue throughout.
+    # Nor do modes with equal eigenvalues throughout.
     between[_equal_eigenvalues(at_middle) & _stay_equal(at_middle, *ends)[:, :, None]] = np.inf
     moved[moved < NO_CHANGE_RTOL * np.abs(at_middle).max(axis=1, keepdims=True)] = 0.0
     close = between < 2 * (moved[:, :, None] + moved[:, None, :])
@@ -140,7 +139,7 @@ def _distance(spectra: ComplexArray, others: ComplexArray) -> Array:
 
 
 def _equal_eigenvalues(spectra: ComplexArray) -> Flags:
-    """Which two eigenvalues (N, m, m) are one but for rounding."""
+    """Which eigenvalues (N, m, m) are equal but for rounding."""
     largest = np.abs(spectra).max(axis=1)[:, None, None]
     return (_distance(spectra, spectra) < EQUAL_EIGENVALUE_RTOL * largest) & ~np.eye(
         spectra.shape[1], dtype=bool
@@ -148,7 +147,7 @@ def _equal_eigenvalues(spectra: ComplexArray) -> Flags:
 
 
 def _stay_equal(at_middle: ComplexArray, *ends: ComplexArray) -> Flags:
-    """Whether an eigenvalue (N, m) has a twin at both ends as well."""
+    """Whether an eigenvalue (N, m) has an equal one at both ends as well."""
     near = (_distance(at_middle, end).argmin(axis=2) for end in ends)
     stay = [np.take_along_axis(_equal_eigenvalues(end).any(axis=2), n, axis=1) for end, n in zip(ends, near)]
     return stay[0] & stay[1]
@@ -162,7 +161,7 @@ def _halve(pieces: Intervals, middle: Array, at_middle: ComplexArray, chosen: Fl
 
 
 def _join_neighbours(pieces: Intervals) -> Intervals:
-    """Neighbours joined into one: what happens in pieces that cannot be told apart happens at once."""
+    """Join neighbouring intervals: changes in intervals too narrow to be resolved count as simultaneous."""
     if not pieces.line.size:
         return pieces
     order = np.lexsort((pieces.low, pieces.line))

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize.elementwise import find_root
 
+from frictionlab.drawable import Drawable
 from frictionlab.stability.equilibrium_points.equilibria import Equilibrium
 from frictionlab.stability.equilibrium_points.problem_setup import equilibrium_problem
 from frictionlab.stability.equilibrium_problem import EquilibriumProblem, check_bounds, check_parameter
@@ -21,13 +22,13 @@ from .sign_changes import Brackets, Evaluate, bracket_sign_changes
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
-FOLD_RATE_AT_ROOT, FOLD_RATE_INSIDE = (
-    1e-6,
-    1e-4,
-)  # shares of the largest eigenvalue: most growth at a root, and just inside
-OUTSIDE_SHARES, INSIDE_SHARE = np.array([0.0, 1e-3, 1.0]), 1e-9  # shares of a bracket
-DECAY_RTOL, MAX_ROOT_STEPS = 1e-13, 200
-MIN_INSIDE_RTOL = 1e-12  # share of a root
+# Shares of the largest eigenvalue: a growth rate that is larger at a root, or just inside it, has jumped.
+FOLD_RATE_AT_ROOT, FOLD_RATE_INSIDE = 1e-6, 1e-4
+OUTSIDE_SHARES = np.array([0.0, 1e-3, 1.0])  # of a bracket: where decay is looked for outside it
+INSIDE_SHARE = 1e-9  # of a bracket: how far "just inside" is, and as a share of the root at least
+MIN_INSIDE_RTOL = 1e-12
+DECAY_RTOL = 1e-13  # share of the largest eigenvalue: a rate below minus this decays
+MAX_ROOT_STEPS = 200
 
 
 @dataclass(frozen=True)
@@ -72,7 +73,7 @@ def stability_changes(
     bounds : (float, float)
     equilibrium : Equilibrium, optional
         One of ``equilibria(model)``; by default that of :func:`equilibrium`: of a SliderOnBelt the one with
-        F_N > 0 and the smallest gap, at each value anew; of others the one nearest to the origin.
+        F_N > 0 and the smallest penetration, at each value anew; of others the one nearest to the origin.
 
     Returns
     -------
@@ -81,8 +82,10 @@ def stability_changes(
 
     Raises
     ------
+    TypeError
+        For an unknown parameter, or what is no model.
     ValueError
-        For an unknown parameter, bounds that are none or break its rule, or an equilibrium of another model.
+        For bounds that are none or break the parameter's rule, or an equilibrium of another model.
 
     Examples
     --------
@@ -91,7 +94,7 @@ def stability_changes(
     ['flutter at 1.51378']
     """
     problem = equilibrium_problem(model, equilibrium)
-    low, high = check_bounds(problem.model, problem.parameters, parameter, bounds)
+    low, high = check_bounds(problem.model, parameter, bounds)
     return changes_on_lines(problem, parameter, (low, high), {})[0]
 
 
@@ -113,7 +116,7 @@ def critical_value(
 
     Raises
     ------
-    ValueError
+    TypeError, ValueError
         As :func:`stability_changes`.
 
     Examples
@@ -126,7 +129,7 @@ def critical_value(
 
 
 @dataclass(frozen=True, eq=False)
-class CriticalCurve:
+class CriticalCurve(Drawable):
     """Critical values of one parameter against another.
 
     Parameters
@@ -139,6 +142,8 @@ class CriticalCurve:
     values : array (N,)
         Critical values of `parameter`; NaN where there is none in the range.
     """
+
+    drawn_by = "plot_critical"
 
     model: Any
     parameter: str
@@ -164,9 +169,9 @@ def critical_curve(model: Any, parameter: str, bounds: Any, *, over: tuple[str, 
         As :func:`stability_changes`, for both parameters; if they are the same, or there are no values.
     """
     problem = equilibrium_problem(model)
-    low, high = check_bounds(problem.model, problem.parameters, parameter, bounds)
+    low, high = check_bounds(problem.model, parameter, bounds)
     name, at = over[0], np.asarray(over[1], dtype=float).ravel()
-    check_parameter(problem.model, problem.parameters, name, at.tolist())
+    check_parameter(problem.model, name, at.tolist())
     if name == parameter or not at.size:
         raise ValueError(
             f"over must be another parameter than {parameter!r} and at least one value of it, got {over!r}: "
@@ -214,7 +219,7 @@ def _roots(evaluate: Evaluate, found: Brackets, bounds: tuple[float, float]) -> 
 
 
 def _bracket_sides(evaluate: Evaluate, found: Brackets) -> tuple[Array, Array]:
-    """The ends of the brackets at which the mode does not grow, and those at which it does."""
+    """The ends of the brackets where the mode does not grow, and those where it does."""
     before, after = (
         eigenvalue_at_rank(evaluate(found.line, end), found.rank).real for end in (found.low, found.high)
     )
@@ -248,7 +253,7 @@ def _describe_changes(
         return []
     _, growing = _bracket_sides(evaluate, found)
     step = growing - roots
-    # A bracket may be as narrow as rounding is coarse.
+    # A bracket may be as narrow as rounding.
     least = np.minimum(MIN_INSIDE_RTOL * np.abs(roots), np.abs(step))
     inside = evaluate(found.line, roots + np.copysign(np.maximum(INSIDE_SHARE * np.abs(step), least), step))
     before, at, after = (evaluate(found.line, p) for p in (found.low, roots, found.high))
@@ -269,7 +274,7 @@ def _describe_changes(
 
 
 def _is_fold(critical: Any, size: Array, max_growth: float) -> Any:
-    """Whether a growth rate is not small at a root or next to it, so that there is none."""
+    """Whether a growth rate is not small at a root or next to it: it jumps there, as the equilibrium ends."""
     return ~(np.abs(critical.real) <= max_growth * size)
 
 

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from frictionlab.drawable import Drawable
 from frictionlab.stability.equilibrium_points.problem_setup import equilibrium_problem
 from frictionlab.stability.equilibrium_problem import EquilibriumProblem, check_parameter
 from frictionlab.stability.state_matrices import unstable_pairs
@@ -16,11 +17,11 @@ from .boundary_curves import Boundary, boundary_curves
 
 Array = NDArray[np.float64]
 NO_EQUILIBRIUM = -1
-GRID_CHUNK = 4096  # grid points between two looks of the progress bar
+GRID_CHUNK = 4096  # grid points between two updates of the progress bar
 
 
 @dataclass(frozen=True, eq=False)
-class StabilityMap:
+class StabilityMap(Drawable):
     """Stability of the sliding equilibrium over a grid of two parameters.
 
     Parameters
@@ -38,6 +39,8 @@ class StabilityMap:
         The curves on which a growth rate is zero, to rounding.
     """
 
+    drawn_by = "plot_stability_map"
+
     model: Any
     x: str
     y: str
@@ -49,12 +52,12 @@ class StabilityMap:
 
 
 def stability_map(
-    model: Any, *, x: tuple[str, Any], y: tuple[str, Any], progress: bool = True
+    model: Any, x: tuple[str, Any], y: tuple[str, Any], *, progress: bool = True
 ) -> StabilityMap:
     """Number of growing pairs and largest growth rate over a grid, and the curves between.
 
     The curves start where neighbours on the grid differ, and are followed from there; one that closes
-    between the points of the grid is not seen.
+    between the points of the grid is missed.
 
     Parameters
     ----------
@@ -70,13 +73,15 @@ def stability_map(
 
     Raises
     ------
+    TypeError
+        For an unknown parameter, or what is no model.
     ValueError
-        For an unknown parameter, a value that breaks its rule, or values that do not ascend.
+        For a value that breaks its rule, or values that do not ascend.
 
     Examples
     --------
     >>> import frictionlab as fl
-    >>> plane = fl.stability_map(fl.SliderOnBelt(), x=("F", [100, 500, 1000]), y=("mu_k", [0.5, 1.5]))
+    >>> plane = fl.stability_map(fl.SliderOnBelt(), ("F", [100, 500, 1000]), ("mu_k", [0.5, 1.5]))
     >>> plane.unstable.tolist()
     [[0, 0, 0], [0, 1, 1]]
     """
@@ -99,7 +104,7 @@ def _check_axis(problem: EquilibriumProblem, which: str, given: tuple[str, Any])
         ) from None
     if len(values) < 2 or not (np.diff(values) > 0).all():
         raise ValueError(f"the values of {which} must ascend, two at least, got {values}: sort them")
-    check_parameter(problem.model, problem.parameters, name, values.tolist())
+    check_parameter(problem.model, name, values.tolist())
     return values
 
 

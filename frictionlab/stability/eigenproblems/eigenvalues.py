@@ -8,8 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from frictionlab.drawable import Drawable
 from frictionlab.stability.equilibrium_points.equilibria import Equilibrium, equilibrium
 from frictionlab.stability.equilibrium_points.problem_setup import equilibrium_problem
+from frictionlab.stability.equilibrium_points.static_equations import by_penetration, sliding_equations
 from frictionlab.stability.state_matrices import is_neutral
 
 Array = NDArray[np.float64]
@@ -17,19 +19,21 @@ ComplexArray = NDArray[np.complex128]
 
 
 @dataclass(frozen=True, eq=False)
-class Eigenvalues:
+class Eigenvalues(Drawable):
     """Eigenvalues and modes of the linearised system.
 
     Parameters
     ----------
     values : complex array (2n,)
         1/s, by ascending magnitude of the imaginary part; conjugate pairs are adjacent.  A growth rate that
-        the rounding of the state matrix could make up is 0.
+        rounding of the state matrix could explain is 0.
     vectors : complex array (2n, 2n)
         Their vectors as columns: coordinates, then velocities.
     equilibrium : Equilibrium
         Where the system was linearised.
     """
+
+    drawn_by = "plot_eigenvalues"
 
     values: ComplexArray
     vectors: ComplexArray
@@ -52,7 +56,7 @@ class Eigenvalues:
 
     @property
     def marginal(self) -> bool:
-        """Whether none grows, and not all decay, as without damping."""
+        """Whether no mode grows, and not all decay, as without damping."""
         return bool(self.growth_rates.max() == 0.0)
 
     @property
@@ -84,9 +88,8 @@ def eigenvalues(model: Any) -> Eigenvalues:
     Returns
     -------
     Eigenvalues
-        With `values`, `frequencies` (Hz), `growth_rates` (1/s), `stable`, `marginal`, `vectors`,
-        `mode_shapes`,
-        `participation_factors` and the `equilibrium`.
+        With `values`, `frequencies` (Hz), `growth_rates` (1/s), `stable`, `marginal`, `vectors`, `shapes`,
+        `participation` and the `equilibrium`.
 
     Raises
     ------
@@ -125,16 +128,11 @@ def jacobian(model: Any, q: Array) -> Array:
         If the belt rests and the model has stick: friction has no derivative there.
     """
     problem = equilibrium_problem(model)
-    if "stick" in interface_modes(model) and model.v == 0:
+    if by_penetration(model) and (equations := sliding_equations(model)).rests(equations.values(model)):
         raise ValueError("v must not be 0 for steady sliding, got 0.0: give the belt a speed")
     x = np.zeros(len(problem.flow.states))
     x[: len(q)] = q
     return problem.flow.jacobian(x, problem.values)
-
-
-def interface_modes(model: Any) -> tuple[str, ...]:
-    """Names of the modes of a model's interface; none for an automaton."""
-    return model.interface.modes if hasattr(model, "interface") else ()
 
 
 def mode_shapes(vectors: ComplexArray, n: int) -> ComplexArray:

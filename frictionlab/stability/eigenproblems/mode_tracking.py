@@ -2,8 +2,8 @@
 
 Two neighbours on the path are compared by the products of left vectors of one with right vectors of the
 other.  For equal matrices that is the unit matrix, however close their eigenvalues are, so it tells modes
-apart where the usual modal assurance criterion (right vectors with right vectors) sees two alike.  Where that
-is not clear the path is halved, so that the result does not depend on the steps that were asked for.
+apart where the usual modal assurance criterion (right vectors with right vectors) finds two alike.  Where
+that is not clear a step is halved, so that the result does not depend on the values asked for.
 """
 
 from __future__ import annotations
@@ -22,18 +22,14 @@ Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complexfloating[Any, Any]]
 SAME_MODE, OTHER_MODE = 0.7, 0.4  # products of unit vectors that count as one mode, and as two
 UNMOVED_SHARE = 0.1  # of the distance to other eigenvalues
-EQUAL_RTOL = 1e-10  # share of the largest eigenvalue: what rounding may part
+EQUAL_RTOL = 1e-10  # share of the largest eigenvalue by which rounding may separate equal ones
 OFFSET_SHARE = 1e-3  # of a step: where vectors are taken from instead
-ENCOUNTER_SHARE, WEAK_COUPLING = (
-    0.5,
-    0.05,
-)  # of the way two modes go past each other; of the distance at which they pass
+ENCOUNTER_SHARE = 0.5  # of the way two modes go past each other: nearer than that they may have met
+WEAK_COUPLING = 0.05  # of the distance at which they pass: a coupling below changes nothing
 UNCOUPLED_RTOL = 1e-12  # share of the largest eigenvalue
 RANK_WEIGHT, TINY_DISTANCE = 0.1, 1e-150
-NARROWEST_STEP_RTOL, EXTRA_POINTS = (
-    1e-12,
-    1000,
-)  # share of the largest parameter: narrowest step; points for halving steps
+NARROWEST_STEP_RTOL = 1e-12  # share of the largest parameter: steps are not halved below
+EXTRA_POINTS = 1000  # points that may be spent on halving steps
 SPLIT_SHARE = 0.47  # not a half: crossings tend to lie at round values
 NO_EIGENVALUE = complex(np.nan, np.nan)
 
@@ -67,7 +63,7 @@ class Modes:
         parts: Any = (self.at, self.values, self.right, self.left, self.unstable)
         return Modes(*(part[chosen] for part in parts))
 
-    def permuted(self, order: NDArray[np.intp]) -> Modes:
+    def permute(self, order: NDArray[np.intp]) -> Modes:
         """With the modes of each point in another order (N, k)."""
         return Modes(
             self.at,
@@ -97,7 +93,8 @@ def modes_of_matrices(at: Array, matrices: Array) -> Modes:
 def _upper_half(values: ComplexArray, k: int) -> NDArray[np.intp]:
     """Indices (N, k) of Im > 0, then of every other real one from the largest; by ascending frequency.
 
-    Two that a pair splits into are neighbours, so that one of them is taken and no other column notices.
+    The two into which a pair splits are neighbours, so that one of them is taken and the other columns stay
+    the same.
     """
     kind = np.where(values.imag > 0, 0, np.where(values.imag == 0, 1, 3))
     order = np.lexsort((-values.real, kind), axis=-1)
@@ -125,11 +122,12 @@ def track_modes(path: Modes, sample: Callable[[Array], Modes]) -> Modes:
     order[:1] = np.arange(path.values.shape[1])
     for before, after, step in zip(order, order[1:], steps):
         after[:] = step[before]
-    return parted.permuted(order)
+    return parted.permute(order)
 
 
 def _separate_equal(path: Modes, sample: Callable[[Array], Modes]) -> Modes:
-    """With vectors from nearby where modes have one eigenvalue, as at a crossing: there they can be any."""
+    """Take vectors from nearby where modes have equal eigenvalues, as at a crossing: there they are not
+    unique."""
     step = np.diff(path.at, prepend=path.at[1:2])
     (alike,) = np.nonzero(_equal_eigenvalues(path.values).any(axis=(1, 2)) & (step != 0))
     if not alike.size:
@@ -144,7 +142,7 @@ def _separate_equal(path: Modes, sample: Callable[[Array], Modes]) -> Modes:
 
 
 def _equal_eigenvalues(values: ComplexArray) -> NDArray[np.bool_]:
-    """Which modes (N, k, k) have one eigenvalue, but for rounding."""
+    """Which modes (N, k, k) have equal eigenvalues, but for rounding."""
     apart = np.abs(values[:, :, None] - values[:, None, :])
     alike = apart <= EQUAL_RTOL * np.abs(values).max(axis=1, initial=0.0)[:, None, None]
     return alike & ~np.eye(values.shape[1], dtype=bool)
@@ -155,8 +153,8 @@ def _match_modes(
 ) -> NDArray[np.intp]:
     """For each mode of `a` the index of the same mode of `b`, (N, k); the same where one has none.
 
-    Unclear steps are halved, down to a width of `least` and as long as any of the points `left` are left:
-    modes that are one throughout are unclear everywhere.
+    Unclear steps are halved, down to a width of `least` and while any of the points `left` remain: modes with
+    equal eigenvalues throughout are unclear everywhere.
     """
     known = np.isfinite(a.values[:, 0]) & np.isfinite(b.values[:, 0])
     if not known.all():
@@ -164,7 +162,7 @@ def _match_modes(
         found[known] = _match_modes(a[known], b[known], sample, least, left)
         return found
     found = _assign(_likeness(a, b))
-    clear, apart = _is_clear(a, b.permuted(found))
+    clear, apart = _is_clear(a, b.permute(found))
     wide = ~(clear & apart) & (np.abs(b.at - a.at) > least)
     if wide.any() and wide.sum() <= left[0]:
         left[0] -= int(wide.sum())
@@ -173,7 +171,7 @@ def _match_modes(
         second = _match_modes(middle, b[wide], sample, least, left)
         found[wide] = np.take_along_axis(second, first, axis=1)
         clear |= wide
-    for i in np.flatnonzero(~clear):  # an exact coalescence: by eigenvalues, since the vectors are one
+    for i in np.flatnonzero(~clear):  # an exact coalescence: match eigenvalues, since the vectors are equal
         found[i] = _match_eigenvalues(a.values[i], b.values[i])
     return found
 
@@ -185,12 +183,12 @@ def _distance_to_next(values: ComplexArray) -> Array:
 
 
 def _likeness(a: Modes, b: Modes) -> Array:
-    """How much the modes of `a` and `b` are alike (N, k, k), whatever the lengths of their vectors."""
+    """Similarity of the modes of `a` and `b` (N, k, k), whatever the lengths of their vectors."""
     return np.sqrt(np.abs(a.left @ b.right) * np.abs(np.swapaxes(b.left @ a.right, 1, 2)))
 
 
 def _assign(likeness: Array) -> NDArray[np.intp]:
-    """For each mode the index of the one most like it, each used once."""
+    """For each mode the index of the one most similar, each used once."""
     found, each = likeness.argmax(axis=2), np.arange(likeness.shape[1])
     (twice,) = np.nonzero((np.sort(found, axis=1) != each).any(axis=1))
     for i in twice:
@@ -200,11 +198,10 @@ def _assign(likeness: Array) -> NDArray[np.intp]:
 
 def _is_clear(a: Modes, b: Modes) -> tuple[Any, Any]:
     """Whether vectors tell that the columns of `a` and `b` are the same modes, and that none met between."""
-    either = _equal_eigenvalues(a.values) & _equal_eigenvalues(
-        b.values
-    )  # which of these is which does not matter
+    either = _equal_eigenvalues(a.values) & _equal_eigenvalues(b.values)  # the order of these does not matter
     likeness, own = _likeness(a, b), np.eye(a.values.shape[1], dtype=bool)
-    # Like no other and hardly moved will do: the vectors of a rigid body's motion say nothing.
+    # A mode unlike all others that has hardly moved is accepted: the vectors of a rigid body's motion tell
+    # nothing.
     still = np.abs(a.values - b.values) < UNMOVED_SHARE * np.minimum(
         _distance_to_next(a.values), _distance_to_next(b.values)
     )
@@ -233,6 +230,7 @@ def _may_have_met(a: Modes, b: Modes) -> Any:
 
 
 def _match_eigenvalues(a: ComplexArray, b: ComplexArray) -> NDArray[np.intp]:
-    """Where four distances are equal, as at a coalescence, higher frequency and larger growth go together."""
+    """Where four distances are equal, as at a coalescence, the higher frequency is matched with the larger
+    growth."""
     apart, rank = np.abs(a[:, None] - b[None, :]), np.subtract.outer(a.real + a.imag, b.real + b.imag)
     return linear_sum_assignment(apart**2 + RANK_WEIGHT * rank**2)[1]

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from frictionlab.drawable import Drawable
 from frictionlab.stability.equilibrium_points.problem_setup import equilibrium_problem
 from frictionlab.stability.equilibrium_problem import EquilibriumProblem, check_path
 
@@ -19,7 +20,7 @@ ComplexArray = NDArray[np.complex128]
 
 
 @dataclass(frozen=True, eq=False)
-class RootLocus:
+class RootLocus(Drawable):
     """Eigenvalues of n modes at N values of a parameter, each mode in one column.
 
     Parameters
@@ -39,6 +40,8 @@ class RootLocus:
     unstable : int array (N,)
         Number of growing pairs of eigenvalues; two real ones count as a pair, one alone too.
     """
+
+    drawn_by = "plot_root_locus"
 
     model: Any
     parameter: str
@@ -64,7 +67,7 @@ def root_locus(model: Any, parameter: str, values: Any) -> RootLocus:
     """Eigenvalues of all modes at the sliding equilibrium, for each value of a parameter.
 
     The modes are followed by their vectors, not sorted, so that a column is one mode through crossings and
-    veerings.  Where two coalesce exactly, which of the two that leave is which has no meaning.
+    veerings.  Where two coalesce exactly, the order of the two beyond is arbitrary.
 
     Parameters
     ----------
@@ -79,8 +82,10 @@ def root_locus(model: Any, parameter: str, values: Any) -> RootLocus:
 
     Raises
     ------
+    TypeError
+        For an unknown parameter, or what is no model.
     ValueError
-        For an unknown parameter, or a value that breaks its rule, or where no value has an equilibrium.
+        For a value that breaks its rule, or where no value has an equilibrium.
 
     Examples
     --------

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from frictionlab.automaton import HybridAutomaton, Mode
 from frictionlab.automaton.modes_on_demand import ModesOnDemand
+from frictionlab.models import Model
 from frictionlab.models.coercion import automaton_of
 from frictionlab.stability.equilibrium_problem import EquilibriumProblem
 from frictionlab.stability.flow import Flow
@@ -20,20 +21,22 @@ from .newton_homotopy import find_zeros, follow_zero
 from .newton_zeros import newton_step
 
 Array = NDArray[np.float64]
-CONSTRAINT_RTOL = 1e-9
+CONSTRAINT_RTOL = 1e-9  # share of its terms to which a constraint has to hold at an equilibrium
 
 
 def nearest_equilibrium_problem(model: Any, closest_to: Array | None = None) -> EquilibriumProblem:
-    """The steady state of the first mode that has one inside its guards, the nearest to the origin.
+    """The equilibrium, nearest to the origin, of the first mode that has one inside its guards.
 
-    Or the nearest to the coordinates `closest_to` (n,), or states where there are no coordinates.
+    Or the one nearest to the coordinates `closest_to` (n,), or to these states where there are no
+    coordinates.
 
     Raises
     ------
     ValueError
         If no mode has one.
     """
-    mode, flow, points = first_mode_equilibria(model)
+    automaton = automaton_of(model)
+    mode, flow, points = first_mode_equilibria(automaton, isinstance(model, Model))
     if not points.size:
         raise no_equilibrium_error(model)
     i = (
@@ -41,20 +44,21 @@ def nearest_equilibrium_problem(model: Any, closest_to: Array | None = None) -> 
         if closest_to is None
         else int(np.argmin(np.linalg.norm(points[: len(closest_to)] - closest_to[:, None], axis=0)))
     )
-    return problem_from_equilibrium(model, mode, flow, points[:, i], parameter_values(automaton_of(model)))
+    return problem_from_equilibrium(model, automaton, mode, flow, points[:, i])
 
 
 def problem_from_equilibrium(
-    model: Any, mode: Mode, flow: Flow, x: Array, values: tuple[float, ...]
+    model: Any, automaton: HybridAutomaton, mode: Mode, flow: Flow, x: Array, **changes: float
 ) -> EquilibriumProblem:
-    """The steady state of a mode followed from `x` (m,), where it is at some values of the parameters."""
-    automaton, guards = automaton_of(model), tuple(event.function for event in mode.events)
+    """The steady state of a mode followed from `x` (m,), where it is with some parameters changed."""
+    guards, values = tuple(event.function for event in mode.events), parameter_values(automaton)
+    start = parameter_values(automaton.replace(**changes)) if changes else values
     return EquilibriumProblem(
         model,
         _state_names(automaton),
         flow,
-        parameter_values(automaton),
-        continuation_solver(flow, x, values, partial(_is_admissible, mode, flow)),
+        values,
+        continuation_solver(flow, x, start, partial(_is_admissible, mode, flow)),
         guards,
     )
 
@@ -70,22 +74,19 @@ def no_equilibrium_error(model: Any) -> ValueError:
 
 
 def equilibrium_modes(automaton: HybridAutomaton, sliding: bool) -> Iterator[Mode]:
-    """The modes in which rest is looked for, derived one by one.
+    """The modes in which equilibria are searched for, derived one by one.
 
-    Of a model those that hold nothing fast (`sliding`): in stick any place within the cone is one of rest.
+    For a model those without constraints (`sliding`): in stick every position within the friction cone is an
+    equilibrium.
     """
     for i, mode in enumerate(automaton.known_modes):
         if not (sliding and (mode.holds or mode.limit)):
             yield automaton.modes[i]
 
 
-def first_mode_equilibria(model: Any, **changes: float) -> tuple[Mode, Flow, Array]:
-    """The first mode with equilibria inside its guards, its flow, and them (m, K); else K is 0.
-
-    With some parameters changed, which need not keep to the model's own rules.
-    """
-    automaton = automaton_of(model).replace(**changes)
-    sliding, values = not isinstance(model, HybridAutomaton), tuple(automaton.parameters.items())
+def first_mode_equilibria(automaton: HybridAutomaton, sliding: bool) -> tuple[Mode, Flow, Array]:
+    """The first mode with equilibria inside its guards, its flow, and them (m, K); else K is 0."""
+    values = tuple(automaton.parameters.items())
     return _mode_equilibria(automaton.modes, sliding, automaton.states, values, automaton.coordinates)
 
 
@@ -107,7 +108,7 @@ def _mode_equilibria(
 
 
 def _allows_rest(automaton: HybridAutomaton, mode: Mode) -> bool:
-    """Whether a mode's constraints can hold while no coordinate changes: in stick on a running belt not."""
+    """Whether a mode's constraints can hold at zero velocities: not in stick on a running belt."""
     n = automaton.coordinates
     at_rest = dict.fromkeys(automaton.states[n : 2 * n], 0)
     held = [sympy.sympify(c).subs(at_rest) for c in mode.constraints]
@@ -121,7 +122,7 @@ def parameter_values(automaton: HybridAutomaton) -> tuple[float, ...]:
 
 
 def newton_residual(flow: Flow, x: Array, values: Sequence[float]) -> float:
-    """What Newton's method would still change, relative to the state."""
+    """The step that Newton's method would still take, relative to the state."""
     step = np.abs(newton_step(flow, x[:, None], values)).max()
     return float(step / max(np.abs(x).max(), np.finfo(float).tiny)) if step else 0.0
 
@@ -150,7 +151,7 @@ def _is_admissible(mode: Mode, flow: Flow, x: Array, values: Sequence[Any]) -> A
 
 @lru_cache(maxsize=256)
 def _constraints(mode: Mode, flow: Flow) -> tuple[Callable[..., Any], Callable[..., Any]]:
-    """The constraints of a mode, and the sizes of the terms that have to cancel in each."""
+    """The constraints of a mode, and the sizes of the terms that cancel in each."""
     at_rest = dict.fromkeys(flow.states, 0)
     held = [sympy.sympify(c) for c in mode.constraints]
     terms = [[c.subs(at_rest), *(sympy.diff(c, s) * s for s in flow.states)] for c in held]
@@ -164,7 +165,7 @@ def _flow_in_automaton(automaton: HybridAutomaton, mode: Mode) -> Flow:
 
 @lru_cache(maxsize=256)
 def flow_of_mode(mode: Mode, states: tuple[Any, ...], parameters: tuple[Any, ...], coordinates: int) -> Flow:
-    """The flow of a mode, with all that has to stay positive: event functions and normal force."""
+    """The flow of a mode, with its margins, which have to stay positive: event functions and normal force."""
     margins = [event.function for event in mode.events]
     margins += [mode.outputs["normal_force"]] if "normal_force" in mode.outputs else []
     return Flow(states, parameters, mode.flow, tuple(margins), coordinates)

@@ -1,8 +1,8 @@
 """Steady sliding for many parameter values at once: the equilibrium with F_N > 0 and the smallest
 penetration.
 
-With polynomial laws the penetration is a root of a polynomial, found by eigenvalues and made exact by
-Newton's method on the composed equation; other laws are searched for changes of sign on a geometric grid.
+With polynomial laws the penetration is a root of a polynomial, found by eigenvalues and polished by Newton's
+method on the original equation; with other laws changes of sign are searched for on a geometric grid.
 """
 
 from __future__ import annotations
@@ -12,35 +12,26 @@ from functools import cache, partial
 from typing import Any
 
 import numpy as np
-import sympy
 from numpy.typing import NDArray
 
 from frictionlab.models.mechanical.contact_regimes import regime
-from frictionlab.models.mechanical.equations_of_motion import system_of
 from frictionlab.models.mechanical.modes import mode_of
-from frictionlab.models.symbols import (
-    Structure,
-    parameter_symbols,
-    structure_of_component,
-    structure_values,
-    symbolic_copy,
-)
 from frictionlab.stability.equilibrium_problem import EquilibriumProblem
 from frictionlab.stability.flow import Flow
 
 from .automaton_equilibria import continuation_solver
 from .real_roots import UNKNOWN, Polynomial
-from .static_equations import Statics, static_residual, statics_groups
+from .static_equations import SlidingEquations, Statics, sliding_equations, static_residual, statics_groups
 
 Array = NDArray[np.float64]
 REAL_ROOT_RTOL = 1e-4  # a double root comes out of the eigenvalues as a pair, some 1e-8 off the real axis
-STATIC_RESIDUAL_RTOL = 1e-9
+STATIC_RESIDUAL_RTOL = 1e-9  # share of the largest force: roots that leave more over are none
 NEWTON_STEPS = 4
 SEARCH_POINTS, FINEST_SHARE, SEARCH_FACTOR, BISECTIONS = 401, 1e-9, 3.0, 60
 
 
 def least_penetration(statics: Statics, values: Sequence[Any], count: int) -> Array:
-    """Gaps (count,) in m; NaN where there is no equilibrium with F_N > 0."""
+    """Penetrations (count,) in m; NaN where there is no equilibrium with F_N > 0."""
     excess = excess_polynomial(statics, values)
     with np.errstate(all="ignore"):
         if excess is None:
@@ -60,7 +51,8 @@ def least_penetration(statics: Statics, values: Sequence[Any], count: int) -> Ar
 
 
 def excess_polynomial(statics: Statics, values: Sequence[Any]) -> Array | None:
-    """Coefficients of gap(q(g)) - g, of degree 9 at most for Eq. (2); None where a law is no polynomial."""
+    """Coefficients of the excess penetration(q(d)) - d as a polynomial in the penetration d, of degree 9 at
+    most for Eq. (2); None where a law is no polynomial."""
     try:
         excess = statics.excess(UNKNOWN, *values)
     except (TypeError, ValueError, AttributeError):  # sqrt, a broken power, exp or a comparison in a law
@@ -69,7 +61,7 @@ def excess_polynomial(statics: Statics, values: Sequence[Any]) -> Array | None:
 
 
 def _polynomial_candidates(statics: Statics, values: Sequence[Any], excess: Array) -> Array:
-    """Nearly real roots (some, N), made exact by Newton's method on the composed equation."""
+    """Nearly real roots (some, N), polished by Newton's method on the original equation."""
     roots = _companion_roots(excess)
     real = np.abs(roots.imag) <= REAL_ROOT_RTOL * np.abs(roots.real)
     pressed = (roots.real > 0) & (statics.forces(roots.real, *values)[0] > 0)
@@ -79,7 +71,8 @@ def _polynomial_candidates(statics: Statics, values: Sequence[Any], excess: Arra
 
 
 def polish_roots(statics: Statics, values: Sequence[Any], penetrations: Array) -> Array:
-    """Newton's method on the composed equation, which does not suffer from the polynomial's cancellation."""
+    """Newton's method on the original equation, which does not suffer from cancellation as the polynomial
+    does."""
     left = np.abs(statics.excess(penetrations, *values))
     for _ in range(NEWTON_STEPS):
         trial = penetrations - statics.excess(penetrations, *values) / statics.slope(penetrations, *values)
@@ -91,12 +84,12 @@ def polish_roots(statics: Statics, values: Sequence[Any], penetrations: Array) -
 def _companion_roots(coefficients: Array) -> NDArray[np.complex128]:
     """All roots (degree, N).  Their reciprocals are eigenvalues, so a leading coefficient may vanish."""
     degree = len(coefficients) - 1
-    # Without a preload the gap is a factor: divided out, the other roots are left.
+    # Without a preload the penetration is a factor: divided out, the other roots are left.
     coefficients = np.where(coefficients[0] == 0, np.roll(coefficients, -1, axis=0), coefficients)
     companion = np.zeros((coefficients.shape[1], degree, degree))
     companion[:, range(1, degree), range(degree - 1)] = 1.0
     with np.errstate(all="ignore"):
-        # In units of the unloaded gap, which is the constant term.
+        # In units of the penetration without contact force, which is the constant term.
         scale = np.abs(coefficients[0]) ** np.arange(1, degree + 1)[:, None]
         companion[:, 0] = -(coefficients[1:] * scale / coefficients[0]).T
         broken = ~np.isfinite(companion[:, 0]).all(axis=1)
@@ -123,55 +116,54 @@ def _search_sign_change(statics: Statics, values: Sequence[Any], count: int) -> 
 
 
 def search_range(statics: Statics, values: Sequence[Any]) -> Any:
-    """How far gaps are searched (m): some times that of the unloaded contact; 1 m without a preload."""
+    """Largest penetration searched (m): a multiple of that without contact force; 1 m without a preload."""
     length = SEARCH_FACTOR * np.abs(statics.excess(0.0, *values))
     return np.where(length == 0, 1.0, length)
 
 
 def sliding_problem(model: Any, start: Array | None = None) -> EquilibriumProblem:
-    """Steady sliding of a model at the equilibrium with F_N > 0 and the smallest gap.
+    """Steady sliding of a model at the equilibrium with F_N > 0 and the smallest penetration.
 
     Or at that whose coordinates are `start` (n,), followed from there.
     """
-    key, values = structure_of_component(model), structure_values(model)
-    flow = sliding_flow(key)
+    equations = sliding_equations(model)
+    values, flow = equations.values(model), sliding_flow(equations)
 
-    solve: Callable[[Sequence[Any], int], Array] = partial(_solve, key)
+    solve: Callable[[Sequence[Any], int], Array] = partial(_solve, equations)
 
     def pressed(x: Array, values: Sequence[Any]) -> Any:
-        return (flow.margin(x, values) > 0) & ~_belt_rests(key, values)
+        return (flow.margin(x, values) > 0) & ~equations.rests(values)
 
     if start is not None:
         solve = continuation_solver(flow, np.append(start, np.zeros(len(start))), values, pressed)
-    guards = sliding_guards(key, bool(_belt_speed(key)(*values) > 0))
-    return EquilibriumProblem(model, model.coordinates, flow, values, solve, guards)
+    guards = sliding_guards(equations, bool(equations.belt_speed(*values) > 0))
+    return EquilibriumProblem(model, equations.coordinates, flow, values, solve, guards)
 
 
 @cache
-def sliding_flow(key: Structure) -> Flow:
+def sliding_flow(equations: SlidingEquations) -> Flow:
     """Sliding whose friction force has the sign of the belt's speed, whatever else the model can do."""
-    found = system_of(key)
+    found = equations.system
     mode = mode_of(found, (regime(found.rubbing, "slip", found),))
-    return Flow(found.states, parameter_symbols(key), mode.flow, (found.rubbing.pressing,), len(found.q))
+    return Flow(found.states, equations.parameters, mode.flow, (found.rubbing.pressing,), len(found.q))
 
 
 @cache
-def sliding_guards(key: Structure, forwards: bool) -> tuple[Any, ...]:
+def sliding_guards(equations: SlidingEquations, forwards: bool) -> tuple[Any, ...]:
     """The functions that stay positive while the model slides as in the flow: v_r, the gap."""
-    found = system_of(key)
+    found = equations.system
     contact = found.rubbing
     name = "slip" if "slip" in contact.modes else "slip+" if forwards else "slip-"
     sliding = regime(contact, name, found)
     return tuple(end.function for end in sliding.ends(sliding.force))
 
 
-def _solve(key: Structure, values: Sequence[Any], count: int) -> Array:
-    coordinates = symbolic_copy(key).coordinates
-    x = np.full((2 * len(coordinates), count), np.nan)
-    for statics, chosen in statics_groups(key, values, coordinates, count):
+def _solve(equations: SlidingEquations, values: Sequence[Any], count: int) -> Array:
+    x = np.full((2 * len(equations.coordinates), count), np.nan)
+    for statics, chosen in statics_groups(equations, values, count):
         some = [v if np.ndim(v) == 0 else np.broadcast_to(v, (count,))[chosen] for v in values]
         x[:, chosen] = _states_in_contact(statics, some, len(x), int(chosen.sum()))
-    x[:, np.broadcast_to(_belt_rests(key, values), (count,))] = np.nan
+    x[:, np.broadcast_to(equations.rests(values), (count,))] = np.nan
     return x
 
 
@@ -182,19 +174,3 @@ def _states_in_contact(statics: Statics, values: Sequence[Any], rows: int, count
         row[:] = q
     x[:, np.isnan(penetrations)] = np.nan
     return x
-
-
-def _belt_rests(key: Structure, values: Sequence[Any]) -> Any:
-    """Where the belt rests and the model has stick: friction has no derivative there."""
-    return (np.asarray(_belt_speed(key)(*values)) == 0) & _sticks(key)
-
-
-def _sticks(key: Structure) -> bool:
-    return "stick" in system_of(key).rubbing.modes
-
-
-@cache
-def _belt_speed(key: Structure) -> Callable[..., Any]:
-    found = system_of(key)
-    speed = found.at_rest(found.rubbing.relative_velocity)
-    return sympy.lambdify(parameter_symbols(key), speed, modules="numpy")

@@ -1,4 +1,5 @@
-"""`fl.equilibria` and `fl.equilibrium`: equilibria of a model or an automaton, all or the usual one."""
+"""`fl.equilibria` and `fl.equilibrium`: equilibria of a model or an automaton, all of them or the one pressed
+by the preload."""
 
 from __future__ import annotations
 
@@ -10,17 +11,21 @@ import numpy as np
 import sympy
 from numpy.typing import NDArray
 
+from frictionlab.models import Model
 from frictionlab.models.coercion import automaton_of
-from frictionlab.models.symbols import structure_of_component, structure_values
 
-from .automaton_equilibria import first_mode_equilibria, no_equilibrium_error, parameter_values
-from .automaton_equilibria import newton_residual as left_over
+from .automaton_equilibria import (
+    first_mode_equilibria,
+    newton_residual,
+    no_equilibrium_error,
+    parameter_values,
+)
 from .batch_equilibria import FINEST_SHARE, excess_polynomial, polish_roots, search_range
 from .real_roots import real_roots, roots_on_grid
-from .static_equations import Statics, by_gap, static_residual, statics_for_values
+from .static_equations import Statics, by_penetration, sliding_equations, static_residual, statics_for_values
 
 Array = NDArray[np.float64]
-MAX_STATIC_RESIDUAL = 1e-6
+MAX_STATIC_RESIDUAL = 1e-6  # share of the largest force that may be left over at an equilibrium
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,9 +37,9 @@ class Equilibrium:
     q : array (n,)
         The coordinates, m and rad.
     penetration : float
-        Compression of the contact, m.
+        Penetration of the contact, m.
     normal_force, friction_force : float
-        F_N and F_T, N.  Of an automaton, NaN where its mode has no such output, as for the gap.
+        F_N and F_T, N.  Of an automaton, NaN where its mode has no such output, as for the penetration.
     residual : float
         Largest force or moment left over in the static equations, relative to the largest in them.
     """
@@ -47,22 +52,22 @@ class Equilibrium:
 
 
 def equilibria(model: Any) -> tuple[Equilibrium, ...]:
-    """All real solutions of the static equations of sliding, Eq. (18), in ascending order of the gap.
+    """All real solutions of the static equations of sliding, Eq. (18), in ascending order of the penetration.
 
-    The contact law is taken as it is for a negative gap too, as the paper's equations do: a solution with
-    F_N < 0 is an equilibrium of a bilateral contact only.  Friction has the sign of the belt's speed.
+    The contact law is taken as it is for a negative penetration too, as the paper's equations do: a solution
+    with F_N < 0 is an equilibrium of a bilateral contact only.  Friction has the sign of the belt's speed.
 
-    Where what is left for the gap is a polynomial, none is missed: so it is with all laws of the package but
-    HertzContact, PressureDependent and MovingLoad("normal").  For those, and for others of your own, the
-    gaps up to three times that of the unloaded contact are searched for changes of sign.
+    Where the equation for the penetration is a polynomial none is missed, as with all laws of the package but
+    HertzContact, PressureDependent and MovingLoad("normal").  For those, and for others of your own, changes
+    of sign are searched for up to three times the penetration without contact force.
 
     Parameters
     ----------
     model : Model or HybridAutomaton
         Where the model has no `statics` (SliderOnBelt has), the equilibria inside the guards of a mode, of
-        the first mode that has any, by their distance from the origin; they are searched with Newton's method
-        from starts in all decades, and those that rounding can tell apart are told apart.  Modes of a model
-        that hold something fast, such as stick, are left out.
+        the first mode that has any, by their distance from the origin; they are searched for by Newton's
+        method from starts of all decades of size; those that differ beyond rounding are distinct. Modes of a
+        model with constraints, such as stick, are left out.
 
     Returns
     -------
@@ -73,19 +78,20 @@ def equilibria(model: Any) -> tuple[Equilibrium, ...]:
     ValueError
         If the springs do not hold a coordinate (singular stiffness matrix).
     """
-    if not by_gap(model):
+    if not by_penetration(model):
         return _automaton_equilibria(model)
-    values = structure_values(model)
-    statics = statics_for_values(structure_of_component(model), values, model.coordinates)
+    equations = sliding_equations(model)
+    values = equations.values(model)
+    statics = statics_for_values(equations, values)
     return tuple(
         _sliding_equilibrium(statics, values, penetration) for penetration in _penetrations(statics, values)
     )
 
 
 def equilibrium(model: Any) -> Equilibrium:
-    """The equilibrium of steady sliding with F_N > 0; of several the one with the smallest gap.
+    """The equilibrium of steady sliding with F_N > 0; of several the one with the smallest penetration.
 
-    That is the one whose gap grows from zero with the preload.
+    That is the one whose penetration grows from zero with the preload.
 
     Parameters
     ----------
@@ -108,11 +114,11 @@ def equilibrium(model: Any) -> Equilibrium:
     [-0.0042, -0.0304, -0.0036, -0.0061, -0.0001]
     """
     found = equilibria(model)
-    if not by_gap(model):
+    if not by_penetration(model):
         if not found:
             raise no_equilibrium_error(model)
         return found[0]
-    # A law with even powers may press where there is no contact.
+    # A law with even powers may give F_N > 0 where there is no contact.
     pressed = [e for e in found if e.normal_force > 0 and e.penetration > 0]
     if pressed:
         return min(pressed, key=lambda e: e.penetration)
@@ -125,14 +131,14 @@ def equilibrium(model: Any) -> Equilibrium:
 
 def _automaton_equilibria(model: Any) -> tuple[Equilibrium, ...]:
     automaton = automaton_of(model)
-    mode, flow, points = first_mode_equilibria(model)
+    mode, flow, points = first_mode_equilibria(automaton, isinstance(model, Model))
     n, values = automaton.coordinates or len(automaton.states), parameter_values(automaton)
     outputs = [
         mode.outputs.get(name, sympy.nan) for name in ("penetration", "normal_force", "friction_force")
     ]
     evaluated = flow.compiled(outputs)
     return tuple(
-        Equilibrium(x[:n], *map(float, evaluated(*x, *values)), residual=left_over(flow, x, values))
+        Equilibrium(x[:n], *map(float, evaluated(*x, *values)), residual=newton_residual(flow, x, values))
         for x in points.T
     )
 
@@ -146,7 +152,7 @@ def _penetrations(statics: Statics, values: Sequence[float]) -> list[float]:
 
 
 def _search_penetrations(statics: Statics, values: Sequence[float]) -> list[float]:
-    """Gaps at which the equation changes its sign, on a grid that is finer towards zero."""
+    """Penetrations at which the equation changes its sign, on a grid that is finer towards zero."""
     finest = FINEST_SHARE * float(search_range(statics, values))
 
     def excess(s: Any) -> Any:

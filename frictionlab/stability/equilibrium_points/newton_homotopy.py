@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionlab.stability.flow import Flow
+from frictionlab.stability.state_matrices import MACHINE_EPSILON
 
 from .newton_zeros import (
-    EPSILON,
     LAST_STEP_RTOL,
     SCALE_ROUNDING,
     distinct_zeros,
@@ -21,18 +21,16 @@ from .newton_zeros import (
 )
 
 Array = NDArray[np.float64]
-START_COUNT, SEARCH_STEPS = 192, 64  # points to start from, and steps from each
+START_COUNT, SEARCH_STEPS = 192, 64  # starting points, and steps from each
 START_DECADES = 15.0  # by which a state may differ from the linearised flow's zero
-RESTART_ROUNDS, RESTART_DECADES = (
-    8,
-    (-9.0, 2.0),
-)  # of starts from what is found, and decades of their distances from it
+RESTART_ROUNDS = 8  # of starts from what is found
+RESTART_DECADES = (-9.0, 2.0)  # of the distances of these starts from it
 HOMOTOPY_STEPS, CORRECTOR_STEPS = 16, 8
 SAFE_CONTRACTION = 0.25
 
 
 def find_zeros(flow: Flow, values: Sequence[float]) -> Array:
-    """The zeros (m, K) that are found, each once, by their distance from the origin.
+    """The zeros (m, K) found, each once, by their distance from the origin.
 
     Newton's method leads to a zero from within some factor of it, so the starts lie in all decades.  Where
     several coordinates have several zeros each, few starts are near to all combinations: so it starts again
@@ -49,7 +47,7 @@ def find_zeros(flow: Flow, values: Sequence[float]) -> Array:
             found = _zeros_from(
                 flow, values, np.hstack([found, _restart_points(flow, values, found, random)]), scale
             )
-            if not before < found.shape[1] < START_COUNT:  # nothing more, or every point of a line is a zero
+            if not before < found.shape[1] < START_COUNT:  # no new zeros, or a continuum of zeros
                 break
     return found
 
@@ -60,7 +58,8 @@ def _zeros_from(flow: Flow, values: Sequence[float], x: Array, scale: Array) -> 
 
 
 def _restart_points(flow: Flow, values: Sequence[float], found: Array, random: np.random.Generator) -> Array:
-    """Points (m, 2 START_COUNT) from which zeros may be found that are hard to find from afar; none of none.
+    """Starting points (m, 2 START_COUNT) for zeros that are hard to find from afar, made of the zeros found;
+    none without these.
 
     Some have each coordinate about that of one zero or another.  At the others one rate alone is not zero, to
     first order, so that Newton's method looks for other zeros of that rate with the others kept.
@@ -86,7 +85,7 @@ def follow_zero(flow: Flow, x: Array, base: Sequence[float], values: Sequence[An
     with np.errstate(all="ignore"):
         first = newton_step(flow, found, values)
         second = newton_step(flow, found + first, values)
-        # Steps that shrink fast are safe (Newton-Kantorovich); otherwise in smaller changes of parameters.
+        # Steps that shrink fast are safe (Newton-Kantorovich); otherwise the change of parameters is divided.
         safe = np.abs(second).max(axis=0) <= SAFE_CONTRACTION * np.abs(first).max(axis=0)
         steps = 1 if safe.all() else HOMOTOPY_STEPS
         for s in np.linspace(0, 1, steps + 1)[1:]:
@@ -98,7 +97,7 @@ def follow_zero(flow: Flow, x: Array, base: Sequence[float], values: Sequence[An
 
 
 def _has_no_zero(flow: Flow, values: Sequence[float]) -> bool:
-    """Whether a state changes at a rate that no state has a part in, as time does."""
+    """Whether some rate is a constant that is not zero, as that of time, so that the flow has no zero."""
     rates = flow.rhs(np.zeros(len(flow.states)), values)
     return bool((rates[flow.free] != 0).any())
 
@@ -130,17 +129,17 @@ def _replace_unknown(sizes: Array) -> Array:
 
 
 def _newton(flow: Flow, x: Array, values: Sequence[Any]) -> Array:
-    """Newton's method for each column until it has nothing left to do."""
+    """Newton's method for each column until it has converged."""
     for _ in range(CORRECTOR_STEPS):
         step = newton_step(flow, x, values)
         x = x + step
-        if not (np.abs(step) > EPSILON * np.abs(x)).any():
+        if not (np.abs(step) > MACHINE_EPSILON * np.abs(x)).any():
             break
     return x
 
 
 def _search(flow: Flow, x: Array, values: Sequence[float]) -> Array:
-    """The same from all starts, without those that have come to rest or have left the range of floats."""
+    """The same from all starts, dropping those that have converged or left the range of floats."""
     x, going = x.copy(), np.arange(x.shape[1])
     for _ in range(SEARCH_STEPS):
         step = newton_step(flow, x[:, going], values)
@@ -154,7 +153,7 @@ def _search(flow: Flow, x: Array, values: Sequence[float]) -> Array:
 
 
 def _is_solved(flow: Flow, x: Array, values: Sequence[Any], scale: Array) -> Any:
-    """Where Newton's method has nothing left to do, and not because it is stuck at a singular matrix."""
+    """Where Newton's method has converged, and is not stuck at a singular matrix."""
     size = np.fmax(np.abs(x), scale)
     forces = (np.abs(flow.jacobian(x, values)) @ size.T[:, :, None])[:, :, 0].T
     left = np.abs(flow.rhs(x, values)) <= LAST_STEP_RTOL * forces

@@ -1,6 +1,4 @@
-"""Zeros of a flow made exact: Newton's steps down to rounding, and the uncertainty that rounding leaves of
-each.
-"""
+"""Zeros of a flow polished by Newton's method down to rounding, and the uncertainty that rounding leaves."""
 
 from __future__ import annotations
 
@@ -11,28 +9,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionlab.stability.flow import Flow
+from frictionlab.stability.state_matrices import MACHINE_EPSILON
 
 Array = NDArray[np.float64]
-EPSILON = float(np.finfo(float).eps)
-MAX_UNCERTAINTY, LAST_STEP_RTOL, SCALE_ROUNDING = (
-    1e-6,
-    1e-9,
-    1e-14,
-)  # of a state: what may be unknown, and a last step; of its size
-MAX_POLISH_STEPS, POLISH_CONTRACTION = (
-    64,
-    0.9,
-)  # most steps, and how much one shrinks while it is not rounding alone
-NOISE_SAMPLES, NOISE_DISTANCE = (
-    16,
-    1e-8,
-)  # floats to see the flow's rounding at, and shares of their distances
-NONLINEARITY_RTOL = (
-    1e-3  # relative change of the Jacobian from which on a flow's change is more than linear and rounding
-)
-ORIGIN_DISTANCE = (
-    1e4  # times rounding: how far they are from a zero at the origin, as a share of the usual size
-)
+MAX_UNCERTAINTY = 1e-6  # share of a state: what may be unknown of it
+LAST_STEP_RTOL = 1e-9  # share of a state: a step so short is the last
+SCALE_ROUNDING = 1e-14  # of a state's usual size: what is smaller is rounding
+MAX_POLISH_STEPS = 64
+POLISH_CONTRACTION = 0.9  # a step that shrinks less than to this share of the last is rounding alone
+NOISE_SAMPLES = 16  # states near a zero at which the rounding of the flow is seen
+NOISE_DISTANCE = 1e-8  # share of a state: how far they are from the zero
+ORIGIN_DISTANCE = 1e4  # times rounding, of the usual size: how far they are from a zero at the origin
+# Relative change of the Jacobian from which on a flow's change is more than linear and rounding.
+NONLINEARITY_RTOL = 1e-3
 SAME_ZERO_FACTOR = 16.0  # times what is unknown of both: zeros so close are one
 
 
@@ -58,17 +47,17 @@ def solve_matrices(matrices: Array, right: Array) -> Any:
 
 
 def polish_zeros(flow: Flow, x: Array, values: Sequence[Any], scale: Array) -> tuple[Array, Array]:
-    """Those of the points (m, N) that Newton's method makes zeros, and what is unknown of each.
+    """Those of the points (m, N) that Newton's method turns into zeros, and the uncertainty of each.
 
-    That is what the flow's rounding makes of a zero, and the step that is left: at a double zero, where
-    steps are halved each time, the distance to it.  Of a zero so far out that rounding decides where it is,
-    too much is unknown: it is none.  `scale` (m, 1) is what states of no size are measured by.
+    The uncertainty is the effect of the flow's rounding on a zero, plus the last step: at a double zero,
+    where steps are halved each time, that is the distance to it.  A zero so far out that rounding determines
+    its place is too uncertain and left out.  `scale` (m, 1) is the scale of states that are zero.
     """
     x, step = _polish(flow, x[:, _is_near_zero(flow, x, values, scale)], values)
     noise, moved, terms = _rounding_noise(flow, x, values, scale)
     least = SCALE_ROUNDING * np.fmax(scale, terms)
     forces = _times(np.abs(flow.jacobian(x, values)), np.abs(x) + least)
-    # A step of none is no sign of a zero at a singular matrix: the rates themselves have to vanish.
+    # At a singular matrix a step of zero does not mean a zero: the rates themselves have to vanish.
     solved = np.abs(flow.rhs(x, values)) <= np.fmax(LAST_STEP_RTOL * forces, SAME_ZERO_FACTOR * noise)
     settled = step <= np.fmax(LAST_STEP_RTOL * np.abs(x) + least, SAME_ZERO_FACTOR * moved)
     unknown = step + moved
@@ -77,18 +66,19 @@ def polish_zeros(flow: Flow, x: Array, values: Sequence[Any], scale: Array) -> t
 
 
 def _is_near_zero(flow: Flow, x: Array, values: Sequence[Any], scale: Array) -> Any:
-    """Where Newton's method has little left to do."""
+    """Where Newton's method has nearly converged."""
     least = SCALE_ROUNDING * np.fmax(scale, np.abs(x).max(axis=0))
     return (np.abs(newton_step(flow, x, values)) <= MAX_UNCERTAINTY * np.abs(x) + least).all(axis=0)
 
 
 def _polish(flow: Flow, x: Array, values: Sequence[Any]) -> tuple[Array, Array]:
-    """The points after as many of Newton's steps as still shrink, and the size of the next step."""
+    """The points after Newton's steps, as long as these shrink, and the size of the next step."""
     step, active = newton_step(flow, x, values), np.ones(x.shape[1], dtype=bool)
     for _ in range(MAX_POLISH_STEPS):
         x = np.where(active, x + step, x)
         after = newton_step(flow, x, values)
-        shrinks = (np.abs(after) < POLISH_CONTRACTION * np.abs(step)) & (np.abs(after) > EPSILON * np.abs(x))
+        least, most = MACHINE_EPSILON * np.abs(x), POLISH_CONTRACTION * np.abs(step)
+        shrinks = (np.abs(after) < most) & (np.abs(after) > least)
         step, active = after, active & shrinks.any(axis=0)
         if not active.any():
             break
@@ -96,13 +86,13 @@ def _polish(flow: Flow, x: Array, values: Sequence[Any]) -> tuple[Array, Array]:
 
 
 def _rounding_noise(flow: Flow, x: Array, values: Sequence[Any], scale: Array) -> tuple[Array, Array, Array]:
-    """What rounding changes of the flow, as seen at floats near by, and so of its zeros (m, N).
+    """The uncertainty of zeros (m, N) by the flow's rounding, which is sampled at neighbouring points.
 
-    And how large the terms are whose sum a state of a zero is: so much more than itself where they cancel.
+    Also the size of the terms whose sum gives each state of a zero: larger than the state where they cancel.
     """
     matrices, random = flow.jacobian(x, values), np.random.default_rng(0)
     noise = np.zeros_like(x)
-    for least in EPSILON * np.append(
+    for least in MACHINE_EPSILON * np.append(
         np.zeros(NOISE_SAMPLES), np.geomspace(1, ORIGIN_DISTANCE, NOISE_SAMPLES)
     ):
         way = random.uniform(-1, 1, size=(len(x), 1)) * (NOISE_DISTANCE * np.abs(x) + least * scale)
@@ -116,7 +106,7 @@ def _rounding_noise(flow: Flow, x: Array, values: Sequence[Any], scale: Array) -
         noise = np.where(bent & (least > 0), noise, np.fmax(noise, missed))
     inverse = np.abs(solve_matrices(matrices, np.broadcast_to(np.eye(len(x)), matrices.shape)))
     terms = _times(inverse, _times(np.abs(matrices), np.abs(x)))
-    return noise, EPSILON * terms + _times(inverse, noise), terms
+    return noise, MACHINE_EPSILON * terms + _times(inverse, noise), terms
 
 
 def _times(matrices: Array, x: Array) -> Array:
@@ -125,9 +115,10 @@ def _times(matrices: Array, x: Array) -> Array:
 
 
 def distinct_zeros(x: Array, unknown: Array) -> Array:
-    """Zeros (m, K), each once, by their distance from the origin; those within what is unknown are one.
+    """Zeros (m, K), each once, by their distance from the origin; those within their uncertainty are one.
 
-    Of two as far away, as symmetric ones are but for rounding, the one with the larger first state is first.
+    Of two at the same distance but for rounding, as symmetric ones, that with the larger first state comes
+    first.
     """
     kept: list[int] = []
     for i in np.argsort(np.linalg.norm(x, axis=0), kind="stable"):

@@ -4,7 +4,7 @@ sign.
 Between two neighbouring real roots of its derivative a polynomial is monotonic, so it has a root there
 exactly if its signs at the two ends differ.  The derivative's roots come from the same rule, down to the
 constant.  Eigenvalues of a companion matrix would need a threshold on their imaginary parts instead.
-`Polynomial` is what a law is evaluated with to get the coefficients.
+A law evaluated with a `Polynomial` gives the coefficients.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ def bracketed_root(function: Callable[[float], float], low: float, high: float) 
 
 
 def roots_on_grid(function: Callable[[Any], Any], reach: float, points: int = 4001) -> list[float]:
-    """Roots in [-reach, reach] seen as changes of sign on a grid; two that are closer than it are missed.
+    """Roots in [-reach, reach] found as changes of sign on a grid; two closer than its spacing are missed.
 
     `function` takes arrays.  Where it changes its sign through a pole it is larger than on both sides.
     """
@@ -62,7 +62,7 @@ class Polynomial:
     polynomials again.  Anything else raises TypeError, which tells a law that is no polynomial.
     """
 
-    __array_ufunc__ = None  # array * polynomial is ours to answer, not numpy's element by element
+    __array_ufunc__ = None  # makes numpy leave array * polynomial to this class
 
     def __init__(self, coefficients: Any) -> None:
         self.coefficients: Array = np.asarray(coefficients, dtype=float)
@@ -127,7 +127,7 @@ def real_roots(polynomial: Any) -> list[float]:
     Raises
     ------
     ValueError
-        If the polynomial is zero everywhere.
+        If the polynomial is identically zero.
     """
     coefficients = np.asarray(polynomial, dtype=float)
     if not coefficients.any():

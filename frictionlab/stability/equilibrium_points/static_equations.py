@@ -7,7 +7,8 @@ equation: the penetration of that q is the given one.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from functools import cache
+from dataclasses import dataclass
+from functools import cache, cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,23 +16,25 @@ import sympy
 from numpy.typing import NDArray
 
 from frictionlab.models import Model
-from frictionlab.models.mechanical.equations_of_motion import LagrangeSystem, system_of
-from frictionlab.models.symbols import Structure, parameter_symbols, symbolic_copy
+from frictionlab.models.mechanical.equations_of_motion import LagrangeSystem, lagrange_system
+from frictionlab.models.symbols import Structure, structure_of_component, symbol, symbolic_copy
 
 Array = NDArray[np.float64]
 PENETRATION = sympy.Symbol("compression", real=True)
+# A stiffness matrix with ones on its diagonal is singular but for rounding where an eigenvalue is smaller.
 SINGULAR_EIGENVALUE = 1e-13
+LOOSE_SHARE = 0.1  # a coordinate with this share of a unit vector moves in a motion that no spring resists
 
 
 class Statics(NamedTuple):
-    """Functions of the gap and then of all parameters: numbers, arrays or, for some, polynomials.
+    """Functions of the penetration and then of all parameters: numbers, arrays or, for some, polynomials.
 
     Parameters
     ----------
     coordinates : callable
-        q, from all equations but the one that `excess` leaves over; a list (n,).
+        q as a list (n,), from all equations but the scalar one of `excess`.
     excess, slope : callable
-        The scalar equation, zero at the gap of an equilibrium, and its derivative.
+        The scalar equation, zero at the penetration of an equilibrium, and its derivative.
     forces : callable
         F_N and F_T, N.
     residual : callable of (*q, *parameters)
@@ -45,26 +48,92 @@ class Statics(NamedTuple):
     residual: Callable[..., Any]
 
 
-def by_gap(model: Any) -> bool:
-    """Whether a model's equilibria follow from the gap of its contact."""
+@dataclass(frozen=True, eq=False)
+class SlidingEquations:
+    """Steady sliding of one structure: derived once, and passed to all that computes with it.
+
+    Parameters
+    ----------
+    system : LagrangeSystem
+    coordinates : tuple of str
+    parameters : tuple of sympy.Symbol
+    height : int
+        Index of the coordinate that the contact alone may hold.
+    """
+
+    system: LagrangeSystem
+    coordinates: tuple[str, ...]
+    parameters: tuple[Any, ...]
+    height: int
+
+    def values(self, model: Any) -> tuple[float, ...]:
+        """The model's parameters, in the order of `parameters`."""
+        known = model.parameters
+        return tuple(known[symbol.name] for symbol in self.parameters)
+
+    @cached_property
+    def sticks(self) -> bool:
+        """Whether the contact can stick."""
+        return "stick" in self.system.rubbing.modes
+
+    @cached_property
+    def belt_speed(self) -> Callable[..., Any]:
+        """The relative velocity at rest, m/s, of the parameters."""
+        return _lambdify(list(self.parameters), self.system.at_rest(self.system.rubbing.relative_velocity))
+
+    def rests(self, values: Sequence[Any]) -> Any:
+        """Where the belt rests and the contact can stick: there friction has no derivative."""
+        return (np.asarray(self.belt_speed(*values)) == 0) & self.sticks
+
+    @cached_property
+    def stiffness_entries(self) -> Callable[..., Any]:
+        """The stiffness matrix as rows, of the parameters."""
+        return _lambdify(list(self.parameters), self.system.stiffness.tolist())
+
+    def stiffness(self, values: Sequence[Any]) -> Array:
+        """K (n, n), or (N, n, n) where a parameter in it is an array."""
+        rows = self.stiffness_entries(*values)
+        entries = np.broadcast_arrays(*(entry for row in rows for entry in row))
+        stacked = np.stack(entries, axis=-1).astype(float)
+        return stacked.reshape(*stacked.shape[:-1], len(rows), len(rows))
+
+    def held(self, by_contact: bool) -> list[int]:
+        """Indices of the coordinates that springs have to hold; `by_contact`: not that of the height."""
+        return [i for i in range(len(self.coordinates)) if not (by_contact and i == self.height)]
+
+
+def sliding_equations(model: Any) -> SlidingEquations:
+    """Those of a model's structure."""
+    return _equations_of_structure(structure_of_component(model))
+
+
+@cache
+def _equations_of_structure(key: Structure) -> SlidingEquations:
+    copy = symbolic_copy(key)
+    parameters, names = tuple(map(symbol, copy.parameters)), tuple(copy.coordinates)
+    return SlidingEquations(lagrange_system(copy), names, parameters, names.index(copy.statics.height))
+
+
+def by_penetration(model: Any) -> bool:
+    """Whether a model's equilibria follow from the penetration of its contact."""
     return isinstance(model, Model) and model.statics is not None
 
 
 @cache
-def derive_statics(key: Structure, held_by_contact: bool = False) -> Statics:
+def derive_statics(equations: SlidingEquations, held_by_contact: bool) -> Statics:
     """The statics of a structure.
 
     `held_by_contact`: only the contact holds the slider's height, as no spring does.
     """
-    found, p = system_of(key), parameter_symbols(key)
-    height = _height(key) if held_by_contact else None
+    found, p = equations.system, equations.parameters
+    height = equations.height if held_by_contact else None
     normal, friction = _forces(found, PENETRATION)
     q = _deflections(found, height, normal, friction)
     if height is None:
-        excess = _gap(found, q) - PENETRATION
+        excess = _penetration(found, q) - PENETRATION
     else:
-        # The gap is what the slider's height takes from it: slope -1.
-        q[height] = _gap(found, q) - PENETRATION
+        # The slider's height enters the penetration with the factor -1.
+        q[height] = _penetration(found, q) - PENETRATION
         excess = _loads(found, q, normal, friction)[height]
     arguments = [PENETRATION, *p]
     return Statics(
@@ -76,20 +145,14 @@ def derive_statics(key: Structure, held_by_contact: bool = False) -> Statics:
     )
 
 
-def _height(key: Structure) -> int:
-    """Index of the coordinate that the contact alone may hold."""
-    copy = symbolic_copy(key)
-    return copy.coordinates.index(copy.statics.height)
-
-
 def _forces(found: LagrangeSystem, penetration: Any) -> tuple[Any, Any]:
     """F_N, Eq. (2), and F_T while sliding at the belt's speed, Eq. (3)."""
-    contact: Any = found.rubbing  # F_N is a function of the gap
+    contact: Any = found.rubbing  # F_N is a function of the penetration
     speed, normal = found.at_rest(contact.relative_velocity), contact.normal_force(penetration)
     return normal, sympy.sign(speed) * contact.law.kinetic(normal, abs(speed))
 
 
-def _gap(found: LagrangeSystem, q: Sequence[Any]) -> Any:
+def _penetration(found: LagrangeSystem, q: Sequence[Any]) -> Any:
     return found.rubbing.penetration.xreplace(dict(zip(found.q, q, strict=True)))
 
 
@@ -97,7 +160,7 @@ def _deflections(found: LagrangeSystem, held_by_contact: int | None, normal: Any
     q, passes = [sympy.S.Zero] * len(found.q), 2
     stiffness, lever = found.stiffness, found.normal(found.rubbing).jacobian(found.q)
     flexibility = _flexibility(stiffness, held_by_contact)
-    # With the paper's W_N the lever depends on coordinates that its moment does not move: two passes do.
+    # With the paper's W_N the lever depends on coordinates that its moment does not move: two passes suffice.
     if not (flexibility * lever * flexibility * lever).is_zero_matrix:
         flexibility, passes = _flexibility(stiffness - normal * lever, held_by_contact), 1
     for _ in range(passes):
@@ -137,14 +200,14 @@ def _lambdify(arguments: list[Any], expression: Any) -> Callable[..., Any]:
 
 
 def static_residual(statics: Statics, q: Sequence[Any], values: Sequence[Any]) -> Array:
-    """Largest force left over at `q`, relative to the largest in the equations."""
+    """Largest residual force at `q`, relative to the largest force in the equations."""
     n = len(q)
     rows = np.abs(np.stack(np.broadcast_arrays(*statics.residual(*q, *values), np.zeros(np.shape(q[0])))))
     largest = rows[n:].max(axis=0)
     return rows[:n].max(axis=0) / np.where(largest > 0, largest, 1.0)
 
 
-def statics_for_values(key: Structure, values: Sequence[float], coordinates: Sequence[str]) -> Statics:
+def statics_for_values(equations: SlidingEquations, values: Sequence[float]) -> Statics:
     """The statics that fit the values of the parameters.
 
     Raises
@@ -152,16 +215,15 @@ def statics_for_values(key: Structure, values: Sequence[float], coordinates: Seq
     ValueError
         If coordinates other than the slider's height are not held by the structure.
     """
-    stiffness = _stiffness(key, values)
-    height = _height(key)
-    held_by_contact = not stiffness[:, height].any()
-    held = _held_coordinates(coordinates, height if held_by_contact else None)
-    _refuse_singular(stiffness[np.ix_(held, held)], [coordinates[i] for i in held])
-    return derive_statics(key, held_by_contact)
+    stiffness = equations.stiffness(values)
+    held_by_contact = not stiffness[:, equations.height].any()
+    held = equations.held(held_by_contact)
+    _refuse_singular(stiffness[np.ix_(held, held)], [equations.coordinates[i] for i in held])
+    return derive_statics(equations, held_by_contact)
 
 
 def statics_groups(
-    key: Structure, values: Sequence[Any], coordinates: Sequence[str], count: int
+    equations: SlidingEquations, values: Sequence[Any], count: int
 ) -> Iterator[tuple[Statics, Any]]:
     """The statics that fit, and which of `count` values of the parameters; none fit where one is not held.
 
@@ -170,34 +232,16 @@ def statics_groups(
     ValueError
         If a coordinate is not held whatever the values.
     """
-    stiffness = _stiffness(key, values)
+    stiffness = equations.stiffness(values)
     if stiffness.ndim == 2:
-        yield statics_for_values(key, values, coordinates), np.ones(count, dtype=bool)
+        yield statics_for_values(equations, values), np.ones(count, dtype=bool)
         return
-    height = _height(key)
-    without = ~stiffness[:, :, height].any(axis=1)
+    without = ~stiffness[:, :, equations.height].any(axis=1)
     for held_by_contact in (False, True):
-        held = _held_coordinates(coordinates, height if held_by_contact else None)
+        held = equations.held(held_by_contact)
         firm = _smallest_eigenvalue(stiffness[:, held][:, :, held])[0] > SINGULAR_EIGENVALUE
         if (chosen := firm & (without == held_by_contact)).any():
-            yield derive_statics(key, held_by_contact), chosen
-
-
-def _held_coordinates(coordinates: Sequence[str], held_by_contact: int | None) -> list[int]:
-    return [i for i in range(len(coordinates)) if i != held_by_contact]
-
-
-def _stiffness(key: Structure, values: Sequence[Any]) -> Array:
-    """K (n, n), or (N, n, n) where a parameter in it is an array."""
-    rows = _stiffness_function(key)(*values)
-    entries = np.broadcast_arrays(*(entry for row in rows for entry in row))
-    stacked = np.stack(entries, axis=-1).astype(float)
-    return stacked.reshape(*stacked.shape[:-1], len(rows), len(rows))
-
-
-@cache
-def _stiffness_function(key: Structure) -> Callable[..., Any]:
-    return _lambdify(list(parameter_symbols(key)), system_of(key).stiffness.tolist())
+            yield derive_statics(equations, held_by_contact), chosen
 
 
 def _smallest_eigenvalue(stiffness: Array) -> tuple[Any, Any]:
@@ -212,7 +256,7 @@ def _refuse_singular(stiffness: Array, names: Sequence[str]) -> None:
     value, vector = _smallest_eigenvalue(stiffness)
     if value > SINGULAR_EIGENVALUE:
         return
-    loose = [name for name, part in zip(names, vector, strict=True) if abs(part) > 0.1]
+    loose = [name for name, part in zip(names, vector, strict=True) if abs(part) > LOOSE_SHARE]
     raise ValueError(
         f"no static equilibrium can be computed: the springs do not hold {', '.join(loose)} "
         "(singular stiffness matrix); give the springs there a positive stiffness"

@@ -1,6 +1,6 @@
 """Controls of the model: sliders for all parameters, a switch for each nonlinearity, and the impact law.
 
-Of the sliders the most used are in sight, the others in an accordion.
+The sliders used most are always visible, the others in an accordion.
 """
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ from frictionlab.models.parameter_namespace import parameter_metadata, parameter
 
 from .sliders import label_control, remove_browser_rounding, slider
 
-OPERATION_PARAMETERS = "F", "v"  # of the model's own parameters those that one changes on a running system
-MAX_UNFOLDED = 12  # parameters of a model all of which are in sight
+OPERATION_PARAMETERS = "F", "v"  # the model's own parameters that are changed most in operation
+MAX_UNFOLDED = 12  # most parameters of a model that are all always visible
 FOLDED_TITLE = "structure"
 
 IMPACT_LAWS: Mapping[str, Component] = MappingProxyType(
@@ -32,12 +32,15 @@ IMPACT_LAWS: Mapping[str, Component] = MappingProxyType(
 
 
 class ParameterControls:
-    """One slider for each parameter; those of a component that is not there are hidden, and keep their value.
+    """One slider for each parameter; those of a component that the model lacks are hidden, and keep their
+    value.
 
     Attributes
     ----------
     sliders : dict of str to FloatSlider or FloatLogSlider
         By the parameter's name.
+    main : Box
+        Those that are in sight.
     """
 
     def __init__(self, model: Any, changed: Callable[[Any], None]) -> None:
@@ -46,14 +49,14 @@ class ParameterControls:
         self._start: dict[str, float] = {}
         self._shown: tuple[str, ...] = ()
         layout = ipywidgets.Layout(flex_flow="row wrap")
-        self._used, self._rest = ipywidgets.Box(layout=layout), ipywidgets.Box(layout=layout)
+        self.main, self._rest = ipywidgets.Box(layout=layout), ipywidgets.Box(layout=layout)
         self._more = ipywidgets.Accordion([self._rest], titles=(FOLDED_TITLE,))
         self._more.add_class("fl-structure")
-        self.widget = ipywidgets.VBox([self._used, self._more])
+        self.widget = ipywidgets.VBox([self.main, self._more])
         self.show(model)
 
     def show(self, model: Any) -> None:
-        """Have sliders for the parameters of this model in sight; does nothing where they are."""
+        """Show sliders for the parameters of this model, where they are not shown already."""
         names = tuple(model.parameters)
         if names == self._shown:
             return
@@ -64,13 +67,13 @@ class ParameterControls:
                 self.sliders[name] = slider(name, about[name], model.parameters[name])
                 self.sliders[name].observe(self._changed, names="value")
         used = main_parameters(model)
-        self._used.children = [self.sliders[name] for name in used]
+        self.main.children = [self.sliders[name] for name in used]
         self._rest.children = [self.sliders[name] for name in names if name not in used]
         self._more.layout.display = "" if self._rest.children else "none"
         self._shown = names
 
     def values(self, model: Any) -> dict[str, float]:
-        """What the sliders say about the parameters of this model."""
+        """The values of the sliders for the parameters of this model."""
         self.show(model)
         return {
             name: remove_browser_rounding(self.sliders[name].value, self._start[name])
@@ -78,7 +81,7 @@ class ParameterControls:
         }
 
     def reset(self) -> None:
-        """Back to the values of the start; sliders that came later to their law's."""
+        """Reset to the initial values; sliders added later to the defaults of their law."""
         for name, control in self.sliders.items():
             control.value = self._start[name]
 
@@ -139,14 +142,14 @@ class ComponentControls:
         for name in found:
             if name not in off:
                 chosen |= self._full.get(name, {})
-        # What the model lacks from the start it lacks by its own component.
+        # A nonlinearity that the initial model lacks is left out by its own component.
         lacking = {name for name in off if found[name].missing(self._model)}
         chosen |= without(self._model, tuple(name for name in off if name not in lacking))
         return self._model.replace(**chosen)
 
 
 def _with_all(model: Any) -> dict[str, dict[str, Any]]:
-    """What gives a model each of the nonlinearities that it lacks: what models of its class have."""
+    """Components that restore each nonlinearity that a model lacks: the defaults of its class."""
     usual = type(model)()
     lacking = {name: one for name, one in model.nonlinearities.items() if one.missing(model)}
     return {name: {key: getattr(usual, key) for key in one.without(model)} for name, one in lacking.items()}

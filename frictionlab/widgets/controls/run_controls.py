@@ -8,11 +8,11 @@ import ipywidgets
 import numpy as np
 
 from frictionlab.analysis.motion_scales import rounded_period
-from frictionlab.hybrid.methods.rk4 import RK4
+from frictionlab.hybrid.methods.one_step import RK4
 from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.widgets.settings import QUICK_METHOD, Settings
 
-from .sliders import LOG_READOUT_FORMAT, READOUT_FORMAT, label_control, remove_browser_rounding
+from .sliders import END_MARGIN, LOG_READOUT_FORMAT, READOUT_FORMAT, label_control, remove_browser_rounding
 
 OWN_STATE, FIXED_STEP = "own", "rk4"
 INITIAL_STATES = (("rest", "rest"), ("near the equilibrium", "near"), ("own numbers", OWN_STATE))
@@ -98,7 +98,7 @@ def _duration_slider(settings: Settings) -> Any:
 def _step_slider() -> Any:
     low, high = np.log10([MIN_STEP, MAX_STEP])
     made = ipywidgets.FloatLogSlider(
-        DEFAULT_STEP, min=low - 1e-12, max=high, step=0.05, readout_format=LOG_READOUT_FORMAT
+        DEFAULT_STEP, min=low - END_MARGIN, max=high, step=0.05, readout_format=LOG_READOUT_FORMAT
     )
     return label_control(made, "step", "step (s)", "fixed step of the paper's algorithm; its own is 2e-4 s")
 

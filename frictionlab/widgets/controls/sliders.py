@@ -1,7 +1,7 @@
 """Sliders from what is known about a parameter: symbol, unit, meaning, range, scale.
 
-A browser computes a slider's value from its place and so rounds it; `remove_browser_rounding` gives back
-what is meant.
+A browser computes a slider's value from its position and so rounds it; `remove_browser_rounding` restores the
+intended value.
 """
 
 from __future__ import annotations
@@ -11,18 +11,20 @@ from typing import Any
 
 import ipywidgets
 
-from frictionlab.components.names import did_you_mean
+from frictionlab.analysis.motion_scales import ROUND_NUMBER_RTOL
 from frictionlab.components.parameter import Parameter
 
-MAX_SLIDER_STEPS = 300  # of a slider, at most so many from one end to the other
+MAX_SLIDER_STEPS = 300  # most steps of a slider from one end to the other
 STEPS_PER_DECADE = 50
 CONTROL_WIDTH = "310px"
-# Plain notation, without commas, which are not understood where one types a number.
+# Plain notation without commas, as typed numbers must not contain commas.
 READOUT_FORMAT = ".7"
 LOG_READOUT_FORMAT = ".4r"  # four digits: these values are not round
-# A browser computes a slider's value from its place, 20.000000000000004 for 20, a logarithmic one's from its
-# exponent, 0.9999999999977 for 1, and tells it unasked when it shows the slider first.
+# A browser computes a slider's value from its position, 20.000000000000004 for 20, a logarithmic one's from
+# its exponent, 0.9999999999977 for 1, and sends it unasked when it first shows the slider.
 BROWSER_ROUNDING = 1e-11
+END_MARGIN = 1e-12  # decades by which a slider goes beyond its ends, whose logarithms are rounded
+STEP_MISS = 1e-6  # of a step: a value so near to a whole number of them is one
 
 
 def slider(name: str, about: Parameter, value: float) -> Any:
@@ -65,7 +67,7 @@ def slider_range(about: Parameter, value: float) -> tuple[float, float]:
 def _default_range(about: Parameter, value: float) -> tuple[float, float]:
     twice = 2 * abs(value) or 1.0
     bounds = [b for b in (about.minimum, about.exclusive_minimum) if b is not None]
-    # An open bound is no admissible value itself.
+    # An exclusive bound is no admissible value itself.
     least = (
         -math.inf if not bounds else bounds[0] + (twice / MAX_SLIDER_STEPS if about.minimum is None else 0.0)
     )
@@ -86,8 +88,8 @@ def _logarithmic_slider(low: float, high: float, value: float) -> Any:
     return ipywidgets.FloatLogSlider(
         value,
         base=10.0,
-        min=math.log10(low) - 1e-12,
-        max=math.log10(high) + 1e-12,
+        min=math.log10(low) - END_MARGIN,
+        max=math.log10(high) + END_MARGIN,
         step=(exponent - least) / steps if exponent > least else 1 / STEPS_PER_DECADE,
         readout_format=LOG_READOUT_FORMAT,
         continuous_update=True,
@@ -100,11 +102,11 @@ def round_step(span: float) -> float:
         return 0.1
     least = span / MAX_SLIDER_STEPS
     power = 10.0 ** math.floor(math.log10(least))
-    return next(s * power for s in (1.0, 2.0, 5.0, 10.0) if s * power >= least * (1 - 1e-9))
+    return next(s * power for s in (1.0, 2.0, 5.0, 10.0) if s * power >= least * (1 - ROUND_NUMBER_RTOL))
 
 
 def round_to_step(value: float, bounds: tuple[float, float]) -> float:
-    """A place between two bounds as a round number, in steps of a three-hundredth or more."""
+    """A position between two bounds as a round number, in steps of at least a three-hundredth."""
     step = round_step(bounds[1] - bounds[0])
     return min(max(float(f"{step * round(value / step):.9g}"), bounds[0]), bounds[1])
 
@@ -119,7 +121,7 @@ def refine_step(control: Any, value: float) -> None:
 def _step_to_value(step: float, distance: float) -> float:
     """The step, or a finer one that leads to the value: else the browser would show another one."""
     for finer in (step / n for n in (1, 2, 5, 10, 20, 50, 100)):
-        if abs(distance / finer - round(distance / finer)) < 1e-6:
+        if abs(distance / finer - round(distance / finer)) < STEP_MISS:
             return finer
     return step
 
@@ -134,14 +136,7 @@ def equal_within_rounding(a: Any, b: Any) -> bool:
 
 
 def remove_browser_rounding(value: float, start: float) -> float:
-    """What a slider's value stands for: what it started with, a number of few digits, or itself."""
+    """The value that a slider is meant to have: its initial value, a number of few digits, or itself."""
     return next(
         number for number in (start, float(f"{value:.9g}"), value) if equal_within_rounding(value, number)
     )
-
-
-def check_parameter(model: Any, name: str) -> None:
-    """Refuse a name that is no parameter of the model."""
-    if name not in model.parameters:
-        hint = did_you_mean(name, model.parameters)
-        raise ValueError(f"{type(model).__name__} has no parameter {name!r}: {hint}")

@@ -1,8 +1,8 @@
 """Panels of the explorers: functions of a Result that return a Drawing.
 
     standard       panels that `fl.explore(panels=...)` knows by name; critical values
-    bifurcation    a bifurcation diagram that is refined where one looks, computed in parts
+    bifurcation    a bifurcation diagram that is refined in the range shown, computed in parts
 
-A panel may bring controls of its own (`controls`), say what a click does (`pick`), and ask to be called
-again (`progress`).
+A panel may have controls of its own (`controls`), define the effect of a click (`pick`), and request to be
+called again (`progress`).
 """

@@ -1,13 +1,14 @@
-"""A bifurcation diagram that is refined where one looks, computed in parts.
+"""A bifurcation diagram that is refined in the range shown, computed in parts.
 
 `ProgressiveSweep` computes steady states a few at a time: every value once, then those that have not
-settled go on. `BifurcationPanel` asks it for some more at each update and draws what there is.
+settled go on. `BifurcationPanel` has it compute some more at each update and draws the values found so far.
 """
 
 from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from time import perf_counter
 from types import MappingProxyType
 from typing import Any, NamedTuple
@@ -17,9 +18,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionlab.analysis.motion_scales import rounded_period
-from frictionlab.analysis.steady_state.classification import ENDED, UNSETTLED
+from frictionlab.analysis.options import SteadyStateOptions
+from frictionlab.analysis.steady_state.motion_kind import MotionKind
 from frictionlab.analysis.sweeps.bifurcation import bifurcation, steady_state_task
 from frictionlab.analysis.sweeps.task_runner import run_tasks
+from frictionlab.models.coercion import check_parameter_name
 from frictionlab.models.parameter_namespace import parameter_metadata
 from frictionlab.models.symbols import structure_of_component
 from frictionlab.plotting.bifurcation import EARLY_END_HEIGHT, MOTION_STYLES
@@ -27,7 +30,6 @@ from frictionlab.plotting.drawing import Curve, Drawing
 from frictionlab.plotting.style import GREY, parameter_label, state_label, state_unit
 from frictionlab.widgets.controls.sliders import (
     READOUT_FORMAT,
-    check_parameter,
     label_control,
     parameter_description,
     round_to_step,
@@ -37,17 +39,17 @@ from frictionlab.widgets.settings import limit_steps, tighten_tolerance
 
 Array = NDArray[np.float64]
 BATCH_SIZE = os.cpu_count() or 1  # values, in threads
-TIME_SLICE = 0.2  # seconds between two pictures of a diagram that fills
-WINDOWS_PER_EXTENSION = 10  # windows that a motion goes on for at a time where it has not settled
-MAX_EXTENSIONS = 20  # times; what has not settled then is left as it is
+TIME_SLICE = 0.2  # seconds between two pictures of a diagram in progress
+WINDOWS_PER_EXTENSION = 10  # windows by which a motion that has not settled is extended at a time
+MAX_EXTENSIONS = 20  # most such extensions of a motion
 
-GRID_VALUES = 24  # values in the range that is looked at
+GRID_VALUES = 24  # values in the range shown
 DEFAULT_TRANSIENT, MAX_TRANSIENT, TRANSIENT_STEP = (
     1000,
     5000,
     50,
-)  # periods thrown away: at first, and at most
-WINDOW_PERIODS = 100  # periods looked at
+)  # periods of transient: at first, and at most
+WINDOW_PERIODS = 100  # periods of the window that is classified
 SELECTED_VALUE_LINE: dict[str, Any] = {"color": GREY, "linewidth": 1.0, "zorder": 1.0}
 
 
@@ -59,7 +61,8 @@ class SteadyStatePoints(NamedTuple):
 
 
 class UnsettledMotion(NamedTuple):
-    """Where a motion that has not settled goes on (2n,), and how often it did."""
+    """A motion that has not settled: the state (2n,) from which it goes on, and the number of extensions so
+    far."""
 
     final: list[float]
     times: int
@@ -69,7 +72,7 @@ class ProgressiveSweep:
     """Steady states of a model, those of :func:`frictionlab.bifurcation`, found a few at a time.
 
     First every value gets one window after the transient; then those that have not settled go on, window by
-    window as with `longest`, the least advanced first.
+    window as with `t_max`, the least advanced first.
 
     Parameters
     ----------
@@ -80,24 +83,25 @@ class ProgressiveSweep:
 
     Attributes
     ----------
-    found : dict of float to Found
-    unsettled : dict of float to Unsettled
-        Those that go on.
+    found : dict of float to SteadyStatePoints
+    unsettled : dict of float to UnsettledMotion
+
+    Motions that are to be extended.
     """
 
-    def __init__(self, model: Any, parameter: str, x0: Any, options: dict[str, Any]) -> None:
+    def __init__(self, model: Any, parameter: str, x0: Any, options: SteadyStateOptions) -> None:
         self.model, self.parameter, self.x0, self.options = model, parameter, x0, options
         self.found: dict[float, SteadyStatePoints] = {}
         self.unsettled: dict[float, UnsettledMotion] = {}
 
     def left(self, values: Sequence[float]) -> list[float]:
-        """What is not done of some values: first those that are not there, then those that go on."""
+        """The values still to be computed: first those without a result, then those to be extended."""
         missing = [value for value in _coarse_to_fine(values) if value not in self.found]
         open_ones = [value for value in values if value in self.unsettled]
         return missing + sorted(open_ones, key=lambda value: self.unsettled[value].times)
 
     def work(self, values: Sequence[float]) -> None:
-        """Compute for as long as one waits gladly."""
+        """Compute for about the time between two pictures."""
         end = perf_counter() + TIME_SLICE
         while (left := self.left(values)) and perf_counter() < end:
             new = [value for value in left[:BATCH_SIZE] if value not in self.found]
@@ -107,14 +111,14 @@ class ProgressiveSweep:
                 self._extend(left[:BATCH_SIZE])
 
     def _start(self, values: list[float]) -> None:
-        done = bifurcation(self.model, self.parameter, values, self.x0, progress=False, **self.options)
+        done = bifurcation(self.model, self.parameter, values, self.x0, options=self.options, progress=False)
         for i, value in enumerate(values):
             self._keep(value, done.results[i], 0)
 
     def _extend(self, values: list[float]) -> None:
         # Half a window more, so that rounding takes none away.
-        longest = (WINDOWS_PER_EXTENSION + 0.5) * self.options["window"]
-        options = {**self.options, "transient": 0.0, "t_max": longest}
+        longest = (WINDOWS_PER_EXTENSION + 0.5) * self.options.window
+        options = replace(self.options, transient=0.0, t_max=longest)
         models = [self.model.replace(**{self.parameter: value}) for value in values]
         starts = [np.array(self.unsettled[value].final) for value in values]
         names = [f"{self.parameter} = {value:g}" for value in values]
@@ -133,7 +137,7 @@ class ProgressiveSweep:
         kind, states = result["kind"], result["section"]
         self.found[value] = SteadyStatePoints(kind, np.array(states).reshape(-1, len(result["final"])))
         self.unsettled.pop(value, None)
-        if kind == UNSETTLED and times < MAX_EXTENSIONS:
+        if kind == MotionKind.NOT_SETTLED and times < MAX_EXTENSIONS:
             self.unsettled[value] = UnsettledMotion(result["final"], times)
 
 
@@ -144,18 +148,20 @@ def _coarse_to_fine(values: Sequence[float]) -> list[float]:
 
 
 class BifurcationPanel:
-    """A panel: a coordinate where stick begins (or turns back) in the steady state, against a parameter.
+    """A panel: a coordinate at the onsets of stick (or the turning points) of the steady state, against a
+    parameter.
 
-    It is computed in parts, from coarse to fine, so that it is seen to fill and newer values need not wait.
-    Motions that have not settled are drawn as such, and go on when all values are there.  What was computed
-    is kept until another parameter changes, so that a narrower range adds values between.
+    It is computed in parts, from coarse to fine, so that points appear while it is computed and newer
+    settings need not wait.  Motions that have not settled are drawn as such, and extended once all values are
+    computed.  Results are kept until another parameter changes, so that a narrower range only adds values in
+    between.
 
     Attributes
     ----------
     controls : mapping of str to widget
-        "range" says which values are looked at, "transient" how many seconds are thrown away.
-    sweep : Filling or None
-        What is computed now.
+        "range" sets the values shown, "transient" the seconds discarded.
+    sweep : ProgressiveSweep or None
+        The sweep in progress.
     """
 
     __name__ = "bifurcation"
@@ -178,7 +184,7 @@ class BifurcationPanel:
         seconds = ipywidgets.FloatSlider(
             first, max=most, step=step, readout_format=READOUT_FORMAT, continuous_update=False
         )
-        text = f"values of {parameter} that are looked at; a narrow range is computed more finely"
+        text = f"values of {parameter} that are shown; a narrow range is computed more finely"
         self.controls: Mapping[str, Any] = MappingProxyType(
             {
                 "range": label_control(span, "range", f"{parameter_description(about)} from, to", text),
@@ -199,7 +205,7 @@ class BifurcationPanel:
 
     def __call__(self, result: Any) -> Drawing:
         """The points in the range, by the kind of motion, and a line at the model's own value."""
-        check_parameter(result.model, self.parameter)
+        check_parameter_name(result.model, self.parameter)
         low, high = self.controls["range"].value
         inside, progress = self._fill(result, low, high)
         name = result.settings.coordinate
@@ -212,22 +218,22 @@ class BifurcationPanel:
             parameter_label(result.model, self.parameter),
             f"section of {state_label(name)} ({state_unit(name)})",
         )
-        waiting = kinds.count(UNSETTLED)
-        note = f"{len(kinds)} values" + (f", {waiting} {UNSETTLED}" if waiting else "")
+        waiting = kinds.count(MotionKind.NOT_SETTLED)
+        note = f"{len(kinds)} values" + (f", {waiting} {MotionKind.NOT_SETTLED}" if waiting else "")
         return Drawing(*labels, curves, note=note, xlim=(low, high), progress=progress)
 
     def pick(self, x: float, _: float) -> dict[str, float]:
-        """The value where one clicks, as a round number."""
+        """The value at a click, as a round number."""
         return {self.parameter: round_to_step(x, self.controls["range"].value)}
 
     def _fill(
         self, result: Any, low: float, high: float
     ) -> tuple[dict[float, SteadyStatePoints], tuple[int, int] | None]:
-        """What there is in a range after some more work, and how much of it is done where not all is."""
+        """The results in a range after some more work, and the progress where it is not complete."""
         sweep = self._sweep_for(result)
         grid = np.linspace(low, high, GRID_VALUES).tolist()
         values = [*grid, *(v for v in sweep.found if low <= v <= high and v not in grid)]
-        # What a slider or a click has changed is shown first.
+        # A change by a slider or a click is shown first.
         if result is self._shown or not sweep.found:
             sweep.work(values)
         self._shown, left = result, len(sweep.left(values))
@@ -235,7 +241,7 @@ class BifurcationPanel:
         return inside, (len(values) - left, len(values)) if left else None
 
     def _sweep_for(self, result: Any) -> ProgressiveSweep:
-        """The computation that belongs to a result: begun anew where anything but the parameter differs."""
+        """The sweep of a result; a new one where anything but the parameter differs."""
         settings, transient = result.settings, self.controls["transient"].value
         others = tuple(item for item in result.model.parameters.items() if item[0] != self.parameter)
         key = structure_of_component(result.model), others, settings.x0, settings.method, transient
@@ -244,7 +250,7 @@ class BifurcationPanel:
                 WINDOW_PERIODS * rounded_period(result.model),
                 tighten_tolerance(limit_steps(settings.method)),
             )
-            options = {"transient": transient, "window": window, "method": method}
+            options = SteadyStateOptions(transient, window, method=method)
             self.sweep = ProgressiveSweep(result.model, self.parameter, settings.x0, options)
             self._key = key
         return self.sweep
@@ -255,6 +261,6 @@ def _section_curve(found: Mapping[float, SteadyStatePoints], kind: str, column: 
     x = [np.full(len(states), value) for value, states in chosen]
     y = [states for _, states in chosen]
     style = {"linestyle": "none", **MOTION_STYLES[kind]}
-    if kind == ENDED:
+    if kind == MotionKind.ENDED_EARLY:
         return Curve([value for value, _ in chosen], [EARLY_END_HEIGHT] * len(chosen), style, "strip")
     return Curve(np.concatenate(x or [[]]), np.concatenate(y or [[]]), style)

@@ -1,4 +1,4 @@
-"""The model's mechanism as it is at the end of what is shown."""
+"""The model's mechanism at the end of the window shown."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The panels that can be asked for by name, and that of critical values.
+"""The panels that have names, and that of critical values.
 
 The modes are a coloured strip at the foot of the panels over time, and the colours of the phase plane.
 """
@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from frictionlab.analysis.spectrum import highest_frequency
-from frictionlab.components.names import did_you_mean
+from frictionlab.models.coercion import check_parameter_name
 from frictionlab.models.parameter_namespace import parameter_metadata
 from frictionlab.models.symbols import structure_of_component
 from frictionlab.plotting.drawing import Curve, Drawing, envelope
@@ -33,7 +33,8 @@ from frictionlab.plotting.style import (
     state_unit,
 )
 from frictionlab.stability import CriticalCurve, critical_curve
-from frictionlab.widgets.controls.sliders import check_parameter, round_to_step, slider_range
+from frictionlab.validation import did_you_mean
+from frictionlab.widgets.controls.sliders import round_to_step, slider_range
 
 from .mechanism import mechanism
 
@@ -59,7 +60,7 @@ def mode_strip(result: Any) -> dict[str, Curve]:
 
 
 def _strip_curve(t: Any, chosen: Any, colour: str) -> Curve:
-    kept = chosen | np.append(False, chosen[:-1])  # up to the sample after, so that no gap is seen
+    kept = chosen | np.append(False, chosen[:-1])  # up to the sample after, so that lines meet
     style = {"color": colour, "linewidth": STRIP_THICKNESS, "solid_capstyle": "butt", "zorder": 1.0}
     return Curve(np.where(kept, t, np.nan), np.where(kept, STRIP_HEIGHT, np.nan), style, "strip")
 
@@ -123,7 +124,7 @@ def phase(result: Any) -> Drawing:
 
 
 def _phase_curve(x: Any, rate: Any, chosen: Any, colour: str) -> Curve:
-    kept = chosen | np.append(False, chosen[:-1])  # up to the sample after, so that no gap is seen
+    kept = chosen | np.append(False, chosen[:-1])  # up to the sample after, so that lines meet
     return Curve(np.where(kept, x, np.nan), np.where(kept, rate, np.nan), {"color": colour})
 
 
@@ -171,9 +172,9 @@ class CriticalValuePanel:
     Parameters
     ----------
     model : SliderOnBelt
-        Whose parameters say how far the axes go.
+        The model whose parameters give the limits of the axes.
     parameter, over : str
-        The critical one, upwards, and the other one, to the right.
+        The critical parameter, on the vertical axis, and the other one, on the horizontal axis.
     """
 
     __name__ = "critical"
@@ -189,7 +190,7 @@ class CriticalValuePanel:
         """The curve, and a point in the colour of its stability."""
         model, found = result.model, result.eigenvalues
         for name in (self.parameter, self.over):
-            check_parameter(model, name)
+            check_parameter_name(model, name)
         curve = self._curve(_ModelApartFrom(model, (self.parameter, self.over)))
         here = [model.parameters[self.over]], [model.parameters[self.parameter]]
         stable = found is not None and found.stable
@@ -202,17 +203,17 @@ class CriticalValuePanel:
         return Drawing(x, y, curves, xlim=self.sides, ylim=self.bounds)
 
     def pick(self, x: float, y: float) -> dict[str, float]:
-        """The two parameters of a place in the picture, as round numbers."""
+        """The two parameters at a point of the picture, as round numbers."""
         return {self.over: round_to_step(x, self.sides), self.parameter: round_to_step(y, self.bounds)}
 
     def _computed(self, others: _ModelApartFrom) -> CriticalCurve:
-        # The ends may be where nothing presses on the belt, or a mass is zero.
+        # At the ends there may be no contact force, or a mass may be zero.
         at = np.linspace(*self.sides, CURVE_POINTS + 2)[1:-1]
         return critical_curve(others.model, self.parameter, self.bounds, over=(self.over, at))
 
 
 class _ModelApartFrom:
-    """A model; two of them are equal where all but some parameters are."""
+    """A model; two of them are equal where they differ in some parameters only."""
 
     def __init__(self, model: Any, names: tuple[str, ...]) -> None:
         self.model = model
@@ -265,5 +266,5 @@ def _panel_name(panel: Any) -> str:
         return getattr(panel, "__name__", type(panel).__name__)
     known = ", ".join(map(repr, PANELS))
     raise ValueError(
-        f"panels must be functions or some of {known}, got {panel!r}: {did_you_mean(panel, PANELS)}"
+        f"panels must be functions or some of {known}, got {panel!r}{did_you_mean(panel, PANELS)}"
     )

@@ -4,5 +4,5 @@
     tile          axes of one panel, drawn where labels or limits change, and curves over them
 
 A Drawing gives a tile's lines their data; the tile paints on the picture's canvas; the picture encodes
-the tile's pixels. `clickable.js` is the browser's side of a picture that says where it is clicked.
+the tile's pixels. `clickable.js` is the browser's part of a picture that reports clicks.
 """

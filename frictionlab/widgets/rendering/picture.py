@@ -1,8 +1,8 @@
-"""The picture of an explorer: one figure for good, its panels as images that wrap on a narrow screen.
+"""The picture of an explorer: one permanent figure, its panels as images that wrap on a narrow screen.
 
-Images are PNGs with a palette made of the lines' colours, and texts are set once and copied from then
-on: to look for a palette or to set a text takes longer than to draw the curves.  Panels that do
-something where they are clicked are shown by `ClickablePicture`.
+Images are PNGs with a palette made of the lines' colours, and texts are rendered once and then copied: to
+compute a palette or to render a text takes longer than to draw the curves.  Panels that respond to clicks are
+shown by `ClickablePicture`.
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ def encode_png(pixels: Any, colours: Iterable[Any]) -> bytes:
 def _palette(colours: tuple[tuple[float, float, float], ...]) -> Any:
     """Each colour in equal steps to white."""
     shades = max(3, min(SHADES_PER_COLOUR, (PALETTE_ENTRIES - 1) // len(colours)))
-    # White comes once, at the end, and no shade is so near to it that the one would be taken for the other.
+    # White comes once, at the end, and no shade is so near to it that the two could be confused.
     share = np.linspace(1.0, 0.0, shades + 1)[:-2, None, None]
     mixed = 1.0 - share * (1.0 - np.array(colours))
     table = np.vstack([mixed.reshape(-1, 3)[: PALETTE_ENTRIES - 1], [[1.0, 1.0, 1.0]]])
@@ -87,10 +87,11 @@ class ClickablePicture(anywidget.AnyWidget):
         resources.files("frictionlab.widgets.rendering").joinpath("clickable.js").read_text(encoding="utf-8")
     )
     value = traitlets.Bytes().tag(sync=True)
-    hint = traitlets.Unicode().tag(sync=True)  # views fail where it is called tooltip
+    hint = traitlets.Unicode().tag(sync=True)  # the name tooltip makes views fail
 
     def on_click(self, clicked: Callable[[float, float], None]) -> None:
-        """Have a function called with shares of the width, from the left, and of the height, from below."""
+        """Register a function that is called with the position of a click, as shares of width (from the left)
+        and height (from below)."""
 
         def heard(_: Any, content: dict[str, Any], __: Any) -> None:
             clicked(float(content["x"]), float(content["y"]))
@@ -99,7 +100,7 @@ class ClickablePicture(anywidget.AnyWidget):
 
 
 class TextImage(NamedTuple):
-    """Pixels (h, w, 4) of a text, upwards, and where its left lower corner is as seen from its origin."""
+    """Pixels (h, w, 4) of a text, bottom row first, and its lower left corner relative to its origin."""
 
     pixels: NDArray[np.uint8]
     left: int
@@ -107,7 +108,7 @@ class TextImage(NamedTuple):
 
 
 class TextCacheRenderer(RendererAgg):
-    """Agg, with every text set once; it then stands at whole pixels."""
+    """The Agg renderer with every text rendered once, and copied to whole pixels."""
 
     def draw_text(
         self,
@@ -142,7 +143,7 @@ class TextCacheCanvas(FigureCanvasAgg):
 def text_image(
     text: str, prop: FontProperties, angle: float, ismath: bool, dpi: float, look: Any
 ) -> TextImage | None:
-    """What a text looks like; None where nothing of it is seen."""
+    """The image of a text; None where it has no visible pixels."""
     plain = RendererAgg(1, 1, dpi)
     width, height, descent = plain.get_text_width_height_descent(text, prop, ismath)
     reach = int(np.ceil(np.hypot(width, height + descent))) + 4  # whatever the angle
@@ -190,7 +191,7 @@ class Picture:
     def draw(self, result: Any) -> tuple[int, int] | None:
         """Show a result in all panels; where one fails none is changed.
 
-        Returns how much is done, and of how much, where a panel is not done yet.
+        Returns the parts done and their total where a panel is not complete.
         """
         drawings = [panel(result) for panel in self.panels.values()]
         for tile, drawing in zip(self.tiles.values(), drawings):
@@ -199,12 +200,12 @@ class Picture:
         return next((drawing.progress for drawing in drawings if drawing.progress), None)
 
     def freeze(self) -> None:
-        """Leave the curves behind in grey."""
+        """Keep the present curves in grey."""
         for tile in self.tiles.values():
             tile.freeze()
 
     def unfreeze(self) -> None:
-        """Take the grey curves away, and show that."""
+        """Remove the grey curves, and show the picture without them."""
         for tile in self.tiles.values():
             tile.unfreeze()
 
@@ -219,7 +220,7 @@ class Picture:
 
 
 def _panel_image(name: str, panel: Any) -> Any:
-    """The widget of a panel; one that can be clicked where the panel makes something of it."""
+    """The widget of a panel; a clickable one where the panel has `pick`."""
     image = ClickablePicture(hint=panel.hint) if hasattr(panel, "pick") else ipywidgets.Image(format="png")
     image.layout = ipywidgets.Layout(width=f"{PANEL_WIDTH * DPI:.0f}px", max_width="100%", margin="0")
     image.layout.object_fit = "contain"

@@ -17,12 +17,14 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import NullFormatter
 from matplotlib.transforms import Bbox
 
+from frictionlab.analysis.motion_scales import ROUND_NUMBER_RTOL
 from frictionlab.plotting.drawing import Curve, Drawing
 from frictionlab.plotting.style import GREY
 
 Limits = tuple[float, float]
 MIN_FILL = 0.35  # share of the axis that the data have to fill, else it shrinks
 LIMIT_MARGIN = 0.06
+SMALLEST_RANGE = 1e-12  # in the units of the data: what is zero throughout is drawn as a line
 MIN_RELATIVE_RANGE = 1e-3  # of the largest value: what varies less is drawn as the constant it is
 ROUND_STEPS = (1.0, 2.0, 2.5, 5.0, 10.0)
 TICK_COUNT = 5
@@ -74,14 +76,14 @@ def logarithmic_limits(now: Limits | None, found: Limits | None) -> Limits:
 
 
 def _with_minimum_range(low: float, high: float) -> Limits:
-    least = max(MIN_RELATIVE_RANGE * max(abs(low), abs(high)), 1e-12)
+    least = max(MIN_RELATIVE_RANGE * max(abs(low), abs(high)), SMALLEST_RANGE)
     missing = max(0.0, least - (high - low)) / 2
     return low - missing, high + missing
 
 
 def _round_step(step: float) -> float:
     power = 10.0 ** math.floor(math.log10(step))
-    return next(s for s in ROUND_STEPS if s * power >= step * (1 - 1e-9)) * power
+    return next(s for s in ROUND_STEPS if s * power >= step * (1 - ROUND_NUMBER_RTOL)) * power
 
 
 class Tile:
@@ -160,14 +162,14 @@ class Tile:
         return float(across), float(up)
 
     def freeze(self) -> None:
-        """Leave the curves as they are now behind, in grey."""
+        """Keep the present curves in grey."""
         for label, line in self.lines.items():
             if label not in self.strips:
                 self._grey(label, line).set_data(*line.get_data())
         self.background = None
 
     def unfreeze(self) -> None:
-        """Take the grey curves away."""
+        """Remove the grey curves."""
         for line in self.frozen.values():
             line.set_data([], [])
         self.background = None
@@ -253,7 +255,7 @@ class Tile:
 
 def _style_axes(ax: Axes) -> None:
     ax.tick_params(labelsize=FONT_SIZE)
-    ax.locator_params(nbins=TICK_COUNT)  # a number takes as long to draw as a curve
+    ax.locator_params(nbins=TICK_COUNT)  # few ticks: a number takes as long to draw as a curve
     ax.ticklabel_format(axis="y", scilimits=(-3, 4), useOffset=False)
     ax.yaxis.labelpad = 2.0
     ax.yaxis.get_offset_text().set_fontsize(FONT_SIZE)

@@ -96,7 +96,7 @@ def test_an_unstable_circle_bounds_the_basin_of_rest():
 
 
 def test_an_attractor_that_no_probe_found_is_reported(monkeypatch):
-    monkeypatch.setattr(module, "_probe_indices", lambda count: [0])
+    monkeypatch.setattr(module, "probe_indices", lambda count: [0])
     found = fl.basins(wells(), ("x", [-1.0, -0.5, 0.5, 2.0]), ("v", [0.0, 1.0]), **QUIET)
     assert found.labels.tolist() == [[0, 0, 1, 1]] * 2
     assert [a.state[0] for a in found.attractors] == pytest.approx([-1.0, 1.0])

@@ -1,4 +1,4 @@
-"""Branches of closed orbits against closed forms: periods, folds, bifurcations, grazing."""
+"""Branches of periodic orbits against closed forms: periods, folds, bifurcations, grazing."""
 
 import numpy as np
 import pytest
@@ -6,6 +6,7 @@ import sympy as sp
 
 import frictionlab as fl
 from frictionlab import plotting
+from tests.helpers.assertions import assert_all
 from tests.helpers.automata import V, X, automaton, coulomb
 from tests.helpers.known_motions import FLAT, TILTED, bistable, logistic, thrown
 from tests.helpers.mode_coupling_cycle import cycle
@@ -199,9 +200,7 @@ def test_bad_arguments_are_told_before_any_work():
     orbit = fl.periodic_orbit(coulomb(0.2, 1.0, 0.5), [0.0, 0.2])
     with pytest.raises(TypeError, match="orbit must be a PeriodicOrbit"):
         fl.continue_orbit("orbit", "belt", (0.1, 0.3))
-    with pytest.raises(
-        ValueError, match="parameter must be one of belt, mu_s, mu_k, got 'bel': did you mean"
-    ):
+    with pytest.raises(TypeError, match="HybridAutomaton has no parameter 'bel': did you mean 'belt'"):
         fl.continue_orbit(orbit, "bel", (0.1, 0.3))
     with pytest.raises(ValueError, match=r"bounds\[0\] must be .* at most 0\.2, got 0\.3"):
         fl.continue_orbit(orbit, "belt", (0.3, 0.4))
@@ -251,10 +250,13 @@ def test_where_an_impact_leads_back_to_its_mode_the_sequence_changes_all_the_sam
     stop = fl.Event("stop", 1 - X, ("free",), fl.Reset({X: sp.S.One, V: -V * 4 / 5}))
     scene = automaton(fl.Mode("free", flow, (stop,)), states=(X, V, c, s), f=0.2)
     orbit = fl.periodic_orbit(scene, fl.solve(scene, 200.0, x0=[0.0, 0.0, 1.0, 0.0]))
+    beyond = []
     for end in (0.6, 1.0, 3.0):
         branch = followed(orbit, "f", (0.05, end))
         (value,) = [special.value for special in branch.special if special.kind == "grazing"]
         assert value == pytest.approx(np.hypot(1 - 0.64, 0.16), abs=1e-9)
         impacts = np.array([len(found.trajectory.events) for found in branch.orbits])
-        assert not impacts[branch.values < value - 1e-6].any()
-        assert impacts[branch.values > value + 1e-6].all()
+        assert_all(impacts[branch.values < value - 1e-6] == 0)
+        beyond += [*impacts[branch.values > value + 1e-6]]
+    # A branch may end where it grazes, as the return map has a corner there; not all of the three do.
+    assert_all(np.array(beyond) > 0)

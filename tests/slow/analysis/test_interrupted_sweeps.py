@@ -85,7 +85,7 @@ def test_what_is_in_the_file_is_not_computed_again(tmp_path):
 
     path = tmp_path / "sweep.jsonl"
     for values in ([0.1, 0.2], [0.1, 0.2]):
-        found = fl.sweep(count, MODEL, {"mu_k": values}, resume=path, progress=False)
+        found = fl.sweep(MODEL, count, {"mu_k": values}, resume=path, progress=False)
     assert sorted(calls) == [0.1, 0.2]
     assert found.to_array().tolist() == [0.1, 0.2]
 
@@ -104,7 +104,7 @@ def test_a_file_of_another_sweep_is_refused_and_kept(tmp_path):
         with pytest.raises(ValueError, match=f"a file of the same sweep, .* differs in .*{what}"):
             fl.bifurcation(MODEL, *arguments, resume=path, **{**SETTINGS, **options})
     with pytest.raises(ValueError, match="a file of the same sweep"):
-        fl.sweep(abs, MODEL, {"mu_k": [0.5]}, resume=path, progress=False)
+        fl.sweep(MODEL, abs, {"mu_k": [0.5]}, resume=path, progress=False)
     assert path.read_bytes() == before
 
 
@@ -123,6 +123,6 @@ def test_a_file_that_is_no_sweep_is_refused_and_kept(text, tmp_path):
 
 def test_a_sweep_is_no_bifurcation(tmp_path):
     path = tmp_path / "sweep.jsonl"
-    fl.sweep(lambda m: m.F, MODEL, {"F": [1.0]}, resume=path, progress=False)
+    fl.sweep(MODEL, lambda m: m.F, {"F": [1.0]}, resume=path, progress=False)
     with pytest.raises(ValueError, match="is one of another sweep"):
         fl.load_bifurcation(path)

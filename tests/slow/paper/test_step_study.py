@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import frictionlab as fl
-from frictionlab.paper import report, scenes, step_study
+from frictionlab.paper import report, scenes, step_sizes
 from frictionlab.paper.scenes import Setting
 
 STEPS = (5e-4, 2e-4)
@@ -14,9 +14,9 @@ STEPS = (5e-4, 2e-4)
 def study(tmp_path_factory):
     """Two values of mu_k, short windows."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(step_study, "MU_K", np.array([0.2, 1.4]))
-        patch.setattr(step_study, "STUDY_TIMES", scenes.Times(30.0, 10.0))
-        yield step_study.step_study_with(Setting(progress=False), STEPS)
+        patch.setattr(step_sizes, "MU_K", np.array([0.2, 1.4]))
+        patch.setattr(step_sizes, "STUDY_TIMES", scenes.Times(30.0, 10.0))
+        yield step_sizes.step_study_with(Setting(progress=False), STEPS)
 
 
 def test_series_in_order(study):
@@ -52,7 +52,7 @@ def test_errors_are_large_only_where_flights_are_shorter_than_a_step(study):
 def test_the_picture(study):
     figure = study.plot()
     above, other, below, _ = figure.axes
-    assert [above.get_title(), other.get_title()] == list(step_study.IMPACT_LAW_NAMES.values())
+    assert [above.get_title(), other.get_title()] == list(step_sizes.IMPACT_LAW_NAMES.values())
     assert above.get_yscale() == "log"
     assert below.get_ylabel().endswith("(Hz)")
     assert len(above.lines) == 3
@@ -70,6 +70,6 @@ def test_the_page(study):
 
 
 def test_public_name_and_bad_steps():
-    assert fl.paper.step_study is step_study.step_study
+    assert fl.paper.step_study is step_sizes.step_study
     with pytest.raises(ValueError, match="step must be a finite number, above 0, got -1"):
         fl.paper.step_study([-1.0])

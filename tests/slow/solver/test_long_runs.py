@@ -29,15 +29,11 @@ def whole(request):
     return request.param, fl.simulate(MODELS[request.param], END, x0=start, progress=False)
 
 
-def mode_at(run, t):
-    return np.array(run.automaton.names)[run.mode_at(t, run.step_at(t))]
-
-
 def drift(run, begin, end):
     """Largest |v_r| in stick, deepest gap below zero in contact and above it in flight, between two times."""
     at_events = run.events.t[(run.events.t >= begin) & (run.events.t <= end)]
     t = np.union1d(np.linspace(begin, end, 20_001), at_events)
-    mode, v_r, gap = mode_at(run, t), run.output("relative_velocity", t), run.output("penetration", t)
+    mode, v_r, gap = run.modes_at(t), run.output("relative_velocity", t), run.output("penetration", t)
     stick, flight = mode == "stick", mode == "separation"
     assert stick.any()
     return np.abs(v_r[stick]).max(), -gap[~flight].min(initial=0.0), gap[flight].max(initial=0.0)
@@ -60,7 +56,7 @@ def test_energy_is_balanced_at_the_end_as_at_the_start(whole):
     """Over ten seconds; found are 1e-13 of the energy turned over, at both ends."""
     scene, run = whole
     for begin in (0.0, END - WINDOW):
-        mode = str(mode_at(run, np.array([begin]))[0])
+        mode = str(run.modes_at(begin)[0])
         missing, turned_over = residual(MODELS[scene], WINDOW, run(begin), mode)
         assert abs(missing) < 3e-12 * turned_over
 

@@ -15,5 +15,5 @@ def test_the_whole_sweep_and_a_share_of_it(monkeypatch):
 
 def test_results_do_not_depend_on_the_workers():
     values = np.array([0.2, 1.4])
-    one, two = (parallel_runs._run_sweep(values, 1.0, parallel_runs.Taylor(), workers) for workers in (1, 2))
+    one, two = (parallel_runs.run_sweep(values, 1.0, parallel_runs.Taylor(), workers) for workers in (1, 2))
     assert one.results.tolist() == two.results.tolist()

@@ -28,7 +28,7 @@ def test_a_port_in_use_is_refused(refused):
 def test_without_a_port_another_is_taken_where_the_usual_one_is_in_use(monkeypatch):
     with socket.create_server(("127.0.0.1", 0)) as taken:
         monkeypatch.setattr(app, "DEFAULT_PORT", taken.getsockname()[1])
-        assert app._choose_port(None) not in (0, app.DEFAULT_PORT)
+        assert app.choose_port(None) not in (0, app.DEFAULT_PORT)
 
 
 def test_without_voila_one_line_says_what_to_install(monkeypatch, capsys):

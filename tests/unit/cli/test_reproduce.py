@@ -6,7 +6,7 @@ import pytest
 from frictionlab.cli import command
 from frictionlab.paper import report
 from frictionlab.paper.scenes import IMPACTS
-from frictionlab.paper.step_study import StepSeries, StepStudy
+from frictionlab.paper.step_sizes import StepSeries, StepStudy
 
 MADE_UP = StepStudy(
     np.array([0.4, 1.4]),
@@ -22,7 +22,7 @@ MADE_UP = StepStudy(
 def small(monkeypatch):
     """Two claims, one figure of linear stability, and a study of step sizes made up."""
     monkeypatch.setattr(report, "EVERY_CLAIM", ("C1", "C8"))
-    monkeypatch.setattr(report, "_figure_variants", lambda: iter([(6, "exact")]))
+    monkeypatch.setattr(report, "figure_variants", lambda: iter([(6, "exact")]))
     monkeypatch.setattr(report, "step_study_with", lambda setting: MADE_UP)
 
 
@@ -46,7 +46,7 @@ def test_a_page_with_claims_and_pictures(tmp_path, capsys, small):
 
 
 def test_every_figure_in_every_way_that_makes_a_difference():
-    pairs = list(report._figure_variants())
+    pairs = list(report.figure_variants())
     assert len(pairs) == len(set(pairs)) == 5 + 2 * 2 + 10 * 3
     assert {n for n, _ in pairs} == set(range(2, 19))
     assert [way for n, way in pairs if n == 13] == ["exact", "paper-algorithm"]

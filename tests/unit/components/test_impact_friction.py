@@ -56,7 +56,7 @@ def test_the_gap_opens_at_newtons_rate_with_the_moving_load():
     q, v = np.split(np.stack([run.events.before[landings], run.events.state[landings]]), 2, axis=-1)
 
     def rate(q, v):
-        """gap = -y1 + y2 - phi (x1 - x2)."""
+        """Rate of the penetration -y1 + y2 - phi (x1 - x2)."""
         return -v[:, 1] + v[:, 3] - v[:, 4] * (q[:, 0] - q[:, 2]) - q[:, 4] * (v[:, 0] - v[:, 2])
 
     assert landings.sum() > 20

@@ -23,6 +23,7 @@ from frictionlab.components import (
     StickSlip,
     StickSlipSeparation,
 )
+from frictionlab.hybrid.tape.functions import FUNCTIONS
 
 
 def test_cubic_contact_is_equation_2():
@@ -32,6 +33,16 @@ def test_cubic_contact_is_equation_2():
     np.testing.assert_allclose(law.force(Polynomial([0.0, 1.0])).coef, [0, 2, 0, 3])
     g = sympy.Symbol("g")
     assert law.force(g) == 2.0 * g + 3.0 * g**3
+
+
+@pytest.mark.parametrize("function", [f for f in FUNCTIONS if f.public], ids=lambda f: f.name)
+def test_laws_may_hold_every_function_of_the_tape(function):
+    """Of floats, arrays and symbols alike."""
+    names = {"atan": "arctan", "asinh": "arcsinh"}
+    of_laws, x = getattr(fl.functions, names.get(function.name, function.name)), sympy.Symbol("x")
+    assert of_laws(x) == function.expression(x)
+    assert of_laws(0.3) == pytest.approx(float(function.expression(0.3)), rel=1e-15)
+    np.testing.assert_array_equal(of_laws(np.array([0.3, 1.2])), [of_laws(0.3), of_laws(1.2)])
 
 
 def test_linear_contact():
@@ -80,7 +91,8 @@ def test_no_restitution_is_the_plastic_impact_on_the_full_rate():
 
 def test_impacts_refuse_what_they_do_not_know():
     with pytest.raises(
-        ValueError, match="penetration_rate must be 'material' or 'full', got 'fulll': did you mean 'full'"
+        ValueError,
+        match="penetration_rate must be one of 'material', 'full', got 'fulll': did you mean 'full'",
     ):
         PlasticImpact(penetration_rate="fulll")
     with pytest.raises(ValueError, match=r"e must be at most 1, got 1\.5: lower e"):

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from frictionlab.components import ContactLaw, Coulomb, CubicContact, LinearContact, PlasticImpact, parameter
-from frictionlab.components.names import did_you_mean
 from frictionlab.components.parameter import parameters_of, structure_of
+from frictionlab.validation import did_you_mean, did_you_mean_or_known
 
 
 @dataclass(frozen=True)
@@ -90,10 +90,12 @@ def test_components_are_frozen_and_compare_by_value():
 
 
 def test_did_you_mean():
-    assert did_you_mean("mu_kk", ["mu_k", "k2"]) == "did you mean 'mu_k'?"
-    assert did_you_mean("mu_K", ["mu_s", "mu_k"]) == "did you mean 'mu_k'?"
-    assert did_you_mean("f", ["F", "k2"]) == "did you mean 'F'?"
-    assert did_you_mean("zzz", ["F", "k2"]) == "known are F, k2"
+    for hint in (did_you_mean, did_you_mean_or_known):
+        assert hint("mu_kk", ["mu_k", "k2"]) == ": did you mean 'mu_k'?"
+        assert hint("mu_K", ["mu_s", "mu_k"]) == ": did you mean 'mu_k'?"
+        assert hint("f", ["F", "k2"]) == ": did you mean 'F'?"
+    assert did_you_mean("zzz", ["F", "k2"]) == ""
+    assert did_you_mean_or_known("zzz", ["F", "k2"]) == ": known are F, k2"
 
 
 @pytest.mark.parametrize(

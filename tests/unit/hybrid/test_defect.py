@@ -96,10 +96,9 @@ def test_native_and_interpreted_jets_give_the_same(contact):
     model = fl.SliderOnBelt(mu_k=1.4, contact=contact)
     method = fl.Taylor(tol=1e-8)
     program = program_of(model.automaton())[0]
-    native_cache._MADE.pop(program, None)
+    native = native_cache.native_code(program)
+    native.forget()
     run = fl.simulate(model, 0.5, method=method, progress=False)
-    native = native_cache.native_code(run.problem.program)
-    native.code.native[:] = 0
     interpreted = dict(run.defect)
     for mode in range(len(native.code.native)):
         native.compile(mode)

@@ -106,6 +106,7 @@ def test_events_and_their_targets():
 def test_event_functions():
     automaton = SliderOnBelt().automaton()
     v_r = automaton.modes[0].outputs["relative_velocity"]
+    assert automaton.names[:4] == ("stick", "slip+", "slip-", "separation")
     for mode in automaton.modes[:4]:
         out, functions = mode.outputs, {e.name: e.function for e in mode.events}
         sign = {"slip+": 1, "slip-": -1}.get(mode.name)

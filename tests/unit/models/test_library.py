@@ -5,6 +5,7 @@ import pytest
 from scipy.optimize import brentq
 
 import frictionlab as fl
+from tests.helpers.assertions import assert_all, assert_same_times
 
 PERIOD = 5 + 2 * np.pi - 2 * np.arctan(2.5)  # stick 2 a/v, slip 2 pi - 2 atan(a/v); a = 0.5, v = 0.2
 
@@ -19,7 +20,9 @@ def onsets_of(run, name="stick"):
 def test_stick_slip_has_its_period():
     assert abs(PERIOD - 8.902605407815) < 1e-12
     run = fl.simulate(fl.MassOnBelt(), 60.0, progress=False)
-    assert np.diff(onsets_of(run))[1:] == pytest.approx(PERIOD, abs=1e-12)  # the first is from rest
+    onsets = onsets_of(run)
+    assert len(onsets) > 5
+    assert np.diff(onsets)[1:] == pytest.approx(PERIOD, abs=1e-12)  # the first is from rest
     orbit = fl.periodic_orbit(fl.MassOnBelt(), run)
     assert orbit.period == pytest.approx(PERIOD, abs=1e-12)
     assert dict(orbit.modes) == pytest.approx({"stick": 5.0, "slip+": PERIOD - 5}, abs=1e-12)
@@ -30,13 +33,16 @@ def test_stick_slip_in_other_units(m, k, N, v):
     model = fl.MassOnBelt(m=m, k=k, N=N, v=v, mu_k=0.3, mu_s=0.9)
     a, w = 0.6 * N / k, np.sqrt(k / m)
     period = 2 * a / v + (2 * np.pi - 2 * np.arctan(a * w / v)) / w
-    run = fl.simulate(model, 20 * period, progress=False)
-    assert np.diff(onsets_of(run))[1:] == pytest.approx(period, rel=1e-12)
+    # From rest it would slide for ever; the belt takes it along until it slips.
+    run = fl.simulate(model, 20 * period, x0=[0.0, v], progress=False)
+    onsets = onsets_of(run)
+    assert len(onsets) > 15
+    assert np.diff(onsets)[1:] == pytest.approx(period, rel=1e-12)
 
 
 def test_the_belt_may_run_the_other_way():
     there, back = (fl.simulate(fl.MassOnBelt(v=v), 20.0, progress=False) for v in (0.2, -0.2))
-    assert back.events.t == pytest.approx(there.events.t, abs=1e-13)
+    assert_same_times(back.events.t, there.events.t, abs=1e-13)
     assert back.final_state == pytest.approx(-there.final_state, abs=1e-12)
     assert set(back.events.target) == {"stick", "slip-"}
 
@@ -211,8 +217,8 @@ def test_flight_over_the_belt_is_linear():
 def test_a_fluttering_slider_leaves_the_belt_and_comes_back():
     run = fl.simulate(fl.SliderOnRigidBelt(), 2.0, x0="near", progress=False)
     assert {"stick", "slip+", "separation"} <= set(run.events.target)
-    assert (run.normal_force[run.mode != "separation"] > -1e-9).all()
-    assert (run.penetration[run.mode == "separation"] < 1e-12).all()
+    assert_all(run.normal_force[run.mode != "separation"] > -1e-9)
+    assert_all(run.penetration[run.mode == "separation"] < 1e-12)
 
 
 # --- impacts
@@ -234,6 +240,7 @@ def test_a_ball_comes_to_rest_in_a_finite_time(e, h):
 
 def test_a_ball_without_loss_bounces_for_ever():
     run = fl.simulate(fl.BouncingBall(e=1.0), 500.0, progress=False)
+    assert len(run.events) > 500
     assert np.diff(run.events.t) == pytest.approx(2 * np.sqrt(2 / 9.81), rel=1e-12)
 
 

@@ -82,9 +82,9 @@ def test_a_wrong_number_is_found(monkeypatch):
 
 def test_a_pair_that_does_not_couple_is_found():
     data = linear_stability.coalescence(100.0)
-    assert linear_stability._modes_couple(data, 1e4)
+    assert linear_stability.modes_couple(data, 1e4)
     data.pairs[1e4] = (0, 4)
-    assert not linear_stability._modes_couple(data, 1e4)
+    assert not linear_stability.modes_couple(data, 1e4)
 
 
 @pytest.mark.parametrize(

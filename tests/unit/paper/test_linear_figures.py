@@ -50,8 +50,10 @@ def test_figs_2_and_3_show_a_pair_whose_frequencies_meet(figures, number, preloa
 @pytest.mark.parametrize("number", [2, 3])
 def test_changes_of_figs_2_and_3_are_where_the_eigenvalues_say(figures, number):
     data = figures[number].data
+    assert list(data.changes) == list(data.loci) == [0.0, 1e4, 1e7]
     for k_nl, changes in data.changes.items():
         locus = data.loci[k_nl]
+        assert changes
         assert changes[0].value == fl.critical_value(locus.model, "mu_k", (0.0, 3.0))
         counts = np.zeros(len(locus.at), dtype=int)
         for change in changes:
@@ -74,7 +76,10 @@ def test_fig_5_at_the_usual_preload(figures):
 
 def test_figs_4_and_5_have_no_gap_and_cover_the_preloads_of_figs_2_and_3(figures):
     for number in (4, 5):
-        for curve in figures[number].data.curves.values():
+        curves = figures[number].data.curves
+        assert curves
+        for curve in curves.values():
+            assert len(curve.at) > 1
             assert np.isfinite(curve.values).all()
             assert (np.diff(curve.at) > 0).all()
             assert curve.at[0] < 1.0

@@ -101,7 +101,8 @@ def test_a_long_title_stays_within_the_figure():
     run = fl.simulate(fl.SliderOnBelt(friction=law, k1=123456.0, k2=5125.0, F=212.5), 0.2)
     figure = fl.plot_run(run)
     figure.canvas.draw()
-    box, title = figure._suptitle.get_window_extent(), figure.get_suptitle()
-    assert title.endswith("0.2 s, taylor")
+    (title,) = figure.texts
+    box = title.get_window_extent()
+    assert title.get_text().endswith("0.2 s, taylor")
     assert figure.bbox.x0 <= box.x0 < box.x1 <= figure.bbox.x1
     assert all(box.y0 >= ax.get_tightbbox().y1 for ax in figure.axes)

@@ -92,7 +92,7 @@ def test_what_a_switch_takes_away_goes_from_the_picture_and_the_controls(explore
     explorer.controls["switch-cubic"].value = False
     assert len(lines(explorer, "response")[r"$\varphi$"].get_xdata()) == 0
     assert not np.array_equal(before, pixels(explorer, "response"))
-    shown = {c.tooltip.split("(")[-1].split(",")[0] for c in explorer.parameters._used.children}
+    shown = {c.tooltip.split("(")[-1].split(",")[0] for c in explorer.parameters.main.children}
     assert "k_nl" not in shown
     assert "k2" in shown
     assert all(name not in explorer.layout.equilibrium.value for name in ("phi", "rad"))

@@ -48,7 +48,7 @@ class Softening(fl.LinearContact):
 def test_an_own_law_has_sliders_and_runs(model, name, value):
     explorer = made(model, ("response", "eigenvalues"))
     slider = explorer.controls[name]
-    assert slider in explorer.parameters._used.children
+    assert slider in explorer.parameters.main.children
     slider.value = value
     assert explorer.error is None
     assert getattr(explorer.model, name) == value

@@ -20,7 +20,7 @@ from frictionlab.hybrid.kernels.jets import (
     mode_jets,
 )
 from frictionlab.hybrid.kernels.run_state import jet_columns
-from frictionlab.hybrid.tape.operations import FUNCTIONS
+from frictionlab.hybrid.tape.functions import FUNCTIONS
 from frictionlab.hybrid.tape.packing import program_of
 
 pytestmark = pytest.mark.skipif(compilation.NUMBA is None, reason="needs numba")
@@ -49,9 +49,9 @@ def stiffened():
 def functions():
     """Every function, within another, and powers with exponents of all kinds."""
     x, y, a = sp.symbols("x y a")
-    inner = x * y + a
+    inner, every = x * y + a, [function.expression for function in FUNCTIONS]
     flow = (
-        sum((f(inner / 3) for f in FUNCTIONS if f is not sp.log), sp.log(2 + y**2)),
+        sum((f(inner / 3) for f in every if f is not sp.log), sp.log(2 + y**2)),
         sp.tanh(sp.exp(-(x**2))) + (1 + x**2) ** a - (2 + y**2) ** sp.Rational(-3, 2),
     )
     return HybridAutomaton((x, y), (Mode("m", flow, (), (sp.sqrt(1 + x**2) - y,)),), {a: 0.3}, 0)
@@ -71,7 +71,7 @@ def with_code(automaton, mode, native=None):
 def same(automaton, native, mode, order, states):
     """Compare native jets with the interpreter's, in the rows that native code keeps."""
     program, numbers = program_of(automaton)
-    flow, kept = native._functions[mode].flow, native._functions[mode].kept
+    flow, kept = native.tapes[mode].flow, native.tapes[mode].kept
     rows = sorted(kept | set(range(len(automaton.states))))
     for state in states:
         jets, interpreted = (np.full((program.slots, jet_columns(order)), np.nan) for _ in range(2))
@@ -134,15 +134,15 @@ def test_a_run_may_change_over_at_any_step(monkeypatch):
     for limit in (10**9, 100, 0):
         monkeypatch.setattr(native_cache, "COMPILE_AFTER", limit)
         program = program_of(model.automaton())[0]
-        native_cache._MADE.pop(program, None)
         native = native_cache.native_code(program)
+        native.forget()
         if limit == 0:
             for mode in range(len(native.code.native)):
                 native.compile(mode)
         run = fl.simulate(model, 20.0, progress=False)
         used = native.code.native
         if limit == 100:
-            wait(native._asked.values())
+            wait(native.requested.values())
             assert (used != 0).sum() >= 3  # sliding backwards is rare
         alone[limit] = run.final_state, run.events.t, used.copy()
     assert (alone[0][2] != 0).all()
@@ -168,8 +168,8 @@ def test_another_order_or_method_compiles_nothing(tmp_path, monkeypatch):
     monkeypatch.setattr(native_cache, "COMPILE_AFTER", 0)
     model = fl.SliderOnBelt(mu_k=1.4, impact=fl.RestitutionImpact(e=0.25))
     program = program_of(model.automaton())[0]
-    native_cache._MADE.pop(program, None)
     native = native_cache.native_code(program)
+    native.forget()
     for mode in range(len(program.modes)):
         native.compile(mode)
         native.compile_step(mode)
@@ -180,7 +180,7 @@ def test_another_order_or_method_compiles_nothing(tmp_path, monkeypatch):
     for method in methods[:5]:
         fl.ensemble([model] * 4, 0.3, method=method, progress=False)
     assert native_cache.native_code(program) is native
-    assert not native._asked
+    assert not native.requested
     np.testing.assert_array_equal(native.code.native, addresses)
     assert set(tmp_path.iterdir()) == kept
     assert native_cache.NativeCode(program).code.native.all()
@@ -204,5 +204,5 @@ def test_short_runs_compile_nothing(monkeypatch, tmp_path):
     model = fl.SliderOnBelt(mu_k=1.4, interface=SlidingSeparation(), impact=fl.RestitutionImpact(e=0.9))
     fl.simulate(model, 0.5, progress=False)
     program = program_of(model.automaton())[0]
-    assert not native_cache.native_code(program)._asked
+    assert not native_cache.native_code(program).requested
     assert list(tmp_path.glob("jets*")) == []

@@ -15,7 +15,7 @@ from frictionlab.hybrid.kernels.arithmetic import call_lane_step
 from frictionlab.hybrid.kernels.run_state import END, Truncation, new_record, new_run_state, new_scratch
 from frictionlab.hybrid.kernels.step_length import step_length
 from frictionlab.hybrid.kernels.taylor_steps import advance_taylor
-from frictionlab.hybrid.tape.operations import FUNCTIONS
+from frictionlab.hybrid.tape.functions import FUNCTIONS
 from frictionlab.hybrid.tape.packing import program_of
 from frictionlab.hybrid.tape.program import Numbers, system_of
 
@@ -32,7 +32,7 @@ def of_rate(rate, **values):
     return HybridAutomaton((X, Y), (Mode("m", (rate, -X), (), ()),), parameters, 1)
 
 
-SCENES = {f.__name__: of_rate(Y + f(A * INNER.get(f, X)) / 8) for f in FUNCTIONS} | {
+SCENES = {f.name: of_rate(Y + f.expression(A * INNER.get(f.expression, X)) / 8) for f in FUNCTIONS} | {
     "quotient": of_rate(Y + X / (1 + (A * X) ** 2)),
     "power": of_rate(Y - X * (1 + (A * X) ** 2) ** P, p=0.3),
     "nested": of_rate(sp.tanh(A * X) * (1 + sp.exp(-(Y**2))) + sp.sin(A * sp.cos(X)) / (2 + Y**2)),

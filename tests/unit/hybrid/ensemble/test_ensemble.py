@@ -196,10 +196,9 @@ def test_groups_too_small_for_a_second_round_have_their_steps_compiled():
         pytest.skip("there is nothing to compile")
     scene = FULL.without("geometry").automaton()
     native = native_cache.native_code(program_of(scene)[0])
-    native.code.lanes[:] = 0
-    native._asked.clear()
+    native.forget()
     fl.ensemble([scene] * 6, 60.0, x0=np.full(8, 1e-4), progress=False)
-    for waiting in native._asked.values():
+    for waiting in native.requested.values():
         waiting.result()
     assert native.code.lanes.any()
 

@@ -47,8 +47,8 @@ def thrown(ceiling):
 def test_a_graze_that_just_touches_passes():
     run = fl.solve(thrown(0.25), 1.0, x0=[0.0, 1.0])
     assert run.status.ok
-    assert len(run.events) <= 1
-    assert run.events.t == pytest.approx(0.5, abs=1e-7)
+    # Rounding decides whether the double zero is seen; at the speed zero an impact changes nothing.
+    assert run.events.t.tolist() in ([], [pytest.approx(0.5, abs=1e-7)])
     assert run.final_state == pytest.approx([0.0, -1.0], abs=1e-7)
 
 

@@ -9,40 +9,59 @@ import sympy
 import frictionlab as fl
 from frictionlab import HybridAutomaton, Mode, parameter
 from frictionlab.components import functions as fn
-from frictionlab.hybrid.kernels.jets import function_value
-from frictionlab.hybrid.kernels.remainder import function_range, power_range
-from frictionlab.hybrid.tape.operations import ATAN, COS, COSH, EXP, LOG, SECH2, SIN, SINH, TAN, TANH
+from frictionlab.hybrid.kernels.remainder import power_range
+from frictionlab.hybrid.tape.functions import EXP, FUNCTIONS, SECH2, TANH, function_range, function_value
 from frictionlab.hybrid.tape.packing import program_of
 
 CIRCLE = np.exp(2j * np.pi * np.arange(400) / 400)
-# function, derivative, distance of the nearest point where it is not analytic
-KINDS = {
-    "exp": (EXP, np.exp, np.exp, lambda a: np.inf),
-    "log": (LOG, np.log, lambda a: 1 / a, abs),
-    "sin": (SIN, np.sin, np.cos, lambda a: np.inf),
-    "cos": (COS, np.cos, np.sin, lambda a: np.inf),
-    "tan": (TAN, np.tan, lambda a: 1 / np.cos(a) ** 2, lambda a: abs(np.pi / 2 - abs(a) % np.pi)),
-    "tanh": (TANH, np.tanh, lambda a: 1 / np.cosh(a) ** 2, lambda a: np.hypot(a, np.pi / 2)),
-    "sinh": (SINH, np.sinh, np.cosh, lambda a: np.inf),
-    "cosh": (COSH, np.cosh, np.sinh, lambda a: np.inf),
-    "sech2": (
-        SECH2,
-        lambda a: 1 / np.cosh(a) ** 2,
-        lambda a: -2 * np.tanh(a) / np.cosh(a) ** 2,
-        lambda a: np.hypot(a, np.pi / 2),
-    ),
-    "atan": (ATAN, np.arctan, lambda a: 1 / (1 + a * a), lambda a: np.hypot(a, 1.0)),
+NOWHERE = np.inf
+SINGULARITY = {  # distance of a from the nearest point where the function is not analytic
+    "exp": lambda a: NOWHERE,
+    "log": abs,
+    "sin": lambda a: NOWHERE,
+    "cos": lambda a: NOWHERE,
+    "tan": lambda a: abs(np.pi / 2 - abs(a) % np.pi),
+    "tanh": lambda a: np.hypot(a, np.pi / 2),
+    "sinh": lambda a: NOWHERE,
+    "cosh": lambda a: NOWHERE,
+    "atan": lambda a: np.hypot(a, 1.0),
+    "asinh": lambda a: np.hypot(a, 1.0),
+    "sech2": lambda a: np.hypot(a, np.pi / 2),
 }
+X = sympy.Symbol("x")
 
 
-@pytest.mark.parametrize("name", KINDS)
-def test_a_range_is_not_left_on_the_disc(name):
-    kind, f, slope, room = KINDS[name]
+def as_numpy(expr):
+    """A function of complex arrays."""
+    return sympy.lambdify(X, expr, [{"sech2": lambda a: 1 / np.cosh(a) ** 2}, "numpy"])
+
+
+@pytest.fixture(params=FUNCTIONS, ids=lambda function: function.name)
+def function(request):
+    """An entry of the tape's functions, with its value and its slope by numpy."""
+    expr = request.param.expression(X)
+    return request.param, as_numpy(expr), as_numpy(request.param.slope(expr))
+
+
+def starts(name):
+    return 0.02, 0.3, 1.0, 4.0, 30.0, *((-0.02, -1.0, -7.0) if name != "log" else ())
+
+
+def test_a_function_has_its_value_and_its_slope(function):
+    entry, f, slope = function
+    for a in starts(entry.name):
+        assert function_value(entry.kind, a) == pytest.approx(f(a), rel=1e-15)
+        h = 1e-30  # the complex step's error is its square
+        assert (f(a + 1j * h) / h).imag == pytest.approx(slope(a), rel=1e-13)
+
+
+def test_a_range_is_not_left_on_the_disc(function):
+    entry, f, slope = function
     compared = 0
-    for a in (0.02, 0.3, 1.0, 4.0, 30.0, *((-0.02, -1.0, -7.0) if name != "log" else ())):
+    for a in starts(entry.name):
         for d in (1e-6, 0.01, 0.1, 0.3, 0.7, 1.3, 3.0, 20.0):
-            bound = function_range(kind, a, abs(float(f(a))), abs(float(slope(a))), d)
-            if d >= room(a):
+            bound = function_range(entry.kind, a, abs(float(f(a))), abs(float(slope(a))), d)
+            if d >= SINGULARITY[entry.name](a):
                 assert bound == np.inf, (a, d)
             elif bound < np.inf:
                 rounding = 1e-15 * abs(f(a))  # of the difference on the left
@@ -51,11 +70,10 @@ def test_a_range_is_not_left_on_the_disc(name):
     assert compared > 15
 
 
-@pytest.mark.parametrize("name", KINDS)
-def test_a_small_disc_has_a_range_near_the_slope_times_its_radius(name):
-    kind, f, slope, _ = KINDS[name]
+def test_a_small_disc_has_a_range_near_the_slope_times_its_radius(function):
+    entry, f, slope = function
     for a in (0.1, 0.7, 1.2):
-        bound = function_range(kind, a, abs(float(f(a))), abs(float(slope(a))), 1e-6)
+        bound = function_range(entry.kind, a, abs(float(f(a))), abs(float(slope(a))), 1e-6)
         assert bound == pytest.approx(abs(slope(a)) * 1e-6, rel=1e-3)
 
 

@@ -42,6 +42,7 @@ GROWTHS = {  # x' as a function of x, and x(1) from x(0)
     "sinh": (-sp.sinh(X), 0.7, 2 * math.atanh(math.tanh(0.35) / math.e)),
     "cos": (sp.cos(X), 0.0, math.asin(math.tanh(1))),
     "atan": (1 / sp.atan(X), 1.0, None),
+    "asinh": (-sp.sqrt(1 + X**2) * sp.asinh(X), 0.7, math.sinh(math.asinh(0.7) / math.e)),
     "power": (X ** sp.Rational(5, 2), 0.5, (0.5**-1.5 - 1.5) ** (-2 / 3)),
     "root": (sp.sqrt(X), 0.5, (math.sqrt(0.5) + 0.5) ** 2),
     "negative": (X ** sp.Rational(-1, 2), 0.5, (0.5**1.5 + 1.5) ** (2 / 3)),

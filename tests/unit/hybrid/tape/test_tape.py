@@ -158,6 +158,7 @@ def test_each_switch_reduces_or_keeps_every_count(off, toggle):
     if toggle == "nonsmooth":
         # the one mode left is sliding in the direction of the belt
         before = {"slip": before["slip+"]}
+    assert after
     for mode, counts in after.items():
         assert all(counts[kind] <= before[mode][kind] for kind in (*OPERATIONS, "guards", "states"))
 

@@ -8,7 +8,6 @@ import sympy as sp
 from scipy.linalg import expm
 
 import frictionlab as fl
-from frictionlab.hybrid.admissible import condition_violation
 from frictionlab.hybrid.tape.packing import program_of
 from frictionlab.hybrid.variational.saltation import EventCrossing, saltation_matrix
 from frictionlab.hybrid.variational.tangent_flow import end_rates
@@ -272,6 +271,6 @@ def test_a_mode_entered_by_coincidence_is_refused():
 def test_the_check_of_the_modes_conditions_sees_a_wrong_mode():
     run = fl.solve(BELT, 20.0, x0=[0.3, -0.4])
     wrong = copy(run)
-    assert condition_violation(run) < 1e-13
+    assert run.violation < 1e-13
     wrong.raw = run.raw._replace(step_modes=np.full_like(run.raw.step_modes, BELT.names.index("-")))
-    assert condition_violation(wrong) == pytest.approx(1.0)  # v_r > 0 all along, and it should be negative
+    assert wrong.violation == pytest.approx(1.0)  # v_r > 0 all along, and it should be negative

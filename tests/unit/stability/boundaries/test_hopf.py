@@ -10,7 +10,6 @@ import pytest
 import sympy as sp
 
 import frictionlab as fl
-from frictionlab.models.symbols import structure_of_component, structure_values
 from frictionlab.stability.boundaries.hopf import hopf
 from frictionlab.stability.boundaries.normal_form import (
     ExpansionPoint,
@@ -18,6 +17,7 @@ from frictionlab.stability.boundaries.normal_form import (
     parameter_derivative,
 )
 from frictionlab.stability.equilibrium_points.batch_equilibria import sliding_flow
+from frictionlab.stability.equilibrium_points.static_equations import sliding_equations
 from tests.helpers.lorenz import A, B, P, X, Y, Z, automaton, lorenz
 
 pytestmark = pytest.mark.blas
@@ -159,8 +159,8 @@ def test_derivatives_along_directions(model):
     m, rng = len(scene.states), np.random.default_rng(1)
     start = np.concatenate([0.01 * rng.normal(size=m), list(scene.parameters.values())])
     directions = rng.normal(size=(3, m)) * np.repeat([0.01, 1.0], m // 2)
-    key = structure_of_component(model)
-    at = ExpansionPoint(sliding_flow(key), start[:m], structure_values(model))
+    equations = sliding_equations(model)
+    at = ExpansionPoint(sliding_flow(equations), start[:m], equations.values(model))
 
     def expected(*directions):
         def moved(i):

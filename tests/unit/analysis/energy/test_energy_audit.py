@@ -63,15 +63,15 @@ def with_powers(automaton):
 
 
 @pytest.mark.parametrize("name", ["A", "B", "D", "bilateral"])
-def test_works_are_those_of_integrands_that_ride_on_the_tape(name):
+def test_works_are_those_of_quadratures(name):
     model = SCENES[name]
-    riders = {"belt drive": "belt drive", "friction": "friction"}
+    contributions = {"belt drive": "belt drive", "friction": "friction"}
     start = np.zeros(2 * len(model.coordinates))
     run = fl.solve(
-        with_powers(model.automaton()), 1.0, x0=start, quadratures=riders, source=model, progress=False
+        with_powers(model.automaton()), 1.0, x0=start, quadratures=contributions, source=model, progress=False
     )
     works = fl.energy_audit(run).works
-    for contribution in riders:
+    for contribution in contributions:
         assert works[contribution][-1] == pytest.approx(run.quadratures[contribution], rel=1e-12)
 
 
@@ -148,7 +148,7 @@ def test_a_normal_force_acts_along_the_gradient_of_the_gap():
     vertical = fl.MovingLoad()
     assert vertical.normal(*q) == (0, 1, 0, -1, q[0] - q[2])
     assert vertical == fl.MovingLoad("vertical")
-    with pytest.raises(ValueError, match="direction must be 'vertical' or 'normal', got 'norml'"):
+    with pytest.raises(ValueError, match="direction must be one of 'vertical', 'normal', got 'norml'"):
         fl.MovingLoad("norml")
 
 

@@ -1,11 +1,10 @@
-"""Closed orbits and their multipliers: closed forms, Liouville's formula, differences of the return map."""
+"""Periodic orbits and their multipliers: closed forms, Liouville's formula, differences of the return map."""
 
 import numpy as np
 import pytest
 import sympy as sp
 
 import frictionlab as fl
-from frictionlab.hybrid.admissible import condition_violation
 from tests.helpers.automata import V, X, automaton, ball, coulomb, oscillator
 from tests.helpers.known_motions import FLAT, TILTED, C, S, W, bistable
 from tests.helpers.mode_coupling_cycle import by_differences, cycle
@@ -222,7 +221,7 @@ def test_no_condition_is_measured_by_its_own_rounding():
     for mu_k in np.linspace(0.7, 0.98, 14):
         model = fl.ModeCoupling(c=0.1, mu_k=mu_k)
         orbit = fl.periodic_orbit(model, fl.steady_state(model, progress=False))
-        assert condition_violation(orbit.trajectory) < 1e-13
+        assert orbit.trajectory.violation < 1e-13
 
 
 def test_the_orbit_is_what_the_motion_settles_to():

@@ -71,7 +71,7 @@ def test_chatter_gives_no_false_alarm():
     assert found.until == 5.0
     first = found.run.events.t[found.run.events.closed][0]
     assert 0.0 < found.independent_until < first
-    assert "where events begin to pile up" in str(found)
+    assert "at a Zeno accumulation of events" in str(found)
 
 
 def test_an_automaton_and_a_law_of_ones_own():

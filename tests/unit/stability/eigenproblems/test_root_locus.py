@@ -9,6 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import frictionlab as fl
+from tests.helpers.assertions import assert_all
 from tests.helpers.linear_automata import P, linear, rotated
 
 pytestmark = pytest.mark.blas
@@ -92,7 +93,7 @@ def test_coalescence_in_figure_2(k_nl):
     assert jumps[1] < 0.75 * jumps[0]
     assert jumps[2] < 0.75 * jumps[1]
     critical = fl.critical_value(model, "mu_k", (0, 3))
-    assert (fine.unstable[fine.at < critical] == 0).all()
+    assert_all(fine.unstable[fine.at < critical] == 0)
     (after,) = fine.values[[np.searchsorted(fine.at, critical + 0.05)]]
     growing = after.real.argmax()
     partner = np.argsort(np.abs(after.imag - after.imag[growing]))[1]
@@ -131,7 +132,7 @@ def test_without_damping_growth_is_exactly_zero_until_modes_meet():
     critical = fl.critical_value(model, "mu_k", (0, 3))
     at = np.linspace(3, 0, 301)
     locus = fl.root_locus(model, "mu_k", at)
-    assert (locus.growth_rates[at < critical] == 0).all()
+    assert_all(locus.growth_rates[at < critical] == 0)
     assert (locus.unstable == (at > critical)).all()
     forward = fl.root_locus(model, "mu_k", at[::-1]).values[::-1]
     np.testing.assert_allclose(np.sort_complex(forward), np.sort_complex(locus.values), rtol=1e-10)

@@ -1,8 +1,8 @@
-"""What a fixed step does to a motion: conditions looked at when a step is over, against events located.
+"""What a fixed step does to a motion: conditions checked at the end of each step, against events located.
 
 Erratum E5: with Eq. (13) as printed the slider leaves the belt again right after many impacts, in flights
 shorter than any step.  A fixed step jumps over those that fit into it, so that each step has a motion of
-its own.  With the gap's full rate in the impact law there are no such flights, and all steps agree.
+its own.  With the full gap rate in the impact law there are no such flights, and all steps agree.
 """
 
 from __future__ import annotations
@@ -18,16 +18,17 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from frictionlab.analysis.steady_state.motion_kind import MotionKind
 from frictionlab.analysis.steady_state.steady_state import steady_state
 from frictionlab.hybrid.methods.base import Method
-from frictionlab.hybrid.methods.rk4 import RK4
+from frictionlab.hybrid.methods.one_step import RK4
 from frictionlab.plotting import RunFigure
 from frictionlab.plotting.figure import legend_beside
 from frictionlab.plotting.style import BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILLION, parameter_label
 
 from . import scenes
 from .scenes import IMPACTS, RETURN_TOLERANCES, Setting
-from .steady_states import AT_REST, sweep_results
+from .steady_states import sweep_results
 
 Array = NDArray[np.float64]
 STUDY_STEPS = (5e-4, 2e-4, 1e-4, 5e-5)  # s
@@ -88,7 +89,7 @@ class StepStudy:
     def errors(self, impact: str) -> dict[float, Array]:
         """Step -> |L_s - exact|/exact (K,) where the exact solver finds a vibration."""
         *fixed, exact = self.of(impact)
-        moving = np.array([kind != AT_REST for kind in exact.kinds]) & (exact.intensity > 0)
+        moving = np.array([kind != MotionKind.EQUILIBRIUM for kind in exact.kinds]) & (exact.intensity > 0)
         off = {s.step: np.abs(s.intensity - exact.intensity)[moving] for s in fixed if s.step is not None}
         return {step: apart / exact.intensity[moving] for step, apart in off.items()}
 
@@ -150,7 +151,7 @@ def _values_of(rows: Any, name: str) -> Array:
 
 def _steady_motion(model: Any, method: Method, tolerance: float, times: scenes.Times) -> dict[str, Any]:
     found = steady_state(model, method=method, tolerance=tolerance, progress=False, **times._asdict())
-    spectrum = None if found.kind == AT_REST else found.spectrum()
+    spectrum = None if found.kind == MotionKind.EQUILIBRIUM else found.spectrum()
     strongest = None if spectrum is None else float(spectrum.peaks()[0][0])
     return {"kind": found.kind, "intensity": found.intensity, "strongest": strongest}
 
@@ -182,6 +183,6 @@ def _draw_impact_law(study: StepStudy, impact: str, above: Axes, below: Axes) ->
 def _draw_series(
     study: StepStudy, series: StepSeries, above: Axes, below: Axes, style: dict[str, Any]
 ) -> None:
-    moving = np.array([kind != AT_REST for kind in series.kinds])
+    moving = np.array([kind != MotionKind.EQUILIBRIUM for kind in series.kinds])
     above.plot(study.mu_k, np.where(moving, series.intensity, np.nan), label=series.label, **style)
     below.plot(study.mu_k, series.strongest, **style)

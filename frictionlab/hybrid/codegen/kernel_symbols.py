@@ -1,0 +1,53 @@
+"""Kernels that native code calls by a name, so that what they compute is stated once.
+
+A name is made known to LLVM when code that holds it is loaded.  The kernels of functions are called so: what
+they do is chosen by the number of the function, and takes longer than a call.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+from typing import Any, NamedTuple
+
+from frictionlab.hybrid.compilation import c_function
+from frictionlab.hybrid.tape.functions import function_range, function_value
+
+VALUE_SYMBOL, RANGE_SYMBOL = "frictionlab_function_value", "frictionlab_function_range"
+
+
+class KernelSymbol(NamedTuple):
+    """A call of a kernel, and its types."""
+
+    function: Callable[..., float]
+    signature: str
+
+
+def _value(kind, x):
+    return function_value(kind, x)
+
+
+def _range(kind, a, y, slope, d):
+    return function_range(kind, a, y, slope, d)
+
+
+KERNELS = {
+    VALUE_SYMBOL: KernelSymbol(_value, "float64(int64, float64)"),
+    RANGE_SYMBOL: KernelSymbol(_range, "float64(int64, float64, float64, float64, float64)"),
+}
+
+
+def register_used(code: bytes) -> None:
+    """Make known to LLVM the kernels whose names stand in machine code."""
+    for name in KERNELS:
+        if name.encode() in code:
+            _registered(name)
+
+
+@cache  # keeps the function, whose code lives as long as it does
+def _registered(name: str) -> Any:
+    import llvmlite.binding as llvm
+
+    function = c_function(*KERNELS[name])
+    llvm.add_symbol(name, function.address)
+    return function

@@ -1,0 +1,130 @@
+"""What is done at the end of a step by methods that look at the conditions of a mode there: kernels.
+
+Which condition fails, the time grid, the record of steps and events, the choice of the next mode.
+"""
+
+from __future__ import annotations
+
+from frictionlab.hybrid.compilation import inlined, kernel
+from frictionlab.hybrid.kernels.event_handling import handle_event
+from frictionlab.hybrid.kernels.event_location import COEFFICIENT_ROUNDING
+from frictionlab.hybrid.kernels.jets import copy_vector, majorant, mode_jets
+from frictionlab.hybrid.kernels.mode_selection import NO_MODE, NOT_DERIVED, Rounding, apply_reset, is_excluded
+from frictionlab.hybrid.kernels.run_state import (
+    CELL,
+    END,
+    ENTERED,
+    EVENTS,
+    MODE,
+    NO_ADMISSIBLE_MODE,
+    NOW,
+    RUNNING,
+    STEPS,
+    Truncation,
+)
+
+BISECTIONS = 50  # halvings of a step: its 2^-50th part is rounding
+LARGEST_STATE = 1e300  # beyond, a state counts as not finite
+SIMPLE = 1  # multiplicity of a zero that bisection finds: the guard's sign changes there
+NO_GUARD, NO_STATE = -1, -2  # no guard fails; there is no state to ask
+
+
+@inlined
+def failed_guard(code, numbers, mode, z, J):
+    """First guard of the mode that is negative at `z`; NO_GUARD, or NO_STATE where `z` is not finite."""
+    mode_jets(code, numbers, mode, 0, z, J)
+    for i in range(z.shape[0]):
+        if not abs(z[i]) < LARGEST_STATE:
+            return NO_STATE
+    for g in range(code.mode_guards[mode], code.mode_guards[mode + 1]):
+        if J[code.function_slots[g], 0] < 0.0:
+            return g
+    return NO_GUARD
+
+
+@kernel
+def select_mode_by_values(system, guard, z, scratch):
+    """First target whose conditions hold by their values alone; what the event made zero holds.
+
+    So slip is entered after a re-contact whatever the penetration rate.
+    """
+    code, numbers, J = system.code, system.numbers, scratch.jets
+    declared = code.declared[guard, 0]
+    for mode in code.targets[guard]:
+        if code.built[mode] == 0:
+            rounding = Rounding(z, COEFFICIENT_ROUNDING)
+            if is_excluded(system, mode, z, rounding, declared, scratch):
+                continue
+            return NOT_DERIVED - mode
+        mode_jets(code, numbers, mode, 0, z, J)
+        majorant(code, system.magnitudes, mode, 0, z, J, scratch.bounds)
+        fits = True
+        for g in range(code.mode_guards[mode], code.mode_guards[mode + 1]):
+            if declared[g] == 0 and J[code.function_slots[g], 0] < 0.0:
+                fits = False
+        for f in range(code.mode_constraints[mode], code.mode_constraints[mode + 1]):
+            slot = code.function_slots[f]
+            if declared[f] == 0 and abs(J[slot, 0]) > COEFFICIENT_ROUNDING * scratch.bounds[slot, 0]:
+                fits = False
+        if fits:
+            return mode
+    return NO_MODE
+
+
+@kernel
+def change_mode(system, guard, run, record, scratch):
+    """Record the event, reset, enter the next mode by :func:`select_mode_by_values`."""
+    counts = run.counts
+    row = counts[EVENTS]
+    record.event_times[row] = run.times[NOW]
+    copy_vector(run.state, record.event_states[row, 0])
+    apply_reset(system, system.code.resets[guard, 0], run.state, scratch.jets)
+    mode = select_mode_by_values(system, guard, run.state, scratch)
+    if mode < NO_MODE:
+        copy_vector(record.event_states[row, 0], run.state)
+        return mode
+    copy_vector(run.state, record.event_states[row, 1])
+    record.event_codes[row, 0] = guard
+    record.event_codes[row, 1] = mode
+    record.event_codes[row, 2] = 0
+    counts[EVENTS] += 1
+    run.times[ENTERED] = run.times[NOW]
+    if mode == NO_MODE:
+        return NO_ADMISSIBLE_MODE
+    counts[MODE] = mode
+    return RUNNING
+
+
+@kernel
+def enter_next_mode(system, event, order, run, record, scratch):
+    """What is done at an event; modes are chosen by series of an order, at 0 by the values of conditions."""
+    if order == 0:
+        return change_mode(system, event.guard, run, record, scratch)
+    exact = Truncation(order, 0.0)  # 0: the share of the states by which steps may miss the event
+    return handle_event(system, exact, event, run, record, scratch)
+
+
+@kernel
+def end_of_cell(step, run):
+    """Where the current cell of the time grid ends."""
+    return min((run.counts[CELL] + 1) * step, run.times[END])
+
+
+@kernel
+def record_step(h, goal, new, run, record):
+    """Put a step of length `h` on record, and go on to its end, `new` at the time `goal`."""
+    row = run.counts[STEPS]
+    record.step_times[row, 0] = run.times[NOW]
+    record.step_times[row, 1] = h
+    record.step_modes[row] = run.counts[MODE]
+    copy_vector(run.state, record.step_states[row])
+    run.counts[STEPS] += 1
+    copy_vector(new, run.state)
+    run.times[NOW] = goal
+
+
+@kernel
+def is_full(run, record):
+    """Whether there is no room for a step more, or for its event."""
+    counts = run.counts
+    return counts[STEPS] == record.step_modes.shape[0] or counts[EVENTS] == record.event_times.shape[0]

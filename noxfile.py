@@ -1,0 +1,113 @@
+"""What a change has to pass, one session for each step: `nox --list` names them, `.ci/run` runs all of them.
+
+Each session has an environment of its own; `nox --no-venv -s lint types` takes the one it is started in, such
+as the README's second command makes.  What follows ``--`` goes to the command:
+`nox --no-venv -s tests -- tests/unit/stability -k hopf`.
+"""
+
+import re
+import shlex
+from pathlib import Path
+
+import nox
+
+nox.needs_version = ">=2024.4.15"
+nox.options.sessions = ["tests", "doctests", "lint", "types", "imports"]  # by default what takes minutes
+nox.options.reuse_existing_virtualenvs = True
+
+README = Path("README.md")
+# The tests leave the notebooks here as they ran, so that the site, which shows them, need not run them again.
+EXECUTED = {"FRICTIONLAB_EXECUTED": str(Path("build/tutorials").absolute())}
+WITHOUT_NUMBA = {"FRICTIONLAB_DISABLE_NUMBA": "1"}
+# OpenBLAS has kernels for each kind of processor, which round differently: by AVX-512, by AVX2, by SSE.  What
+# holds on the processor that this happens to run on has to hold on others.  Kind and what it needs:
+BLAS_KERNELS = {"Nehalem": "sse4_2", "Haswell": "avx2", "SkylakeX": "avx512f"}
+CPU_FLAGS = Path("/proc/cpuinfo")
+
+
+def install(session: nox.Session, extra: str = "test") -> None:
+    """The package with an extra, unless an environment that has them was brought along."""
+    if session.virtualenv.is_sandboxed:
+        session.install("-e", f".[{extra}]")
+
+
+def run(session: nox.Session, *command: str, env: dict[str, str] | None = None) -> None:
+    """A command of the environment, with the arguments that follow ``--``."""
+    session.run(*command, *session.posargs, env=env, external=True)
+
+
+@nox.session
+def tests(session: nox.Session) -> None:
+    """What takes seconds each, as the README has it."""
+    install(session)
+    run(session, "pytest", "-n", "auto", env=EXECUTED)
+
+
+@nox.session
+def slow(session: nox.Session) -> None:
+    """What takes minutes: notebooks, gallery, chaos, basins, stress."""
+    install(session)
+    run(session, "pytest", "-n", "auto", "-m", "slow and not browser", env=EXECUTED)
+
+
+@nox.session
+def browser(session: nox.Session) -> None:
+    """Explorers, canvas and app in a Chromium that is installed."""
+    install(session)
+    run(session, "pytest", "-n", "auto", "-m", "browser")
+
+
+@nox.session
+def doctests(session: nox.Session) -> None:
+    """The examples in docstrings."""
+    install(session)
+    run(session, "pytest", "-n", "auto", "--doctest-modules", "frictionlab")
+
+
+@nox.session
+def lint(session: nox.Session) -> None:
+    """Format and style."""
+    install(session)
+    run(session, "ruff", "format", "--check")
+    run(session, "ruff", "check")
+
+
+@nox.session
+def types(session: nox.Session) -> None:
+    """Types."""
+    install(session)
+    run(session, "pyright")
+
+
+@nox.session
+def imports(session: nox.Session) -> None:
+    """Which package may import which."""
+    install(session)
+    run(session, "lint-imports")
+
+
+@nox.session
+def site(session: nox.Session) -> None:
+    """The documentation, by the README's third command."""
+    install(session, "docs")
+    third = re.findall(r"^```sh\n(.*?)^```$", README.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)[2]
+    program, *arguments = shlex.split(third.rpartition("&&")[2])
+    run(session, Path(program).name, *arguments, env=EXECUTED)
+
+
+@nox.session
+@nox.parametrize("kernels", list(BLAS_KERNELS))
+def blas(session: nox.Session, kernels: str) -> None:
+    """What depends on the last digits, with OpenBLAS's kernels for other processors."""
+    flags = CPU_FLAGS.read_text() if CPU_FLAGS.exists() else ""
+    if BLAS_KERNELS[kernels] not in flags.split():
+        session.skip(f"this processor is not known to have {BLAS_KERNELS[kernels]}")
+    install(session)
+    run(session, "pytest", "-n", "auto", "-m", "blas", env={"OPENBLAS_CORETYPE": kernels})
+
+
+@nox.session
+def plain_python(session: nox.Session) -> None:
+    """The same kernels as plain Python: the short tests, with numba hidden."""
+    install(session)
+    run(session, "pytest", "-m", "plain_python and not slow", env=WITHOUT_NUMBA)

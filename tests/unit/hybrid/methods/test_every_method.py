@@ -1,0 +1,157 @@
+"""What every method does alike: events, ends, caps, records; and methods of users are methods like others."""
+
+import numpy as np
+import pytest
+import sympy as sp
+
+import frictionlab as fl
+
+X, V = sp.symbols("x v")
+MODEL = fl.SliderOnBelt(mu_k=1.4).without("geometry")
+
+
+class Heun(fl.OneStepMethod):
+    """A user's method by its tableau."""
+
+    name = "heun"
+    tableau = fl.Tableau(stages=((), (1.0,)), weights=(0.5, 0.5))
+
+
+class SlowHeun(fl.OneStepMethod):
+    """The same by its steps."""
+
+    name = "slow heun"
+
+    def take_step(self, rates, z, h):
+        first = rates(z)
+        return z + h * (0.5 * (first + rates(z + h * first)))
+
+
+class Simpson(fl.OneStepMethod):
+    """Of order 3, with stages of several terms and weights over a divisor."""
+
+    name = "simpson"
+    tableau = fl.Tableau(stages=((), (0.5,), (-1.0, 2.0)), weights=(1.0, 4.0, 1.0), divisor=6.0)
+
+
+ONE_STEP = [fl.RK4(step=1e-4), Heun(step=2.5e-5), SlowHeun(step=2.5e-5), Simpson(step=1e-4)]
+METHODS = [fl.Taylor(), *ONE_STEP, *map(fl.Scipy, ("RK45", "DOP853", "Radau", "LSODA"))]
+every_method = pytest.mark.parametrize("method", METHODS, ids=lambda m: getattr(m, "integrator", m.name))
+every_one_step_method = pytest.mark.parametrize("method", ONE_STEP, ids=lambda m: m.name)
+
+
+def ball():
+    """A ball that rebounds with half its speed, from a height of 1 where g is 10."""
+    bounce = fl.Reset({X: sp.S.Zero, V: -V / 2})
+    flight = fl.Mode("flight", (V, sp.Integer(-10)), (fl.Event("floor", X, (), bounce),), (), {"height": X})
+    return fl.HybridAutomaton((X, V), (flight,), {}, 1)
+
+
+@every_method
+def test_the_events_of_a_stick_slip_motion(method):
+    exact = fl.simulate(MODEL, 0.15)
+    run = fl.simulate(MODEL, 0.15, method=method)
+    assert run.status is fl.Status.FINISHED
+    assert run.t[-1] == 0.15
+    assert len(exact.events) > 0
+    assert run.events.target.tolist() == exact.events.target.tolist()
+    assert run.events.t == pytest.approx(exact.events.t, abs=1e-5)
+    assert run.final_state == pytest.approx(exact.final_state, abs=1e-4)
+
+
+@every_method
+def test_a_bouncing_ball(method):
+    run = fl.solve(ball(), 1.2, x0=[1.0, 0.0], method=method)
+    fall = np.sqrt(0.2)
+    assert run.events.t == pytest.approx([fall, 2 * fall, 2.5 * fall], abs=1e-6)
+    assert run.events.before[:, 1] == pytest.approx([-10 * fall, -5 * fall, -2.5 * fall], abs=1e-5)
+    assert run.events.state[:, 1] == pytest.approx(-run.events.before[:, 1] / 2, abs=1e-15)
+
+
+@every_method
+def test_the_record_has_no_gaps(method):
+    run = fl.simulate(MODEL, 0.15, method=method)
+    starts, lengths = run.raw.step_times.T
+    assert starts + lengths == pytest.approx([*starts[1:], 0.15], abs=1e-15)
+    assert np.isin(run.events.t, np.append(starts, 0.15)).all()
+
+
+@every_method
+def test_dense_output_is_that_of_the_state(method):
+    run = fl.simulate(MODEL, 0.15, method=method)
+    starts = run.raw.step_times[1:-1:7, 0]
+    inside = starts[~np.isin(starts, run.events.t)]
+    before = run(np.nextafter(inside, 0.0))  # in the step that ends there
+    assert before == pytest.approx(run(inside), abs=1e-6)
+
+
+@every_method
+def test_the_caps_end_a_run(method):
+    settings = {name: value for name, value in vars(method).items() if not name.startswith("max_")}
+    few_steps, few_events = type(method)(**settings, max_steps=5), type(method)(**settings, max_events=1)
+    assert fl.simulate(MODEL, 5.0, method=few_steps).status is fl.Status.STEP_CAP
+    run = fl.simulate(MODEL, 5.0, method=few_events)
+    assert run.status is fl.Status.EVENT_CAP
+    assert len(run.events) == 1
+
+
+@every_method
+def test_a_motion_without_end_in_the_numbers_is_not_finite(method):
+    explosion = fl.HybridAutomaton((X,), (fl.Mode("up", (sp.exp(X),)),))
+    run = fl.solve(explosion, 2.0, x0=[0.0], method=method)  # x is infinite at t = 1
+    assert run.status in (fl.Status.NOT_FINITE, fl.Status.STALLED)
+
+
+@every_method
+def test_a_run_is_saved_with_the_methods_settings(method, tmp_path):
+    run = fl.simulate(MODEL, 0.05, method=method)
+    again = fl.load(run.save(tmp_path / "run.npz"))
+    assert again.final_state.tolist() == run.final_state.tolist()
+    assert again.description == run.description
+
+
+@every_one_step_method
+def test_the_error_falls_with_the_order_of_the_method(method):
+    order = {"rk4": 4, "simpson": 3}.get(method.name, 2)
+    pendulum = fl.HybridAutomaton((X, V), (fl.Mode("only", (V, -sp.sin(X))),), {}, 1)
+    exact = fl.solve(pendulum, 2.0, x0=[1.0, 0.0]).final_state
+    errors = [
+        np.abs(fl.solve(pendulum, 2.0, x0=[1.0, 0.0], method=type(method)(step=h)).final_state - exact).max()
+        for h in (0.05, 0.025)
+    ]
+    assert np.log2(errors[0] / errors[1]) == pytest.approx(order, abs=0.2)
+
+
+@every_one_step_method
+def test_steps_end_on_the_grid_and_at_events(method):
+    run = fl.simulate(MODEL, 0.15, method=method)
+    cells = round(0.15 / method.step)
+    grid = np.arange(cells) * method.step
+    starts = run.raw.step_times[:, 0]
+    off_grid = starts[~np.isin(starts, grid)]
+    assert off_grid.tolist() == run.events.t.tolist()
+    assert run.stats["steps"] == cells + len(run.events)
+
+
+def test_a_tableau_and_its_steps_are_one_method():
+    one, other = (fl.simulate(MODEL, 0.15, method=method(step=1e-4)) for method in (Heun, SlowHeun))
+    np.testing.assert_array_equal(one.events.t, other.events.t)
+    np.testing.assert_array_equal(one.final_state, other.final_state)
+
+
+def test_a_method_that_says_nothing_of_its_steps_is_told_what_to_say():
+    class Nothing(fl.OneStepMethod):
+        name = "nothing"
+
+    with pytest.raises(NotImplementedError, match="give it a tableau, or take_step"):
+        fl.simulate(MODEL, 0.1, method=Nothing())
+
+
+@pytest.mark.parametrize("stages", [((),), ((0.5,), (1.0,)), ((), (0.5, 0.5))])
+def test_a_tableau_that_is_not_explicit_is_refused(stages):
+    class Wrong(fl.OneStepMethod):
+        name = "wrong"
+        tableau = fl.Tableau(stages=stages, weights=(0.5, 0.5))
+
+    with pytest.raises(ValueError, match="a row for each weight"):
+        Wrong()
