@@ -76,6 +76,11 @@ class Scipy(Method):
             length, guard = guards.first(solver)
             if length > 0.0:
                 _record_step(cursor, record, length)
+                cursor.counts[run_state.REPEATED] = 0
+            elif guard < 0:  # LSODA goes on for ever at a singularity, without advance
+                cursor.counts[run_state.REPEATED] += 1
+                if event_handling.status_after_repeat(cursor.counts) != run_state.RUNNING:
+                    return run_state.STALLED
             cursor.times[run_state.NOW] += length
             cursor.state[:] = solver.y if guard < 0 else solver.dense_output()(cursor.times[run_state.NOW])
             if guard >= 0:
