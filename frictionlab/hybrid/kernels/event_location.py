@@ -90,7 +90,7 @@ def rescale(c, m, n, h, a):
     return n - m
 
 
-@kernel
+@inlined
 def first_event(system, mode, z, order, h, scratch):
     """First zero of the mode's guards in [0, h], along the jets in `scratch`.
 
