@@ -68,6 +68,7 @@ def plot_hopf(point: Any, ax: Axes | None = None, *, name: str | None = None) ->
         title=f"{point.criticality.capitalize()} Hopf point at {point.frequency:.4g} Hz",
     )
     ax.margins(x=0)
+    ax.locator_params(axis="x", nbins=5)  # the numbers are long near a critical value
     legend_beside(ax, list({str(line.get_label()): line for line in lines}.values()))
     return lines
 
