@@ -7,7 +7,8 @@ None of them uses pyplot, so a figure is freed with its last reference and no wi
     drawing                 a panel as data: curves, labels, limits (the explorers' panels give these)
     runs/                   panels of one run, and `plot_run`, which is four of them
     root_locus, stability_boundaries            eigenvalues and stability against parameters
-    bifurcation, basins, energy, ablation, sweep, motions       what analyses found
+    equilibrium, hopf       the mechanism at an equilibrium, and the vibration born where it loses stability
+    bifurcation, basins, energy, ablation, sweep, motions, verification         what analyses found
     animation/              the slider on its belt, frame by frame
 
 A result of an analysis comes in, artists go out; nothing is computed here but samples of a run.
@@ -20,8 +21,10 @@ from .animation.animate import animate
 from .basins import plot_basin_stability, plot_basins
 from .bifurcation import plot_bifurcation, plot_intensity, plot_orbit_branch
 from .energy import plot_energies, plot_works
+from .equilibrium import plot_equilibrium
 from .figure import RunFigure, axes_or_new
-from .motions import plot_ends, plot_lyapunov, plot_orbit, plot_steady_state
+from .hopf import plot_hopf
+from .motions import plot_ends, plot_lyapunov, plot_orbit, plot_steady_state, plot_tangent_flow
 from .root_locus import plot_eigenvalues, plot_frequencies, plot_growth_rates, plot_root_locus
 from .runs.overview import plot_run
 from .runs.phase_plane import plot_phase_plane
@@ -30,6 +33,7 @@ from .runs.time_histories import plot_contact_forces, plot_displacements, plot_r
 from .runs.time_window import shade_modes
 from .stability_boundaries import plot_critical, plot_stability_map
 from .sweep import plot_sweep
+from .verification import plot_verification
 
 __all__ = [
     "RunFigure",
@@ -48,8 +52,10 @@ __all__ = [
     "plot_eigenvalues",
     "plot_ends",
     "plot_energies",
+    "plot_equilibrium",
     "plot_frequencies",
     "plot_growth_rates",
+    "plot_hopf",
     "plot_intensity",
     "plot_lyapunov",
     "plot_orbit",
@@ -62,6 +68,8 @@ __all__ = [
     "plot_stability_map",
     "plot_steady_state",
     "plot_sweep",
+    "plot_tangent_flow",
+    "plot_verification",
     "plot_works",
     "shade_modes",
 ]

@@ -1,4 +1,4 @@
-"""Steady states, periodic orbits and ends of many runs in a phase plane; Lyapunov exponents."""
+"""Steady states, periodic orbits and ends of many runs in a phase plane; how perturbations grow."""
 
 from __future__ import annotations
 
@@ -6,6 +6,8 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.collections import QuadMesh
+from matplotlib.colors import AsinhNorm, LinearSegmentedColormap
 from matplotlib.container import ErrorbarContainer
 from matplotlib.lines import Line2D
 
@@ -14,10 +16,12 @@ from frictionlab.validation import check_choice
 
 from .figure import axes_or_new, legend_beside
 from .runs.phase_plane import label_phase_plane, plot_phase_plane
-from .style import BLACK, BLUE, GREY
+from .style import BLACK, BLUE, GREY, ORANGE, SKY, state_label
 
 SHOWN_PERIODS = 3  # periods drawn of a periodic motion
 SHOWN_SECONDS = 2.0  # drawn of others
+LINEAR_SHARE = 1e-3  # of the largest derivative: colours of smaller ones are linear, of others logarithmic
+MAX_NUMBERED = 10  # states of a matrix whose entries are written in its cells
 
 
 def plot_steady_state(found: Any, ax: Axes | None = None, *, name: str | None = None) -> list[Line2D]:
@@ -125,3 +129,35 @@ def plot_lyapunov(found: Any, ax: Axes | None = None) -> ErrorbarContainer:
     ax.axhline(0.0, color=GREY, linewidth=0.8)
     ax.set(xlabel="direction", ylabel="Lyapunov exponent (1/s)", xticks=place)
     return bars
+
+
+def plot_tangent_flow(flow: Any, ax: Axes | None = None) -> QuadMesh:
+    """Draw the fundamental matrix of a run in colours: what a small change of each initial state becomes.
+
+    Parameters
+    ----------
+    flow : TangentFlow
+    ax : Axes or None
+        None draws into a new figure.
+
+    Returns
+    -------
+    QuadMesh
+        A column for each initial state, a row for each final one; the colours are logarithmic for all but
+        small derivatives.
+    """
+    n, labels = len(flow.matrix), [state_label(name) for name in flow.names]
+    ax = axes_or_new(ax)
+    top = float(np.abs(flow.matrix).max()) or 1.0
+    colours = LinearSegmentedColormap.from_list("signs", [SKY, "white", ORANGE])
+    norm = AsinhNorm(linear_width=LINEAR_SHARE * top, vmin=-top, vmax=top)
+    mesh = ax.pcolormesh(flow.matrix, cmap=colours, norm=norm)
+    if n <= MAX_NUMBERED:
+        for (i, j), entry in np.ndenumerate(flow.matrix):
+            ax.text(j + 0.5, i + 0.5, f"{entry:.2g}", ha="center", va="center", fontsize=7.0)
+    ax.set_xticks(np.arange(n) + 0.5, labels)
+    ax.set_yticks(np.arange(n) + 0.5, labels)
+    ax.invert_yaxis()
+    ax.set(xlabel="initial state (SI units)", ylabel="final state (SI units)", title="Fundamental matrix")
+    ax.figure.colorbar(mesh, ax=ax, label="derivative (SI units)")
+    return mesh

@@ -12,7 +12,7 @@ from .figure import axes_or_new, legend_beside
 from .style import line_style, parameter_label
 
 
-def plot_sweep(found: Any, ax: Axes | None = None, *, label: str = "result") -> list[Artist]:
+def plot_sweep(found: Any, ax: Axes | None = None, *, label: str | None = None) -> list[Artist]:
     """Draw numbers that a sweep gave: against its parameter, or as colours over two parameters.
 
     Parameters
@@ -22,8 +22,8 @@ def plot_sweep(found: Any, ax: Axes | None = None, *, label: str = "result") -> 
         Its results are numbers, or None.
     ax : Axes or None
         None draws into a new figure.
-    label : str
-        What the numbers are, with their unit.
+    label : str or None
+        What the numbers are, with their unit; None takes the name of the function.
 
     Returns
     -------
@@ -44,7 +44,7 @@ def plot_sweep(found: Any, ax: Axes | None = None, *, label: str = "result") -> 
     >>> found.plot(label="normal force (N)").get_xlabel()
     'preload on the slider $F$ (N)'
     """
-    values = _numbers(found)
+    values, text = _numbers(found), found.function if label is None else label
     names, starts = list(found.over), found.labels() or [""]
     values = values.reshape(*(len(at) for at in found.over.values()), len(starts))
     if len(names) > 2 or (len(names) == 2 and len(starts) > 1):
@@ -55,10 +55,10 @@ def plot_sweep(found: Any, ax: Axes | None = None, *, label: str = "result") -> 
     ax = axes_or_new(ax)
     ax.set_xlabel(parameter_label(found.model, names[0]))
     if len(names) == 1:
-        return _draw_curves(found.over[names[0]], values, starts, label, ax)
+        return _draw_curves(found.over[names[0]], values, starts, text, ax)
     ax.set_ylabel(parameter_label(found.model, names[1]))
     mesh = ax.pcolormesh(*found.over.values(), values[..., 0].T, shading="nearest", rasterized=True)
-    ax.figure.colorbar(mesh, ax=ax, label=label)
+    ax.figure.colorbar(mesh, ax=ax, label=text)
     return [mesh]
 
 

@@ -35,6 +35,8 @@ class Sweep(Drawable):
         What the function returned; None for what was not done (after ctrl-C).
     model : Model
         With the values that are not in `over`.
+    function : str
+        Name of the function; "result" of one that has none.
     """
 
     drawn_by = "plot_sweep"
@@ -43,6 +45,7 @@ class Sweep(Drawable):
     x0: tuple[Any, ...]
     results: NDArray[np.object_]
     model: Any
+    function: str
 
     def to_array(self) -> NDArray[np.float64]:
         """The results as numbers; NaN for those that are None."""
@@ -150,7 +153,7 @@ def sweep(
     for i, result in journal.results.items():
         results[i] = result
     shape = [len(values) for values in axes.values()] + ([len(starts)] if starts else [])
-    return Sweep(axes, tuple(x0), results.reshape(shape), model)
+    return Sweep(axes, tuple(x0), results.reshape(shape), model, _own_name(function))
 
 
 def _axes(over: Mapping[str, Any]) -> dict[str, NDArray[np.float64]]:
@@ -171,6 +174,11 @@ def _point(axes: Mapping[str, Any], point: tuple[float, ...]) -> str:
 
 def _name(function: Callable[..., Any]) -> str:
     return getattr(function, "__qualname__", type(function).__name__)
+
+
+def _own_name(function: Callable[..., Any]) -> str:
+    name = getattr(function, "__name__", "<lambda>")
+    return "result" if name == "<lambda>" else name
 
 
 def _row(result: Any) -> Mapping[str, Any]:

@@ -35,11 +35,7 @@ def defect_warning(run: Trajectory) -> str | None:
 
 def defect_message(defect: Mapping[str, float], tol: float) -> str | None:
     """What is to be said of the defects of a run that was asked for a tolerance."""
-    bad = {
-        mode: size
-        for mode, size in defect.items()
-        if not size <= max(SUSPECT_TOLERANCES * tol, HARMLESS_DEFECT)
-    }
+    bad = {mode: size for mode, size in defect.items() if not size <= largest_sound_defect(tol)}
     if not bad:
         return None
     worst = max(bad, key=bad.__getitem__)
@@ -47,6 +43,11 @@ def defect_message(defect: Mapping[str, float], tol: float) -> str | None:
         f"steps in mode {worst!r} are wrong by up to {bad[worst]:.1g} of the motion's size, "
         f"{bad[worst] / tol:.0e} times the tolerance: a law may be too sharp there for its series"
     )
+
+
+def largest_sound_defect(tol: float) -> float:
+    """The defect above which steps that were asked for a tolerance are suspect."""
+    return max(SUSPECT_TOLERANCES * tol, HARMLESS_DEFECT)
 
 
 def _evenly_spread(steps: np.ndarray) -> np.ndarray:

@@ -11,6 +11,7 @@ import numpy as np
 
 from frictionlab.analysis.initial_states import validate_initial_state
 from frictionlab.analysis.motion_scales import Array, motion_size
+from frictionlab.drawable import Drawable
 from frictionlab.hybrid.kernels.jets import MACHINE_EPSILON, MAX_ORDER
 from frictionlab.hybrid.methods.base import Method
 from frictionlab.hybrid.methods.method_registry import method_of
@@ -52,7 +53,7 @@ UNPREDICTABLE_MESSAGE = "a start changed by a billionth leads elsewhere."
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Verification:
+class Verification(Drawable):
     """The verification of a run by other runs of the same motion; prints as a verdict in a sentence or two.
 
     Parameters
@@ -75,6 +76,8 @@ class Verification:
         Whether the run can be trusted up to `until`.
     verdict : str
     """
+
+    drawn_by = "plot_verification"
 
     run: Trajectory
     error: float

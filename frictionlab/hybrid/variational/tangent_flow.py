@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from frictionlab.drawable import Drawable
 from frictionlab.hybrid.compilation import kernel
 from frictionlab.hybrid.kernels.jets import copy_vector
 from frictionlab.hybrid.kernels.run_state import StepData, Truncation
@@ -38,7 +39,7 @@ LOST_SHARE = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
-class TangentFlow:
+class TangentFlow(Drawable):
     """Derivative of a run's final state by its initial state.
 
     Parameters
@@ -50,11 +51,16 @@ class TangentFlow:
         The run's events.
     saltations : array (E, n, n)
         The saltation matrix of each.
+    names : tuple of str
+        Of the states.
     """
+
+    drawn_by = "plot_tangent_flow"
 
     matrix: np.ndarray
     events: Events
     saltations: np.ndarray
+    names: tuple[str, ...]
 
 
 def tangent_flow(run: Trajectory, *, progress: bool = True) -> TangentFlow:
@@ -94,7 +100,7 @@ def tangent_flow(run: Trajectory, *, progress: bool = True) -> TangentFlow:
     """
     check_taylor_run(run)
     frame, matrices = carry_frame(run, initial_frame(run), progress)
-    return TangentFlow(frame, run.events, np.array(matrices).reshape(-1, *frame.shape))
+    return TangentFlow(frame, run.events, np.array(matrices).reshape(-1, *frame.shape), run.names)
 
 
 def initial_frame(run: Trajectory) -> np.ndarray:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from frictionlab.drawable import Drawable
 from frictionlab.stability.equilibrium_points.equilibria import Equilibrium
 from frictionlab.stability.equilibrium_points.problem_setup import equilibrium_branches, equilibrium_problem
 from frictionlab.stability.equilibrium_points.static_equations import by_penetration
@@ -29,7 +30,7 @@ SAME_VALUE_RTOL = 1e-9  # share of the value or the range: two points so close b
 
 
 @dataclass(frozen=True, eq=False)
-class HopfPoint:
+class HopfPoint(Drawable):
     """A value of a parameter at which flutter sets in or ends, and the cycle born there.
 
     Near it the state is x0 + 2 Re(w q) with
@@ -54,6 +55,8 @@ class HopfPoint:
     reach : float
         |w| at which v_r or the penetration on the cycle first becomes zero, to leading order; inf if never.
     """
+
+    drawn_by = "plot_hopf"
 
     model: Any
     parameter: str

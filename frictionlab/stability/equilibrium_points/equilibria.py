@@ -11,6 +11,7 @@ import numpy as np
 import sympy
 from numpy.typing import NDArray
 
+from frictionlab.drawable import Drawable
 from frictionlab.models import Model
 from frictionlab.models.coercion import automaton_of
 
@@ -29,7 +30,7 @@ MAX_STATIC_RESIDUAL = 1e-6  # share of the largest force that may be left over a
 
 
 @dataclass(frozen=True, eq=False)
-class Equilibrium:
+class Equilibrium(Drawable):
     """A state of steady sliding.
 
     Parameters
@@ -42,13 +43,20 @@ class Equilibrium:
         F_N and F_T, N.  Of an automaton, NaN where its mode has no such output, as for the penetration.
     residual : float
         Largest force or moment left over in the static equations, relative to the largest in them.
+    model : Model or HybridAutomaton
+    names : tuple of str
+        Of the coordinates, or of all states of an automaton that has none.
     """
+
+    drawn_by = "plot_equilibrium"
 
     q: Array
     penetration: float
     normal_force: float
     friction_force: float
     residual: float
+    model: Any
+    names: tuple[str, ...]
 
 
 def equilibria(model: Any) -> tuple[Equilibrium, ...]:
@@ -84,7 +92,8 @@ def equilibria(model: Any) -> tuple[Equilibrium, ...]:
     values = equations.values(model)
     statics = statics_for_values(equations, values)
     return tuple(
-        _sliding_equilibrium(statics, values, penetration) for penetration in _penetrations(statics, values)
+        _sliding_equilibrium(model, statics, values, penetration)
+        for penetration in _penetrations(statics, values)
     )
 
 
@@ -133,12 +142,19 @@ def _automaton_equilibria(model: Any) -> tuple[Equilibrium, ...]:
     automaton = automaton_of(model)
     mode, flow, points = first_mode_equilibria(automaton, isinstance(model, Model))
     n, values = automaton.coordinates or len(automaton.states), parameter_values(automaton)
+    names = tuple(str(state) for state in automaton.states[:n])
     outputs = [
         mode.outputs.get(name, sympy.nan) for name in ("penetration", "normal_force", "friction_force")
     ]
     evaluated = flow.compiled(outputs)
     return tuple(
-        Equilibrium(x[:n], *map(float, evaluated(*x, *values)), residual=newton_residual(flow, x, values))
+        Equilibrium(
+            x[:n],
+            *map(float, evaluated(*x, *values)),
+            residual=newton_residual(flow, x, values),
+            model=model,
+            names=names,
+        )
         for x in points.T
     )
 
@@ -164,7 +180,9 @@ def _search_penetrations(statics: Statics, values: Sequence[float]) -> list[floa
         return [float(finest * np.sinh(s)) for s in found]
 
 
-def _sliding_equilibrium(statics: Statics, values: Sequence[float], penetration: float) -> Equilibrium:
+def _sliding_equilibrium(
+    model: Any, statics: Statics, values: Sequence[float], penetration: float
+) -> Equilibrium:
     q: Any = np.array(statics.coordinates(penetration, *values), dtype=float)
     normal, friction = map(float, statics.forces(penetration, *values))
     left = float(static_residual(statics, q, values))
@@ -173,4 +191,4 @@ def _sliding_equilibrium(statics: Statics, values: Sequence[float], penetration:
             f"the equilibrium at a penetration of {penetration:.6g} m must satisfy the static equations to "
             f"{MAX_STATIC_RESIDUAL:g}, got {left:.2g}: the stiffnesses differ by too many orders of magnitude"
         )
-    return Equilibrium(q, penetration, normal, friction, left)
+    return Equilibrium(q, penetration, normal, friction, left, model, tuple(model.coordinates))

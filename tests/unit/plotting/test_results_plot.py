@@ -1,6 +1,10 @@
 """Every result has `plot`: it draws into given axes or into a figure of its own, and returns the axes."""
 
+import inspect
+
+import numpy as np
 import pytest
+import sympy
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -9,6 +13,7 @@ import frictionlab as fl
 MODEL = fl.ModeCoupling(c=0.1)
 BELT = fl.MassOnBelt()
 SLIDER = fl.SliderOnBelt()
+LINEAR = SLIDER.without("cubic", "nonsmooth", "geometry")
 QUIET = {"progress": False}
 
 
@@ -31,6 +36,11 @@ RESULTS = {
     "bifurcation": lambda: fl.bifurcation(BELT, "mu_k", [0.2, 0.3], transient=5.0, window=5.0, **QUIET),
     "exponents": lambda: fl.lyapunov(MODEL, transient=1.0, t_end=2.0, blocks=2, **QUIET),
     "energies": lambda: fl.energy_audit(fl.simulate(SLIDER, 0.1, **QUIET), **QUIET),
+    "equilibrium": lambda: fl.equilibrium(SLIDER),
+    "equilibrium of an automaton": lambda: fl.equilibrium(SLIDER.automaton()),
+    "Hopf point": lambda: fl.hopf(SLIDER, "mu_k", (0, 4)),
+    "tangent flow": lambda: fl.tangent_flow(fl.simulate(MODEL, 0.5, x0="near", **QUIET), **QUIET),
+    "verification": lambda: fl.verify(BELT, 2.0, **QUIET),
     "spectrum": lambda: fl.amplitude_spectrum(fl.simulate(MODEL, 20 * MODEL.period, **QUIET)),
 }
 
@@ -62,3 +72,123 @@ def test_a_sweep_that_is_no_picture_is_refused():
     values = {"F": [100.0], "mu_k": [0.5], "k1": [1.0]}
     with pytest.raises(ValueError, match="one parameter, or two and one initial state"):
         fl.sweep(SLIDER, lambda m: m.F, values, **QUIET).plot()
+
+
+def test_no_class_that_a_public_function_returns_is_without_a_picture():
+    shown_otherwise = {"Explorer", "Canvas", "Sound", "ModelTable"}
+    functions = filter(inspect.isfunction, (getattr(fl, name) for name in fl.__all__))
+    returned = {inspect.signature(function).return_annotation for function in functions}
+    results = returned & set(fl.__all__) - shown_otherwise
+    assert {"Equilibrium", "HopfPoint", "TangentFlow", "Verification"} <= results
+    assert [name for name in sorted(results) if not callable(getattr(getattr(fl, name), "plot", None))] == []
+
+
+def test_axes_of_a_sweep_are_labelled_by_the_function():
+    def preload(model):
+        return model.F
+
+    over = {"F": [100.0, 200.0]}
+    assert fl.sweep(SLIDER, preload, over, **QUIET).plot().get_ylabel() == "preload"
+    assert fl.sweep(SLIDER, lambda m: m.F, over, **QUIET).plot().get_ylabel() == "result"
+    assert fl.sweep(SLIDER, preload, over, **QUIET).plot(label="force (N)").get_ylabel() == "force (N)"
+
+
+def labels_of(ax):
+    return [text.get_text() for text in ax.get_legend().get_texts()]
+
+
+def test_an_equilibrium_is_the_mechanism_displaced_to_it():
+    model = fl.SliderOnRigidBelt()
+    found = fl.equilibrium(model)
+    ax = found.plot()
+    body = max(ax.patches, key=lambda patch: patch.get_zorder())
+    factor = float(ax.get_xlabel().removeprefix("displacements × "))
+    centre = body.get_xy()[:4].mean(axis=0)
+    assert centre == pytest.approx([factor * found.q[0], 0.8 - factor * found.q[1]])  # y is into the belt
+    assert labels_of(ax) == [f"$F_N$ = {found.normal_force:.4g} N", f"$F_T$ = {found.friction_force:.4g} N"]
+
+
+def test_an_equilibrium_of_the_slider_on_its_belt_shows_the_preload():
+    assert labels_of(fl.equilibrium(SLIDER).plot())[-1] == f"$F$ = {SLIDER.F:.4g} N"
+
+
+def test_an_equilibrium_without_a_mechanism_is_bars_of_the_displacements():
+    found = fl.equilibrium(SLIDER.automaton())
+    ax = found.plot()
+    assert [bar.get_height() for bar in ax.patches] == pytest.approx(found.q.tolist())
+    assert [tick.get_text() for tick in ax.get_xticklabels()][3:] == ["$y_{2}$ (m)", r"$\varphi$ (rad)"]
+    assert ax.get_ylabel() == "displacement (m), angle (rad)"
+    assert fl.equilibrium(MODEL.automaton()).plot().get_ylabel() == "displacement (m)"
+
+
+def test_a_hopf_point_shows_the_vibration_on_its_side():
+    point = fl.hopf(SLIDER, "mu_k", (0, 4))
+    ax = point.plot(name="x2")
+    below, above, vibration, end, critical = ax.lines
+    assert [line.get_linestyle() for line in (below, above, vibration)] == ["-", "--", "--"]
+    values, amplitudes = vibration.get_data()
+    assert values.max() == pytest.approx(point.value)
+    assert amplitudes == pytest.approx(point.amplitude(values)[:, 2])
+    assert end.get_xdata()[0] == pytest.approx(point.valid_until, abs=1e-9)
+    assert critical.get_xdata()[0] == point.value
+    assert ax.get_ylabel() == "amplitude of $x_{2}$ (m)"
+    assert ax.get_title().startswith("Subcritical")
+    with pytest.raises(ValueError, match="name"):
+        point.plot(name="z")
+
+
+def test_a_supercritical_vibration_is_solid_where_no_other_mode_grows():
+    x, v = sympy.symbols("x v")
+    mu = sympy.Symbol("mu")
+    mode = fl.Mode("only", (v, mu * v - x - x**2 * v))
+    automaton = fl.HybridAutomaton((x, v), (mode,), {mu: -0.1})
+    assert fl.equilibrium(automaton).plot().get_ylabel() == "state"
+    point = fl.hopf(automaton, "mu", (-1, 1))
+    ax = point.plot()
+    vibration = next(line for line in ax.lines if line.get_label() == "stable vibration")
+    assert vibration.get_linestyle() == "-"
+    values, amplitudes = vibration.get_data()
+    assert amplitudes == pytest.approx(2 * np.sqrt(np.maximum(values, 0.0)), abs=1e-7)  # van der Pol's
+    assert ax.get_ylabel() == "amplitude of $x$"  # of no known unit
+    assert "reaches stick or separation" not in labels_of(ax)
+
+
+def test_a_degenerate_hopf_point_shows_no_vibration():
+    ax = fl.hopf(LINEAR, "mu_k", (0, 6)).plot()
+    assert labels_of(ax)[:2] == ["stable equilibrium", "unstable equilibrium"]
+    assert len(ax.lines) == 3
+
+
+def test_a_tangent_flow_is_its_matrix_in_colours_and_numbers():
+    flow = fl.tangent_flow(fl.simulate(MODEL, 0.5, x0="near", **QUIET), **QUIET)
+    ax = flow.plot()
+    (mesh,) = ax.collections
+    assert np.array_equal(mesh.get_array(), flow.matrix)
+    assert mesh.norm(0.0) == pytest.approx(0.5)  # white
+    assert [text.get_text() for text in ax.texts] == [f"{entry:.2g}" for entry in flow.matrix.ravel()]
+    assert [tick.get_text() for tick in ax.get_xticklabels()] == ["$x$", "$y$", r"$\dot{x}$", r"$\dot{y}$"]
+    top, bottom = ax.get_ylim()[::-1]
+    assert top < bottom  # the first row is on top
+
+
+def test_a_verification_shows_what_it_found_beside_the_limits():
+    found = fl.verify(BELT, 2.0, **QUIET)
+    ax = found.plot()
+    sizes, limits = (line.get_xdata() for line in ax.lines)
+    names = [tick.get_text() for tick in ax.get_yticklabels()]
+    assert names == ["deviation from other runs", *(f"defect in mode {mode}" for mode in found.defect)]
+    assert sizes[0] == max(found.error, np.finfo(float).eps)
+    assert limits[0] == 1e-4
+    assert (sizes < limits).all()
+    assert ax.get_xscale() == "log"
+    assert ax.get_title() == "To be trusted up to t = 2 s; the events agree"
+
+
+def test_a_run_not_to_be_trusted_stands_beyond_its_limit():
+    found = fl.verify(BELT, 6.0, method=fl.RK4(1.0), **QUIET)
+    assert not found.ok
+    ax = found.plot()
+    assert ax.get_title().startswith("Not to be trusted")
+    sizes, limits = (line.get_xdata() for line in ax.lines)
+    assert sizes[0] == found.error
+    assert np.isnan(limits[1:]).all()  # RK4 has no tolerance
