@@ -77,7 +77,10 @@ class Status(Enum):
         "stalled: time no longer advances; the step or the dwell times fell below the resolution of time"
     )
     ACCUMULATED = "accumulation: events piled up in finite time; use accumulation='close' to pass such points"
-    NOT_FINITE = "not finite: the state overflowed; the motion is unbounded, end the run earlier"
+    NOT_FINITE = (
+        "not finite: a state overflowed or its rate is no number; end the run earlier where the motion is "
+        "unbounded, or see where a law is not defined"
+    )
     STEP_CAP = "step cap: max_steps was reached before the end time; raise it to go on"
     EVENT_CAP = "event cap: max_events was reached before the end time; raise it to go on"
     INTERRUPTED = "interrupted: stopped by the user; what was computed is kept"

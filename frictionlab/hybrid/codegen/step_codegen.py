@@ -73,6 +73,7 @@ class _StepWriter(RemainderWriter):
         sizes = [self._largest(first, last, self.whole(m)) for m in range(3)]
         starts = [write_log2(ir, build, size) for size in sizes]
         log_tol = self._load(self.control, LOG_TOL)
+        fine = build.and_(fine, build.fcmp_ordered("<", sizes[1], self._number(float("inf"))))
         some = build.fcmp_ordered(">", self._max(sizes[0], self._max(sizes[1], sizes[2])), zero)
         for p in (self._last_but_one(), self.order):
             end = self._largest(first, last, p)

@@ -40,6 +40,8 @@ def log2_group_step(code, order, log_tol, first, last, J):
     size0 = largest_coefficient(J, first, last, 0)
     size1 = largest_coefficient(J, first, last, 1)
     size2 = largest_coefficient(J, first, last, 2)
+    if not size1 < math.inf:  # rates that are no number, though all later terms may be zero
+        return -math.inf
     start0, start1, start2 = log2(size0), log2(size1), log2(size2)
     best = math.inf
     for p in range(order - 1, order + 1):

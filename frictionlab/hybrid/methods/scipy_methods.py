@@ -68,6 +68,8 @@ class Scipy(Method):
         """Run up to the next event, the end, or a full buffer."""
         cursor = run.cursor
         solver = self._solver(run)
+        if solver is None:
+            return run_state.NOT_FINITE
         guards = _Guards(run)
         while solver.status == "running" and cursor.counts[run_state.STEPS] < len(record.step_modes):
             solver.step()
@@ -92,6 +94,7 @@ class Scipy(Method):
         return run_state.FINISHED
 
     def _solver(self, run: ActiveRun) -> Any:
+        """scipy's integrator at the state of the run; None where a rate there is no number."""
         from scipy import integrate
 
         problem, cursor = run.problem, run.cursor
@@ -108,6 +111,8 @@ class Scipy(Method):
             return tangents[code.flow[mode]]
 
         start, end = cursor.times[run_state.NOW], cursor.times[run_state.END]
+        if not np.isfinite(rates(start, cursor.state)).all():  # scipy would look for a first step for ever
+            return None
         settings: dict[str, Any] = {"rtol": self.rtol, "atol": self.atol}
         settings["max_step"] = np.inf if self.max_step is None else self.max_step
         if self.integrator in IMPLICIT_INTEGRATORS:

@@ -67,7 +67,8 @@ def affine_map(system: System, truncation: Truncation, z: np.ndarray, J: np.ndar
         return None
     affine_map_columns(code, linear, truncation.order, h, np.eye(n), J, matrix)
     affine_map_columns(code, numbers, truncation.order, h, np.zeros((1, n)), J, shift[:, None])
-    return AffineMap(h, matrix, shift)
+    finite = np.isfinite(matrix).all() and np.isfinite(shift).all()
+    return AffineMap(h, matrix, shift) if finite else None
 
 
 @kernel

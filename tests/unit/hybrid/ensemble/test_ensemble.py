@@ -12,6 +12,7 @@ from frictionlab.hybrid.ensemble.batch_state import select_runs
 from frictionlab.hybrid.tape.packing import program_of
 from tests.differential.laws import Smooth
 from tests.helpers.automata import ball
+from tests.helpers.laws import Undefined
 
 FULL = fl.SliderOnBelt(mu_k=1.4, impact=fl.PlasticImpact("full"))
 SCENES = {
@@ -253,3 +254,13 @@ def test_bad_states_and_methods():
         fl.ensemble([FULL] * 2, 1.0, x0=np.zeros((3, 10)))
     with pytest.raises(ValueError, match="method must be 'taylor'"):
         fl.ensemble([FULL], 1.0, method="rk4")
+
+
+@pytest.mark.plain_python
+def test_a_law_that_is_no_number_ends_the_runs():
+    model = fl.MassOnBelt(friction=Undefined(mu_k=0.3, mu_s=0.5, limit=0.0), v=1.0)
+    compiled(model)
+    starts = np.linspace([0.1, -1.0], [0.5, -2.0], 6)
+    batch = fl.ensemble([model] * 6, 20.0, x0=starts, progress=False)
+    assert set(batch.status) == {fl.Status.NOT_FINITE}
+    np.testing.assert_array_equal(batch.states, starts)

@@ -5,6 +5,7 @@ import pytest
 import sympy as sp
 
 import frictionlab as fl
+from tests.helpers.laws import Undefined
 
 X, V = sp.symbols("x v")
 MODEL = fl.SliderOnBelt(mu_k=1.4).without("geometry")
@@ -100,6 +101,16 @@ def test_a_motion_without_end_in_the_numbers_is_not_finite(method):
     explosion = fl.HybridAutomaton((X,), (fl.Mode("up", (sp.exp(X),)),))
     run = fl.solve(explosion, 2.0, x0=[0.0], method=method)  # x is infinite at t = 1
     assert run.status in (fl.Status.NOT_FINITE, fl.Status.STALLED)
+
+
+@every_method
+@pytest.mark.parametrize("limit", [0.0, 1.5])
+def test_a_law_that_is_no_number_ends_the_run(method, limit):
+    """At a relative speed of 2; nothing of it is in the result."""
+    model = fl.MassOnBelt(friction=Undefined(mu_k=0.3, mu_s=0.5, limit=limit), v=1.0)
+    run = fl.simulate(model, 20.0, x0=[0.5, -1.0], method=method)
+    assert run.status is fl.Status.NOT_FINITE
+    assert run.final_state.tolist() == [0.5, -1.0]
 
 
 @every_method

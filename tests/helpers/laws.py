@@ -1,0 +1,15 @@
+"""Laws of users, for tests."""
+
+from dataclasses import dataclass
+
+import frictionlab as fl
+
+
+@dataclass(frozen=True, repr=False)
+class Undefined(fl.Coulomb):
+    """A user's law that is no number at any speed, or none at those above a limit."""
+
+    limit: float = 1.5
+
+    def kinetic(self, normal_force, speed):
+        return normal_force * (fl.functions.log(self.limit - speed) if self.limit else float("nan"))
