@@ -67,6 +67,8 @@ from .components import Stribeck as Stribeck
 from .components import WeakeningStrengthening as WeakeningStrengthening
 from .components import functions as functions
 from .components import parameter as parameter
+from .hybrid.events import Events as Events
+from .hybrid.events import SectionPoints as SectionPoints
 from .hybrid.methods.base import Method as Method
 from .hybrid.methods.one_step import RK4 as RK4
 from .hybrid.methods.one_step import OneStepMethod as OneStepMethod
@@ -75,8 +77,6 @@ from .hybrid.methods.scipy_methods import Scipy as Scipy
 from .hybrid.methods.taylor import Taylor as Taylor
 from .hybrid.problem import Status as Status
 from .hybrid.solve import solve as solve
-from .hybrid.trajectory import Events as Events
-from .hybrid.trajectory import SectionPoints as SectionPoints
 from .hybrid.trajectory import Trajectory as Trajectory
 from .hybrid.variational.tangent_flow import TangentFlow as TangentFlow
 from .hybrid.variational.tangent_flow import tangent_flow as tangent_flow

@@ -11,11 +11,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
 
+from frictionlab.frozen_mapping import FrozenMapping
 from frictionlab.hybrid.codegen.native_cache import native_code
 from frictionlab.hybrid.compilation import inlined, kernel
 from frictionlab.hybrid.kernels.jets import (
@@ -73,7 +73,7 @@ def defects(
     with np.errstate(all="ignore"):
         measure_defects(system, order, steps, chosen, worst, scratch)
     found = zip(program.modes, worst.tolist())
-    return MappingProxyType({name: defect for name, defect in found if defect >= 0.0})
+    return FrozenMapping({name: defect for name, defect in found if defect >= 0.0})
 
 
 def stored_steps(raw: RunData) -> StoredSteps:

@@ -7,12 +7,9 @@ are asked for, by the Taylor series of the step.
 from __future__ import annotations
 
 import math
-from collections import Counter
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -20,8 +17,10 @@ import numpy as np
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.automaton.modes_on_demand import ModesOnDemand
 from frictionlab.drawable import Drawable
+from frictionlab.frozen_mapping import FrozenMapping
 from frictionlab.hybrid.accuracy import condition_violation, defects
 from frictionlab.hybrid.codegen.native_cache import native_code
+from frictionlab.hybrid.events import Events, SectionPoints
 from frictionlab.hybrid.kernels.run_state import StepData, jet_columns
 from frictionlab.hybrid.kernels.taylor_steps import sample_states, subdivide_steps
 from frictionlab.hybrid.outputs import evaluate_output
@@ -30,48 +29,8 @@ from frictionlab.hybrid.storage import StoredRun, write_run_file
 from frictionlab.hybrid.tape.packing import program_of
 from frictionlab.validation import did_you_mean
 
+PICKLED = "automaton", "source", "raw", "status", "samples", "quadratures", "description", "_wall_time"
 STORED_ARRAYS = (*RunData._fields[:9], "state")  # what a file holds of a run, beside the end's time and mode
-
-
-@dataclass(frozen=True)
-class Events:
-    """Every event of a run, one row each.
-
-    Attributes
-    ----------
-    t : (E,) times, in seconds
-    source, target : (E,) names of the modes left and entered ("" where none could be entered)
-    guard : (E,) names of the event functions that reached zero
-    state, before : (E, states) state after and before the reset
-    closed : (E,) whether the event closed a Zeno accumulation
-    """
-
-    t: np.ndarray
-    source: np.ndarray
-    target: np.ndarray
-    guard: np.ndarray
-    state: np.ndarray
-    before: np.ndarray
-    closed: np.ndarray
-
-    def __len__(self) -> int:
-        return len(self.t)
-
-    def counts(self) -> dict[str, int]:
-        """Number of events by kind, e.g. ``{"slip+ -> stick": 10}``, the most frequent first."""
-        kinds = Counter(f"{a} -> {b}" for a, b in zip(self.source, self.target, strict=True))
-        return dict(kinds.most_common())
-
-    def __repr__(self) -> str:
-        kinds = ", ".join(f"{kind}: {n}" for kind, n in self.counts().items())
-        return f"Events({len(self)}: {kinds})" if kinds else "Events(0)"
-
-
-class SectionPoints(NamedTuple):
-    """Crossings of a section: times (P,) and states (P, states)."""
-
-    t: np.ndarray
-    state: np.ndarray
 
 
 class Sampling(NamedTuple):
@@ -139,11 +98,29 @@ class Trajectory(Drawable):
         source: Any = None,
         wall_time: float = 0.0,
     ) -> None:
-        self.automaton, self.source, self.problem = automaton, source, problem
+        self.automaton, self.source = automaton, source
+        self.problem = problem
         self.raw, self.status, self.samples = raw, raw.status, samples
-        self.quadratures = MappingProxyType(dict(quadratures or {}))
-        self.description = MappingProxyType(dict(description or {}))
+        self.quadratures = FrozenMapping(quadratures or {})
+        self.description = FrozenMapping(description or {})
         self._wall_time = wall_time
+
+    @cached_property
+    def problem(self) -> Problem:
+        """What the method was given; made again in a copy, whose compiled functions no pickle can hold."""
+        program, numbers = program_of(self.automaton, modes=self._modes)
+        return Problem(program, numbers, *self._start)
+
+    def __getstate__(self) -> dict[str, Any]:
+        start = self.problem.x0, self.problem.t_end, self.problem.mode
+        modes = self.automaton.modes
+        known = modes.known(self._derived_modes()) if isinstance(modes, ModesOnDemand) else None
+        return {name: vars(self)[name] for name in PICKLED} | {"_modes": known, "_start": start}
+
+    def _derived_modes(self) -> list[str]:
+        """Names of the modes that were derived for the run: by them its events are numbered."""
+        program = self.problem.program
+        return [name for name, built in zip(program.modes, program.code.built, strict=True) if built]
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -308,13 +285,13 @@ class Trajectory(Drawable):
         modes, lengths = self.raw.step_modes, self.raw.step_times[:, 1]
         names = enumerate(self.automaton.names)
         # Summed exactly: they add up to the time of the run, whose clock is a compensated sum.
-        return MappingProxyType({name: math.fsum(lengths[modes == i]) for i, name in names})
+        return FrozenMapping({name: math.fsum(lengths[modes == i]) for i, name in names})
 
     @cached_property
     def stats(self) -> Mapping[str, float]:
         closed = int(self.raw.event_codes[:, 2].sum())
         counts = {"steps": len(self.raw.step_modes), "events": len(self.raw.event_times)}
-        return MappingProxyType(counts | {"accumulations": closed, "wall_time": self._wall_time})
+        return FrozenMapping(counts | {"accumulations": closed, "wall_time": self._wall_time})
 
     @cached_property
     def defect(self) -> Mapping[str, float]:
@@ -337,17 +314,17 @@ class Trajectory(Drawable):
         raw = self.raw
         chosen = {name: raw.point_sections == i for i, name in enumerate(self.samples.sections)}
         points = {k: SectionPoints(raw.point_times[m], raw.point_states[m]) for k, m in chosen.items()}
-        return MappingProxyType(points)
+        return FrozenMapping(points)
 
     def save(self, path: str | Path) -> Path:
         """Write the run to an npz file, which :func:`frictionlab.load` reads; returns its path."""
-        raw, program, samples = self.raw, self.problem.program, self.samples
+        raw, samples = self.raw, self.samples
         about = {
             "states": self.names,
             "parameters": {str(k): v for k, v in self.automaton.parameters.items()},
             "t": raw.t,
             "mode": int(raw.mode),
-            "modes": [name for name, built in zip(program.modes, program.code.built, strict=True) if built],
+            "modes": self._derived_modes(),
             "status": raw.status.name,
             "samples": {"order": samples.order, "parts": samples.parts, "sections": samples.sections},
             "quadratures": dict(self.quadratures),

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 
 from frictionlab.analysis.motion_scales import Array
 from frictionlab.drawable import Drawable
+from frictionlab.frozen_mapping import FrozenMapping
 from frictionlab.hybrid.progress import PROGRESS_DELAY
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models import MechanicalModel
@@ -121,9 +121,9 @@ def energy_audit(run: Trajectory, *, progress: bool = True) -> EnergyAudit:
     largest = np.sum(np.abs(list(energies.values())), axis=0).max(initial=0.0)
     return EnergyAudit(
         t=run.t,
-        energies=MappingProxyType(energies),
-        powers=MappingProxyType(powers),
-        works=MappingProxyType({name: np.asarray(work, dtype=float) for name, work in works.items()}),
+        energies=FrozenMapping(energies),
+        powers=FrozenMapping(powers),
+        works=FrozenMapping({name: np.asarray(work, dtype=float) for name, work in works.items()}),
         turned_over=float(largest + gross + np.abs(gains).sum()),
     )
 

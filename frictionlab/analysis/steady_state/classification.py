@@ -10,7 +10,8 @@ from typing import NamedTuple
 import numpy as np
 
 from frictionlab.analysis.motion_scales import AT_REST_RTOL, Array, state_ranges
-from frictionlab.hybrid.trajectory import SectionPoints, Trajectory
+from frictionlab.hybrid.events import SectionPoints
+from frictionlab.hybrid.trajectory import Trajectory
 
 from .decay import all_parts_decay, part_decays
 from .forcing_phase import covers_period, only_phase_resets, phase_on_circle

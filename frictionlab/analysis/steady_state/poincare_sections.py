@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 import sympy
 
+from frictionlab.hybrid.events import SectionPoints
 from frictionlab.hybrid.outputs import array_function
-from frictionlab.hybrid.trajectory import SectionPoints, Trajectory
+from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.validation import check_number, did_you_mean_or_known
 
 STICK = "stick"

@@ -12,7 +12,8 @@ import numpy as np
 from frictionlab.analysis.spectrum import Spectrum, amplitude_spectrum
 from frictionlab.analysis.verification.defect_warning import defect_warning
 from frictionlab.drawable import Drawable
-from frictionlab.hybrid.trajectory import SectionPoints, Trajectory
+from frictionlab.hybrid.events import SectionPoints
+from frictionlab.hybrid.trajectory import Trajectory
 
 from .classification import classify_run, onsets_per_period
 from .intensity import intensity

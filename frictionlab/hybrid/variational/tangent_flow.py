@@ -15,11 +15,12 @@ import numpy as np
 
 from frictionlab.drawable import Drawable
 from frictionlab.hybrid.compilation import kernel
+from frictionlab.hybrid.events import Events
 from frictionlab.hybrid.kernels.jets import copy_vector
 from frictionlab.hybrid.kernels.run_state import StepData, Truncation
 from frictionlab.hybrid.methods.base import RECORD_CAPACITY
 from frictionlab.hybrid.progress import PROGRESS_DELAY
-from frictionlab.hybrid.trajectory import Events, Trajectory
+from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.hybrid.variational.saltation import (
     EventCrossing,
     SaltationError,
