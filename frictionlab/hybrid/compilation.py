@@ -71,7 +71,7 @@ def c_function(function: Callable, signature: str) -> Any:
     from numba.core.ccallback import CFunc
     from numba.core.sigutils import normalize_signature
 
-    compiled = CFunc(function, normalize_signature(signature), locals={}, options=_options())
+    compiled: Any = CFunc(function, normalize_signature(signature), locals={}, options=_options())
     compiled._cache = KernelCache(function, CACHE_FOLDER)
     compiled.compile()
     return compiled

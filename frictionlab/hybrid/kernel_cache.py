@@ -1,8 +1,8 @@
 """Compiled code on disk, which is run only if it is whole and the present user's own.
 
-A damaged object would end the process and one that somebody else wrote would run in the user's name, so a file
-holds a checksum of its name and content, and neither a folder nor a file is used that another user owns or can
-write to.  Whatever goes wrong, a full disk for one, the cache misses: nothing here raises.
+A damaged object would end the process, and one that somebody else wrote would run in the user's name.  So a
+file holds a checksum of its name and content, and neither a folder nor a file is used that another user owns
+or can write to.  Whatever goes wrong, as on a full disk, the cache misses: nothing here raises.
 """
 
 from __future__ import annotations
@@ -22,8 +22,9 @@ from typing import Any
 
 FOLDER_VARIABLE = "FRICTIONLAB_CACHE_DIR"
 CHECKSUM_BYTES = 32
-# What is kept of all versions together: a version's kernels take some 15 MB, a structure's native code 0.3 MB.
-KEPT_BYTES, KEPT_SECONDS = 200e6, 60 * 86400.0
+# What is kept of all versions together.  The kernels of a run take 12 MB, a structure's code 0.3 MB, and what the
+# tests compile for one version 150 MB, so that two versions can be worked on side by side.
+KEPT_BYTES, KEPT_SECONDS = 500e6, 60 * 86400.0
 TOUCHED_AFTER = 86400.0  # seconds: a use is noted once a day, as that costs a write
 DIGEST_LENGTH = 16  # hexadecimal digits, the name of a version's folder
 
@@ -79,7 +80,7 @@ def read(path: Path) -> bytes | None:
         info = os.fstat(file.fileno())
         whole = file.read() if _is_private(info) else b""
         content = whole[CHECKSUM_BYTES:]
-        if whole[:CHECKSUM_BYTES] == _checksum(path.name, content):
+        if whole[:CHECKSUM_BYTES] == _checksum(path, content):
             _note_use(path, info)
             return content
     return None
@@ -91,10 +92,11 @@ def write(path: Path, content: bytes) -> None:
         handle, name = tempfile.mkstemp(dir=path.parent)
         try:
             with os.fdopen(handle, "wb") as file:
-                file.write(_checksum(path.name, content) + content)
+                file.write(_checksum(path, content) + content)
             os.replace(name, path)
-        except OSError:
+        except BaseException:
             os.unlink(name)
+            raise
         _prune(path.parent.parent)
 
 
@@ -103,9 +105,9 @@ def _opened(path: str, flags: int) -> int:
     return os.open(path, flags | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0))
 
 
-def _checksum(name: str, content: bytes) -> bytes:
-    """Of the name as well: a whole file under another's name is other code."""
-    summed = hashlib.blake2b(name.encode(), digest_size=CHECKSUM_BYTES)
+def _checksum(path: Path, content: bytes) -> bytes:
+    """Of the name and version as well: a whole file in the place of another is other code."""
+    summed = hashlib.blake2b("/".join(path.parts[-2:]).encode(), digest_size=CHECKSUM_BYTES)
     summed.update(content)
     return summed.digest()
 
@@ -142,7 +144,7 @@ def _files(base: Path) -> Iterator[tuple[float, int, Path]]:
 class KernelCache:
     """The cache of one kernel, in place of numba's: a file for each of its signatures and processors.
 
-    Numba's own finds the file of a signature by a second one, checks neither, and raises when either is damaged.
+    Numba's own finds the file of a signature by a second one, checks neither, and raises when one is damaged.
     """
 
     def __init__(self, function: Callable, folder: str) -> None:
