@@ -22,8 +22,8 @@ from typing import Any
 
 FOLDER_VARIABLE = "FRICTIONLAB_CACHE_DIR"
 CHECKSUM_BYTES = 32
-# What is kept of all versions together.  The kernels of a run take 12 MB, a structure's code 0.3 MB, and what the
-# tests compile for one version 150 MB, so that two versions can be worked on side by side.
+# What is kept of all versions together.  The kernels of a run take 12 MB, a structure's code 0.3 MB, and what
+# the tests compile for one version 150 MB, so that two versions can be worked on side by side.
 KEPT_BYTES, KEPT_SECONDS = 500e6, 60 * 86400.0
 TOUCHED_AFTER = 86400.0  # seconds: a use is noted once a day, as that costs a write
 DIGEST_LENGTH = 16  # hexadecimal digits, the name of a version's folder
