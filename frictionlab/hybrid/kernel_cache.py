@@ -27,6 +27,9 @@ CHECKSUM_BYTES = 32
 KEPT_BYTES, KEPT_SECONDS = 500e6, 60 * 86400.0
 TOUCHED_AFTER = 86400.0  # seconds: a use is noted once a day, as that costs a write
 DIGEST_LENGTH = 16  # hexadecimal digits, the name of a version's folder
+VERSION_FOLDER = "[0-9a-f]" * DIGEST_LENGTH
+# The last two are numba's, of earlier versions.  Nothing else is removed: the folder may hold more.
+SUFFIXES = ".kernel", ".o", ".unfinished", ".nbi", ".nbc"
 
 
 def digest_folder(digest: str) -> str:
@@ -89,7 +92,7 @@ def read(path: Path) -> bytes | None:
 def write(path: Path, content: bytes) -> None:
     """Write to a temporary file and rename it, so that no process reads an incomplete one."""
     with suppress(OSError):
-        handle, name = tempfile.mkstemp(dir=path.parent)
+        handle, name = tempfile.mkstemp(".unfinished", dir=path.parent)
         try:
             with os.fdopen(handle, "wb") as file:
                 file.write(_checksum(path, content) + content)
@@ -97,7 +100,8 @@ def write(path: Path, content: bytes) -> None:
         except BaseException:
             os.unlink(name)
             raise
-        _prune(path.parent.parent)
+        if path.parent.match(VERSION_FOLDER):
+            _prune(path.parent.parent)
 
 
 def _opened(path: str, flags: int) -> int:
@@ -132,12 +136,12 @@ def _prune(base: Path) -> None:
 
 
 def _files(base: Path) -> Iterator[tuple[float, int, Path]]:
-    """Time of the last use, size and path of each file in the folders of all versions."""
-    for folder in base.glob("[0-9a-f]" * DIGEST_LENGTH):
+    """Time of the last use, size and path of each file of ours in the folders of all versions."""
+    for folder in base.glob(VERSION_FOLDER):
         for path in folder.rglob("*"):
             with suppress(OSError):
                 info = path.lstat()
-                if not stat.S_ISDIR(info.st_mode):
+                if stat.S_ISREG(info.st_mode) and path.suffix in SUFFIXES:
                     yield info.st_mtime, info.st_size, path
 
 
