@@ -21,7 +21,7 @@ pytest.register_assert_rewrite("tests.helpers", "tests.differential")  # helpers
 
 
 def pytest_collection_modifyitems(items):
-    """Tests are slow by the folder that they are in, and need a browser where they ask for the fixture."""
+    """Tests are slow by folder or mark, and need a browser where they ask for the fixture."""
     here = Path(__file__).parent
     for item in items:
         if item.path.is_relative_to(here) and item.path.relative_to(here).parts[0] == "slow":

@@ -94,7 +94,7 @@ def begin_run(code, truncation, runs, i, initial, record, scratch):
     system, z = system_of_run(code, runs, i), runs.states[i]
     scratch.structural_zeros[:] = 0
     rounding = Rounding(z, COEFFICIENT_ROUNDING)
-    mode = select_mode(system, initial, z, rounding, truncation.order, scratch)
+    mode, _ = select_mode(system, initial, z, rounding, truncation.order, scratch)
     runs.counts[i, MODE], runs.counts[i, JETS_READY] = mode, 1
     if mode == NO_MODE:
         runs.status[i] = NO_ADMISSIBLE_MODE

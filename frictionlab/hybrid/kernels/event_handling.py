@@ -19,7 +19,9 @@ from frictionlab.hybrid.kernels.run_state import (
     ENTERED,
     EVENTS,
     JETS_READY,
+    MISSING_MODE,
     MODE,
+    MODE_NOT_DERIVED,
     NO_ADMISSIBLE_MODE,
     NOW,
     REPEATED,
@@ -67,26 +69,26 @@ def is_zeno(code, guard, limit, count, run):
 
 @kernel
 def select_limit_mode(system, guard, order, run, scratch):
-    """Enter the limit mode, if it is admissible; else leave the state, and return NO_MODE."""
+    """Enter the limit mode, a :class:`Selection`; where none is admissible the state is left as it is."""
     code, z, before = system.code, run.state, scratch.states
     copy_vector(z, before)
     apply_reset(system, code.resets[guard, 1], z, scratch.jets)
     copy_vector(code.declared[guard, 1], scratch.structural_zeros)
-    mode = select_mode(system, code.limits, z, Rounding(z, COEFFICIENT_ROUNDING), order, scratch)
-    if mode == NO_MODE:
+    selection = select_mode(system, code.limits, z, Rounding(z, COEFFICIENT_ROUNDING), order, scratch)
+    if selection.mode == NO_MODE and selection.missing == NO_MODE:
         copy_vector(before, z)
-    return mode
+    return selection
 
 
 @kernel
 def reset_and_select_mode(system, truncation, event, run, scratch):
-    """Reset the state after an event and enter the next mode; returns (mode, closed)."""
+    """Reset the state after an event and enter the next mode; returns (:class:`Selection`, closed)."""
     code, guard, order = system.code, event.guard, truncation.order
     closing = 0
     if len(code.limits) and is_zeno(code, guard, CHATTER, SHORT_FLIGHTS, run):
-        mode = select_limit_mode(system, guard, order, run, scratch)
-        if mode != NO_MODE:
-            return mode, 1
+        selection = select_limit_mode(system, guard, order, run, scratch)
+        if selection.mode != NO_MODE or selection.missing != NO_MODE:
+            return selection, 1
     if is_zeno(code, guard, DWELL, SHORT_DWELLS, run):
         closing = 1
     apply_reset(system, code.resets[guard, closing], run.state, scratch.jets)
@@ -95,13 +97,12 @@ def reset_and_select_mode(system, truncation, event, run, scratch):
     if code.resets[guard, closing] < 0:
         zeros[guard] = max(zeros[guard], event.multiplicity)
     next_, z = code.targets[guard], run.state
-    mode = select_mode(system, next_, z, Rounding(z, COEFFICIENT_ROUNDING), order, scratch)
-    if mode == NO_MODE:  # another event at this instant? Its guard is zero up to the rounding of the step
-        mode = select_mode(system, next_, z, Rounding(run.sizes, COEFFICIENT_ROUNDING), order, scratch)
-    if mode == NO_MODE:  # or up to what the step leaves out
-        left_out = Rounding(run.sizes, max(COEFFICIENT_ROUNDING, FUNCTION_TOL_FACTOR * truncation.tol))
-        mode = select_mode(system, next_, z, left_out, order, scratch)
-    return mode, closing
+    selection = select_mode(system, next_, z, Rounding(z, COEFFICIENT_ROUNDING), order, scratch)
+    # Another event at this instant? Its guard is zero up to the rounding of the step, or what it leaves out.
+    for share in (COEFFICIENT_ROUNDING, max(COEFFICIENT_ROUNDING, FUNCTION_TOL_FACTOR * truncation.tol)):
+        if selection.mode == NO_MODE and selection.missing == NO_MODE:
+            selection = select_mode(system, next_, z, Rounding(run.sizes, share), order, scratch)
+    return selection, closing
 
 
 @kernel
@@ -114,10 +115,12 @@ def handle_event(system, truncation, event, run, record, scratch):
     row = counts[EVENTS]
     record.event_times[row] = times[NOW]
     copy_vector(run.state, record.event_states[row, 0])
-    mode, closed = reset_and_select_mode(system, truncation, event, run, scratch)
-    if mode < NO_MODE:  # a mode is to be derived first, as if the event were yet to happen
+    selection, closed = reset_and_select_mode(system, truncation, event, run, scratch)
+    mode = selection.mode
+    if selection.missing != NO_MODE:  # it is to be derived first, as if the event were yet to happen
         copy_vector(record.event_states[row, 0], run.state)
-        return mode
+        counts[MISSING_MODE] = selection.missing
+        return MODE_NOT_DERIVED
     record.event_codes[row, 0] = event.guard
     record.event_codes[row, 1] = mode
     record.event_codes[row, 2] = closed

@@ -15,7 +15,6 @@ from frictionlab.hybrid.kernels.event_location import LOW_ORDER, leading_order
 from frictionlab.hybrid.kernels.jets import has_native_jets, majorant, mode_jets, reset_values
 
 NO_MODE = -1
-NOT_DERIVED = -2  # and below: NOT_DERIVED - mode where a mode is to be tried that has yet to be derived
 REFUSED, AT_ANOTHER_EVENT, UNDECIDED, ADMITTED = range(4)
 
 
@@ -24,6 +23,13 @@ class Rounding(NamedTuple):
 
     sizes: np.ndarray
     share: float
+
+
+class Selection(NamedTuple):
+    """The mode to enter, or a mode that comes to be tried and has yet to be derived; NO_MODE where none."""
+
+    mode: int
+    missing: int
 
 
 @kernel
@@ -103,25 +109,24 @@ def is_excluded(system, mode, z, rounding, declared, scratch):
 
 @kernel
 def select_mode(system, candidates, z, rounding, order, scratch):
-    """First admissible mode of `candidates` at `z`, or NO_MODE; leaves its jets in `scratch`.
+    """First admissible mode of `candidates` at `z`, a :class:`Selection`; leaves its jets in `scratch`.
 
     A guard that vanishes identically stays zero, so it does not end the mode.  Where several events fall
     upon one instant no mode may be admissible after the first of them; then the first mode is entered that
-    is at another event, which ends it at once.  Where a mode comes to be tried that is not derived it is
-    returned as NOT_DERIVED - mode.
+    is at another event, which ends it at once.
     """
     passed = NO_MODE
     for mode in candidates:
         if system.code.built[mode] == 0:
             if is_excluded(system, mode, z, rounding, scratch.structural_zeros, scratch):
                 continue
-            return NOT_DERIVED - mode
+            return Selection(NO_MODE, mode)
         verdict = try_mode(system, mode, z, rounding, order, scratch)
         if verdict > AT_ANOTHER_EVENT:
-            return mode
+            return Selection(mode, NO_MODE)
         if verdict == AT_ANOTHER_EVENT and passed == NO_MODE:
             passed = mode
     if passed != NO_MODE:
         mode_jets(system.code, system.numbers, passed, order, z, scratch.jets)
         admissibility(system, passed, rounding, order, scratch)
-    return passed
+    return Selection(passed, NO_MODE)

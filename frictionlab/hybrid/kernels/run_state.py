@@ -15,7 +15,7 @@ from frictionlab.hybrid.kernels.jets import JET_COLUMNS
 from frictionlab.hybrid.kernels.roots import RootScratch, new_root_scratch
 from frictionlab.hybrid.tape.program import Code
 
-RUNNING, FINISHED, NO_ADMISSIBLE_MODE, STALLED, ZENO, NOT_FINITE = range(6)
+RUNNING, FINISHED, NO_ADMISSIBLE_MODE, STALLED, ZENO, NOT_FINITE, MODE_NOT_DERIVED = range(7)
 
 CLOCK_RESOLUTION = 1e-15  # share of the time that the clock shows as some of its last digits
 
@@ -52,7 +52,7 @@ class RunState(NamedTuple):
     events that have a limit mode, and what the sum of the steps is beyond now;
     ``counts``: mode, steps, events, section points, short dwells in a row by either limit, accumulations
     closed, events without advance, whether the jets are at hand, whether an accumulation ends the run, and
-    the number of the current cell of a fixed time grid;
+    the number of the current cell of a fixed time grid, and the mode that has yet to be derived;
     ``sizes``: what the rounding errors of the state at the last event are relative to."""
 
     state: np.ndarray
@@ -75,8 +75,9 @@ NOW, END, ENTERED, DWELL, CHATTER, CARRY = range(6)
     JETS_READY,
     STOPS_AT_ZENO,
     CELL,
-) = range(11)
-COUNTS = 11
+    MISSING_MODE,
+) = range(12)
+COUNTS = 12
 
 
 class Record(NamedTuple):

@@ -16,7 +16,7 @@ import numpy as np
 from frictionlab.hybrid.codegen.native_cache import NativeCode, native_code
 from frictionlab.hybrid.kernels import run_state
 from frictionlab.hybrid.kernels.event_location import COEFFICIENT_ROUNDING
-from frictionlab.hybrid.kernels.mode_selection import NOT_DERIVED, Rounding, select_mode
+from frictionlab.hybrid.kernels.mode_selection import NO_MODE, Rounding, select_mode
 from frictionlab.hybrid.kernels.run_state import new_record, new_scratch
 from frictionlab.hybrid.problem import ModeNotDerived, Problem, RecordList, RunData, Status
 from frictionlab.hybrid.progress import Progress
@@ -50,9 +50,9 @@ def initial_mode(problem: Problem, system: System, order: int, scratch: run_stat
     candidates = program.initial if problem.mode is None else np.array([problem.mode], dtype=np.int64)
     scratch.structural_zeros[:] = 0
     rounding = Rounding(problem.x0, COEFFICIENT_ROUNDING)
-    mode = int(select_mode(system, candidates, problem.x0, rounding, order, scratch))
-    if mode <= NOT_DERIVED:
-        raise ModeNotDerived(NOT_DERIVED - mode)
+    mode, missing = map(int, select_mode(system, candidates, problem.x0, rounding, order, scratch))
+    if missing != NO_MODE:
+        raise ModeNotDerived(missing)
     if mode < 0 and problem.mode is not None:
         raise ValueError(
             f"the run cannot start in mode {program.modes[problem.mode]!r}: at x0 one of its conditions "
@@ -102,7 +102,7 @@ class Method(ABC):
 
     @abstractmethod
     def advance(self, run: ActiveRun, record: run_state.Record) -> int:
-        """Fill `record` until it is full (run_state.RUNNING), the run ends, or a mode is NOT_DERIVED."""
+        """Fill `record` until it is full (RUNNING), or return why the run ends; see `run_state`."""
 
     def describe(self) -> dict[str, Any]:
         """Name and settings, for the record."""
@@ -134,8 +134,8 @@ class Method(ABC):
             status = self._status(STATUS_OF_CODE.get(end, Status.RUNNING), pieces)
             if progress.update(times[run_state.NOW]) and status is Status.RUNNING:
                 status = Status.INTERRUPTED
-            elif end <= NOT_DERIVED:
-                raise ModeNotDerived(NOT_DERIVED - end)
+            elif end == run_state.MODE_NOT_DERIVED:
+                raise ModeNotDerived(int(counts[run_state.MISSING_MODE]))
         mode = int(counts[run_state.MODE])
         return pieces.raw(problem.program.code, times[run_state.NOW], run.cursor.state, mode, status)
 

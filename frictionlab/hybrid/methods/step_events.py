@@ -9,13 +9,15 @@ from frictionlab.hybrid.compilation import inlined, kernel
 from frictionlab.hybrid.kernels.event_handling import handle_event
 from frictionlab.hybrid.kernels.event_location import COEFFICIENT_ROUNDING
 from frictionlab.hybrid.kernels.jets import copy_vector, majorant, mode_jets
-from frictionlab.hybrid.kernels.mode_selection import NO_MODE, NOT_DERIVED, Rounding, apply_reset, is_excluded
+from frictionlab.hybrid.kernels.mode_selection import NO_MODE, Rounding, Selection, apply_reset, is_excluded
 from frictionlab.hybrid.kernels.run_state import (
     CELL,
     END,
     ENTERED,
     EVENTS,
+    MISSING_MODE,
     MODE,
+    MODE_NOT_DERIVED,
     NO_ADMISSIBLE_MODE,
     NOW,
     RUNNING,
@@ -55,7 +57,7 @@ def select_mode_by_values(system, guard, z, scratch):
             rounding = Rounding(z, COEFFICIENT_ROUNDING)
             if is_excluded(system, mode, z, rounding, declared, scratch):
                 continue
-            return NOT_DERIVED - mode
+            return Selection(NO_MODE, mode)
         mode_jets(code, numbers, mode, 0, z, J)
         majorant(code, system.magnitudes, mode, 0, z, J, scratch.bounds)
         fits = True
@@ -67,8 +69,8 @@ def select_mode_by_values(system, guard, z, scratch):
             if declared[f] == 0 and abs(J[slot, 0]) > COEFFICIENT_ROUNDING * scratch.bounds[slot, 0]:
                 fits = False
         if fits:
-            return mode
-    return NO_MODE
+            return Selection(mode, NO_MODE)
+    return Selection(NO_MODE, NO_MODE)
 
 
 @kernel
@@ -79,10 +81,11 @@ def change_mode(system, guard, run, record, scratch):
     record.event_times[row] = run.times[NOW]
     copy_vector(run.state, record.event_states[row, 0])
     apply_reset(system, system.code.resets[guard, 0], run.state, scratch.jets)
-    mode = select_mode_by_values(system, guard, run.state, scratch)
-    if mode < NO_MODE:
+    mode, missing = select_mode_by_values(system, guard, run.state, scratch)
+    if missing != NO_MODE:
         copy_vector(record.event_states[row, 0], run.state)
-        return mode
+        counts[MISSING_MODE] = missing
+        return MODE_NOT_DERIVED
     copy_vector(run.state, record.event_states[row, 1])
     record.event_codes[row, 0] = guard
     record.event_codes[row, 1] = mode

@@ -41,6 +41,7 @@ def test_without_voila_one_line_says_what_to_install(monkeypatch, capsys):
     assert 'not installed: pip install "frictionlab[lab]"' in captured.err
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows sends ctrl-C to a whole console only")
 def test_ctrl_c_ends_it_cleanly(tmp_path):
     pytest.importorskip("voila", reason="voila serves the page; it is not installed")

@@ -137,6 +137,7 @@ def test_module_version_and_help_of_the_command():
     assert (wrong.returncode, wrong.stdout, wrong.stderr.count("\n")) == (2, "", 1)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="no SIGINT for another process on Windows")
 def test_ctrl_c_prints_what_was_computed():
     command = [sys.executable, "-u", "-m", "frictionlab", "run", "-q", "--impact", "full", "--t-end", "1e7"]

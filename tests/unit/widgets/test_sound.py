@@ -135,6 +135,7 @@ def test_bad_options_are_refused(run, options, words):
         fl.listen(run, **options)
 
 
+@pytest.mark.slow
 def test_the_player_is_loaded_when_it_is_shown():
     code = (
         "import sys, frictionlab as fl\n"

@@ -203,6 +203,7 @@ def test_an_explorer_that_is_closed_computes_no_more():
 FULL = fl.SliderOnBelt(mu_k=0.5, impact=fl.PlasticImpact("full"))
 
 
+@pytest.mark.slow
 def test_motions_that_have_not_settled_are_marked_and_go_on_until_they_have():
     async def browser():
         explorer = fl.explore_bifurcation(FULL)
@@ -230,6 +231,7 @@ def test_motions_that_have_not_settled_are_marked_and_go_on_until_they_have():
     assert np.array_equal(states, alone.sections[0])
 
 
+@pytest.mark.slow
 def test_what_never_settles_is_left_as_it_is_and_no_picture_waits_for_it(monkeypatch):
     monkeypatch.setattr("frictionlab.widgets.panels.bifurcation.MAX_EXTENSIONS", 2)
     monkeypatch.setattr("frictionlab.widgets.panels.bifurcation.WINDOWS_PER_EXTENSION", 1)

@@ -37,6 +37,7 @@ def test_processes_give_the_same(one_worker):
         assert same(fl.bifurcation(FLAT, "mu_k", VALUES, executor=pool, **SHORT), one_worker)
 
 
+@pytest.mark.slow
 def test_a_cluster_gives_the_same(one_worker):
     distributed = pytest.importorskip("distributed", reason="the extra dask is not installed")
     with (

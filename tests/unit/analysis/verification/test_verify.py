@@ -19,6 +19,7 @@ from tests.helpers.known_motions import logistic
 A = fl.SliderOnBelt(mu_k=1.4).without("geometry")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("row", tuple(fl.list_models()), ids=lambda row: row.call)
 def test_runs_of_every_model_are_sound(row):
     names = {name: getattr(fl, name) for name in fl.__all__}

@@ -162,6 +162,7 @@ def test_what_one_process_compiled_the_next_one_finds(tmp_path, monkeypatch):
     assert (second.code.native != 0).tolist() == [False, True, False, False]
 
 
+@pytest.mark.slow
 def test_another_order_or_method_compiles_nothing(tmp_path, monkeypatch):
     """One that comes later finds the code there is, in this process and in the next."""
     monkeypatch.setattr(compilation, "CACHE_FOLDER", str(tmp_path))

@@ -49,6 +49,7 @@ def test_each_run_is_what_it_would_be_alone(name):
         assert ends.t[i] == run.t[-1]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["stick, slip and separation", "sliding only"])
 def test_one_code_of_lanes_serves_every_order(name):
     compiled(SCENES[name])

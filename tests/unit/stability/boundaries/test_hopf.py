@@ -41,6 +41,7 @@ def test_van_der_pol():
     assert point.valid_until == np.inf
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("cubic", "speed", "coupling"), [(-0.3, 0.5, 0.0), (-0.3, -2.0, 0.9), (-0.3, 2.0, -0.7), (0.3, 0.5, 0.9)]
 )

@@ -38,6 +38,7 @@ def test_hoffmanns_mode_coupling(damping):
     assert fl.critical_value(model, "p", (0, 1.7)) == change.value
 
 
+@pytest.mark.slow
 @settings(max_examples=30)
 @given(
     place=st.floats(0.05, 0.95),
@@ -147,6 +148,7 @@ BRUTE = {
 }
 
 
+@pytest.mark.slow
 @settings(max_examples=40)
 @given(
     name=st.sampled_from(sorted(BRUTE)),
@@ -197,6 +199,7 @@ def test_an_equilibrium_that_gives_way_to_another_is_a_fold():
     assert folds[0].value == pytest.approx(low, rel=1e-8)
 
 
+@pytest.mark.slow
 def test_reversing_the_belt_is_a_fold_too():
     """At v = 0 friction jumps from one side to the other, and there is no steady sliding."""
     (change,) = fl.stability_changes(S(mu_k=2.0), "v", (-1, 2))

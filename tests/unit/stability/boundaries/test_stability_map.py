@@ -91,6 +91,7 @@ SCENES = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("model", "x", "top"), SCENES)
 def test_the_slider_against_single_eigenvalues(model, x, top):
     found = fl.stability_map(model, x=x, y=("mu_k", np.linspace(0, top, 13)))

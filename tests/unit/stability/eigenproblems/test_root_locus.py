@@ -25,6 +25,7 @@ def match(columns, expected):
     return [int(row.argmax()) if row.any() else -1 for row in close]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", GRIDS)
 @pytest.mark.parametrize("damping", [0.0, 0.01])
 def test_modes_cross_without_noticing_each_other(number, damping):

@@ -114,6 +114,7 @@ AXES = {
 }
 
 
+@pytest.mark.slow
 @settings(max_examples=60)
 @given(
     data=st.data(),

@@ -35,6 +35,7 @@ def pyplot_figures():
     return [] if pyplot is None else pyplot.get_fignums()
 
 
+@pytest.mark.slow
 def test_200_steps_of_a_slider_make_no_artist_and_keep_no_memory():
     explorer = fl.explore(MODEL, ("response", "phase", "eigenvalues"))
     explorer.controls["duration"].value = 2.0
