@@ -4,6 +4,8 @@ Data pass in this order, and each part imports only from those before it:
 
 ``compilation``
     The decorators of all kernels: compiled by numba where it is installed, plain Python where not.
+``kernel_cache``
+    The folder of compiled code: whose it must be, checksums, what is removed.
 ``llvm_instructions``
     Arithmetic, loops and branches in LLVM, for the intrinsics of the kernels and for ``codegen``.
 ``tape``

@@ -1,8 +1,7 @@
 """One decorator for every numerical kernel: compiled and cached where numba exists, plain Python where not.
 
 The compiled code is kept in a folder of the user, named by a digest of all kernel sources and the versions,
-because numba's own cache neither survives a read-only installation nor notices that a function *called* by a
-cached one, in another file, has changed.
+because a kernel's code holds that of functions *called* by it, in other files.
 """
 
 from __future__ import annotations
@@ -10,10 +9,11 @@ from __future__ import annotations
 import hashlib
 import os
 import sys
-import tempfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
+
+from frictionlab.hybrid.kernel_cache import DIGEST_LENGTH, KernelCache, digest_folder, has_kernel
 
 DISABLE_VARIABLE = "FRICTIONLAB_DISABLE_NUMBA"
 # In the sources that compiled code is made from.
@@ -34,31 +34,12 @@ def _digest(numba: Any) -> str:
     sources = (path.read_bytes() for path in sorted(Path(__file__).parent.rglob("*.py")))
     text = b"".join(source for source in sources if any(mark in source for mark in KERNEL_MARKS))
     versions = f"{numba.__version__} {sys.version}".encode()
-    return hashlib.sha256(text + versions).hexdigest()[:16]
-
-
-def _user_cache() -> Path:
-    if chosen := os.environ.get("FRICTIONLAB_CACHE_DIR"):
-        return Path(chosen)
-    if sys.platform == "win32":
-        return Path(os.environ.get("LOCALAPPDATA") or Path.home() / "AppData" / "Local") / "frictionlab"
-    if sys.platform == "darwin":
-        return Path.home() / "Library" / "Caches" / "frictionlab"
-    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "frictionlab"
+    return hashlib.sha256(text + versions).hexdigest()[:DIGEST_LENGTH]
 
 
 def cache_folder(numba: Any) -> str:
-    """First writable folder for compiled code: the user's cache, else the temporary folder."""
-    private = f"frictionlab-{os.environ.get('USER') or os.environ.get('USERNAME') or 'user'}"
-    for base in (_user_cache, lambda: Path(tempfile.gettempdir()) / private):
-        try:
-            folder = base() / _digest(numba)
-            folder.mkdir(parents=True, exist_ok=True)
-            with tempfile.TemporaryFile(dir=folder):
-                return str(folder)
-        except (OSError, RuntimeError):  # read-only, no home folder
-            continue
-    return ""
+    """The folder that compiled code is kept in, "" where there is none."""
+    return digest_folder(_digest(numba))
 
 
 NUMBA = _numba()
@@ -70,7 +51,7 @@ def needs_compilation(function: Any) -> bool:
     """Whether the next call of a kernel compiles it: neither loaded nor in the cache folder."""
     if NUMBA is None or function.overloads or function in _FOUND:
         return False
-    if CACHE_FOLDER and any(Path(CACHE_FOLDER).glob(f"*/*.{function.__name__}-*.nbi")):
+    if CACHE_FOLDER and has_kernel(CACHE_FOLDER, function.__name__):
         _FOUND.add(function)
     return function not in _FOUND
 
@@ -87,27 +68,25 @@ def inlined(function: Callable) -> Callable:
 
 def c_function(function: Callable, signature: str) -> Any:
     """A function compiled now, as C code calls it; its ``address`` is that of the code, while it is kept."""
-    return _cached(function, lambda options: NUMBA.cfunc(signature, **options))
+    from numba.core.ccallback import CFunc
+    from numba.core.sigutils import normalize_signature
 
-
-def _without_reference_counts() -> dict[str, bool]:
-    """Compile without reference counts: kernels allocate nothing, and counting would take most of their
-    time."""
-    return {"_nrt": False} if hasattr(NUMBA.core.options.DefaultOptions, "_nrt") else {}
+    compiled: Any = CFunc(function, normalize_signature(signature), locals={}, options=_options())
+    compiled._cache = KernelCache(function, CACHE_FOLDER)
+    compiled.compile()
+    return compiled
 
 
 def _compile(function: Callable, further: dict[str, bool]) -> Callable:
     if NUMBA is None:
         return function
-    return _cached(function, lambda options: NUMBA.njit(nogil=True, **options, **further))
+    compiled = NUMBA.njit(nogil=True, **_options(), **further)(function)
+    compiled._cache = KernelCache(function, CACHE_FOLDER)
+    return compiled
 
 
-def _cached(function: Callable, decorator: Callable[[dict[str, Any]], Callable]) -> Any:
-    """What numba's decorator makes of a function, with our options and our folder."""
-    before = NUMBA.config.CACHE_DIR
-    NUMBA.config.CACHE_DIR = CACHE_FOLDER or before
-    options = {"error_model": "numpy", "boundscheck": False, **_without_reference_counts()}
-    try:
-        return decorator({"cache": bool(CACHE_FOLDER), **options})(function)
-    finally:
-        NUMBA.config.CACHE_DIR = before
+def _options() -> dict[str, Any]:
+    """Compile without reference counts: kernels allocate nothing, and counting would take most of their
+    time."""
+    counts = {"_nrt": False} if hasattr(NUMBA.core.options.DefaultOptions, "_nrt") else {}
+    return {"error_model": "numpy", "boundscheck": False, **counts}

@@ -8,11 +8,9 @@ from __future__ import annotations
 
 import gc
 import hashlib
-import os
-import tempfile
 from collections.abc import Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from functools import cache
 from itertools import accumulate
 from pathlib import Path
@@ -21,7 +19,7 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from frictionlab.hybrid import compilation, llvm_instructions
+from frictionlab.hybrid import compilation, kernel_cache, llvm_instructions
 from frictionlab.hybrid.codegen import jet_codegen, kernel_symbols, remainder_codegen, step_codegen
 from frictionlab.hybrid.codegen.jet_codegen import ModeTape, jets_module
 from frictionlab.hybrid.codegen.remainder_codegen import StepStructure
@@ -186,11 +184,15 @@ def _path(function: ModeTape, what: str = NAME, more: object = None) -> Path | N
 
 def _load_from_cache(path: Path | None) -> int:
     """Address of code that an earlier process has compiled, else 0."""
-    if compilation.NUMBA is None:
+    if compilation.NUMBA is None or path is None:
         return 0
-    with suppress(OSError):
-        return _load_object(path.read_bytes()) if path is not None and path.exists() else 0
-    return 0
+    code = kernel_cache.read(path)
+    return 0 if code is None else _load_object(code)
+
+
+def _store(code: bytes, path: Path | None) -> None:
+    if path is not None:
+        kernel_cache.write(path, code)
 
 
 def _emit_object(module: Any) -> bytes:
@@ -210,14 +212,3 @@ def _load_object(code: bytes) -> int:
 def _machine_of_engine() -> Any:
     """An engine takes its machine over, so each has one of its own."""
     return _llvm().Target.from_default_triple().create_target_machine(jit=True)
-
-
-def _store(code: bytes, path: Path | None) -> None:
-    """Write to a temporary file and rename it, so that no process reads an incomplete file."""
-    if path is None:
-        return
-    with suppress(OSError):
-        handle, name = tempfile.mkstemp(dir=path.parent)
-        with os.fdopen(handle, "wb") as file:
-            file.write(code)
-        os.replace(name, path)

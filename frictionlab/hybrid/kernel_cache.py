@@ -1,0 +1,204 @@
+"""Compiled code on disk, which is run only if it is whole and the present user's own.
+
+A damaged object would end the process, and one that somebody else wrote would run in the user's name.  So a
+file holds a checksum of its name and content, and neither a folder nor a file is used that another user owns
+or can write to.  Whatever goes wrong, as on a full disk, the cache misses: nothing here raises.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import pickle
+import stat
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+FOLDER_VARIABLE = "FRICTIONLAB_CACHE_DIR"
+CHECKSUM_BYTES = 32
+# What is kept of all versions together.  The kernels of a run take 12 MB, a structure's code 0.3 MB, and what
+# the tests compile for one version 150 MB, so that two versions can be worked on side by side.
+KEPT_BYTES, KEPT_SECONDS = 500e6, 60 * 86400.0
+TOUCHED_AFTER = 86400.0  # seconds: a use is noted once a day, as that costs a write
+DIGEST_LENGTH = 16  # hexadecimal digits, the name of a version's folder
+VERSION_FOLDER = "[0-9a-f]" * DIGEST_LENGTH
+# The last two are numba's, of earlier versions.  Nothing else is removed: the folder may hold more.
+SUFFIXES = ".kernel", ".o", ".unfinished", ".nbi", ".nbc"
+
+
+def digest_folder(digest: str) -> str:
+    """First usable folder of this name: in the user's cache, else in the temporary folder, else none ("").
+
+    One that cannot be written to is usable where there is something in it.
+    """
+    for base in (_user_base, _temporary_base):
+        try:
+            folder = base().absolute() / digest
+            private = _made_private(folder.parent) and _made_private(folder)
+            if private and (os.access(folder, os.W_OK) or any(folder.iterdir())):
+                return str(folder)
+        except (OSError, RuntimeError):  # it cannot be made, there is no home folder
+            continue
+    return ""
+
+
+def _user_base() -> Path:
+    if chosen := os.environ.get(FOLDER_VARIABLE):
+        return Path(chosen)
+    if sys.platform == "win32":
+        return Path(os.environ.get("LOCALAPPDATA") or Path.home() / "AppData" / "Local") / "frictionlab"
+    if sys.platform == "darwin":
+        return Path.home() / "Library" / "Caches" / "frictionlab"
+    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "frictionlab"
+
+
+def _temporary_base() -> Path:
+    user = os.getuid() if hasattr(os, "getuid") else os.environ.get("USERNAME") or "user"
+    return Path(tempfile.gettempdir()) / f"frictionlab-{user}"
+
+
+def _made_private(folder: Path) -> bool:
+    """Whether a folder, made if need be, is one that only the present user can write to, and no link."""
+    folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+    info = os.lstat(folder)
+    return stat.S_ISDIR(info.st_mode) and _is_private(info)
+
+
+def _is_private(info: os.stat_result) -> bool:
+    if not hasattr(os, "getuid"):  # on Windows both base folders are the user's own already
+        return True
+    return info.st_uid == os.getuid() and not info.st_mode & (stat.S_IWGRP | stat.S_IWOTH)
+
+
+def read(path: Path) -> bytes | None:
+    """What was written to a file; None where it is missing, damaged, or not surely the user's own."""
+    with suppress(OSError), open(path, "rb", opener=_opened) as file:
+        # of the open file, as the folder may have been exchanged since it was looked at
+        info = os.fstat(file.fileno())
+        whole = file.read() if _is_private(info) else b""
+        content = whole[CHECKSUM_BYTES:]
+        if whole[:CHECKSUM_BYTES] == _checksum(path, content):
+            _note_use(path, info)
+            return content
+    return None
+
+
+def write(path: Path, content: bytes) -> None:
+    """Write to a temporary file and rename it, so that no process reads an incomplete one."""
+    with suppress(OSError):
+        handle, name = tempfile.mkstemp(".unfinished", dir=path.parent)
+        try:
+            with os.fdopen(handle, "wb") as file:
+                file.write(_checksum(path, content) + content)
+            os.replace(name, path)
+        except BaseException:
+            os.unlink(name)
+            raise
+        if path.parent.match(VERSION_FOLDER):
+            _prune(path.parent.parent)
+
+
+def _opened(path: str, flags: int) -> int:
+    """Open a file without following a link or waiting for the writer of a pipe."""
+    return os.open(path, flags | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0))
+
+
+def _checksum(path: Path, content: bytes) -> bytes:
+    """Of the name and version as well: a whole file in the place of another is other code."""
+    summed = hashlib.blake2b("/".join(path.parts[-2:]).encode(), digest_size=CHECKSUM_BYTES)
+    summed.update(content)
+    return summed.digest()
+
+
+def _note_use(path: Path, info: os.stat_result) -> None:
+    if time.time() - info.st_mtime > TOUCHED_AFTER:
+        with suppress(OSError):
+            os.utime(path)
+
+
+@cache  # once a process is often enough
+def _prune(base: Path) -> None:
+    """Remove what has not been used for long, and the oldest files beyond the size that is kept."""
+    kept, now = 0, time.time()
+    for used, size, path in sorted(_files(base), reverse=True):
+        kept += size
+        if kept > KEPT_BYTES or now - used > KEPT_SECONDS:
+            with suppress(OSError):
+                path.unlink()
+                path.parent.rmdir()  # fails while there is more in it
+                path.parent.parent.rmdir()
+
+
+def _files(base: Path) -> Iterator[tuple[float, int, Path]]:
+    """Time of the last use, size and path of each file of ours in the folders of all versions."""
+    for folder in base.glob(VERSION_FOLDER):
+        for path in folder.rglob("*"):
+            with suppress(OSError):
+                info = path.lstat()
+                if stat.S_ISREG(info.st_mode) and path.suffix in SUFFIXES:
+                    yield info.st_mtime, info.st_size, path
+
+
+class KernelCache:
+    """The cache of one kernel, in place of numba's: a file for each of its signatures and processors.
+
+    Numba's own finds the file of a signature by a second one, checks neither, and raises when one is damaged.
+    """
+
+    def __init__(self, function: Callable, folder: str) -> None:
+        self._function = function
+        self.cache_path = folder
+
+    def load_overload(self, signature: Any, context: Any) -> Any:
+        """A compilation's result if an earlier process has kept it, else None."""
+        context.refresh()  # the types that the result is made of
+        path = self._path(signature, context)
+        content = None if path is None else read(path)
+        if content is None:
+            return None
+        from numba.core.compiler import CompileResult
+
+        try:
+            return CompileResult._rebuild(context, *pickle.loads(content))
+        except Exception:  # of another numba, whose version is the same
+            return None
+
+    def save_overload(self, signature: Any, result: Any) -> None:
+        """Keep the result of a compilation, unless it holds addresses of this process."""
+        from numba.core.serialize import dumps
+
+        path = self._path(signature, result.target_context)
+        if path is not None and not result.library.has_dynamic_globals:
+            write(path, dumps(result._reduce()))
+
+    def flush(self) -> None:
+        """Forget nothing: results of other sources have other names."""
+
+    def _path(self, signature: Any, context: Any) -> Path | None:
+        function = self._function
+        source = _source_digest(function.__code__.co_filename)
+        what = signature, context.codegen().magic_tuple(), function.__module__, function.__qualname__
+        text = repr((what, source))
+        if not (self.cache_path and source) or function.__closure__ or " at 0x" in text:
+            return None  # its code depends on more than its source and the types
+        name = hashlib.blake2b(text.encode(), digest_size=16).hexdigest()
+        return Path(self.cache_path) / f"{function.__name__}-{name}.kernel"
+
+
+def has_kernel(folder: str, name: str) -> bool:
+    """Whether something is kept of a kernel of this name."""
+    return any(Path(folder).glob(f"{name}-*.kernel"))
+
+
+@cache
+def _source_digest(file: str) -> str:
+    """Digest of a source file; "" where there is none, as at the prompt."""
+    with suppress(OSError):
+        return hashlib.blake2b(Path(file).read_bytes(), digest_size=16).hexdigest()
+    return ""
