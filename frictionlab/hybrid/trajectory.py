@@ -85,6 +85,8 @@ class Trajectory(Drawable):
     """
 
     drawn_by = "plot_displacements"
+    _modes: Any  # of a copy, and `_start`: what `problem` is made of again
+    _start: Any
 
     def __init__(
         self,

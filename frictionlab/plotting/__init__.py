@@ -6,8 +6,7 @@ None of them uses pyplot, so a figure is freed with its last reference and no wi
     style                   colours of modes and lines, names and units of states and parameters
     drawing                 a panel as data: curves, labels, limits (the explorers' panels give these)
     runs/                   panels of one run, and `plot_run`, which is four of them
-    root_locus, stability_boundaries            eigenvalues and stability against parameters
-    equilibrium, hopf       the mechanism at an equilibrium, and the vibration born where it loses stability
+    stability/              equilibria, eigenvalues, critical values, Hopf points
     bifurcation, basins, energy, ablation, sweep, motions, verification         what analyses found
     animation/              the slider on its belt, frame by frame
 
@@ -21,17 +20,17 @@ from .animation.animate import animate
 from .basins import plot_basin_stability, plot_basins
 from .bifurcation import plot_bifurcation, plot_intensity, plot_orbit_branch
 from .energy import plot_energies, plot_works
-from .equilibrium import plot_equilibrium
 from .figure import RunFigure, axes_or_new
-from .hopf import plot_hopf
 from .motions import plot_ends, plot_lyapunov, plot_orbit, plot_steady_state, plot_tangent_flow
-from .root_locus import plot_eigenvalues, plot_frequencies, plot_growth_rates, plot_root_locus
 from .runs.overview import plot_run
 from .runs.phase_plane import plot_phase_plane
 from .runs.spectrum import Spectrum, amplitude_spectrum, plot_amplitudes, plot_spectrum
 from .runs.time_histories import plot_contact_forces, plot_displacements, plot_rates
 from .runs.time_window import shade_modes
-from .stability_boundaries import plot_critical, plot_stability_map
+from .stability.equilibrium import plot_equilibrium
+from .stability.hopf import plot_hopf
+from .stability.root_locus import plot_eigenvalues, plot_frequencies, plot_growth_rates, plot_root_locus
+from .stability.stability_boundaries import plot_critical, plot_stability_map
 from .sweep import plot_sweep
 from .verification import plot_verification
 

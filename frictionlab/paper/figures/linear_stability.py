@@ -25,7 +25,7 @@ from matplotlib.lines import Line2D
 from frictionlab.models import SliderOnBelt
 from frictionlab.plotting import RunFigure, plot_critical, plot_frequencies, plot_growth_rates
 from frictionlab.plotting.figure import legend_beside
-from frictionlab.plotting.root_locus import growing_legend_handle
+from frictionlab.plotting.stability.root_locus import growing_legend_handle
 from frictionlab.plotting.style import BLACK, BLUE, DASHED, VERMILLION, parameter_symbol, parameter_value_text
 from frictionlab.stability import (
     CriticalCurve,

@@ -8,11 +8,18 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
+from frictionlab.plotting.bifurcation import SPECIAL_POINT_STYLES
+from frictionlab.plotting.figure import axes_or_new, legend_beside
+from frictionlab.plotting.style import (
+    BLACK,
+    BLUE,
+    DASHED,
+    parameter_label,
+    parameter_value_text,
+    state_label,
+    state_unit,
+)
 from frictionlab.validation import check_choice
-
-from .bifurcation import SPECIAL_POINT_STYLES
-from .figure import axes_or_new, legend_beside
-from .style import BLACK, BLUE, DASHED, parameter_label, parameter_value_text, state_label, state_unit
 
 EDGE_GROWTH = 0.01  # growth in a radian, at the picture's edges: the vibration of the normal form is small
 POINTS = 201  # of each line

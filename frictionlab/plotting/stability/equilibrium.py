@@ -13,11 +13,10 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from frictionlab.models import Model
-
-from .animation.run_picture import BeltPicture, picture_of
-from .figure import axes_or_new, legend_beside
-from .runs.time_window import Array
-from .style import (
+from frictionlab.plotting.animation.run_picture import BeltPicture, picture_of
+from frictionlab.plotting.figure import axes_or_new, legend_beside
+from frictionlab.plotting.runs.time_window import Array
+from frictionlab.plotting.style import (
     BLACK,
     BLUE,
     GREY,

@@ -13,8 +13,8 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
-from .figure import axes_or_new, legend_beside
-from .style import (
+from frictionlab.plotting.figure import axes_or_new, legend_beside
+from frictionlab.plotting.style import (
     BLACK,
     DASHED,
     GREY,

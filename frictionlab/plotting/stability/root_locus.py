@@ -11,8 +11,8 @@ from matplotlib.collections import LineCollection
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from .figure import axes_or_new, legend_beside
-from .style import BLACK, GREY, line_style, parameter_label, parameter_value_text
+from frictionlab.plotting.figure import axes_or_new, legend_beside
+from frictionlab.plotting.style import BLACK, GREY, line_style, parameter_label, parameter_value_text
 
 Array = NDArray[np.float64]
 LINE_WIDTH, GROWING_LINE_WIDTH = 1.2, 3.2
