@@ -100,7 +100,7 @@ def ensemble(
 
 def start_group(automaton: HybridAutomaton, states: np.ndarray, method: Taylor) -> Batch:
     """A batch of runs of one automaton from states (N, n), to be advanced; the arguments are not checked."""
-    program, numbers = program_of(with_chatter_limit(automaton, method))
+    program, numbers = program_of(with_chatter_limit(automaton, method.limits[1]))
     rows = Numbers(*(np.tile(each, (len(states), 1)) for each in numbers))
     return new_batch(program, rows, states, method)
 
@@ -121,7 +121,8 @@ def _problems(models: Sequence[Any], x0: Any, t_end: float, method: Taylor) -> l
     for i, model in enumerate(models):
         first.setdefault(id(model), i)
     automata = {key: _check_model(models[i], i) for key, i in first.items()}
-    programs = {key: program_of(with_chatter_limit(automaton, method)) for key, automaton in automata.items()}
+    limit = method.limits[1]
+    programs = {key: program_of(with_chatter_limit(one, limit)) for key, one in automata.items()}
     return [
         Problem(*programs[id(model)], validate_initial_state(model, start, automata[id(model)]), t_end)
         for model, start in zip(models, each)

@@ -9,9 +9,10 @@ from typing import Any
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.hybrid.methods.base import Method
 from frictionlab.hybrid.methods.method_registry import method_of
+from frictionlab.hybrid.run_file import trajectory_from_file
 from frictionlab.hybrid.solve import solve
 from frictionlab.hybrid.storage import read_run_file
-from frictionlab.hybrid.trajectory import Trajectory, trajectory_from_file
+from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models import Model
 from frictionlab.models.coercion import require_model
 

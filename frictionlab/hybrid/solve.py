@@ -82,7 +82,7 @@ def solve(
         check_section_or_quadrature(name, function, automaton)
     if any(asked) and not chosen.riders:
         raise ValueError(f"sections and quadratures need method='taylor', got {method!r}: change the method")
-    automaton = with_chatter_limit(automaton, chosen)
+    automaton = with_chatter_limit(automaton, chosen.limits[1])
     modes, number = automaton.known_modes, _mode(automaton, mode)
     with_integrals = np.concatenate([state, np.zeros(len(asked[1]))])
     program, numbers = program_of(automaton, *asked, modes=modes)
@@ -117,10 +117,10 @@ def _description(method: Method, t_end: float, source: Any) -> dict[str, Any]:
     return {"method": method.describe(), "t_end": float(t_end), **model}
 
 
-def with_chatter_limit(automaton: HybridAutomaton, method: Method) -> HybridAutomaton:
-    """The automaton with the method's dwell time of chatter, if it has that parameter."""
+def with_chatter_limit(automaton: HybridAutomaton, limit: float) -> HybridAutomaton:
+    """The automaton with a method's dwell time of chatter (s), if it has that parameter."""
     names = [symbol.name for symbol in automaton.parameters]
-    return automaton.replace(chatter=method.limits[1]) if "chatter" in names else automaton
+    return automaton.replace(chatter=limit) if "chatter" in names else automaton
 
 
 def _states(automaton: HybridAutomaton, x0: Any) -> np.ndarray:

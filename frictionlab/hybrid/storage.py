@@ -1,9 +1,15 @@
-"""Runs on disk: one npz file of arrays, with a description as JSON among them."""
+"""Runs on disk: one npz file of arrays, with a description as JSON among them.
+
+A file is written beside its place and renamed, so that a full disk leaves what was there.  What is read is
+checked before kernels see it, as they check no indices; errors name the path.
+"""
 
 from __future__ import annotations
 
 import json
+import os
 import zipfile
+import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,14 +18,20 @@ from typing import Any
 import numpy as np
 
 from frictionlab._version import __version__
+from frictionlab.hybrid.kernels.jets import state_rates
+from frictionlab.hybrid.problem import Problem, RunData
 
-FILE_FORMAT = 1
+FILE_FORMAT = 2
+STORED_ARRAYS = (*RunData._fields[:9], "state")  # of a run, beside the end's time and mode
+
+UNREADABLE = zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, RuntimeError  # in archives
 
 
 @dataclass(frozen=True)
 class StoredRun:
-    """The content of a file: what is said of the run, and its arrays by name."""
+    """The content of a file: its path, what is said of the run, and its arrays by name."""
 
+    path: Path
     about: dict[str, Any]
     arrays: dict[str, np.ndarray]
 
@@ -35,7 +47,13 @@ def write_run_file(path: str | Path, about: Mapping[str, Any], arrays: Mapping[s
     path = path if path.suffix == ".npz" else path.with_name(path.name + ".npz")
     text = json.dumps({"format": FILE_FORMAT, "version": __version__, **about})
     everything: dict[str, Any] = {"about": np.array(text), **arrays}
-    np.savez_compressed(path, **everything)
+    beside = path.with_name(f"{path.stem}.{os.getpid()}.unfinished")
+    try:
+        with open(beside, "wb") as stream:
+            np.savez_compressed(stream, **everything)
+        os.replace(beside, path)
+    finally:
+        beside.unlink(missing_ok=True)
     return path
 
 
@@ -47,14 +65,27 @@ def read_run_file(path: str | Path) -> StoredRun:
     ValueError
         Where it is not such a file.
     """
-    try:
-        with open(path, "rb") as stream, np.load(stream, allow_pickle=False) as file:
-            arrays = {name: file[name] for name in file.files}
-        about = json.loads(str(arrays.pop("about")))
-    except (zipfile.BadZipFile, EOFError, ValueError, TypeError, KeyError, AttributeError) as error:
-        raise ValueError(f"{path} is no saved run: write one with run.save(path)") from error
+    with open(path, "rb") as stream:
+        try:
+            with np.load(stream, allow_pickle=False) as file:
+                arrays = {name: file[name] for name in file.files}
+            about = json.loads(str(arrays.pop("about")))
+        except (*UNREADABLE, OSError, ValueError, TypeError, KeyError, AttributeError) as error:
+            raise ValueError(f"{path} is no saved run: write one with run.save(path)") from error
     if about.get("format") != FILE_FORMAT:
         raise ValueError(
-            f"{path} has format {about.get('format')}, this version reads {FILE_FORMAT}: update frictionlab"
+            f"{path} has format {about.get('format')}, this version reads {FILE_FORMAT}: read it with "
+            f"frictionlab {about.get('version')}"
         )
-    return StoredRun(about, arrays)
+    return StoredRun(Path(path), about, arrays)
+
+
+def rates_by_mode(problem: Problem, raw: RunData) -> dict[str, list[float]]:
+    """Rates of the states at the first step in each mode that was visited: they tell equations apart."""
+    program, found = problem.program, {}
+    jets, rates = np.zeros((program.slots, 1)), np.empty(raw.state.size)
+    for mode in np.unique(raw.step_modes):
+        state = raw.step_states[np.argmax(raw.step_modes == mode)]
+        state_rates(program.code, problem.numbers, int(mode), state, jets, rates)
+        found[program.modes[mode]] = rates.tolist()
+    return found

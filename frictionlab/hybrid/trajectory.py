@@ -24,13 +24,12 @@ from frictionlab.hybrid.events import Events, SectionPoints
 from frictionlab.hybrid.kernels.run_state import StepData, jet_columns
 from frictionlab.hybrid.kernels.taylor_steps import sample_states, subdivide_steps
 from frictionlab.hybrid.outputs import evaluate_output
-from frictionlab.hybrid.problem import Problem, RunData, Status
-from frictionlab.hybrid.storage import StoredRun, write_run_file
+from frictionlab.hybrid.problem import Problem, RunData
+from frictionlab.hybrid.storage import STORED_ARRAYS, rates_by_mode, write_run_file
 from frictionlab.hybrid.tape.packing import program_of
 from frictionlab.validation import did_you_mean
 
 PICKLED = "automaton", "source", "raw", "status", "samples", "quadratures", "description", "_wall_time"
-STORED_ARRAYS = (*RunData._fields[:9], "state")  # what a file holds of a run, beside the end's time and mode
 
 
 class Sampling(NamedTuple):
@@ -320,10 +319,13 @@ class Trajectory(Drawable):
 
     def save(self, path: str | Path) -> Path:
         """Write the run to an npz file, which :func:`frictionlab.load` reads; returns its path."""
-        raw, samples = self.raw, self.samples
+        raw, samples, program = self.raw, self.samples, self.problem.program
         about = {
             "states": self.names,
             "parameters": {str(k): v for k, v in self.automaton.parameters.items()},
+            "mode_names": program.modes,
+            "guards": program.guards,
+            "rates": rates_by_mode(self.problem, raw),
             "t": raw.t,
             "mode": int(raw.mode),
             "modes": self._derived_modes(),
@@ -350,33 +352,3 @@ class Trajectory(Drawable):
     def __repr__(self) -> str:
         end = f"0 to {self.raw.t:g} s, {len(self.raw.step_modes)} steps, {len(self.events)} events"
         return f"Trajectory({end}, {self.status.name.lower()})"
-
-
-def trajectory_from_file(stored: StoredRun, automaton: HybridAutomaton, source: Any = None) -> Trajectory:
-    """The run that a file holds, on the automaton that made it.
-
-    Raises
-    ------
-    ValueError
-        Where the automaton has other states.
-    """
-    about, names = stored.about, [str(state) for state in automaton.states]
-    if names != about["states"]:
-        raise ValueError(f"the run has the states {about['states']}, the model {names}: give the right model")
-    modes = None
-    if isinstance(automaton.modes, ModesOnDemand) and "modes" in about:
-        modes = automaton.modes.known(about["modes"])  # by which the events are numbered
-    program, numbers = program_of(automaton, modes=modes)
-    arrays = {name: stored.arrays[name] for name in STORED_ARRAYS}
-    raw = RunData(**arrays, t=about["t"], mode=about["mode"], status=Status[about["status"]])
-    order, parts, sections = (about["samples"][key] for key in ("order", "parts", "sections"))
-    return Trajectory(
-        automaton,
-        Problem(program, numbers, raw.state, raw.t),
-        raw,
-        Sampling(order, parts, stored.arrays.get("t_eval"), tuple(sections)),
-        quadratures=about["quadratures"],
-        description=stored.description,
-        source=source,
-        wall_time=about["wall_time"],
-    )

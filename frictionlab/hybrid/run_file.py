@@ -1,0 +1,122 @@
+"""The run that a file holds: whether its arrays belong together, and to the automaton that is given."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from frictionlab.automaton import HybridAutomaton
+from frictionlab.automaton.modes_on_demand import ModesOnDemand
+from frictionlab.hybrid.problem import Problem, RunData, Status
+from frictionlab.hybrid.solve import with_chatter_limit
+from frictionlab.hybrid.storage import STORED_ARRAYS, StoredRun, rates_by_mode
+from frictionlab.hybrid.tape.packing import program_of
+from frictionlab.hybrid.trajectory import Sampling, Trajectory
+
+RATES_RTOL = 1e-9  # rates by the same equations agree to rounding, on every processor
+
+
+def trajectory_from_file(stored: StoredRun, automaton: HybridAutomaton, source: Any = None) -> Trajectory:
+    """The run that a file holds, on the automaton that made it.
+
+    Raises
+    ------
+    ValueError
+        Where the file is damaged, or the automaton is another than that of the run.
+    """
+    try:
+        return _trajectory(stored, automaton, source)
+    except (KeyError, TypeError, AttributeError, IndexError) as error:
+        raise ValueError(f"{stored.path} is damaged, {error!r}: save the run again") from error
+
+
+def _trajectory(stored: StoredRun, automaton: HybridAutomaton, source: Any) -> Trajectory:
+    about = stored.about
+    # The one parameter that is a setting of the method, not of the model.
+    automaton = with_chatter_limit(automaton, about["parameters"].get("chatter", 0.0))
+    _check_same(stored, "states", [str(state) for state in automaton.states])
+    _check_same(stored, "mode_names", list(automaton.names))
+    _check_same(stored, "parameters", {str(k): v for k, v in automaton.parameters.items()})
+    modes = None
+    if isinstance(automaton.modes, ModesOnDemand):
+        modes = automaton.modes.known(about["modes"])  # by which the events are numbered
+    program, numbers = program_of(automaton, modes=modes)
+    _check_same(stored, "guards", list(program.guards))
+    _check_arrays(stored, len(program.guards))
+    arrays = {name: stored.arrays[name] for name in STORED_ARRAYS}
+    raw = RunData(**arrays, t=float(about["t"]), mode=int(about["mode"]), status=Status[about["status"]])
+    start = raw.step_states[0] if len(raw.step_states) else raw.state
+    problem = Problem(program, numbers, start, raw.t)
+    _check_rates(stored, rates_by_mode(problem, raw))
+    samples = about["samples"]
+    return Trajectory(
+        automaton,
+        problem,
+        raw,
+        Sampling(
+            int(samples["order"]),
+            int(samples["parts"]),
+            stored.arrays.get("t_eval"),
+            tuple(samples["sections"]),
+        ),
+        quadratures=dict(about["quadratures"]),
+        description=stored.description,
+        source=source,
+        wall_time=float(about["wall_time"]),
+    )
+
+
+def _check_same(stored: StoredRun, what: str, given: Any) -> None:
+    """Raise ValueError unless the automaton has what the run had."""
+    saved = stored.about[what]
+    if given == saved:
+        return
+    if isinstance(saved, dict):
+        names = sorted(name for name in {**saved, **given} if saved.get(name) != given.get(name))
+        saved, given = ({name: values.get(name) for name in names} for values in (saved, given))
+    raise ValueError(
+        f"{stored.path} holds a run with the {what.replace('_', ' ')} {saved}, got {given}: "
+        "give load(path, model=...) the model or automaton of that run"
+    )
+
+
+def _check_rates(stored: StoredRun, rates: dict[str, list[float]]) -> None:
+    """Raise ValueError unless the equations give the rates that were saved."""
+    for mode, saved in stored.about["rates"].items():
+        room = RATES_RTOL * np.abs(saved).max()
+        if not np.allclose(rates[mode], saved, rtol=0.0, atol=room, equal_nan=True):
+            raise ValueError(
+                f"{stored.path} holds a run by other equations: at its first step in mode {mode!r} the rates "
+                f"of the states were {saved}, now they are {rates[mode]}: give load(path, model=...) the "
+                "model or automaton of that run"
+            )
+
+
+def _check_arrays(stored: StoredRun, guards: int) -> None:
+    """Raise ValueError unless lengths agree and indices are in range: the kernels check none."""
+    about, arrays = stored.about, stored.arrays
+    states, modes = len(about["states"]), len(about["mode_names"])
+    steps, events, points = (len(arrays[name]) for name in ("step_modes", "event_times", "point_times"))
+    shapes = {
+        "step_times": (steps, 2),
+        "step_states": (steps, states),
+        "event_codes": (events, 3),
+        "event_states": (events, 2, states),
+        "point_sections": (points,),
+        "point_states": (points, states),
+        "state": (states,),
+    }
+    indices = {
+        "step_modes": (arrays["step_modes"], 0, modes),
+        "the guards in event_codes": (arrays["event_codes"][:, 0], 0, guards),
+        "the modes in event_codes": (arrays["event_codes"][:, 1], -1, modes),
+        "point_sections": (arrays["point_sections"], 0, len(about["samples"]["sections"])),
+        "mode": (np.array([about["mode"]]), -1, modes),
+    }
+    wrong = [name for name, shape in shapes.items() if arrays[name].shape != shape]
+    for name, (values, low, high) in indices.items():
+        if values.dtype.kind not in "iu" or (values < low).any() or (values >= high).any():
+            wrong.append(name)
+    if wrong:
+        raise ValueError(f"{stored.path} is damaged, its {', '.join(wrong)} cannot be: save the run again")
