@@ -25,6 +25,7 @@ def _names_in_stub() -> dict[str, str]:
 
 
 _HOME = _names_in_stub()
+# a type checker reads the stub, and need not follow how this list is made
 __all__ = list(_HOME)  # pyright: ignore[reportUnsupportedDunderAll]
 
 

@@ -42,7 +42,7 @@ def test_a_mode_that_is_no_step_long_has_none():
     assert set(run.defect) == {"flight"}
     assert run.defect["flight"] == 0.0  # of a parabola: exact but for rounding, which does not count
     with pytest.raises(TypeError):
-        run.defect["flight"] = 1.0  # pyright: ignore[reportIndexIssue]
+        run.defect["flight"] = 1.0  # pyright: ignore[reportIndexIssue]  # what is tested
 
 
 @pytest.mark.parametrize("tol", [1e-3, 1e-6, 1e-10])
