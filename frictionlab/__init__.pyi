@@ -13,8 +13,8 @@ from .analysis.basins.basins import load_basins as load_basins
 from .analysis.continuation.continue_orbit import OrbitBranch as OrbitBranch
 from .analysis.continuation.continue_orbit import SpecialOrbit as SpecialOrbit
 from .analysis.continuation.continue_orbit import continue_orbit as continue_orbit
-from .analysis.energy.energy_audit import EnergyAudit as EnergyAudit
-from .analysis.energy.energy_audit import energy_audit as energy_audit
+from .analysis.energy_audit import EnergyAudit as EnergyAudit
+from .analysis.energy_audit import energy_audit as energy_audit
 from .analysis.ensemble import BatchResult as BatchResult
 from .analysis.ensemble import ensemble as ensemble
 from .analysis.lyapunov import LyapunovSpectrum as LyapunovSpectrum
@@ -31,9 +31,9 @@ from .analysis.steady_state.result import SteadyState as SteadyState
 from .analysis.steady_state.steady_state import steady_state as steady_state
 from .analysis.sweeps.ablation import Ablation as Ablation
 from .analysis.sweeps.ablation import ablation as ablation
+from .analysis.sweeps.bifurcation import Bifurcation as Bifurcation
 from .analysis.sweeps.bifurcation import bifurcation as bifurcation
-from .analysis.sweeps.bifurcation_result import Bifurcation as Bifurcation
-from .analysis.sweeps.bifurcation_result import load_bifurcation as load_bifurcation
+from .analysis.sweeps.bifurcation import load_bifurcation as load_bifurcation
 from .analysis.sweeps.sweep import Sweep as Sweep
 from .analysis.sweeps.sweep import sweep as sweep
 from .analysis.verification.verify import Verification as Verification
@@ -94,7 +94,7 @@ from .models import SliderOnRigidBelt as SliderOnRigidBelt
 from .models import TwoBlocks as TwoBlocks
 from .models import list_models as list_models
 from .models.description.equations import Equations as Equations
-from .models.description.parameter_table import ParameterTable as ParameterTable
+from .models.parameter_namespace import ParameterTable as ParameterTable
 from .plotting import animate as animate
 from .plotting import plot_run as plot_run
 from .plotting.drawing import Curve as Curve

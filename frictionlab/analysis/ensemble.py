@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from frictionlab.analysis.simulate import validate_initial_state
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.hybrid.compilation import needs_compilation
 from frictionlab.hybrid.ensemble.batch import BatchResult, advance_batch, integrate_batch
@@ -23,8 +24,6 @@ from frictionlab.hybrid.tape.packing import program_of
 from frictionlab.hybrid.tape.program import Numbers
 from frictionlab.models.coercion import automaton_of
 from frictionlab.validation import check_number
-
-from .initial_states import validate_initial_state
 
 __all__ = ["BatchResult", "ensemble"]
 

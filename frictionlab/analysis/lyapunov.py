@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from frictionlab.analysis.simulate import validate_initial_state
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.drawable import Drawable
 from frictionlab.hybrid.progress import PROGRESS_DELAY
@@ -15,7 +16,6 @@ from frictionlab.hybrid.variational.tangent_flow import tangent_growth
 from frictionlab.models.coercion import automaton_of
 from frictionlab.validation import check_number
 
-from .initial_states import validate_initial_state
 from .motion_scales import Array, state_scales
 
 

@@ -15,7 +15,7 @@ import numpy as np
 import sympy as sp
 
 from frictionlab.analysis.basins.basins import BasinStability, basin_stability
-from frictionlab.analysis.steady_state.motion_kind import MotionKind
+from frictionlab.analysis.steady_state.classification import MotionKind
 from frictionlab.analysis.tables import markdown_table
 from frictionlab.automaton import Event, HybridAutomaton, Mode, Reset
 from frictionlab.hybrid.compilation import NUMBA

@@ -27,7 +27,7 @@ from frictionlab.hybrid.problem import Status
 from frictionlab.hybrid.solve import solve
 from frictionlab.hybrid.tape.packing import program_of
 
-from .peers import regularised
+from .peers import methods
 from .scenes import BenchScene
 
 BASE_METHOD = "frictionlab, tol 1e-15"
@@ -112,7 +112,7 @@ def measure(
 
 def _regularised_row(scene: BenchScene) -> WorkPrecisionRow:
     """The row of the regularised model, whose error is that of the smoothing."""
-    state, seconds, steps = regularised.run(scene.model, scene.t_end)
+    state, seconds, steps = methods.run(scene.model, scene.t_end)
     name = "model made smooth, LSODA"
     return WorkPrecisionRow(scene.name, "regularised", name, seconds, scene.error(state), 0, None, steps)
 

@@ -106,7 +106,7 @@ def _add_laws(group: Any) -> None:
 
 def _add_parameters(parser: argparse.ArgumentParser) -> None:
     from frictionlab.components import RestitutionImpact
-    from frictionlab.components.parameter import parameters_of
+    from frictionlab.components.component import parameters_of
     from frictionlab.models import SliderOnBelt
 
     groups = {"parameters of the structure": SliderOnBelt, "parameters of the contact": SliderOnBelt.contact}
@@ -132,7 +132,7 @@ def _add_parameter(group: Any, name: str, about: Any) -> None:
 def model_from_options(chosen: argparse.Namespace) -> Any:
     """The model; raises ValueError or TypeError as the model does."""
     from frictionlab.components import PlasticImpact, RestitutionImpact
-    from frictionlab.components.parameter import check_value, parameters_of
+    from frictionlab.components.component import check_value, parameters_of
     from frictionlab.models import SliderOnBelt
     from frictionlab.validation import check_choice
 
@@ -175,7 +175,7 @@ def _method_settings(method: Any) -> dict[str, Any]:
 
 def initial_state_from_options(chosen: argparse.Namespace, model: Any) -> Any:
     """The state that --x0 names, or the numbers it holds."""
-    from frictionlab.analysis.initial_states import model_initial_state
+    from frictionlab.analysis.simulate import model_initial_state
 
     text, n = chosen.x0, 2 * len(model.coordinates)
     if "," not in text:

@@ -1,17 +1,27 @@
 """Components: one small class for each law, in arithmetic that floats and sympy symbols share.
 
-`component` is the base of all, a frozen dataclass whose fields are parameters (`parameter`) with unit, symbol
-and range. `contact`, `friction` and `impact` hold the laws, `geometry` the coordinates and the directions of
-the contact forces, `interface` the regimes of contact.  `functions` are exp, tanh and the like for laws;
-`names` suggests what a misspelt name may mean.  Nothing here imports sympy; numpy is imported in functions
-only.
+`component` is the base of all, a frozen dataclass whose fields are parameters with unit, symbol and range.
+`contact`, `friction` and `impact` hold the laws, `geometry` the coordinates and the directions of the contact
+forces; the regimes of contact (`Interface`) are beside the contact laws.  `functions` are exp, tanh and the
+like for laws.  Nothing here imports sympy; numpy is imported in functions only.
 """
 
 from __future__ import annotations
 
 from . import functions
-from .component import Component
-from .contact import ContactLaw, CubicContact, HertzContact, LinearContact, PolynomialContact
+from .component import Component, Parameter, parameter
+from .contact import (
+    ContactLaw,
+    CubicContact,
+    HertzContact,
+    Interface,
+    LinearContact,
+    PolynomialContact,
+    SlidingOnly,
+    SlidingSeparation,
+    StickSlip,
+    StickSlipSeparation,
+)
 from .friction import (
     Coulomb,
     ExponentialDecay,
@@ -22,8 +32,6 @@ from .friction import (
 )
 from .geometry import FixedLoad, Geometry, MovingLoad
 from .impact import FrictionalImpact, ImpactLaw, PlasticImpact, RestitutionImpact
-from .interface import Interface, SlidingOnly, SlidingSeparation, StickSlip, StickSlipSeparation
-from .parameter import Parameter, parameter
 
 __all__ = [
     "Component",

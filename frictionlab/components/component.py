@@ -1,10 +1,194 @@
-"""The base of every component: a frozen dataclass whose parameters are checked when it is made."""
+"""The base of every component: a frozen dataclass whose parameters are checked when it is made.
+
+A parameter is a field that holds a physical number, with unit, symbol, meaning and range.
+"""
 
 from __future__ import annotations
 
+import dataclasses
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
+from functools import cache
+from inspect import get_annotations
+from math import isfinite
+from numbers import Real
+from types import MappingProxyType
+from typing import Any
 
-from .parameter import check_value, parameters_of
+METADATA_KEY = "frictionlab parameter"
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """What is known about a parameter besides its value.
+
+    Parameters
+    ----------
+    symbol : str
+        LaTeX, without dollars.
+    unit : str
+        SI; empty for a pure number.
+    meaning : str
+        One phrase.
+    default : float or None
+        None where the field has none.
+    minimum, exclusive_minimum, maximum : float or None
+        Bounds of the admissible values.
+    range : (float, float) or None
+        Where a slider for it starts and ends.
+    log : bool
+        Whether that slider is logarithmic.
+    """
+
+    symbol: str
+    unit: str = ""
+    meaning: str = ""
+    default: float | None = None
+    minimum: float | None = None
+    exclusive_minimum: float | None = None
+    maximum: float | None = None
+    range: tuple[float, float] | None = None
+    log: bool = False
+
+
+def parameter(
+    default: float,
+    *,
+    unit: str = "",
+    symbol: str = "",
+    meaning: str = "",
+    minimum: float | None = None,
+    exclusive_minimum: float | None = None,
+    maximum: float | None = None,
+    range: tuple[float, float] | None = None,
+    log: bool = False,
+) -> Any:
+    """A dataclass field that is a parameter of its component.
+
+    The keywords are those of :class:`Parameter`.  In a law of your own::
+
+        @dataclass(frozen=True)
+        class Hertz(ContactLaw):
+            k_h: float = parameter(1e6, unit="N/m^1.5", symbol="k_H", meaning="Hertz stiffness", minimum=0.0)
+
+            def force(self, penetration):
+                return self.k_h * penetration**1.5
+
+    Raises
+    ------
+    TypeError
+        If the default is no number.
+    ValueError
+        If the range is not two numbers in ascending order, above 0 for a logarithmic slider.
+    """
+    _check_default(default)
+    _check_range(range, log)
+    about = Parameter(symbol, unit, meaning, default, minimum, exclusive_minimum, maximum, range, log)
+    return dataclasses.field(default=default, metadata={METADATA_KEY: about})
+
+
+def _check_default(default: Any) -> None:
+    if isinstance(default, bool) or not isinstance(default, Real):
+        raise TypeError(
+            f"the default of a parameter must be a number, got {default!r}: give a float, or make the field "
+            "one without parameter(...)"
+        )
+
+
+def _check_range(range: Any, log: bool) -> None:
+    if range is None:
+        return
+    try:
+        low, high = range
+        fits = low < high and (low > 0 or not log)
+    except (TypeError, ValueError):
+        fits = False
+    if not fits:
+        rule = "two numbers in ascending order" + ", above 0 where log=True" * log
+        raise ValueError(f"range must be {rule}, got {range!r}: give (low, high), the ends of a slider")
+
+
+@cache
+def parameters_of(component: type) -> Mapping[str, Parameter]:
+    """The parameters of a component class by name, in the order of its fields.
+
+    A plain ``float`` field counts as a parameter without unit; every other field is *structure*.
+    """
+    _refuse_undecorated(component)
+    found = {f.name: _parameter_of_field(f) for f in dataclasses.fields(component)}
+    return MappingProxyType({name: about for name, about in found.items() if about is not None})
+
+
+@cache
+def structure_of(component: type) -> tuple[str, ...]:
+    """Names of the fields that are not parameters: they change the equations, not the numbers in them."""
+    names = (f.name for f in dataclasses.fields(component))
+    return tuple(name for name in names if name not in parameters_of(component))
+
+
+def _parameter_of_field(field: dataclasses.Field[Any]) -> Parameter | None:
+    about = field.metadata.get(METADATA_KEY)
+    if about is not None:
+        return about if about.symbol else dataclasses.replace(about, symbol=field.name)
+    if field.type not in (float, "float"):
+        return None
+    return Parameter(field.name, default=None if field.default is dataclasses.MISSING else field.default)
+
+
+def is_decorated(component: type) -> bool:
+    """Whether a class that adds fields is decorated; without it they would silently not be parameters."""
+    return not get_annotations(component) or "__dataclass_fields__" in component.__dict__
+
+
+def _refuse_undecorated(component: type) -> None:
+    if not is_decorated(component):
+        raise TypeError(
+            f"{component.__name__} has fields but is no dataclass: write @dataclass(frozen=True) above it"
+        )
+
+
+def check_value(name: str, value: Any, about: Parameter) -> float:
+    """The value as a float, if it is a finite real number within its bounds.
+
+    Raises
+    ------
+    TypeError
+        If it is no real number: text, a truth value, a complex number, an array.
+    ValueError
+        If it is not finite or out of bounds.
+    """
+    number = _finite_number(name, value, about)
+    if about.exclusive_minimum is not None and not number > about.exclusive_minimum:
+        raise ValueError(
+            _value_message(name, f"greater than {about.exclusive_minimum:g}", number, f"raise {name}", about)
+        )
+    if about.minimum is not None and not number >= about.minimum:
+        raise ValueError(_value_message(name, f"at least {about.minimum:g}", number, f"raise {name}", about))
+    if about.maximum is not None and not number <= about.maximum:
+        raise ValueError(_value_message(name, f"at most {about.maximum:g}", number, f"lower {name}", about))
+    return number
+
+
+def _finite_number(name: str, value: Any, about: Parameter) -> float:
+    if isinstance(value, bool) or not isinstance(value, Real):
+        what = f"{value!r} ({type(value).__name__})"
+        raise TypeError(_value_message(name, "one real number", what, "give a float", about))
+    try:
+        number = float(value)
+    except OverflowError:
+        number = float("inf")
+    if not isfinite(number):
+        raise ValueError(_value_message(name, "a finite number", number, "give a float", about))
+    return number
+
+
+def _value_message(name: str, rule: str, value: Any, cure: str, about: Parameter) -> str:
+    default = (
+        ""
+        if about.default is None
+        else f" (its default is {about.default:g}{' ' * bool(about.unit)}{about.unit})"
+    )
+    return f"{name} must be {rule}, got {value}: {cure}{default}"
 
 
 @dataclass(frozen=True, repr=False)

@@ -7,9 +7,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from .component import Component
+from .component import Component, parameter
 from .functions import exp
-from .parameter import parameter
 
 
 @dataclass(frozen=True, repr=False)

@@ -7,8 +7,7 @@ from typing import Any
 
 from frictionlab.validation import check_choice
 
-from .component import Component
-from .parameter import parameter
+from .component import Component, parameter
 
 PENETRATION_RATES = ("material", "full")
 

@@ -4,7 +4,7 @@
 files (`serialisation`), switches (`nonlinearities`).  A model is derived once for its structure, on a copy
 whose parameters are sympy symbols (`symbols`); `assembly` puts the numbers back and gives the
 `HybridAutomaton` that the solver runs. `mechanical` derives automata from energies and contacts, `library`
-holds the nine models, `description` shows a model as a table and as equations.  `coercion` tells models and
+holds the nine models, `description` shows a model as equations.  `coercion` tells models and
 automata from anything else.
 """
 

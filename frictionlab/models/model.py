@@ -8,17 +8,17 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self, TypeVar
 
-from frictionlab.components.component import Component
-from frictionlab.components.parameter import parameters_of
-from frictionlab.models.description.parameter_table import ParameterTable, parameter_table
+from frictionlab.components.component import Component, parameters_of
 from frictionlab.models.mechanical.mechanics import SlidingStatics
 
 from .mechanism import Mechanism, TiltingBelt
 from .nonlinearities import Nonlinearity, nonlinearities_of, without
 from .parameter_namespace import (
+    ParameterTable,
     check_component,
     model_signature,
     parameter_owners,
+    parameter_table,
     refuse_positional,
     refuse_unknown,
     with_values,

@@ -7,9 +7,8 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
-from frictionlab.components.contact import ContactLaw, LinearContact
+from frictionlab.components.contact import ContactLaw, Interface, LinearContact, SlidingOnly
 from frictionlab.components.geometry import FixedLoad, Geometry
-from frictionlab.components.interface import Interface, SlidingOnly
 from frictionlab.validation import did_you_mean
 
 

@@ -14,8 +14,7 @@ from typing import Any, NamedTuple
 import sympy
 
 from frictionlab.components import ContactLaw, FrictionLaw, ImpactLaw
-from frictionlab.components.component import Component
-from frictionlab.components.parameter import parameters_of, structure_of
+from frictionlab.components.component import Component, parameters_of, structure_of
 
 LAW_METHODS = ("force", "kinetic", "static_limit", "impulse", "friction")
 

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionlab.analysis.steady_state.motion_kind import MotionKind
+from frictionlab.analysis.steady_state.classification import MotionKind
 from frictionlab.analysis.steady_state.result import SteadyState
 from frictionlab.analysis.steady_state.steady_state import steady_state
 from frictionlab.analysis.sweeps.bifurcation import bifurcation

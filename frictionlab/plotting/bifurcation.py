@@ -14,7 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from frictionlab.analysis.steady_state.motion_kind import MotionKind
+from frictionlab.analysis.steady_state.classification import MotionKind
 
 from .figure import axes_or_new, legend_beside
 from .style import (

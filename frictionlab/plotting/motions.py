@@ -11,7 +11,7 @@ from matplotlib.colors import AsinhNorm, LinearSegmentedColormap
 from matplotlib.container import ErrorbarContainer
 from matplotlib.lines import Line2D
 
-from frictionlab.analysis.steady_state.motion_kind import MotionKind
+from frictionlab.analysis.steady_state.classification import MotionKind
 from frictionlab.validation import check_choice
 
 from .figure import axes_or_new, legend_beside

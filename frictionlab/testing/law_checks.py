@@ -1,24 +1,58 @@
-"""Checks of a law by itself: signs of its forces, the same values for numbers, arrays and symbols."""
+"""Checks of a law by itself: signs of its forces, the same values for numbers, arrays and symbols; and those
+that laws and models share: parameters with meaning and range, a repr and a dictionary that make the object
+again.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
 import sympy as sp
 
 from frictionlab.components import ContactLaw, FrictionLaw, ImpactLaw
-from frictionlab.components.component import Component
-from frictionlab.components.parameter import parameters_of
+from frictionlab.components.component import Component, Parameter, parameters_of
+from frictionlab.models.serialisation import component_from_dict, component_to_dict
 from frictionlab.models.symbols import structure_of_component, symbol, symbolic_copy
-
-from .common_checks import check_parameters, check_round_trip, fail
 
 PENETRATIONS = np.linspace(1e-4, 0.1, 7)
 SPEEDS = np.linspace(0.0, 3.0, 7)
 FORCES = np.array([1.0, 50.0, 1e3])
 LAW_RTOL = 1e-12
+
+
+def fail(subject: Any, rule: str, got: Any) -> None:
+    """Raise AssertionError: what is checked, the rule, and what there is instead."""
+    raise AssertionError(f"{subject!r}: {rule}, got {got!r}")
+
+
+def check_parameters(subject: Component, known: Mapping[str, Parameter]) -> None:
+    """Every parameter has a symbol, a meaning and a range that holds its default."""
+    for name, about in known.items():
+        if not about.meaning:
+            fail(subject, f"parameter {name} must have a meaning: write parameter(..., meaning=...)", "")
+        if about.range is None:
+            fail(subject, f"parameter {name} must have a range for its slider", None)
+        low, high = about.range or (0.0, 0.0)
+        if about.default is not None and not low <= about.default <= high:
+            fail(subject, f"the range of {name} must hold its default", (about.range, about.default))
+
+
+def check_round_trip(subject: Component) -> None:
+    """The repr is an expression that makes the object again, and so does the dictionary."""
+    again = eval(repr(subject), _class_names(subject))
+    if again != subject:
+        fail(subject, "its repr must make it again", again)
+    again = component_from_dict(component_to_dict(subject), type(subject))
+    if again != subject or hash(again) != hash(subject):
+        fail(subject, "its dictionary must make it again", again)
+
+
+def _class_names(subject: Component) -> dict[str, type]:
+    """The classes that a repr may name."""
+    parts = [getattr(subject, name) for name in getattr(subject, "roles", ())]
+    return {type(part).__name__: type(part) for part in (subject, *parts)}
 
 
 def check_law(law: Component) -> None:

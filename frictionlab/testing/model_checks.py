@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 
 from frictionlab.analysis.simulate import simulate
-from frictionlab.components.parameter import parameters_of
+from frictionlab.components.component import parameters_of
 from frictionlab.hybrid.tape.packing import program_of
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models.model import Model
 from frictionlab.models.parameter_namespace import parameter_metadata
 
-from .common_checks import check_parameters, check_round_trip, fail
+from .law_checks import check_parameters, check_round_trip, fail
 
 COMPARISON_TIME = 0.02  # s, of the comparison with another integrator
 COMPARISON_METHOD, COMPARISON_RTOL = "DOP853", 1e-7

@@ -10,10 +10,9 @@ import numpy as np
 import traitlets
 
 from frictionlab.analysis.motion_scales import oscillation_period, rounded_period
-from frictionlab.plotting.animation.animate import frame_times
+from frictionlab.plotting.animation.animate import BeltPicture, frame_times, mechanism_of, picture_of
 from frictionlab.plotting.animation.artists import FORCE_COLOURS, SPRING_LABELS
 from frictionlab.plotting.animation.parts import MARKS, WIDTH, Parts
-from frictionlab.plotting.animation.run_picture import BeltPicture, mechanism_of, picture_of
 from frictionlab.plotting.animation.tilting_belt import COLUMNS
 from frictionlab.plotting.runs.time_window import Periods, Window, window_limits
 from frictionlab.plotting.style import mode_colours, state_unit

@@ -7,9 +7,9 @@ from typing import Any, Unpack
 
 import numpy as np
 
-from frictionlab.analysis.initial_states import validate_initial_state
 from frictionlab.analysis.motion_scales import Array
 from frictionlab.analysis.options import Execution, SteadyStateOptions, StudyKeywords, merge_keywords
+from frictionlab.analysis.simulate import validate_initial_state
 from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.models.coercion import automaton_of
 from frictionlab.validation import abbreviate, check_choice, check_mapping, check_number, float_array

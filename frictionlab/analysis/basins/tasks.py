@@ -12,11 +12,18 @@ from typing import Any
 
 import numpy as np
 
+from frictionlab.analysis.basins.attractors import (
+    BasinSettings,
+    add_ranges,
+    attractor_points,
+    classify_attractor,
+    probe_attractor,
+)
 from frictionlab.analysis.ensemble import advance_group, start_group
-from frictionlab.analysis.initial_states import initial_state_of
 from frictionlab.analysis.motion_scales import Array
 from frictionlab.analysis.options import Execution
-from frictionlab.analysis.steady_state.motion_kind import MotionKind
+from frictionlab.analysis.simulate import initial_state_of
+from frictionlab.analysis.steady_state.classification import MotionKind
 from frictionlab.analysis.steady_state.steady_state import check_section
 from frictionlab.analysis.sweeps.journal import Journal
 from frictionlab.analysis.sweeps.task_runner import run_tasks
@@ -26,7 +33,6 @@ from frictionlab.hybrid.kernels.run_state import FINISHED
 from frictionlab.models import Model
 from frictionlab.models.coercion import automaton_of
 
-from .attractor_probe import BasinSettings, add_ranges, attractor_points, classify_attractor, probe_attractor
 from .attractors import UNDECIDED, AttractorCatalogue, AttractorData, attractor_scale, transient_ranges
 
 PROBE_COUNT = 12  # initial states of the probes, which look for the attractors first

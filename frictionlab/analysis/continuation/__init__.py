@@ -2,6 +2,6 @@
 
 `continue_orbit` follows a branch both ways from an orbit; `driver` chooses the steps and ends a branch;
 `pseudo_arclength` takes one step (tangent predictor, Newton corrector) and gives a `BranchPoint`;
-`special_points` locates folds, period doublings and Neimark-Sacker points between two of them; `branch_ends`
+`special_points` locates folds, period doublings and Neimark-Sacker points between two of them, and
 names what happens where the sequence of modes changes.
 """

@@ -9,10 +9,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from frictionlab.analysis.continuation.special_points import NO_ORBIT, branch_end_kind
 from frictionlab.analysis.motion_scales import Array
 from frictionlab.automaton import HybridAutomaton
 
-from .branch_ends import NO_ORBIT, branch_end_kind
 from .pseudo_arclength import BranchPoint, continuation_step, reversed_point
 from .special_points import SpecialPoint, special_points_between
 

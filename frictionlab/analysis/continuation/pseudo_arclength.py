@@ -16,9 +16,9 @@ import numpy as np
 import sympy as sp
 
 from frictionlab.analysis.motion_scales import AT_REST_RTOL, Array, state_ranges, state_scales
-from frictionlab.analysis.orbits.orbit_guess import OrbitGuess
 from frictionlab.analysis.orbits.shooting import (
     RESIDUAL_ROUNDING,
+    OrbitGuess,
     ShootingResult,
     check_orbit,
     run_one_period,

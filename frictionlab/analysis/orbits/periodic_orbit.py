@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from frictionlab.analysis.initial_states import resolve_initial_state
 from frictionlab.analysis.motion_scales import Array, state_scales
+from frictionlab.analysis.orbits.shooting import OrbitGuess, state_and_period
+from frictionlab.analysis.simulate import resolve_initial_state
 from frictionlab.analysis.steady_state.result import SteadyState
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.drawable import Drawable
@@ -17,7 +18,6 @@ from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models.coercion import automaton_of
 from frictionlab.validation import check_number
 
-from .orbit_guess import OrbitGuess, state_and_period
 from .shooting import ShootingResult, check_motion, check_orbit, floquet_multipliers, shoot
 
 PERIOD_DIVISORS = (2, 3, 5, 7)

@@ -5,39 +5,61 @@ Recurrence at a section is checked first, then decay and drift over the whole wi
 
 from __future__ import annotations
 
+from enum import StrEnum
 from typing import NamedTuple
 
 import numpy as np
 
 from frictionlab.analysis.motion_scales import AT_REST_RTOL, Array, state_ranges
-from frictionlab.hybrid.events import SectionPoints
-from frictionlab.hybrid.trajectory import Trajectory
-
-from .decay import all_parts_decay, part_decays
-from .forcing_phase import covers_period, only_phase_resets, phase_on_circle
-from .motion_kind import MotionKind
-from .poincare_sections import STICK, Section, section_crossings, stick_onsets, turning_section
-from .recurrence import (
+from frictionlab.analysis.steady_state.poincare_sections import (
+    STICK,
+    Section,
+    covers_period,
+    only_phase_resets,
+    phase_on_circle,
+    section_crossings,
+    stick_onsets,
+    turning_section,
+)
+from frictionlab.analysis.steady_state.recurrence import (
     MIN_CROSSINGS,
     MIN_PERIODS_SEEN,
     MIN_SETTLING_FACTOR,
     NEAR_RECURRENCE_RTOL,
     Recurrence,
+    all_parts_decay,
     amplitude_changes,
     crossings_drift,
     find_recurrence,
     is_periodic,
+    part_decays,
 )
+from frictionlab.hybrid.events import SectionPoints
+from frictionlab.hybrid.trajectory import Trajectory
 
 REST_AMPLITUDE_RTOL = 1e-3  # size of a dying motion, as a share of the coordinates, that counts as at rest
 MIN_DECAY_FACTOR = 1.4  # by which factor it has to shrink from the first quarter of the window to the last
 EVEN_SAMPLES = 8001
 
 
+class MotionKind(StrEnum):
+    """Kind of a steady state; each member equals its text, as ``MotionKind.PERIODIC == "periodic"``."""
+
+    EQUILIBRIUM = "equilibrium"
+    PERIODIC = "periodic"
+    NON_PERIODIC = "non-periodic"
+    NOT_SETTLED = "not settled yet"  # the transient was too short to tell
+    ENDED_EARLY = "ended early"  # the run did not reach its end
+
+    def __repr__(self) -> str:
+        """That of the text, as results show it."""
+        return repr(self.value)
+
+
 def kind_of_motion(run: Trajectory, crossings: Array, returns: Recurrence, tolerance: float) -> MotionKind:
     """The kind of motion in a run, from its crossings (K, m) of a section and their recurrence.
 
-    Crossings are those of :func:`frictionlab.analysis.steady_state.forcing_phase.phase_on_circle`.
+    Crossings are those of :func:`frictionlab.analysis.steady_state.poincare_sections.phase_on_circle`.
     """
     resting = _at_rest(run)
     if resting is not None:

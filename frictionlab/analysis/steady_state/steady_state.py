@@ -4,13 +4,17 @@ from __future__ import annotations
 
 from typing import Any, Unpack
 
-from frictionlab.analysis.initial_states import initial_state_of
 from frictionlab.analysis.options import SteadyStateKeywords, SteadyStateOptions, merge_keywords
+from frictionlab.analysis.simulate import initial_state_of
+from frictionlab.analysis.steady_state.result import (
+    equilibrium_coordinates,
+    squared_distance,
+    with_equilibrium_parameters,
+)
 from frictionlab.hybrid.solve import solve
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models.coercion import automaton_of
 
-from .intensity import equilibrium_coordinates, squared_distance, with_equilibrium_parameters
 from .poincare_sections import Section, section_function, sections_to_record
 from .result import SteadyState, steady_state_of_window
 

@@ -10,8 +10,8 @@ from typing import Any, Unpack
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionlab.analysis.initial_states import initial_state_of
 from frictionlab.analysis.options import Execution, ExecutionKeywords, merge_keywords
+from frictionlab.analysis.simulate import initial_state_of
 from frictionlab.analysis.tables import import_optional
 from frictionlab.drawable import Drawable
 from frictionlab.models.coercion import require_model

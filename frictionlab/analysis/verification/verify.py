@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from frictionlab.analysis.initial_states import validate_initial_state
 from frictionlab.analysis.motion_scales import Array, motion_size
+from frictionlab.analysis.simulate import validate_initial_state
 from frictionlab.drawable import Drawable
 from frictionlab.hybrid.kernels.jets import MACHINE_EPSILON, MAX_ORDER
 from frictionlab.hybrid.methods.base import Method

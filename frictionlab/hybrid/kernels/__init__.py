@@ -19,16 +19,14 @@ In the order of their imports:
     events.
 ``event_location``
     The first zero of a mode's guards within a step.
-``section_events``
-    Zero crossings that are recorded and change no mode.
 ``mode_selection``
     Resets, and the first admissible mode at a state.
 ``event_handling``
     What is done at an event: record, reset, next mode, Zeno points.
 ``taylor_steps``
-    One step, the loop of steps, and the dense output computed from the steps that were stored.
+    One step, its section events, the loop of steps, and the dense output from the steps that were stored.
 
 A step: ``jets`` at the state, ``step_length`` (with ``powers`` and ``remainder`` where these are at stake),
-``event_location`` within it, ``section_events``, the state at its end; if there is an event,
+``event_location`` within it, section events, the state at its end; if there is an event,
 ``event_handling``, which resets the state and asks ``mode_selection`` for the next mode.
 """

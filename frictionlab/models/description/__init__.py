@@ -1,6 +1,6 @@
 """A model as people read it.
 
-`parameter_table` lists its parameters; `equations` holds the equations of a mode, printed as text or LaTeX,
+`equations` holds the equations of a mode, printed as text or LaTeX,
 and derives them from an automaton's flow; `lagrange_equations` writes those of mechanical models with their
 contact forces, `impact_equations` those of an impact as the paper does.
 """

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any, ClassVar
 
+from frictionlab.components.component import parameter
 from frictionlab.components.impact import ImpactLaw, RestitutionImpact
-from frictionlab.components.parameter import parameter
 from frictionlab.models.mechanical.mechanical_model import MechanicalModel
 from frictionlab.models.mechanical.mechanics import Mechanics, Stop
 from frictionlab.models.mechanism import Block, Mechanism, Place, Wall

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any, ClassVar
 
+from frictionlab.components.component import parameter
 from frictionlab.components.friction import Coulomb, FrictionLaw
-from frictionlab.components.parameter import parameter
 from frictionlab.models.mechanical.mechanical_model import SingleMass
 from frictionlab.models.mechanical.mechanics import Friction, Mechanics
 from frictionlab.models.mechanism import Mechanism, Wall, held_block

@@ -7,7 +7,7 @@ from __future__ import annotations
 from math import pi
 from typing import Any
 
-from frictionlab.components.parameter import parameter
+from frictionlab.components.component import parameter
 
 
 def mass_parameter(default: float = 1.0, symbol: str = "m", meaning: str = "mass") -> Any:

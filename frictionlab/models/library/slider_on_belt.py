@@ -7,12 +7,11 @@ from dataclasses import dataclass
 from types import MappingProxyType, SimpleNamespace
 from typing import Any, ClassVar
 
-from frictionlab.components.contact import ContactLaw, CubicContact
+from frictionlab.components.component import parameter
+from frictionlab.components.contact import ContactLaw, CubicContact, Interface, StickSlipSeparation
 from frictionlab.components.friction import Coulomb, FrictionLaw
 from frictionlab.components.geometry import Geometry, MovingLoad
 from frictionlab.components.impact import ImpactLaw, PlasticImpact
-from frictionlab.components.interface import Interface, StickSlipSeparation
-from frictionlab.components.parameter import parameter
 from frictionlab.models.mechanical.mechanical_model import MechanicalModel
 from frictionlab.models.mechanical.mechanics import Friction, Mechanics, SlidingStatics
 from frictionlab.models.mechanism import TiltingBelt

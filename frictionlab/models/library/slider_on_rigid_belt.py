@@ -8,9 +8,9 @@ from math import pi
 from types import MappingProxyType
 from typing import Any, ClassVar
 
+from frictionlab.components.component import parameter
 from frictionlab.components.contact import ContactLaw, CubicContact
 from frictionlab.components.friction import Coulomb, FrictionLaw
-from frictionlab.components.parameter import parameter
 from frictionlab.models.mechanical.mechanical_model import PlanarSlider, inclined_spring_energy
 from frictionlab.models.mechanism import Mechanism, body_on_belt, inclined_end
 from frictionlab.models.model import with_signature

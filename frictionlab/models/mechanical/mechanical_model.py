@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.components import functions
-from frictionlab.components.interface import Interface, StickSlipSeparation
+from frictionlab.components.contact import Interface, StickSlipSeparation
 from frictionlab.models.model import Model
 from frictionlab.models.nonlinearities import Nonlinearity, nonlinearities_of
 

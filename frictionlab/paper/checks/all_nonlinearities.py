@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from scipy.stats import spearmanr
 
-from frictionlab.analysis.steady_state.motion_kind import MotionKind
+from frictionlab.analysis.steady_state.classification import MotionKind
 from frictionlab.paper import scenes, steady_states
 from frictionlab.paper.figures.bifurcations import example_cycle, steady_state_text
 from frictionlab.paper.scenes import Setting

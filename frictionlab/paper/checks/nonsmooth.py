@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from frictionlab.analysis.steady_state.motion_kind import MotionKind
+from frictionlab.analysis.steady_state.classification import MotionKind
 from frictionlab.paper import steady_states
 from frictionlab.paper.figures.stiff_structure import (
     PANELS_WITHOUT,

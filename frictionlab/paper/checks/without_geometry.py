@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from frictionlab.analysis.steady_state.motion_kind import MotionKind
+from frictionlab.analysis.steady_state.classification import MotionKind
 from frictionlab.paper import scenes, steady_states
 from frictionlab.paper.figures.bifurcations import PHASE_PLANE_MU_K, phase_plane_cycle
 from frictionlab.paper.scenes import Setting

@@ -14,7 +14,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from frictionlab.analysis.simulate import simulate
-from frictionlab.analysis.steady_state.motion_kind import MotionKind
+from frictionlab.analysis.steady_state.classification import MotionKind
 from frictionlab.analysis.steady_state.result import SteadyState
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.paper import scenes, steady_states

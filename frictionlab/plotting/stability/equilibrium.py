@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from frictionlab.models import Model
-from frictionlab.plotting.animation.run_picture import BeltPicture, picture_of
+from frictionlab.plotting.animation.animate import BeltPicture, picture_of
 from frictionlab.plotting.figure import axes_or_new, legend_beside
 from frictionlab.plotting.runs.time_window import Array
 from frictionlab.plotting.style import (

@@ -10,8 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionlab.drawable import Drawable
-from frictionlab.stability.equilibrium_points.equilibria import Equilibrium
-from frictionlab.stability.equilibrium_points.problem_setup import equilibrium_branches, equilibrium_problem
+from frictionlab.stability.equilibrium_points.equilibria import (
+    Equilibrium,
+    equilibrium_branches,
+    equilibrium_problem,
+)
 from frictionlab.stability.equilibrium_points.static_equations import by_penetration
 from frictionlab.stability.equilibrium_problem import EquilibriumProblem, check_bounds
 

@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 from scipy.optimize.elementwise import find_root
 
 from frictionlab.drawable import Drawable
-from frictionlab.stability.equilibrium_points.equilibria import Equilibrium
-from frictionlab.stability.equilibrium_points.problem_setup import equilibrium_problem
+from frictionlab.stability.equilibrium_points.equilibria import Equilibrium, equilibrium_problem
 from frictionlab.stability.equilibrium_problem import EquilibriumProblem, check_bounds, check_parameter
 from frictionlab.stability.state_matrices import NEUTRAL_RTOL, growth_rates, unstable_pairs
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionlab.drawable import Drawable
-from frictionlab.stability.equilibrium_points.problem_setup import equilibrium_problem
+from frictionlab.stability.equilibrium_points.equilibria import equilibrium_problem
 from frictionlab.stability.equilibrium_problem import EquilibriumProblem, check_parameter
 from frictionlab.stability.state_matrices import unstable_pairs
 

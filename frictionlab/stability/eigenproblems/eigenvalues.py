@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionlab.drawable import Drawable
-from frictionlab.stability.equilibrium_points.equilibria import Equilibrium, equilibrium
-from frictionlab.stability.equilibrium_points.problem_setup import equilibrium_problem
+from frictionlab.stability.equilibrium_points.equilibria import Equilibrium, equilibrium, equilibrium_problem
 from frictionlab.stability.equilibrium_points.static_equations import by_penetration, sliding_equations
 from frictionlab.stability.state_matrices import is_neutral
 

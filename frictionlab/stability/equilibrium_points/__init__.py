@@ -1,9 +1,9 @@
 """Equilibria of models and automata.
 
-`equilibria` has the public functions.  Of an automaton: `automaton_equilibria` looks in each mode for zeros
-of the flow, by Newton's method from many starts (`newton_homotopy`), polished and distinguished by
-`newton_zeros`.  Of a slider on a belt: `static_equations` reduces the static equations to one equation in the
-penetration, whose roots (`real_roots`) are all found, for many parameter values at once in
-`batch_equilibria`.  `problem_setup` makes the `EquilibriumProblem` on which the other packages of stability
-work.
+`equilibria` has the public functions, and makes the `EquilibriumProblem` on which the other packages of
+stability work.  Of an automaton: `automaton_equilibria` looks in each mode for zeros
+of the flow, by Newton's method from many starts (`newton`), polished and
+distinguished.  Of models with one contact: `static_equations` reduces the static equations to one equation
+in the penetration, whose roots (`real_roots`) are all found, for many parameter values at once in
+`batch_equilibria`.
 """

@@ -14,11 +14,9 @@ from frictionlab.automaton import HybridAutomaton, Mode
 from frictionlab.automaton.modes_on_demand import ModesOnDemand
 from frictionlab.models import Model
 from frictionlab.models.coercion import automaton_of
+from frictionlab.stability.equilibrium_points.newton import find_zeros, follow_zero, newton_step
 from frictionlab.stability.equilibrium_problem import EquilibriumProblem
 from frictionlab.stability.flow import Flow
-
-from .newton_homotopy import find_zeros, follow_zero
-from .newton_zeros import newton_step
 
 Array = NDArray[np.float64]
 CONSTRAINT_RTOL = 1e-9  # share of its terms to which a constraint has to hold at an equilibrium

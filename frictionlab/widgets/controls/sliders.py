@@ -12,7 +12,7 @@ from typing import Any
 import ipywidgets
 
 from frictionlab.analysis.motion_scales import ROUND_NUMBER_RTOL
-from frictionlab.components.parameter import Parameter
+from frictionlab.components.component import Parameter
 
 MAX_SLIDER_STEPS = 300  # most steps of a slider from one end to the other
 STEPS_PER_DECADE = 50

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from frictionlab.analysis.motion_scales import rounded_period
 from frictionlab.analysis.options import SteadyStateOptions
-from frictionlab.analysis.steady_state.motion_kind import MotionKind
+from frictionlab.analysis.steady_state.classification import MotionKind
 from frictionlab.analysis.sweeps.bifurcation import bifurcation, steady_state_task
 from frictionlab.analysis.sweeps.task_runner import run_tasks
 from frictionlab.models.coercion import check_parameter_name

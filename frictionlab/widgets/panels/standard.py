@@ -1,4 +1,4 @@
-"""The panels that have names, and that of critical values.
+"""The panels that have names, the mechanism at the end of the window shown, and the panel of critical values.
 
 The modes are a coloured strip at the foot of the panels over time, and the colours of the phase plane.
 """
@@ -16,6 +16,7 @@ from frictionlab.analysis.spectrum import highest_frequency
 from frictionlab.models.coercion import check_parameter_name
 from frictionlab.models.parameter_namespace import parameter_metadata
 from frictionlab.models.symbols import structure_of_component
+from frictionlab.plotting.animation.animate import mechanism_of, picture_of
 from frictionlab.plotting.drawing import Curve, Drawing, envelope
 from frictionlab.plotting.runs.time_histories import force_outputs
 from frictionlab.plotting.style import (
@@ -36,7 +37,7 @@ from frictionlab.stability import CriticalCurve, critical_curve
 from frictionlab.validation import did_you_mean
 from frictionlab.widgets.controls.sliders import round_to_step, slider_range
 
-from .mechanism import mechanism
+FRAMES = 200  # by which displacements are magnified, so that the largest is well seen
 
 STRIP_THICKNESS = 7.0  # points
 STRIP_SAMPLES = 400
@@ -48,6 +49,18 @@ ZERO_GROWTH_LINE: dict[str, Any] = {"color": GREY, "linewidth": 0.8, "zorder": 1
 CURVE_POINTS = 21
 MAX_CACHED_CURVES = 16  # curves
 OPERATING_POINT: dict[str, Any] = {"linestyle": "none", "markersize": 8.0, "zorder": 3.0}
+
+
+def mechanism(result: Any) -> Drawing:
+    """Bodies, springs, belt and contact forces at the last instant, magnified as the whole motion allows."""
+    t = result.times()
+    seen = t[np.unique(np.linspace(0, len(t) - 1, FRAMES).astype(int))]
+    picture = picture_of(result.run, mechanism_of(result.run, "the panel mechanism"), seen)
+    lines = picture.outlines(len(seen) - 1)
+    curves = {f"_part {i}": Curve(x, y, {"color": BLACK}) for i, (x, y) in enumerate(lines)}
+    xlim, ylim = picture.limits
+    note = f"t = {seen[-1]:.4g} s: {picture.mode[-1]}"
+    return Drawing(picture.note, "", curves, note=note, xlim=xlim, ylim=ylim)
 
 
 def mode_strip(result: Any) -> dict[str, Curve]:

@@ -8,7 +8,7 @@ import pytest
 
 from frictionlab.bench import harness, page_figures, performance_page
 from frictionlab.bench.harness import WorkPrecisionRow
-from frictionlab.bench.peers import regularised
+from frictionlab.bench.peers import methods
 from frictionlab.bench.peers.callback_adapters import Cvode, PathSim, SolveIvp
 from frictionlab.bench.peers.compiled_adapters import Diffrax, Heyoka
 from frictionlab.bench.peers.methods import METHODS, BenchMethod, InterpretedTaylor
@@ -89,8 +89,8 @@ def test_interpreted_it_is_the_same_to_the_last_bit():
 
 def test_a_smoothed_model_starts_alike_and_ends_elsewhere():
     """No impacts and no stick: the same until the first event, another motion after it."""
-    early, *_ = regularised.run(FULL_GAP_RATE_SLIDER, 0.02)
-    late, *_ = regularised.run(FULL_GAP_RATE_SLIDER, 1.0)
+    early, *_ = methods.run(FULL_GAP_RATE_SLIDER, 0.02)
+    late, *_ = methods.run(FULL_GAP_RATE_SLIDER, 1.0)
     exact = [solve(scenes()["B"].automaton, t, x0=np.zeros(10)).final_state for t in (0.02, 1.0)]
     assert np.abs(early - exact[0])[:5].max() < 1e-5
     assert np.abs(late - exact[1])[:5].max() > 1e-2

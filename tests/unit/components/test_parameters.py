@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from frictionlab.components import ContactLaw, Coulomb, CubicContact, LinearContact, PlasticImpact, parameter
-from frictionlab.components.parameter import parameters_of, structure_of
+from frictionlab.components.component import parameters_of, structure_of
 from frictionlab.validation import did_you_mean, did_you_mean_or_known
 
 

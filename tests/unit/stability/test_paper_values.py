@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import frictionlab as fl
-from frictionlab.stability.equilibrium_points.problem_setup import equilibrium_problem
+from frictionlab.stability.equilibrium_points.equilibria import equilibrium_problem
 
 S = fl.SliderOnBelt
 CRITICAL = [

@@ -5,7 +5,7 @@ import pytest
 import sympy as sp
 
 import frictionlab as fl
-from frictionlab.analysis.steady_state.forcing_phase import covers_period, phase_on_circle, phase_resets
+from frictionlab.analysis.steady_state.poincare_sections import covers_period, phase_on_circle, phase_resets
 from tests.helpers.automata import V, X, automaton
 from tests.helpers.known_motions import settled
 

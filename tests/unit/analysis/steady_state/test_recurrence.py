@@ -3,13 +3,14 @@
 import numpy as np
 import pytest
 
-from frictionlab.analysis.steady_state.decay import all_parts_decay, part_decays
 from frictionlab.analysis.steady_state.recurrence import (
     NO_RECURRENCE,
+    all_parts_decay,
     amplitude_changes,
     crossings_drift,
     find_recurrence,
     is_periodic,
+    part_decays,
 )
 
 SIZE = np.ones(2)

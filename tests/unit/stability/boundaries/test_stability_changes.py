@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import frictionlab as fl
-from frictionlab.stability.equilibrium_points.problem_setup import equilibrium_problem
+from frictionlab.stability.equilibrium_points.equilibria import equilibrium_problem
 from tests.helpers.linear_automata import P, linear
 
 pytestmark = pytest.mark.blas

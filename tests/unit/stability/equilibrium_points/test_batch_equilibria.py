@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 import frictionlab as fl
 from frictionlab.components import ContactLaw, FrictionLaw
-from frictionlab.stability.equilibrium_points.problem_setup import equilibrium_problem
+from frictionlab.stability.equilibrium_points.equilibria import equilibrium_problem
 
 S = fl.SliderOnBelt
 

@@ -14,7 +14,7 @@ from numpy.polynomial import Polynomial
 from frictionlab.components import ContactLaw
 from frictionlab.models import SliderOnBelt
 from frictionlab.stability import equilibria, equilibrium
-from frictionlab.stability.equilibrium_points.problem_setup import equilibrium_problem
+from frictionlab.stability.equilibrium_points.equilibria import equilibrium_problem
 from frictionlab.stability.equilibrium_points.real_roots import real_roots
 
 pytestmark = pytest.mark.blas
