@@ -5,7 +5,7 @@ The balance has energies, powers, and jumps at impacts, each evaluated at the st
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -15,6 +15,7 @@ import sympy as sp
 
 from frictionlab.analysis.motion_scales import Array
 from frictionlab.automaton import HybridAutomaton
+from frictionlab.automaton.modes_on_demand import JOINT
 from frictionlab.drawable import Drawable
 from frictionlab.frozen_mapping import FrozenMapping
 from frictionlab.hybrid.outputs import array_function, evaluate_output
@@ -22,7 +23,7 @@ from frictionlab.hybrid.progress import PROGRESS_DELAY
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models import MechanicalModel
 from frictionlab.models.mechanical.chatter import CHATTER_MODE
-from frictionlab.models.mechanical.equations_of_motion import JOINT, LagrangeSystem, system_of
+from frictionlab.models.mechanical.equations_of_motion import LagrangeSystem, system_of
 from frictionlab.models.mechanical.mechanics import Friction
 from frictionlab.models.mechanical.modes import contact_suffix
 from frictionlab.models.symbols import Structure, parameter_symbols, structure_of_component, structure_values
@@ -78,10 +79,10 @@ class Terms:
 
 
 class Balance:
-    """The terms of a model's energy balance at states (N, states) in modes (N,) by number."""
+    """The terms of a model's energy balance at states (N, states) in modes (N,), numbers in `mode_names`."""
 
-    def __init__(self, model: Any, automaton: HybridAutomaton) -> None:
-        self.automaton, self._values = automaton, structure_values(model)
+    def __init__(self, model: Any, automaton: HybridAutomaton, mode_names: Sequence[str]) -> None:
+        self.automaton, self.mode_names, self._values = automaton, mode_names, structure_values(model)
         self._terms = terms_of(structure_of_component(model))
 
     def energies(self, states: Array, modes: Any) -> dict[str, Array]:
@@ -111,7 +112,7 @@ class Balance:
         return np.broadcast_to(np.asarray(function(*states.T, *self._values), dtype=float), len(states))
 
     def _output(self, name: str, contact: ContactTerms, states: Array, modes: Any) -> Array:
-        return evaluate_output(self.automaton, name + contact.number, states, modes)
+        return evaluate_output(self.automaton, name + contact.number, states, modes, self.mode_names)
 
     def _contact_powers(self, contact: ContactTerms, states: Array, modes: Any) -> Any:
         """Names and powers (W) of a contact with friction."""
@@ -147,7 +148,7 @@ class Balance:
     def _modes_in_contact(self, contact: ContactTerms) -> np.ndarray:
         """Modes in which the contact's spring acts: not in flight, nor in the limit mode of many impacts."""
         apart = "separation", CHATTER_MODE
-        return np.array([name.split(JOINT)[contact.place] not in apart for name in self.automaton.names])
+        return np.array([name.split(JOINT)[contact.place] not in apart for name in self.mode_names])
 
 
 @lru_cache(maxsize=64)
@@ -320,7 +321,7 @@ def _balance(run: Any) -> Balance:
             f"run must be of a model that states its energies, got one of a {of}, which has no masses nor "
             "springs: simulate a MechanicalModel"
         )
-    return Balance(run.source, run.automaton)
+    return Balance(run.source, run.automaton, run.mode_names)
 
 
 def _work_integrals(run: Trajectory, balance: Balance, edges: Array, progress: bool) -> tuple[Any, float]:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from frictionlab.validation import unknown_parameter
 
 from .mode import Mode, Symbol, check_elements
-from .modes_on_demand import ModesOnDemand, Sketch
+from .modes_on_demand import ModesOnDemand
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -58,7 +58,7 @@ class HybridAutomaton:
                 )
 
     @property
-    def names(self) -> tuple[str, ...]:
+    def names(self) -> Sequence[str]:
         """Names of the modes, in order."""
         if isinstance(self.modes, ModesOnDemand):
             return self.modes.names
@@ -67,13 +67,24 @@ class HybridAutomaton:
     @property
     def outputs(self) -> tuple[str, ...]:
         """Names of the outputs."""
-        any_mode = [mode for mode in self.known_modes if not isinstance(mode, Sketch)] or self.modes
+        derived = self.modes.known().modes if isinstance(self.modes, ModesOnDemand) else ()
+        any_mode = derived or self.modes
         return tuple(any_mode[0].outputs) if any_mode else ()
 
-    @property
-    def known_modes(self) -> tuple[Mode, ...]:
-        """The modes, with a sketch for each one not yet derived."""
-        return self.modes.known() if isinstance(self.modes, ModesOnDemand) else self.modes
+    def mode(self, name: str) -> Mode:
+        """The mode of that name, derived if it is not yet.
+
+        Raises
+        ------
+        KeyError
+            If there is none.
+        """
+        if isinstance(self.modes, ModesOnDemand):
+            return self.modes.named(name)
+        found = next((mode for mode in self.modes if mode.name == name), None)
+        if found is None:
+            raise KeyError(f"no mode is called {name!r}: the modes are {', '.join(self.names)}")
+        return found
 
     def replace(self, **values: float) -> HybridAutomaton:
         """The automaton with other values of parameters, by their names.
@@ -91,4 +102,7 @@ class HybridAutomaton:
         return HybridAutomaton(self.states, self.modes, {**self.parameters, **changed}, self.coordinates)
 
     def __repr__(self) -> str:  # without the equations, which may be pages long
-        return f"HybridAutomaton(states {', '.join(map(str, self.states))}; modes {', '.join(self.names)})"
+        return f"HybridAutomaton(states {', '.join(map(str, self.states))}; modes {self._modes_in_words()})"
+
+    def _modes_in_words(self) -> str:
+        return repr(self.names) if isinstance(self.modes, ModesOnDemand) else ", ".join(self.names)

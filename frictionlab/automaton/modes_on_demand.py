@@ -1,32 +1,142 @@
-"""Modes that are derived when they are first asked for, and sketches that stand for them until then."""
+"""Modes that are made of one regime for each part of a system, each derived when it is first asked for.
+
+N contacts of three regimes have 3^N modes, of which a run visits few.  So nothing here is made for each mode
+but for those asked for: names are made as they are read, and :meth:`ModesOnDemand.known` grows by what runs
+come to.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import islice, product
 from threading import Lock
-from typing import Any, overload
+from typing import Any, NamedTuple, overload
 
-from .mode import Mode
+from frictionlab.validation import check_choice
+
+from .mode import Expr, Mode
+
+JOINT = " | "  # separates the regimes in a mode's name
+NO_PARTS = "only"  # the name of the mode where there are no parts
+LISTED = 243  # modes that a message lists, most: those of five contacts
+Combination = tuple[int, ...]  # the number of a regime for each part
 
 
 @dataclass(frozen=True, eq=False)
-class Sketch(Mode):
-    """What is known of a mode before it is derived: where it cannot be entered.
-
-    None of its `constraints` may be negative where the mode is entered; its flow is not known, and zero.
+class Regime:
+    """A regime of one part, as stick of one contact: what is known of modes with it before they are derived.
 
     Parameters
     ----------
-    held : bool
-        Whether the mode will have constraints.
+    name : str
+    conditions : tuple of Expr
+        Functions of which none may be negative where a mode with this regime is entered.
+    holds : bool
+        Whether modes with it have constraints.
     """
 
-    held: bool = False
+    name: str
+    conditions: tuple[Expr, ...] = ()
+    holds: bool = False
 
-    @property
-    def holds(self) -> bool:
-        return self.held
+
+Parts = tuple[tuple[Regime, ...], ...]
+
+
+class ModeNames(Sequence[str]):
+    """Names of all combinations of regimes, made as they are read.
+
+    Parameters
+    ----------
+    regimes : tuple of tuple of str
+        Names of the regimes of each part.
+    allows : callable
+        Whether a combination is a mode.
+    """
+
+    def __init__(self, regimes: tuple[tuple[str, ...], ...], allows: Callable[[Combination], bool]) -> None:
+        self._names, self._allows = regimes, allows
+
+    def combinations(self) -> Iterator[Combination]:
+        """All combinations that are modes, in order: the last part's regime changes fastest."""
+        return filter(self._allows, product(*(range(len(names)) for names in self._names)))
+
+    def name_of(self, combination: Combination) -> str:
+        """The name of a combination."""
+        return JOINT.join(names[i] for names, i in zip(self._names, combination, strict=True)) or NO_PARTS
+
+    def combination_of(self, name: Any) -> Combination | None:
+        """The combination of that name; None where there is no such mode."""
+        words = name.split(JOINT) if isinstance(name, str) and name != NO_PARTS else ()
+        if len(words) != len(self._names):
+            return None
+        known = all(word in names for names, word in zip(self._names, words))
+        found = tuple(names.index(word) for names, word in zip(self._names, words)) if known else None
+        return found if found is not None and self._allows(found) else None
+
+    def place_of(self, name: str) -> int:
+        """The place of a mode in the order, counted as if all combinations were modes."""
+        place = 0
+        for regime, names in zip(self.combination_of(name) or (), self._names):
+            place = place * len(names) + regime
+        return place
+
+    def __contains__(self, name: object) -> bool:
+        return self.combination_of(name) is not None
+
+    def __iter__(self) -> Iterator[str]:
+        return map(self.name_of, self.combinations())
+
+    def __len__(self) -> int:
+        return sum(1 for _ in self.combinations())
+
+    @overload
+    def __getitem__(self, index: int) -> str: ...
+    @overload
+    def __getitem__(self, index: slice) -> tuple[str, ...]: ...
+    def __getitem__(self, index: int | slice) -> str | tuple[str, ...]:
+        if isinstance(index, slice):
+            return tuple(self)[index]
+        return self.name_of(self.combination_at(index))
+
+    def combination_at(self, index: int) -> Combination:
+        """The combination of that place in the order."""
+        place = index if index >= 0 else len(self) + index
+        found = next(islice(self.combinations(), max(place, 0), None), None)
+        if found is None or place < 0:
+            raise IndexError(f"there is no mode number {index}")
+        return found
+
+    def __eq__(self, other: object) -> bool:
+        if isinstance(other, ModeNames):
+            return self._names == other._names
+        return isinstance(other, tuple) and tuple(self) == other
+
+    def __hash__(self) -> int:
+        return hash(self._names)
+
+    def __repr__(self) -> str:
+        return JOINT.join("/".join(names) for names in self._names)
+
+
+def check_mode_name(mode: Any, names: Sequence[str], others: Sequence[str] = ()) -> None:
+    """Raise ValueError unless there is a mode of that name, or it is one of the `others`."""
+    if mode in names or mode in others:
+        return
+    if not isinstance(names, ModeNames) or not any(islice(names, LISTED, None)):
+        check_choice("mode", mode, (*names, *others))
+    raise ValueError(
+        f"mode must have one regime for each contact, {names!r}, got {mode!r}: join them by {JOINT!r}"
+    )
+
+
+class KnownModes(NamedTuple):
+    """Modes derived so far, the combination of each, and combinations seen to be no modes."""
+
+    modes: tuple[Mode, ...]
+    combinations: tuple[Combination, ...]
+    refused: tuple[Combination, ...]
 
 
 class ModesOnDemand(Sequence[Mode]):
@@ -34,34 +144,82 @@ class ModesOnDemand(Sequence[Mode]):
 
     Parameters
     ----------
-    sketches : iterable of Sketch
-        One for each mode, in the automaton's order.
+    parts : tuple of tuple of Regime
+        The regimes of each part, in the order in which they are tried.
     derive : callable
-        From a name to the mode.
+        From a combination, the number of a regime for each part, to its mode.
+    allows : callable
+        Whether a combination is a mode.
+    again : tuple of callable and arguments, or None
+        A call that gives these modes in another process, for pickles; None where they stay in this one.
+
+    Attributes
+    ----------
+    names : ModeNames
+        Names of all modes; none is derived for this.
     """
 
-    def __init__(self, sketches: Iterable[Sketch], derive: Callable[[str], Mode]) -> None:
-        self._sketches, self._derive = tuple(sketches), derive
-        self._derived: dict[str, Mode] = {}
+    def __init__(
+        self,
+        parts: Parts,
+        derive: Callable[[Combination], Mode],
+        allows: Callable[[Combination], bool] = lambda _: True,
+        again: tuple[Callable[..., ModesOnDemand], tuple[Any, ...]] | None = None,
+    ) -> None:
+        self.parts = parts
+        self.names = ModeNames(tuple(tuple(regime.name for regime in part) for part in parts), allows)
+        self._derive, self._allows, self._again = derive, allows, again
+        self._derived: dict[Combination, Mode] = {}
+        self._refused: dict[Combination, None] = {}
         self._one_at_a_time = Lock()  # else two threads might have two modes of one name
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """Names of all modes; none is derived for this."""
-        return tuple(sketch.name for sketch in self._sketches)
 
     @property
     def derived(self) -> tuple[str, ...]:
         """Names of those that are derived, in that order."""
-        return tuple(self._derived)
+        return tuple(map(self.names.name_of, tuple(self._derived)))
 
-    def known(self, names: Iterable[str] | None = None) -> tuple[Mode, ...]:
-        """All modes, as sketches but for those named; by default those derived so far are complete."""
-        chosen = frozenset(self.derived if names is None else names)
-        return tuple(self[i] if s.name in chosen else s for i, s in enumerate(self._sketches))
+    def known(self) -> KnownModes:
+        """What is known by now; what was known before comes first, in the same order."""
+        with self._one_at_a_time:
+            return KnownModes(tuple(self._derived.values()), tuple(self._derived), tuple(self._refused))
+
+    def mode(self, combination: Combination) -> Mode | None:
+        """The mode of a combination; None where it is none."""
+        with self._one_at_a_time:
+            if combination not in self._derived and combination not in self._refused:
+                if self._allows(combination):
+                    self._derived[combination] = self._derive(combination)
+                else:
+                    self._refused[combination] = None
+            return self._derived.get(combination)
+
+    def named(self, name: str) -> Mode:
+        """The mode of that name.
+
+        Raises
+        ------
+        KeyError
+            If there is none.
+        """
+        combination = self.names.combination_of(name)
+        mode = None if combination is None else self.mode(combination)
+        if mode is None:
+            raise KeyError(f"no mode is called {name!r}")
+        return mode
+
+    def select(self, suits: Callable[[Regime], bool]) -> Iterator[Mode]:
+        """The modes all of whose regimes suit, in order, derived one by one."""
+        chosen = ([i for i, regime in enumerate(part) if suits(regime)] for part in self.parts)
+        return (mode for one in product(*chosen) if (mode := self.mode(one)) is not None)
+
+    def __iter__(self) -> Iterator[Mode]:
+        return self.select(lambda _: True)
 
     def __len__(self) -> int:
-        return len(self._sketches)
+        return len(self.names)
+
+    def __bool__(self) -> bool:
+        return True
 
     @overload
     def __getitem__(self, index: int) -> Mode: ...
@@ -69,12 +227,8 @@ class ModesOnDemand(Sequence[Mode]):
     def __getitem__(self, index: slice) -> tuple[Mode, ...]: ...
     def __getitem__(self, index: int | slice) -> Mode | tuple[Mode, ...]:
         if isinstance(index, slice):
-            return tuple(self[i] for i in range(len(self))[index])
-        name = self._sketches[index].name
-        with self._one_at_a_time:
-            if name not in self._derived:
-                self._derived[name] = self._derive(name)
-        return self._derived[name]
+            return tuple(self.named(name) for name in self.names[index])
+        return self.named(self.names[index])
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return tuple, (list(self),)  # a pickle contains all modes
+        return (tuple, (tuple(self),)) if self._again is None else self._again

@@ -42,13 +42,17 @@ def _output_function(mode: Mode, name: str, states: tuple, parameters: tuple) ->
 
 
 def evaluate_output(
-    automaton: HybridAutomaton, name: str, states: np.ndarray, modes: np.ndarray
+    automaton: HybridAutomaton, name: str, states: np.ndarray, modes: np.ndarray, mode_names: Sequence[str]
 ) -> np.ndarray:
-    """Values (N,) of output `name` at `states` (N, n), each by the formula of its mode."""
+    """Values (N,) of output `name` at `states` (N, n), each by the formula of its mode.
+
+    The modes are numbers in `mode_names`.
+    """
     values = np.empty(len(states))
     parameters = tuple(automaton.parameters)
     for i in np.unique(modes):
         chosen = modes == i
-        function = _output_function(automaton.modes[i], name, automaton.states, parameters)
+        mode = automaton.mode(mode_names[i])
+        function = _output_function(mode, name, automaton.states, parameters)
         values[chosen] = function(*states[chosen].T, *automaton.parameters.values())
     return values

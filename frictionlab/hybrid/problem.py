@@ -7,7 +7,8 @@ capacity; `RecordList` joins these to `RunData`, the arrays that a
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from enum import Enum
 from typing import NamedTuple
 
@@ -17,23 +18,26 @@ from frictionlab.hybrid.kernels.run_state import Record, new_record
 from frictionlab.hybrid.tape.program import Code, Numbers, Program
 
 
-class ModeNotDerived(Exception):
-    """A run needs a mode that is not derived yet; `mode` is its index."""
-
-    def __init__(self, mode: int) -> None:
-        super().__init__(mode)
-        self.mode = mode
-
-
 @dataclass(frozen=True)
 class Problem:
-    """A program with its numbers, the initial state, the mode to start in (None: choose) and the end."""
+    """A program with its numbers, the initial state, the mode to start in (None: choose) and the end.
+
+    Where only some modes are derived, `derive` gives program and numbers with that of one combination more;
+    all that were in the program keep their numbers.
+    """
 
     program: Program
     numbers: Numbers
     x0: np.ndarray
     t_end: float
     mode: int | None = None
+    derive: Callable[[tuple[int, ...]], tuple[Program, Numbers]] | None = None
+
+    def with_mode(self, combination: np.ndarray) -> Problem:
+        """The problem with the mode of one combination more."""
+        assert self.derive is not None
+        program, numbers = self.derive(tuple(combination.tolist()))
+        return replace(self, program=program, numbers=numbers)
 
 
 class RunData(NamedTuple):

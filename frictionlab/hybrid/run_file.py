@@ -11,7 +11,7 @@ from frictionlab.automaton.modes_on_demand import ModesOnDemand
 from frictionlab.hybrid.problem import Problem, RunData, Status
 from frictionlab.hybrid.solve import with_chatter_limit
 from frictionlab.hybrid.storage import STORED_ARRAYS, StoredRun, rates_by_mode
-from frictionlab.hybrid.tape.packing import program_of
+from frictionlab.hybrid.tape.packing import program_of, program_of_modes
 from frictionlab.hybrid.trajectory import Sampling, Trajectory
 
 RATES_RTOL = 1e-9  # rates by the same equations agree to rounding, on every processor
@@ -36,12 +36,12 @@ def _trajectory(stored: StoredRun, automaton: HybridAutomaton, source: Any) -> T
     # The one parameter that is a setting of the method, not of the model.
     automaton = with_chatter_limit(automaton, about["parameters"].get("chatter", 0.0))
     _check_same(stored, "states", [str(state) for state in automaton.states])
-    _check_same(stored, "mode_names", list(automaton.names))
+    modes = automaton.modes
+    saved = about["mode_names"]  # by which steps and events are numbered
+    known = isinstance(modes, ModesOnDemand) and all(name in automaton.names for name in saved)
+    _check_same(stored, "mode_names", saved if known else list(automaton.names))
     _check_same(stored, "parameters", {str(k): v for k, v in automaton.parameters.items()})
-    modes = None
-    if isinstance(automaton.modes, ModesOnDemand):
-        modes = automaton.modes.known(about["modes"])  # by which the events are numbered
-    program, numbers = program_of(automaton, modes=modes)
+    program, numbers = program_of_modes(automaton, tuple(saved)) if known else program_of(automaton)
     _check_same(stored, "guards", list(program.guards))
     _check_arrays(stored, len(program.guards))
     arrays = {name: stored.arrays[name] for name in STORED_ARRAYS}

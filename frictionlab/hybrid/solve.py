@@ -8,17 +8,18 @@ from typing import Any
 
 import numpy as np
 
-from frictionlab.automaton import HybridAutomaton, Mode
+from frictionlab.automaton import HybridAutomaton
+from frictionlab.automaton.modes_on_demand import ModesOnDemand, check_mode_name
 from frictionlab.hybrid.compilation import needs_compilation
 from frictionlab.hybrid.methods.base import Method
 from frictionlab.hybrid.methods.method_registry import method_of
-from frictionlab.hybrid.problem import ModeNotDerived, Problem
+from frictionlab.hybrid.problem import Problem
 from frictionlab.hybrid.progress import Progress
 from frictionlab.hybrid.tape.automaton_checks import check_automaton, check_section_or_quadrature
 from frictionlab.hybrid.tape.packing import program_of
-from frictionlab.hybrid.tape.program import Section
+from frictionlab.hybrid.tape.program import Numbers, Program, Section
 from frictionlab.hybrid.trajectory import Sampling, Trajectory
-from frictionlab.validation import abbreviate, check_choice, check_mapping, check_number, float_array
+from frictionlab.validation import abbreviate, check_mapping, check_number, float_array
 
 
 def solve(
@@ -83,22 +84,16 @@ def solve(
     if any(asked) and not chosen.riders:
         raise ValueError(f"sections and quadratures need method='taylor', got {method!r}: change the method")
     automaton = with_chatter_limit(automaton, chosen.limits[1])
-    modes, number = automaton.known_modes, _mode(automaton, mode)
+    if mode is not None:
+        check_mode_name(mode, automaton.names)
     with_integrals = np.concatenate([state, np.zeros(len(asked[1]))])
-    program, numbers = program_of(automaton, *asked, modes=modes)
-    raw, begin = None, time.perf_counter()
+    problem = problem_of(automaton, with_integrals, float(t_end), mode, asked)
+    begin = time.perf_counter()
     with Progress(t_end, progress, needs_compilation(chosen.entry)) as bar:
-        while raw is None:
-            try:
-                raw = chosen.integrate(Problem(program, numbers, with_integrals, float(t_end), number), bar)
-            except ModeNotDerived as missing:
-                # Run again from the start: each mode is missing only once in a process, mostly early in a
-                # run.
-                modes = _with_mode(automaton, missing.mode)
-                program, numbers = program_of(automaton, *asked, modes=modes)
+        raw = chosen.integrate(problem, bar)
     wall_time = time.perf_counter() - begin
     integrals = dict(zip(asked[1], raw.state[len(state) :].tolist(), strict=True))
-    problem = Problem(*program_of(automaton, modes=modes), state, float(t_end), number)
+    problem = problem_of(automaton, state, float(t_end), mode)
     return Trajectory(
         automaton,
         problem,
@@ -185,14 +180,27 @@ def _quadratures(quadratures: Any) -> dict[str, Any]:
     return dict(quadratures or {})
 
 
-def _mode(automaton: HybridAutomaton, mode: str | None) -> int | None:
-    if mode is None:
-        return None
-    check_choice("mode", mode, automaton.names)
-    return automaton.names.index(mode)
+def problem_of(
+    automaton: HybridAutomaton,
+    x0: np.ndarray,
+    t_end: float,
+    mode: str | None = None,
+    asked: tuple[Mapping[str, Section], Mapping[str, Any]] = ({}, {}),
+) -> Problem:
+    """The automaton as a program that runs from `x0`, with the sections and quadratures `asked` for.
 
+    Modes on demand are derived as the run comes to them.
+    """
+    modes = automaton.modes
+    if not isinstance(modes, ModesOnDemand):
+        program, numbers = program_of(automaton, *asked)
+        return Problem(program, numbers, x0, t_end, None if mode is None else program.modes.index(mode))
 
-def _with_mode(automaton: HybridAutomaton, number: int) -> tuple[Mode, ...]:
-    """The modes known after one more is derived."""
-    _ = automaton.modes[number]
-    return automaton.known_modes
+    def derive(combination: tuple[int, ...]) -> tuple[Program, Numbers]:
+        modes.mode(combination)
+        return program_of(automaton, *asked, complete=False)
+
+    if mode is not None:
+        modes.named(mode)
+    program, numbers = program_of(automaton, *asked, complete=False)
+    return Problem(program, numbers, x0, t_end, None if mode is None else program.modes.index(mode), derive)

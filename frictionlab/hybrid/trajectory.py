@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from frictionlab.automaton import HybridAutomaton
-from frictionlab.automaton.modes_on_demand import ModesOnDemand
+from frictionlab.automaton.modes_on_demand import ModeNames, ModesOnDemand
 from frictionlab.drawable import Drawable
 from frictionlab.frozen_mapping import FrozenMapping
 from frictionlab.hybrid.accuracy import condition_violation, defects
@@ -26,7 +26,7 @@ from frictionlab.hybrid.kernels.taylor_steps import sample_states, subdivide_ste
 from frictionlab.hybrid.outputs import evaluate_output
 from frictionlab.hybrid.problem import Problem, RunData
 from frictionlab.hybrid.storage import STORED_ARRAYS, rates_by_mode, write_run_file
-from frictionlab.hybrid.tape.packing import program_of
+from frictionlab.hybrid.tape.packing import program_of, program_of_modes
 from frictionlab.validation import did_you_mean
 
 PICKLED = "automaton", "source", "raw", "status", "samples", "quadratures", "description", "_wall_time"
@@ -109,19 +109,28 @@ class Trajectory(Drawable):
     @cached_property
     def problem(self) -> Problem:
         """What the method was given; made again in a copy, whose compiled functions no pickle can hold."""
-        program, numbers = program_of(self.automaton, modes=self._modes)
-        return Problem(program, numbers, *self._start)
+        if self._modes is None:
+            return Problem(*program_of(self.automaton), *self._start)
+        return Problem(*program_of_modes(self.automaton, self._modes), *self._start)
 
     def __getstate__(self) -> dict[str, Any]:
         start = self.problem.x0, self.problem.t_end, self.problem.mode
-        modes = self.automaton.modes
-        known = modes.known(self._derived_modes()) if isinstance(modes, ModesOnDemand) else None
-        return {name: vars(self)[name] for name in PICKLED} | {"_modes": known, "_start": start}
+        names = self.mode_names if isinstance(self.automaton.modes, ModesOnDemand) else None
+        return {name: vars(self)[name] for name in PICKLED} | {"_modes": names, "_start": start}
 
-    def _derived_modes(self) -> list[str]:
-        """Names of the modes that were derived for the run: by them its events are numbered."""
-        program = self.problem.program
-        return [name for name, built in zip(program.modes, program.code.built, strict=True) if built]
+    @property
+    def mode_names(self) -> tuple[str, ...]:
+        """Names of the modes by the numbers that `raw` has for them.
+
+        Of a model with several contacts those that were derived, in that order; else all of the automaton.
+        """
+        return self.problem.program.modes
+
+    @property
+    def mode_places(self) -> tuple[int, ...]:
+        """The place of each of these in the automaton's order."""
+        names = self.automaton.names
+        return tuple(map(names.place_of if isinstance(names, ModeNames) else names.index, self.mode_names))
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -172,7 +181,7 @@ class Trajectory(Drawable):
         return states if np.ndim(t) else states[0]
 
     def states_and_modes(self, t: Any) -> tuple[np.ndarray, np.ndarray]:
-        """States (N, states) and modes (N,) at times `t`, the modes as numbers in ``automaton.modes``.
+        """States (N, states) and modes (N,) at times `t`, the modes as numbers in `mode_names`.
 
         Raises
         ------
@@ -221,11 +230,11 @@ class Trajectory(Drawable):
 
     @property
     def mode_indices(self) -> np.ndarray:
-        """The modes at the samples, as numbers in ``automaton.modes``."""
+        """The modes at the samples, as numbers in `mode_names`."""
         return self._samples[2]
 
     def _mode_names(self, codes: np.ndarray) -> np.ndarray:
-        return np.array([*self.automaton.names, ""])[codes]
+        return np.array([*self.mode_names, ""])[codes]
 
     def __getitem__(self, name: str) -> np.ndarray:
         """A state by name, e.g. ``run["x1'"]``, or an output, e.g. ``run["penetration"]``; sampled as `t`."""
@@ -259,8 +268,8 @@ class Trajectory(Drawable):
             hint = f": write run[{name!r}]" if name in self.names else did_you_mean(name, known)
             raise KeyError(f"the run has no output {name!r}{hint}; it has {', '.join(known) or 'none'}")
         if t is None:
-            return evaluate_output(self.automaton, name, self.states, self.mode_indices)
-        return evaluate_output(self.automaton, name, *self.states_and_modes(t))
+            return evaluate_output(self.automaton, name, self.states, self.mode_indices, self.mode_names)
+        return evaluate_output(self.automaton, name, *self.states_and_modes(t), self.mode_names)
 
     @cached_property
     def events(self) -> Events:
@@ -282,11 +291,12 @@ class Trajectory(Drawable):
 
     @cached_property
     def time_in_mode(self) -> Mapping[str, float]:
-        """Seconds spent in each mode."""
+        """Seconds spent in each mode; of a model with several contacts in each that was visited."""
         modes, lengths = self.raw.step_modes, self.raw.step_times[:, 1]
-        names = enumerate(self.automaton.names)
+        on_demand = isinstance(self.automaton.modes, ModesOnDemand)
+        numbers = np.unique(modes).tolist() if on_demand else range(len(self.mode_names))
         # Summed exactly: they add up to the time of the run, whose clock is a compensated sum.
-        return FrozenMapping({name: math.fsum(lengths[modes == i]) for i, name in names})
+        return FrozenMapping({self.mode_names[i]: math.fsum(lengths[modes == i]) for i in numbers})
 
     @cached_property
     def stats(self) -> Mapping[str, float]:
@@ -328,7 +338,6 @@ class Trajectory(Drawable):
             "rates": rates_by_mode(self.problem, raw),
             "t": raw.t,
             "mode": int(raw.mode),
-            "modes": self._derived_modes(),
             "status": raw.status.name,
             "samples": {"order": samples.order, "parts": samples.parts, "sections": samples.sections},
             "quadratures": dict(self.quadratures),

@@ -184,7 +184,7 @@ class Model(Component):
     @property
     def sound(self) -> Tone:
         """What `listen` plays: v_r, or the first coordinate's rate, with the period scaled to 200 Hz."""
-        outputs = self.automaton().modes[0].outputs
+        outputs = self.automaton().outputs
         heard = next((name for name in outputs if name.startswith("relative_velocity")), None)
         return Tone(heard or f"{self.coordinates[0]}'", float(f"{PITCH * self.period:.3g}"))
 

@@ -55,10 +55,14 @@ def coordinate_axis_label(names: Sequence[str]) -> str:
     )
 
 
-def mode_colours(names: Sequence[str]) -> dict[str, str]:
-    """A colour for every mode: its own, or for modes of other automata one of the palette in turn."""
+def mode_colours(run: Any) -> dict[str, str]:
+    """A colour for every mode that a run knows: its own, or for modes of other automata one of the palette.
+
+    They are in the automaton's order and taken in turn by it, so that a mode looks the same in all runs.
+    """
     spare = (GREY, SKY, ORANGE, PURPLE, YELLOW, GREEN, BLUE, VERMILLION, BLACK)
-    return {name: MODE_COLOURS.get(name, spare[i % len(spare)]) for i, name in enumerate(names)}
+    places = sorted(zip(run.mode_places, run.mode_names, strict=True))
+    return {name: MODE_COLOURS.get(name, spare[place % len(spare)]) for place, name in places}
 
 
 def line_style(index: int, name: str) -> dict[str, Any]:

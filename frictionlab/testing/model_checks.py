@@ -120,7 +120,8 @@ def rule_violations(run: Trajectory) -> dict[str, float]:
     modes = run.modes_at(t)
     if not np.isfinite(run(t)).all():
         return {"every state is a number": np.inf}
-    known = [name for name in CONTACT_OUTPUTS if all(name in mode.outputs for mode in run.automaton.modes)]
+    some = [run.automaton.mode(name) for name in run.mode_names]
+    known = [name for name in CONTACT_OUTPUTS if all(name in mode.outputs for mode in some)]
     values = {name: run.output(name, t) for name in known}
     return {
         rule: worst for rule, worst in _violation_of_rules(run, modes, values) if not worst <= MAX_VIOLATION
@@ -128,7 +129,7 @@ def rule_violations(run: Trajectory) -> dict[str, float]:
 
 
 def _violation_of_rules(run: Trajectory, modes: Any, values: dict[str, Any]) -> Any:
-    unilateral, flight = "separation" in run.automaton.names, modes == "separation"
+    unilateral, flight = "separation" in run.mode_names, modes == "separation"
     for name, value in values.items():
         yield f"{name} is a number", 0.0 if np.isfinite(value).all() else np.inf
     if "relative_velocity" in values:

@@ -97,11 +97,11 @@ def watch(
         cure = "take a shorter window or a smaller rate"
         raise ValueError(f"window times rate must be at most {MAX_FRAMES} frames, got {count:.0f}: {cure}")
     picture = picture_of(run, mechanism, frame_times(start, stop, 1.0 / rate), magnify)
-    names = list(run.automaton.names)
+    colours = mode_colours(run)
     scene, rows = _belt(picture) if isinstance(picture, BeltPicture) else _parts(picture)
-    scene |= _labels_and_colours(picture, mode_colours(names)) | {"note": picture.note, "speed": speed}
+    scene |= _labels_and_colours(picture, colours) | {"note": picture.note, "speed": speed}
     scene |= {"start": start, "step": 1.0 / rate, "digits": max(0, int(np.ceil(np.log10(rate))))}
-    modes = np.array([names.index(mode) for mode in picture.mode], dtype=float)
+    modes = np.array([[*colours].index(mode) for mode in picture.mode], dtype=float)
     return Canvas(scene=scene, rows=np.column_stack([*rows, modes]).astype("<f4").tobytes())
 
 

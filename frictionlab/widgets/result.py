@@ -101,4 +101,4 @@ class Result:
         raw, t = self.run.raw, self.times()
         steps = np.clip(np.searchsorted(raw.step_times[:, 0], t, side="right") - 1, 0, None)
         codes = raw.step_modes[np.minimum(steps, len(raw.step_modes) - 1)] if len(raw.step_modes) else []
-        return np.array(self.run.automaton.names)[codes] if len(codes) else np.full(len(t), "")
+        return np.array(self.run.mode_names)[codes] if len(codes) else np.full(len(t), "")

@@ -221,7 +221,7 @@ def _middle_of_free_stay(automaton: HybridAutomaton, run: Any) -> float:
     t, period = run.events.t, run.raw.t
     if not len(t):
         return 0.0
-    free = [mode.name for mode in automaton.modes if not mode.constraints]
+    free = [name for name in {*run.events.target.tolist()} if name and not automaton.mode(name).constraints]
     lengths = np.where(np.isin(run.events.target, free), np.diff(np.append(t, t[0] + period)), 0.0)
     i = int(np.argmax(lengths))
     return float((t[i] + 0.5 * lengths[i]) % period)

@@ -142,7 +142,7 @@ def _grazes(automaton: HybridAutomaton, point: BranchPoint) -> bool:
     states, modes = run.states_and_modes(t)
     arguments, numbers = [*automaton.states, *automaton.parameters], automaton.parameters.values()
     for i in np.unique(modes):
-        for event in automaton.modes[i].events:
+        for event in automaton.mode(run.mode_names[i]).events:
             found = array_function(arguments, event.function)(*states.T, *numbers)
             if _has_zero_minimum(np.where(modes == i, found, np.nan)):
                 return True
@@ -157,7 +157,9 @@ def _at_guard_limit(automaton: HybridAutomaton, point: BranchPoint) -> bool:
     on.
     """
     events, numbers = point.shot.run.events, automaton.parameters.values()
-    modes = {mode.name: mode for mode in automaton.modes}
+    modes = {
+        name: automaton.mode(name) for name in {*events.source.tolist(), *events.target.tolist()} if name
+    }
     arguments = [*automaton.states, *automaton.parameters]
     for source, target, guard, state in zip(
         events.source, events.target, events.guard, events.state, strict=True

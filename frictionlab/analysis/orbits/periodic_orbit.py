@@ -170,7 +170,7 @@ def _start_in_free_mode(automaton: HybridAutomaton, state: Array, period: float)
         raise ValueError(f"guess must be near a periodic orbit; its motion ends early: {run.status}")
     ends = np.array([0.0, *run.events.t, run.raw.t])
     names = [run.mode[0], *run.events.target]
-    free = [mode.name for mode in automaton.modes if not mode.constraints]
+    free = [name for name in {*names} if name and not automaton.mode(name).constraints]
     stays = np.where(np.isin(names, free), np.diff(ends), 0.0)
     if not stays.max() > 0.0:
         raise ValueError("guess must pass a mode without constraints, it only sticks: give another state")

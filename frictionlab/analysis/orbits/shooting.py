@@ -209,7 +209,7 @@ def check_return_mode(shot: ShootingResult) -> None:
     At zero relative velocity, with the force between kinetic and static friction, both slip and stick may
     begin: a motion that slips away from such a state and returns to stick there does not repeat.
     """
-    names = shot.run.automaton.names
+    names = shot.run.mode_names
     first, last = names[int(shot.run.raw.step_modes[0])], names[shot.run.raw.mode]
     if first != last:
         raise ValueError(

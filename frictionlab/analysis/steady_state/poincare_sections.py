@@ -33,7 +33,7 @@ def phase_resets(run: Trajectory) -> np.ndarray:
     if not _other_states(run):
         return np.zeros(len(events), dtype=bool)
     pairs = list(zip(events.source.tolist(), events.guard.tolist()))
-    modes = {name: automaton.modes[automaton.names.index(name)] for name in {*events.source.tolist()}}
+    modes = {name: automaton.mode(name) for name in {*events.source.tolist()}}
     known = {(name, guard) for name, mode in modes.items() for guard in _phase_guards(run, mode)}
     return np.array([pair in known for pair in pairs], dtype=bool)
 
@@ -63,7 +63,7 @@ def covers_period(run: Trajectory) -> bool:
     """Whether every phase of a run without other events has gone through a whole period; true without
     phases."""
     events, passed = run.events, run.final_state - run.raw.step_states[0]
-    for guard in _phase_guards(run, run.automaton.modes[run.raw.mode]):
+    for guard in _phase_guards(run, run.automaton.mode(run.mode_names[run.raw.mode])):
         at = np.flatnonzero(events.guard == guard)
         if not len(at) or (len(at) == 1 and (passed * (events.before[at] - events.state[at]) < 0.0).any()):
             return False

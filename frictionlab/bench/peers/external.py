@@ -151,9 +151,7 @@ class ExternalMethod(Method):
             failed = run_state.RUNNING if self.steps >= self.max_steps else run_state.NOT_FINITE
             return run_state.FINISHED if t >= end else failed
         guard += int(code.mode_guards[mode])
-        system, truncation = run.system._replace(code=code), run_state.Truncation(self.degree, 0.0)
-        event = GuardZero(t - now, guard, 1)
-        return event_handling.handle_event(system, truncation, event, cursor, record, run.scratch)
+        return self.handle_event(run, GuardZero(t - now, guard, 1), record)
 
     def _begin(self, problem: Problem) -> ActiveRun:
         self.count[0] = 0

@@ -48,17 +48,35 @@ class NativeCode:
         What is compiled in the background, or has been: jets by their mode, steps of several runs by ~mode.
     """
 
-    def __init__(self, program: Program) -> None:
-        built, count = np.flatnonzero(program.code.built).tolist(), len(program.tapes)
-        self.tapes = {mode: _mode_tape(program, mode) for mode in built}
-        self._used = np.zeros(count, dtype=np.int64)
+    def __init__(self, program: Program, before: NativeCode | None = None) -> None:
+        count, known = len(program.tapes), 0 if before is None else len(before.tapes)
+        modes = range(known, len(program.modes))
+        self.tapes = {mode: _mode_tape(program, mode) for mode in modes}
+        self._of_steps = {mode: _step_structure(program.code, mode) for mode in modes}
         self.requested: dict[int, Future[None]] = {}
-        self._of_steps = {mode: _step_structure(program.code, mode) for mode in built}
-        addresses, steps = np.zeros((2, count), dtype=np.int64)
+        self._used, addresses, steps = np.zeros((3, count), dtype=np.int64)
         self.code: Code = program.code._replace(native=addresses, lanes=steps)
-        for mode, function in self.tapes.items():
-            addresses[mode] = _load_from_cache(_path(function))
-            steps[mode] = _load_from_cache(_path(function, STEP, self._of_steps[mode]))
+        self._after: list[NativeCode] = []  # of programs that have more modes behind these
+        if before is not None:
+            before._share_with(self, known)
+        for mode in modes:
+            addresses[mode] = _load_from_cache(_path(self.tapes[mode]))
+            steps[mode] = _load_from_cache(_path(self.tapes[mode], STEP, self._of_steps[mode]))
+
+    def _share_with(self, after: NativeCode, known: int) -> None:
+        """Give what is compiled, and what will be, to the code of a program with more modes behind these."""
+        after.tapes = self.tapes | after.tapes
+        after._of_steps = self._of_steps | after._of_steps
+        after.requested = self.requested
+        self._after.append(after)
+        after._used[:known] = self._used[:known]
+        after.code.native[:known] = self.code.native[:known]
+        after.code.lanes[:known] = self.code.lanes[:known]
+
+    def _set_address(self, kind: str, mode: int, address: int) -> None:
+        getattr(self.code, kind)[mode] = address
+        for after in self._after:
+            after._set_address(kind, mode, address)
 
     def used(self, modes: np.ndarray) -> None:
         """Count the jets computed in each mode; start the compilation of modes with many."""
@@ -75,7 +93,7 @@ class NativeCode:
         with _garbage_collection_off():
             code = _emit_object(jets_module(function, NAME))
         _store(code, _path(function))
-        self.code.native[mode] = _load_object(code)
+        self._set_address("native", mode, _load_object(code))
 
     def compile_step(self, mode: int) -> None:
         """Compile a mode's step of several runs now."""
@@ -83,7 +101,7 @@ class NativeCode:
         with _garbage_collection_off():
             code = _emit_object(lane_step_module(function, more, NAME))
         _store(code, _path(function, STEP, more))
-        self.code.lanes[mode] = _load_object(code)
+        self._set_address("lanes", mode, _load_object(code))
 
     def forget(self) -> None:
         """Interpret all modes from now on, until code is asked for anew."""
@@ -102,7 +120,8 @@ class NativeCode:
 def native_code(program: Program) -> NativeCode:
     """The native code of a program, created once."""
     if program not in _MADE:
-        _MADE[program] = NativeCode(program)
+        before = None if program.grown_from is None else program.grown_from()
+        _MADE[program] = NativeCode(program, None if before is None else _MADE.get(before))
     return _MADE[program]
 
 

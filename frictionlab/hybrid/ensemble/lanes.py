@@ -16,7 +16,7 @@ from frictionlab.hybrid.kernels.arithmetic import call_lane_step
 from frictionlab.hybrid.kernels.event_handling import count_repeat
 from frictionlab.hybrid.kernels.event_location import COEFFICIENT_ROUNDING
 from frictionlab.hybrid.kernels.jets import JET_COLUMNS, copy_vector
-from frictionlab.hybrid.kernels.mode_selection import NO_MODE, Rounding, select_mode
+from frictionlab.hybrid.kernels.mode_selection import NO_MODE, Rounding, forget_zeros, select_mode
 from frictionlab.hybrid.kernels.run_state import (
     END,
     EVENTS,
@@ -92,7 +92,7 @@ def advance_single(code, truncation, runs, i, most, record, scratch):
 def begin_run(code, truncation, runs, i, initial, record, scratch):
     """Choose the first mode of a run, and take its first step."""
     system, z = system_of_run(code, runs, i), runs.states[i]
-    scratch.structural_zeros[:] = 0
+    forget_zeros(scratch)
     rounding = Rounding(z, COEFFICIENT_ROUNDING)
     mode, _ = select_mode(system, initial, z, rounding, truncation.order, scratch)
     runs.counts[i, MODE], runs.counts[i, JETS_READY] = mode, 1

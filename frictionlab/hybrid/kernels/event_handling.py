@@ -9,17 +9,25 @@ entered if it has one that is admissible.
 from __future__ import annotations
 
 from frictionlab.hybrid.compilation import inlined, kernel
+from frictionlab.hybrid.kernels.combination_selection import select_combination
 from frictionlab.hybrid.kernels.event_location import COEFFICIENT_ROUNDING
 from frictionlab.hybrid.kernels.jets import copy_vector
-from frictionlab.hybrid.kernels.mode_selection import NO_MODE, Rounding, apply_reset, select_mode
+from frictionlab.hybrid.kernels.mode_selection import (
+    NO_MODE,
+    Rounding,
+    apply_reset,
+    select_mode,
+    set_zeros_by_construction,
+)
 from frictionlab.hybrid.kernels.run_state import (
     CHATTER,
     CLOCK_RESOLUTION,
     DWELL,
     ENTERED,
+    EVENT_GUARD,
+    EVENT_MULTIPLICITY,
     EVENTS,
     JETS_READY,
-    MISSING_MODE,
     MODE,
     MODE_NOT_DERIVED,
     NO_ADMISSIBLE_MODE,
@@ -73,11 +81,19 @@ def select_limit_mode(system, guard, order, run, scratch):
     code, z, before = system.code, run.state, scratch.states
     copy_vector(z, before)
     apply_reset(system, code.resets[guard, 1], z, scratch.jets)
-    copy_vector(code.declared[guard, 1], scratch.structural_zeros)
+    set_zeros_by_construction(code, guard, 1, scratch)
     selection = select_mode(system, code.limits, z, Rounding(z, COEFFICIENT_ROUNDING), order, scratch)
     if selection.mode == NO_MODE and selection.missing == NO_MODE:
         copy_vector(before, z)
     return selection
+
+
+@kernel
+def select_target(system, guard, z, rounding, order, scratch):
+    """First admissible mode after the event of a guard, a :class:`Selection`."""
+    if scratch.candidates.place.shape[0]:
+        return select_combination(system, guard, z, rounding, order, scratch)
+    return select_mode(system, system.code.targets[guard], z, rounding, order, scratch)
 
 
 @kernel
@@ -92,16 +108,15 @@ def reset_and_select_mode(system, truncation, event, run, scratch):
     if is_zeno(code, guard, DWELL, SHORT_DWELLS, run):
         closing = 1
     apply_reset(system, code.resets[guard, closing], run.state, scratch.jets)
-    zeros = scratch.structural_zeros
-    copy_vector(code.declared[guard, closing], zeros)
+    set_zeros_by_construction(code, guard, closing, scratch)
     if code.resets[guard, closing] < 0:
-        zeros[guard] = max(zeros[guard], event.multiplicity)
-    next_, z = code.targets[guard], run.state
-    selection = select_mode(system, next_, z, Rounding(z, COEFFICIENT_ROUNDING), order, scratch)
+        scratch.ended[0], scratch.ended[1] = guard, event.multiplicity
+    z = run.state
+    selection = select_target(system, guard, z, Rounding(z, COEFFICIENT_ROUNDING), order, scratch)
     # Another event at this instant? Its guard is zero up to the rounding of the step, or what it leaves out.
     for share in (COEFFICIENT_ROUNDING, max(COEFFICIENT_ROUNDING, FUNCTION_TOL_FACTOR * truncation.tol)):
         if selection.mode == NO_MODE and selection.missing == NO_MODE:
-            selection = select_mode(system, next_, z, Rounding(run.sizes, share), order, scratch)
+            selection = select_target(system, guard, z, Rounding(run.sizes, share), order, scratch)
     return selection, closing
 
 
@@ -115,11 +130,13 @@ def handle_event(system, truncation, event, run, record, scratch):
     row = counts[EVENTS]
     record.event_times[row] = times[NOW]
     copy_vector(run.state, record.event_states[row, 0])
+    short_dwells, short_flights = counts[SHORT_DWELLS], counts[SHORT_FLIGHTS]
     selection, closed = reset_and_select_mode(system, truncation, event, run, scratch)
     mode = selection.mode
     if selection.missing != NO_MODE:  # it is to be derived first, as if the event were yet to happen
         copy_vector(record.event_states[row, 0], run.state)
-        counts[MISSING_MODE] = selection.missing
+        counts[SHORT_DWELLS], counts[SHORT_FLIGHTS] = short_dwells, short_flights
+        counts[EVENT_GUARD], counts[EVENT_MULTIPLICITY] = event.guard, event.multiplicity
         return MODE_NOT_DERIVED
     record.event_codes[row, 0] = event.guard
     record.event_codes[row, 1] = mode

@@ -10,11 +10,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from frictionlab.hybrid.compilation import kernel
-from frictionlab.hybrid.kernels.event_location import LOW_ORDER, leading_order
+from frictionlab.hybrid.compilation import inlined, kernel
+from frictionlab.hybrid.kernels.event_location import COEFFICIENT_ROUNDING, LOW_ORDER, leading_order
 from frictionlab.hybrid.kernels.jets import has_native_jets, majorant, mode_jets, reset_values
 
-NO_MODE = -1
+NO_MODE, MISSING = -1, -2
+BY_VALUES = 0  # the order of series that stands for a choice by the values of conditions
 REFUSED, AT_ANOTHER_EVENT, UNDECIDED, ADMITTED = range(4)
 
 
@@ -26,7 +27,7 @@ class Rounding(NamedTuple):
 
 
 class Selection(NamedTuple):
-    """The mode to enter, or a mode that comes to be tried and has yet to be derived; NO_MODE where none."""
+    """The mode to enter, NO_MODE where there is none, and MISSING where one has to be derived first."""
 
     mode: int
     missing: int
@@ -42,6 +43,29 @@ def apply_reset(system, reset, z, J):
 
 
 @kernel
+def set_zeros_by_construction(code, guard, closing, scratch):
+    """Note which functions vanish after a reset of an event: its own, or the one that closes an accumulation."""
+    forget_zeros(scratch)
+    row = 2 * guard + closing
+    for k in range(code.zeros[row], code.zeros[row + 1]):
+        scratch.structural_zeros[code.zero_classes[k]] = code.zero_counts[k]
+
+
+@kernel
+def forget_zeros(scratch):
+    """Note that no function vanishes by construction."""
+    scratch.structural_zeros[:] = 0
+    scratch.ended[0] = NO_MODE
+
+
+@inlined
+def zeros_by_construction(code, scratch, f):
+    """How many leading coefficients of a function vanish after the last reset."""
+    zeros = scratch.structural_zeros[code.function_classes[f]]
+    return max(zeros, scratch.ended[1]) if f == scratch.ended[0] else zeros
+
+
+@kernel
 def admissibility(system, mode, rounding, order, scratch):
     """Whether a mode can be entered, judged by its Taylor coefficients in `scratch` up to `order`.
 
@@ -50,22 +74,22 @@ def admissibility(system, mode, rounding, order, scratch):
     though the event before does not say that it is zero, is at another event.  Writes how many leading
     coefficients of each guard are zero.
     """
-    code, J, bounds, declared = system.code, scratch.jets, scratch.bounds, scratch.structural_zeros
+    code, J, bounds = system.code, scratch.jets, scratch.bounds
     majorant(code, system.magnitudes, mode, order, rounding.sizes, J, bounds)
     for f in range(code.mode_constraints[mode], code.mode_constraints[mode + 1]):
-        slot = code.function_slots[f]
-        if declared[f] == 0 and leading_order(J[slot], bounds[slot], 0, order, rounding.share) == 0:
+        slot, zeros = code.function_slots[f], zeros_by_construction(code, scratch, f)
+        if zeros == 0 and leading_order(J[slot], bounds[slot], 0, order, rounding.share) == 0:
             return REFUSED
     verdict = ADMITTED
     first = code.mode_guards[mode]
     for g in range(first, code.mode_guards[mode + 1]):
-        slot = code.function_slots[g]
-        k = leading_order(J[slot], bounds[slot], declared[g], order, rounding.share)
+        slot, zeros = code.function_slots[g], zeros_by_construction(code, scratch, g)
+        k = leading_order(J[slot], bounds[slot], zeros, order, rounding.share)
         scratch.leading_zeros[g - first] = k
         if k > order:
             verdict = min(verdict, UNDECIDED)
         elif J[slot, k] < 0.0:
-            if k == 0 or declared[g] > 0:
+            if k == 0 or zeros > 0:
                 return REFUSED
             verdict = AT_ANOTHER_EVENT
     return verdict
@@ -92,19 +116,19 @@ def try_mode(system, mode, z, rounding, order, scratch):
 
 
 @kernel
-def is_excluded(system, mode, z, rounding, declared, scratch):
-    """Whether what is known of a mode that is not derived forbids to enter it at `z`.
-
-    ``declared`` leading coefficients of each function vanish at `z` by construction.
-    """
-    code, J, bounds = system.code, scratch.jets, scratch.bounds
+def try_mode_by_values(system, mode, z, scratch):
+    """Whether the conditions of a mode hold at `z` by their values alone; what the event made zero holds."""
+    code, J = system.code, scratch.jets
     mode_jets(code, system.numbers, mode, 0, z, J)
-    majorant(code, system.magnitudes, mode, 0, rounding.sizes, J, bounds)
+    majorant(code, system.magnitudes, mode, 0, z, J, scratch.bounds)
+    for g in range(code.mode_guards[mode], code.mode_guards[mode + 1]):
+        if zeros_by_construction(code, scratch, g) == 0 and J[code.function_slots[g], 0] < 0.0:
+            return REFUSED
     for f in range(code.mode_constraints[mode], code.mode_constraints[mode + 1]):
-        slot = code.function_slots[f]
-        if leading_order(J[slot], bounds[slot], declared[f], 0, rounding.share) == 0 and J[slot, 0] < 0.0:
-            return True
-    return False
+        slot, zeros = code.function_slots[f], zeros_by_construction(code, scratch, f)
+        if zeros == 0 and abs(J[slot, 0]) > COEFFICIENT_ROUNDING * scratch.bounds[slot, 0]:
+            return REFUSED
+    return ADMITTED
 
 
 @kernel
@@ -117,15 +141,17 @@ def select_mode(system, candidates, z, rounding, order, scratch):
     """
     passed = NO_MODE
     for mode in candidates:
-        if system.code.built[mode] == 0:
-            if is_excluded(system, mode, z, rounding, scratch.structural_zeros, scratch):
-                continue
-            return Selection(NO_MODE, mode)
         verdict = try_mode(system, mode, z, rounding, order, scratch)
         if verdict > AT_ANOTHER_EVENT:
             return Selection(mode, NO_MODE)
         if verdict == AT_ANOTHER_EVENT and passed == NO_MODE:
             passed = mode
+    return enter_passed(system, passed, z, rounding, order, scratch)
+
+
+@kernel
+def enter_passed(system, passed, z, rounding, order, scratch):
+    """Select a mode that is at another event, if there is one; leaves its jets in `scratch`."""
     if passed != NO_MODE:
         mode_jets(system.code, system.numbers, passed, order, z, scratch.jets)
         admissibility(system, passed, rounding, order, scratch)

@@ -13,11 +13,22 @@ import numpy as np
 from frictionlab.hybrid.compilation import inlined
 from frictionlab.hybrid.kernels.jets import JET_COLUMNS
 from frictionlab.hybrid.kernels.roots import RootScratch, new_root_scratch
-from frictionlab.hybrid.tape.program import Code
+from frictionlab.hybrid.tape.program import Code, Demand
 
 RUNNING, FINISHED, NO_ADMISSIBLE_MODE, STALLED, ZENO, NOT_FINITE, MODE_NOT_DERIVED = range(7)
 
+# Combinations of regimes tried after an event, most: all of 6 contacts that may stick or slip either way.
+MAX_CANDIDATES = 3**6
 CLOCK_RESOLUTION = 1e-15  # share of the time that the clock shows as some of its last digits
+
+
+class Candidates(NamedTuple):
+    """Combinations of regimes that come to be tried as the next mode; see :class:`Demand`."""
+
+    rows: np.ndarray  # (MAX_CANDIDATES, parts) in the order in which they are tried
+    allowed: np.ndarray  # (regimes,) whether their conditions allow to enter a mode
+    place: np.ndarray  # (parts,) of the last taken from the automaton's order
+    missing: np.ndarray  # (parts,) the one that is to be derived
 
 
 class Scratch(NamedTuple):
@@ -27,9 +38,13 @@ class Scratch(NamedTuple):
     values: np.ndarray  # (slots, columns) of order 0
     bounds: np.ndarray  # (slots, columns) majorants of jets, or ranges of the slots on a disc
     roots: RootScratch
-    structural_zeros: np.ndarray  # (functions,) leading coefficients that vanish after the last reset
+    structural_zeros: np.ndarray  # (classes,) leading coefficients that vanish after the last reset
+    ended: (
+        np.ndarray
+    )  # (2,) the guard that ended the last mode without a reset, -1 for none; its multiplicity
     leading_zeros: np.ndarray  # (guards of a mode,) leading coefficients that count as zero
     states: np.ndarray  # (states,)
+    candidates: Candidates
 
 
 class Truncation(NamedTuple):
@@ -52,7 +67,8 @@ class RunState(NamedTuple):
     events that have a limit mode, and what the sum of the steps is beyond now;
     ``counts``: mode, steps, events, section points, short dwells in a row by either limit, accumulations
     closed, events without advance, whether the jets are at hand, whether an accumulation ends the run, and
-    the number of the current cell of a fixed time grid, and the mode that has yet to be derived;
+    the number of the current cell of a fixed time grid, and the guard and multiplicity of the event at which a mode
+    has yet to be derived;
     ``sizes``: what the rounding errors of the state at the last event are relative to."""
 
     state: np.ndarray
@@ -75,9 +91,10 @@ NOW, END, ENTERED, DWELL, CHATTER, CARRY = range(6)
     JETS_READY,
     STOPS_AT_ZENO,
     CELL,
-    MISSING_MODE,
-) = range(12)
-COUNTS = 12
+    EVENT_GUARD,
+    EVENT_MULTIPLICITY,
+) = range(13)
+COUNTS = 13
 
 
 class Record(NamedTuple):
@@ -156,10 +173,19 @@ def new_scratch(slots: int, code: Code, order: int) -> Scratch:
         values=np.zeros((slots, jet_columns(0))),
         bounds=np.zeros((slots, jet_columns(order))),
         roots=new_root_scratch(order),
-        structural_zeros=np.zeros(len(code.function_slots), dtype=np.int64),
-        leading_zeros=np.zeros(max(1, len(code.targets)), dtype=np.int64),
+        structural_zeros=np.zeros(1 + code.function_classes.max(initial=0), dtype=np.int64),
+        ended=np.array([-1, 0]),
+        leading_zeros=np.zeros(max(1, int(np.diff(code.mode_guards).max())), dtype=np.int64),
         states=np.zeros(code.inputs),
+        candidates=new_candidates(code.demand),
     )
+
+
+def new_candidates(demand: Demand) -> Candidates:
+    """No candidates yet."""
+    parts, regimes = len(demand.regimes) - 1, demand.regimes[-1]
+    rows = np.zeros((MAX_CANDIDATES if parts else 0, parts), dtype=np.int64)
+    return Candidates(rows, np.zeros(regimes, dtype=np.int64), *np.zeros((2, parts), dtype=np.int64))
 
 
 def jet_columns(order: int) -> int:

@@ -8,17 +8,18 @@ The mode at t = 0 is chosen by the rule that follows every event.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any, ClassVar
 
 import numpy as np
 
 from frictionlab.hybrid.codegen.native_cache import NativeCode, native_code
-from frictionlab.hybrid.kernels import run_state
-from frictionlab.hybrid.kernels.event_location import COEFFICIENT_ROUNDING
-from frictionlab.hybrid.kernels.mode_selection import NO_MODE, Rounding, select_mode
+from frictionlab.hybrid.kernels import event_handling, run_state
+from frictionlab.hybrid.kernels.combination_selection import select_combination
+from frictionlab.hybrid.kernels.event_location import COEFFICIENT_ROUNDING, GuardZero
+from frictionlab.hybrid.kernels.mode_selection import NO_MODE, Rounding, Selection, forget_zeros, select_mode
 from frictionlab.hybrid.kernels.run_state import new_record, new_scratch
-from frictionlab.hybrid.problem import ModeNotDerived, Problem, RecordList, RunData, Status
+from frictionlab.hybrid.problem import Problem, RecordList, RunData, Status
 from frictionlab.hybrid.progress import Progress
 from frictionlab.hybrid.tape.program import System, system_of
 from frictionlab.validation import check_number
@@ -36,40 +37,42 @@ STATUS_OF_CODE = {
 _COUNTED = [run_state.STEPS, run_state.EVENTS, run_state.POINTS]
 
 
-def initial_mode(problem: Problem, system: System, order: int, scratch: run_state.Scratch) -> int:
-    """First admissible mode at the initial state, -1 where there is none; leaves its jets in `scratch`.
+def initial_mode(problem: Problem, system: System, order: int, scratch: run_state.Scratch) -> Selection:
+    """First admissible mode at the initial state; leaves its jets in `scratch`.
 
     Raises
     ------
     ValueError
         Where the mode that was asked for cannot be entered there.
-    ModeNotDerived
-        Where a mode is to be tried that has yet to be derived.
     """
     program = problem.program
-    candidates = program.initial if problem.mode is None else np.array([problem.mode], dtype=np.int64)
-    scratch.structural_zeros[:] = 0
+    forget_zeros(scratch)
     rounding = Rounding(problem.x0, COEFFICIENT_ROUNDING)
-    mode, missing = map(int, select_mode(system, candidates, problem.x0, rounding, order, scratch))
-    if missing != NO_MODE:
-        raise ModeNotDerived(missing)
-    if mode < 0 and problem.mode is not None:
+    if problem.mode is None and len(scratch.candidates.place):
+        return select_combination(system, NO_MODE, problem.x0, rounding, order, scratch)
+    candidates = program.initial if problem.mode is None else np.array([problem.mode], dtype=np.int64)
+    selection = select_mode(system, candidates, problem.x0, rounding, order, scratch)
+    if selection.mode < 0 and problem.mode is not None:
         raise ValueError(
             f"the run cannot start in mode {program.modes[problem.mode]!r}: at x0 one of its conditions "
             "does not hold or fails at once; leave mode=None to have the mode chosen"
         )
-    return mode
+    return selection
 
 
 @dataclass(frozen=True)
 class ActiveRun:
-    """A run in progress: its arrays, as the kernels take them."""
+    """A run in progress: its arrays, as the kernels take them.
+
+    `event` is one at which a mode had to be derived, so that the next is yet to be chosen.
+    """
 
     problem: Problem
     natives: NativeCode
     system: System  # with the addresses of native code
     cursor: run_state.RunState
     scratch: run_state.Scratch
+    event: GuardZero | None = None
 
 
 @dataclass(frozen=True)
@@ -115,8 +118,14 @@ class Method(ABC):
                 name, getattr(self, name), integer=True, least=1, cure="leave it out for the default"
             )
 
+    def handle_event(self, run: ActiveRun, event: GuardZero, record: run_state.Record) -> int:
+        """Record an event and choose the next mode; returns how the run goes on, as :meth:`advance`."""
+        truncation = run_state.Truncation(self.degree, 0.0)
+        system = run.system._replace(code=run.problem.program.code)
+        return event_handling.handle_event(system, truncation, event, run.cursor, record, run.scratch)
+
     def integrate(self, problem: Problem, progress: Progress) -> RunData:
-        """Run the problem to its end, or as far as it goes; ModeNotDerived where it needs another mode."""
+        """Run the problem to its end, or as far as it goes."""
         with np.errstate(all="ignore"):
             return self._integrate(problem, progress)
 
@@ -128,25 +137,45 @@ class Method(ABC):
         while status is Status.RUNNING:
             record = self._record(run, pieces)
             counts[_COUNTED] = 0
-            end = int(self.advance(run, record))
+            end = int(self._advance_or_enter(run, record))
+            run = replace(run, event=None) if run.event is not None else run
             run.natives.used(record.step_modes[: counts[run_state.STEPS]])
             pieces.add(record, *counts[_COUNTED])
             status = self._status(STATUS_OF_CODE.get(end, Status.RUNNING), pieces)
             if progress.update(times[run_state.NOW]) and status is Status.RUNNING:
                 status = Status.INTERRUPTED
             elif end == run_state.MODE_NOT_DERIVED:
-                raise ModeNotDerived(int(counts[run_state.MISSING_MODE]))
+                run = self._with_missing_mode(run)
         mode = int(counts[run_state.MODE])
-        return pieces.raw(problem.program.code, times[run_state.NOW], run.cursor.state, mode, status)
+        return pieces.raw(run.problem.program.code, times[run_state.NOW], run.cursor.state, mode, status)
+
+    def _advance_or_enter(self, run: ActiveRun, record: run_state.Record) -> int:
+        """Go on, or first enter the mode that has been derived meanwhile."""
+        return self.advance(run, record) if run.event is None else self.handle_event(run, run.event, record)
 
     def _begin(self, problem: Problem) -> ActiveRun:
-        natives = native_code(problem.program)
-        system = system_of(problem.program.code, problem.numbers)
-        scratch = new_scratch(problem.program.slots, problem.program.code, self.degree)
-        mode = initial_mode(problem, system, self.degree, scratch)
+        problem, natives, system, scratch = self._prepared(problem)
+        mode, missing = map(int, initial_mode(problem, system, self.degree, scratch))
+        while missing != NO_MODE:
+            problem = problem.with_mode(scratch.candidates.missing)
+            problem, natives, system, scratch = self._prepared(problem)
+            mode, missing = map(int, initial_mode(problem, system, self.degree, scratch))
         cursor = run_state.new_run_state(problem.x0, mode, problem.t_end, self.limits, self.raises)
         cursor = cursor._replace(signs=np.zeros(problem.program.code.sections.shape[1], dtype=np.int64))
         return ActiveRun(problem, natives, system._replace(code=natives.code), cursor, scratch)
+
+    def _prepared(self, problem: Problem) -> tuple[Problem, NativeCode, System, run_state.Scratch]:
+        natives, system = native_code(problem.program), system_of(problem.program.code, problem.numbers)
+        return problem, natives, system, new_scratch(problem.program.slots, problem.program.code, self.degree)
+
+    def _with_missing_mode(self, run: ActiveRun) -> ActiveRun:
+        """The run where it stands, with one mode more; it goes on with the event at which that was missing."""
+        problem, natives, system, scratch = self._prepared(
+            run.problem.with_mode(run.scratch.candidates.missing)
+        )
+        counts = run.cursor.counts
+        event = GuardZero(0.0, int(counts[run_state.EVENT_GUARD]), int(counts[run_state.EVENT_MULTIPLICITY]))
+        return ActiveRun(problem, natives, system._replace(code=natives.code), run.cursor, scratch, event)
 
     def _record(self, run: ActiveRun, pieces: RecordList) -> run_state.Record:
         code = run.problem.program.code

@@ -15,6 +15,7 @@ import numpy as np
 from frictionlab.hybrid.kernels import run_state
 from frictionlab.hybrid.kernels.event_location import GuardZero
 from frictionlab.hybrid.kernels.jets import state_rates
+from frictionlab.hybrid.kernels.mode_selection import BY_VALUES
 from frictionlab.hybrid.kernels.run_state import CELL, END, FINISHED, MODE, NOT_FINITE, NOW, RUNNING
 from frictionlab.hybrid.methods.base import ActiveRun, Method
 from frictionlab.hybrid.methods.runge_kutta import Tableau, advance_runge_kutta, new_scheme
@@ -103,9 +104,12 @@ class OneStepMethod(Method):
                 return status
         return FINISHED
 
+    def handle_event(self, run: ActiveRun, event: GuardZero, record: run_state.Record) -> int:
+        return enter_next_mode(run.system, event, self._order, run.cursor, record, run.scratch)
+
     @property
     def _order(self) -> int:
-        return 0 if self.chooses_by_values else self.degree
+        return BY_VALUES if self.chooses_by_values else self.degree
 
     def _advance_step(self, run: ActiveRun, record: run_state.Record) -> int:
         """As :func:`take_runge_kutta_step`."""
@@ -123,8 +127,7 @@ class OneStepMethod(Method):
         record_step(h, goal, new, cursor, record)
         if guard < 0:
             return RUNNING
-        event = GuardZero(h, guard, SIMPLE)
-        return enter_next_mode(run.system, event, self._order, cursor, record, run.scratch)
+        return self.handle_event(run, GuardZero(h, guard, SIMPLE), record)
 
     def _try_step(self, run: ActiveRun, h: float) -> tuple[np.ndarray, int]:
         """The state after `h`, and the guard that fails there."""

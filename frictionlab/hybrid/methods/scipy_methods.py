@@ -86,12 +86,16 @@ class Scipy(Method):
             cursor.times[run_state.NOW] += length
             cursor.state[:] = solver.y if guard < 0 else solver.dense_output()(cursor.times[run_state.NOW])
             if guard >= 0:
-                event, truncation = GuardZero(length, guard, 1), run_state.Truncation(self.degree, self.rtol)
-                return _handle_event(run, record, event, truncation)
+                return self.handle_event(run, GuardZero(length, guard, 1), record)
         if solver.status == "running":
             return run_state.RUNNING
         cursor.times[run_state.NOW] = cursor.times[run_state.END]
         return run_state.FINISHED
+
+    def handle_event(self, run: ActiveRun, event: GuardZero, record: run_state.Record) -> int:
+        truncation = run_state.Truncation(self.degree, self.rtol)
+        system = run.system._replace(code=run.problem.program.code)
+        return event_handling.handle_event(system, truncation, event, run.cursor, record, run.scratch)
 
     def _solver(self, run: ActiveRun) -> Any:
         """scipy's integrator at the state of the run; None where a rate there is no number."""
@@ -165,10 +169,3 @@ def _record_step(cursor: run_state.RunState, record: run_state.Record, length: f
     record.step_modes[row] = cursor.counts[run_state.MODE]
     record.step_states[row] = cursor.state
     cursor.counts[run_state.STEPS] += 1
-
-
-def _handle_event(
-    run: ActiveRun, record: run_state.Record, event: GuardZero, truncation: run_state.Truncation
-) -> int:
-    system = run.system._replace(code=run.problem.program.code)
-    return event_handling.handle_event(system, truncation, event, run.cursor, record, run.scratch)

@@ -6,16 +6,27 @@ Which condition fails, the time grid, the record of steps and events, the choice
 from __future__ import annotations
 
 from frictionlab.hybrid.compilation import inlined, kernel
+from frictionlab.hybrid.kernels.combination_selection import select_combination
 from frictionlab.hybrid.kernels.event_handling import handle_event
 from frictionlab.hybrid.kernels.event_location import COEFFICIENT_ROUNDING
-from frictionlab.hybrid.kernels.jets import copy_vector, majorant, mode_jets
-from frictionlab.hybrid.kernels.mode_selection import NO_MODE, Rounding, Selection, apply_reset, is_excluded
+from frictionlab.hybrid.kernels.jets import copy_vector, mode_jets
+from frictionlab.hybrid.kernels.mode_selection import (
+    ADMITTED,
+    BY_VALUES,
+    NO_MODE,
+    Rounding,
+    Selection,
+    apply_reset,
+    set_zeros_by_construction,
+    try_mode_by_values,
+)
 from frictionlab.hybrid.kernels.run_state import (
     CELL,
     END,
     ENTERED,
+    EVENT_GUARD,
+    EVENT_MULTIPLICITY,
     EVENTS,
-    MISSING_MODE,
     MODE,
     MODE_NOT_DERIVED,
     NO_ADMISSIBLE_MODE,
@@ -50,25 +61,11 @@ def select_mode_by_values(system, guard, z, scratch):
 
     So slip is entered after a re-contact whatever the penetration rate.
     """
-    code, numbers, J = system.code, system.numbers, scratch.jets
-    declared = code.declared[guard, 0]
-    for mode in code.targets[guard]:
-        if code.built[mode] == 0:
-            rounding = Rounding(z, COEFFICIENT_ROUNDING)
-            if is_excluded(system, mode, z, rounding, declared, scratch):
-                continue
-            return Selection(NO_MODE, mode)
-        mode_jets(code, numbers, mode, 0, z, J)
-        majorant(code, system.magnitudes, mode, 0, z, J, scratch.bounds)
-        fits = True
-        for g in range(code.mode_guards[mode], code.mode_guards[mode + 1]):
-            if declared[g] == 0 and J[code.function_slots[g], 0] < 0.0:
-                fits = False
-        for f in range(code.mode_constraints[mode], code.mode_constraints[mode + 1]):
-            slot = code.function_slots[f]
-            if declared[f] == 0 and abs(J[slot, 0]) > COEFFICIENT_ROUNDING * scratch.bounds[slot, 0]:
-                fits = False
-        if fits:
+    set_zeros_by_construction(system.code, guard, 0, scratch)
+    if scratch.candidates.place.shape[0]:
+        return select_combination(system, guard, z, Rounding(z, COEFFICIENT_ROUNDING), BY_VALUES, scratch)
+    for mode in system.code.targets[guard]:
+        if try_mode_by_values(system, mode, z, scratch) == ADMITTED:
             return Selection(mode, NO_MODE)
     return Selection(NO_MODE, NO_MODE)
 
@@ -84,7 +81,7 @@ def change_mode(system, guard, run, record, scratch):
     mode, missing = select_mode_by_values(system, guard, run.state, scratch)
     if missing != NO_MODE:
         copy_vector(record.event_states[row, 0], run.state)
-        counts[MISSING_MODE] = missing
+        counts[EVENT_GUARD], counts[EVENT_MULTIPLICITY] = guard, SIMPLE
         return MODE_NOT_DERIVED
     copy_vector(run.state, record.event_states[row, 1])
     record.event_codes[row, 0] = guard
@@ -101,7 +98,7 @@ def change_mode(system, guard, run, record, scratch):
 @kernel
 def enter_next_mode(system, event, order, run, record, scratch):
     """What is done at an event; modes are chosen by series of an order, at 0 by the values of conditions."""
-    if order == 0:
+    if order == BY_VALUES:
         return change_mode(system, event.guard, run, record, scratch)
     exact = Truncation(order, 0.0)  # 0: the share of the states by which steps may miss the event
     return handle_event(system, exact, event, run, record, scratch)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import lru_cache
 from math import isfinite
 from typing import Any
 
@@ -45,7 +44,7 @@ def check_structure(
         )
     known = tuple(names), tuple(states), frozenset((*states, *parameters))
     for mode in modes:
-        _check_mode(mode, *known)
+        check_mode(mode, *known)
 
 
 def check_section_or_quadrature(name: str, function: Any, automaton: HybridAutomaton) -> None:
@@ -74,10 +73,10 @@ def _symbols(name: str, function: Any) -> set:
         ) from None
 
 
-@lru_cache(maxsize=4096)  # modes that are derived one by one come again and again
-def _check_mode(
-    mode: Mode, names: tuple[str, ...], states: tuple[sp.Symbol, ...], known: frozenset[sp.Symbol]
+def check_mode(
+    mode: Mode, names: Sequence[str], states: tuple[sp.Symbol, ...], known: frozenset[sp.Symbol]
 ) -> None:
+    """Raise ValueError for one mode; `names` are those of all modes, `known` the states and parameters."""
     if len(mode.flow) != len(states):
         raise ValueError(
             f"the flow of mode {mode.name!r} must have one expression per state ({len(states)}), "

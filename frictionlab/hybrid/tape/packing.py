@@ -8,25 +8,33 @@ that ends.
 
 from __future__ import annotations
 
-import math
-from collections import defaultdict
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
 from functools import lru_cache
-from itertools import chain
+from itertools import accumulate, chain
 from threading import Lock
-from typing import Any, NamedTuple
+from typing import Any
+from weakref import ref
 
 import numpy as np
 import sympy as sp
 
 from frictionlab.automaton import Event, HybridAutomaton, Mode, Reset
-from frictionlab.automaton.modes_on_demand import ModesOnDemand, Sketch
-from frictionlab.hybrid.tape.automaton_checks import check_structure
-from frictionlab.hybrid.tape.operations import POWER
-from frictionlab.hybrid.tape.program import NO_RESET, NOT_POLYNOMIAL, Code, Numbers, Program, Section
-from frictionlab.hybrid.tape.tape import Range, ResetBuilder, Tape, TapeBuilder
+from frictionlab.automaton.modes_on_demand import Combination, KnownModes, ModesOnDemand
+from frictionlab.hybrid.tape.automaton_checks import check_mode, check_structure
+from frictionlab.hybrid.tape.lowered_mode import (
+    LoweredMode,
+    LoweredReset,
+    LoweredTape,
+    int_array,
+    lower_mode,
+    lower_reset,
+    slot_array,
+)
+from frictionlab.hybrid.tape.operations import AFFINE
+from frictionlab.hybrid.tape.program import NO_RESET, Code, Demand, Numbers, Program, Section
 
-NO_FUNCTIONS = np.zeros(0, dtype=np.int64)
+NO_MODE = -1  # "no mode" in the arrays
 _ONE_AT_A_TIME = Lock()
 
 
@@ -64,11 +72,13 @@ def program_of(
     automaton: HybridAutomaton,
     sections: Mapping[str, Section] | None = None,
     quadratures: Mapping[str, Any] | None = None,
-    modes: tuple[Mode, ...] | None = None,
+    *,
+    complete: bool = True,
 ) -> tuple[Program, Numbers]:
     """Program and numbers of an automaton; the program is remembered per structure.
 
-    `modes` are the automaton's, some of them as sketches; by default all are derived.
+    Of modes that are derived on demand it has all, in the automaton's order, where it is to be `complete`; else
+    those derived so far, in the order in which they were.
 
     Raises
     ------
@@ -77,12 +87,16 @@ def program_of(
     TapeError
         Where an expression needs an operation that the tape lacks.
     """
-    parameters = tuple(automaton.parameters)
+    modes, parameters = automaton.modes, tuple(automaton.parameters)
     riders = (tuple((sections or {}).values()), tuple((quadratures or {}).items()))
-    chosen, apart = modes or tuple(automaton.modes), isinstance(automaton.modes, ModesOnDemand)
-    remembered = pack_partial_program if any(isinstance(mode, Sketch) for mode in chosen) else pack_program
+    about = parameters, automaton.coordinates, *riders
+    on_demand = isinstance(modes, ModesOnDemand)
+    chosen = () if on_demand and not complete else tuple(modes)
     with _ONE_AT_A_TIME:  # else two threads might have two programs of one structure
-        program = remembered(automaton.states, chosen, parameters, automaton.coordinates, *riders, apart)
+        if on_demand and not complete:
+            program = _growing_program(automaton.states, modes, *about).with_known_modes()
+        else:
+            program = pack_program(automaton.states, chosen, *about, on_demand)
     return program, program.numbers(tuple(automaton.parameters.values()))
 
 
@@ -98,202 +112,312 @@ def pack_program(
 ) -> Program:
     """Lower every mode and reset to its tape and pack them; `apart` evaluates each number on its own."""
     check_structure(states, modes, parameters, coordinates)
-    packer = _Packer(states, modes, sections, quadratures)
+    packer = Packer(states, sections, quadratures)
+    for mode in modes:
+        packer.add(mode)
     return packer.pack(parameters, coordinates, apart)
 
 
-# Soon replaced by one with more modes: the last few will do.
-pack_partial_program = lru_cache(maxsize=16)(pack_program.__wrapped__)
+def program_of_modes(automaton: HybridAutomaton, names: tuple[str, ...]) -> tuple[Program, Numbers]:
+    """The same of some modes that are derived on demand, in this order: for runs that were made elsewhere."""
+    parameters = tuple(automaton.parameters)
+    with _ONE_AT_A_TIME:
+        program = _pack_modes(automaton.states, automaton.modes, names, parameters, automaton.coordinates)
+    return program, program.numbers(tuple(automaton.parameters.values()))
 
 
-class _ModeTape(NamedTuple):
-    """A mode's tape, and the slots of what is asked of it."""
-
-    flow: list[int]
-    guards: list[int]
-    constraints: list[int]
-    sections: list[int]
-    tape: Tape
-
-    @property
-    def degrees(self) -> list[float]:
-        return self.tape.degrees(self.guards)
-
-    @property
-    def ranges(self) -> list[Range]:
-        """How the range of each slot is found."""
-        return self.tape.ranges((*self.flow, *self.guards, *self.sections), self.guards)
-
-    @property
-    def polynomial(self) -> list[bool]:
-        return [degree < math.inf for degree in self.degrees]
-
-    @property
-    def polynomial_degree(self) -> float:
-        return max(degree for degree in self.degrees if degree < math.inf)
-
-    @property
-    def guard_degrees(self) -> list[float]:
-        degrees = self.degrees
-        return [degrees[slot] for slot in self.guards]
+@lru_cache(maxsize=64)
+def _pack_modes(
+    states: tuple[sp.Symbol, ...],
+    modes: ModesOnDemand,
+    names: tuple[str, ...],
+    parameters: tuple[sp.Symbol, ...],
+    coordinates: int,
+) -> Program:
+    packer, chosen = Packer(states, (), (), modes), tuple(map(modes.named, names))
+    for mode in chosen:
+        check_mode(mode, modes.names, states, frozenset((*states, *parameters)))
+        packer.add(mode)
+    combinations = tuple(modes.names.combination_of(name) or () for name in names)
+    return packer.pack(parameters, coordinates, True, KnownModes(chosen, combinations, ()))
 
 
-class _Packer:
-    """Collects the arrays of a :class:`Program`."""
+@lru_cache(maxsize=64)
+def _growing_program(states: tuple[sp.Symbol, ...], modes: ModesOnDemand, *about: Any) -> _GrowingProgram:
+    return _GrowingProgram(states, modes, *about)
 
-    def __init__(self, states, modes, sections, quadratures) -> None:
-        self.modes, self.sections = modes, sections
+
+class _GrowingProgram:
+    """The program of modes that are derived on demand, to which modes are added as they are derived."""
+
+    def __init__(
+        self,
+        states: tuple[sp.Symbol, ...],
+        modes: ModesOnDemand,
+        parameters: tuple[sp.Symbol, ...],
+        coordinates: int,
+        sections: tuple[Section, ...],
+        quadratures: tuple[tuple[str, Any], ...],
+    ) -> None:
+        self._modes, self._parameters, self._coordinates = modes, parameters, coordinates
+        self._states, self._packer = states, Packer(states, sections, quadratures, modes)
+        self._known = frozenset((*states, *parameters))
+        self._packed: tuple[tuple[int, int], Program | None] = (0, 0), None
+
+    def with_known_modes(self) -> Program:
+        """The program of all modes that are derived by now."""
+        known = self._modes.known()
+        counts = len(known.modes), len(known.refused)
+        before, program = self._packed
+        if program is None or counts != before:
+            for mode in known.modes[len(self._packer.modes) :]:
+                check_mode(mode, self._modes.names, self._states, self._known)
+                self._packer.add(mode)
+            program = self._packer.pack(self._parameters, self._coordinates, True, known)
+            program = replace(program, grown_from=None if self._packed[1] is None else ref(self._packed[1]))
+            self._packed = counts, program
+        return program
+
+
+class Packer:
+    """Collects the arrays of a :class:`Program`, mode by mode."""
+
+    def __init__(
+        self,
+        states: tuple[sp.Symbol, ...],
+        sections: tuple[Section, ...],
+        quadratures: tuple[tuple[str, Any], ...],
+        demand: ModesOnDemand | None = None,
+    ) -> None:
+        self.sections, self.demand = sections, demand
         self.integrands = tuple(expr for _, expr in quadratures)
         self.physical = states
         self.states = (*states, *(sp.Symbol(f"integral of {name}") for name, _ in quadratures))
-        self.events = [(mode, event) for mode in modes for event in mode.events]
-        self.functions = [event.function for _, event in self.events]
-        self.functions += [c for mode in modes for c in mode.constraints]
-        self.places = {mode.name: i for i, mode in enumerate(modes)}
-        self.initial = [i for i, mode in enumerate(modes) if not mode.limit]
-        self.reset_tapes: list[Tape] = []
-        self.reset_out: list[list[int]] = []
+        self.modes: list[Mode] = []
+        self.lowered: list[LoweredMode] = []
+        self.resets: list[LoweredReset] = []
+        self.event_resets: list[list[int]] = []
+        self.classes: dict[Any, int] = {}  # of functions, by their normal form up to the sign
+        self.guard_classes: list[int] = []
+        self.constraint_classes: list[int] = []
+        self.zeros: list[list[tuple[int, int]]] = []  # classes and counts, for both resets of each event
+        self.listed: list[list[Combination]] = []  # targets of each event, where modes are on demand
+        self._reset_numbers: dict[Reset, int] = {}
 
-    def pack(self, parameters, coordinates, apart) -> Program:
-        names = [mode.name for mode in self.modes]
-        lowered = [_lower_mode(mode, self.states, self.sections, self.integrands) for mode in self.modes]
-        tapes = [mode.tape for mode in lowered]
-        resets = [self._event_resets(event) for _, event in self.events]
-        every, inputs = tapes + self.reset_tapes, len(self.states)
-        code = Code(
-            inputs=inputs,
-            ops=_ops(every),
-            term_slots=_slots([slot for tape in every for slot, _ in tape.terms]),
-            mode_ops=_ranges([len(tape.ops) for tape in tapes]),
-            flow=_slots([mode.flow for mode in lowered]),
-            mode_guards=_ranges([len(mode.events) for mode in self.modes]),
-            mode_constraints=_ranges([len(m.constraints) for m in self.modes], start=len(self.events)),
-            function_slots=_slots(
-                [*_joined(m.guards for m in lowered), *_joined(m.constraints for m in lowered)]
-            ),
-            targets=_ints([self._targets(event) for _, event in self.events], columns=len(self.initial)),
-            limits=_ints([i for i, mode in enumerate(self.modes) if mode.limit]),
-            resets=_ints(resets, columns=2),
-            declared=self._declared(),
-            reset_ops=_ranges([len(t.ops) for t in self.reset_tapes], start=sum(len(t.ops) for t in tapes)),
-            reset_out=_slots(self.reset_out, columns=len(self.states)),
-            sections=_slots([mode.sections for mode in lowered], columns=len(self.sections)),
-            directions=_ints([section.direction for section in self.sections]),
-            native=np.zeros(len(names), dtype=np.int64),
-            lanes=np.zeros(len(names), dtype=np.int64),
-            built=_ints([not isinstance(mode, Sketch) for mode in self.modes]),
-            powers=_ints([any(op[0] == POWER for op in tape.ops) for tape in tapes]),
-            degrees=_ints([_finite(max(mode.degrees)) for mode in lowered]),
-            ranges=_ints([*_joined(mode.ranges[inputs:] for mode in lowered)]),
-            state_ranges=_ints([mode.ranges[:inputs] for mode in lowered], columns=inputs),
-            polynomial=_ints([*_joined(mode.polynomial[inputs:] for mode in lowered)]),
-            polynomial_degrees=_ints([_finite(mode.polynomial_degree) for mode in lowered]),
-            guard_degrees=_ints([_finite(d) for mode in lowered for d in mode.guard_degrees]),
-            groups=_ints([0, coordinates, 2 * coordinates, len(self.physical)]),
-        )
-        exprs = [c for tape in every for c in tape.constants] + [c for tape in every for _, c in tape.terms]
-        fill = (
-            _fill_separately(parameters, exprs) if apart else sp.lambdify(parameters, exprs, "math", cse=True)
-        )
-        guard_modes = _ints([self.places[mode.name] for mode, _ in self.events])
-        guards = tuple(event.name for _, event in self.events)
-        slots = max(tape.slots for tape in every)
-        tapes, resets = tuple(tapes), tuple(self.reset_tapes)
-        initial = _ints(self.initial)
-        return Program(code, tapes, resets, slots, tuple(names), guards, guard_modes, initial, fill)
+    def add(self, mode: Mode) -> None:
+        """Put a mode behind the others."""
+        self.modes.append(mode)
+        self.lowered.append(lower_mode(mode, self.states, self.sections, self.integrands))
+        self.guard_classes += [self._class(event.function) for event in mode.events]
+        self.constraint_classes += map(self._class, mode.constraints)
+        for event in mode.events:
+            self._add_event(mode, event)
 
-    def _targets(self, event: Event) -> list[int]:
-        order = dict.fromkeys((*(self.places[name] for name in event.targets), *self.initial))
-        return [i for i in order if not self.modes[i].limit]
-
-    def _event_resets(self, event: Event) -> list[int]:
+    def _add_event(self, mode: Mode, event: Event) -> None:
         plain = self._reset(event.reset)
-        return [plain, plain if event.accumulation is None else self._reset(event.accumulation)]
+        closing = event.accumulation or event.reset
+        self.event_resets.append([plain, plain if event.accumulation is None else self._reset(closing)])
+        for reset in (event.reset, closing):
+            zeros = structural_zeros(mode, event, reset).items()
+            self.zeros.append([(self._number_of_class(function), count) for function, count in zeros])
+        if self.demand is not None:
+            found = map(self.demand.names.combination_of, event.targets)
+            self.listed.append([combination for combination in found if combination is not None])
+
+    def _class(self, function: Any) -> int:
+        return self._number_of_class(sign_normal_form(function))
+
+    def _number_of_class(self, normal_form: Any) -> int:
+        return self.classes.setdefault(normal_form, len(self.classes))
 
     def _reset(self, reset: Reset) -> int:
         if not reset.jump:
             return NO_RESET
-        out, tape = _lower_reset(reset, self.states)
-        self.reset_out.append(out)
-        self.reset_tapes.append(tape)
-        return len(self.reset_tapes) - 1
+        # Modes on demand have many resets in common; elsewhere each event has its own.
+        number = self._reset_numbers.get(reset) if self.demand is not None else None
+        if number is None:
+            number = self._reset_numbers[reset] = len(self.resets)
+            self.resets.append(lower_reset(reset, self.states))
+        return number
 
-    def _declared(self) -> np.ndarray:
-        declared = np.zeros((len(self.events), 2, len(self.functions)), dtype=np.int64)
-        lists = defaultdict(list)
-        for f, function in enumerate(self.functions):
-            lists[sign_normal_form(function)].append(f)
-        same = {function: _ints(places) for function, places in lists.items()}
-        for row, (mode, event) in enumerate(self.events):
-            for column, reset in enumerate((event.reset, event.accumulation or event.reset)):
-                for function, count in structural_zeros(mode, event, reset).items():
-                    declared[row, column, same.get(function, NO_FUNCTIONS)] = count
-        return declared
+    def pack(
+        self,
+        parameters: tuple[sp.Symbol, ...],
+        coordinates: int,
+        apart: bool,
+        known: KnownModes | None = None,
+    ) -> Program:
+        """The program of the modes so far; with what is `known` of others where they are on demand."""
+        lowered, constraint_classes, demand = self.lowered, self.constraint_classes, _no_demand()
+        if self.demand is not None and known is not None:
+            conditions = _conditions_mode(self.demand, len(self.states))
+            lowered = [*lowered, lower_mode(conditions, self.states, (), ())]
+            constraint_classes = [*constraint_classes, *map(self._class, conditions.constraints)]
+            demand = _demand_arrays(self.demand, known, self.listed)
+        names = tuple(mode.name for mode in self.modes)
+        initial = [i for i, mode in enumerate(self.modes) if not mode.limit] if known is None else []
+        code = self._code(lowered, coordinates, initial)
+        classes = int_array([*self.guard_classes, *constraint_classes])
+        code = code._replace(function_classes=classes, demand=demand)
+        every: list[LoweredTape] = [*lowered, *self.resets]
+        guards = tuple(event.name for mode in self.modes for event in mode.events)
+        guard_modes = int_array([i for i, mode in enumerate(self.modes) for _ in mode.events])
+        return Program(
+            code,
+            tuple(one.tape for one in lowered),
+            tuple(one.tape for one in self.resets),
+            max(one.tape.slots for one in every),
+            names,
+            guards,
+            guard_modes,
+            int_array(initial),
+            _fill(parameters, every, apart),
+        )
+
+    def _code(self, lowered: Sequence[LoweredMode], coordinates: int, initial: Sequence[int]) -> Code:
+        every: list[LoweredTape] = [*lowered, *self.resets]
+        inputs, count = len(self.states), len(lowered)
+        guards, mode_ops = sum(len(one.guards) for one in lowered), sum(len(one.tape.ops) for one in lowered)
+        sections = [one.sections or [0] * len(self.sections) for one in lowered]
+        zeros = [*chain.from_iterable(self.zeros)]
+        return Code(
+            inputs=inputs,
+            ops=_ops(every),
+            term_slots=_joined([one.term_slots for one in every], np.uint32),
+            mode_ops=_ranges([len(one.tape.ops) for one in lowered]),
+            flow=slot_array([one.flow for one in lowered]),
+            mode_guards=_ranges([len(one.guards) for one in lowered]),
+            mode_constraints=_ranges([len(one.constraints) for one in lowered], start=guards),
+            function_slots=slot_array(
+                [*_chained(one.guards for one in lowered), *_chained(one.constraints for one in lowered)]
+            ),
+            targets=int_array(self._targets(initial), columns=len(initial)),
+            limits=int_array([i for i, mode in enumerate(self.modes) if mode.limit]),
+            resets=int_array(self.event_resets, columns=2),
+            function_classes=int_array([]),
+            zeros=_ranges([len(some) for some in self.zeros]),
+            zero_classes=int_array([number for number, _ in zeros]),
+            zero_counts=int_array([order for _, order in zeros]),
+            reset_ops=_ranges([len(one.tape.ops) for one in self.resets], start=mode_ops),
+            reset_out=slot_array([one.out for one in self.resets], columns=inputs),
+            sections=slot_array(sections, columns=len(self.sections)),
+            directions=int_array([section.direction for section in self.sections]),
+            native=np.zeros(count, dtype=np.int64),
+            lanes=np.zeros(count, dtype=np.int64),
+            built=int_array([i < len(self.modes) for i in range(count)]),
+            powers=int_array([one.has_powers for one in lowered]),
+            degrees=int_array([one.degree for one in lowered]),
+            ranges=int_array([*_chained(one.ranges[inputs:] for one in lowered)]),
+            state_ranges=int_array([one.ranges[:inputs] for one in lowered], columns=inputs),
+            polynomial=int_array([*_chained(one.polynomial[inputs:] for one in lowered)]),
+            polynomial_degrees=int_array([one.polynomial_degree for one in lowered]),
+            guard_degrees=int_array([*_chained(one.guard_degrees for one in lowered)]),
+            groups=int_array([0, coordinates, 2 * coordinates, len(self.physical)]),
+            demand=_no_demand(),
+        )
+
+    def _targets(self, initial: Sequence[int]) -> list[list[int]]:
+        """The modes that each event leads to, then all others; none where modes are on demand."""
+        places = {mode.name: i for i, mode in enumerate(self.modes)}
+        tried = {*initial}
+        orders = (
+            dict.fromkeys((*(places[name] for name in event.targets), *initial)) if initial else ()
+            for mode in self.modes
+            for event in mode.events
+        )
+        return [[i for i in order if i in tried] for order in orders]
 
 
-@lru_cache(maxsize=4096)  # modes that are derived one by one are packed again and again
-def _lower_mode(mode: Mode, states: tuple, sections: tuple[Section, ...], integrands: tuple) -> _ModeTape:
-    builder = TapeBuilder(states)
-    return _ModeTape(
-        flow=[
-            builder.slot(expr) for expr in (*mode.flow, *(_section_expression(e, mode) for e in integrands))
-        ],
-        guards=[builder.slot(event.function) for event in mode.events],
-        constraints=[builder.slot(expr) for expr in mode.constraints],
-        sections=[builder.slot(_section_expression(section.function, mode)) for section in sections],
-        tape=builder.tape,
+def _no_demand() -> Demand:
+    """What they have to know where all modes are derived."""
+    none, no_rows = np.zeros(1, dtype=np.int64), np.zeros((0, 0), dtype=np.int64)
+    return Demand(none, none, no_rows, none[:0], none, no_rows)
+
+
+def _demand_arrays(
+    modes: ModesOnDemand, known: KnownModes, listed: Sequence[Sequence[Combination]]
+) -> Demand:
+    """What kernels have to know of modes that are not derived."""
+    parts = len(modes.parts)
+    numbers = [*range(len(known.modes)), *(NO_MODE for _ in known.refused)]
+    conditions = [len(regime.conditions) for part in modes.parts for regime in part]
+    return Demand(
+        regimes=_ranges([len(part) for part in modes.parts]),
+        conditions=_ranges(conditions),
+        combinations=int_array([*known.combinations, *known.refused], columns=parts),
+        modes=int_array(numbers),
+        listed=_ranges([len(targets) for targets in listed]),
+        targets=int_array([*_chained(listed)], columns=parts),
     )
 
 
-@lru_cache(maxsize=4096)
-def _lower_reset(reset: Reset, states: tuple) -> tuple[list[int], Tape]:
-    builder = ResetBuilder(states)
-    return [builder.slot(reset.jump.get(state, state)) for state in states], builder.tape
+def _conditions_mode(modes: ModesOnDemand, states: int) -> Mode:
+    """A mode that stands for those not derived; its constraints are the conditions of all regimes."""
+    conditions = (condition for part in modes.parts for regime in part for condition in regime.conditions)
+    return Mode("", (sp.S.Zero,) * states, constraints=tuple(conditions))
 
 
-def _finite(degree: float) -> int:
-    return int(min(degree, NOT_POLYNOMIAL))
-
-
-def _joined(lists: Iterable[Sequence[int]]) -> Iterable[int]:
+def _chained(lists: Iterable[Sequence[Any]]) -> Iterable[Any]:
     return chain.from_iterable(lists)
 
 
-def _fill_separately(parameters: tuple[Any, ...], exprs: Sequence[Any]) -> Callable[..., Any]:
-    """Values of expressions, each to the same bits whatever the others are: no shared subexpressions."""
-    places = {expr: i for i, expr in enumerate(dict.fromkeys(exprs))}
-    fills, where = [_number(parameters, expr) for expr in places], _ints([places[expr] for expr in exprs])
-    return lambda *values: np.array([fill(*values) for fill in fills], dtype=float)[where]
+def _joined(arrays: Sequence[np.ndarray], kind: type) -> np.ndarray:
+    return np.concatenate([np.zeros(0, dtype=kind), *arrays])
 
 
-@lru_cache(maxsize=4096)
-def _number(parameters: tuple[Any, ...], expr: Any) -> Callable[..., float]:
-    return sp.lambdify(parameters, expr, "math")
-
-
-def _section_expression(function: Any | str, mode: Mode) -> Any:
-    if isinstance(mode, Sketch):
-        return sp.S.Zero
-    return mode.outputs[function] if isinstance(function, str) else function
-
-
-def _ops(tapes: Sequence[Tape]) -> np.ndarray:
+def _ops(every: Sequence[LoweredTape]) -> np.ndarray:
     """All operations in one array, the affine ones' ranges moved to the common list of terms."""
-    rows, terms = [], 0
-    for tape in tapes:
-        rows += [(kind, a + terms, b + terms) if kind == 0 else (kind, a, b) for kind, a, b in tape.ops]
-        terms += len(tape.terms)
-    return _slots(rows, columns=3)
+    found = np.concatenate([np.zeros((0, 3), dtype=np.uint32), *(one.ops for one in every)])
+    lengths = [len(one.tape.ops) for one in every]
+    first = [0, *accumulate(len(one.tape.terms) for one in every)][:-1]
+    affine = found[:, 0] == AFFINE
+    found[affine, 1:] += np.repeat(np.array(first, dtype=np.uint32), lengths)[affine, None]
+    return found
 
 
-def _ints(rows, columns: int | None = None, kind: type = np.int64) -> np.ndarray:
-    array = np.array(rows, dtype=kind)
-    return array if columns is None else array.reshape(len(rows), columns)
+def _fill(
+    parameters: tuple[Any, ...], every: Sequence[LoweredTape], apart: bool
+) -> Callable[..., Sequence[float]]:
+    """Function of the parameters that gives all constants, then the coefficients of all terms."""
+    if not apart:
+        exprs = [c for one in every for c in one.tape.constants]
+        exprs += [c for one in every for _, c in one.tape.terms]
+        return sp.lambdify(parameters, exprs, "math", cse=True)
+    numbers = _number_list(parameters)
+    constants, terms = zip(*(numbers.places(one) for one in every))
+    used, where = np.unique(np.concatenate([*constants, *terms]), return_inverse=True)
+    functions = [numbers.functions[i] for i in used]
+    return lambda *values: np.array([function(*values) for function in functions], dtype=float)[where]
 
 
-def _slots(rows, columns: int | None = None) -> np.ndarray:
-    # Unsigned, which spares the kernels the check for negative indices.
-    return _ints(rows, columns, np.uint32)
+class _NumberList:
+    """Functions of the parameters for the numbers in tapes.
+
+    Each has the same bits whatever the others are: they share no subexpressions.
+    """
+
+    def __init__(self, parameters: tuple[Any, ...]) -> None:
+        self._parameters = parameters
+        self._numbers: dict[Any, int] = {}
+        self.functions: list[Callable[..., float]] = []
+
+    def places(self, lowered: LoweredTape) -> tuple[np.ndarray, np.ndarray]:
+        """Numbers of the functions of a tape's constants and coefficients."""
+        tape = lowered.tape
+        exprs = tape.constants, [coefficient for _, coefficient in tape.terms]
+        constants, terms = (int_array([self._number(expr) for expr in some]) for some in exprs)
+        return constants, terms
+
+    def _number(self, expr: Any) -> int:
+        if expr not in self._numbers:
+            self._numbers[expr] = len(self.functions)
+            self.functions.append(sp.lambdify(self._parameters, expr, "math"))
+        return self._numbers[expr]
+
+
+@lru_cache(maxsize=64)
+def _number_list(parameters: tuple[Any, ...]) -> _NumberList:
+    return _NumberList(parameters)
 
 
 def _ranges(lengths: Sequence[int], start: int = 0) -> np.ndarray:

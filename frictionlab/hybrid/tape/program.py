@@ -17,6 +17,22 @@ NO_RESET = -1  # "no reset" in the arrays
 NOT_POLYNOMIAL = 1000  # stands for the degree of what is no polynomial of the states: above all orders
 
 
+class Demand(NamedTuple):
+    """Modes that are combinations of regimes, one for each part, of which only some are derived.
+
+    The code's last mode then stands for all others: it holds no events and cannot be entered; its constraints
+    are the conditions of all regimes, none of which may be negative where a mode with it is entered.  There are
+    no parts where all modes are derived and listed in ``targets``.
+    """
+
+    regimes: np.ndarray  # (parts + 1,) range of each part's regimes, numbered through all parts
+    conditions: np.ndarray  # (regimes + 1,) range of each regime's conditions among these constraints
+    combinations: np.ndarray  # (known, parts) the regime of each part, from 0
+    modes: np.ndarray  # (known,) the mode of each of these combinations, -1 where it is none
+    listed: np.ndarray  # (guards + 1,) range of the targets of each event
+    targets: np.ndarray  # (targets, parts) their combinations
+
+
 class Code(NamedTuple):
     """The structure of an automaton as integers; the parameter values are in :class:`Numbers`.
 
@@ -31,10 +47,19 @@ class Code(NamedTuple):
     mode_guards: np.ndarray  # (modes + 1,)
     mode_constraints: np.ndarray  # (modes + 1,) numbered after all guards
     function_slots: np.ndarray  # (guards + constraints,)
-    targets: np.ndarray  # (guards, modes but for limits) in the order in which they are tried
+    targets: (
+        np.ndarray
+    )  # (guards, modes but for limits) in the order in which they are tried; see `Combinations`
     limits: np.ndarray  # (limit modes,) which closing an accumulation tries before
     resets: np.ndarray  # (guards, 2) number of the reset, and of the one that closes an accumulation
-    declared: np.ndarray  # (guards, 2, functions) leading coefficients that vanish after those two
+    function_classes: (
+        np.ndarray
+    )  # (functions,) functions that are equal up to the sign; 0: never zero by construction
+    zeros: (
+        np.ndarray
+    )  # (2 guards + 1,) ranges of what is zero by construction after those two resets, in turn
+    zero_classes: np.ndarray  # classes that are zero, and
+    zero_counts: np.ndarray  # how many of their leading coefficients
     reset_ops: np.ndarray  # (resets + 1,)
     reset_out: np.ndarray  # (resets, states) slot that holds a state's new value
     sections: np.ndarray  # (modes, sections) slots
@@ -52,6 +77,7 @@ class Code(NamedTuple):
     polynomial_degrees: np.ndarray  # (modes,) the highest of those that are
     guard_degrees: np.ndarray  # (guards,) the same of the event functions
     groups: np.ndarray  # (4,) bounds of the coordinates, the velocities, the other states; integrals follow
+    demand: Demand  # what is known where only some modes are derived
 
 
 class Numbers(NamedTuple):
@@ -94,6 +120,7 @@ class Program:
     guard_modes: np.ndarray
     initial: np.ndarray  # modes in the order in which they are tried at the start
     _fill: Callable[..., Sequence[float]]
+    grown_from: Any = None  # a weak reference to the program whose modes are the first of these, if any
 
     def numbers(self, values: Sequence[float]) -> Numbers:
         """Coefficients for parameter values in the order of the automaton's parameters."""

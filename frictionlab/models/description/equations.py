@@ -12,10 +12,10 @@ import sympy
 from sympy import Symbol
 from sympy.printing.latex import LatexPrinter
 
+from frictionlab.automaton.modes_on_demand import check_mode_name
 from frictionlab.models.assembly import automaton_of_structure
 from frictionlab.models.parameter_namespace import parameter_metadata
 from frictionlab.models.symbols import structure_of_component
-from frictionlab.validation import check_choice
 
 TIME = Symbol("t", real=True)
 TIME_DERIVATIVE_DOTS = {1: r"\dot", 2: r"\ddot"}
@@ -132,8 +132,8 @@ def flow_equations(model: Any, mode: str) -> Equations:
         If the model has no such mode.
     """
     automaton = automaton_of_structure(structure_of_component(model))
-    check_choice("mode", mode, automaton.names)
-    chosen, n = automaton.modes[automaton.names.index(mode)], automaton.coordinates
+    check_mode_name(mode, automaton.names)
+    chosen, n = automaton.mode(mode), automaton.coordinates
     functions = time_functions(automaton.states, n)
     left = [sympy.diff(functions[x], TIME, 2) for x in automaton.states[:n]]
     left += [sympy.diff(functions[x], TIME) for x in automaton.states[2 * n :]]

@@ -8,12 +8,12 @@ from typing import Any, NamedTuple
 
 import sympy
 
+from frictionlab.automaton.modes_on_demand import check_mode_name
 from frictionlab.models.mechanical.contact_regimes import ContactRegime, sliding_friction
 from frictionlab.models.mechanical.equations_of_motion import LagrangeSystem, Pair, lagrange_system
 from frictionlab.models.mechanical.mechanics import Friction, Stop
 from frictionlab.models.mechanical.modes import contact_suffix, solve_contact_forces
 from frictionlab.models.symbols import structure_of_component, symbol, symbolic_copy
-from frictionlab.validation import check_choice
 
 from .equations import (
     LETTERS,
@@ -50,14 +50,14 @@ def lagrange_equations(model: Any, mode: str) -> Equations:
     """
     copy = symbolic_copy(structure_of_component(model))
     found = lagrange_system(copy)
-    names = tuple(found.combinations)
-    check_choice("mode", mode, (*names, *_others(found)))
+    check_mode_name(mode, found.names, _others(found))
     letters = {**LETTERS, **parameter_letters(model), **_contact_letters(found)}
     if mode == "impact":
         return _impact(copy, found, letters)
     write = TimeDependentSystem(found, _named_forces(found), _functions(found))
     known = {"t": TIME, **{name: symbol(name) for name in model.parameters}}
-    chosen = write.named.combinations["slip+" if mode == "slip" and "slip+" in names else mode]
+    one = "slip+" if mode == "slip" and "slip+" in found.names else mode
+    chosen = write.named.chosen(found.names.combination_of(one) or ())
     return _mode_equations(write, mode, chosen, letters, known)
 
 
@@ -65,7 +65,7 @@ def _others(found: LagrangeSystem) -> tuple[str, ...]:
     """Names for which there are equations besides the modes, of a single contact."""
     if len(found.mechanics.contacts) != 1:
         return ()
-    (contact,), modes = found.mechanics.contacts, found.combinations
+    (contact,), modes = found.mechanics.contacts, found.names
     hits = "contact" in modes or ("separation" in modes and getattr(contact, "impact", None) is not None)
     return ("slip",) * ("slip+" in modes) + ("impact",) * hits
 

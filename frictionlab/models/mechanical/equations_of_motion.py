@@ -8,18 +8,19 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
-from itertools import product
 from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 import sympy
 
+from frictionlab.automaton.modes_on_demand import Combination, ModeNames
 from frictionlab.models.symbols import Structure, symbol, symbolic_copy
 
 from .contact_regimes import PHASE, ContactRegime, regimes_of_contact
 from .mechanics import Friction, Mechanics, Stop
 
-JOINT = " | "  # separates the regimes of several contacts in a mode's name
+
+Row = tuple[Any, ...]
 
 
 class Pair(NamedTuple):
@@ -56,11 +57,34 @@ class LagrangeSystem:
         return tuple(self.mass.diagonal()) if self.mass.is_diagonal() else ()
 
     @cached_property
-    def combinations(self) -> dict[str, tuple[ContactRegime, ...]]:
-        """All combinations of regimes by their names, without those in which two contacts constrain one
-        velocity."""
-        each = [regimes_of_contact(contact, self) for contact in self.mechanics.contacts]
-        return {mode_name(chosen): chosen for chosen in product(*each) if _independent(self, chosen)}
+    def regimes(self) -> tuple[tuple[ContactRegime, ...], ...]:
+        """The regimes of each contact, in the order in which they are tried."""
+        return tuple(regimes_of_contact(contact, self) for contact in self.mechanics.contacts)
+
+    def chosen(self, combination: Combination) -> tuple[ContactRegime, ...]:
+        """The regimes of a combination, which has the number of one for each contact."""
+        return tuple(regimes[i] for regimes, i in zip(self.regimes, combination, strict=True))
+
+    @cached_property
+    def names(self) -> ModeNames:
+        """Names of all combinations of regimes but those in which two contacts constrain one velocity."""
+        return ModeNames(tuple(tuple(one.name for one in each) for each in self.regimes), self.allows)
+
+    def allows(self, combination: Combination) -> bool:
+        """Whether the contacts that hold velocities at zero in a combination hold independent ones."""
+        rows = [rows[i] for rows, i in zip(self._held_rows, combination, strict=True) if rows[i] is not None]
+        return len(rows) < 2 or all(_rank(tuple(some)) == len(some) for some in _coupled(rows))
+
+    @cached_property
+    def _held_rows(self) -> tuple[tuple[Row | None, ...], ...]:
+        """The derivatives by the velocities of what each regime holds at zero; None where it holds none."""
+        return tuple(
+            tuple(
+                None if regime.held is None else tuple(sympy.diff(regime.held, v) for v in self.v)
+                for regime in regimes
+            )
+            for regimes in self.regimes
+        )
 
     @property
     def rubbing(self) -> Friction:
@@ -190,17 +214,21 @@ def _dot(row: Sequence[Any], values: Sequence[Any]) -> Any:
     return sum(a * b for a, b in zip(row, values, strict=True))
 
 
-def mode_name(chosen: Sequence[ContactRegime | str]) -> str:
-    """The mode's name: that of its regime, or of all of them."""
-    return JOINT.join(r if isinstance(r, str) else r.name for r in chosen) or "only"
-
-
-def _independent(found: LagrangeSystem, chosen: Sequence[ContactRegime]) -> bool:
-    held = [regime.held for regime in chosen if regime.held is not None]
-    rows = tuple(tuple(sympy.diff(velocity, v) for v in found.v) for velocity in held)
-    return len(rows) < 2 or _rank(rows) == len(rows)
+def _coupled(rows: Sequence[Row]) -> list[list[Row]]:
+    """The rows in groups, such that those of two groups have no column in common that is not zero."""
+    groups: list[tuple[set[int], list[Row]]] = []
+    for row in rows:
+        columns, some = {i for i, entry in enumerate(row) if entry != 0}, [row]
+        apart = []
+        for others, group in groups:
+            if columns & others:
+                columns, some = columns | others, [*group, *some]
+            else:
+                apart.append((others, group))
+        groups = [*apart, (columns, some)]
+    return [group for _, group in groups]
 
 
 @lru_cache(maxsize=256)  # one for many combinations
-def _rank(rows: tuple[tuple[Any, ...], ...]) -> int:
-    return sympy.Matrix(rows).rank()
+def _rank(rows: tuple[Row, ...]) -> int:
+    return 1 if len(rows) == 1 and any(rows[0]) else sympy.Matrix(rows).rank()

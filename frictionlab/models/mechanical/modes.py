@@ -12,12 +12,13 @@ from typing import Any
 import sympy
 
 from frictionlab.automaton import Event, HybridAutomaton, Mode, Reset
-from frictionlab.automaton.modes_on_demand import ModesOnDemand, Sketch
-from frictionlab.models.symbols import expand_products
+from frictionlab.automaton.modes_on_demand import Combination, ModesOnDemand, Regime
+from frictionlab.models.assembly import automaton_of_structure
+from frictionlab.models.symbols import Structure, expand_products, structure_of_component
 
 from .chatter import CHATTER_TIME, chatter_mode
 from .contact_regimes import ContactRegime, RegimeEnd
-from .equations_of_motion import LagrangeSystem, Pair, lagrange_system, mode_name
+from .equations_of_motion import LagrangeSystem, Pair, lagrange_system
 from .mechanics import Friction, Stop
 from .resets import impact_resets, stick_reset
 
@@ -27,29 +28,34 @@ def derive_automaton(model: Any) -> HybridAutomaton:
 
     Several contacts have many combinations, of which a run visits few: each is derived when it is first used.
     """
-    found = lagrange_system(model)
-    chosen, numbers = found.combinations, {}
+    found, numbers = lagrange_system(model), {}
     if len(found.mechanics.contacts) > 1:
-        sketches = (_sketch(name, some, len(found.states)) for name, some in chosen.items())
-        modes: Any = ModesOnDemand(sketches, lambda name: mode_of(found, chosen[name]))
+        modes: Any = ModesOnDemand(
+            tuple(tuple(map(_conditions, regimes)) for regimes in found.regimes),
+            lambda combination: mode_of(found, combination),
+            found.allows,
+            (modes_of_structure, (structure_of_component(model),)),
+        )
     else:
-        modes = tuple(mode_of(found, some) for some in chosen.values())
+        modes = tuple(mode_of(found, combination) for combination in found.names.combinations())
         limit = chatter_mode(found)
         if limit is not None:
             modes, numbers = (*modes, limit), {CHATTER_TIME: 0.0}
     return HybridAutomaton(found.states, modes, numbers, len(found.q))
 
 
-def _sketch(name: str, chosen: Sequence[ContactRegime], states: int) -> Sketch:
-    """The sketch of a mode, known without solving for forces: stick needs v_r = 0, slip v_r of its sign."""
-    needs: list[Any] = []
-    for regime in chosen:
-        if regime.force is None:
-            needs += [sign * c for c in regime.constraints for sign in (1, -1)]
-        else:
-            needs += [end.function for end in regime.ends(regime.force)]
-    held = any(regime.held is not None for regime in chosen)
-    return Sketch(name, (sympy.S.Zero,) * states, constraints=tuple(needs), held=held)
+def modes_of_structure(key: Structure) -> Any:
+    """The modes of a structure, one object in a process."""
+    return automaton_of_structure(key).modes
+
+
+def _conditions(regime: ContactRegime) -> Regime:
+    """What is known of a regime without solving for forces: stick needs v_r = 0, slip v_r of its sign."""
+    if regime.force is None:
+        needs = [sign * c for c in regime.constraints for sign in (1, -1)]
+    else:
+        needs = [end.function for end in regime.ends(regime.force)]
+    return Regime(regime.name, tuple(needs), regime.held is not None)
 
 
 def solve_contact_forces(
@@ -102,27 +108,37 @@ def _held_by_forces(
     return [expand_products(a) for a in inverse * (free + columns * holding)], forces
 
 
-def mode_of(found: LagrangeSystem, chosen: Sequence[ContactRegime]) -> Mode:
-    """The mode of one regime for each contact."""
+def flow_and_forces(
+    found: LagrangeSystem, chosen: Sequence[ContactRegime]
+) -> tuple[tuple[Any, ...], list[Any]]:
+    """The rates of all states, and the force of each contact."""
     accelerations, forces = solve_contact_forces(found, chosen)
-    name = mode_name(chosen)
+    return (*found.v, *accelerations, *(found.mechanics.frequency for _ in found.phase)), forces
+
+
+def mode_of(found: LagrangeSystem, combination: Combination) -> Mode:
+    """The mode of one regime for each contact."""
+    chosen = found.chosen(combination)
+    flow, forces = flow_and_forces(found, chosen)
+    name = found.names.name_of(combination)
     events = [
-        _event(found, chosen, i, end) for i, regime in enumerate(chosen) for end in regime.ends(forces[i])
+        _event(found, combination, i, end)
+        for i, regime in enumerate(chosen)
+        for end in regime.ends(forces[i])
     ]
-    clock = [found.mechanics.frequency for _ in found.phase]
     events += [
         Event("period", 2 * sympy.pi - phase, (name,), Reset({phase: phase - 2 * sympy.pi}))
         for phase in found.phase
     ]
     constraints = tuple(c for regime in chosen for c in regime.constraints)
     outputs = _outputs(found, chosen, forces)
-    return Mode(name, (*found.v, *accelerations, *clock), tuple(events), constraints, outputs)
+    return Mode(name, flow, tuple(events), constraints, outputs)
 
 
-def _event(found: LagrangeSystem, chosen: Sequence[ContactRegime], i: int, end: RegimeEnd) -> Event:
-    names, known = [regime.name for regime in chosen], found.combinations
-    targets = (mode_name([*names[:i], target, *names[i + 1 :]]) for target in end.targets)
-    targets = tuple(target for target in targets if target in known)
+def _event(found: LagrangeSystem, combination: Combination, i: int, end: RegimeEnd) -> Event:
+    names = [regime.name for regime in found.regimes[i]]
+    changed = ((*combination[:i], names.index(name), *combination[i + 1 :]) for name in end.targets)
+    targets = tuple(found.names.name_of(one) for one in changed if found.allows(one))
     contact, label = found.mechanics.contacts[i], end.name + contact_suffix(found, i)
     if end.jump == "impact":
         return Event(label, end.function, targets, *impact_resets(found, contact))

@@ -235,7 +235,7 @@ def frame_times(start: float, stop: float, step: float) -> Array:
 
 def _build_scene(run: Any, figure: Figure, picture: BeltPicture | Parts) -> AnimationScene:
     left, right = figure.subplots(1, 2, width_ratios=(1.15, 1))
-    colours = mode_colours(run.automaton.names)
+    colours = mode_colours(run)
     drawn = picture.draw(left)
     plot_phase_plane(run, right, name=picture.coordinate, window=(float(picture.t[0]), float(picture.t[-1])))
     (phase,) = right.plot([], [], "o", color=BLACK, markersize=9.0, markeredgecolor="white", zorder=5)

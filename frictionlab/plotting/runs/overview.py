@@ -74,7 +74,7 @@ def _legend_right_of(ax: Axes, lines: list[Line2D], x: float) -> None:
 
 
 def _title(figure: Figure, run: Any) -> None:
-    colours = mode_colours(run.automaton.names)
+    colours = mode_colours(run)
     # Modes entered for a few thousandths of the time are listed too, though too short to be visible.
     modes = [name for name, seconds in run.time_in_mode.items() if seconds > 0]
     handles = [Patch(facecolor=colours[name], alpha=0.6, label=name) for name in modes]

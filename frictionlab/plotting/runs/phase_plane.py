@@ -62,7 +62,7 @@ def plot_phase_plane(
     states = run(t)[:, [column, column + n]]
     here = modes_at(run, t)
     lines = []
-    for mode, colour in mode_colours(run.automaton.names).items():
+    for mode, colour in mode_colours(run).items():
         x, rate = _masked_states(states, here == mode)
         if not np.isnan(x).all():
             lines += ax.plot(x, rate, color=colour, label=mode, linewidth=1.2)

@@ -134,7 +134,7 @@ def shade_modes(run: Any, ax: Axes, window: Window = DEFAULT_WINDOW) -> list[Pol
     """
     start, stop = window_limits(run, window)
     edges, names = mode_intervals(run)
-    colours = mode_colours(run.automaton.names)
+    colours = mode_colours(run)
     shades = []
     for mode, colour in colours.items():
         spans = _intervals_in_window(edges, [name == mode for name in names], start, stop)

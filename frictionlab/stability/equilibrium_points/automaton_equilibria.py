@@ -11,7 +11,7 @@ import sympy
 from numpy.typing import NDArray
 
 from frictionlab.automaton import HybridAutomaton, Mode
-from frictionlab.automaton.modes_on_demand import ModesOnDemand
+from frictionlab.automaton.modes_on_demand import ModesOnDemand, Regime
 from frictionlab.models import Model
 from frictionlab.models.coercion import automaton_of
 from frictionlab.stability.equilibrium_points.newton import find_zeros, follow_zero, newton_step
@@ -77,9 +77,11 @@ def equilibrium_modes(automaton: HybridAutomaton, sliding: bool) -> Iterator[Mod
     For a model those without constraints (`sliding`): in stick every position within the friction cone is an
     equilibrium.
     """
-    for i, mode in enumerate(automaton.known_modes):
-        if not (sliding and (mode.holds or mode.limit)):
-            yield automaton.modes[i]
+    if isinstance(automaton.modes, ModesOnDemand):
+        return automaton.modes.select(
+            lambda regime: not (sliding and regime.holds) and _can_rest(automaton, regime)
+        )
+    return (mode for mode in automaton.modes if not (sliding and (mode.constraints or mode.limit)))
 
 
 def first_mode_equilibria(automaton: HybridAutomaton, sliding: bool) -> tuple[Mode, Flow, Array]:
@@ -107,11 +109,20 @@ def _mode_equilibria(
 
 def _allows_rest(automaton: HybridAutomaton, mode: Mode) -> bool:
     """Whether a mode's constraints can hold at zero velocities: not in stick on a running belt."""
+    return all(c == 0 for c in _constants_at_rest(automaton, mode.constraints))
+
+
+def _can_rest(automaton: HybridAutomaton, regime: Regime) -> bool:
+    """Whether a regime's conditions can hold at zero velocities: not in slip against a running belt."""
+    return not any(c < 0 for c in _constants_at_rest(automaton, regime.conditions))
+
+
+def _constants_at_rest(automaton: HybridAutomaton, functions: Sequence[Any]) -> list[Any]:
+    """The values at zero velocities of those functions that do not depend on other states."""
     n = automaton.coordinates
     at_rest = dict.fromkeys(automaton.states[n : 2 * n], 0)
-    held = [sympy.sympify(c).subs(at_rest) for c in mode.constraints]
-    fixed = [c.subs(automaton.parameters) for c in held if not c.free_symbols & set(automaton.states)]
-    return all(c == 0 for c in fixed)
+    held = [sympy.sympify(c).subs(at_rest) for c in functions]
+    return [c.subs(automaton.parameters) for c in held if not c.free_symbols & set(automaton.states)]
 
 
 def parameter_values(automaton: HybridAutomaton) -> tuple[float, ...]:

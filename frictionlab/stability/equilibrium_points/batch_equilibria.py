@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionlab.models.mechanical.contact_regimes import regime
-from frictionlab.models.mechanical.modes import mode_of
+from frictionlab.models.mechanical.modes import flow_and_forces
 from frictionlab.stability.equilibrium_problem import EquilibriumProblem
 from frictionlab.stability.flow import Flow
 
@@ -144,8 +144,8 @@ def sliding_problem(model: Any, start: Array | None = None) -> EquilibriumProble
 def sliding_flow(equations: SlidingEquations) -> Flow:
     """Sliding whose friction force has the sign of the belt's speed, whatever else the model can do."""
     found = equations.system
-    mode = mode_of(found, (regime(found.rubbing, "slip", found),))
-    return Flow(found.states, equations.parameters, mode.flow, (found.rubbing.pressing,), len(found.q))
+    flow, _ = flow_and_forces(found, (regime(found.rubbing, "slip", found),))
+    return Flow(found.states, equations.parameters, flow, (found.rubbing.pressing,), len(found.q))
 
 
 @cache

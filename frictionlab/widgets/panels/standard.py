@@ -65,7 +65,7 @@ def mechanism(result: Any) -> Drawing:
 
 def mode_strip(result: Any) -> dict[str, Curve]:
     """A thick line for every mode of the model, broken where the run is in other modes."""
-    colours = mode_colours(result.run.automaton.names)
+    colours = mode_colours(result.run)
     t, modes = result.times(), result.modes
     kept = slice(None, None, max(1, len(t) // STRIP_SAMPLES))
     t, modes = t[kept], modes[kept]
@@ -127,9 +127,7 @@ def phase(result: Any) -> Drawing:
     """Coordinate against rate over the part that is shown, and the equilibrium of sliding."""
     name = result.settings.coordinate
     x, rate, modes = result.state(name), result.state(f"{name}'"), result.modes
-    curves = {
-        m: _phase_curve(x, rate, modes == m, c) for m, c in mode_colours(result.run.automaton.names).items()
-    }
+    curves = {m: _phase_curve(x, rate, modes == m, c) for m, c in mode_colours(result.run).items()}
     cross = {"color": BLACK, "marker": "+", "markersize": 8.0, "linestyle": "none", "zorder": 3.0}
     curves["equilibrium"] = Curve(*_equilibrium_point(result, name), cross)
     xlabel, ylabel = (f"{state_label(n)} ({state_unit(n)})" for n in (name, f"{name}'"))

@@ -12,11 +12,10 @@ import pytest
 
 import frictionlab as fl
 from frictionlab.automaton import Mode
-from frictionlab.automaton.modes_on_demand import ModesOnDemand, Sketch
+from frictionlab.automaton.modes_on_demand import ModesOnDemand, Regime
 from frictionlab.components.friction import FrictionLaw
 from frictionlab.components.impact import ImpactLaw
-from frictionlab.hybrid.problem import ModeNotDerived, Problem
-from frictionlab.hybrid.tape.packing import program_of
+from frictionlab.hybrid.solve import problem_of
 from frictionlab.models import MechanicalModel, Mechanics, with_signature
 from frictionlab.models.assembly import automaton_of_structure
 from frictionlab.models.mechanical.mechanics import Friction, Stop
@@ -67,7 +66,7 @@ class Landing(MechanicalModel):
 
 TWO, THREE = (fl.TwoBlocks(), [0.1, 0.0, 0.0, 0.0]), (ThreeBlocks(), [0.1, -0.2, 0.4, 0.0, 0.3, 0.0])
 SCENES = pytest.mark.parametrize(("model", "x0"), [TWO, THREE], ids=["two", "three"])
-ARRAYS = "step_times", "step_modes", "step_states", "event_times", "event_states", "state"
+ARRAYS = "step_times", "step_states", "event_times", "event_states", "state"
 
 
 def fresh(model):
@@ -81,7 +80,7 @@ def fresh(model):
 def complete(model):
     """The same with all modes derived."""
     automaton = fresh(model)
-    assert all(isinstance(mode, Mode) and not isinstance(mode, Sketch) for mode in automaton.modes)
+    assert all(isinstance(mode, Mode) for mode in automaton.modes)
     assert set(automaton.modes.derived) == set(automaton.names)
     return automaton
 
@@ -89,6 +88,9 @@ def complete(model):
 def assert_same(run, other):
     for name in ARRAYS:
         assert getattr(run.raw, name).tobytes() == getattr(other.raw, name).tobytes(), name
+    numbers = ((one.raw.step_modes.tolist(), one.mode_names) for one in (run, other))
+    in_steps, others = ([names[i] for i in modes] for modes, names in numbers)
+    assert in_steps == others
     for name in ("source", "target", "guard", "closed"):
         assert getattr(run.events, name).tolist() == getattr(other.events, name).tolist()
     assert run.status is other.status
@@ -197,28 +199,46 @@ def test_a_saved_run_comes_back(model, x0, tmp_path):
     assert_same(fl.load(whole.save(tmp_path / "whole"), fresh(model)), run)
 
 
-def test_pickled_they_are_a_tuple_of_all():
-    modes = pickle.loads(pickle.dumps(fresh(TWO[0]).modes))
-    assert isinstance(modes, tuple)
-    assert [mode.name for mode in modes] == list(TWO[0].automaton().names)
-    assert [type(mode) for mode in modes] == [Mode] * 9
+def test_pickled_they_are_derived_again_where_they_are_used():
+    """A pickle has as little to hold as the modes are known, however many there are."""
+    few = fresh(THREE[0])
+    run = fl.solve(few, 20.0, x0=THREE[1])
+    text = pickle.dumps(few.modes)
+    assert len(text) < 1000
+    assert pickle.loads(text) is automaton_of_structure(structure_of_component(THREE[0])).modes
+    assert_same(pickle.loads(pickle.dumps(run)), run)
 
 
 def test_they_are_a_sequence_that_remembers():
     modes = fresh(TWO[0]).modes
     assert modes[-1] is modes[8]
     assert modes[:2] == (modes[0], modes[1])
-    assert modes.known()[2:8] == modes.known(())[2:8]
-    assert [isinstance(mode, Sketch) for mode in modes.known()] == [False, False, *[True] * 6, False]
-    with pytest.raises(IndexError):
-        modes[9]
-    assert len(list(modes)) == 9
-    assert not any(isinstance(mode, Sketch) for mode in modes.known())
+    assert modes.known().modes == (modes[8], modes[0], modes[1])
+    assert modes.known().combinations == ((2, 2), (0, 0), (0, 1))
+    for index in (9, -10):
+        with pytest.raises(IndexError, match="no mode number"):
+            _ = modes[index]
+    assert len(list(modes)) == len(modes) == 9
+    assert len(modes.known().modes) == 9
     assert TWO[0].automaton().modes is TWO[0].replace(v=0.3).automaton().modes
 
 
+def test_names_are_a_sequence_made_as_they_are_read():
+    names, others = fresh(TWO[0]).names, fresh(ThreeBlocks()).names
+    assert names[:4] == ("stick | stick", "stick | slip+", "stick | slip-", "slip+ | stick")
+    assert names[-1] == "slip- | slip-"
+    assert names.index("slip+ | stick") == names.place_of("slip+ | stick") == 3
+    assert "slip+ | slip" not in names
+    assert "slip+" not in names
+    assert names == tuple(names)
+    assert names != others
+    assert hash(names) == hash(fresh(TWO[0]).names)
+    assert repr(names) == "stick/slip+/slip- | stick/slip+/slip-"
+
+
 def test_threads_are_given_one_mode():
-    modes = ModesOnDemand((Sketch(name, ()) for name in "ab"), lambda name: Mode(name, ()))
+    part = (Regime("a"), Regime("b"))
+    modes = ModesOnDemand((part,), lambda combination: Mode(part[combination[0]].name, ()))
     with ThreadPoolExecutor(8) as pool:
         found = list(pool.map(modes.__getitem__, [0, 1] * 100))
     assert {id(mode) for mode in found} == {id(modes[0]), id(modes[1])}
@@ -241,19 +261,18 @@ class Bar:
 
 @pytest.mark.parametrize("method", [fl.Taylor(), fl.RK4(step=5e-3), fl.Scipy("RK45")], ids=lambda m: m.name)
 def test_ctrl_c_keeps_what_was_computed_where_a_mode_is_missing(method):
-    (model, x0), first = TWO, "slip+ | slip+"
+    model, x0 = TWO
     automaton = fresh(model)
-    problem = Problem(*program_of(automaton, modes=automaton.modes.known([first])), np.array(x0), 20.0)
-    raw = method.integrate(problem, Bar(stop=True))
+    raw = method.integrate(problem_of(automaton, np.array(x0), 20.0), Bar(stop=True))
     run = fl.solve(complete(model), 20.0, x0=x0, method=method)
     assert raw.status is fl.Status.INTERRUPTED
     assert raw.t == run.events.t[0]
     assert raw.state.tolist() == run.events.before[0].tolist()
-    assert raw.mode == automaton.names.index(first)
+    assert automaton.modes.derived == ("slip+ | slip+",)
+    assert raw.mode == 0
     assert len(raw.event_times) == 0
-    with pytest.raises(ModeNotDerived) as missing:
-        method.integrate(problem, Bar(stop=False))
-    assert automaton.names[missing.value.mode] == run.events.target[0]
+    raw = method.integrate(problem_of(automaton, np.array(x0), 20.0), Bar(stop=False))
+    assert raw.state.tolist() == run.final_state.tolist()
 
 
 def test_runs_in_threads_share_the_modes():

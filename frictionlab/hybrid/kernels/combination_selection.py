@@ -1,0 +1,172 @@
+"""The next mode where modes are combinations of regimes and only some are derived: far too many to list.
+
+Tried are, in this order: the targets of the event; those of the events that refuse one of these, and so on, as
+several contacts may change at one instant; then all combinations that the conditions of single regimes allow,
+in the automaton's order.  What comes to be tried and is not derived ends the kernel, which is called again
+once it is.
+"""
+
+from __future__ import annotations
+
+from frictionlab.hybrid.compilation import kernel
+from frictionlab.hybrid.kernels.event_location import leading_order
+from frictionlab.hybrid.kernels.jets import copy_vector, majorant, mode_jets
+from frictionlab.hybrid.kernels.mode_selection import (
+    AT_ANOTHER_EVENT,
+    BY_VALUES,
+    MISSING,
+    NO_MODE,
+    Selection,
+    enter_passed,
+    try_mode,
+    try_mode_by_values,
+    zeros_by_construction,
+)
+
+UNKNOWN = -2  # a combination of which it is not known whether it is a mode
+
+
+@kernel
+def find_mode(code, combination):
+    """Number of the mode of a combination; NO_MODE where it is none, UNKNOWN where it is not yet derived."""
+    for k in range(code.demand.combinations.shape[0]):
+        same = True
+        for i in range(combination.shape[0]):
+            if code.demand.combinations[k, i] != combination[i]:
+                same = False
+                break
+        if same:
+            return code.demand.modes[k]
+    return UNKNOWN
+
+
+@kernel
+def add_candidate(row, candidates, count):
+    """Put a combination at the end of the queue of `count`, unless it is there; returns the new count."""
+    rows = candidates.rows
+    if count == rows.shape[0]:
+        return count
+    for k in range(count):
+        same = True
+        for i in range(row.shape[0]):
+            if rows[k, i] != row[i]:
+                same = False
+                break
+        if same:
+            return count
+    copy_vector(row, rows[count])
+    return count + 1
+
+
+@kernel
+def add_targets(code, guard, candidates, count):
+    """Put the targets of a guard's event into the queue; returns the new count."""
+    for k in range(code.demand.listed[guard], code.demand.listed[guard + 1]):
+        count = add_candidate(code.demand.targets[k], candidates, count)
+    return count
+
+
+@kernel
+def add_targets_of_failed_guards(system, mode, z, rounding, order, scratch, count):
+    """Put the targets of all events into the queue that keep a mode from being entered; the new count."""
+    code, J, bounds = system.code, scratch.jets, scratch.bounds
+    mode_jets(code, system.numbers, mode, order, z, J)
+    majorant(code, system.magnitudes, mode, order, rounding.sizes, J, bounds)
+    for g in range(code.mode_guards[mode], code.mode_guards[mode + 1]):
+        slot = code.function_slots[g]
+        k = leading_order(
+            J[slot], bounds[slot], zeros_by_construction(code, scratch, g), order, rounding.share
+        )
+        if k <= order and J[slot, k] < 0.0:
+            count = add_targets(code, g, scratch.candidates, count)
+    return count
+
+
+@kernel
+def mark_regimes(system, z, rounding, scratch):
+    """Note for each regime of each part whether its conditions allow to enter a mode with it at `z`."""
+    code, J, bounds, allowed = system.code, scratch.jets, scratch.bounds, scratch.candidates.allowed
+    mode = code.built.shape[0] - 1  # the last stands for the conditions of all regimes
+    mode_jets(code, system.numbers, mode, 0, z, J)
+    majorant(code, system.magnitudes, mode, 0, rounding.sizes, J, bounds)
+    first = code.mode_constraints[mode]
+    for r in range(allowed.shape[0]):
+        allowed[r] = 1
+        for f in range(first + code.demand.conditions[r], first + code.demand.conditions[r + 1]):
+            slot, zeros = code.function_slots[f], zeros_by_construction(code, scratch, f)
+            if leading_order(J[slot], bounds[slot], zeros, 0, rounding.share) == 0 and J[slot, 0] < 0.0:
+                allowed[r] = 0
+
+
+@kernel
+def is_allowed(code, combination, allowed):
+    """Whether the conditions of all regimes of a combination allow it."""
+    for i in range(combination.shape[0]):
+        if allowed[code.demand.regimes[i] + combination[i]] == 0:
+            return False
+    return True
+
+
+@kernel
+def next_allowed(code, place, allowed, begins):
+    """Write the next allowed combination into `place`, the first where it `begins`; whether there is one."""
+    i = 0 if begins else place.shape[0] - 1
+    if begins:
+        place[:] = -1
+    while 0 <= i < place.shape[0]:
+        count = code.demand.regimes[i + 1] - code.demand.regimes[i]
+        place[i] += 1
+        while place[i] < count and allowed[code.demand.regimes[i] + place[i]] == 0:
+            place[i] += 1
+        if place[i] < count:
+            i += 1
+        else:
+            place[i] = -1
+            i -= 1
+    return i == place.shape[0]
+
+
+@kernel
+def try_candidate(system, mode, z, rounding, order, scratch):
+    """Whether a mode can be entered, by its series up to `order` or by the values of its conditions."""
+    if order == BY_VALUES:
+        return try_mode_by_values(system, mode, z, scratch)
+    return try_mode(system, mode, z, rounding, order, scratch)
+
+
+@kernel
+def select_combination(system, guard, z, rounding, order, scratch):
+    """First admissible mode after the event of a guard, at the start for NO_MODE: a :class:`Selection`.
+
+    As :func:`select_mode`.  Where a mode is missing its combination is left in ``candidates.missing``.
+    """
+    code, candidates = system.code, scratch.candidates
+    rows, marked, begins, passed = candidates.rows, False, True, NO_MODE
+    count = 0 if guard == NO_MODE else add_targets(code, guard, candidates, 0)
+    tried = 0
+    while True:
+        while tried == count:
+            if not marked:
+                mark_regimes(system, z, rounding, scratch)
+                marked = True
+            if count == rows.shape[0] or not next_allowed(code, candidates.place, candidates.allowed, begins):
+                return enter_passed(system, passed, z, rounding, order, scratch)
+            begins = False
+            count = add_candidate(candidates.place, candidates, count)
+        mode = find_mode(code, rows[tried])
+        tried += 1
+        if mode == UNKNOWN:
+            if not marked:
+                mark_regimes(system, z, rounding, scratch)
+                marked = True
+            if is_allowed(code, rows[tried - 1], candidates.allowed):
+                copy_vector(rows[tried - 1], candidates.missing)
+                return Selection(NO_MODE, MISSING)
+        if mode < 0:
+            continue
+        verdict = try_candidate(system, mode, z, rounding, order, scratch)
+        if verdict > AT_ANOTHER_EVENT:
+            return Selection(mode, NO_MODE)
+        if verdict == AT_ANOTHER_EVENT and passed == NO_MODE:
+            passed = mode
+        count = add_targets_of_failed_guards(system, mode, z, rounding, order, scratch, count)
