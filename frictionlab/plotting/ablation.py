@@ -15,14 +15,15 @@ from frictionlab.analysis.sweeps.ablation import all_of
 from frictionlab.analysis.sweeps.bifurcation import Bifurcation
 from frictionlab.plotting.runs.spectrum import plot_amplitudes
 
-from .appearance import font_size, pen
+from .appearance import crowding, font_size, pen
 from .bifurcation import LOG_SCALE_RATIO, plot_bifurcation
-from .figure import RunAxes, axes_or_new, new_figure
+from .figure import RunAxes, axes_or_new, new_figure, wrap_label
 from .motions import plot_steady_state
 from .style import BLUE, GREY
 
 RUN_AXES = {"axes_class": RunAxes}
 COLUMNS = 4  # panels side by side
+LABEL_LENGTH = 34  # letters of a line below a small panel
 PANEL_SHARE = 0.7  # of its cell that a panel takes, the rest for labels and title
 
 
@@ -95,6 +96,7 @@ def _panel_for(results: Iterable[Any]) -> Any:
 def _share_labels(panels: list[Axes]) -> None:
     """Labels at the outer panels only, and one legend for all."""
     for i, ax in enumerate(panels):
+        ax.set_xlabel(wrap_label(ax.get_xlabel(), LABEL_LENGTH))
         ax.tick_params(labelsize=font_size(8.0))
         ax.locator_params(axis="x", nbins=4)
         if i < len(panels) - COLUMNS:
@@ -142,5 +144,5 @@ def _bars(ablation: Any, ax: Axes) -> Axes:
     if len(known) and known.min() > 0 and known.max() > LOG_SCALE_RATIO * known.min():
         ax.set_xscale("log")
     ax.axvline(0.0, **pen(GREY, 0.8, ax))
-    ax.margins(x=0.15)
+    ax.margins(x=0.15 * crowding())
     return ax

@@ -11,11 +11,12 @@ from __future__ import annotations
 from types import TracebackType
 from typing import Any
 
+import numpy as np
 from cycler import cycler
 from matplotlib import rcParams, rcParamsDefault
 from matplotlib.axes import Axes
 from matplotlib.colors import to_hex, to_rgb, to_rgba
-from matplotlib.patheffects import AbstractPathEffect, Normal, Stroke
+from matplotlib.patheffects import Normal, Stroke
 
 from frictionlab.validation import check_choice
 
@@ -73,7 +74,7 @@ STYLES: dict[str, dict[str, Any]] = {
     "dark": {
         "axes.prop_cycle": _cycle(PALE),
         "lines.color": PALE,
-        "grid.color": "#555555",
+        "grid.color": "#666666",
         **dict.fromkeys(_INK_KEYS.split(), PALE),
         **dict.fromkeys(_PAPER_KEYS.split(), DARK),
     },
@@ -170,8 +171,9 @@ def legible(colour: Any, ax: Axes | None = None) -> Any:
     r, g, b = to_rgb(colour)
     if r == g == b:
         return to_hex((1.0 - r,) * 3)
-    mixes = (tuple(c + (1.0 - c) * i / MIX_STEPS for c in (r, g, b)) for i in range(1, MIX_STEPS + 1))
-    return next(to_hex(mix) for mix in mixes if contrast(mix, behind) >= MIN_CONTRAST)
+    shares = (i / MIX_STEPS for i in range(1, MIX_STEPS + 1))
+    mixes = (to_hex([c + (1.0 - c) * share for c in (r, g, b)]) for share in shares)
+    return next(mix for mix in mixes if contrast(mix, behind) >= MIN_CONTRAST)
 
 
 def ink(ax: Axes | None = None) -> str:
@@ -184,14 +186,14 @@ def ink_on(fill: Any) -> str:
     return WHITE if luminance(fill) < LIGHT_LUMINANCE else BLACK
 
 
-def halo(width: float, ax: Axes | None = None) -> list[AbstractPathEffect]:
-    """Edges in the colour of the background for a line of some width (points) that crosses coloured areas.
+def add_halo(line: Any, ax: Axes | None = None) -> None:
+    """Give a line that crosses coloured areas edges in the colour of a dark background.
 
     On light backgrounds there are none: black is seen on all colours of the package.
     """
-    if not is_dark(ax):
-        return []
-    return [Stroke(linewidth=width + HALO_WIDTH, foreground=background(ax)), Normal()]
+    if is_dark(ax):
+        edges = max(np.atleast_1d(line.get_linewidth())) + HALO_WIDTH
+        line.set_path_effects([Stroke(linewidth=edges, foreground=background(ax)), Normal()])
 
 
 def cycled_style(index: int) -> dict[str, Any] | None:
@@ -222,6 +224,14 @@ def marker_size(size: float) -> float:
 def pen(colour: str = BLACK, width: float = LINE_WIDTH, ax: Axes | None = None) -> dict[str, Any]:
     """Colour and width of a line in `ax`, as keywords of matplotlib."""
     return {"color": legible(colour, ax), "linewidth": line_width(width)}
+
+
+def crowding() -> float:
+    """How much larger letters are beside a new figure than without a style, 1 at least.
+
+    What has a fixed number of letters, as a title or the ticks of an axis, has to give way by this factor.
+    """
+    return max(1.0, font_size(1.0) * PANEL_SIZE[0] / figure_size()[0])
 
 
 def figure_size(width: float = PANEL_SIZE[0], height: float = PANEL_SIZE[1]) -> tuple[float, float]:

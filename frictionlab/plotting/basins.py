@@ -15,7 +15,7 @@ from matplotlib.patches import Patch
 from frictionlab.analysis.steady_state.classification import MotionKind
 from frictionlab.presentation import state_unit
 
-from .appearance import background, halo, ink, legible, pen
+from .appearance import add_halo, background, ink, legible, pen
 from .figure import axes_or_new, legend_beside
 from .style import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILLION, YELLOW, state_label
 
@@ -99,21 +99,23 @@ def plot_basin_stability(found: Any, ax: Axes | None = None) -> BarContainer:
     ax = axes_or_new(ax)
     names, shares = list(found.fractions), list(found.fractions.values())
     errors = [found.errors[name] for name in names]
-    bars = ax.bar(
-        names, shares, yerr=errors, color=_colours(found, ax), edgecolor=ink(ax), ecolor=ink(ax), capsize=4.0
-    )
+    colours: dict[str, Any] = {"color": _colours(found, ax), "edgecolor": ink(ax), "ecolor": ink(ax)}
+    bars = ax.bar(names, shares, yerr=errors, capsize=4.0, **colours)
+    if bars.errorbar is not None:
+        _, caps, spans = bars.errorbar.lines
+        for line in (*caps, *spans):
+            add_halo(line, ax)
     ax.set(ylim=(0.0, 1.0), ylabel="share of the initial states")
     return bars
 
 
 def _colours(found: Any, ax: Axes) -> list[str]:
     settled = [a.name for a in found.attractors if a.settled]
-    return [
-        legible(
-            COLOURS[settled.index(a.name) % len(COLOURS)] if a.settled else UNCLASSIFIED_COLOURS[a.kind], ax
-        )
+    colours = [
+        COLOURS[settled.index(a.name) % len(COLOURS)] if a.settled else UNCLASSIFIED_COLOURS[a.kind]
         for a in found.attractors
     ]
+    return [legible(colour, ax) for colour in colours]
 
 
 def _attractor(found: Any, attractor: Any, ax: Axes) -> list[Line2D]:
@@ -121,7 +123,7 @@ def _attractor(found: Any, attractor: Any, ax: Axes) -> list[Line2D]:
     x, y = attractor.path[:, columns].T
     style = "o" if len(x) == 1 else "-" if attractor.period > 0 else ","
     lines = ax.plot(x, y, style, label=attractor.name, **pen(BLACK, 1.4, ax))
-    lines[0].set_path_effects(halo(lines[0].get_linewidth(), ax))
+    add_halo(lines[0], ax)
     return lines
 
 

@@ -12,7 +12,7 @@ from matplotlib.lines import Line2D
 from frictionlab.plotting.runs.time_window import Array
 
 from .appearance import pen
-from .figure import axes_or_new, legend_beside
+from .figure import axes_or_new, legend_beside, set_long_title
 from .style import BLACK, BLUE, DASHED, GREEN, ORANGE, PURPLE, SKY, VERMILLION, YELLOW
 
 ENERGIES = {"kinetic": BLUE, "springs": GREEN, "contact": VERMILLION, "preload": ORANGE}
@@ -96,7 +96,8 @@ def _draw_contributions(
         colour = colours.get(name) or next(spare)
         lines += ax.plot(audit.t, values, label=name, **pen(colour, ax=ax))
     lines += ax.plot(audit.t, total, linestyle=DASHED, label="sum", **pen(BLACK, ax=ax))
-    ax.set(xlabel="time (s)", ylabel=ylabel, title=title)
+    ax.set(xlabel="time (s)", ylabel=ylabel)
+    set_long_title(ax, title)
     ax.margins(x=0)
     legend_beside(ax)
     return lines

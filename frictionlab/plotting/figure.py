@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from io import BytesIO
+from textwrap import fill
 from typing import Any
 
 import numpy as np
@@ -17,7 +18,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.image import imsave
 
-from .appearance import PANEL_SIZE, figure_size, font_size
+from .appearance import PANEL_SIZE, crowding, figure_size, font_size
 
 
 class RunFigure(Figure):
@@ -56,6 +57,17 @@ def legend_beside(ax: Axes, handles: list[Any] | None = None) -> None:
     if handles:
         place: dict[str, Any] = {"loc": "center left", "bbox_to_anchor": (1.0, 0.5)}
         ax.legend(handles=handles, frameon=False, fontsize=font_size(9.0), **place)
+
+
+def set_long_title(ax: Axes, text: str) -> None:
+    """A title that fills the width of a figure, smaller where letters are large."""
+    title = ax.set_title(text)
+    title.set_fontsize(title.get_fontsize() / crowding())
+
+
+def wrap_label(text: str, length: int) -> str:
+    """A label that has so many letters in a line; where letters are large it is broken into lines."""
+    return text if crowding() == 1.0 else fill(text, round(length / crowding()), break_long_words=False)
 
 
 class AnimatedFigure(RunFigure):

@@ -6,6 +6,15 @@ from frictionlab import plotting
 from .results import BUILDERS, result
 
 NOT_DRAWN = {"stability change", "boundary", "special orbit", "attractor", "events", "section points"}
+ANIMATIONS = []  # kept, as one that is deleted before it is shown gives a warning
+
+
+def first_frame(name, window):
+    """The figure of an animation."""
+    ANIMATIONS.append(fl.animate(result(name), window=window))
+    return ANIMATIONS[-1]._fig
+
+
 OTHERS = {
     "overview": lambda: fl.plot_run(result("run")),
     "overview of two contacts": lambda: fl.plot_run(result("run of two contacts")),
@@ -18,8 +27,8 @@ OTHERS = {
     "intensity": lambda: plotting.plot_intensity(result("bifurcation"))[0].figure,
     "works": lambda: plotting.plot_works(result("energies"))[0].figure,
     "equilibrium of a block": lambda: fl.equilibrium(fl.SliderOnRigidBelt()).plot().figure,
-    "animation": lambda: fl.animate(result("run"), window=0.1)._fig,
-    "animation of a block": lambda: fl.animate(result("run of two contacts"), window=2.0)._fig,
+    "animation": lambda: first_frame("run", 0.1),
+    "animation of a block": lambda: first_frame("run of two contacts", 2.0),
 }
 
 

@@ -17,7 +17,7 @@ from matplotlib.patches import Patch, Polygon
 
 from frictionlab.analysis.motion_scales import round_down_1_2_5
 from frictionlab.models.mechanism import Belt, Block, Forces, Mechanism, Place, Spring, Wall
-from frictionlab.plotting.appearance import background, ink, line_width, marker_size, pen
+from frictionlab.plotting.appearance import add_halo, background, ink, line_width, marker_size, pen
 from frictionlab.plotting.runs.time_window import Array, modes_at
 from frictionlab.plotting.style import BLACK, BLUE, GREY, VERMILLION
 
@@ -180,6 +180,8 @@ def _artists(shape: Shape, ax: Axes) -> list[Any]:
     width = {"wall": 4.0, "belt": 3.0, "arrow": 3.0}.get(shape.kind, 1.0)
     order = {"wall": 0, "arrow": 5}.get(shape.kind, 2)
     found = [Line2D([], [], zorder=order, solid_joinstyle="round", **pen(shape.colour, width, ax))]
+    if shape.kind == "arrow":  # it stands on a body
+        add_halo(found[0], ax)
     if shape.kind == "belt":
         marked: dict[str, Any] = {"marker": "o", "markersize": marker_size(4.0), "linestyle": "none"}
         found.append(Line2D([], [], color=ink(ax), **marked))

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from frictionlab.plotting.appearance import font_size, legible
+from frictionlab.plotting.appearance import crowding, font_size, legible
 from frictionlab.plotting.figure import new_figure
 from frictionlab.plotting.style import mode_colours
 
@@ -60,11 +60,11 @@ def plot_run(run: Any, figure: Figure | None = None, *, window: Window = DEFAULT
     contact = draw(run, forces, window=window)
     plot_spectrum(run, spectrum)
     # An angle has its axis next to the panel; the legends stand to the right of it.
-    right = 1.17 if any(line.axes is not displacements for line in coordinates) else 1.0
+    right = 1.0 + 0.17 * crowding() if any(line.axes is not displacements for line in coordinates) else 1.0
     _legend_right_of(displacements, coordinates, right)
     _legend_right_of(forces, contact, right)
     for ax in panels.flat:
-        ax.title.set_fontsize(font_size(FONT_SIZE + 1))
+        ax.title.set_fontsize(font_size(FONT_SIZE + 1) / crowding())
     _title(figure, run)
     return figure
 
@@ -84,7 +84,6 @@ def _title(figure: Figure, run: Any) -> None:
     state = "" if run.status.ok else f" ({run.status.name.lower().replace('_', ' ')})"
     about = run.description.get("method", {})
     method = about.get("integrator", about.get("name", ""))
-    figure.suptitle(
-        f"{what}, {run.raw.t:.4g} s, {method}{state}", fontsize=font_size(FONT_SIZE + 3), wrap=True
-    )
+    size = font_size(FONT_SIZE + 3) / crowding()
+    figure.suptitle(f"{what}, {run.raw.t:.4g} s, {method}{state}", fontsize=size, wrap=True)
     figure.legend(handles=handles, loc="outside lower center", ncols=len(handles) or 1, frameon=False)

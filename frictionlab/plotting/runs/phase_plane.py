@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
-from frictionlab.plotting.appearance import pen
+from frictionlab.plotting.appearance import crowding, pen
 from frictionlab.plotting.figure import axes_or_new
 from frictionlab.plotting.style import mode_colours, state_label
 from frictionlab.presentation import state_unit
@@ -69,7 +69,7 @@ def plot_phase_plane(
         if not np.isnan(x).all():
             lines += ax.plot(x, rate, label=mode, **pen(colour, ax=ax))
     label_phase_plane(ax, shown, f"Phase plane of {state_label(shown)}, {window_text(run, start, stop)}")
-    ax.locator_params(axis="x", nbins=6)  # small numbers have long labels
+    ax.locator_params(axis="x", nbins=round(6 / crowding()))  # small numbers have long labels
     return lines
 
 

@@ -10,7 +10,7 @@ from matplotlib.lines import Line2D
 
 from frictionlab.analysis.spectrum import Spectrum, amplitude_spectrum, highest_frequency
 from frictionlab.plotting.appearance import pen
-from frictionlab.plotting.figure import axes_or_new
+from frictionlab.plotting.figure import axes_or_new, set_long_title
 from frictionlab.plotting.style import BLACK, state_label
 from frictionlab.presentation import state_unit
 
@@ -80,8 +80,8 @@ def plot_amplitudes(found: Spectrum, ax: Axes | None = None) -> list[Line2D]:
         xlabel="frequency (Hz)",
         ylabel=f"amplitude of {state_label(found.name)} ({state_unit(found.name)})",
         xlim=(0.0, found.frequencies[-1]),
-        title=_title(found.name, found),
     )
+    set_long_title(ax, _title(found.name, found))
     return lines
 
 

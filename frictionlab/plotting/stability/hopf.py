@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
-from frictionlab.plotting.appearance import background, legible, marker_size, pen
+from frictionlab.plotting.appearance import background, crowding, font_size, legible, marker_size, pen
 from frictionlab.plotting.bifurcation import SPECIAL_POINT_STYLES
 from frictionlab.plotting.figure import axes_or_new, legend_beside
 from frictionlab.plotting.style import BLACK, BLUE, DASHED, parameter_label, parameter_value_text, state_label
@@ -70,7 +70,8 @@ def plot_hopf(point: Any, ax: Axes | None = None, *, name: str | None = None) ->
         title=f"{point.criticality.capitalize()} Hopf point at {point.frequency:.4g} Hz",
     )
     ax.margins(x=0)
-    ax.locator_params(axis="x", nbins=5)  # the numbers are long near a critical value
+    ax.locator_params(axis="x", nbins=round(5 / crowding()))  # the numbers are long near a critical value
+    ax.xaxis.labelpad += font_size(12.0) if crowding() > 1.0 else 0.0  # else it meets the offset
     legend_beside(ax, list({str(line.get_label()): line for line in lines}.values()))
     return lines
 

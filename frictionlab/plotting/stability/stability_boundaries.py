@@ -13,8 +13,8 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
-from frictionlab.plotting.appearance import background, halo, is_dark, pen
-from frictionlab.plotting.figure import axes_or_new, legend_beside
+from frictionlab.plotting.appearance import add_halo, background, is_dark, pen
+from frictionlab.plotting.figure import axes_or_new, legend_beside, wrap_label
 from frictionlab.plotting.style import (
     BLACK,
     DASHED,
@@ -31,6 +31,7 @@ STABLE_COLOUR, STABLE_ON_DARK = "#F2F2F2", "#333333"
 COUNT_COLOURS = (STABLE_COLOUR, SKY, ORANGE, VERMILLION)  # none, one, two, more
 DOTTED = (0, (1, 1.5))
 HATCH = "////"
+LABEL_LENGTH = 45  # letters along the height of a figure
 
 
 def plot_critical(
@@ -75,7 +76,7 @@ def plot_critical(
     for i, (curve, label) in enumerate(zip(curves, labels)):
         lines += ax.plot(curve.at, curve.values, label=label, **line_style(i, "", ax))
     first = curves[0]
-    ylabel = f"critical {parameter_label(first.model, first.parameter)}"
+    ylabel = wrap_label(f"critical {parameter_label(first.model, first.parameter)}", LABEL_LENGTH)
     ax.set(xlabel=parameter_label(first.model, first.over), ylabel=ylabel)
     ax.margins(x=0)
     if legend and len(curves) > 1:
@@ -154,7 +155,7 @@ def _draw_boundary(plane: Any, ax: Axes) -> list[Line2D]:
             if chosen.any():
                 x, y = np.where(chosen[:, None], curve.points, np.nan).T
                 lines += ax.plot(x, y, linestyle=linestyle, label=name, **pen(BLACK, 1.4, ax))
-                lines[-1].set_path_effects(halo(lines[-1].get_linewidth(), ax))
+                add_halo(lines[-1], ax)
     return lines
 
 

@@ -4,12 +4,14 @@ import matplotlib as mpl
 import numpy as np
 import pytest
 from cycler import cycler
+from matplotlib.axis import Tick, XTick
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import LineCollection
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.quiver import Quiver
+from matplotlib.spines import Spine
 from matplotlib.style import context
 from matplotlib.text import Text
 
@@ -38,13 +40,28 @@ def luminances(pixels):
     return linear @ [0.2126, 0.7152, 0.0722]
 
 
+def in_view(tick):
+    """Whether a tick is within the limits of its axis; others are kept but not drawn."""
+    low, high = sorted(tick.axes.get_xlim() if isinstance(tick, XTick) else tick.axes.get_ylim())
+    return low <= tick.get_loc() <= high
+
+
+def around(artist, renderer, shape):
+    """Rows and columns of the pixels that an artist may change."""
+    box = artist.get_window_extent(renderer).padded(20.0)
+    (left, low), (right, high) = np.clip(box.get_points(), 0, [shape[1], shape[0]]).astype(int)
+    return slice(shape[0] - high, shape[0] - low), slice(left, right)
+
+
 def contrasts(figure):
     """Contrast of every line and text that is drawn with what is behind it, by the artist."""
     canvas = FigureCanvasAgg(figure)
     figure.set_dpi(100.0)
     canvas.draw()
-    artists = [a for a in figure.findobj(lambda a: isinstance(a, SHOWN)) if a.get_visible()]
-    for artist in artists:
+    hidden = {part for tick in figure.findobj(Tick) if not in_view(tick) for part in tick.get_children()}
+    found = {*figure.findobj(lambda artist: isinstance(artist, SHOWN))} - hidden
+    artists = [artist for artist in found if artist.get_visible()]
+    for artist in [*artists, *figure.findobj(Spine)]:  # lines may lie on the frame of the axes
         artist.set_visible(False)
     figure.set_layout_engine("none")
     canvas.draw()
@@ -55,17 +72,22 @@ def contrasts(figure):
         renderer.restore_region(kept)
         artist.draw(renderer)
         artist.set_visible(False)
-        now = np.array(canvas.buffer_rgba())
-        changed = (now != empty).any(axis=-1)
+        part = around(artist, renderer, empty.shape)
+        now, before = np.asarray(canvas.buffer_rgba())[part], empty[part]
+        changed = (now != before).any(axis=-1)
         if changed.any():
-            low, high = np.sort([luminances(now[changed]), luminances(empty[changed])], axis=0)
+            low, high = np.sort([luminances(now[changed]), luminances(before[changed])], axis=0)
             found[artist] = float(np.quantile((high + 0.05) / (low + 0.05), 0.95))
     return found
 
 
-@pytest.mark.parametrize("name", FIGURES)
-@pytest.mark.parametrize("way", ["dark_background", "dark"])
-def test_every_line_and_text_is_seen_on_a_dark_background(name, way):
+DARK = [("dark_background", name) for name in FIGURES] + [
+    ("dark", name) for name in ("overview", "map", "basins")
+]
+
+
+@pytest.mark.parametrize(("way", "name"), DARK)
+def test_every_line_and_text_is_seen_on_a_dark_background(way, name):
     with context("dark_background") if way == "dark_background" else fl.style("dark"):
         figure = FIGURES[name]()
         found = contrasts(figure)
@@ -126,10 +148,14 @@ def test_the_size_of_figures_is_the_users(name):
     assert tuple(usual) != (5.0, 3.5)
 
 
+def legend_size():
+    return result("energies").plot().get_legend().get_texts()[0].get_fontsize()
+
+
 def test_the_size_of_letters_is_the_users():
-    usual = fl.plot_run(result("run")).get_suptitle(), fl.plot_run(result("run"))._suptitle.get_fontsize()
+    usual = legend_size()
     mpl.rcParams["font.size"] = 20.0
-    assert fl.plot_run(result("run"))._suptitle.get_fontsize() == pytest.approx(2 * usual[1])
+    assert legend_size() == pytest.approx(2 * usual)
 
 
 def test_a_style_holds_within_its_block_or_from_then_on():
