@@ -1,4 +1,4 @@
-"""How results present themselves: as a line or two of text, and as tables of pandas and xarray.
+"""How results present themselves: as a line or two of text, as tables of pandas and xarray, in Markdown.
 
 pandas and xarray come with the extra ``data`` and are imported when a table is asked for.  Tables carry
 units: a DataFrame in ``attrs["units"]``, a Dataset in ``attrs["units"]`` of each variable.  All attributes
@@ -12,7 +12,7 @@ from importlib import import_module
 from typing import Any
 
 MAX_LISTED = 8  # items that a summary names before it says how many more there are
-MAX_ROWS = 12  # rows of a table in text
+MAX_ROWS = 10  # rows of a table in text
 MAX_ROW_LENGTH = 110  # characters of such a row
 
 ANGLE_LETTERS = {"phi": r"\varphi", "theta": r"\theta", "psi": r"\psi"}  # in LaTeX; all others are lengths
@@ -45,11 +45,11 @@ def output_unit(name: str) -> str:
     return OUTPUT_UNITS.get(base if number.isdigit() else name, "")
 
 
-def shorten(items: Iterable[str], most: int = MAX_LISTED) -> str:
+def shorten(items: Iterable[str], most: int = MAX_LISTED, separator: str = ", ") -> str:
     """The first items, and how many more there are."""
     listed = list(items)
     more = f", and {len(listed) - most} more" if len(listed) > most else ""
-    return ", ".join(listed[:most]) + more
+    return separator.join(listed[:most]) + more
 
 
 def count(number: int, noun: str) -> str:
@@ -79,6 +79,12 @@ def text_table(rows: Iterable[str], most: int = MAX_ROWS) -> str:
     lines = [" ".join(row.split("\n")).rstrip() for row in rows]
     shown = [row if len(row) <= MAX_ROW_LENGTH else f"{row[: MAX_ROW_LENGTH - 3]}..." for row in lines[:most]]
     return "\n".join([*shown, f"... and {len(lines) - most} more"] if len(lines) > most else shown)
+
+
+def markdown_table(head: str, lines: Iterable[str]) -> str:
+    """A table in Markdown."""
+    rule = "|".join("---" for _ in head.split("|"))
+    return "\n".join([f"| {head} |", f"|{rule}|", *(f"| {line} |" for line in lines)])
 
 
 def import_optional(package: str, what: str) -> Any:
