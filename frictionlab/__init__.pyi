@@ -97,6 +97,7 @@ from .models.description.equations import Equations as Equations
 from .models.parameter_namespace import ParameterTable as ParameterTable
 from .plotting import animate as animate
 from .plotting import plot_run as plot_run
+from .plotting.appearance import style as style
 from .plotting.drawing import Curve as Curve
 from .plotting.drawing import Drawing as Drawing
 from .stability import Boundary as Boundary

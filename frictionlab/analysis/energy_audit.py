@@ -27,6 +27,7 @@ from frictionlab.models.mechanical.equations_of_motion import LagrangeSystem, sy
 from frictionlab.models.mechanical.mechanics import Friction
 from frictionlab.models.mechanical.modes import contact_suffix
 from frictionlab.models.symbols import Structure, parameter_symbols, structure_of_component, structure_values
+from frictionlab.presentation import shorten
 
 # Exact for contact laws that are polynomials in sqrt(penetration).
 CONTACT_NODES, CONTACT_WEIGHTS = np.polynomial.legendre.leggauss(12)
@@ -252,7 +253,7 @@ class EnergyAudit(Drawable):
         return float(np.abs(self.residual).max(initial=0.0) / (self.turned_over or 1.0))
 
     def __repr__(self) -> str:
-        ends = ", ".join(f"{name} {work[-1]:+.4g} J" for name, work in self.works.items() if work[-1])
+        ends = shorten(f"{name} {work[-1]:+.4g} J" for name, work in self.works.items() if work[-1])
         return f"EnergyAudit(0 to {self.t[-1]:g} s, {ends or 'no work'}, error {self.error:.1g})"
 
 

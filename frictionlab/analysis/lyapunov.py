@@ -14,6 +14,7 @@ from frictionlab.hybrid.progress import PROGRESS_DELAY
 from frictionlab.hybrid.solve import solve
 from frictionlab.hybrid.variational.tangent_flow import tangent_growth
 from frictionlab.models.coercion import automaton_of
+from frictionlab.presentation import shorten
 from frictionlab.validation import check_number
 
 from .motion_scales import Array, state_scales
@@ -44,7 +45,7 @@ class LyapunovSpectrum(Drawable):
 
     def __repr__(self) -> str:
         pairs = zip(self.exponents, self.standard_errors)
-        return f"LyapunovSpectrum({', '.join(f'{mean:.4g} +- {error:.2g}' for mean, error in pairs)} 1/s)"
+        return f"LyapunovSpectrum({shorten(f'{mean:.4g} +- {error:.2g}' for mean, error in pairs)} 1/s)"
 
     @property
     def chaotic(self) -> bool:

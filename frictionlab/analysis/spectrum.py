@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionlab.drawable import Drawable
+from frictionlab.presentation import count
 from frictionlab.validation import check_choice
 
 from .motion_scales import oscillation_period, rounded_period
@@ -36,6 +37,10 @@ class Spectrum(NamedTuple):
     drawn_by = "plot_amplitudes"
     several_axes = False
     plot = Drawable.plot
+
+    def __repr__(self) -> str:
+        lines = f"{count(len(self.frequencies), 'line')} {self.resolution:.2g} Hz apart"
+        return f"Spectrum({self.name}, {lines}, strongest {self.strongest:.4g} Hz)"
 
     @property
     def strongest(self) -> float:

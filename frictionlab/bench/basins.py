@@ -16,10 +16,10 @@ import sympy as sp
 
 from frictionlab.analysis.basins.basins import BasinStability, basin_stability
 from frictionlab.analysis.steady_state.classification import MotionKind
-from frictionlab.analysis.tables import markdown_table
 from frictionlab.automaton import Event, HybridAutomaton, Mode, Reset
 from frictionlab.hybrid.compilation import NUMBA
 from frictionlab.hybrid.methods.taylor import Taylor
+from frictionlab.presentation import markdown_table
 
 from .harness import warm_up, warm_up_lanes
 

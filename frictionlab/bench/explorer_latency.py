@@ -11,8 +11,8 @@ from typing import Any
 
 import ipywidgets
 
-from frictionlab.analysis.tables import markdown_table
 from frictionlab.models import SliderOnBelt
+from frictionlab.presentation import markdown_table
 from frictionlab.widgets.controls.model_controls import main_parameters
 from frictionlab.widgets.explorer import Explorer, explore
 

@@ -15,7 +15,6 @@ from typing import Any
 
 import numpy as np
 
-from frictionlab.analysis.tables import markdown_table
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.bench.peers.external import ExternalMethod
 from frictionlab.bench.peers.methods import METHODS, BenchMethod
@@ -26,6 +25,7 @@ from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.hybrid.problem import Status
 from frictionlab.hybrid.solve import solve
 from frictionlab.hybrid.tape.packing import program_of
+from frictionlab.presentation import markdown_table
 
 from .peers import methods
 from .scenes import BenchScene

@@ -8,12 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from frictionlab.analysis.simulate import simulate
-from frictionlab.analysis.tables import markdown_table
 from frictionlab.hybrid.methods.base import Method
 from frictionlab.hybrid.methods.one_step import RK4
 from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models import SliderOnBelt
+from frictionlab.presentation import markdown_table
 
 MISSED_EVENT_MODEL = SliderOnBelt(mu_k=1.4)  # Eq. (13) as printed: short hops after each landing
 T_END = 0.14  # s

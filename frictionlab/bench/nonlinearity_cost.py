@@ -19,12 +19,12 @@ from statistics import median
 from typing import Any
 
 from frictionlab.analysis.simulate import simulate
-from frictionlab.analysis.tables import markdown_table
 from frictionlab.hybrid import compilation
 from frictionlab.hybrid.codegen.native_cache import NativeCode
 from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.hybrid.tape.packing import program_of
 from frictionlab.hybrid.tape.program import Program
+from frictionlab.presentation import markdown_table
 
 from .harness import interleaved_medians, warm_up
 from .scenes import FULL_GAP_RATE_SLIDER

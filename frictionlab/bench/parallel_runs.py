@@ -12,10 +12,10 @@ import numpy as np
 from frictionlab.analysis.ensemble import ensemble
 from frictionlab.analysis.simulate import simulate
 from frictionlab.analysis.sweeps.sweep import Sweep, sweep
-from frictionlab.analysis.tables import markdown_table
 from frictionlab.hybrid.methods.base import Method
 from frictionlab.hybrid.methods.one_step import RK4
 from frictionlab.hybrid.methods.taylor import Taylor
+from frictionlab.presentation import markdown_table
 
 from .harness import interleaved_medians, warm_up, warm_up_lanes
 from .scenes import FULL_GAP_RATE_SLIDER, STIFF_SLIDER

@@ -11,10 +11,10 @@ import numpy as np
 
 from frictionlab.analysis.orbits.periodic_orbit import PeriodicOrbit, periodic_orbit
 from frictionlab.analysis.simulate import simulate
-from frictionlab.analysis.tables import markdown_table
 from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.hybrid.variational.tangent_flow import tangent_flow
 from frictionlab.models import SliderOnBelt
+from frictionlab.presentation import markdown_table
 from frictionlab.stability import eigenvalues, root_locus, stability_changes
 
 from .harness import interleaved_medians, warm_up

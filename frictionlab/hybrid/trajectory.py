@@ -7,7 +7,7 @@ are asked for, by the Taylor series of the step.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -27,6 +27,7 @@ from frictionlab.hybrid.outputs import evaluate_output
 from frictionlab.hybrid.problem import Problem, RunData
 from frictionlab.hybrid.storage import STORED_ARRAYS, rates_by_mode, write_run_file
 from frictionlab.hybrid.tape.packing import program_of, program_of_modes
+from frictionlab.presentation import count, dataframe, dataset, output_unit, state_unit
 from frictionlab.validation import did_you_mean
 
 PICKLED = "automaton", "source", "raw", "status", "samples", "quadratures", "description", "_wall_time"
@@ -72,7 +73,7 @@ class Trajectory(Drawable):
     >>> import frictionlab as fl
     >>> run = fl.simulate(fl.SliderOnBelt(mu_k=1.4), 0.05)
     >>> run
-    Trajectory(0 to 0.05 s, 6 steps, 1 events, finished)
+    Trajectory(0 to 0.05 s, 6 steps, 1 event, finished)
     >>> run["x1"].shape == run.t.shape  # a state, at the times of the samples
     True
     >>> float(run.normal_force.max().round(1))  # an output, N
@@ -170,7 +171,7 @@ class Trajectory(Drawable):
         return out
 
     def __call__(self, t: Any) -> np.ndarray:
-        """States at times `t`: (states,) for one time, (N, states) for an array.
+        """States at times `t`: (states,) for one time, (..., states) for an array (...) of them.
 
         Raises
         ------
@@ -178,10 +179,10 @@ class Trajectory(Drawable):
             Outside the run.
         """
         states, _ = self.states_and_modes(t)
-        return states if np.ndim(t) else states[0]
+        return states.reshape(*np.shape(t), states.shape[1])
 
     def states_and_modes(self, t: Any) -> tuple[np.ndarray, np.ndarray]:
-        """States (N, states) and modes (N,) at times `t`, the modes as numbers in `mode_names`.
+        """States (N, states) and modes (N,) at N times, in any shape, the modes as numbers in `mode_names`.
 
         Raises
         ------
@@ -195,7 +196,7 @@ class Trajectory(Drawable):
         return states, self._modes_of_steps(steps)
 
     def _checked_times(self, t: Any) -> np.ndarray:
-        times = np.atleast_1d(np.asarray(t, dtype=float))
+        times = np.asarray(t, dtype=float).ravel()
         if times.size and not (times.min() >= 0.0 and times.max() <= self.raw.t):
             raise ValueError(
                 f"t must lie within the run, 0 to {self.raw.t:g} s, got {times.min():g} to {times.max():g}: "
@@ -204,8 +205,9 @@ class Trajectory(Drawable):
         return times
 
     def modes_at(self, t: Any) -> np.ndarray:
-        """Names of the modes at times `t` of the run, (N,); at an event, of the mode entered."""
-        return self._mode_names(self._modes_of_steps(self._steps_at(self._checked_times(t))))
+        """Names of the modes at times `t` of the run, in its shape; at an event, of the mode entered."""
+        names = self._mode_names(self._modes_of_steps(self._steps_at(self._checked_times(t))))
+        return names.reshape(np.shape(t))[()]
 
     @property
     def t(self) -> np.ndarray:
@@ -236,8 +238,13 @@ class Trajectory(Drawable):
     def _mode_names(self, codes: np.ndarray) -> np.ndarray:
         return np.array([*self.mode_names, ""])[codes]
 
-    def __getitem__(self, name: str) -> np.ndarray:
-        """A state by name, e.g. ``run["x1'"]``, or an output, e.g. ``run["penetration"]``; sampled as `t`."""
+    def __getitem__(self, name: str | Sequence[str]) -> np.ndarray:
+        """A state by name, e.g. ``run["x1'"]``, or an output, e.g. ``run["penetration"]``; sampled as `t`.
+
+        Several names give an array with a column for each: ``run[["x1", "x2"]]``.
+        """
+        if not isinstance(name, str):
+            return np.column_stack([self[each] for each in name])
         if name in self.names:
             return self.states[:, self.names.index(name)]
         if name in self.automaton.outputs:
@@ -255,8 +262,9 @@ class Trajectory(Drawable):
     def __dir__(self) -> list[str]:
         return [*super().__dir__(), *self.automaton.outputs]
 
-    def output(self, name: str, t: np.ndarray | None = None) -> np.ndarray:
-        """A named quantity of the model at the samples, or at times `t`.
+    def output(self, name: str, t: Any = None) -> Any:
+        """A named quantity of the model at the samples, or at times `t`: a number for one time, else an array
+        of their shape.
 
         Raises
         ------
@@ -269,7 +277,8 @@ class Trajectory(Drawable):
             raise KeyError(f"the run has no output {name!r}{hint}; it has {', '.join(known) or 'none'}")
         if t is None:
             return evaluate_output(self.automaton, name, self.states, self.mode_indices, self.mode_names)
-        return evaluate_output(self.automaton, name, *self.states_and_modes(t), self.mode_names)
+        values = evaluate_output(self.automaton, name, *self.states_and_modes(t), self.mode_names)
+        return values.reshape(np.shape(t)) if np.ndim(t) else float(values[0])
 
     @cached_property
     def events(self) -> Events:
@@ -283,6 +292,7 @@ class Trajectory(Drawable):
             state=raw.event_states[:, 1],
             before=raw.event_states[:, 0],
             closed=raw.event_codes[:, 2].astype(bool),
+            names=self.names,
         )
 
     @property
@@ -350,14 +360,38 @@ class Trajectory(Drawable):
         return write_run_file(path, about, arrays)
 
     def to_dataframe(self) -> Any:
-        """The samples as a pandas DataFrame, indexed by time (needs the extra ``data``)."""
-        try:
-            import pandas as pd
-        except ImportError as error:
-            raise ImportError("to_dataframe needs pandas: pip install 'frictionlab[data]'") from error
-        columns = {name: self[name] for name in (*self.names, *self.automaton.outputs)}
-        return pd.DataFrame({**columns, "mode": self.mode}, index=pd.Index(self.t, name="t"))
+        """The samples as a pandas DataFrame, indexed by time (needs the extra ``data``).
+
+        Its ``attrs["units"]`` has the units of the columns.
+        """
+        return dataframe(self._columns() | {"mode": self.mode}, {"t": self.t}, self._units())
+
+    def to_xarray(self) -> Any:
+        """The samples as an xarray Dataset along the dimension "t" (needs the extra ``data``).
+
+        Variables have the attribute "units"; the attributes of the Dataset are the parameters, the method and
+        the status.
+        """
+        about = {
+            "method": str(self.description.get("method", {}).get("name", "")),
+            "status": str(self.status),
+        }
+        numbers = {symbol.name: float(value) for symbol, value in self.automaton.parameters.items()}
+        variables = {name: ("t", values) for name, values in self._columns().items()}
+        variables |= {"mode": ("t", self.mode)}
+        return dataset(variables, {"t": self.t}, self._units(), numbers | about)
+
+    def _columns(self) -> dict[str, np.ndarray]:
+        return {name: self[name] for name in (*self.names, *self.automaton.outputs)}
+
+    def _units(self) -> dict[str, str]:
+        known = bool(
+            self.automaton.coordinates
+        )  # states of an automaton without coordinates may have any unit
+        states = {name: state_unit(name) for name in self.names if known}
+        return {"t": "s"} | states | {name: output_unit(name) for name in self.automaton.outputs}
 
     def __repr__(self) -> str:
-        end = f"0 to {self.raw.t:g} s, {len(self.raw.step_modes)} steps, {len(self.events)} events"
+        steps, events = count(len(self.raw.step_modes), "step"), count(len(self.events), "event")
+        end = f"0 to {self.raw.t:g} s, {steps}, {events}"
         return f"Trajectory({end}, {self.status.name.lower()})"

@@ -37,6 +37,14 @@ def parameter_owners(cls: type, components: Mapping[str, Component]) -> dict[str
     return found
 
 
+def parameter_unit(model: Any, name: str) -> str:
+    """Unit of a parameter of a model; "" for one of an automaton, which has no metadata."""
+    if not hasattr(model, "components"):
+        return ""
+    about = parameter_metadata(type(model), model.components).get(name)
+    return about.unit if about else ""
+
+
 def refuse_positional(values: tuple[Any, ...], cls: type) -> None:
     """Raise TypeError for values without a name."""
     if values:

@@ -15,13 +15,15 @@ from frictionlab.analysis.sweeps.ablation import all_of
 from frictionlab.analysis.sweeps.bifurcation import Bifurcation
 from frictionlab.plotting.runs.spectrum import plot_amplitudes
 
+from .appearance import crowding, font_size, pen
 from .bifurcation import LOG_SCALE_RATIO, plot_bifurcation
-from .figure import RunAxes, RunFigure, axes_or_new
+from .figure import RunAxes, axes_or_new, new_figure, wrap_label
 from .motions import plot_steady_state
 from .style import BLUE, GREY
 
 RUN_AXES = {"axes_class": RunAxes}
 COLUMNS = 4  # panels side by side
+LABEL_LENGTH = 34  # letters of a line below a small panel
 PANEL_SHARE = 0.7  # of its cell that a panel takes, the rest for labels and title
 
 
@@ -61,7 +63,9 @@ def plot_ablation(ablation: Any, ax: Axes | None = None, *, name: str | None = N
             ax.text(0.5, 0.5, "not done", ha="center", va="center", transform=ax.transAxes)
         else:
             draw(result, ax, name)
-        ax.set_title(_scene_title(without, ablation.switches) + _motion_title(result), fontsize=9.0)
+        ax.set_title(
+            _scene_title(without, ablation.switches) + _motion_title(result), fontsize=font_size(9.0)
+        )
     _share_labels(panels)
     return panels
 
@@ -69,7 +73,7 @@ def plot_ablation(ablation: Any, ax: Axes | None = None, *, name: str | None = N
 def _panels(rows: int, columns: int, ax: Axes | None) -> list[Axes]:
     """Axes in rows: of a new figure, or in the place of axes that are given."""
     if ax is None:
-        figure = RunFigure(figsize=(3.25 * columns, 3.0 * rows), layout="constrained")
+        figure = new_figure(3.25 * columns, 3.0 * rows)
         return list(figure.subplots(rows, columns, squeeze=False, subplot_kw=RUN_AXES).ravel())
     ax.set_axis_off()
     width, height = 1.0 / columns, 1.0 / rows
@@ -92,7 +96,8 @@ def _panel_for(results: Iterable[Any]) -> Any:
 def _share_labels(panels: list[Axes]) -> None:
     """Labels at the outer panels only, and one legend for all."""
     for i, ax in enumerate(panels):
-        ax.tick_params(labelsize=8.0)
+        ax.set_xlabel(wrap_label(ax.get_xlabel(), LABEL_LENGTH))
+        ax.tick_params(labelsize=font_size(8.0))
         ax.locator_params(axis="x", nbins=4)
         if i < len(panels) - COLUMNS:
             ax.set_xlabel("")
@@ -138,6 +143,6 @@ def _bars(ablation: Any, ax: Axes) -> Axes:
     known = values[~np.isnan(values)]
     if len(known) and known.min() > 0 and known.max() > LOG_SCALE_RATIO * known.min():
         ax.set_xscale("log")
-    ax.axvline(0.0, color=GREY, linewidth=0.8)
-    ax.margins(x=0.15)
+    ax.axvline(0.0, **pen(GREY, 0.8, ax))
+    ax.margins(x=0.15 * crowding())
     return ax

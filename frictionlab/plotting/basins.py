@@ -13,9 +13,11 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from frictionlab.analysis.steady_state.classification import MotionKind
+from frictionlab.presentation import state_unit
 
+from .appearance import add_halo, background, ink, legible, pen
 from .figure import axes_or_new, legend_beside
-from .style import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILLION, YELLOW, state_label, state_unit
+from .style import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILLION, YELLOW, state_label
 
 COLOURS = (SKY, ORANGE, GREEN, YELLOW, PURPLE, BLUE, VERMILLION)  # of attractors, in turn
 UNCLASSIFIED_COLOURS = {MotionKind.NOT_SETTLED: GREY, MotionKind.ENDED_EARLY: "#444444"}
@@ -56,8 +58,8 @@ def plot_basins(found: Any, ax: Axes | None = None, *, legend: bool = True) -> B
     [[0, 1], [0, 1]]
     """
     ax = axes_or_new(ax)
-    ax.patch.set(facecolor="white", edgecolor=GREY, hatch=HATCH)  # seen where the mesh has no colour
-    colours = _colours(found)
+    ax.patch.set(facecolor=background(ax), edgecolor=GREY, hatch=HATCH)  # seen where the mesh has no colour
+    colours = _colours(found, ax)
     norm = BoundaryNorm(np.arange(len(colours) + 1) - 0.5, max(1, len(colours)))
     mesh = ax.pcolormesh(
         found.x_values,
@@ -77,7 +79,7 @@ def plot_basins(found: Any, ax: Axes | None = None, *, legend: bool = True) -> B
         ylabel=_initial_state_label(found.y),
     )
     if legend:
-        legend_beside(ax, _handles(found, colours))
+        legend_beside(ax, _handles(found, colours, background(ax)))
     return BasinArtists(mesh, lines)
 
 
@@ -97,36 +99,44 @@ def plot_basin_stability(found: Any, ax: Axes | None = None) -> BarContainer:
     ax = axes_or_new(ax)
     names, shares = list(found.fractions), list(found.fractions.values())
     errors = [found.errors[name] for name in names]
-    bars = ax.bar(names, shares, yerr=errors, color=_colours(found), edgecolor=BLACK, capsize=4.0)
+    colours: dict[str, Any] = {"color": _colours(found, ax), "edgecolor": ink(ax), "ecolor": ink(ax)}
+    bars = ax.bar(names, shares, yerr=errors, capsize=4.0, **colours)
+    if bars.errorbar is not None:
+        _, caps, spans = bars.errorbar.lines
+        for line in (*caps, *spans):
+            add_halo(line, ax)
     ax.set(ylim=(0.0, 1.0), ylabel="share of the initial states")
     return bars
 
 
-def _colours(found: Any) -> list[str]:
+def _colours(found: Any, ax: Axes) -> list[str]:
     settled = [a.name for a in found.attractors if a.settled]
-    return [
+    colours = [
         COLOURS[settled.index(a.name) % len(COLOURS)] if a.settled else UNCLASSIFIED_COLOURS[a.kind]
         for a in found.attractors
     ]
+    return [legible(colour, ax) for colour in colours]
 
 
 def _attractor(found: Any, attractor: Any, ax: Axes) -> list[Line2D]:
     columns = [found.names.index(name) for name in (found.x, found.y)]
     x, y = attractor.path[:, columns].T
     style = "o" if len(x) == 1 else "-" if attractor.period > 0 else ","
-    return ax.plot(x, y, style, color=BLACK, linewidth=1.4, label=attractor.name)
+    lines = ax.plot(x, y, style, label=attractor.name, **pen(BLACK, 1.4, ax))
+    add_halo(lines[0], ax)
+    return lines
 
 
 def _initial_state_label(name: str) -> str:
     return f"initial {state_label(name)} ({state_unit(name)})"
 
 
-def _handles(found: Any, colours: list[str]) -> list[Any]:
+def _handles(found: Any, colours: list[str], empty: str) -> list[Any]:
     shares = found.fractions
     handles = [
         Patch(facecolor=colour, edgecolor=GREY, label=f"{a.name}: {shares[a.name]:.1%}")
         for a, colour in zip(found.attractors, colours)
     ]
     if (found.labels < 0).any():
-        handles.append(Patch(facecolor="white", edgecolor=GREY, hatch=HATCH, label="not computed"))
+        handles.append(Patch(facecolor=empty, edgecolor=GREY, hatch=HATCH, label="not computed"))
     return handles

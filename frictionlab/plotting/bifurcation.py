@@ -15,7 +15,9 @@ from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from frictionlab.analysis.steady_state.classification import MotionKind
+from frictionlab.presentation import state_unit
 
+from .appearance import background, legible, marker_size, pen
 from .figure import axes_or_new, legend_beside
 from .style import (
     BLACK,
@@ -30,7 +32,6 @@ from .style import (
     line_style,
     parameter_label,
     state_label,
-    state_unit,
 )
 
 Array = NDArray[np.float64]
@@ -93,9 +94,8 @@ def plot_bifurcation(
         else:
             where = ax.transData
         if len(values):
-            lines += ax.plot(
-                values, states, linestyle="none", label=kind, transform=where, **MOTION_STYLES[kind]
-            )
+            style = _point_style(MOTION_STYLES[kind], ax)
+            lines += ax.plot(values, states, label=kind, transform=where, **style)
     ax.set(
         xlabel=_swept_parameter_label(result),
         ylabel=f"{state_label(state)} at {_section_text(result)} ({state_unit(state)})",
@@ -103,6 +103,11 @@ def plot_bifurcation(
     if legend:
         legend_beside(ax)
     return lines
+
+
+def _point_style(style: dict[str, Any], ax: Axes) -> dict[str, Any]:
+    size = marker_size(style["markersize"])
+    return style | {"color": legible(style["color"], ax), "markersize": size, "linestyle": "none"}
 
 
 def plot_intensity(
@@ -140,11 +145,14 @@ def plot_intensity(
     ax = axes_or_new(ax)
     lines = []
     for i, (result, text) in enumerate(zip(results, labels)):
-        style = line_style(i, "")
-        lines += ax.plot(result.values, result.intensities, ".", label=text, **style)
+        style = {"marker": "."} | line_style(i, "", ax)
+        lines += ax.plot(result.values, result.intensities, label=text, **style)
         resting = np.array(result.kinds) == MotionKind.EQUILIBRIUM
-        hollow = {"color": style["color"], "markerfacecolor": "white", "linestyle": "none", "markersize": 4.0}
-        ax.plot(result.values[resting], result.intensities[resting], "o", label="_at rest", **hollow)
+        hollow = {"color": style["color"], "markerfacecolor": background(ax), "linestyle": "none"}
+        at_rest = ax.plot(
+            result.values[resting], result.intensities[resting], "o", label="_at rest", **hollow
+        )
+        at_rest[0].set_markersize(marker_size(4.0))
     _set_intensity_scale(ax, results)
     ax.set(xlabel=_swept_parameter_label(results[0]), ylabel=r"intensity $L_{\mathrm{s}}$ (m$^{2}$)")
     if legend and len(lines) > 1:
@@ -224,8 +232,8 @@ def plot_orbit_branch(branch: Any, ax: Axes | None = None, *, name: str | None =
     ax = axes_or_new(ax)
     heights, lines = np.array([_orbit_measure(orbit, name) for orbit in branch.orbits]), []
     for stable, part in _stability_intervals(branch.stable):
-        style: dict[str, Any] = {"linestyle": "-" if stable else DASHED, "linewidth": 1.4, "color": BLUE}
-        lines += ax.plot(branch.values[part], heights[part], **style)
+        dashes = "-" if stable else DASHED
+        lines += ax.plot(branch.values[part], heights[part], linestyle=dashes, **pen(BLUE, 1.4, ax))
         lines[-1].set_label("stable" if stable else "unstable")
     for kind in dict.fromkeys(special.kind for special in branch.special):
         chosen = [special for special in branch.special if special.kind == kind]
@@ -234,7 +242,7 @@ def plot_orbit_branch(branch: Any, ax: Axes | None = None, *, name: str | None =
             [_orbit_measure(special.orbit, name) for special in chosen],
         )
         colour, marker = SPECIAL_POINT_STYLES[kind]
-        lines += ax.plot(*at, marker, color=colour, label=kind)
+        lines += ax.plot(*at, marker, color=legible(colour, ax), label=kind)
     text = "period (s)" if name is None else f"largest {state_label(name)} ({state_unit(name)})"
     ax.set(xlabel=parameter_label(branch.orbits[0].model, branch.parameter), ylabel=text)
     legend_beside(ax, list({str(line.get_label()): line for line in lines}.values()))

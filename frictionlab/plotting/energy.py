@@ -11,7 +11,8 @@ from matplotlib.lines import Line2D
 
 from frictionlab.plotting.runs.time_window import Array
 
-from .figure import axes_or_new, legend_beside
+from .appearance import pen
+from .figure import axes_or_new, legend_beside, set_long_title
 from .style import BLACK, BLUE, DASHED, GREEN, ORANGE, PURPLE, SKY, VERMILLION, YELLOW
 
 ENERGIES = {"kinetic": BLUE, "springs": GREEN, "contact": VERMILLION, "preload": ORANGE}
@@ -86,16 +87,17 @@ def _draw_contributions(
     ylabel: str,
     title: str,
 ) -> list[Line2D]:
-    ax = axes_or_new(ax, figsize=(8.0, 4.0))
+    ax = axes_or_new(ax, (8.0, 4.0))
     lines, spare = (
         [],
         cycle(colour for colour in SPARE if colour not in {colours.get(name) for name in parts}),
     )
     for name, values in parts.items():
         colour = colours.get(name) or next(spare)
-        lines += ax.plot(audit.t, values, color=colour, linewidth=1.2, label=name)
-    lines += ax.plot(audit.t, total, color=BLACK, linestyle=DASHED, linewidth=1.2, label="sum")
-    ax.set(xlabel="time (s)", ylabel=ylabel, title=title)
+        lines += ax.plot(audit.t, values, label=name, **pen(colour, ax=ax))
+    lines += ax.plot(audit.t, total, linestyle=DASHED, label="sum", **pen(BLACK, ax=ax))
+    ax.set(xlabel="time (s)", ylabel=ylabel)
+    set_long_title(ax, title)
     ax.margins(x=0)
     legend_beside(ax)
     return lines

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from io import BytesIO
+from textwrap import fill
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,8 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.image import imsave
+
+from .appearance import PANEL_SIZE, crowding, figure_size, font_size
 
 
 class RunFigure(Figure):
@@ -36,19 +39,35 @@ class RunAxes(Axes):
         return figure._repr_png_() if isinstance(figure, RunFigure) else None
 
 
-def axes_or_new(ax: Axes | None, **options: Any) -> Axes:
-    """The axes given, or those of a new figure, found as ``artist.axes.figure``."""
+def new_figure(width: float, height: float) -> RunFigure:
+    """A figure of this size in inches, in the present style."""
+    return RunFigure(figsize=figure_size(width, height), layout="constrained")
+
+
+def axes_or_new(ax: Axes | None, size: tuple[float, float] = PANEL_SIZE) -> Axes:
+    """The axes given, or those of a new figure of a size in inches, found as ``artist.axes.figure``."""
     if ax is not None:
         return ax
-    settings = {"figsize": (7.0, 4.0), "layout": "constrained"} | options
-    return RunFigure(**settings).add_subplot(axes_class=RunAxes)
+    return new_figure(*size).add_subplot(axes_class=RunAxes)
 
 
 def legend_beside(ax: Axes, handles: list[Any] | None = None) -> None:
     """A legend of everything labelled in `ax`, or of `handles`, to the right of it."""
     handles = ax.get_legend_handles_labels()[0] if handles is None else handles
     if handles:
-        ax.legend(handles=handles, loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False, fontsize=9.0)
+        place: dict[str, Any] = {"loc": "center left", "bbox_to_anchor": (1.0, 0.5)}
+        ax.legend(handles=handles, frameon=False, fontsize=font_size(9.0), **place)
+
+
+def set_long_title(ax: Axes, text: str) -> None:
+    """A title that fills the width of a figure, smaller where letters are large."""
+    title = ax.set_title(text)
+    title.set_fontsize(title.get_fontsize() / crowding())
+
+
+def wrap_label(text: str, length: int) -> str:
+    """A label that has so many letters in a line; where letters are large it is broken into lines."""
+    return text if crowding() == 1.0 else fill(text, round(length / crowding()), break_long_words=False)
 
 
 class AnimatedFigure(RunFigure):

@@ -14,9 +14,10 @@ from matplotlib.lines import Line2D
 from frictionlab.analysis.steady_state.classification import MotionKind
 from frictionlab.validation import check_choice
 
+from .appearance import font_size, ink, ink_on, legible, marker_size, pen
 from .figure import axes_or_new, legend_beside
 from .runs.phase_plane import label_phase_plane, plot_phase_plane
-from .style import BLACK, BLUE, GREY, ORANGE, SKY, state_label
+from .style import BLUE, GREY, ORANGE, SKY, state_label
 
 SHOWN_PERIODS = 3  # periods drawn of a periodic motion
 SHOWN_SECONDS = 2.0  # drawn of others
@@ -47,7 +48,7 @@ def plot_steady_state(found: Any, ax: Axes | None = None, *, name: str | None = 
     if found.kind == MotionKind.EQUILIBRIUM:
         column = run.names.index(shown)
         x, rate = run.final_state[[column, column + run.automaton.coordinates]]
-        lines = ax.plot(x, rate, "+", color=BLACK, markersize=9.0, label="equilibrium")
+        lines = ax.plot(x, rate, "+", color=ink(ax), markersize=marker_size(9.0), label="equilibrium")
         ax.set(ylim=(-1.0, 1.0))
     else:
         seconds = SHOWN_PERIODS * found.period if found.kind == MotionKind.PERIODIC else SHOWN_SECONDS
@@ -104,7 +105,7 @@ def plot_ends(ends: Any, ax: Axes | None = None, *, name: str | None = None) -> 
     check_choice("name", shown, coordinates)
     x, rate = (ends.states[:, ends.names.index(each)] for each in (shown, f"{shown}'"))
     ax = axes_or_new(ax)
-    lines = ax.plot(x, rate, ".", color=BLUE)
+    lines = ax.plot(x, rate, ".", color=legible(BLUE, ax))
     label_phase_plane(ax, shown, f"Ends of {len(x)} runs")
     return lines
 
@@ -125,8 +126,9 @@ def plot_lyapunov(found: Any, ax: Axes | None = None) -> ErrorbarContainer:
     ax = axes_or_new(ax)
     finite = np.isfinite(found.exponents)
     place = 1 + np.flatnonzero(finite)
-    bars = ax.errorbar(place, found.exponents[finite], found.standard_errors[finite], fmt="o", color=BLUE)
-    ax.axhline(0.0, color=GREY, linewidth=0.8)
+    errors = found.standard_errors[finite]
+    bars = ax.errorbar(place, found.exponents[finite], errors, fmt="o", color=legible(BLUE, ax))
+    ax.axhline(0.0, **pen(GREY, 0.8, ax))
     ax.set(xlabel="direction", ylabel="Lyapunov exponent (1/s)", xticks=place)
     return bars
 
@@ -154,7 +156,8 @@ def plot_tangent_flow(flow: Any, ax: Axes | None = None) -> QuadMesh:
     mesh = ax.pcolormesh(flow.matrix, cmap=colours, norm=norm)
     if n <= MAX_NUMBERED:
         for (i, j), entry in np.ndenumerate(flow.matrix):
-            ax.text(j + 0.5, i + 0.5, f"{entry:.2g}", ha="center", va="center", fontsize=7.0)
+            text = ax.text(j + 0.5, i + 0.5, f"{entry:.2g}", ha="center", va="center")
+            text.set(fontsize=font_size(7.0), color=ink_on(mesh.to_rgba(entry)))
     ax.set_xticks(np.arange(n) + 0.5, labels)
     ax.set_yticks(np.arange(n) + 0.5, labels)
     ax.invert_yaxis()

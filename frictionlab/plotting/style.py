@@ -1,7 +1,6 @@
-"""Colours, line styles, symbols and units of states and of parameters.
+"""Line styles, colours of modes, symbols of states and of parameters.
 
-The colours can be told apart by colour-blind readers (Okabe & Ito 2008).  States are named by their
-letters, parameters by the symbol, meaning and unit of their own metadata.
+States are named by their letters, parameters by the symbol, meaning and unit of their own metadata.
 """
 
 from __future__ import annotations
@@ -12,14 +11,28 @@ from textwrap import fill
 from types import MappingProxyType
 from typing import Any
 
+from matplotlib.axes import Axes
+
 from frictionlab.models.parameter_namespace import parameter_metadata
 from frictionlab.models.symbols import structure_of_component
+from frictionlab.presentation import ANGLE_LETTERS, is_angle
 
-BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
-BLUE, VERMILLION, PURPLE, GREY = "#0072B2", "#D55E00", "#CC79A7", "#999999"
-YELLOW = "#F0E442"
+from .appearance import (
+    BLACK,
+    BLUE,
+    GREEN,
+    GREY,
+    LINE_COLOURS,
+    ORANGE,
+    PURPLE,
+    SKY,
+    VERMILLION,
+    YELLOW,
+    cycled_style,
+    legible,
+    line_width,
+)
 
-LINE_COLOURS = (BLACK, VERMILLION, BLUE, GREEN)
 DASHED = (0, (4, 1.5))
 
 MODE_COLOURS = MappingProxyType(
@@ -32,14 +45,7 @@ MODE_COLOURS = MappingProxyType(
         "chatter": YELLOW,
     },
 )
-ANGLE_LETTERS = {"phi": r"\varphi", "theta": r"\theta", "psi": r"\psi"}  # in LaTeX; all others are lengths
-
 LEGEND_WIDTH = 36  # characters of a line in a legend
-
-
-def is_angle(name: str) -> bool:
-    """Whether a coordinate, or its rate, is an angle by its name: phi, theta, psi, phi1, phi2 ..."""
-    return name.rstrip("'").rstrip("0123456789") in ANGLE_LETTERS
 
 
 def secondary_axis_angles(names: Sequence[str]) -> tuple[str, ...]:
@@ -65,11 +71,18 @@ def mode_colours(run: Any) -> dict[str, str]:
     return {name: MODE_COLOURS.get(name, spare[place % len(spare)]) for place, name in places}
 
 
-def line_style(index: int, name: str) -> dict[str, Any]:
-    """Colour and dashes of a coordinate's line: angles are dashed, as they have a unit of their own."""
-    colour = LINE_COLOURS[index % len(LINE_COLOURS)]
+def line_style(index: int, name: str, ax: Axes | None = None) -> dict[str, Any]:
+    """Colour, width and dashes of a coordinate's line in `ax`: angles, of another unit, are dashed.
+
+    What the user has set in ``axes.prop_cycle`` takes the place of the package's colours.
+    """
+    own = cycled_style(index)
+    if own is not None:
+        usual = {"color": legible(BLACK, ax), "linestyle": "-", "linewidth": line_width()}
+        return usual | own | ({"linestyle": DASHED} if is_angle(name) else {})
+    colour = legible(LINE_COLOURS[index % len(LINE_COLOURS)], ax)
     dashed = is_angle(name) or index >= len(LINE_COLOURS)
-    return {"color": colour, "linestyle": DASHED if dashed else "-", "linewidth": 1.2}
+    return {"color": colour, "linestyle": DASHED if dashed else "-", "linewidth": line_width()}
 
 
 def state_label(name: str) -> str:
@@ -80,12 +93,6 @@ def state_label(name: str) -> str:
     letter = ANGLE_LETTERS.get(stem, stem)
     letter = rf"\dot{{{letter}}}" if name.endswith("'") else letter
     return f"${letter}_{{{index}}}$" if index else f"${letter}$"
-
-
-def state_unit(name: str) -> str:
-    """SI unit of a coordinate or of its rate."""
-    length = "rad" if is_angle(name) else "m"
-    return f"{length}/s" if name.endswith("'") else length
 
 
 def parameter_symbol(model: Any, name: str) -> str:

@@ -74,7 +74,7 @@ def _numbers(found: Any) -> np.ndarray:
 def _draw_curves(at: np.ndarray, values: np.ndarray, starts: list[str], label: str, ax: Axes) -> list[Artist]:
     lines: list[Artist] = []
     for i, start in enumerate(starts):
-        lines += ax.plot(at, values[:, i], marker=".", label=start or None, **line_style(i, ""))
+        lines += ax.plot(at, values[:, i], label=start or None, **({"marker": "."} | line_style(i, "", ax)))
     ax.set_ylabel(label)
     if len(starts) > 1:
         legend_beside(ax)

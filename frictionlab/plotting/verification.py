@@ -12,6 +12,7 @@ from frictionlab.analysis.verification.defect_warning import largest_sound_defec
 from frictionlab.analysis.verification.verify import TRUSTED_DEVIATION
 from frictionlab.hybrid.kernels.jets import MACHINE_EPSILON
 
+from .appearance import legible, marker_size
 from .figure import axes_or_new, legend_beside
 from .style import BLUE, VERMILLION
 
@@ -45,8 +46,9 @@ def plot_verification(found: Any, ax: Axes | None = None) -> list[Line2D]:
     rows |= {f"defect in mode {mode}": (size, sound) for mode, size in found.defect.items()}
     sizes, limits = np.array(list(rows.values())).T
     places = np.arange(len(rows))
-    lines = ax.plot(np.maximum(sizes, MACHINE_EPSILON), places, "o", color=BLUE, label="found")
-    limit: dict[str, Any] = {"markersize": 16.0, "markeredgewidth": 2.0, "color": VERMILLION}
+    lines = ax.plot(np.maximum(sizes, MACHINE_EPSILON), places, "o", color=legible(BLUE, ax), label="found")
+    limit: dict[str, Any] = {"markersize": marker_size(16.0), "markeredgewidth": 2.0}
+    limit["color"] = legible(VERMILLION, ax)
     lines += ax.plot(limits, places, "|", label="largest trusted", **limit)
     ax.set_yticks(places, list(rows))
     ax.set(

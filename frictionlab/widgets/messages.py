@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from frictionlab.analysis.verification.defect_warning import defect_warning
-from frictionlab.plotting.style import state_unit
+from frictionlab.presentation import state_unit
 
 
 def equilibrium_text(result: Any) -> str:

@@ -22,6 +22,7 @@ from frictionlab.analysis.steady_state.poincare_sections import sections_to_reco
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.hybrid.solve import solve
 from frictionlab.hybrid.trajectory import Trajectory
+from frictionlab.presentation import count
 
 # points on an attractor, evenly in time: those of a sinusoid are 1.6e-4 of its range apart
 ATTRACTOR_POINTS = 20_000
@@ -159,6 +160,9 @@ class Attractor:
     low: Array
     high: Array
     path: Array
+
+    def __repr__(self) -> str:
+        return f"Attractor({self.name}, {count(len(self.state), 'state')}, {count(len(self.path), 'point')})"
 
     @property
     def settled(self) -> bool:

@@ -11,6 +11,7 @@ import numpy as np
 from frictionlab.analysis.motion_scales import Array
 from frictionlab.analysis.sweeps.journal import read_journal, write_journal
 from frictionlab.drawable import Drawable
+from frictionlab.presentation import shorten
 
 from .attractors import (
     UNDECIDED,
@@ -181,4 +182,4 @@ def _fractions_text(fractions: dict[str, float], errors: dict[str, float] | None
     bounds = {
         name: "" if errors is None else f" +- {error:.2g}" for name, error in (errors or fractions).items()
     }
-    return ", ".join(f"{name} {share:.4g}{bounds[name]}" for name, share in fractions.items())
+    return shorten(f"{name} {share:.4g}{bounds[name]}" for name, share in fractions.items())

@@ -15,6 +15,7 @@ from frictionlab.drawable import Drawable
 from frictionlab.hybrid.progress import PROGRESS_DELAY
 from frictionlab.hybrid.solve import solve
 from frictionlab.models.coercion import automaton_of, check_parameter_name
+from frictionlab.presentation import shorten
 from frictionlab.validation import check_number
 
 from .driver import INTERRUPTED, MAX_POINTS, BranchHalf, follow_branch
@@ -42,6 +43,9 @@ class SpecialOrbit:
     kind: str
     value: float
     orbit: PeriodicOrbit
+
+    def __repr__(self) -> str:
+        return f"SpecialOrbit({self.kind} at {self.value:.6g}, period {self.orbit.period:.6g} s)"
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,7 +89,7 @@ class OrbitBranch(Drawable):
         return np.array([orbit.stable for orbit in self.orbits])
 
     def __repr__(self) -> str:
-        special = ", ".join(f"{s.kind} at {s.value:.6g}" for s in self.special) or "nothing special"
+        special = shorten(f"{s.kind} at {s.value:.6g}" for s in self.special) or "nothing special"
         low, high = self.values.min(), self.values.max()
         return f"OrbitBranch({self.parameter} {low:.6g} to {high:.6g}, {len(self.orbits)} orbits, {special})"
 

@@ -16,6 +16,7 @@ from frictionlab.drawable import Drawable
 from frictionlab.hybrid.solve import solve
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models.coercion import automaton_of
+from frictionlab.presentation import shorten
 from frictionlab.validation import check_number
 
 from .shooting import ShootingResult, check_motion, check_orbit, floquet_multipliers, shoot
@@ -70,7 +71,8 @@ class PeriodicOrbit(Drawable):
 
     def __repr__(self) -> str:
         kind = "stable" if self.stable else "unstable"
-        return f"PeriodicOrbit({kind}, period {self.period:.6g} s, {' > '.join(m for m, _ in self.modes)})"
+        modes = shorten((mode for mode, _ in self.modes), separator=" > ")
+        return f"PeriodicOrbit({kind}, period {self.period:.6g} s, {modes})"
 
 
 def periodic_orbit(

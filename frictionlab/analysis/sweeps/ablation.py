@@ -10,6 +10,7 @@ from typing import Any, Unpack
 from frictionlab.analysis.options import Execution, ExecutionKeywords, merge_keywords
 from frictionlab.drawable import Drawable
 from frictionlab.models.coercion import require_model
+from frictionlab.presentation import text_table
 
 from .task_runner import check_function, run_tasks
 
@@ -53,7 +54,9 @@ class Ablation(Drawable):
     def __str__(self) -> str:
         rows = [(_scene(names, len(self.switches)), str(r)) for names, r in self]
         width = max(len(name) for name, _ in rows)
-        return "\n".join(f"{name:{width}}  {result}" for name, result in rows)
+        return text_table(f"{name:{width}}  {result}" for name, result in rows)
+
+    __repr__ = __str__
 
 
 def _scene(without: tuple[str, ...], count: int) -> str:

@@ -19,13 +19,14 @@ from frictionlab.analysis.steady_state.classification import MotionKind
 from frictionlab.analysis.steady_state.steady_state import check_section, find_steady_state
 from frictionlab.analysis.sweeps.journal import Journal, read_journal, write_journal
 from frictionlab.analysis.sweeps.task_runner import deferred_interrupts, run_tasks
-from frictionlab.analysis.tables import import_optional
 from frictionlab.drawable import Drawable
 from frictionlab.hybrid.methods.base import Method
 from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.hybrid.problem import Status
 from frictionlab.models import Model
 from frictionlab.models.coercion import require_model
+from frictionlab.models.parameter_namespace import parameter_unit
+from frictionlab.presentation import count, dataframe, dataset, span, tally
 from frictionlab.validation import check_choice
 
 Array = NDArray[np.float64]
@@ -86,6 +87,12 @@ class Bifurcation(Drawable):
         """The ``SteadyState.warning`` of each value; None where there is none."""
         return tuple(self.results.get(i, {}).get("warning") for i in range(len(self.values)))
 
+    def __repr__(self) -> str:
+        found = tally(kind or "not done" for kind in self.kinds)
+        return (
+            f"Bifurcation({self.parameter} {span(self.values)}, {count(len(self.values), 'value')}: {found})"
+        )
+
     def section(self, name: str, *kinds: str) -> tuple[Array, Array]:
         """Values of the parameter and of a state at all section points, for a scatter plot.
 
@@ -115,9 +122,7 @@ class Bifurcation(Drawable):
 
     def to_dataframe(self) -> Any:
         """One row for each value, as a pandas DataFrame (needs the extra ``data``)."""
-        pd = import_optional("pandas", "to_dataframe")
-        columns = {name: self._columns()[name] for name in ("kind", "period", "onsets", "intensity")}
-        return pd.DataFrame({**columns, **self.shares}, index=pd.Index(self.values, name=self.parameter))
+        return dataframe(self._columns() | self.shares, {self.parameter: self.values}, self._units())
 
     def to_xarray(self) -> Any:
         """All of it as an xarray Dataset (needs the extra ``data``).
@@ -125,7 +130,6 @@ class Bifurcation(Drawable):
         Dimensions: the parameter; "mode" of the shares; "point" and "state" of the section points, where
         values with fewer of them than others are filled up with NaN.
         """
-        xr = import_optional("xarray", "to_xarray")
         along = self.parameter
         longest = max((len(s) for s in self.sections), default=0)
         section = np.full((len(self.values), longest, len(self.names)), np.nan)
@@ -135,7 +139,11 @@ class Bifurcation(Drawable):
         variables = {name: (along, column) for name, column in self._columns().items()}
         variables |= {"share": (("mode", along), shares), "section": ((along, "point", "state"), section)}
         coordinates = {along: self.values, "mode": list(self.shares), "state": list(self.names)}
-        return xr.Dataset(variables, coordinates)
+        return dataset(variables, coordinates, self._units())
+
+    def _units(self) -> dict[str, str]:
+        unit = parameter_unit(self.model, self.parameter)
+        return {self.parameter: unit, "period": "s", "intensity": "m^2"}
 
     def _columns(self) -> dict[str, Any]:
         columns = {"period": self.periods, "onsets": self.onsets, "intensity": self.intensities}

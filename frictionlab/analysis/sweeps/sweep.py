@@ -12,9 +12,10 @@ from numpy.typing import NDArray
 
 from frictionlab.analysis.options import Execution, ExecutionKeywords, merge_keywords
 from frictionlab.analysis.simulate import initial_state_of
-from frictionlab.analysis.tables import import_optional
 from frictionlab.drawable import Drawable
 from frictionlab.models.coercion import require_model
+from frictionlab.models.parameter_namespace import parameter_unit
+from frictionlab.presentation import count, import_optional, shorten, span
 from frictionlab.validation import check_mapping, float_array
 
 from .journal import Journal
@@ -47,6 +48,12 @@ class Sweep(Drawable):
     model: Any
     function: str
 
+    def __repr__(self) -> str:
+        axes = [f"{name} {span(values)} ({len(values)})" for name, values in self.over.items()]
+        axes += [count(len(self.x0), "initial state")] if self.x0 else []
+        left = sum(result is None for result in self.results.ravel())
+        return f"Sweep({self.function} over {shorten(axes)}{f'; {left} without result' if left else ''})"
+
     def to_array(self) -> NDArray[np.float64]:
         """The results as numbers; NaN for those that are None."""
         return np.vectorize(lambda r: np.nan if r is None else float(r), otypes=[float])(self.results)
@@ -59,7 +66,11 @@ class Sweep(Drawable):
         pd = import_optional("pandas", "to_dataframe")
         axes = {**self.over, **({"x0": self.labels()} if self.x0 else {})}
         index = pd.MultiIndex.from_product(list(axes.values()), names=list(axes))
-        return pd.DataFrame([_row(result) for result in self.results.ravel()], index=index)
+        table = pd.DataFrame([_row(result) for result in self.results.ravel()], index=index)
+        table.attrs["units"] = {
+            name: unit for name in self.over if (unit := parameter_unit(self.model, name))
+        }
+        return table
 
     def to_xarray(self) -> Any:
         """The table of :meth:`to_dataframe` as an xarray Dataset, a dimension for each parameter (needs the

@@ -17,6 +17,7 @@ from frictionlab.hybrid.methods.taylor import Taylor, is_affine
 from frictionlab.hybrid.problem import Problem, Status
 from frictionlab.hybrid.progress import Progress
 from frictionlab.hybrid.tape.program import Numbers
+from frictionlab.presentation import count, span, tally
 
 STEPS_PER_ROUND = 100_000  # steps between two updates of the progress bar, which check for ctrl-C
 CODE_OF_STATUS = {
@@ -51,6 +52,10 @@ class BatchResult(Drawable):
     events: np.ndarray
     status: tuple[Status, ...]
     names: tuple[str, ...] = ()
+
+    def __repr__(self) -> str:
+        ends = tally(status.name.lower().replace("_", " ") for status in self.status)
+        return f"BatchResult({count(len(self.t), 'run')} up to {span(self.t)} s: {ends})"
 
 
 def integrate_batch(problems: Sequence[Problem], method: Taylor, progress: Progress) -> BatchResult:

@@ -34,6 +34,7 @@ from frictionlab.hybrid.variational.tangent_jets import (
     carry_step,
     carry_steps,
 )
+from frictionlab.presentation import count
 
 # share of a vector's length that remains by rounding alone where an event removes the vector
 LOST_SHARE = 1e-12
@@ -62,6 +63,10 @@ class TangentFlow(Drawable):
     events: Events
     saltations: np.ndarray
     names: tuple[str, ...]
+
+    def __repr__(self) -> str:
+        size, events = count(len(self.matrix), "state"), count(len(self.events), "event")
+        return f"TangentFlow({size}, {events}, largest derivative {np.abs(self.matrix).max():.4g})"
 
 
 def tangent_flow(run: Trajectory, *, progress: bool = True) -> TangentFlow:

@@ -114,7 +114,7 @@ class Claims:
 
     def to_markdown(self) -> str:
         """The table as Markdown."""
-        from frictionlab.analysis.tables import markdown_table
+        from frictionlab.presentation import markdown_table
 
         lines = (" | ".join(cell.replace("|", r"\|") for cell in row.cells) for row in self.rows)
         return markdown_table(" | ".join(TABLE_HEAD), lines)

@@ -28,7 +28,8 @@ from frictionlab.plotting import (
     plot_phase_plane,
 )
 from frictionlab.plotting.figure import legend_beside
-from frictionlab.plotting.style import BLACK, BLUE, parameter_value_text, state_label, state_unit
+from frictionlab.plotting.style import BLACK, BLUE, parameter_value_text, state_label
+from frictionlab.presentation import state_unit
 
 from .paper_figure import PaperFigure
 

@@ -23,7 +23,8 @@ from frictionlab.paper import scenes, steady_states
 from frictionlab.paper.scenes import Setting
 from frictionlab.paper.steady_states import intervals_text, sweep_results
 from frictionlab.plotting import RunFigure, plot_bifurcation, plot_intensity
-from frictionlab.plotting.style import BLUE, DASHED, VERMILLION, parameter_label, state_label, state_unit
+from frictionlab.plotting.style import BLUE, DASHED, VERMILLION, parameter_label, state_label
+from frictionlab.presentation import state_unit
 from frictionlab.stability import critical_value, root_locus
 
 from .paper_figure import PaperFigure

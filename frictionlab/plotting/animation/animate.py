@@ -16,6 +16,7 @@ from matplotlib.patches import Patch
 from frictionlab.analysis.motion_scales import round_down_1_2_5
 from frictionlab.models import Model
 from frictionlab.models.mechanism import Mechanism, TiltingBelt
+from frictionlab.plotting.appearance import background, figure_size, font_size, ink, marker_size
 from frictionlab.plotting.figure import AnimatedFigure
 from frictionlab.plotting.runs.phase_plane import plot_phase_plane
 from frictionlab.plotting.runs.time_window import (
@@ -215,7 +216,8 @@ def animate(
         if value is not None:
             check_number(name, value, above=0.0)
     speed = speed or round_down_1_2_5((stop - start) / DEFAULT_DURATION)
-    figure = AnimatedFigure(figsize=(11.0, 5.6), dpi=DPI, layout="constrained") if figure is None else figure
+    size = figure_size(11.0, 5.6)
+    figure = AnimatedFigure(figsize=size, dpi=DPI, layout="constrained") if figure is None else figure
     picture = picture_of(run, mechanism, frame_times(start, stop, speed / fps), magnify)
     scene = _build_scene(run, figure, picture)
     update = frame_updater(scene, speed)
@@ -238,19 +240,24 @@ def _build_scene(run: Any, figure: Figure, picture: BeltPicture | Parts) -> Anim
     colours = mode_colours(run)
     drawn = picture.draw(left)
     plot_phase_plane(run, right, name=picture.coordinate, window=(float(picture.t[0]), float(picture.t[-1])))
-    (phase,) = right.plot([], [], "o", color=BLACK, markersize=9.0, markeredgecolor="white", zorder=5)
+    dot: dict[str, Any] = {"markersize": marker_size(9.0), "markeredgecolor": background(right)}
+    (phase,) = right.plot([], [], "o", color=ink(right), zorder=5, **dot)
     _draw_legend(figure, picture, {name: colours[name] for name in colours if name in picture.mode})
-    left.set_xlabel(picture.note, fontsize=FONT_SIZE)
+    left.set_xlabel(picture.note, fontsize=font_size(FONT_SIZE))
     # With a fixed height, as otherwise it would move with each draw.
-    title = left.set_title("", y=1.0, fontsize=FONT_SIZE + 2)
+    title = left.set_title("", y=1.0, fontsize=font_size(FONT_SIZE + 2))
     return AnimationScene(picture, colours, drawn, phase, title)
 
 
 def _draw_legend(figure: Figure, picture: BeltPicture | Parts, colours: dict[str, str]) -> None:
-    modes = [Patch(facecolor=colour, edgecolor=BLACK, label=name) for name, colour in colours.items()]
+    modes = [Patch(facecolor=colour, edgecolor=ink(), label=name) for name, colour in colours.items()]
     handles = [*modes, *picture.handles()]
     figure.legend(
-        handles=handles, loc="outside lower center", ncols=len(handles), frameon=False, fontsize=FONT_SIZE
+        handles=handles,
+        loc="outside lower center",
+        ncols=len(handles),
+        frameon=False,
+        fontsize=font_size(FONT_SIZE),
     )
 
 

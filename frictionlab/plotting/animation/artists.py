@@ -14,6 +14,16 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, Polygon, Rectangle
 from matplotlib.quiver import Quiver
 
+from frictionlab.plotting.appearance import (
+    background,
+    font_size,
+    ink,
+    is_dark,
+    legible,
+    line_width,
+    marker_size,
+    pen,
+)
 from frictionlab.plotting.runs.time_window import Array
 from frictionlab.plotting.style import BLACK, BLUE, GREY, VERMILLION
 
@@ -22,7 +32,7 @@ from .tilting_belt import Frames, Mechanism
 SPRING_TURNS = 6
 
 SPRING_WIDTH = 0.12  # of springs, as a share of the size
-BELT_COLOUR = "#F2F2F2"
+BELT_COLOUR, BELT_ON_DARK = "#F2F2F2", "#333333"
 # Name of each spring, and the place of the name beside the spring's middle, as shares of the size.
 SPRING_LABELS = {
     "k1": ("$k_1$", (0.0, -0.2)),
@@ -86,20 +96,24 @@ def draw_mechanism(ax: Axes, mechanism: Mechanism) -> dict[str, Any]:
         their places in the first frame.
     """
     _draw_walls(ax, mechanism)
-    thin: dict[str, Any] = {"color": BLACK, "linewidth": 1.0}
+    thin, edge = pen(BLACK, 1.0, ax), ink(ax)
+    belt = BELT_ON_DARK if is_dark(ax) else BELT_COLOUR
     artists: dict[str, Any] = {
-        "belt": Polygon(np.zeros((1, 2)), facecolor=BELT_COLOUR, edgecolor=BLACK, linewidth=1.8)
+        "belt": Polygon(np.zeros((1, 2)), facecolor=belt, edgecolor=edge, linewidth=line_width(1.8))
     }
     for name in ("wheel1", "wheel2"):
-        artists[name] = Circle((0.0, 0.0), 0.75 * mechanism.radius, facecolor="white", edgecolor=GREY)
-    artists["slider"] = Rectangle((0.0, 0.0), *mechanism.block, edgecolor=BLACK, linewidth=1.2, zorder=3)
+        artists[name] = Circle((0.0, 0.0), 0.75 * mechanism.radius, facecolor=background(ax), edgecolor=GREY)
+    outlined: dict[str, Any] = {"edgecolor": edge, "linewidth": line_width(1.2), "zorder": 3}
+    artists["slider"] = Rectangle((0.0, 0.0), *mechanism.block, **outlined)
     artists |= {name: Line2D([], [], solid_joinstyle="round", **thin) for name in SPRING_LABELS}
-    artists["marks"] = Line2D([], [], color=BLACK, marker="o", markersize=3.0, linestyle="none")
-    artists["foot"] = Line2D([], [], color=BLACK, marker="_", markersize=9.0, markeredgewidth=2.0)
+    dots: dict[str, Any] = {"marker": "o", "markersize": marker_size(3.0), "linestyle": "none"}
+    artists["marks"] = Line2D([], [], color=edge, **dots)
+    foot: dict[str, Any] = {"marker": "_", "markersize": marker_size(9.0), "markeredgewidth": line_width(2.0)}
+    artists["foot"] = Line2D([], [], color=edge, **foot)
     for artist in artists.values():
         ax.add_patch(artist) if not isinstance(artist, Line2D) else ax.add_line(artist)
     for name, (text, _) in SPRING_LABELS.items():
-        artists[f"{name} name"] = ax.text(0, 0, text, ha="center", va="center", fontsize=10.0)
+        artists[f"{name} name"] = ax.text(0, 0, text, ha="center", va="center", fontsize=font_size(10.0))
     x, y = mechanism.limits
     ax.set(xlim=x, ylim=y, aspect="equal", xticks=[], yticks=[])
     move_mechanism(artists, mechanism, 0)
@@ -175,7 +189,7 @@ def _draw_walls(ax: Axes, mechanism: Mechanism) -> None:
     middle = mechanism.spring + mechanism.block[1] / 2
     across = 0.12 * mechanism.size
     edges = mechanism.limits[0][0] * 0.9, mechanism.wheels[1] + mechanism.reach + mechanism.radius
-    thick: dict[str, Any] = {"color": GREY, "linewidth": 4.0, "solid_capstyle": "butt", "zorder": 0}
+    thick: dict[str, Any] = {"solid_capstyle": "butt", "zorder": 0, **pen(GREY, 4.0, ax)}
     ax.plot([left, left], [middle - span, min(middle + span, y - 2 * across)], **thick)
     ax.plot([right, right], [-mechanism.radius - span, -mechanism.radius + span], **thick)
     ax.plot(edges, [ground, ground], **thick)
@@ -198,10 +212,9 @@ def draw_force_arrows(ax: Axes, scale: float) -> Quiver:
         N per m of the picture.
     """
     options: dict[str, Any] = {"angles": "xy", "scale_units": "xy", "minlength": 0.0, "zorder": 5}
-    width: dict[str, Any] = {"units": "dots", "width": 4.0, "edgecolor": "white", "linewidth": 0.7}
-    return ax.quiver(
-        [0.0] * 3, [0.0] * 3, [0.0] * 3, [0.0] * 3, color=FORCE_COLOURS, scale=scale, **width, **options
-    )
+    width: dict[str, Any] = {"units": "dots", "width": 4.0, "edgecolor": background(ax), "linewidth": 0.7}
+    colours, zeros = [legible(colour, ax) for colour in FORCE_COLOURS], [[0.0] * 3] * 4
+    return ax.quiver(*zeros, color=colours, scale=scale, **width, **options)
 
 
 def move_force_arrows(
@@ -224,4 +237,4 @@ def force_legend_handles(frames: Frames, preload: float) -> list[Line2D]:
     sizes = np.abs(frames.normal_force).max(), np.abs(frames.friction_force).max()
     texts = [f"{name}, up to {size:.0f} N" for name, size in zip(("$F_N$", "$F_T$"), sizes)]
     texts.append(f"$F$ = {preload:.4g} N")
-    return [Line2D([], [], color=c, linewidth=3.0, label=text) for c, text in zip(FORCE_COLOURS, texts)]
+    return [Line2D([], [], label=text, **pen(c, 3.0)) for c, text in zip(FORCE_COLOURS, texts)]

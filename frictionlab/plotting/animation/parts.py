@@ -17,6 +17,7 @@ from matplotlib.patches import Patch, Polygon
 
 from frictionlab.analysis.motion_scales import round_down_1_2_5
 from frictionlab.models.mechanism import Belt, Block, Forces, Mechanism, Place, Spring, Wall
+from frictionlab.plotting.appearance import add_halo, background, ink, line_width, marker_size, pen
 from frictionlab.plotting.runs.time_window import Array, modes_at
 from frictionlab.plotting.style import BLACK, BLUE, GREY, VERMILLION
 
@@ -98,7 +99,7 @@ class Parts:
         """Legend entries of the forces."""
         colours = {letter: colour for colour, letter in FORCES.values()}
         return [
-            Line2D([], [], color=colours[name], linewidth=3.0, label=f"${name}$, up to {size:.3g} N")
+            Line2D([], [], label=f"${name}$, up to {size:.3g} N", **pen(colours[name], 3.0))
             for name, size in self.forces.items()
         ]
 
@@ -106,7 +107,7 @@ class Parts:
         """The artists of all shapes, as they are in the first frame."""
         artists: list[Any] = []
         for shape in self.shapes:
-            artists += _artists(shape)
+            artists += _artists(shape, ax)
         for artist in artists:
             ax.add_patch(artist) if isinstance(artist, Patch) else ax.add_line(artist)
         x, y = self.limits
@@ -172,14 +173,18 @@ def _arrow(x: float, y: float, dx: float, dy: float) -> Array:
     return np.array([[x, y], tip, back + side, tip, back - side]).T
 
 
-def _artists(shape: Shape) -> list[Any]:
+def _artists(shape: Shape, ax: Axes) -> list[Any]:
     if shape.kind in ("block", "disc"):
-        return [Polygon(np.zeros((1, 2)), facecolor="white", edgecolor=BLACK, linewidth=1.2, zorder=3)]
+        edge: dict[str, Any] = {"edgecolor": ink(ax), "linewidth": line_width(1.2)}
+        return [Polygon(np.zeros((1, 2)), facecolor=background(ax), zorder=3, **edge)]
     width = {"wall": 4.0, "belt": 3.0, "arrow": 3.0}.get(shape.kind, 1.0)
     order = {"wall": 0, "arrow": 5}.get(shape.kind, 2)
-    found = [Line2D([], [], color=shape.colour, linewidth=width, zorder=order, solid_joinstyle="round")]
+    found = [Line2D([], [], zorder=order, solid_joinstyle="round", **pen(shape.colour, width, ax))]
+    if shape.kind == "arrow":  # it stands on a body
+        add_halo(found[0], ax)
     if shape.kind == "belt":
-        found.append(Line2D([], [], color=BLACK, marker="o", markersize=4.0, linestyle="none"))
+        marked: dict[str, Any] = {"marker": "o", "markersize": marker_size(4.0), "linestyle": "none"}
+        found.append(Line2D([], [], color=ink(ax), **marked))
     return found
 
 

@@ -9,7 +9,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from frictionlab.plotting.figure import RunFigure
+from frictionlab.plotting.appearance import crowding, font_size, legible
+from frictionlab.plotting.figure import new_figure
 from frictionlab.plotting.style import mode_colours
 
 from .phase_plane import plot_phase_plane
@@ -50,7 +51,7 @@ def plot_run(run: Any, figure: Figure | None = None, *, window: Window = DEFAULT
     ['time (s)', '$x_{1}$ (m)', 'time (s)', 'frequency (Hz)']
     """
     check_run_with_coordinates(run)
-    figure = RunFigure(figsize=SIZE, layout="constrained") if figure is None else figure
+    figure = new_figure(*SIZE) if figure is None else figure
     panels = figure.subplots(2, 2, width_ratios=(1.5, 1))
     (displacements, phase), (forces, spectrum) = panels
     coordinates = plot_displacements(run, displacements, window=window)
@@ -59,28 +60,30 @@ def plot_run(run: Any, figure: Figure | None = None, *, window: Window = DEFAULT
     contact = draw(run, forces, window=window)
     plot_spectrum(run, spectrum)
     # An angle has its axis next to the panel; the legends stand to the right of it.
-    right = 1.17 if any(line.axes is not displacements for line in coordinates) else 1.0
+    right = 1.0 + 0.17 * crowding() if any(line.axes is not displacements for line in coordinates) else 1.0
     _legend_right_of(displacements, coordinates, right)
     _legend_right_of(forces, contact, right)
     for ax in panels.flat:
-        ax.title.set_fontsize(FONT_SIZE + 1)
+        ax.title.set_fontsize(font_size(FONT_SIZE + 1) / crowding())
     _title(figure, run)
     return figure
 
 
 def _legend_right_of(ax: Axes, lines: list[Line2D], x: float) -> None:
     """A legend of the lines to the right of the panel, where it covers nothing."""
-    ax.legend(handles=lines, loc="center left", bbox_to_anchor=(x, 0.5), frameon=False, fontsize=FONT_SIZE)
+    place: dict[str, Any] = {"loc": "center left", "bbox_to_anchor": (x, 0.5)}
+    ax.legend(handles=lines, frameon=False, fontsize=font_size(FONT_SIZE), **place)
 
 
 def _title(figure: Figure, run: Any) -> None:
     colours = mode_colours(run)
     # Modes entered for a few thousandths of the time are listed too, though too short to be visible.
     modes = [name for name, seconds in run.time_in_mode.items() if seconds > 0]
-    handles = [Patch(facecolor=colours[name], alpha=0.6, label=name) for name in modes]
+    handles = [Patch(facecolor=legible(colours[name]), alpha=0.6, label=name) for name in modes]
     what = "run" if run.source is None else repr(run.source)
     state = "" if run.status.ok else f" ({run.status.name.lower().replace('_', ' ')})"
     about = run.description.get("method", {})
     method = about.get("integrator", about.get("name", ""))
-    figure.suptitle(f"{what}, {run.raw.t:.4g} s, {method}{state}", fontsize=FONT_SIZE + 3, wrap=True)
+    size = font_size(FONT_SIZE + 3) / crowding()
+    figure.suptitle(f"{what}, {run.raw.t:.4g} s, {method}{state}", fontsize=size, wrap=True)
     figure.legend(handles=handles, loc="outside lower center", ncols=len(handles) or 1, frameon=False)

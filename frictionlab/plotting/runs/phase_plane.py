@@ -8,8 +8,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
+from frictionlab.plotting.appearance import crowding, pen
 from frictionlab.plotting.figure import axes_or_new
-from frictionlab.plotting.style import mode_colours, state_label, state_unit
+from frictionlab.plotting.style import mode_colours, state_label
+from frictionlab.presentation import state_unit
 from frictionlab.validation import check_choice
 
 from .time_window import (
@@ -56,7 +58,7 @@ def plot_phase_plane(
     shown: str = run.names[0] if name is None else name
     check_choice("name", shown, run.names[: run.automaton.coordinates])
     start, stop = window_limits(run, window)
-    ax = axes_or_new(ax, figsize=(5.0, 4.5))
+    ax = axes_or_new(ax, (5.0, 4.5))
     t = sample_times(start, stop, 12001)
     column, n = run.names.index(shown), run.automaton.coordinates
     states = run(t)[:, [column, column + n]]
@@ -65,9 +67,9 @@ def plot_phase_plane(
     for mode, colour in mode_colours(run).items():
         x, rate = _masked_states(states, here == mode)
         if not np.isnan(x).all():
-            lines += ax.plot(x, rate, color=colour, label=mode, linewidth=1.2)
+            lines += ax.plot(x, rate, label=mode, **pen(colour, ax=ax))
     label_phase_plane(ax, shown, f"Phase plane of {state_label(shown)}, {window_text(run, start, stop)}")
-    ax.locator_params(axis="x", nbins=6)  # small numbers have long labels
+    ax.locator_params(axis="x", nbins=round(6 / crowding()))  # small numbers have long labels
     return lines
 
 

@@ -9,8 +9,10 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from frictionlab.analysis.spectrum import Spectrum, amplitude_spectrum, highest_frequency
-from frictionlab.plotting.figure import axes_or_new
-from frictionlab.plotting.style import BLACK, state_label, state_unit
+from frictionlab.plotting.appearance import pen
+from frictionlab.plotting.figure import axes_or_new, set_long_title
+from frictionlab.plotting.style import BLACK, state_label
+from frictionlab.presentation import state_unit
 
 from .time_window import Array, check_run
 
@@ -72,14 +74,14 @@ def plot_amplitudes(found: Spectrum, ax: Axes | None = None) -> list[Line2D]:
     list of Line2D
     """
     ax = axes_or_new(ax)
-    lines = ax.plot(found.frequencies, found.amplitudes, color=BLACK, linewidth=1.0)
+    lines = ax.plot(found.frequencies, found.amplitudes, **pen(BLACK, 1.0, ax))
     _logarithmic(ax, found.amplitudes)
     ax.set(
         xlabel="frequency (Hz)",
         ylabel=f"amplitude of {state_label(found.name)} ({state_unit(found.name)})",
         xlim=(0.0, found.frequencies[-1]),
-        title=_title(found.name, found),
     )
+    set_long_title(ax, _title(found.name, found))
     return lines
 
 

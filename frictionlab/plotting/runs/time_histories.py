@@ -7,6 +7,7 @@ from typing import Any
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
+from frictionlab.plotting.appearance import pen
 from frictionlab.plotting.figure import axes_or_new
 from frictionlab.plotting.style import (
     BLUE,
@@ -14,12 +15,11 @@ from frictionlab.plotting.style import (
     ORANGE,
     VERMILLION,
     coordinate_axis_label,
-    is_angle,
     line_style,
     secondary_axis_angles,
     state_label,
-    state_unit,
 )
+from frictionlab.presentation import is_angle, state_unit
 
 from .time_window import DEFAULT_WINDOW, Window, check_run, label_time_axes, sample_times, window_limits
 
@@ -62,7 +62,7 @@ def plot_displacements(
     lines = []
     for i, name in enumerate(names):
         axis, text = right if name in angles else ax, f"{state_label(name)} ({state_unit(name)})"
-        lines += axis.plot(t, states[:, i], label=text, **line_style(i, name))
+        lines += axis.plot(t, states[:, i], label=text, **line_style(i, name, ax))
     label_time_axes(run, ax, (start, stop), shade, "Displacements", coordinate_axis_label(names))
     return lines
 
@@ -101,7 +101,7 @@ def plot_rates(
     names = run.names[n : 2 * n]
     for i, name in enumerate(names):
         text = f"{state_label(name)} ({state_unit(name)})"
-        lines += ax.plot(t, states[:, n + i], label=text, **line_style(i, name))
+        lines += ax.plot(t, states[:, n + i], label=text, **line_style(i, name, ax))
     label_time_axes(
         run, ax, (start, stop), shade, "Rates", "rate" if any(map(is_angle, names)) else "velocity (m/s)"
     )
@@ -163,6 +163,6 @@ def plot_contact_forces(
     t = sample_times(start, stop)
     lines = []
     for name, (text, colour) in found.items():
-        lines += ax.plot(t, run.output(name, t), label=text, color=colour, linewidth=1.2)
+        lines += ax.plot(t, run.output(name, t), label=text, **pen(colour, ax=ax))
     label_time_axes(run, ax, (start, stop), shade, "Contact forces", "contact force (N)")
     return lines

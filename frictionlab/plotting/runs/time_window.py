@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from frictionlab.analysis.motion_scales import oscillation_period
 from frictionlab.hybrid.trajectory import Trajectory
+from frictionlab.plotting.appearance import is_dark, legible
 from frictionlab.plotting.style import mode_colours
 
 Array = NDArray[np.float64]
@@ -30,6 +31,7 @@ Window = float | tuple[float, float] | Periods | None
 
 DEFAULT_WINDOW = Periods(7.5)  # 0.75 s of the slider on a belt
 SAMPLES = 4001
+SHADE, DARK_SHADE = 0.35, 0.2  # opacity of the modes behind lines, on light and on dark backgrounds
 SAMPLING_RTOL = 1e-12  # share by which rounding may keep a window from holding one more whole step
 
 
@@ -139,7 +141,8 @@ def shade_modes(run: Any, ax: Axes, window: Window = DEFAULT_WINDOW) -> list[Pol
     for mode, colour in colours.items():
         spans = _intervals_in_window(edges, [name == mode for name in names], start, stop)
         if spans:
-            options: dict[str, Any] = {"facecolors": colour, "alpha": 0.35, "linewidth": 0, "zorder": 0}
+            options: dict[str, Any] = {"facecolors": legible(colour, ax), "linewidth": 0, "zorder": 0}
+            options["alpha"] = DARK_SHADE if is_dark(ax) else SHADE
             across = ax.get_xaxis_transform()
             shades.append(ax.broken_barh(spans, (0, 1), transform=across, label=mode, **options))
     return shades

@@ -14,6 +14,7 @@ from matplotlib.lines import Line2D
 
 from frictionlab.models import Model
 from frictionlab.plotting.animation.animate import BeltPicture, picture_of
+from frictionlab.plotting.appearance import legible, pen
 from frictionlab.plotting.figure import axes_or_new, legend_beside
 from frictionlab.plotting.runs.time_window import Array
 from frictionlab.plotting.style import (
@@ -25,8 +26,8 @@ from frictionlab.plotting.style import (
     coordinate_axis_label,
     secondary_axis_angles,
     state_label,
-    state_unit,
 )
+from frictionlab.presentation import state_unit
 
 
 def plot_equilibrium(found: Any, ax: Axes | None = None) -> Sequence[Artist]:
@@ -61,7 +62,8 @@ def plot_equilibrium(found: Any, ax: Axes | None = None) -> Sequence[Artist]:
     forces = _forces(found)
     if isinstance(picture, BeltPicture):
         forces["$F$"] = picture.preload, BLACK
-    legend_beside(ax, [_handle(f"{name} = {size:.4g} N", colour) for name, (size, colour) in forces.items()])
+    entries = {f"{name} = {size:.4g} N": colour for name, (size, colour) in forces.items()}
+    legend_beside(ax, [Line2D([], [], label=text, **pen(c, 3.0, ax)) for text, c in entries.items()])
     return artists
 
 
@@ -98,17 +100,15 @@ def _forces(found: Any) -> dict[str, tuple[float, str]]:
     return {name: force for name, force in sizes.items() if np.isfinite(force[0])}
 
 
-def _handle(text: str, colour: str) -> Line2D:
-    return Line2D([], [], color=colour, linewidth=3.0, label=text)
-
-
 def _draw_bars(found: Any, ax: Axes) -> Sequence[Artist]:
     known = bool(found.model.coordinates)  # states of an automaton without coordinates may have any unit
     mixed = known and bool(secondary_axis_angles(found.names))
     units = [f" ({state_unit(name)})" if mixed else "" for name in found.names]
-    bars = ax.bar([state_label(name) + unit for name, unit in zip(found.names, units)], found.q, color=BLUE)
+    bars = ax.bar(
+        [state_label(name) + unit for name, unit in zip(found.names, units)], found.q, color=legible(BLUE, ax)
+    )
     ax.bar_label(bars, fmt="%.4g", padding=2)
-    ax.axhline(0.0, color=GREY, linewidth=0.8)
+    ax.axhline(0.0, **pen(GREY, 0.8, ax))
     label = coordinate_axis_label(found.names) if known else "state"
     ax.set(ylabel=f"{label}, angle (rad)" if mixed else label, title="Equilibrium")
     ax.margins(y=0.12)

@@ -8,17 +8,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
+from frictionlab.plotting.appearance import background, crowding, font_size, legible, marker_size, pen
 from frictionlab.plotting.bifurcation import SPECIAL_POINT_STYLES
 from frictionlab.plotting.figure import axes_or_new, legend_beside
-from frictionlab.plotting.style import (
-    BLACK,
-    BLUE,
-    DASHED,
-    parameter_label,
-    parameter_value_text,
-    state_label,
-    state_unit,
-)
+from frictionlab.plotting.style import BLACK, BLUE, DASHED, parameter_label, parameter_value_text, state_label
+from frictionlab.presentation import state_unit
 from frictionlab.validation import check_choice
 
 EDGE_GROWTH = 0.01  # growth in a radian, at the picture's edges: the vibration of the normal form is small
@@ -65,7 +59,8 @@ def plot_hopf(point: Any, ax: Axes | None = None, *, name: str | None = None) ->
     lines = _draw_equilibrium(point, ax, distance) + _draw_vibration(point, ax, distance, shown)
     colour, marker = SPECIAL_POINT_STYLES["Hopf"]
     text = f"Hopf point, {parameter_value_text(point.model, point.parameter, point.value)}"
-    lines += ax.plot(point.value, 0.0, marker, color=colour, markersize=10.0, linestyle="none", label=text)
+    style: dict[str, Any] = {"color": legible(colour, ax), "markersize": marker_size(10.0)}
+    lines += ax.plot(point.value, 0.0, marker, linestyle="none", label=text, **style)
     # On the left, as on the right there may be an offset of the numbers.
     ax.set_xlabel(parameter_label(point.model, point.parameter), loc="left")
     # States of an automaton without coordinates may have any unit.
@@ -75,7 +70,8 @@ def plot_hopf(point: Any, ax: Axes | None = None, *, name: str | None = None) ->
         title=f"{point.criticality.capitalize()} Hopf point at {point.frequency:.4g} Hz",
     )
     ax.margins(x=0)
-    ax.locator_params(axis="x", nbins=5)  # the numbers are long near a critical value
+    ax.locator_params(axis="x", nbins=round(5 / crowding()))  # the numbers are long near a critical value
+    ax.xaxis.labelpad += font_size(12.0) if crowding() > 1.0 else 0.0  # else it meets the offset
     legend_beside(ax, list({str(line.get_label()): line for line in lines}.values()))
     return lines
 
@@ -95,7 +91,7 @@ def _draw_equilibrium(point: Any, ax: Axes, distance: float) -> list[Line2D]:
     for edge, growing in zip((-distance, distance), point.change.unstable):
         text, linestyle = _stability_style(not growing)
         ends = sorted((point.value, point.value + edge))
-        style: dict[str, Any] = {"color": BLACK, "linestyle": linestyle, "linewidth": 1.4}
+        style: dict[str, Any] = {"linestyle": linestyle, **pen(BLACK, 1.4, ax)}
         lines += ax.plot(ends, [0.0, 0.0], label=f"{text} equilibrium", **style)
     return lines
 
@@ -110,13 +106,13 @@ def _draw_vibration(point: Any, ax: Axes, distance: float, name: str) -> list[Li
     text, linestyle = _stability_style(
         point.criticality == "supercritical" and not min(point.change.unstable)
     )
-    style: dict[str, Any] = {"color": BLUE, "linestyle": linestyle, "linewidth": 1.4}
+    style: dict[str, Any] = {"linestyle": linestyle, **pen(BLUE, 1.4, ax)}
     lines = ax.plot(values[drawn], amplitudes[drawn], label=f"{text} vibration", **style)
     if distance == abs(point.valid_until - point.value):
         end = int(np.nanargmax(amplitudes))
         hollow: dict[str, Any] = {
-            "color": BLUE,
-            "markerfacecolor": "white",
+            "color": legible(BLUE, ax),
+            "markerfacecolor": background(ax),
             "linestyle": "none",
             "clip_on": False,
         }

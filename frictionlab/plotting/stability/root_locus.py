@@ -11,13 +11,13 @@ from matplotlib.collections import LineCollection
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
+from frictionlab.plotting.appearance import ink, line_width, marker_size, pen
 from frictionlab.plotting.figure import axes_or_new, legend_beside
-from frictionlab.plotting.style import BLACK, GREY, line_style, parameter_label, parameter_value_text
+from frictionlab.plotting.style import GREY, line_style, parameter_label, parameter_value_text
 
 Array = NDArray[np.float64]
-LINE_WIDTH, GROWING_LINE_WIDTH = 1.2, 3.2
+GROWING_LINE_WIDTH = 3.2
 GROWING_LABEL = "heavy: the mode grows"
-ZERO_LINE: dict[str, Any] = {"color": GREY, "linewidth": 0.8, "zorder": 1}
 
 LOCUS_COLOUR_MAP = "viridis"
 
@@ -87,7 +87,7 @@ def plot_growth_rates(
     """
     ax = axes_or_new(ax)
     lines = _draw_modes(locus, ax, locus.growth_rates, modes, label, color, linestyle)
-    ax.axhline(0.0, **ZERO_LINE)
+    ax.axhline(0.0, zorder=1, **pen(GREY, 0.8, ax))
     return _label_locus_axes(locus, ax, lines, "growth rate (1/s)", legend)
 
 
@@ -112,13 +112,15 @@ def _draw_modes(
     chosen = select_modes(locus, modes)
     lines, heavy = [], []
     for i, mode in enumerate(chosen):
-        own = line_style(mode, "")
+        own = line_style(mode, "", ax)
         style = {"color": color or own["color"], "linestyle": linestyle or own["linestyle"]}
         name = f"mode {mode}" if label is None else (label if i == 0 else f"_{label}")
-        lines += ax.plot(locus.at, values[:, mode], label=name, linewidth=LINE_WIDTH, **style)
+        lines += ax.plot(locus.at, values[:, mode], label=name, linewidth=line_width(), **style)
         growing = np.where(locus.growth_rates[:, mode] > 0, values[:, mode], np.nan)
         if np.isfinite(growing).any():
-            heavy += ax.plot(locus.at, growing, label="_grows", linewidth=GROWING_LINE_WIDTH, **style)
+            heavy += ax.plot(
+                locus.at, growing, label="_grows", linewidth=line_width(GROWING_LINE_WIDTH), **style
+            )
     return lines + heavy
 
 
@@ -127,17 +129,17 @@ def _label_locus_axes(locus: Any, ax: Axes, lines: list[Line2D], ylabel: str, le
     ax.margins(x=0)
     if legend:
         heavy = (
-            [growing_legend_handle()]
-            if any(line.get_linewidth() == GROWING_LINE_WIDTH for line in ax.lines)
+            [growing_legend_handle(ax)]
+            if any(line.get_linewidth() == line_width(GROWING_LINE_WIDTH) for line in ax.lines)
             else []
         )
         legend_beside(ax, ax.get_legend_handles_labels()[0] + heavy)
     return lines
 
 
-def growing_legend_handle() -> Line2D:
+def growing_legend_handle(ax: Axes | None = None) -> Line2D:
     """The heavy line's entry in a legend."""
-    return Line2D([], [], color=GREY, linewidth=GROWING_LINE_WIDTH, label=GROWING_LABEL)
+    return Line2D([], [], label=GROWING_LABEL, **pen(GREY, GROWING_LINE_WIDTH, ax))
 
 
 def plot_root_locus(
@@ -167,7 +169,7 @@ def plot_root_locus(
     """
     ax = axes_or_new(ax)
     chosen = select_modes(locus, modes)
-    ax.axvline(0.0, **ZERO_LINE)
+    ax.axvline(0.0, zorder=1, **pen(GREY, 0.8, ax))
     curves = [_draw_coloured_curve(locus, ax, mode) for mode in chosen]
     ax.autoscale_view()
     ax.set(xlabel="growth rate (1/s)", ylabel="angular frequency (rad/s)")
@@ -193,12 +195,12 @@ def plot_eigenvalues(found: Any, ax: Axes | None = None) -> list[Line2D]:
         The points of those that do not grow, then of those that do, where there are such.
     """
     ax = axes_or_new(ax)
-    ax.axvline(0.0, **ZERO_LINE)
+    ax.axvline(0.0, zorder=1, **pen(GREY, 0.8, ax))
     upper = found.values[found.values.imag >= 0]
     lines = []
     for chosen, marker, label in (upper.real <= 0, "o", "decays or lasts"), (upper.real > 0, "^", "grows"):
         if chosen.any():
-            lines += ax.plot(upper.real[chosen], upper.imag[chosen], marker, color=BLACK, label=label)
+            lines += ax.plot(upper.real[chosen], upper.imag[chosen], marker, color=ink(ax), label=label)
     ax.set(xlabel="growth rate (1/s)", ylabel="angular frequency (rad/s)")
     legend_beside(ax, lines)
     return lines
@@ -211,7 +213,9 @@ def _mark_end_values(locus: Any, ax: Axes, modes: list[int]) -> None:
             locus.values[row, modes],
             parameter_value_text(locus.model, locus.parameter, locus.at[row]),
         )
-        ax.plot(ends.real, ends.imag, marker, color=BLACK, markersize=5, zorder=3, label=name)
+        ax.plot(
+            ends.real, ends.imag, marker, color=ink(ax), markersize=marker_size(5.0), zorder=3, label=name
+        )
     ax.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, frameon=False)
 
 
@@ -219,7 +223,9 @@ def _draw_coloured_curve(locus: Any, ax: Axes, mode: int) -> LineCollection:
     points = np.column_stack([locus.values[:, mode].real, locus.values[:, mode].imag])
     pieces = np.stack([points[:-1], points[1:]], axis=1)
     known = np.isfinite(pieces).all(axis=(1, 2))
-    curve = LineCollection(list(pieces[known]), cmap=LOCUS_COLOUR_MAP, linewidth=2.0, capstyle="round")
+    curve = LineCollection(
+        list(pieces[known]), cmap=LOCUS_COLOUR_MAP, linewidth=line_width(2.0), capstyle="round"
+    )
     curve.set_array(0.5 * (locus.at[:-1] + locus.at[1:])[known])
     curve.set_clim(float(locus.at.min()), float(locus.at.max()))
     ax.add_collection(curve)

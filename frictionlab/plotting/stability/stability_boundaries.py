@@ -13,7 +13,8 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
-from frictionlab.plotting.figure import axes_or_new, legend_beside
+from frictionlab.plotting.appearance import add_halo, background, is_dark, pen
+from frictionlab.plotting.figure import axes_or_new, legend_beside, wrap_label
 from frictionlab.plotting.style import (
     BLACK,
     DASHED,
@@ -26,10 +27,11 @@ from frictionlab.plotting.style import (
     parameter_label,
 )
 
-STABLE_COLOUR = "#F2F2F2"
+STABLE_COLOUR, STABLE_ON_DARK = "#F2F2F2", "#333333"
 COUNT_COLOURS = (STABLE_COLOUR, SKY, ORANGE, VERMILLION)  # none, one, two, more
 DOTTED = (0, (1, 1.5))
 HATCH = "////"
+LABEL_LENGTH = 45  # letters along the height of a figure
 
 
 def plot_critical(
@@ -72,9 +74,9 @@ def plot_critical(
     ax = axes_or_new(ax)
     lines = []
     for i, (curve, label) in enumerate(zip(curves, labels)):
-        lines += ax.plot(curve.at, curve.values, label=label, **line_style(i, ""))
+        lines += ax.plot(curve.at, curve.values, label=label, **line_style(i, "", ax))
     first = curves[0]
-    ylabel = f"critical {parameter_label(first.model, first.parameter)}"
+    ylabel = wrap_label(f"critical {parameter_label(first.model, first.parameter)}", LABEL_LENGTH)
     ax.set(xlabel=parameter_label(first.model, first.over), ylabel=ylabel)
     ax.margins(x=0)
     if legend and len(curves) > 1:
@@ -124,22 +126,26 @@ def plot_stability_map(plane: Any, ax: Axes | None = None, *, legend: bool = Tru
         divergence gives two.
     """
     ax = axes_or_new(ax)
-    ax.patch.set(facecolor="white", edgecolor=GREY, hatch=HATCH)  # seen where the mesh has no colour
+    ax.patch.set(facecolor=background(ax), edgecolor=GREY, hatch=HATCH)  # seen where the mesh has no colour
     artists = MapArtists(_draw_mesh(plane, ax), _draw_boundary(plane, ax))
     ax.set(xlabel=parameter_label(plane.model, plane.x), ylabel=parameter_label(plane.model, plane.y))
     ax.set(xlim=(plane.x_values[0], plane.x_values[-1]), ylim=(plane.y_values[0], plane.y_values[-1]))
     if legend:
-        legend_beside(ax, _map_legend_handles(plane, artists.boundary))
+        legend_beside(ax, _map_legend_handles(plane, artists.boundary, ax))
     return artists
 
 
 def _draw_mesh(plane: Any, ax: Axes) -> QuadMesh:
     counts = np.ma.masked_less(np.minimum(plane.unstable, len(COUNT_COLOURS) - 1), 0)
     norm = BoundaryNorm(np.arange(len(COUNT_COLOURS) + 1) - 0.5, len(COUNT_COLOURS))
-    colours = ListedColormap(list(COUNT_COLOURS))
+    colours = ListedColormap(_count_colours(ax))
     return ax.pcolormesh(
         plane.x_values, plane.y_values, counts, cmap=colours, norm=norm, shading="nearest", rasterized=True
     )
+
+
+def _count_colours(ax: Axes) -> list[str]:
+    return [STABLE_ON_DARK if is_dark(ax) else STABLE_COLOUR, *COUNT_COLOURS[1:]]
 
 
 def _draw_boundary(plane: Any, ax: Axes) -> list[Line2D]:
@@ -148,7 +154,8 @@ def _draw_boundary(plane: Any, ax: Axes) -> list[Line2D]:
         for name, (linestyle, chosen) in _boundary_kinds(np.asarray(curve.frequencies)).items():
             if chosen.any():
                 x, y = np.where(chosen[:, None], curve.points, np.nan).T
-                lines += ax.plot(x, y, color=BLACK, linewidth=1.4, linestyle=linestyle, label=name)
+                lines += ax.plot(x, y, linestyle=linestyle, label=name, **pen(BLACK, 1.4, ax))
+                add_halo(lines[-1], ax)
     return lines
 
 
@@ -160,10 +167,11 @@ def _boundary_kinds(frequencies: NDArray[np.float64]) -> dict[str, tuple[Any, ND
     }
 
 
-def _map_legend_handles(plane: Any, boundary: list[Line2D]) -> list[Any]:
+def _map_legend_handles(plane: Any, boundary: list[Line2D], ax: Axes) -> list[Any]:
     shown = np.unique(np.minimum(plane.unstable, len(COUNT_COLOURS) - 1))
     names = ("stable", "1 mode grows", "2 modes grow", "3 modes or more grow")
-    patches = [Patch(facecolor=COUNT_COLOURS[i], edgecolor=GREY, label=names[i]) for i in shown if i >= 0]
+    colours = _count_colours(ax)
+    patches = [Patch(facecolor=colours[i], edgecolor=GREY, label=names[i]) for i in shown if i >= 0]
     if shown[0] < 0:
-        patches.append(Patch(facecolor="white", edgecolor=GREY, hatch=HATCH, label="no equilibrium"))
+        patches.append(Patch(facecolor=background(ax), edgecolor=GREY, hatch=HATCH, label="no equilibrium"))
     return patches + list({str(line.get_label()): line for line in boundary}.values())

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize.elementwise import find_root
 
+from frictionlab.presentation import count, span
 from frictionlab.stability.boundaries.stability_changes import FOLD_RATE_AT_ROOT
 from frictionlab.stability.equilibrium_problem import EquilibriumProblem
 from frictionlab.stability.state_matrices import growth_rates, unstable_pairs
@@ -181,6 +182,11 @@ class Boundary:
     points: Array
     frequencies: Array
     unstable: tuple[int, int]
+
+    def __repr__(self) -> str:
+        low, high = self.unstable
+        where = f"{count(len(self.points), 'point')} at {span(self.frequencies)} Hz"
+        return f"Boundary({where}, between {low} and {count(high, 'growing pair')})"
 
 
 def boundary_curves(

@@ -115,6 +115,10 @@ class HopfPoint(Drawable):
         rate = self.cubic.real / self.slope.real
         return float(self.value - rate * self.reach**2) if rate else float("nan")
 
+    def __repr__(self) -> str:
+        where = f"{self.criticality} at {self.parameter} = {self.value:.6g}, {self.frequency:.4g} Hz"
+        return f"HopfPoint({where}, {self.change.direction} of stability, valid until {self.valid_until:.6g})"
+
     def amplitude(self, value: Any) -> Array:
         """Amplitudes of the coordinates on the cycle near the critical value, to leading order.
 

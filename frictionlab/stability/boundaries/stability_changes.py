@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from scipy.optimize.elementwise import find_root
 
 from frictionlab.drawable import Drawable
+from frictionlab.presentation import count, span
 from frictionlab.stability.equilibrium_points.equilibria import Equilibrium, equilibrium_problem
 from frictionlab.stability.equilibrium_problem import EquilibriumProblem, check_bounds, check_parameter
 from frictionlab.stability.state_matrices import NEUTRAL_RTOL, growth_rates, unstable_pairs
@@ -149,6 +150,11 @@ class CriticalCurve(Drawable):
     over: str
     at: Array
     values: Array
+
+    def __repr__(self) -> str:
+        found = f"{self.parameter} {span(self.values)} over {self.over} {span(self.at)}"
+        none = int(np.isnan(self.values).sum())
+        return f"CriticalCurve({found}, {count(len(self.at), 'value')}{f', {none} without' if none else ''})"
 
 
 def critical_curve(model: Any, parameter: str, bounds: Any, *, over: tuple[str, Any]) -> CriticalCurve:

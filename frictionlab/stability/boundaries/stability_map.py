@@ -9,6 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionlab.drawable import Drawable
+from frictionlab.models.parameter_namespace import parameter_unit
+from frictionlab.presentation import count, dataframe, dataset, span
 from frictionlab.stability.equilibrium_points.equilibria import equilibrium_problem
 from frictionlab.stability.equilibrium_problem import EquilibriumProblem, check_parameter
 from frictionlab.stability.state_matrices import unstable_pairs
@@ -49,6 +51,30 @@ class StabilityMap(Drawable):
     unstable: NDArray[np.int_]
     growth: Array
     boundary: tuple[Boundary, ...]
+
+    def to_dataframe(self) -> Any:
+        """One row for each point of the grid, as a pandas DataFrame (needs the extra ``data``)."""
+        columns = {"unstable": self.unstable.ravel(), "growth": self.growth.ravel()}
+        up, across = np.meshgrid(self.y_values, self.x_values, indexing="ij")
+        return dataframe(columns, {self.y: up.ravel(), self.x: across.ravel()}, self._units())
+
+    def to_xarray(self) -> Any:
+        """The grid as an xarray Dataset (needs the extra ``data``), with the parameters as dimensions."""
+        plane = (self.y, self.x)
+        variables = {"unstable": (plane, self.unstable), "growth": (plane, self.growth)}
+        return dataset(variables, {self.y: self.y_values, self.x: self.x_values}, self._units())
+
+    def _units(self) -> dict[str, str]:
+        return {name: parameter_unit(self.model, name) for name in (self.x, self.y)} | {"growth": "1/s"}
+
+    def __repr__(self) -> str:
+        axes = ", ".join(
+            f"{name} {span(values)} in {count(len(values), 'value')}"
+            for name, values in ((self.x, self.x_values), (self.y, self.y_values))
+        )
+        stable = f"stable at {int((self.unstable == 0).sum())} of {self.unstable.size}"
+        curves = f"{len(self.boundary)} boundary curve{'' if len(self.boundary) == 1 else 's'}"
+        return f"StabilityMap({axes}; {stable}, {curves})"
 
 
 def stability_map(

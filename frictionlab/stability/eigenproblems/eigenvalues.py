@@ -9,11 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionlab.drawable import Drawable
+from frictionlab.presentation import dataframe, dataset, shorten
 from frictionlab.stability.equilibrium_points.equilibria import Equilibrium, equilibrium, equilibrium_problem
 from frictionlab.stability.equilibrium_points.static_equations import by_penetration, sliding_equations
 from frictionlab.stability.state_matrices import is_neutral
 
 Array = NDArray[np.float64]
+UNITS = {"growth_rate": "1/s", "frequency": "Hz"}  # in tables
 ComplexArray = NDArray[np.complex128]
 
 
@@ -69,10 +71,30 @@ class Eigenvalues(Drawable):
         left: Any = np.linalg.inv(self.vectors)
         return participation_factors(left, self.vectors, len(self.equilibrium.q))
 
+    def to_dataframe(self) -> Any:
+        """One row for each eigenvalue, as a pandas DataFrame (needs the extra ``data``).
+
+        Columns: growth rate, frequency, and the share of each coordinate, as "participation of x1".
+        """
+        shares = zip(self.equilibrium.names, self.participation)
+        columns = {"growth_rate": self.growth_rates, "frequency": self.frequencies}
+        columns |= {f"participation of {name}": share for name, share in shares}
+        return dataframe(columns, {"eigenvalue": np.arange(len(self.values))}, UNITS)
+
+    def to_xarray(self) -> Any:
+        """Growth rates, frequencies, participation and mode shapes as an xarray Dataset (needs the extra
+        ``data``), with the dimensions "eigenvalue" and "coordinate"."""
+        one, both, shapes = "eigenvalue", ("coordinate", "eigenvalue"), self.shapes
+        variables = {"growth_rate": (one, self.growth_rates), "frequency": (one, self.frequencies)}
+        variables |= {"participation": (both, self.participation)}
+        variables |= {"shape_real": (both, shapes.real), "shape_imag": (both, shapes.imag)}
+        names = {"coordinate": list(self.equilibrium.names)}
+        return dataset(variables, names, UNITS)
+
     def __repr__(self) -> str:
         upper = self.values[self.values.imag >= 0]  # one of each conjugate pair
         rates = (f"{v.real:+.3g}" if v.real else "0" for v in upper)
-        modes = ", ".join(f"{rate}/s at {v.imag / (2 * np.pi):.4g} Hz" for rate, v in zip(rates, upper))
+        modes = shorten(f"{rate}/s at {v.imag / (2 * np.pi):.4g} Hz" for rate, v in zip(rates, upper))
         kind = "stable" if self.stable else "marginal" if self.marginal else "unstable"
         return f"Eigenvalues({kind}: {modes})"
 

@@ -9,10 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionlab.drawable import Drawable
+from frictionlab.models.parameter_namespace import parameter_unit
+from frictionlab.presentation import count, dataframe, dataset, span
 from frictionlab.stability.equilibrium_points.equilibria import equilibrium_problem
 from frictionlab.stability.equilibrium_problem import EquilibriumProblem, check_path
 
-from .eigenvalues import mode_shapes, participation_factors
+from .eigenvalues import UNITS, mode_shapes, participation_factors
 from .mode_tracking import Modes, modes_of_matrices, track_modes
 
 Array = NDArray[np.float64]
@@ -61,6 +63,41 @@ class RootLocus(Drawable):
     def growth_rates(self) -> Array:
         """Real parts, 1/s, (N, n)."""
         return self.values.real
+
+    def to_dataframe(self) -> Any:
+        """One row for each value of the parameter and each mode, as a pandas DataFrame (needs the extra
+        ``data``).
+
+        Columns: growth rate, frequency, and the share of each coordinate, as "participation of x1".
+        """
+        n, modes = self.values.shape
+        columns = {"growth_rate": self.growth_rates.ravel(), "frequency": self.frequencies.ravel()}
+        for i, name in enumerate(self.coordinates):
+            columns[f"participation of {name}"] = self.participation[:, i].ravel()
+        index = {self.parameter: np.repeat(self.at, modes), "mode": np.tile(np.arange(modes), n)}
+        return dataframe(columns, index, UNITS | self._parameter_unit())
+
+    def to_xarray(self) -> Any:
+        """All of it as an xarray Dataset (needs the extra ``data``), with the parameter, "mode" and
+        "coordinate" as dimensions."""
+        two = (self.parameter, "mode")
+        three, shapes = (self.parameter, "coordinate", "mode"), self.shapes
+        variables = {"growth_rate": (two, self.growth_rates), "frequency": (two, self.frequencies)}
+        variables |= {
+            "unstable": (self.parameter, self.unstable),
+            "participation": (three, self.participation),
+        }
+        variables |= {"shape_real": (three, shapes.real), "shape_imag": (three, shapes.imag)}
+        coordinates = {self.parameter: self.at, "coordinate": list(self.coordinates)}
+        return dataset(variables, coordinates, UNITS | self._parameter_unit())
+
+    def _parameter_unit(self) -> dict[str, str]:
+        return {self.parameter: parameter_unit(self.model, self.parameter)}
+
+    def __repr__(self) -> str:
+        path = f"{self.parameter} {span(self.at)} in {count(len(self.at), 'value')}"
+        growing = f"at most {count(int(self.unstable.max()), 'pair')} of eigenvalues growing"
+        return f"RootLocus({path}, {count(self.values.shape[1], 'mode')}, {growing})"
 
 
 def root_locus(model: Any, parameter: str, values: Any) -> RootLocus:

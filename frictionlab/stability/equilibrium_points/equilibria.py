@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from frictionlab.drawable import Drawable
 from frictionlab.models import Model
 from frictionlab.models.coercion import automaton_of
+from frictionlab.presentation import shorten, state_unit
 from frictionlab.stability.equilibrium_points.automaton_equilibria import (
     first_mode_equilibria,
     nearest_equilibrium_problem,
@@ -151,6 +152,14 @@ class Equilibrium(Drawable):
     residual: float
     model: Any
     names: tuple[str, ...]
+
+    def __repr__(self) -> str:
+        known = bool(self.model.coordinates)  # states of an automaton without coordinates may have any unit
+        units = {name: f" {state_unit(name)}" if known else "" for name in self.names}
+        places = shorten(f"{name} {q:.4g}{units[name]}" for name, q in zip(self.names, self.q))
+        forces = {"F_N": self.normal_force, "F_T": self.friction_force}
+        shown = "".join(f", {name} {force:.4g} N" for name, force in forces.items() if np.isfinite(force))
+        return f"Equilibrium({places}{shown})"
 
 
 def equilibria(model: Any) -> tuple[Equilibrium, ...]:

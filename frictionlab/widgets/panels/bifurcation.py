@@ -27,7 +27,8 @@ from frictionlab.models.parameter_namespace import parameter_metadata
 from frictionlab.models.symbols import structure_of_component
 from frictionlab.plotting.bifurcation import EARLY_END_HEIGHT, MOTION_STYLES
 from frictionlab.plotting.drawing import Curve, Drawing
-from frictionlab.plotting.style import GREY, parameter_label, state_label, state_unit
+from frictionlab.plotting.style import GREY, parameter_label, state_label
+from frictionlab.presentation import state_unit
 from frictionlab.widgets.controls.sliders import (
     READOUT_FORMAT,
     label_control,

@@ -25,14 +25,13 @@ from frictionlab.plotting.style import (
     GREY,
     VERMILLION,
     coordinate_axis_label,
-    is_angle,
     line_style,
     mode_colours,
     parameter_label,
     secondary_axis_angles,
     state_label,
-    state_unit,
 )
+from frictionlab.presentation import is_angle, state_unit
 from frictionlab.stability import CriticalCurve, critical_curve
 from frictionlab.validation import did_you_mean
 from frictionlab.widgets.controls.sliders import round_to_step, slider_range

@@ -56,7 +56,7 @@ def test_energy_is_balanced_at_the_end_as_at_the_start(whole):
     """Over ten seconds; found are 1e-13 of the energy turned over, at both ends."""
     scene, run = whole
     for begin in (0.0, END - WINDOW):
-        mode = str(run.modes_at(begin)[0])
+        mode = str(run.modes_at(begin))
         missing, turned_over = residual(MODELS[scene], WINDOW, run(begin), mode)
         assert abs(missing) < 3e-12 * turned_over
 

@@ -1,0 +1,244 @@
+"""How pictures look: `fl.style`, and what follows from matplotlib's settings that the user has changed.
+
+Without a style and with matplotlib's own settings pictures have the package's colours on white.  A line's
+width, the sizes of texts, markers and figures, and the colours of lines follow ``matplotlib.rcParams`` where
+they were changed.  On a dark background a colour that could not be seen is replaced by one that can:
+`legible`.  Colours that mean something, as those of modes, are otherwise the same everywhere.
+"""
+
+from __future__ import annotations
+
+from types import TracebackType
+from typing import Any
+
+import numpy as np
+from cycler import cycler
+from matplotlib import rcParams, rcParamsDefault
+from matplotlib.axes import Axes
+from matplotlib.colors import to_hex, to_rgb, to_rgba
+from matplotlib.patheffects import Normal, Stroke
+
+from frictionlab.validation import check_choice
+
+# Okabe & Ito 2008: colours that colour-blind readers can tell apart
+BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
+BLUE, VERMILLION, PURPLE, GREY = "#0072B2", "#D55E00", "#CC79A7", "#999999"
+YELLOW, WHITE = "#F0E442", "#FFFFFF"
+
+LINE_COLOURS = (BLACK, VERMILLION, BLUE, GREEN)
+LINE_WIDTH = 1.2  # points
+PANEL_SIZE = 7.0, 4.0  # inches of a figure with one panel
+
+MIN_CONTRAST = 4.5  # ratio of luminances that WCAG 2 asks for between a text and its background
+LIGHT_LUMINANCE = 0.18  # of a background: above, black is seen better than white
+MIX_STEPS = 50  # shades tried between a colour and white
+HALO_WIDTH = 2.0  # points on both sides of a line together
+
+DARK, PALE = "#111111", "#E8E8E8"  # background and ink of the style "dark"
+_INK_KEYS = "text.color axes.edgecolor axes.labelcolor xtick.color ytick.color patch.edgecolor hatch.color"
+_PAPER_KEYS = "figure.facecolor figure.edgecolor axes.facecolor"
+
+
+def _cycle(ink: str) -> Any:
+    """Colours of lines that a user draws beside ours."""
+    return cycler(color=[ink, VERMILLION, BLUE if ink == BLACK else SKY, GREEN, ORANGE, PURPLE])
+
+
+_SCREEN: dict[str, Any] = {"axes.prop_cycle": _cycle(BLACK)}
+STYLES: dict[str, dict[str, Any]] = {
+    "screen": _SCREEN,
+    # seen from the last row: few inches, large letters
+    "projector": _SCREEN
+    | {
+        "figure.figsize": (8.0, 4.5),
+        "font.size": 15.0,
+        "lines.linewidth": 2.4,
+        "lines.markersize": 9.0,
+        "axes.linewidth": 1.4,
+        "xtick.major.width": 1.4,
+        "ytick.major.width": 1.4,
+    },
+    # four panels are as wide as a page of two columns, 7.2 inches
+    "paper": _SCREEN
+    | {
+        "figure.figsize": (4.2, 2.4),
+        "font.size": 7.5,
+        "lines.linewidth": 1.0,
+        "lines.markersize": 4.0,
+        "axes.linewidth": 0.6,
+        "xtick.major.width": 0.6,
+        "ytick.major.width": 0.6,
+        "savefig.dpi": 300.0,
+        "pdf.fonttype": 42,  # letters as letters, which journals ask for
+    },
+    "dark": {
+        "axes.prop_cycle": _cycle(PALE),
+        "lines.color": PALE,
+        "grid.color": "#666666",
+        **dict.fromkeys(_INK_KEYS.split(), PALE),
+        **dict.fromkeys(_PAPER_KEYS.split(), DARK),
+    },
+}
+_KEYS = sorted({key for settings in STYLES.values() for key in settings})
+_CYCLES = [rcParamsDefault["axes.prop_cycle"], *(settings["axes.prop_cycle"] for settings in STYLES.values())]
+
+
+class AppliedStyle:
+    """A style in use; at the end of a ``with`` block the settings are again what they were before."""
+
+    def __init__(self, before: dict[str, Any]) -> None:
+        self._before = before
+
+    def __enter__(self) -> AppliedStyle:
+        return self
+
+    def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        rcParams.update(self._before)
+
+
+def style(name: str) -> AppliedStyle:
+    """Draw pictures in a style, from now on or within a ``with`` block.
+
+    A style is a set of matplotlib's settings, so that what you draw beside has it too, and what you set
+    afterwards in ``matplotlib.rcParams`` prevails.
+
+    Parameters
+    ----------
+    name : "screen", "projector", "paper" or "dark"
+        "screen": black on white, as without a style.  "projector": large letters and heavy lines.  "paper":
+        small figures, for print.  "dark": light on almost black.
+
+    Returns
+    -------
+    AppliedStyle
+        For ``with``.
+
+    Raises
+    ------
+    ValueError
+        For another name.
+
+    Examples
+    --------
+    >>> import frictionlab as fl
+    >>> found = fl.eigenvalues(fl.SliderOnBelt(mu_k=1.4))
+    >>> with fl.style("projector"):
+    ...     ax = found.plot()
+    >>> ax.figure.get_size_inches().tolist()
+    [8.0, 4.5]
+    """
+    check_choice("name", name, tuple(STYLES))
+    before = {key: rcParams[key] for key in _KEYS}
+    rcParams.update({key: STYLES[name].get(key, rcParamsDefault[key]) for key in _KEYS})
+    return AppliedStyle(before)
+
+
+def background(ax: Axes | None = None) -> str:
+    """The colour on which lines in `ax` are seen, in hexadecimal; without axes that of new ones."""
+    if ax is None:
+        layers = rcParams["axes.facecolor"], rcParams["figure.facecolor"]
+    else:
+        patches = ax.patch, ax.get_figure(root=True).patch
+        layers = tuple(patch.get_facecolor() for patch in patches if patch.get_visible())  # no twin's
+    return next((to_hex(layer) for layer in layers if to_rgba(layer)[3] > 0.5), WHITE)
+
+
+def luminance(colour: Any) -> float:
+    """Relative luminance of WCAG 2, 0 for black and 1 for white."""
+    linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in to_rgb(colour)]
+    return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+
+
+def contrast(one: Any, other: Any) -> float:
+    """Contrast of two colours by WCAG 2, from 1 for equal ones to 21 for black and white."""
+    low, high = sorted((luminance(one), luminance(other)))
+    return (high + 0.05) / (low + 0.05)
+
+
+def is_dark(ax: Axes | None = None) -> bool:
+    """Whether the background is one on which white is seen better than black."""
+    return luminance(background(ax)) < LIGHT_LUMINANCE
+
+
+def legible(colour: Any, ax: Axes | None = None) -> Any:
+    """The colour; on a dark background that hides it, the shade of it next to it that is seen.
+
+    Greys are mirrored: black becomes white.
+    """
+    behind = background(ax)
+    if not is_dark(ax) or contrast(colour, behind) >= MIN_CONTRAST:
+        return colour
+    r, g, b = to_rgb(colour)
+    if r == g == b:
+        return to_hex((1.0 - r,) * 3)
+    shares = (i / MIX_STEPS for i in range(1, MIX_STEPS + 1))
+    mixes = (to_hex([c + (1.0 - c) * share for c in (r, g, b)]) for share in shares)
+    return next(mix for mix in mixes if contrast(mix, behind) >= MIN_CONTRAST)
+
+
+def ink(ax: Axes | None = None) -> str:
+    """Black, on a dark background white."""
+    return legible(BLACK, ax)
+
+
+def ink_on(fill: Any) -> str:
+    """Black or white, whichever is seen better on a filled area."""
+    return WHITE if luminance(fill) < LIGHT_LUMINANCE else BLACK
+
+
+def add_halo(line: Any, ax: Axes | None = None) -> None:
+    """Give a line that crosses coloured areas edges in the colour of a dark background.
+
+    On light backgrounds there are none: black is seen on all colours of the package.
+    """
+    if is_dark(ax):
+        edges = max(np.atleast_1d(line.get_linewidth())) + HALO_WIDTH
+        line.set_path_effects([Stroke(linewidth=edges, foreground=background(ax)), Normal()])
+
+
+def cycled_style(index: int) -> dict[str, Any] | None:
+    """What the user's own cycle of line properties has at an index; None where it was not changed."""
+    cycle = rcParams["axes.prop_cycle"]
+    if any(cycle == ours for ours in _CYCLES):
+        return None
+    properties = list(cycle)
+    return properties[index % len(properties)] if properties else None
+
+
+def line_width(width: float = LINE_WIDTH) -> float:
+    """A width in points: as given, or in proportion to the user's, which is that of plain lines."""
+    chosen = rcParams["lines.linewidth"]
+    return width if chosen == rcParamsDefault["lines.linewidth"] else width * chosen / LINE_WIDTH
+
+
+def font_size(size: float) -> float:
+    """The size of a text in points, in proportion to the user's."""
+    return size * rcParams["font.size"] / rcParamsDefault["font.size"]
+
+
+def marker_size(size: float) -> float:
+    """The size of a marker in points, in proportion to the user's."""
+    return size * rcParams["lines.markersize"] / rcParamsDefault["lines.markersize"]
+
+
+def pen(colour: str = BLACK, width: float = LINE_WIDTH, ax: Axes | None = None) -> dict[str, Any]:
+    """Colour and width of a line in `ax`, as keywords of matplotlib."""
+    return {"color": legible(colour, ax), "linewidth": line_width(width)}
+
+
+def crowding() -> float:
+    """How much larger letters are beside a new figure than without a style, 1 at least.
+
+    What has a fixed number of letters, as a title or the ticks of an axis, has to give way by this factor.
+    """
+    return max(1.0, font_size(1.0) * PANEL_SIZE[0] / figure_size()[0])
+
+
+def figure_size(width: float = PANEL_SIZE[0], height: float = PANEL_SIZE[1]) -> tuple[float, float]:
+    """Inches of a figure: as given, or the user's; in a style of the package in proportion to its own."""
+    chosen = tuple(rcParams["figure.figsize"])
+    if chosen == tuple(rcParamsDefault["figure.figsize"]):
+        return width, height
+    if chosen in [settings.get("figure.figsize") for settings in STYLES.values()]:
+        return width * chosen[0] / PANEL_SIZE[0], height * chosen[0] / PANEL_SIZE[0]
+    return chosen

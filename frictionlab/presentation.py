@@ -1,0 +1,142 @@
+"""How results present themselves: as a line or two of text, as tables of pandas and xarray, in Markdown.
+
+pandas and xarray come with the extra ``data`` and are imported when a table is asked for.  Tables carry
+units: a DataFrame in ``attrs["units"]``, a Dataset in ``attrs["units"]`` of each variable.  All attributes
+are what Parquet and netCDF files can hold.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from importlib import import_module
+from typing import Any
+
+MAX_LISTED = 8  # items that a summary names before it says how many more there are
+MAX_ROWS = 10  # rows of a table in text
+MAX_ROW_LENGTH = 110  # characters of such a row
+
+ANGLE_LETTERS = {"phi": r"\varphi", "theta": r"\theta", "psi": r"\psi"}  # in LaTeX; all others are lengths
+OUTPUT_UNITS = {
+    "penetration": "m",
+    "gap": "m",
+    "distance": "m",
+    "normal_force": "N",
+    "friction_force": "N",
+    "reaction": "N",
+    "relative_velocity": "m/s",
+}
+CLOCK = "phase"  # the state that stands for time in models with a force, rad
+
+
+def is_angle(name: str) -> bool:
+    """Whether a coordinate, or its rate, is an angle by its name: phi, theta, psi, phi1, phi2 ..."""
+    return name.rstrip("'").rstrip("0123456789") in ANGLE_LETTERS
+
+
+def state_unit(name: str) -> str:
+    """SI unit of a coordinate or of its rate."""
+    length = "rad" if is_angle(name) or name == CLOCK else "m"
+    return f"{length}/s" if name.endswith("'") else length
+
+
+def output_unit(name: str) -> str:
+    """SI unit of an output, also of one of several contacts (normal_force_2); "" where it is not known."""
+    base, _, number = name.rpartition("_")
+    return OUTPUT_UNITS.get(base if number.isdigit() else name, "")
+
+
+def shorten(items: Iterable[str], most: int = MAX_LISTED, separator: str = ", ") -> str:
+    """The first items, and how many more there are."""
+    listed = list(items)
+    more = f", and {len(listed) - most} more" if len(listed) > most else ""
+    return separator.join(listed[:most]) + more
+
+
+def count(number: int, noun: str) -> str:
+    """A number with its noun in the singular or plural."""
+    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
+
+
+def tally(names: Iterable[Any]) -> str:
+    """How often each name occurs, the most frequent first."""
+    counts: dict[str, int] = {}
+    for name in map(str, names):
+        counts[name] = counts.get(name, 0) + 1
+    return shorten(f"{counts[name]} {name}" for name in sorted(counts, key=lambda name: -counts[name]))
+
+
+def span(values: Any) -> str:
+    """From the smallest to the largest of some finite numbers."""
+    finite = [float(value) for value in values if abs(value) < float("inf")]
+    if not finite:
+        return "none"
+    low, high = min(finite), max(finite)
+    return f"{low:.6g}" if low == high else f"{low:.6g} to {high:.6g}"
+
+
+def text_table(rows: Iterable[str], most: int = MAX_ROWS) -> str:
+    """Rows of text, the first of many, each on one line that is not too long."""
+    lines = [" ".join(row.split("\n")).rstrip() for row in rows]
+    shown = [row if len(row) <= MAX_ROW_LENGTH else f"{row[: MAX_ROW_LENGTH - 3]}..." for row in lines[:most]]
+    return "\n".join([*shown, f"... and {len(lines) - most} more"] if len(lines) > most else shown)
+
+
+def markdown_table(head: str, lines: Iterable[str]) -> str:
+    """A table in Markdown."""
+    rule = "|".join("---" for _ in head.split("|"))
+    return "\n".join([f"| {head} |", f"|{rule}|", *(f"| {line} |" for line in lines)])
+
+
+def import_optional(package: str, what: str) -> Any:
+    """The package of the extra ``data``.
+
+    Raises
+    ------
+    ImportError
+        Where it is not installed, with the command that does it.
+    """
+    try:
+        return import_module(package)
+    except ImportError as error:
+        raise ImportError(f"{what} needs {package}: pip install 'frictionlab[data]'") from error
+
+
+def dataframe(columns: Mapping[str, Any], index: Mapping[str, Any], units: Mapping[str, str]) -> Any:
+    """A pandas DataFrame of columns (N,), with one or more columns as its index.
+
+    Parameters
+    ----------
+    columns, index : mapping of str to array (N,)
+    units : mapping of str to str
+        Of columns and index; those without a unit may be missing.
+    """
+    pd = import_optional("pandas", "to_dataframe")
+    (name, values), *others = index.items()
+    rows = pd.MultiIndex.from_arrays(list(index.values()), names=list(index)) if others else None
+    table = pd.DataFrame(dict(columns), index=pd.Index(values, name=name) if rows is None else rows)
+    table.attrs["units"] = {name: units[name] for name in (*index, *columns) if units.get(name)}
+    return table
+
+
+def dataset(
+    variables: Mapping[str, tuple[Any, Any]],
+    coordinates: Mapping[str, Any],
+    units: Mapping[str, str],
+    attributes: Mapping[str, Any] | None = None,
+) -> Any:
+    """An xarray Dataset, its variables and coordinates with their units.
+
+    Parameters
+    ----------
+    variables : mapping of str to (dimensions, array)
+    coordinates : mapping of str to array
+    units : mapping of str to str
+        Those without a unit may be missing.
+    attributes : mapping of str to number or str
+    """
+    xr = import_optional("xarray", "to_xarray")
+    table = xr.Dataset(dict(variables), dict(coordinates), dict(attributes or {}))
+    for name in table.variables:
+        if units.get(str(name)):
+            table[name].attrs["units"] = units[str(name)]
+    return table

@@ -1,0 +1,105 @@
+"""One small result of every class that a function of the package returns, each computed once in a process."""
+
+from functools import cache
+
+import frictionlab as fl
+
+QUIET = {"progress": False}
+COUPLED = fl.ModeCoupling(c=0.1)
+BELT = fl.MassOnBelt()
+STICK_SLIP = fl.MassOnBelt(c=0.05, mu_k=0.5, mu_s=1.0)
+SLIDER = fl.SliderOnBelt()
+FLAT_SLIDER = fl.SliderOnBelt(mu_k=1.4).without("geometry")
+TURNING = SLIDER.automaton().states[5]  # the rate of x1
+SPEEDS = ("x1'", [0.0, 0.25, 0.5]), ("y1'", [0.0, 0.1])
+
+
+def preload(model):
+    return model.F
+
+
+def preload_from(model, x0):
+    return model.F
+
+
+def short_motion(model):
+    return fl.steady_state(model, transient=5.0, window=2.0, **QUIET)
+
+
+def short_bifurcation(model):
+    return fl.bifurcation(model, "mu_k", [0.2, 0.3, 0.9], transient=5.0, window=5.0, **QUIET)
+
+
+def steady_state():
+    found = fl.steady_state(STICK_SLIP, transient=50.0, window=20.0, **QUIET)
+    assert found.kind == "periodic"
+    return found
+
+
+def orbit():
+    return fl.periodic_orbit(STICK_SLIP, result("steady state"))
+
+
+def run():
+    return fl.simulate(SLIDER.replace(mu_k=1.4), 0.3, sections={"turns": (TURNING, -1)}, **QUIET)
+
+
+def run_of_two_contacts():
+    return fl.simulate(fl.TwoBlocks(), 20.0, **QUIET)
+
+
+def basins():
+    return fl.basins(FLAT_SLIDER, *SPEEDS, "near", window=10.0, **QUIET)
+
+
+def basin_stability():
+    ranges = {"x1'": (0.0, 0.5), "y1'": (0.0, 0.1)}
+    return fl.basin_stability(FLAT_SLIDER, ranges, 6, x0="near", window=10.0, **QUIET)
+
+
+BUILDERS = {
+    "run": run,
+    "run of two contacts": run_of_two_contacts,
+    "sweep": lambda: fl.sweep(SLIDER, preload, {"F": [100.0, 200.0]}, **QUIET),
+    "plane": lambda: fl.sweep(SLIDER, preload, {"F": [100.0, 200.0, 300.0], "mu_k": [0.1, 0.2]}, **QUIET),
+    "from two states": lambda: fl.sweep(
+        SLIDER, preload_from, {"F": [100.0, 200.0]}, x0=["rest", "near"], **QUIET
+    ),
+    "ablation": lambda: fl.ablation(SLIDER, lambda m: m.k1, **QUIET),
+    "ablation of motions": lambda: fl.ablation(COUPLED, short_motion, **QUIET),
+    "ablation of bifurcations": lambda: fl.ablation(STICK_SLIP, short_bifurcation, **QUIET),
+    "locus": lambda: fl.root_locus(SLIDER, "mu_k", [0.5, 1.0, 1.5, 2.0]),
+    "eigenvalues": lambda: fl.eigenvalues(SLIDER.replace(mu_k=2.0)),
+    "stability change": lambda: fl.stability_changes(SLIDER, "mu_k", (0, 3))[0],
+    "curve": lambda: fl.critical_curve(SLIDER, "mu_k", (0, 3), over=("F", [200.0, 400.0])),
+    "map": lambda: fl.stability_map(SLIDER, ("F", [100, 500, 1000]), ("mu_k", [0.5, 1.5])),
+    "boundary": lambda: result("map").boundary[0],
+    "ends": lambda: fl.ensemble([SLIDER.replace(mu_k=mu) for mu in (0.1, 0.2)], 0.05, **QUIET),
+    "steady state": steady_state,
+    "equilibrium as steady state": lambda: fl.steady_state(BELT, transient=50.0, window=5.0, **QUIET),
+    "bifurcation": lambda: fl.bifurcation(
+        STICK_SLIP, "v", [0.3, 0.5, 2.5], transient=20.0, window=10.0, **QUIET
+    ),
+    "orbit": orbit,
+    "branch": lambda: fl.continue_orbit(result("orbit"), "v", (0.1, 0.4), max_points=4, **QUIET),
+    "special orbit": lambda: fl.continue_orbit(result("orbit"), "v", (0.1, 3.0), **QUIET).special[0],
+    "exponents": lambda: fl.lyapunov(COUPLED, transient=1.0, t_end=2.0, blocks=2, **QUIET),
+    "energies": lambda: fl.energy_audit(result("run"), **QUIET),
+    "equilibrium": lambda: fl.equilibrium(SLIDER),
+    "equilibrium of an automaton": lambda: fl.equilibrium(SLIDER.automaton()),
+    "Hopf point": lambda: fl.hopf(SLIDER, "mu_k", (0, 4)),
+    "tangent flow": lambda: fl.tangent_flow(fl.simulate(COUPLED, 0.5, x0="near", **QUIET), **QUIET),
+    "verification": lambda: fl.verify(BELT, 2.0, **QUIET),
+    "spectrum": lambda: fl.amplitude_spectrum(fl.simulate(COUPLED, 20 * COUPLED.period, **QUIET)),
+    "basins": basins,
+    "shares of basins": basin_stability,
+    "attractor": lambda: result("basins").attractors[0],
+    "events": lambda: result("run").events,
+    "section points": lambda: result("run").sections["turns"],
+}
+
+
+@cache
+def result(name):
+    """The result of that name in `BUILDERS`."""
+    return BUILDERS[name]()
