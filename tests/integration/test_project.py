@@ -15,7 +15,8 @@ from matplotlib import pyplot
 import frictionlab as fl
 
 ROOT = Path(__file__).parents[2]
-DISTRIBUTIONS = {"PIL": "pillow", "IPython": "ipython"}  # where a package is not called as what it imports
+# Where a package is not called as what it imports.
+DISTRIBUTIONS = {"PIL": "pillow", "IPython": "ipython", "jupyter_server": "jupyter-server"}
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 CONTRIBUTING = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
 AT_THE_TOP = """
