@@ -109,7 +109,7 @@ def _allows_rest(automaton: HybridAutomaton, mode: Mode) -> bool:
     """Whether a mode's constraints can hold at zero velocities: not in stick on a running belt."""
     n = automaton.coordinates
     at_rest = dict.fromkeys(automaton.states[n : 2 * n], 0)
-    held = [sympy.sympify(c).subs(at_rest) for c in mode.constraints]
+    held = [sympy.sympify(c, strict=True).subs(at_rest) for c in mode.constraints]
     fixed = [c.subs(automaton.parameters) for c in held if not c.free_symbols & set(automaton.states)]
     return all(c == 0 for c in fixed)
 
@@ -151,7 +151,7 @@ def _is_admissible(mode: Mode, flow: Flow, x: Array, values: Sequence[Any]) -> A
 def _constraints(mode: Mode, flow: Flow) -> tuple[Callable[..., Any], Callable[..., Any]]:
     """The constraints of a mode, and the sizes of the terms that cancel in each."""
     at_rest = dict.fromkeys(flow.states, 0)
-    held = [sympy.sympify(c) for c in mode.constraints]
+    held = [sympy.sympify(c, strict=True) for c in mode.constraints]
     terms = [[c.subs(at_rest), *(sympy.diff(c, s) * s for s in flow.states)] for c in held]
     sizes = [sum(abs(term) for term in some) for some in terms]
     return flow.compiled(held), flow.compiled(sizes)
