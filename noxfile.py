@@ -74,9 +74,10 @@ def lint(session: nox.Session) -> None:
 
 @nox.session
 def types(session: nox.Session) -> None:
-    """Types."""
+    """Types of the package, and what those who use it see of them."""
     install(session)
     run(session, "pyright")
+    session.run("pytest", "-m", "slow", "tests/slow/docs/test_type_checking.py", external=True)
 
 
 @nox.session

@@ -33,12 +33,25 @@ def __getattr__(name: str) -> Any:
     if name in _HOME:
         if not _HOME[name]:
             return import_module(f"frictionlab.{name}")
-        value = getattr(import_module(f"frictionlab.{_HOME[name]}"), name)
+        value = getattr(_import_home(name), name)
         globals()[name] = value
         return value
     from frictionlab.validation import did_you_mean
 
     raise AttributeError(f"module 'frictionlab' has no attribute {name!r}{did_you_mean(name, __all__)}")
+
+
+def _import_home(name: str) -> Any:
+    """The module of a public name; where a package is missing, as ipywidgets may be on a cluster, which."""
+    try:
+        return import_module(f"frictionlab.{_HOME[name]}")
+    except ModuleNotFoundError as error:
+        missing = str(error.name).partition(".")[0]
+        if missing == "frictionlab":
+            raise
+        cure = f"pip install {'pillow' if missing == 'PIL' else missing.lower()}"
+        message = f"fl.{name} needs {missing}, which is not installed: {cure}"
+        raise ImportError(message, name=missing) from error
 
 
 def __dir__() -> list[str]:

@@ -160,7 +160,7 @@ def terms_of(key: Structure) -> Terms:
     arguments = [*found.states, *parameter_symbols(key)]
 
     def compiled(expression: Any) -> Callable[..., Any]:
-        return array_function(arguments, sp.sympify(expression))
+        return array_function(arguments, sp.sympify(expression, strict=True))
 
     given = (
         mechanics.potential if isinstance(mechanics.potential, Mapping) else {"potential": mechanics.stored}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import secrets
 import signal
 import socket
 import sys
@@ -20,8 +21,9 @@ NOTEBOOK_CELL = "import frictionlab as fl\n\nfl.explore()"
 
 DESCRIPTION = """\
 Show the explorer (fl.explore) in the browser: sliders, switches and pictures,
-no notebook. Everything is served by this machine, to this machine; no network
-is needed. ctrl-C ends it. Needs Voila: pip install "frictionlab[lab]"."""
+no notebook. Everything is served by this machine, to this machine, for
+whoever has the link that is printed; no network is needed. At most four pages
+at once. ctrl-C ends it. Needs Voila: pip install "frictionlab[lab]"."""
 
 EPILOG = """\
 examples:
@@ -29,12 +31,6 @@ examples:
   frictionlab app --port 9000 --no-browser
 
 exit status: 0 ended by ctrl-C; 1 Voila is not installed; 2 bad arguments."""
-
-# Voila's page requests an optional style sheet from another server, and stays blank until that answers
-# or fails: with that request forbidden the page appears at once, also without a network.
-CONTENT_SECURITY_POLICY = (
-    "default-src 'self' ws: data: blob: 'unsafe-inline' 'unsafe-eval'; frame-ancestors 'self'"
-)
 
 
 def add_app(commands: Any) -> OneLineParser:
@@ -69,8 +65,9 @@ def app_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
     with TemporaryDirectory(prefix="frictionlab-") as folder:
         notebook = Path(folder) / "explorer.ipynb"
         notebook.write_text(json.dumps(_notebook()), encoding="utf-8")
-        print(f"Explorer at http://localhost:{port}/ (ctrl-C ends it)", flush=True)
-        _serve(notebook, port, browser=not chosen.no_browser)
+        token = secrets.token_urlsafe(32)
+        print(f"Explorer at http://localhost:{port}/?token={token} (ctrl-C ends it)", flush=True)
+        _serve_until_stopped(notebook, port, token, browser=not chosen.no_browser)
     return 0
 
 
@@ -102,14 +99,11 @@ def _notebook() -> dict[str, Any]:
     return {"cells": [cell], "metadata": {"kernelspec": kernel}, "nbformat": 4, "nbformat_minor": 4}
 
 
-def _serve(notebook: Path, port: int, browser: bool) -> None:
-    from voila.app import Voila
+def _serve_until_stopped(notebook: Path, port: int, token: str, browser: bool) -> None:
+    from .app_server import serve  # needs Voila
 
-    options = [str(notebook), f"--port={port}", "--Voila.port_retries=0", "--show_tracebacks=True"]
-    options += ["--Voila.log_level=ERROR"] + ([] if browser else ["--no-browser"])
-    settings = {"headers": {"Content-Security-Policy": CONTENT_SECURITY_POLICY}}
     signal.signal(signal.SIGINT, _stop)
-    Voila.launch_instance(options, tornado_settings=settings)
+    serve(notebook, port, token, browser)
 
 
 def _stop(number: int, frame: Any) -> None:

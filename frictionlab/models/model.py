@@ -106,15 +106,20 @@ class Model(Component):
             object.__setattr__(self, role, with_values(component, values))
         self.__post_init__()
 
-    @property
-    def coordinates(self) -> tuple[str, ...]:
-        """Names of the coordinates."""
-        raise NotImplementedError(f"{type(self).__name__} must define coordinates")
+    if TYPE_CHECKING:  # a model may state these as properties, or as plain attributes of its class
+        coordinates: ClassVar[Any]
+        period: ClassVar[Any]
+    else:
 
-    @property
-    def period(self) -> float:
-        """Approximate period of an oscillation, s: pictures and explorers show multiples of it."""
-        return 0.1
+        @property
+        def coordinates(self) -> tuple[str, ...]:
+            """Names of the coordinates."""
+            raise NotImplementedError(f"{type(self).__name__} must define coordinates")
+
+        @property
+        def period(self) -> float:
+            """Approximate period of an oscillation, s: pictures and explorers show multiples of it."""
+            return 0.1
 
     def release(self) -> Mapping[str, float]:
         """The states that are not zero when a run starts from rest, by name."""

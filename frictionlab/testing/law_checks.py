@@ -115,9 +115,9 @@ def _consistent_values(law: Any, method: str, *arguments: Any) -> Any:
     symbols = [sp.Symbol(f"argument{i}", real=True) for i in range(len(arguments))]
     reduced = law.reduced()
     numbers = {symbol(name): getattr(reduced, name) for name in parameters_of(type(reduced))}
-    formula: Any = sp.sympify(getattr(symbolic_copy(structure_of_component(law)), method)(*symbols)).subs(
-        numbers
-    )
+    formula: Any = sp.sympify(
+        getattr(symbolic_copy(structure_of_component(law)), method)(*symbols), strict=True
+    ).subs(numbers)
     for i, row in enumerate(zip(*arguments, strict=True)):
         exact = float(formula.subs(dict(zip(symbols, map(float, row), strict=True))))
         single = float(getattr(law, method)(*map(float, row)))

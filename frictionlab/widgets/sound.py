@@ -54,8 +54,11 @@ class Sound:
     @property
     def audio(self) -> Any:
         """The player, an ``IPython.display.Audio``."""
-        from IPython.display import Audio
-
+        try:
+            from IPython.display import Audio
+        except ModuleNotFoundError as error:
+            cure = "pip install ipython, or write a file with save()"
+            raise ImportError(f"a sound is played by IPython, which is not installed: {cure}") from error
         return Audio(self.samples, rate=self.rate, normalize=False)
 
     def save(self, path: str | Path) -> Path:

@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import socket
 import subprocess
 import sys
@@ -10,6 +11,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from urllib.error import URLError
 from urllib.request import urlopen
+
+import psutil
 
 ROOT = Path(__file__).parents[2]
 PATIENCE = 60  # seconds
@@ -89,6 +92,18 @@ def serving(arguments, port, folder):
     finally:
         process.terminate()  # the server ends its kernels
         process.wait(PATIENCE)
+
+
+def printed_path(folder):
+    """The path of the link that a server of the folder printed, with its token."""
+    link = re.search(r"http://localhost:\d+(/\S*)", (folder / "server.log").read_text())
+    return link[1]
+
+
+def running_kernels():
+    """How many kernels this process's servers have."""
+    commands = [child.cmdline() for child in psutil.Process().children(recursive=True) if child.is_running()]
+    return sum("ipykernel_launcher" in command for command in commands)
 
 
 def _wait(process, port, log):

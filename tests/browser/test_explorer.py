@@ -9,7 +9,14 @@ import pytest
 import frictionlab as fl
 from frictionlab.widgets.rendering.tile import AXES_RECTANGLE
 from tests.browser.screen import PATIENCE, changed, flip, press, seen, settled
-from tests.browser.servers import CLICKED, free_port, serving, write_notebook
+from tests.browser.servers import (
+    CLICKED,
+    free_port,
+    printed_path,
+    running_kernels,
+    serving,
+    write_notebook,
+)
 
 pytestmark = pytest.mark.browser
 
@@ -62,7 +69,7 @@ def run_all(page):
 FRONT_ENDS = {
     "voila": (voila, "voila", "/", ".live"),
     "lab": (lab, "jupyterlab", "/doc/tree/page.ipynb", ".live"),
-    "app": (app, "voila", "/", ".fl-explorer"),
+    "app": (app, "voila", None, ".fl-explorer"),  # it prints its path
     "voila-clicked": (voila_clicked, "voila", "/", ".plane"),
     "lab-clicked": (lab_clicked, "jupyterlab", "/doc/tree/page.ipynb", ".plane"),
 }
@@ -88,7 +95,9 @@ def shown(request, browser, tmp_path_factory):
         # The tests need no network, and nothing that they see comes from there.
         page.route(lambda url: not url.startswith((address, "blob:", "data:")), lambda route: route.abort())
         page.set_default_timeout(PATIENCE)
-        page.goto(address + path, wait_until="commit")  # Voila sends the rest when the cells have run
+        page.goto(
+            address + (path or printed_path(folder)), wait_until="commit"
+        )  # Voila sends the rest when the cells have run
         if module == "jupyterlab":
             run_all(page)
         page.wait_for_selector(f"{root} img.fl-panel", timeout=3 * PATIENCE)
@@ -184,6 +193,31 @@ def test_nothing_overlaps_and_the_picture_stays_in_sight(shown, width, height):
     visible = min(below["y"] + below["height"], height) - max(below["y"], 0)
     assert visible > 0.75 * min(picture["height"], height)
     page.set_viewport_size({"width": 1280, "height": 720})
+
+
+def test_a_page_has_one_kernel_as_long_as_it_is_open(browser, tmp_path):
+    if find_spec("voila") is None:
+        pytest.skip("voila shows the explorer; it is not installed")
+    before, port = running_kernels(), free_port()
+    with serving(app(tmp_path, port), port, tmp_path) as address:
+        page = browser.new_page()  # nothing intercepts what it says as it closes
+        page.goto(address + printed_path(tmp_path), wait_until="commit")
+        assert page.url == address + "/"  # the token is not there to be read from the screen
+        page.wait_for_selector(".fl-explorer img.fl-panel", timeout=3 * PATIENCE)
+        page.reload(wait_until="commit")
+        page.wait_for_selector(".fl-explorer img.fl-panel", timeout=3 * PATIENCE)
+        wait_for_kernels(page, before + 1)
+        page.goto("about:blank")
+        wait_for_kernels(page, before)
+        page.close()
+
+
+def wait_for_kernels(page, number):
+    for _ in range(PATIENCE // 200):
+        if running_kernels() == number:
+            return
+        page.wait_for_timeout(200)
+    assert running_kernels() == number
 
 
 def box_of(page, selector):

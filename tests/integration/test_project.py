@@ -15,7 +15,8 @@ from matplotlib import pyplot
 import frictionlab as fl
 
 ROOT = Path(__file__).parents[2]
-DISTRIBUTIONS = {"PIL": "pillow", "IPython": "ipython"}  # where a package is not called as what it imports
+# Where a package is not called as what it imports.
+DISTRIBUTIONS = {"PIL": "pillow", "IPython": "ipython", "jupyter_server": "jupyter-server"}
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 CONTRIBUTING = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
 AT_THE_TOP = """
@@ -108,6 +109,24 @@ def test_every_package_that_is_imported_is_declared():
     imported = {DISTRIBUTIONS.get(name, name) for name in imported_packages(ROOT / "frictionlab")}
     assert "numpy" in imported
     assert imported <= declared
+
+
+def test_no_text_is_run_as_python():
+    """sympy does so: texts of users go to the parser of `expression_text`, and expressions are no texts."""
+    sources = {path: path.read_text(encoding="utf-8") for path in (ROOT / "frictionlab").rglob("*.py")}
+    calls = [
+        (path.name, node)
+        for path, source in sources.items()
+        for node in ast.walk(ast.parse(source))
+        if isinstance(node, ast.Call)
+    ]
+    named = [(name, ast.unparse(node.func).rpartition(".")[2], ast.unparse(node)) for name, node in calls]
+    parsers = [(name, text) for name, function, text in named if function in ("sympify", "S", "parse_expr")]
+    assert len(parsers) > 10
+    assert [(name, text) for name, text in parsers if not text.endswith(", strict=True)")] == []
+    runs = {(name, function) for name, function, _ in named if function in ("eval", "exec")}
+    # A law's own repr in its check; source that sympy prints for other tools in benchmarks.
+    assert runs == {("law_checks.py", "eval"), ("external.py", "exec")}
 
 
 def test_there_is_a_notebook():

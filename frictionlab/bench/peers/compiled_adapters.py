@@ -85,7 +85,7 @@ def _integrator(mode: Mode, states: tuple[Any, ...], values: tuple[Any, ...], to
     renamed, numbers = dict(zip(states, names, strict=True)), dict(values)
 
     def of(expression: Any) -> Any:
-        return _heyoka_expression(sympy.sympify(expression).subs(numbers).xreplace(renamed), hy)
+        return _heyoka_expression(sympy.sympify(expression, strict=True).subs(numbers).xreplace(renamed), hy)
 
     system = [(hy.expression(str(name)), of(rate)) for name, rate in zip(names, mode.flow, strict=True)]
     # A guard is positive while its mode lasts: without a direction the zero at the start is an event too.
@@ -178,6 +178,6 @@ def _event(guards: Callable[[Any], Any]) -> Any:
 def _jax_function(states: tuple[Any, ...], expressions: Sequence[Any], values: tuple[Any, ...]) -> Any:
     """Expressions as a function of an array, which returns one."""
     stack, numbers = import_module("jax.numpy").stack, dict(values)
-    with_numbers = [sympy.sympify(e).subs(numbers) for e in expressions]
+    with_numbers = [sympy.sympify(e, strict=True).subs(numbers) for e in expressions]
     function = sympy.lambdify(states, with_numbers, modules="jax", cse=True)
     return lambda y: stack(function(*y))

@@ -43,8 +43,8 @@ class CompiledMode(NamedTuple):
 def compile_mode(mode: Mode, states: tuple[Any, ...], values: tuple[tuple[Any, float], ...]) -> CompiledMode:
     """Functions of a mode with these parameter values; compiled by numba where it is installed."""
     numbers = dict(values)
-    flow = [sympy.sympify(e).subs(numbers) for e in mode.flow]
-    guards = [sympy.sympify(event.function).subs(numbers) for event in mode.events]
+    flow = [sympy.sympify(e, strict=True).subs(numbers) for e in mode.flow]
+    guards = [sympy.sympify(event.function, strict=True).subs(numbers) for event in mode.events]
     jacobian = list(sympy.Matrix(flow).jacobian(states))
     return CompiledMode(
         _compile_function(states, flow),

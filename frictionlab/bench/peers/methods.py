@@ -44,7 +44,7 @@ def regularised_flow(model: Any) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
     friction = model.mu_k * pressed * sympy.tanh(contact.relative_velocity / REGULARISATION_WIDTH)
     rows = zip(found.forces(contact, pressed), found.direction(contact), found.masses, strict=True)
     rates = [*found.v, *((force + w * friction) / mass for force, w, mass in rows)]
-    return found.states, tuple(sympy.sympify(rate).subs(numbers) for rate in rates)
+    return found.states, tuple(sympy.sympify(rate, strict=True).subs(numbers) for rate in rates)
 
 
 def run(model: Any, t_end: float) -> tuple[np.ndarray, float, int]:

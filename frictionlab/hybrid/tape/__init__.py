@@ -8,6 +8,8 @@
     `Tape`, operations on numbered slots, and `TapeBuilder`, which lowers expressions onto one; equal
     subexpressions
     share a slot.
+``expression_text``
+    Expressions given as text, read without being evaluated as Python.
 ``program``
     `Program`: the arrays of a whole automaton (`Code`), and `Numbers`, its coefficients for one set of
     values.

@@ -65,7 +65,7 @@ def check_section_or_quadrature(name: str, function: Any, automaton: HybridAutom
 
 def _symbols(name: str, function: Any) -> set:
     try:
-        return sp.sympify(function).free_symbols
+        return sp.sympify(function, strict=True).free_symbols
     except (AttributeError, sp.SympifyError):
         raise ValueError(
             f"the section or quadrature {name!r} must be an expression of the states, or an output's name, "
@@ -90,7 +90,12 @@ def check_mode(
             )
         _check_resets(event, mode, states)
     for what, expr in _expressions(mode):
-        if strange := sp.sympify(expr).free_symbols - known:
+        if isinstance(expr, str):  # which sympy would run as Python
+            raise TypeError(
+                f"{what} of mode {mode.name!r} must be an expression, got the text {abbreviate(expr)}: "
+                "write it with the automaton's symbols"
+            )
+        if strange := sp.sympify(expr, strict=True).free_symbols - known:
             raise ValueError(
                 f"{what} of mode {mode.name!r} uses {sorted(map(str, strange))}, which is neither a state "
                 "nor a parameter: add it to the automaton's parameters"

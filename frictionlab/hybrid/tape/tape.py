@@ -151,7 +151,7 @@ class TapeBuilder:
 
     def slot(self, expr: Expr) -> int:
         """Slot that holds `expr`, emitting what is missing."""
-        return self._materialise(self._lower(sp.sympify(expr)))
+        return self._materialise(self._lower(sp.sympify(expr, strict=True)))
 
     def constant(self, expr: Expr) -> bool:
         """Whether `expr` depends on the parameters alone."""

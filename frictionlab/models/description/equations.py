@@ -163,7 +163,7 @@ def time_functions(states: tuple[Any, ...], n: int) -> dict[Any, Any]:
 
 def in_time_functions(expression: Any, functions: Mapping[Any, Any]) -> Any:
     """The expression with functions of time for its states."""
-    return sympy.sympify(expression).xreplace(dict(functions))
+    return sympy.sympify(expression, strict=True).xreplace(dict(functions))
 
 
 def equation(left: Any, right: Any) -> Any:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, Unpack
 
 from frictionlab.components.component import parameter
 from frictionlab.components.impact import ImpactLaw, RestitutionImpact
@@ -15,6 +15,9 @@ from frictionlab.models.mechanism import Block, Mechanism, Place, Wall
 from frictionlab.models.model import with_signature
 
 from .parameter_presets import mass_parameter
+
+if TYPE_CHECKING:
+    from .keywords import BouncingBallKeywords
 
 
 @with_signature
@@ -63,6 +66,10 @@ class BouncingBall(MechanicalModel):
 
     roles: ClassVar[Mapping[str, type]] = MappingProxyType({"impact": ImpactLaw})
     reference: ClassVar[str] = "B. Brogliato, Nonsmooth Mechanics, 3rd ed., Springer 2016"
+
+    if TYPE_CHECKING:
+
+        def __init__(self, **given: Unpack[BouncingBallKeywords]) -> None: ...
 
     @property
     def coordinates(self) -> tuple[str, ...]:

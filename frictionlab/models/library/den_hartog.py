@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from math import pi
 from types import MappingProxyType
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, Unpack
 
 from frictionlab.components import functions
 from frictionlab.components.friction import Coulomb, FrictionLaw
@@ -23,6 +23,9 @@ from .parameter_presets import (
     normal_force_parameter,
     stiffness_parameter,
 )
+
+if TYPE_CHECKING:
+    from .keywords import DenHartogKeywords
 
 
 @with_signature
@@ -74,6 +77,10 @@ class DenHartog(SingleMass):
 
     roles: ClassVar[Mapping[str, type]] = MappingProxyType({"friction": FrictionLaw})
     reference: ClassVar[str] = "J. P. Den Hartog, Philosophical Magazine 9 (1930) 801-817"
+
+    if TYPE_CHECKING:
+
+        def __init__(self, **given: Unpack[DenHartogKeywords]) -> None: ...
 
     @property
     def period(self) -> float:

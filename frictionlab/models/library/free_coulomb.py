@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, Unpack
 
 from frictionlab.components.component import parameter
 from frictionlab.components.friction import Coulomb, FrictionLaw
@@ -15,6 +15,9 @@ from frictionlab.models.mechanism import Mechanism, Wall, held_block
 from frictionlab.models.model import with_signature
 
 from .parameter_presets import mass_parameter, natural_period, normal_force_parameter, stiffness_parameter
+
+if TYPE_CHECKING:
+    from .keywords import FreeCoulombKeywords
 
 
 @with_signature
@@ -57,6 +60,10 @@ class FreeCoulomb(SingleMass):
 
     roles: ClassVar[Mapping[str, type]] = MappingProxyType({"friction": FrictionLaw})
     reference: ClassVar[str] = "J. P. Den Hartog, Mechanical Vibrations, 4th ed., McGraw-Hill 1956"
+
+    if TYPE_CHECKING:
+
+        def __init__(self, **given: Unpack[FreeCoulombKeywords]) -> None: ...
 
     @property
     def period(self) -> float:

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from math import pi
 from types import MappingProxyType
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, Unpack
 
 from frictionlab.components import functions
 from frictionlab.components.component import parameter
@@ -23,6 +23,9 @@ from .parameter_presets import (
     mass_parameter,
     stiffness_parameter,
 )
+
+if TYPE_CHECKING:
+    from .keywords import ImpactOscillatorKeywords
 
 
 @with_signature
@@ -70,6 +73,10 @@ class ImpactOscillator(SingleMass):
 
     roles: ClassVar[Mapping[str, type]] = MappingProxyType({"impact": ImpactLaw})
     reference: ClassVar[str] = "S. W. Shaw, P. J. Holmes, J. Sound and Vibration 90 (1983) 129-155"
+
+    if TYPE_CHECKING:
+
+        def __init__(self, **given: Unpack[ImpactOscillatorKeywords]) -> None: ...
 
     @property
     def period(self) -> float:

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from math import pi
 from types import MappingProxyType
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, Unpack
 
 from frictionlab.components import functions
 from frictionlab.components.component import parameter
@@ -23,6 +23,9 @@ from .parameter_presets import (
     speed_parameter,
     stiffness_parameter,
 )
+
+if TYPE_CHECKING:
+    from .keywords import ModeCouplingKeywords
 
 
 @with_signature
@@ -86,6 +89,10 @@ class ModeCoupling(PlanarSlider):
 
     roles: ClassVar[Mapping[str, type]] = MappingProxyType({"friction": FrictionLaw})
     reference: ClassVar[str] = "N. Hoffmann et al., Mechanics Research Communications 29 (2002) 197-205"
+
+    if TYPE_CHECKING:
+
+        def __init__(self, **given: Unpack[ModeCouplingKeywords]) -> None: ...
 
     @property
     def period(self) -> float:

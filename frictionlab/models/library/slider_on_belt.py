@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType, SimpleNamespace
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, Unpack
 
 from frictionlab.components.component import parameter
 from frictionlab.components.contact import ContactLaw, CubicContact, Interface, StickSlipSeparation
@@ -16,6 +16,9 @@ from frictionlab.models.mechanical.mechanical_model import MechanicalModel
 from frictionlab.models.mechanical.mechanics import Friction, Mechanics, SlidingStatics
 from frictionlab.models.mechanism import TiltingBelt
 from frictionlab.models.model import with_signature
+
+if TYPE_CHECKING:
+    from .keywords import SliderOnBeltKeywords
 
 
 def _mass(
@@ -145,6 +148,10 @@ class SliderOnBelt(MechanicalModel):
     )
 
     statics: ClassVar[SlidingStatics] = SlidingStatics(height="y1")
+
+    if TYPE_CHECKING:
+
+        def __init__(self, **given: Unpack[SliderOnBeltKeywords]) -> None: ...
 
     @property
     def coordinates(self) -> tuple[str, ...]:

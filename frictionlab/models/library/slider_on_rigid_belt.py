@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from math import pi
 from types import MappingProxyType
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, Unpack
 
 from frictionlab.components.component import parameter
 from frictionlab.components.contact import ContactLaw, CubicContact
@@ -23,6 +23,10 @@ from .parameter_presets import (
     speed_parameter,
     stiffness_parameter,
 )
+
+if TYPE_CHECKING:
+    from .keywords import SliderOnRigidBeltKeywords
+
 
 SOFT_TO_STIFF = (1e3, 1e5)
 
@@ -90,6 +94,10 @@ class SliderOnRigidBelt(PlanarSlider):
 
     roles: ClassVar[Mapping[str, type]] = MappingProxyType({"contact": ContactLaw, "friction": FrictionLaw})
     reference: ClassVar[str] = "Z. Li, H. Ouyang, Z. Guan, J. Vibration and Acoustics 138 (2016) 041006"
+
+    if TYPE_CHECKING:
+
+        def __init__(self, **given: Unpack[SliderOnRigidBeltKeywords]) -> None: ...
 
     @property
     def period(self) -> float:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, Unpack
 
 from frictionlab.components.friction import Coulomb, FrictionLaw
 from frictionlab.models.mechanical.mechanical_model import MechanicalModel
@@ -21,6 +21,9 @@ from .parameter_presets import (
     speed_parameter,
     stiffness_parameter,
 )
+
+if TYPE_CHECKING:
+    from .keywords import TwoBlocksKeywords
 
 
 @with_signature
@@ -77,6 +80,10 @@ class TwoBlocks(MechanicalModel):
 
     roles: ClassVar[Mapping[str, type]] = MappingProxyType({"friction": FrictionLaw})
     reference: ClassVar[str] = "U. Galvanetto, S. R. Bishop, Int. J. Mechanical Sciences 36 (1994)"
+
+    if TYPE_CHECKING:
+
+        def __init__(self, **given: Unpack[TwoBlocksKeywords]) -> None: ...
 
     @property
     def coordinates(self) -> tuple[str, ...]:

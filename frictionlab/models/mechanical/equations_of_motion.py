@@ -122,7 +122,7 @@ class LagrangeSystem:
 
     def at_rest(self, expression: Any) -> Any:
         """The value at zero velocities: that of a relative velocity is the speed of the belt."""
-        return sympy.sympify(expression).subs(dict.fromkeys(self.v, 0))
+        return sympy.sympify(expression, strict=True).subs(dict.fromkeys(self.v, 0))
 
     def direction(self, contact: Friction | Stop) -> Any:
         """W: where the contact's force enters, friction or the reaction of a stop, (n, 1)."""
@@ -174,7 +174,7 @@ def system_at(model: Any, q: Sequence[Any], v: Sequence[Any]) -> LagrangeSystem:
     about = _in_regimes(model.mechanics(at, SimpleNamespace(**dict(zip(names, v, strict=True)))), model)
     momenta = [sympy.diff(about.kinetic, rate) for rate in v]
     mass = sympy.Matrix(momenta).jacobian(v)
-    loads = tuple(sympy.sympify(about.loads.get(name, 0)) for name in names)
+    loads = tuple(sympy.sympify(about.loads.get(name, 0), strict=True) for name in names)
     # In matrix form where the statics need K; the form determines the last bits of equilibria.
     linear = model.statics is not None
     internal = _with_matrices(about, q, v) if linear else _internal(about, momenta, q, v)
@@ -197,7 +197,7 @@ def _internal(about: Mechanics, momenta: Sequence[Any], q: Sequence[Any], v: Seq
 
 def _with_matrices(about: Mechanics, q: Sequence[Any], v: Sequence[Any]) -> Any:
     """C q' + K q - f, of quadratic energies."""
-    slopes = [sympy.sympify(sympy.diff(about.stored, x)) for x in q]
+    slopes = [sympy.sympify(sympy.diff(about.stored, x), strict=True) for x in q]
     damping = _jacobian([sympy.diff(about.dissipation, rate) for rate in v], v)
     stiffness = _jacobian(slopes, q)
     constant = [slope.subs(dict.fromkeys(q, 0)) for slope in slopes]

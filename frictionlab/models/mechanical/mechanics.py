@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from typing import Any
 
 from frictionlab.components.contact import Interface, StickSlipSeparation
 from frictionlab.components.friction import FrictionLaw
 from frictionlab.components.impact import ImpactLaw
+from frictionlab.validation import abbreviate
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,6 +116,16 @@ class Mechanics:
     contacts: tuple[Friction | Stop, ...] = ()
     loads: Mapping[str, Any] = field(default_factory=dict)
     frequency: Any = None
+
+    def __post_init__(self) -> None:
+        potential = self.potential.values() if isinstance(self.potential, Mapping) else [self.potential]
+        given = [self.kinetic, *potential, self.dissipation, *self.loads.values(), self.frequency]
+        given += [getattr(contact, about.name) for contact in self.contacts for about in fields(contact)]
+        if texts := [one for one in given if isinstance(one, str)]:  # which sympy would run as Python
+            raise TypeError(
+                f"energies, loads and contacts must be expressions, got the text {abbreviate(texts[0])}: "
+                "write it with the coordinates q, the velocities v and the parameters, as in self.k * q.x**2"
+            )
 
     @property
     def stored(self) -> Any:

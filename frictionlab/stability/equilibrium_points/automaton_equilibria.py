@@ -121,7 +121,7 @@ def _constants_at_rest(automaton: HybridAutomaton, functions: Sequence[Any]) -> 
     """The values at zero velocities of those functions that do not depend on other states."""
     n = automaton.coordinates
     at_rest = dict.fromkeys(automaton.states[n : 2 * n], 0)
-    held = [sympy.sympify(c).subs(at_rest) for c in functions]
+    held = [sympy.sympify(c, strict=True).subs(at_rest) for c in functions]
     return [c.subs(automaton.parameters) for c in held if not c.free_symbols & set(automaton.states)]
 
 
@@ -162,7 +162,7 @@ def _is_admissible(mode: Mode, flow: Flow, x: Array, values: Sequence[Any]) -> A
 def _constraints(mode: Mode, flow: Flow) -> tuple[Callable[..., Any], Callable[..., Any]]:
     """The constraints of a mode, and the sizes of the terms that cancel in each."""
     at_rest = dict.fromkeys(flow.states, 0)
-    held = [sympy.sympify(c) for c in mode.constraints]
+    held = [sympy.sympify(c, strict=True) for c in mode.constraints]
     terms = [[c.subs(at_rest), *(sympy.diff(c, s) * s for s in flow.states)] for c in held]
     sizes = [sum(abs(term) for term in some) for some in terms]
     return flow.compiled(held), flow.compiled(sizes)

@@ -26,5 +26,19 @@ def test_refused(make, message):
         make()
 
 
+@pytest.mark.parametrize(
+    "automaton",
+    [
+        fl.HybridAutomaton((X, V), (fl.Mode("on", (V, "-x")),)),
+        fl.HybridAutomaton((X, V), (fl.Mode("on", (V, -X), (fl.Event("end", "x", ("on",)),)),)),
+        fl.HybridAutomaton((X, V), (fl.Mode("on", (V, -X), outputs={"u": "x"}),)),
+    ],
+)
+def test_a_text_is_no_expression(automaton):
+    """sympy would run it as Python."""
+    with pytest.raises(TypeError, match=r"must be an expression, got the text '-?x': write it with"):
+        fl.solve(automaton, 1.0, x0=[1.0, 0.0])
+
+
 def test_its_repr_has_the_names_and_no_equations():
     assert repr(fl.HybridAutomaton((X, V), (ON,), {}, 1)) == "HybridAutomaton(states x, v; modes on)"

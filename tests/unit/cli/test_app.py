@@ -52,7 +52,8 @@ def test_ctrl_c_ends_it_cleanly(tmp_path):
     ) as process:
         try:
             address = re.fullmatch(
-                r"Explorer at (http://localhost:\d+/) \(ctrl-C ends it\)\n", process.stdout.readline()
+                r"Explorer at (http://localhost:\d+/)\?token=[\w-]{43} \(ctrl-C ends it\)\n",
+                process.stdout.readline(),
             )[1]
             assert list(tmp_path.glob("frictionlab-*/explorer.ipynb"))
             answer = served(address)
@@ -68,7 +69,7 @@ def test_ctrl_c_ends_it_cleanly(tmp_path):
 
 
 def served(address):
-    """The policy that the server states, once it answers; to be asked for the head only starts no kernel."""
+    """The policy that the server states, once it answers; without its token it starts no kernel."""
     for _ in range(300):
         try:
             urlopen(Request(address, method="HEAD"), timeout=60).close()

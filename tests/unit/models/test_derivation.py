@@ -21,6 +21,7 @@ from frictionlab.components import (
     StickSlipSeparation,
 )
 from frictionlab.models import SliderOnBelt
+from frictionlab.models.mechanical.mechanics import Mechanics, Stop
 
 TOGGLES = [names for size in range(4) for names in combinations(("cubic", "nonsmooth", "geometry"), size)]
 INTERFACES = [StickSlipSeparation(), StickSlip(), SlidingSeparation(), SlidingOnly()]
@@ -52,6 +53,21 @@ def right_hand_side(p, state, friction):
         (-normal - first - second) / p["m"],
         (normal * (x1 - x2) - p["l1"] * first + p["l2"] * second) / p["J"],
     ]
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        {"kinetic": "x**2"},
+        {"kinetic": 0, "potential": {"spring": "x**2"}},
+        {"kinetic": 0, "loads": {"x": "F"}},
+        {"kinetic": 0, "contacts": (Stop("x", PlasticImpact()),)},
+    ],
+)
+def test_a_text_is_no_energy_load_or_contact(given):
+    """sympy would run it as Python."""
+    with pytest.raises(TypeError, match="must be expressions, got the text"):
+        Mechanics(**given)
 
 
 @pytest.fixture

@@ -38,7 +38,18 @@ def test_an_output_is_its_name():
 
 
 @pytest.mark.parametrize(
-    "text", ["__import__('os')", "x1.__class__", "x1[0]", "x1 if x1 else y1", "", "x1 = 2", "x1,", "x1(2)"]
+    "text",
+    [
+        "__import__('os')",
+        "x1.__class__",
+        "x1[0]",
+        "x1 if x1 else y1",
+        "",
+        "x1 = 2",
+        "x1,",
+        "x1(2)",
+        "9**9**9",
+    ],
 )
 def test_what_is_no_expression_is_refused(text):
     with pytest.raises(ValueError, match="section"):

@@ -1,0 +1,183 @@
+"""The server of `frictionlab app`: Voila, for whoever has the link, on this machine, with few kernels.
+
+Voila and jupyter-server have tokens, cookies, the check of a request's origin, and an end for idle kernels.
+Here they are put together: a token that is compared in constant time, given up for a cookie and taken out of
+the address; requests that name another host are refused; and kernels are counted.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import hmac
+import threading
+import webbrowser
+from pathlib import Path
+from typing import Any
+
+from jupyter_server.auth.identity import IdentityProvider
+from jupyter_server.base.call_context import CallContext
+from jupyter_server.services.kernels.kernelmanager import AsyncMappingKernelManager
+from tornado import web
+from traitlets.config import Config
+from voila.app import Voila
+from voila.tornado.handler import TornadoVoilaHandler
+
+# Names by which a browser on this machine calls it. Another site can give its own name this machine's address
+# (DNS rebinding), so that the browser takes the explorer for a part of that site.
+LOCAL_HOSTS = r"(localhost|127\.0\.0\.1|\[::1\])$"
+MAX_KERNELS = 4  # explorers at once; a kernel takes some 310 MB
+IDLE_TIME = 120  # s that a kernel is kept for a page that went away: a network's pause, a laptop's lid
+IDLE_CHECK = 20  # s from one look for such kernels to the next
+LINK_NEEDED = "The explorer needs the whole link that frictionlab app printed, with its token"
+TOO_MANY = f"{MAX_KERNELS} explorers are open: close one of their pages, then reload this one"
+# Voila's page requests an optional style sheet from another server, and stays blank until that answers
+# or fails: with that request forbidden the page appears at once, also without a network.
+CONTENT_SECURITY_POLICY = (
+    "default-src 'self' ws: data: blob: 'unsafe-inline' 'unsafe-eval'; frame-ancestors 'self'"
+)
+# A browser sends such a cookie for a page of ours that is opened, from wherever the link is, but not for what
+# the page of another site loads or sends.
+SAME_SITE = {"samesite": "Lax"}
+
+
+class LinkIdentity(IdentityProvider):
+    """Knows whoever brings the link's token, and from then on the cookie; refuses all others."""
+
+    async def get_user(self, handler: Any) -> Any:  # type: ignore[override]  # the base's may be awaited as well
+        user = await super().get_user(handler)  # type: ignore[misc]
+        if user is None:
+            handler.current_user = None  # which the page that says so asks for
+            raise web.HTTPError(403, reason=LINK_NEEDED)
+        return user
+
+    async def get_user_token(self, handler: Any) -> Any:
+        """The user who gave the token; compared in a time that does not tell how much of it was right."""
+        given = self.get_token(handler) or ""
+        if not hmac.compare_digest(given.encode(), str(self.token).encode()):
+            return None
+        return self.get_user_cookie(handler) or self.generate_anonymous_user(handler)
+
+    def is_token_authenticated(self, handler: Any) -> bool:
+        """Never: a page of another site may not call even with the token, so that origins are checked."""
+        return False
+
+    def get_handlers(self) -> list[Any]:
+        """No form to log in with: there is the link."""
+        return []
+
+
+class PageKernels(AsyncMappingKernelManager):
+    """A kernel for each explorer that is open; those of pages that are gone, or idle, are ended.
+
+    A page that is reloaded leaves its kernel behind before it asks for the next one, so what the same browser
+    has without a page is ended first. No more than `MAX_KERNELS` run at once.
+    """
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__(cull_idle_timeout=IDLE_TIME, cull_interval=IDLE_CHECK, **options)
+        self._page_of: dict[str, ExplorerPage] = {}  # that which a kernel was started for
+        self._one_at_a_time = asyncio.Lock()  # between the count and the start nobody else starts one
+
+    async def start_kernel(self, **options: Any) -> str:  # type: ignore[override]
+        page: ExplorerPage = CallContext.get(CallContext.JUPYTER_HANDLER)
+        async with self._one_at_a_time:
+            await self._make_room(page.browser)
+            kernel_id = await super().start_kernel(**options)
+            self._page_of[kernel_id] = page
+        return kernel_id
+
+    async def _make_room(self, browser: str) -> None:
+        unconnected = [about["id"] for about in self.list_kernels() if not about["connections"]]
+        without_page = [kernel_id for kernel_id in unconnected if self._page_of[kernel_id].is_sent]
+        for kernel_id in without_page:
+            if self._page_of[kernel_id].browser == browser:
+                await self._end(kernel_id)
+        for kernel_id in without_page:  # the oldest first
+            if len(self) >= MAX_KERNELS:
+                await self._end(kernel_id)
+        if len(self) >= MAX_KERNELS:
+            raise web.HTTPError(503, reason=TOO_MANY)
+
+    async def _end(self, kernel_id: str) -> None:
+        with contextlib.suppress(
+            web.HTTPError, KeyError
+        ):  # its page, as it closes, may have ended it meanwhile
+            await self.shutdown_kernel(kernel_id, now=True)
+
+
+class ExplorerPage(TornadoVoilaHandler):
+    """The page itself, without the token in its address, where others might read it from the screen."""
+
+    is_sent = False  # as long as it is being made its kernel is in use, though nobody has connected to it yet
+
+    @property
+    def browser(self) -> str:
+        """Whose cookie came with the request."""
+        return self.current_user.username
+
+    def on_finish(self) -> None:
+        self.is_sent = True
+        super().on_finish()
+
+    def on_connection_close(self) -> None:
+        """The browser does not wait for it any more: it was closed, or reloaded."""
+        self.is_sent = True
+        super().on_connection_close()
+
+    async def get(self, path: str | None = None) -> None:
+        if not self.check_origin():
+            raise web.HTTPError(403)
+        if not path and self.get_query_arguments("token"):
+            self.redirect(self.base_url)
+            return
+        self.xsrf_token  # noqa: B018  # asked for, it becomes the cookie by which a page that closes ends its kernel
+        sent: Any = super().get(path=path)
+        await sent
+
+
+class ExplorerServer(Voila):
+    """Voila with these kernels, this page and this identity."""
+
+    def init_handlers(self) -> list[Any]:
+        """Handlers for this machine's own names; for others a refusal, in which all that is left ends."""
+        handlers: Any = super().init_handlers()
+        own = [(pattern, _page(handler), *rest) for pattern, handler, *rest in handlers]
+        self.app.add_handlers(LOCAL_HOSTS, own)
+        return [(r".*", web.ErrorHandler, {"status_code": 403})]
+
+    def launch_browser(self) -> None:
+        """Open the link by a file beside the notebook: in a command's arguments all users could read it."""
+        link = f"{self.connection_url}?token={self.token}"
+        page = Path(str(self.notebook_path)).with_name("open.html")
+        page.write_text(f'<meta http-equiv="refresh" content="0; url={link}">', encoding="utf-8")
+        threading.Thread(target=webbrowser.open, args=(page.as_uri(),), daemon=True).start()
+
+
+def _page(handler: Any) -> Any:
+    return ExplorerPage if handler is TornadoVoilaHandler else handler
+
+
+def serve(notebook: Path, port: int, token: str, browser: bool) -> None:
+    """Serve the notebook's page until the loop is stopped."""
+    config = Config(
+        {
+            "VoilaConfiguration": {"show_tracebacks": True, "multi_kernel_manager_class": PageKernels},
+            "LinkIdentity": {"cookie_options": SAME_SITE},
+        }
+    )
+    ExplorerServer.launch_instance(
+        [str(notebook)],
+        config=config,
+        config_file_paths=[],  # else a file voila.py in the folder one happens to be in would be run
+        log_level="ERROR",
+        port=port,
+        port_retries=0,
+        token=token,
+        open_browser=browser,
+        identity_provider_class=LinkIdentity,
+        tornado_settings={
+            "headers": {"Content-Security-Policy": CONTENT_SECURITY_POLICY},
+            "xsrf_cookie_kwargs": SAME_SITE,
+        },
+    )
