@@ -83,7 +83,7 @@ def program_of(
     remembered = pack_partial_program if any(isinstance(mode, Sketch) for mode in chosen) else pack_program
     with _ONE_AT_A_TIME:  # else two threads might have two programs of one structure
         program = remembered(automaton.states, chosen, parameters, automaton.coordinates, *riders, apart)
-    return program, program.numbers(tuple(automaton.parameters.values()))
+    return program, program.numbers(tuple(map(float, automaton.parameters.values())))
 
 
 @lru_cache(maxsize=256)
