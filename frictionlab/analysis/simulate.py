@@ -160,5 +160,5 @@ def load(path: str | Path, model: Any = None) -> Trajectory:
 def _model_in_file(stored: StoredRun) -> Model:
     try:
         return Model.from_dict(stored.description["model"])
-    except (ValueError, TypeError) as error:
+    except (ValueError, TypeError, RecursionError) as error:
         raise ValueError(f"{stored.path} holds a run of a model that cannot be made: {error}") from error

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from contextlib import suppress
 from collections.abc import Mapping
 from typing import Any
 
@@ -113,8 +114,10 @@ def solve(
 
 def _description(method: Method, t_end: float, source: Any) -> dict[str, Any]:
     """What is said of a run beside its arrays, as data that JSON can hold."""
-    model = {"model": source.to_dict()} if hasattr(source, "to_dict") else {}
-    return {"method": method.describe(), "t_end": float(t_end), **model}
+    about = {"method": method.describe(), "t_end": float(t_end)}
+    with suppress(TypeError):  # a model with a field that JSON cannot hold; a saved run holds its automaton
+        return about | ({"model": source.to_dict()} if hasattr(source, "to_dict") else {})
+    return about
 
 
 def with_chatter_limit(automaton: HybridAutomaton, limit: float) -> HybridAutomaton:

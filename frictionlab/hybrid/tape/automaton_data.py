@@ -10,7 +10,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import Any, NamedTuple
+from dataclasses import dataclass
+from typing import Any
 
 import sympy as sp
 from sympy.functions.elementary.piecewise import ExprCondPair
@@ -30,7 +31,8 @@ MAX_CHARACTERS = 200  # of a name
 NUMBER, TRUTH, PAIR = "number", "truth", "pair"
 
 
-class Operation(NamedTuple):
+@dataclass(frozen=True)
+class Operation:
     """An operation of sympy: how many arguments it takes, of what kinds, and what it gives."""
 
     make: Callable[..., Any]
@@ -73,7 +75,8 @@ class UnknownOperation(ValueError):
     """An expression that the file has no operation for."""
 
 
-class Node(NamedTuple):
+@dataclass(frozen=True)
+class Node:
     """An expression, with what bounds its size: see MAX_DEPTH and those that follow."""
 
     expression: Any

@@ -109,7 +109,7 @@ def test_a_description_without_its_entries_is_refused(saved, tmp_path):
     [
         ("nodes", lambda nodes: [*nodes[:-1], ["system", 0]], "the operation 'system'"),
         ("nodes", lambda nodes: nodes[:-1], "an integer from 0"),
-        ("states", lambda states: states[:1], "the flow of mode 'left'"),
+        ("states", lambda states: states[:1], "coordinates must leave room"),
         ("parameters", lambda parameters: [], "neither a state nor a parameter"),
         ("parameters", lambda parameters: [[parameters[0][0], 5.0]], "a run with the parameters"),
     ],
