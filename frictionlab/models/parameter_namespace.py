@@ -54,7 +54,9 @@ def structural_values(cls: type, given: dict[str, Any]) -> dict[str, Any]:
     values = {**usual, **{name: given.pop(name) for name in names if name in given}}
     for name in names:
         if name not in values:
-            raise TypeError(f"{cls.__name__} needs {name}, which has no default: write {cls.__name__}({name}=...)")
+            raise TypeError(
+                f"{cls.__name__} needs {name}, which has no default: write {cls.__name__}({name}=...)"
+            )
     return values
 
 

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
+from itertools import pairwise
 from typing import ClassVar
 
 import frictionlab as fl
@@ -46,7 +47,9 @@ class Fitted(FrictionLaw):
 class Chain(MechanicalModel):
     """Masses in a row on springs, the first of which rubs on a belt."""
 
-    m: float = fl.parameter(1.0, unit="kg", symbol="m", meaning="mass", range=(0.1, 10.0), exclusive_minimum=0.0)
+    m: float = fl.parameter(
+        1.0, unit="kg", symbol="m", meaning="mass", range=(0.1, 10.0), exclusive_minimum=0.0
+    )
     k: float = fl.parameter(2.0, unit="N/m", symbol="k", meaning="stiffness", range=(0.1, 10.0))
     v: float = fl.parameter(0.5, unit="m/s", symbol="v", meaning="speed of the belt", range=(-3.0, 3.0))
     masses: int = 2
@@ -71,7 +74,7 @@ class Chain(MechanicalModel):
     def mechanics(self, q, v):
         """Springs between neighbours, and from both ends to the walls, or from the first end only."""
         x, rates = ([getattr(each, name) for name in self.coordinates] for each in (q, v))
-        stretched = [x[0], *(b - a for a, b in zip(x, x[1:]))] + ([x[-1]] if self.ends == "fixed" else [])
+        stretched = [x[0], *(b - a for a, b in pairwise(x))] + ([x[-1]] if self.ends == "fixed" else [])
         kinetic = sum(w * self.m * rate**2 / 2 for w, rate in zip(self.weights, rates))
         load = self.spare.kinetic(1.0, 0.0) + (1.0 if self.wear is Wear.OLD else 0.0)
         return Mechanics(

@@ -1,4 +1,4 @@
-"""Fields that are no physical numbers, of laws and models: a number of masses, a name, a table, a law within."""
+"""Fields that are no physical numbers, of laws and models: a number of masses, a name, a table, a law."""
 
 import copy
 import inspect
