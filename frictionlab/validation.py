@@ -106,3 +106,8 @@ def unknown_parameter(owner: str, name: Any, known: Sequence[str], hint: str = "
     A TypeError, as Python's for an unknown keyword, since parameters are keywords of models.
     """
     return TypeError(f"{owner} has no parameter {name!r}{hint or did_you_mean_or_known(name, known)}")
+
+
+def with_cure(error: OSError, path: Any, cure: str) -> OSError:
+    """The error of the system about a file, of the same class, with the path and what can be done."""
+    return type(error)(error.errno, f"{error.strerror or error}: {cure}", str(path))

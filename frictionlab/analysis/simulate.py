@@ -11,9 +11,9 @@ import numpy as np
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.hybrid.methods.base import Method
 from frictionlab.hybrid.methods.method_registry import method_of
-from frictionlab.hybrid.run_file import trajectory_from_file
+from frictionlab.hybrid.run_file import automaton_in_file, trajectory_from_file
 from frictionlab.hybrid.solve import solve
-from frictionlab.hybrid.storage import read_run_file
+from frictionlab.hybrid.storage import StoredRun, read_run_file
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models import Model
 from frictionlab.models.coercion import automaton_of, require_model
@@ -139,18 +139,26 @@ def load(path: str | Path, model: Any = None) -> Trajectory:
     ----------
     path : path
     model : model or automaton, optional
-        The model or automaton of the run, where the file does not contain it: needed for automata of
-        :func:`frictionlab.solve`, and for laws of your own that are not defined in this session.
+        The model or automaton of the run; by default that in the file.  Needed for laws and models of your
+        own that are not defined in this session, and for the automaton of a model given to
+        :func:`frictionlab.solve`.  It must be the same as that of the run.
 
     Raises
     ------
+    OSError
+        Where there is no such file, or it cannot be read.
     ValueError
-        Where the file is no saved run, or its model cannot be made.
+        Where the file is no saved run, is damaged, or its model cannot be made or is another than that given.
     """
     stored = read_run_file(path)
     if model is None and "model" in stored.description:
-        model = Model.from_dict(stored.description["model"])
-    if model is None:
-        raise ValueError(f"{path} holds a run of an automaton: give it as load(path, model=automaton)")
-    automaton = model.automaton() if isinstance(model, Model) else model
+        model = _model_in_file(stored)
+    automaton = automaton_in_file(stored) if model is None else automaton_of(model)
     return trajectory_from_file(stored, automaton, model if isinstance(model, Model) else None)
+
+
+def _model_in_file(stored: StoredRun) -> Model:
+    try:
+        return Model.from_dict(stored.description["model"])
+    except (ValueError, TypeError, RecursionError) as error:
+        raise ValueError(f"{stored.path} holds a run of a model that cannot be made: {error}") from error

@@ -8,6 +8,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
+from enum import Enum
 from functools import cache
 from inspect import get_annotations
 from math import isfinite
@@ -202,6 +203,8 @@ class Component:
     def __post_init__(self) -> None:
         for name, about in parameters_of(type(self)).items():
             object.__setattr__(self, name, check_value(name, getattr(self, name), about))
+        for name in structure_of(type(self)):
+            _check_structure(type(self).__name__, name, getattr(self, name))
         self.check()
 
     def check(self) -> None:
@@ -213,5 +216,23 @@ class Component:
         return self
 
     def __repr__(self) -> str:
-        values = (f"{f.name}={getattr(self, f.name)!r}" for f in fields(self))
+        values = (f"{f.name}={value_repr(getattr(self, f.name))}" for f in fields(self))
         return f"{type(self).__name__}({', '.join(values)})"
+
+
+def _check_structure(owner: str, name: str, value: Any) -> None:
+    """Raise TypeError for a list, a mapping or an array: equations are derived once for every value."""
+    try:
+        hash(value)
+    except TypeError:
+        raise TypeError(
+            f"{name} of {owner} must not change later, as its equations depend on it, got {value!r}: "
+            "write a tuple or a number"
+        ) from None
+
+
+def value_repr(value: Any) -> str:
+    """An expression that makes the value of a field again: of an enum Kind.NAME."""
+    if isinstance(value, tuple):
+        return f"({', '.join(map(value_repr, value))}{',' * (len(value) == 1)})"
+    return f"{type(value).__name__}.{value.name}" if isinstance(value, Enum) else repr(value)

@@ -8,13 +8,39 @@ import numpy as np
 
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.automaton.modes_on_demand import ModesOnDemand
+from frictionlab.hybrid.kernels.jets import MAX_ORDER
 from frictionlab.hybrid.problem import Problem, RunData, Status
 from frictionlab.hybrid.solve import with_chatter_limit
 from frictionlab.hybrid.storage import STORED_ARRAYS, StoredRun, rates_by_mode
+from frictionlab.hybrid.tape.automaton_data import automaton_from_data
 from frictionlab.hybrid.tape.packing import program_of, program_of_modes
 from frictionlab.hybrid.trajectory import Sampling, Trajectory
 
+MAX_PARTS = 1000  # of a step, in samples: methods take eight at most
+INTEGER_ARRAYS = "step_modes", "event_codes", "point_sections"
 RATES_RTOL = 1e-9  # rates by the same equations agree to rounding, on every processor
+
+
+def automaton_in_file(stored: StoredRun) -> HybridAutomaton:
+    """The automaton that a file holds.
+
+    Raises
+    ------
+    ValueError
+        Where it holds none, or it is damaged.
+    """
+    data = stored.about.get("automaton")
+    if not isinstance(data, dict):
+        reason = f", {data}" if isinstance(data, str) else ""
+        raise ValueError(
+            f"{stored.path} holds a run without its automaton{reason}: give it as load(path, model=automaton)"
+        )
+    try:
+        automaton = automaton_from_data(data)
+        program_of(automaton)  # which checks that it is well formed, and is remembered
+        return automaton
+    except (ValueError, ArithmeticError) as error:
+        raise ValueError(f"{stored.path} is damaged, {error}: save the run again") from error
 
 
 def trajectory_from_file(stored: StoredRun, automaton: HybridAutomaton, source: Any = None) -> Trajectory:
@@ -40,7 +66,7 @@ def _trajectory(stored: StoredRun, automaton: HybridAutomaton, source: Any) -> T
     saved = about["mode_names"]  # by which steps and events are numbered
     known = isinstance(modes, ModesOnDemand) and all(name in automaton.names for name in saved)
     _check_same(stored, "mode_names", saved if known else list(automaton.names))
-    _check_same(stored, "parameters", {str(k): v for k, v in automaton.parameters.items()})
+    _check_same(stored, "parameters", {str(k): float(v) for k, v in automaton.parameters.items()})
     program, numbers = program_of_modes(automaton, tuple(saved)) if known else program_of(automaton)
     _check_same(stored, "guards", list(program.guards))
     _check_arrays(stored, len(program.guards))
@@ -81,6 +107,11 @@ def _check_same(stored: StoredRun, what: str, given: Any) -> None:
     )
 
 
+def _ascend(times: np.ndarray) -> bool:
+    """Whether times are an ascending list, from 0 on."""
+    return times.ndim == 1 and bool((np.diff(times, prepend=0.0) >= 0.0).all())
+
+
 def _check_rates(stored: StoredRun, rates: dict[str, list[float]]) -> None:
     """Raise ValueError unless the equations give the rates that were saved."""
     for mode, saved in stored.about["rates"].items():
@@ -113,8 +144,14 @@ def _check_arrays(stored: StoredRun, guards: int) -> None:
         "the modes in event_codes": (arrays["event_codes"][:, 1], -1, modes),
         "point_sections": (arrays["point_sections"], 0, len(about["samples"]["sections"])),
         "mode": (np.array([about["mode"]]), -1, modes),
+        "order": (np.array([about["samples"]["order"]]), 1, MAX_ORDER + 1),
+        "parts": (np.array([about["samples"]["parts"]]), 1, MAX_PARTS + 1),
     }
     wrong = [name for name, shape in shapes.items() if arrays[name].shape != shape]
+    numbers = [name for name in arrays if name not in INTEGER_ARRAYS]
+    wrong += [name for name in numbers if arrays[name].dtype != np.float64]
+    if not _ascend(arrays.get("t_eval", np.zeros(0))) or not _ascend(arrays["step_times"][..., 0]):
+        wrong.append("step_times or t_eval")
     for name, (values, low, high) in indices.items():
         if values.dtype.kind not in "iu" or (values < low).any() or (values >= high).any():
             wrong.append(name)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -108,8 +109,10 @@ def solve(
 
 def _description(method: Method, t_end: float, source: Any) -> dict[str, Any]:
     """What is said of a run beside its arrays, as data that JSON can hold."""
-    model = {"model": source.to_dict()} if hasattr(source, "to_dict") else {}
-    return {"method": method.describe(), "t_end": float(t_end), **model}
+    about = {"method": method.describe(), "t_end": float(t_end)}
+    with suppress(TypeError):  # a model with a field that JSON cannot hold; a saved run holds its automaton
+        return about | ({"model": source.to_dict()} if hasattr(source, "to_dict") else {})
+    return about
 
 
 def with_chatter_limit(automaton: HybridAutomaton, limit: float) -> HybridAutomaton:

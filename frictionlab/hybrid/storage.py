@@ -6,11 +6,13 @@ checked before kernels see it, as they check no indices; errors name the path.
 
 from __future__ import annotations
 
+import io
 import json
 import os
 import zipfile
 import zlib
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -20,11 +22,16 @@ import numpy as np
 from frictionlab._version import __version__
 from frictionlab.hybrid.kernels.jets import state_rates
 from frictionlab.hybrid.problem import Problem, RunData
+from frictionlab.validation import with_cure
 
 FILE_FORMAT = 2
 STORED_ARRAYS = (*RunData._fields[:9], "state")  # of a run, beside the end's time and mode
 
-UNREADABLE = zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, RuntimeError  # in archives
+# What archives, arrays and JSON raise where they are no such thing.
+DAMAGED = (
+    *(zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, RuntimeError, OSError, MemoryError),
+    *(ValueError, TypeError, KeyError, AttributeError, SyntaxError, OverflowError),
+)
 
 
 @dataclass(frozen=True)
@@ -51,9 +58,14 @@ def write_run_file(path: str | Path, about: Mapping[str, Any], arrays: Mapping[s
     try:
         with open(beside, "wb") as stream:
             np.savez_compressed(stream, **everything)
+            stream.flush()
+            os.fsync(stream.fileno())  # else a power cut may leave an empty file under the new name
         os.replace(beside, path)
+    except OSError as error:
+        raise with_cure(error, path, "save the run elsewhere, or make room") from error
     finally:
-        beside.unlink(missing_ok=True)
+        with suppress(OSError):
+            beside.unlink(missing_ok=True)
     return path
 
 
@@ -62,17 +74,23 @@ def read_run_file(path: str | Path) -> StoredRun:
 
     Raises
     ------
+    OSError
+        Where there is none, or it cannot be read.
     ValueError
         Where it is not such a file.
     """
-    with open(path, "rb") as stream:
-        try:
-            with np.load(stream, allow_pickle=False) as file:
-                arrays = {name: file[name] for name in file.files}
-            about = json.loads(str(arrays.pop("about")))
-        except (*UNREADABLE, OSError, ValueError, TypeError, KeyError, AttributeError) as error:
-            raise ValueError(f"{path} is no saved run: write one with run.save(path)") from error
-    if about.get("format") != FILE_FORMAT:
+    try:
+        content = io.BytesIO(Path(path).read_bytes())
+    except OSError as error:
+        raise with_cure(error, path, "give a file that run.save(path) wrote") from error
+    try:
+        with np.load(content, allow_pickle=False) as file:
+            arrays = {name: file[name] for name in file.files}
+        about = json.loads(str(arrays.pop("about")))
+    except DAMAGED as error:
+        raise ValueError(f"{path} is no saved run: write one with run.save(path)") from error
+    if not isinstance(about, dict) or about.get("format") != FILE_FORMAT:
+        about = about if isinstance(about, dict) else {}
         raise ValueError(
             f"{path} has format {about.get('format')}, this version reads {FILE_FORMAT}: read it with "
             f"frictionlab {about.get('version')}"

@@ -26,6 +26,7 @@ from frictionlab.hybrid.kernels.taylor_steps import sample_states, subdivide_ste
 from frictionlab.hybrid.outputs import evaluate_output
 from frictionlab.hybrid.problem import Problem, RunData
 from frictionlab.hybrid.storage import STORED_ARRAYS, rates_by_mode, write_run_file
+from frictionlab.hybrid.tape.automaton_data import storable_automaton
 from frictionlab.hybrid.tape.packing import program_of, program_of_modes
 from frictionlab.presentation import count, dataframe, dataset, output_unit, state_unit
 from frictionlab.validation import did_you_mean
@@ -342,7 +343,7 @@ class Trajectory(Drawable):
         raw, samples, program = self.raw, self.samples, self.problem.program
         about = {
             "states": self.names,
-            "parameters": {str(k): v for k, v in self.automaton.parameters.items()},
+            "parameters": {str(k): float(v) for k, v in self.automaton.parameters.items()},
             "mode_names": program.modes,
             "guards": program.guards,
             "rates": rates_by_mode(self.problem, raw),
@@ -354,6 +355,8 @@ class Trajectory(Drawable):
             "wall_time": self._wall_time,
             "description": dict(self.description),
         }
+        if "model" not in self.description:
+            about["automaton"] = storable_automaton(self.automaton)
         arrays = {name: getattr(raw, name) for name in STORED_ARRAYS}
         if samples.t_eval is not None:
             arrays["t_eval"] = samples.t_eval

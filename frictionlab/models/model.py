@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self, TypeVar
 
-from frictionlab.components.component import Component, parameters_of
+from frictionlab.components.component import Component, parameters_of, value_repr
 from frictionlab.models.mechanical.mechanics import SlidingStatics
 
 from .mechanism import Mechanism, TiltingBelt
@@ -21,6 +21,9 @@ from .parameter_namespace import (
     parameter_table,
     refuse_positional,
     refuse_unknown,
+    structural_defaults,
+    structural_fields,
+    structural_values,
     with_values,
 )
 from .serialisation import component_from_dict, component_to_dict
@@ -49,7 +52,8 @@ class Model(Component):
     **A model of your own** is a frozen dataclass, decorated with :func:`with_signature`, that has
 
     * fields made with :func:`~frictionlab.parameter`, and one for each component, with a default;
-    * `roles`: which fields are components, and of which kind;
+    * `roles`: which fields are components, and of which kind; other fields are structure, such as a number of
+      masses or the name of a variant, by which the equations differ;
     * `coordinates`: the names of its n coordinates;
     * either :meth:`~frictionlab.models.MechanicalModel.mechanics` (derive from
       :class:`~frictionlab.models.MechanicalModel`): energies and contacts, from which modes and equations
@@ -97,7 +101,10 @@ class Model(Component):
             role: check_component(role, base, given.pop(role, getattr(cls, role)))
             for role, base in self.roles.items()
         }
+        structure = structural_values(cls, given)
         refuse_unknown(given, cls, self.roles, components)
+        for name, value in structure.items():
+            object.__setattr__(self, name, value)
         for name, about in parameters_of(cls).items():
             object.__setattr__(self, name, given.get(name, about.default))
         owner = parameter_owners(cls, components)
@@ -167,7 +174,8 @@ class Model(Component):
         ValueError
             For a value that breaks a rule.
         """
-        own = {name: getattr(self, name) for name in parameters_of(type(self))}
+        names = (*parameters_of(type(self)), *structural_fields(type(self)))
+        own = {name: getattr(self, name) for name in names}
         return type(self)(**{**own, **self.components, **changes})
 
     def without(self, *names: str) -> Self:
@@ -267,7 +275,10 @@ def with_signature(cls: type[M]) -> type[M]:
 
 def _differences(model: Model) -> list[str]:
     """Differences from the defaults, as keywords that recreate the model."""
-    usual = type(model)()
+    structure = {name: getattr(model, name) for name in structural_fields(type(model))}
+    defaults = structural_defaults(type(model))
+    usual = type(model)(**{name: value for name, value in structure.items() if name not in defaults})
+    other = {n: v for n, v in structure.items() if n not in defaults or v != defaults[n]}
     same = {
         role for role, component in model.components.items() if type(component) is type(getattr(usual, role))
     }
@@ -277,6 +288,7 @@ def _differences(model: Model) -> list[str]:
     ]
     texts = [f"{n}={model.parameters[n]!r}" for n in values if model.parameters[n] != usual.parameters[n]]
     whole = [role for role in model.roles if role not in same or _restructured(model, usual, role)]
+    texts += [f"{name}={value_repr(value)}" for name, value in other.items()]
     return texts + [f"{role}={getattr(model, role)!r}" for role in whole]
 
 

@@ -8,11 +8,56 @@ import dataclasses
 import inspect
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import cache
 from html import escape
 from typing import Any
 
-from frictionlab.components.component import Component, Parameter, is_decorated, parameters_of
+from frictionlab.components.component import (
+    Component,
+    Parameter,
+    is_decorated,
+    parameters_of,
+    structure_of,
+    value_repr,
+)
 from frictionlab.validation import unknown_parameter
+
+
+@cache
+def structural_fields(cls: type) -> tuple[str, ...]:
+    """Names of a model's fields that are neither parameters nor components with a role: a number of masses,
+    the name of a variant."""
+    roles = getattr(cls, "roles", {})
+    return tuple(name for name in structure_of(cls) if name not in roles)
+
+
+def structural_defaults(cls: type) -> dict[str, Any]:
+    """Defaults of these fields, without those that have none."""
+    found = {}
+    for field in (f for f in dataclasses.fields(cls) if f.name in structural_fields(cls)):
+        if field.default is not dataclasses.MISSING:
+            found[field.name] = field.default
+        elif field.default_factory is not dataclasses.MISSING:
+            found[field.name] = field.default_factory()
+    return found
+
+
+def structural_values(cls: type, given: dict[str, Any]) -> dict[str, Any]:
+    """Values of these fields, taken out of the keywords of a constructor.
+
+    Raises
+    ------
+    TypeError
+        Where one is missing that has no default.
+    """
+    names, usual = structural_fields(cls), structural_defaults(cls) if structural_fields(cls) else {}
+    values = {**usual, **{name: given.pop(name) for name in names if name in given}}
+    for name in names:
+        if name not in values:
+            raise TypeError(
+                f"{cls.__name__} needs {name}, which has no default: write {cls.__name__}({name}=...)"
+            )
+    return values
 
 
 def parameter_owners(cls: type, components: Mapping[str, Component]) -> dict[str, str]:
@@ -24,7 +69,7 @@ def parameter_owners(cls: type, components: Mapping[str, Component]) -> dict[str
         If two of them share a name.
     """
     found = dict.fromkeys(parameters_of(cls), "")
-    taken = {*found, *components}
+    taken = {*found, *components, *structural_fields(cls)}
     for role, component in components.items():
         for name in parameters_of(type(component)):
             if name in taken:
@@ -56,7 +101,7 @@ def refuse_unknown(
     given: Iterable[str], cls: type, roles: Mapping[str, type], components: Mapping[str, Component]
 ) -> None:
     """Raise TypeError for the first name that is neither a parameter nor a component of the model."""
-    known = [*parameter_owners(cls, components), *roles]
+    known = [*parameter_owners(cls, components), *roles, *structural_fields(cls)]
     for name in given:
         if name not in known:
             raise unknown_parameter(cls.__name__, name, known, owner_among_laws(name, roles, components))
@@ -90,6 +135,7 @@ def model_signature(cls: type, components: Mapping[str, Component]) -> inspect.S
     for component in components.values():
         values |= {name: getattr(component, name) for name in parameters_of(type(component))}
     keyword = inspect.Parameter.KEYWORD_ONLY
+    values |= dict.fromkeys(structural_fields(cls), inspect.Parameter.empty) | structural_defaults(cls)
     return inspect.Signature(
         [inspect.Parameter(k, keyword, default=v) for k, v in (values | dict(components)).items()]
     )
@@ -164,8 +210,9 @@ def parameter_table(model: Any) -> ParameterTable:
         )
         for name, value in model.parameters.items()
     )
-    laws = ", ".join(f"{role} {type(component).__name__}" for role, component in components.items())
-    return ParameterTable(f"{type(model).__name__}: {laws}", tuple(rows))
+    laws = [f"{role} {type(component).__name__}" for role, component in components.items()]
+    other = [f"{name} {value_repr(getattr(model, name))}" for name in structural_fields(type(model))]
+    return ParameterTable(f"{type(model).__name__}: {', '.join([*laws, *other])}", tuple(rows))
 
 
 def _html_cells(row: ParameterRow) -> str:

@@ -8,7 +8,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import fields
+from enum import Enum
 from typing import Any
+
+import numpy as np
 
 from frictionlab.components.component import Component
 
@@ -19,12 +22,35 @@ def class_path(cls: type) -> str:
 
 
 def component_to_dict(component: Component) -> dict[str, Any]:
-    """Class and fields of a component, those that are components in the same way."""
+    """Class and fields of a component; components among them in the same way, tuples as lists.
+
+    Raises
+    ------
+    TypeError
+        For a field that is no number, text, truth value, None, enum, component, nor a tuple of such.
+    """
     values = {f.name: getattr(component, f.name) for f in fields(component)}
+    owner = type(component).__name__
     return {
         "class": class_path(type(component)),
-        "fields": {k: component_to_dict(v) if isinstance(v, Component) else v for k, v in values.items()},
+        "fields": {name: _value_to_data(value, f"{owner}.{name}") for name, value in values.items()},
     }
+
+
+def _value_to_data(value: Any, owner: str) -> Any:
+    if isinstance(value, Component):
+        return component_to_dict(value)
+    if isinstance(value, Enum) and value.name in type(value).__members__:
+        return {"enum": class_path(type(value)), "name": value.name}
+    if isinstance(value, tuple):
+        return [_value_to_data(each, owner) for each in value]
+    value = value.item() if isinstance(value, np.generic) else value
+    if value is None or isinstance(value, (bool, int, float, str)):
+        return value
+    raise TypeError(
+        f"{owner} holds {value!r}, which no file can hold: make it a number, a text, True or False, None, an "
+        "enum, a component, or a tuple of these"
+    )
 
 
 def component_from_dict(data: Mapping[str, Any], base: type) -> Any:
@@ -39,11 +65,27 @@ def component_from_dict(data: Mapping[str, Any], base: type) -> Any:
         raise ValueError(f"a {base.__name__} must be a mapping with 'class' and 'fields', got {data!r}")
     cls = _loaded_class(data.get("class"), base)
     roles: Mapping[str, type] = getattr(cls, "roles", {})
-    values = {k: component_from_dict(v, roles[k]) if k in roles else v for k, v in data["fields"].items()}
+    values = {
+        name: component_from_dict(value, roles[name]) if name in roles else _value_from_data(value)
+        for name, value in data["fields"].items()
+    }
     try:
         return cls(**values)
-    except TypeError as error:
+    except (TypeError, AttributeError) as error:
         raise ValueError(f"{cls.__name__} cannot be made from {dict(data['fields'])!r}: {error}") from error
+
+
+def _value_from_data(data: Any) -> Any:
+    if isinstance(data, (list, tuple)):
+        return tuple(_value_from_data(each) for each in data)
+    if not isinstance(data, Mapping):
+        return data
+    if "class" in data:
+        return component_from_dict(data, Component)
+    members = getattr(_loaded_class(data.get("enum"), Enum), "__members__", {})
+    if data.get("name") not in members:
+        raise ValueError(f"{data.get('enum')} must have {data.get('name')!r}, it has {', '.join(members)}")
+    return members[data["name"]]
 
 
 def _loaded_class(name: object, base: type) -> type:

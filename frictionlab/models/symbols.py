@@ -33,11 +33,12 @@ class Structure(NamedTuple):
 
 
 def structure_of_component(component: Component) -> Structure:
-    """The structure of a component, and of the components it is made of."""
+    """The structure of a component, and of those that have roles in it; other fields are as they are."""
     reduced = component.reduced()
-    values = (getattr(reduced, name) for name in structure_of(type(reduced)))
+    roles = getattr(type(reduced), "roles", {})
+    values = {name: getattr(reduced, name) for name in structure_of(type(reduced))}
     return Structure(
-        type(reduced), tuple(structure_of_component(v) if isinstance(v, Component) else v for v in values)
+        type(reduced), tuple(structure_of_component(v) if k in roles else v for k, v in values.items())
     )
 
 

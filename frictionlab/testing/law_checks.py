@@ -6,13 +6,14 @@ again.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from enum import Enum
 from typing import Any
 
 import numpy as np
 import sympy as sp
 
 from frictionlab.components import ContactLaw, FrictionLaw, ImpactLaw
-from frictionlab.components.component import Component, Parameter, parameters_of
+from frictionlab.components.component import Component, Parameter, parameters_of, structure_of
 from frictionlab.models.serialisation import component_from_dict, component_to_dict
 from frictionlab.models.symbols import structure_of_component, symbol, symbolic_copy
 
@@ -51,8 +52,17 @@ def check_round_trip(subject: Component) -> None:
 
 def _class_names(subject: Component) -> dict[str, type]:
     """The classes that a repr may name."""
-    parts = [getattr(subject, name) for name in getattr(subject, "roles", ())]
-    return {type(part).__name__: type(part) for part in (subject, *parts)}
+    found = {type(subject).__name__: type(subject)}
+    waiting = [getattr(subject, name) for name in structure_of(type(subject))]
+    while waiting:
+        value = waiting.pop()
+        if isinstance(value, tuple):
+            waiting += value
+        elif isinstance(value, Component):
+            found |= _class_names(value)
+        elif isinstance(value, Enum):
+            found[type(value).__name__] = type(value)
+    return found
 
 
 def check_law(law: Component) -> None:

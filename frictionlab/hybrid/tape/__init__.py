@@ -19,6 +19,8 @@
     Also which functions are zero by construction after an event.
 ``automaton_checks``
     One clear error for an automaton that is not well formed.
+``automaton_data``
+    An automaton as data for the file of a run, and back to the same tape; nothing in the file is evaluated.
 
 An automaton's structure goes through `packing` once; new values of parameters cost one call of
 `Program.numbers`.

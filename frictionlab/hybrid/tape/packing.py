@@ -97,7 +97,7 @@ def program_of(
             program = _growing_program(automaton.states, modes, *about).with_known_modes()
         else:
             program = pack_program(automaton.states, chosen, *about, on_demand)
-    return program, program.numbers(tuple(automaton.parameters.values()))
+    return program, program.numbers(tuple(map(float, automaton.parameters.values())))
 
 
 @lru_cache(maxsize=256)

@@ -77,13 +77,18 @@ CRAFTED = {
     "point_states": lambda a: a[:, :0],
     "state": lambda a: a[:1],
     "mode": lambda mode: 77,
+    "order": lambda samples: {**samples, "order": 10**9},
+    "parts": lambda samples: {**samples, "parts": 0},
+    "event_times": lambda a: a.astype(complex),
+    "step_times or t_eval": lambda a: a[::-1],
 }
+NAMED = {"order": "samples", "parts": "samples", "step_times or t_eval": "step_times"}
 
 
 @pytest.mark.parametrize("name", CRAFTED)
 def test_arrays_that_cannot_be_are_refused(saved, tmp_path, name):
     _, path = saved
-    crafted = changed(path, tmp_path / "crafted.npz", **{name: CRAFTED[name]})
+    crafted = changed(path, tmp_path / "crafted.npz", **{NAMED.get(name, name): CRAFTED[name]})
     with pytest.raises(ValueError, match="is damaged") as caught:
         fl.load(crafted, model=oscillator())
     assert str(crafted) in str(caught.value)
@@ -97,6 +102,26 @@ def test_a_description_without_its_entries_is_refused(saved, tmp_path):
         with pytest.raises(ValueError, match="crafted") as caught:
             fl.load(crafted, model=oscillator())
         assert str(crafted) in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("name", "change", "word"),
+    [
+        ("nodes", lambda nodes: [*nodes[:-1], ["system", 0]], "the operation 'system'"),
+        ("nodes", lambda nodes: nodes[:-1], "an integer from 0"),
+        ("states", lambda states: states[:1], "coordinates must leave room"),
+        ("parameters", lambda parameters: [], "neither a state nor a parameter"),
+        ("parameters", lambda parameters: [[parameters[0][0], 5.0]], "a run with the parameters"),
+    ],
+)
+def test_an_automaton_that_cannot_be_is_refused(saved, tmp_path, name, change, word):
+    _, path = saved
+    crafted = changed(
+        path, tmp_path / "crafted.npz", automaton=lambda data: {**data, name: change(data[name])}
+    )
+    with pytest.raises(ValueError, match=word) as caught:
+        fl.load(crafted)
+    assert str(crafted) in str(caught.value)
 
 
 def faults(whole):

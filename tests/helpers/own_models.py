@@ -1,0 +1,100 @@
+"""A law and a model of users, with fields of every kind that is no physical number."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import Enum
+from itertools import pairwise
+from typing import ClassVar
+
+import frictionlab as fl
+from frictionlab.components import Coulomb, FrictionLaw
+from frictionlab.models import MechanicalModel, Mechanics, with_signature
+from frictionlab.models.mechanical.mechanics import Friction
+
+
+class Wear(Enum):
+    """How a surface is worn."""
+
+    NEW, OLD = "new", "old"
+
+
+@dataclass(frozen=True, repr=False)
+class Fitted(FrictionLaw):
+    """Friction that falls with speed by a series whose shares and exponents are data."""
+
+    mu: float = fl.parameter(0.5, symbol=r"\mu", meaning="friction at rest", range=(0.0, 2.0), minimum=0.0)
+    shares: tuple[float, ...] = (0.3, 0.1)
+    pairs: tuple[tuple[str, int], ...] = (("slow", 1), ("fast", 2))
+    wear: Wear = Wear.NEW
+    note: str = 'with "quotes", {braces} and \N{GREEK SMALL LETTER MU}'
+    lubricated: bool = False
+    source: str | None = None
+    base: FrictionLaw = Coulomb(mu_k=0.25, mu_s=0.5)
+
+    def kinetic(self, normal_force, speed):
+        """The base's, and a part that falls."""
+        falling = sum(s / (1 + speed) ** n for s, (_, n) in zip(self.shares, self.pairs, strict=True))
+        worn = 0.5 if self.wear is Wear.OLD else 1.0
+        return self.base.kinetic(normal_force, speed) + worn * self.mu * normal_force * falling
+
+    def static_limit(self, normal_force):
+        """At rest."""
+        return (self.mu + 1.0) * normal_force
+
+
+@with_signature
+@dataclass(frozen=True, init=False, repr=False)
+class Chain(MechanicalModel):
+    """Masses in a row on springs, the first of which rubs on a belt."""
+
+    m: float = fl.parameter(
+        1.0, unit="kg", symbol="m", meaning="mass", range=(0.1, 10.0), exclusive_minimum=0.0
+    )
+    k: float = fl.parameter(2.0, unit="N/m", symbol="k", meaning="stiffness", range=(0.1, 10.0))
+    v: float = fl.parameter(0.5, unit="m/s", symbol="v", meaning="speed of the belt", range=(-3.0, 3.0))
+    masses: int = 2
+    ends: str = "fixed"
+    wear: Wear = Wear.NEW
+    weights: tuple[float, ...] = (1.0, 0.5, 0.25)
+    spare: FrictionLaw = Fitted(shares=(0.2,), pairs=(("slow", 1),))
+    friction: FrictionLaw = Coulomb(mu_k=0.3, mu_s=0.5)
+
+    roles: ClassVar[Mapping[str, type]] = {"friction": FrictionLaw}
+
+    @property
+    def coordinates(self):
+        """x1, x2, ..."""
+        return tuple(f"x{i + 1}" for i in range(self.masses))
+
+    @property
+    def period(self):
+        """Of one mass, s."""
+        return 4.0
+
+    def mechanics(self, q, v):
+        """Springs between neighbours, and from both ends to the walls, or from the first end only."""
+        x, rates = ([getattr(each, name) for name in self.coordinates] for each in (q, v))
+        stretched = [x[0], *(b - a for a, b in pairwise(x))] + ([x[-1]] if self.ends == "fixed" else [])
+        kinetic = sum(w * self.m * rate**2 / 2 for w, rate in zip(self.weights, rates))
+        load = self.spare.kinetic(1.0, 0.0) + (1.0 if self.wear is Wear.OLD else 0.0)
+        return Mechanics(
+            kinetic=kinetic,
+            potential=sum(self.k * each**2 / 2 for each in stretched),
+            contacts=(Friction(self.v - rates[0], 1.0 + load, self.friction),),
+        )
+
+
+@with_signature
+@dataclass(frozen=True, init=False, repr=False)
+class NeedsNumber(fl.Model):
+    """A structural field that has no default."""
+
+    degree: int
+    coordinates = ("x",)
+
+    def derive(self):
+        """x' = -x^degree."""
+        from frictionlab.models.symbols import symbol
+
+        x, rate = symbol("x"), symbol("x'")
+        return fl.HybridAutomaton((x, rate), (fl.Mode("only", (rate, -(x**self.degree))),), {}, 1)
