@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from threading import Lock
 from typing import Any, overload
 
 from .mode import Mode
+
+LOGGER = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,6 +76,7 @@ class ModesOnDemand(Sequence[Mode]):
         name = self._sketches[index].name
         with self._one_at_a_time:
             if name not in self._derived:
+                LOGGER.debug("deriving mode %r, to which a run came", name)
                 self._derived[name] = self._derive(name)
         return self._derived[name]
 

@@ -6,22 +6,19 @@ comparisons it is a point on a circle, so that the end of a period is its beginn
 
 from __future__ import annotations
 
-import re
 from typing import Any
 
 import numpy as np
-import sympy
 
 from frictionlab.analysis.motion_scales import Array
 from frictionlab.automaton import Mode
 from frictionlab.hybrid.events import SectionPoints
 from frictionlab.hybrid.outputs import array_function
+from frictionlab.hybrid.tape.expression_text import read_expression
 from frictionlab.hybrid.trajectory import Trajectory
-from frictionlab.validation import check_number, did_you_mean_or_known
+from frictionlab.validation import check_number
 
 STICK = "stick"
-NAME_PATTERN = re.compile(r"(?<![\w.])[A-Za-z_]\w*'?")
-ARITHMETIC_PATTERN = re.compile(r"(?!.*\.\s*[A-Za-z_])[\w\s.+*/()'-]+")
 BISECTIONS = 40
 EVENT_TIME_ATOL = 1e-9  # s: a crossing so near to an event is at the event, but for rounding
 Section = str | tuple[str, int]
@@ -109,49 +106,13 @@ def section_function(automaton: Any, section: Section) -> dict[str, Any]:
         return {}
     text, direction = (section, 0) if isinstance(section, str) else _check_pair(section)
     check_number("the section's direction", direction, integer=True, least=-1, most=1, cure="0 takes both")
-    return {"section": (parse_section(automaton, text), direction)}
+    return {"section": (read_expression(automaton, text, "section"), direction)}
 
 
 def _check_pair(section: Any) -> Any:
     if isinstance(section, (tuple, list)) and len(section) == 2 and isinstance(section[0], str):
         return section
     raise ValueError(f'section must be "stick", an expression, or (expression, direction), got {section!r}')
-
-
-def parse_section(automaton: Any, text: str) -> Any:
-    """The text as an expression of the automaton's states and parameters; x' is the rate of x.
-
-    The name of an output is returned as it is.
-    """
-    if text in automaton.outputs:
-        return text
-    symbols = {_identifier(symbol.name): symbol for symbol in (*automaton.states, *automaton.parameters)}
-    unknown = [word for word in NAME_PATTERN.findall(text) if _identifier(word) not in symbols]
-    if unknown:
-        known = [symbol.name for symbol in automaton.states]
-        hint = did_you_mean_or_known(unknown[0], known)
-        raise ValueError(f"section {text!r} has the unknown name {unknown[0]!r}{hint}")
-    found = symbols.get(_identifier(text)) or _parse(
-        text, symbols
-    )  # a single name needs no parser, which is slow
-    if not isinstance(found, sympy.Expr) or not found.free_symbols & {*automaton.states}:
-        raise ValueError(f'section must be an expression of the states such as "x1 - x2", got {text!r}')
-    return found
-
-
-def _parse(text: str, symbols: dict[str, Any]) -> Any:
-    """The text as a sympy expression, None where it is none; sympy's parser evaluates text, so it is given
-    only arithmetic."""
-    if not ARITHMETIC_PATTERN.fullmatch(text):
-        return None
-    try:
-        return sympy.parse_expr(_identifier(text), local_dict=symbols)
-    except Exception:  # the parser raises errors of many kinds
-        return None
-
-
-def _identifier(name: str) -> str:
-    return name.replace("'", "_rate")
 
 
 def sections_to_record(automaton: Any, section: Section | None) -> dict[str, Any]:
