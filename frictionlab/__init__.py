@@ -10,6 +10,7 @@ stub beside this file, ``__init__.pyi``.
 
 from __future__ import annotations
 
+import logging
 from importlib import import_module
 from typing import Any
 
@@ -23,6 +24,8 @@ def _names_in_stub() -> dict[str, str]:
         imports = [line.split() for line in stub if line.startswith("from .")]
     return {words[3]: words[1].lstrip(".") for words in imports}
 
+
+logging.getLogger(__name__).addHandler(logging.NullHandler())  # what is logged is the user's to show
 
 _HOME = _names_in_stub()
 # a type checker reads the stub, and need not follow how this list is made

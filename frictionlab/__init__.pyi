@@ -76,6 +76,7 @@ from .hybrid.methods.runge_kutta import Tableau as Tableau
 from .hybrid.methods.scipy_methods import Scipy as Scipy
 from .hybrid.methods.taylor import Taylor as Taylor
 from .hybrid.problem import Status as Status
+from .hybrid.progress import progress as progress
 from .hybrid.solve import solve as solve
 from .hybrid.trajectory import Trajectory as Trajectory
 from .hybrid.variational.tangent_flow import TangentFlow as TangentFlow

@@ -18,6 +18,21 @@ if TYPE_CHECKING:
 MAX_CHARACTERS = 100  # characters of a value that a message shows
 
 
+def plain_number(value: Any) -> Any:
+    """What an array of no dimension holds; anything else as it is.
+
+    Such arrays are what numpy and xarray give for one element or a mean.
+    """
+    return value.item() if getattr(value, "shape", None) == () and hasattr(value, "item") else value
+
+
+def store_plain_numbers(settings: Any) -> None:
+    """Replace arrays of no dimension among the fields of a frozen dataclass by the numbers they hold."""
+    for name, value in list(vars(settings).items()):
+        if (number := plain_number(value)) is not value:
+            object.__setattr__(settings, name, number)
+
+
 def check_number(
     name: str,
     value: Any,
@@ -28,8 +43,9 @@ def check_number(
     above: float = -math.inf,
     below: float = math.inf,
     cure: str = "",
-) -> None:
-    """Raise unless `value` is a finite number within the bounds."""
+) -> Any:
+    """The value, as a plain number; raises unless it is a finite number within the bounds."""
+    value = plain_number(value)
     kind = "an integer" if integer else "a finite number"
     rules = [kind]
     rules += [f"at least {least:g}"] if least > -math.inf else []
@@ -43,6 +59,7 @@ def check_number(
         or not (least <= value <= most and above < value < below)
     ):
         raise ValueError(f"{name} must be {', '.join(rules)}, got {value!r}" + (f": {cure}" if cure else ""))
+    return value
 
 
 def _is_number(value: Any) -> bool:

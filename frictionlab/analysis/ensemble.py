@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -49,7 +49,7 @@ def ensemble(
         initial states: ``[model] * 100``.
     t_end : float
         End time in seconds, positive.
-    x0 : "rest", "near", or array_like (2n,) or (N, 2n)
+    x0 : "rest", "near", mapping, array_like (2n,) or (N, 2n), or a sequence of the former
         Initial state of all, or of each.
     method : "taylor" or Taylor
     progress : bool
@@ -77,7 +77,7 @@ def ensemble(
     chosen = method_of(method)
     if not isinstance(chosen, Taylor):
         raise ValueError(f"method must be 'taylor' or a Taylor, got {method!r}: use fl.sweep for others")
-    check_number("t_end", t_end, above=0.0, cure="give the length of the runs in seconds")
+    t_end = check_number("t_end", t_end, above=0.0, cure="give the length of the runs in seconds")
     if not isinstance(models, Iterable):
         raise TypeError(
             f"models must be a sequence of models, got {models!r}: write [model], or [model] * 100"
@@ -110,8 +110,14 @@ def advance_group(group: Batch, t_end: float) -> None:
         advance_batch(group, t_end, bar)
 
 
+def _is_one_for_each(x0: Any) -> bool:
+    if isinstance(x0, (str, Mapping)):
+        return False
+    return np.ndim(x0) == 2 or (np.ndim(x0) == 1 and any(isinstance(each, (str, Mapping)) for each in x0))
+
+
 def _problems(models: Sequence[Any], x0: Any, t_end: float, method: Taylor) -> list[Problem]:
-    each = x0 if not isinstance(x0, str) and np.ndim(x0) == 2 else [x0] * len(models)
+    each = x0 if _is_one_for_each(x0) else [x0] * len(models)
     if len(each) != len(models):
         raise ValueError(
             f"x0 must hold a state for each of the {len(models)} models, got {len(each)}: give as many"

@@ -10,7 +10,7 @@ import numpy as np
 from frictionlab.analysis.simulate import validate_initial_state
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.drawable import Drawable
-from frictionlab.hybrid.progress import PROGRESS_DELAY
+from frictionlab.hybrid.progress import progress_bar
 from frictionlab.hybrid.solve import solve
 from frictionlab.hybrid.variational.tangent_flow import tangent_growth
 from frictionlab.models.coercion import automaton_of
@@ -70,7 +70,7 @@ def lyapunov(
     Parameters
     ----------
     model : Model or HybridAutomaton
-    x0 : "rest", "near" or array_like (n,)
+    x0 : "rest", "near", mapping or array_like (n,)
         Of an automaton "rest" (all states zero) or an array.
     transient : float
         Seconds that are thrown away.
@@ -98,9 +98,9 @@ def lyapunov(
     >>> found.chaotic
     False
     """
-    check_number("transient", transient, least=0.0, cure="give the seconds to throw away")
-    check_number("t_end", t_end, above=0.0, cure="give the seconds to average over")
-    check_number("blocks", blocks, integer=True, least=2, cure="20 parts are usual")
+    transient = check_number("transient", transient, least=0.0, cure="give the seconds to throw away")
+    t_end = check_number("t_end", t_end, above=0.0, cure="give the seconds to average over")
+    blocks = check_number("blocks", blocks, integer=True, least=2, cure="20 parts are usual")
     automaton = automaton_of(model)
     state = validate_initial_state(model, x0, automaton)
     if transient:
@@ -108,12 +108,8 @@ def lyapunov(
     motion = _run(automaton, t_end / blocks, state, progress).states
     size = state_scales(motion, automaton.coordinates)
     rows = np.linalg.qr(np.random.default_rng(0).normal(size=(len(size),) * 2))[0] * size
-    from tqdm.auto import tqdm
-
     growths = []
-    for _ in tqdm(
-        range(blocks + 1), desc="lyapunov", leave=False, delay=PROGRESS_DELAY, disable=not progress
-    ):
+    for _ in progress_bar(range(blocks + 1), desc="lyapunov", shown=progress):
         run = _run(automaton, t_end / blocks, state, False)
         rows, growth = tangent_growth(run, rows, size)
         growths.append(growth)

@@ -14,7 +14,7 @@ from typing import Any, TypedDict
 
 from frictionlab.hybrid.methods.base import Method
 from frictionlab.hybrid.methods.method_registry import method_of
-from frictionlab.validation import abbreviate, check_number, did_you_mean
+from frictionlab.validation import abbreviate, check_number, did_you_mean, store_plain_numbers
 
 from .steady_state.poincare_sections import Section
 
@@ -64,6 +64,7 @@ class SteadyStateOptions:
     rtol: float = 1e-3
 
     def __post_init__(self) -> None:
+        store_plain_numbers(self)
         check_number("window", self.window, above=0.0, cure="give the seconds to look at")
         check_number("transient", self.transient, least=0.0, cure="give the seconds to throw away")
         check_number("tolerance", self.tolerance, above=0.0, cure="1e-6 suits the exact solver")
@@ -112,6 +113,7 @@ class Execution:
     progress: bool = True
 
     def __post_init__(self) -> None:
+        store_plain_numbers(self)
         if self.workers is not None:
             check_number(
                 "workers", self.workers, integer=True, least=1, cure="leave it out for all processors"

@@ -12,25 +12,28 @@ from frictionlab.automaton import HybridAutomaton
 from frictionlab.hybrid.methods.base import Method
 from frictionlab.hybrid.methods.method_registry import method_of
 from frictionlab.hybrid.run_file import automaton_in_file, trajectory_from_file
-from frictionlab.hybrid.solve import solve
+from frictionlab.hybrid.solve import solve, state_from_mapping
 from frictionlab.hybrid.storage import StoredRun, read_run_file
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models import Model
 from frictionlab.models.coercion import automaton_of, require_model
 from frictionlab.stability import equilibrium
-from frictionlab.validation import abbreviate, check_choice, float_array
+from frictionlab.validation import abbreviate, check_choice, float_array, plain_number
 
 NEAR_EQUILIBRIUM_FACTOR = 1.01  # "near": the equilibrium displaced by one percent
 
 
 def model_initial_state(model: Any, x0: Any, automaton: Any = None) -> Any:
-    """The state that a name stands for; of an array the states it leaves out are zero.
+    """The state that a name stands for; of a mapping the states it leaves out are as at rest, of an array
+    zero.
 
     Give the model's automaton where it is at hand, to save its assembly.
     """
-    if not isinstance(model, Model):  # an automaton, whose start is an array
+    if not isinstance(model, Model):  # an automaton, whose start is an array or by name
         return x0
     automaton = model.automaton() if automaton is None else automaton
+    if isinstance(x0, Mapping):
+        return state_from_mapping(automaton, x0, model_initial_state(model, "rest", automaton))
     n, names = len(model.coordinates), [symbol.name for symbol in automaton.states]
     if not isinstance(x0, str):
         return np.append(x0, np.zeros(len(names) - 2 * n)) if np.shape(x0) == (2 * n,) else x0
@@ -42,6 +45,13 @@ def model_initial_state(model: Any, x0: Any, automaton: Any = None) -> Any:
     for name, value in model.release().items():
         start[names.index(name)] = value
     return start
+
+
+def named_state(x0: Any) -> Any:
+    """An initial state as data that JSON can hold; names stay names."""
+    if isinstance(x0, Mapping):
+        return {name: plain_number(value) for name, value in x0.items()}
+    return x0 if isinstance(x0, str) else np.asarray(x0, dtype=float).tolist()
 
 
 def initial_state_of(model: Any, x0: Any) -> np.ndarray:
@@ -61,6 +71,8 @@ def validate_initial_state(model: Any, x0: Any, automaton: HybridAutomaton) -> n
 
 def resolve_initial_state(model: Any, x0: Any, automaton: HybridAutomaton | None = None) -> Any:
     """The state (2n,) that a name stands for, of a model or an automaton."""
+    if isinstance(model, HybridAutomaton) and isinstance(x0, Mapping):
+        return state_from_mapping(model, x0, np.zeros(len(model.states)))
     if isinstance(model, HybridAutomaton) and isinstance(x0, str):
         check_choice("x0", x0, ("rest",), "or give numbers, one for each state")
         return np.zeros(len(model.states))
@@ -86,12 +98,13 @@ def simulate(
         SliderOnBelt, another of :func:`frictionlab.list_models`, or your own.
     t_end : float
         End time in seconds, positive.
-    x0 : "rest", "near" or array_like (2n,)
+    x0 : "rest", "near", mapping or array_like (2n,)
         "rest": coordinates and velocities zero, or where the model says it is released.  "near": the sliding
-        equilibrium with its coordinates displaced by one percent, velocities zero.  An array holds
+        equilibrium with its coordinates displaced by one percent, velocities zero.  A mapping such as
+        ``{"x1": 0.1, "x1'": -0.2}`` gives some states; the others are as at rest.  An array holds
         coordinates, then velocities; further states of a model, such as the phase of a force, are zero where
         they are left out.
-    method : "taylor", Taylor(...), "rk4", RK4(...), Scipy(...), or the name of a scipy method
+    method : "taylor", "rk4", the name of a scipy method such as "dop853", Taylor(...), RK4(...), Scipy(...)
         "taylor" is exact to rounding; RK4 is the paper's algorithm.
     t_eval : array_like or None
         Ascending times of the samples, one at least; None samples every step.

@@ -7,6 +7,7 @@ come to.
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import islice, product
@@ -21,6 +22,8 @@ JOINT = " | "  # separates the regimes in a mode's name
 NO_PARTS = "only"  # the name of the mode where there are no parts
 LISTED = 243  # modes that a message lists, most: those of five contacts
 Combination = tuple[int, ...]  # the number of a regime for each part
+
+LOGGER = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, eq=False)
@@ -188,6 +191,7 @@ class ModesOnDemand(Sequence[Mode]):
         with self._one_at_a_time:
             if combination not in self._derived and combination not in self._refused:
                 if self._allows(combination):
+                    LOGGER.debug("deriving mode %r, to which a run came", self.names.name_of(combination))
                     self._derived[combination] = self._derive(combination)
                 else:
                     self._refused[combination] = None

@@ -16,6 +16,8 @@ from numbers import Real
 from types import MappingProxyType
 from typing import Any
 
+from frictionlab.validation import plain_number
+
 METADATA_KEY = "frictionlab parameter"
 
 
@@ -158,7 +160,7 @@ def check_value(name: str, value: Any, about: Parameter) -> float:
     ValueError
         If it is not finite or out of bounds.
     """
-    number = _finite_number(name, value, about)
+    number = _finite_number(name, plain_number(value), about)
     if about.exclusive_minimum is not None and not number > about.exclusive_minimum:
         raise ValueError(
             _value_message(name, f"greater than {about.exclusive_minimum:g}", number, f"raise {name}", about)

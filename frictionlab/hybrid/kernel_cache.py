@@ -8,6 +8,7 @@ or can write to.  Whatever goes wrong, as on a full disk, the cache misses: noth
 from __future__ import annotations
 
 import hashlib
+import logging
 import os
 import pickle
 import stat
@@ -20,6 +21,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+LOGGER = logging.getLogger(__name__)
 FOLDER_VARIABLE = "FRICTIONLAB_CACHE_DIR"
 CHECKSUM_BYTES = 32
 # What is kept of all versions together.  The kernels of a run take 12 MB, a structure's code 0.3 MB, and what
@@ -129,6 +131,7 @@ def _prune(base: Path) -> None:
     for used, size, path in sorted(_files(base), reverse=True):
         kept += size
         if kept > KEPT_BYTES or now - used > KEPT_SECONDS:
+            LOGGER.info("removing %s from the cache", path)
             with suppress(OSError):
                 path.unlink()
                 path.parent.rmdir()  # fails while there is more in it
@@ -161,7 +164,9 @@ class KernelCache:
         path = self._path(signature, context)
         content = None if path is None else read(path)
         if content is None:
+            LOGGER.info("compiling kernel %s: not in the cache", self._function.__name__)
             return None
+        LOGGER.debug("kernel %s found in the cache", self._function.__name__)
         from numba.core.compiler import CompileResult
 
         try:

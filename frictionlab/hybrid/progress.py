@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import sys
 import threading
@@ -10,6 +11,59 @@ from types import TracebackType
 from typing import Any
 
 PROGRESS_DELAY = 1.0  # seconds before a bar is shown
+PROGRESS_VARIABLE = "FRICTIONLAB_PROGRESS"  # of the environment: 0, off, no or false shows no bars
+
+_switch = {"shown": os.environ.get(PROGRESS_VARIABLE, "1").strip().lower() not in ("0", "off", "no", "false")}
+
+
+class ProgressSetting:
+    """A setting of `progress`; at the end of a ``with`` block the one before holds again."""
+
+    def __init__(self, before: bool) -> None:
+        self._before = before
+
+    def __enter__(self) -> ProgressSetting:
+        return self
+
+    def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        _switch["shown"] = self._before
+
+
+def progress(shown: bool) -> ProgressSetting:
+    """Show progress bars or none, from now on or within a ``with`` block.
+
+    Without bars nothing is said of the compilation of the solver either.  ``progress=False`` of a single
+    function shows none in any case.  The environment variable FRICTIONLAB_PROGRESS=0 does the same for all
+    sessions.
+
+    Parameters
+    ----------
+    shown : bool
+
+    Returns
+    -------
+    ProgressSetting
+        For ``with``.
+
+    Examples
+    --------
+    >>> import frictionlab as fl
+    >>> with fl.progress(False):
+    ...     run = fl.simulate(fl.SliderOnBelt(), 0.1)
+    """
+    if not isinstance(shown, bool):
+        raise TypeError(f"shown must be True or False, got {shown!r}: write fl.progress(False)")
+    setting = ProgressSetting(_switch["shown"])
+    _switch["shown"] = shown
+    return setting
+
+
+def progress_bar(*arguments: Any, shown: bool = True, **options: Any) -> Any:
+    """A bar of tqdm that appears after a second and leaves nothing behind, if bars are shown at all."""
+    from tqdm.auto import tqdm
+
+    usual = {"leave": False, "delay": PROGRESS_DELAY, "disable": not (shown and _switch["shown"])}
+    return tqdm(*arguments, **(usual | options))
 
 
 class Progress:
@@ -21,7 +75,8 @@ class Progress:
 
     def __init__(self, t_end: float, show: bool = True, compiling: bool = False) -> None:
         # In a thread of a sweep, which has a bar of its own, runs show none.
-        self._t_end, self._show = t_end, show and threading.current_thread() is threading.main_thread()
+        alone = threading.current_thread() is threading.main_thread()
+        self._t_end, self._show = t_end, show and _switch["shown"] and alone
         self._compiling = compiling
         self._stop = False
         self._since = time.monotonic()
@@ -58,7 +113,5 @@ class Progress:
         return self._stop
 
     def _new_bar(self) -> Any:
-        from tqdm.auto import tqdm
-
         form = "{l_bar}{bar}| {n:.4g}/{total:.4g} s [{elapsed}<{remaining}]"
-        return tqdm(total=self._t_end, leave=False, bar_format=form, desc="simulate")
+        return progress_bar(total=self._t_end, bar_format=form, desc="simulate", delay=0.0)

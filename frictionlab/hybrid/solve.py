@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import time
 from collections.abc import Mapping
 from contextlib import suppress
@@ -17,10 +18,19 @@ from frictionlab.hybrid.methods.method_registry import method_of
 from frictionlab.hybrid.problem import Problem
 from frictionlab.hybrid.progress import Progress
 from frictionlab.hybrid.tape.automaton_checks import check_automaton, check_section_or_quadrature
+from frictionlab.hybrid.tape.expression_text import read_expression
 from frictionlab.hybrid.tape.packing import program_of
 from frictionlab.hybrid.tape.program import Numbers, Program, Section
 from frictionlab.hybrid.trajectory import Sampling, Trajectory
-from frictionlab.validation import abbreviate, check_mapping, check_number, float_array
+from frictionlab.validation import (
+    abbreviate,
+    check_mapping,
+    check_number,
+    did_you_mean_or_known,
+    float_array,
+)
+
+LOGGER = logging.getLogger(__name__)
 
 
 def solve(
@@ -43,16 +53,18 @@ def solve(
     automaton : HybridAutomaton
     t_end : float
         End time in seconds, positive.
-    x0 : array_like
-        Initial values of all states.
+    x0 : array_like or mapping
+        Initial values of all states; or of some by name, ``{"x1": 0.1}``, the others zero.
     mode : str or None
         Mode to start in; None takes the first admissible one, by the rule that follows every event.
-    method : "taylor", Taylor, RK4, Scipy, or the name of a scipy method
+    method : "taylor", "rk4", the name of a scipy method, Taylor, RK4, Scipy
+        Names in small letters or large ones.
     t_eval : array_like or None
         Ascending times of the samples, one at least; None samples every step.
     sections : mapping of name to expression or (expression, direction)
-        Zero crossings to record; they change no mode.  An expression of the states, or an output's name;
-        direction +1 rising, -1 falling, 0 both.  Method "taylor" only, like `quadratures`.
+        Zero crossings to record; they change no mode.  An expression of the states and parameters, of
+        sympy or as text such as "x1' - v" (x1' is the rate of x1), or an output's name; direction +1 rising,
+        -1 falling, 0 both.  Method "taylor" only, like `quadratures`.
     quadratures : mapping of name to expression
         Functions to be integrated over the run.  Step lengths take their accuracy into account too.
     progress : bool
@@ -74,9 +86,9 @@ def solve(
     """
     check_automaton(automaton)
     chosen = method_of(method)
-    check_number("t_end", t_end, above=0.0, cure="give the length of the run in seconds")
+    t_end = check_number("t_end", t_end, above=0.0, cure="give the length of the run in seconds")
     state, times = _states(automaton, x0), _times(t_eval, t_end)
-    asked = _sections(sections), _quadratures(quadratures)
+    asked = _sections(automaton, sections), _quadratures(automaton, quadratures)
     for name, function in [
         *((name, section.function) for name, section in asked[0].items()),
         *asked[1].items(),
@@ -93,6 +105,8 @@ def solve(
     with Progress(t_end, progress, needs_compilation(chosen.entry)) as bar:
         raw = chosen.integrate(problem, bar)
     wall_time = time.perf_counter() - begin
+    counts = len(raw.step_modes), len(raw.event_times)
+    LOGGER.debug("run to %g s: %d steps, %d events, %.3g s, %s", raw.t, *counts, wall_time, raw.status.name)
     integrals = dict(zip(asked[1], raw.state[len(state) :].tolist(), strict=True))
     problem = problem_of(automaton, state, float(t_end), mode)
     return Trajectory(
@@ -121,7 +135,19 @@ def with_chatter_limit(automaton: HybridAutomaton, limit: float) -> HybridAutoma
     return automaton.replace(chatter=limit) if "chatter" in names else automaton
 
 
+def state_from_mapping(automaton: HybridAutomaton, given: Mapping[str, Any], rest: Any) -> np.ndarray:
+    """The state with the values that are given by name, and those of `rest` for the others."""
+    state, names = np.array(rest, dtype=float), [symbol.name for symbol in automaton.states]
+    for name, value in given.items():
+        if name not in names:
+            raise ValueError(f"x0 has no state {name!r}{did_you_mean_or_known(name, names)}")
+        state[names.index(name)] = check_number(f"x0[{name!r}]", value, cure="give one in SI units")
+    return state
+
+
 def _states(automaton: HybridAutomaton, x0: Any) -> np.ndarray:
+    if isinstance(x0, Mapping):
+        return state_from_mapping(automaton, x0, np.zeros(len(automaton.states)))
     try:
         state = np.array(x0, dtype=float)
     except (TypeError, ValueError) as error:
@@ -160,9 +186,13 @@ def _times(t_eval: Any, t_end: float) -> np.ndarray | None:
     return times
 
 
-def _sections(sections: Any) -> dict[str, Section]:
+def _sections(automaton: HybridAutomaton, sections: Any) -> dict[str, Section]:
     check_mapping("sections", sections or {}, 'give each a name, such as {"top": (expression, -1)}')
-    return {name: _section(name, asked) for name, asked in (sections or {}).items()}
+    found = {name: _section(name, asked) for name, asked in (sections or {}).items()}
+    return {
+        name: section._replace(function=read_expression(automaton, section.function, f"section {name!r}"))
+        for name, section in found.items()
+    }
 
 
 def _section(name: str, asked: Any) -> Section:
@@ -178,9 +208,10 @@ def _section(name: str, asked: Any) -> Section:
     return Section(function, direction)
 
 
-def _quadratures(quadratures: Any) -> dict[str, Any]:
+def _quadratures(automaton: HybridAutomaton, quadratures: Any) -> dict[str, Any]:
     check_mapping("quadratures", quadratures or {}, 'give each a name, such as {"work": expression}')
-    return dict(quadratures or {})
+    given = (quadratures or {}).items()
+    return {name: read_expression(automaton, function, f"quadrature {name!r}") for name, function in given}
 
 
 def problem_of(

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import logging
+import time
 from functools import lru_cache
 from typing import Any
 
 from frictionlab.automaton import HybridAutomaton
 
 from .symbols import Structure, structure_of_component, symbol, symbolic_copy
+
+LOGGER = logging.getLogger(__name__)
 
 
 def state_symbols(coordinates: tuple[str, ...]) -> tuple[Any, ...]:
@@ -18,7 +22,12 @@ def state_symbols(coordinates: tuple[str, ...]) -> tuple[Any, ...]:
 @lru_cache(maxsize=256)
 def automaton_of_structure(key: Structure) -> HybridAutomaton:
     """States and modes of a structure, without the numbers."""
-    return symbolic_copy(key).derive()
+    begin = time.perf_counter()
+    model = symbolic_copy(key)
+    derived = model.derive()
+    seconds = time.perf_counter() - begin
+    LOGGER.info("derived %d modes of %s in %.2g s", len(derived.modes), type(model).__name__, seconds)
+    return derived
 
 
 def automaton_of_model(model: Any) -> HybridAutomaton:

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from frictionlab._version import __version__
+from frictionlab.hybrid.progress import progress_bar
 from frictionlab.paper.checks.claim import Claims
 
 from .registry import EVERY_CLAIM, FIGURES, WITHOUT_GEOMETRY, check, figure
@@ -166,9 +167,7 @@ def figure_variants() -> Iterator[tuple[int, str]]:
 
 
 def _progress_bar(total: int, shown: bool) -> Any:
-    from tqdm.auto import tqdm
-
-    return tqdm(total=total, desc="reproduce", disable=not shown, leave=False, position=0)
+    return progress_bar(total=total, desc="reproduce", shown=shown, delay=0.0, position=0)
 
 
 def _run_and_count(bar: Any, text: str, function: Any, *arguments: Any) -> Any:

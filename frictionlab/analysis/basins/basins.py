@@ -49,7 +49,7 @@ def basins(
     model : SliderOnBelt or HybridAutomaton
     x, y : (str, array_like)
         A state, such as "x1" or "x1'", and its initial values (N,) and (M,).
-    x0 : "rest", "near", array_like (n,) or callable
+    x0 : "rest", "near", mapping, array_like (n,) or callable
         Initial values of the other states.  A callable takes the state (n,) with the others zero, and returns
         the complete initial state.
     options : SteadyStateOptions or None
@@ -142,8 +142,10 @@ def basin_stability(
     {'equilibrium': 1.0}
     """
     settings, how = _settings("basin_stability", keywords, options, execution)
-    check_number("samples", samples, integer=True, least=1, cure="1000 give errors of 0.016 at most")
-    check_number("seed", seed, integer=True, least=0, cure="give another for other random numbers")
+    samples = check_number(
+        "samples", samples, integer=True, least=1, cure="1000 give errors of 0.016 at most"
+    )
+    seed = check_number("seed", seed, integer=True, least=0, cure="give another for other random numbers")
     check_mapping("ranges", ranges, "give states their smallest and largest values, as {'x1': (0, 1)}")
     if not ranges:
         raise ValueError("ranges must hold at least one state, got none: give its smallest and largest value")

@@ -12,7 +12,7 @@ from frictionlab.analysis.motion_scales import Array
 from frictionlab.analysis.orbits.periodic_orbit import PeriodicOrbit, mode_sequence
 from frictionlab.analysis.orbits.shooting import floquet_multipliers
 from frictionlab.drawable import Drawable
-from frictionlab.hybrid.progress import PROGRESS_DELAY
+from frictionlab.hybrid.progress import progress_bar
 from frictionlab.hybrid.solve import solve
 from frictionlab.models.coercion import automaton_of, check_parameter_name
 from frictionlab.presentation import shorten
@@ -195,11 +195,7 @@ def _check(orbit: Any, parameter: str, bounds: Any, step: float, max_points: int
 def _with_progress_bar(
     halves: Iterator[BranchHalf], bounds: tuple[float, float], progress: bool
 ) -> Iterator[BranchHalf]:
-    from tqdm.auto import tqdm
-
-    bar = tqdm(
-        halves, desc="continue orbit", unit=" orbits", leave=False, delay=PROGRESS_DELAY, disable=not progress
-    )
+    bar = progress_bar(halves, desc="continue orbit", unit=" orbits", shown=progress)
     for found in bar:
         if found.points:
             bar.set_postfix_str(f"{found.points[-1].value:.4g} in {bounds[0]:.4g} to {bounds[1]:.4g}")

@@ -92,7 +92,7 @@ def periodic_orbit(
     Parameters
     ----------
     model : Model or HybridAutomaton
-    guess : SteadyState, Trajectory, array_like (n,), "rest" or "near"
+    guess : SteadyState, Trajectory, array_like (n,), mapping, "rest" or "near"
         A periodic steady state; a run whose end is near the orbit; or a state near the orbit, see `simulate`.
         It may be of other parameter values.
     period : float or None

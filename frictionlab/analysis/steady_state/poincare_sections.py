@@ -14,12 +14,11 @@ from frictionlab.analysis.motion_scales import Array
 from frictionlab.automaton import Mode
 from frictionlab.hybrid.events import SectionPoints
 from frictionlab.hybrid.outputs import array_function
-from frictionlab.hybrid.tape.expression_text import names_in, parse_expression
+from frictionlab.hybrid.tape.expression_text import read_expression
 from frictionlab.hybrid.trajectory import Trajectory
-from frictionlab.validation import abbreviate, check_number, did_you_mean_or_known
+from frictionlab.validation import check_number
 
 STICK = "stick"
-EXPECTED = 'section must be an expression of the states such as "x1 - x2"'
 BISECTIONS = 40
 EVENT_TIME_ATOL = 1e-9  # s: a crossing so near to an event is at the event, but for rounding
 Section = str | tuple[str, int]
@@ -107,38 +106,13 @@ def section_function(automaton: Any, section: Section) -> dict[str, Any]:
         return {}
     text, direction = (section, 0) if isinstance(section, str) else _check_pair(section)
     check_number("the section's direction", direction, integer=True, least=-1, most=1, cure="0 takes both")
-    return {"section": (parse_section(automaton, text), direction)}
+    return {"section": (read_expression(automaton, text, "section"), direction)}
 
 
 def _check_pair(section: Any) -> Any:
     if isinstance(section, (tuple, list)) and len(section) == 2 and isinstance(section[0], str):
         return section
     raise ValueError(f'section must be "stick", an expression, or (expression, direction), got {section!r}')
-
-
-def parse_section(automaton: Any, text: str) -> Any:
-    """The text as an expression of the automaton's states and parameters; x' is the rate of x.
-
-    The name of an output is returned as it is.
-    """
-    if text in automaton.outputs:
-        return text
-    symbols = {symbol.name: symbol for symbol in (*automaton.states, *automaton.parameters)}
-    found = symbols.get(text) or _parse(text, symbols, [symbol.name for symbol in automaton.states])
-    if not found.free_symbols & {*automaton.states}:
-        raise ValueError(f"{EXPECTED}, got {text!r}: name one of {', '.join(map(str, automaton.states))}")
-    return found
-
-
-def _parse(text: str, symbols: dict[str, Any], states: list[str]) -> Any:
-    unknown = [name for name in names_in(text) if name not in symbols]
-    if unknown:
-        hint = did_you_mean_or_known(unknown[0], states)
-        raise ValueError(f"section {text!r} has the unknown name {unknown[0]!r}{hint}")
-    try:
-        return parse_expression(text, symbols)
-    except ValueError as error:
-        raise ValueError(f"{EXPECTED}, got {abbreviate(text)}: {error}") from None
 
 
 def sections_to_record(automaton: Any, section: Section | None) -> dict[str, Any]:

@@ -40,7 +40,7 @@ def steady_state(
     Parameters
     ----------
     model : Model or HybridAutomaton
-    x0 : "rest", "near" or array_like (2n,)
+    x0 : "rest", "near", mapping or array_like (2n,)
         Of an automaton "rest" (all states zero) or an array.
     options : SteadyStateOptions or None
         The transient, the window, the section and so on; None takes the usual ones.

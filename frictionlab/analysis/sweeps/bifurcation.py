@@ -4,7 +4,7 @@ file.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Unpack
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from frictionlab.analysis.ensemble import ensemble
 from frictionlab.analysis.options import Execution, SteadyStateOptions, StudyKeywords, merge_keywords
-from frictionlab.analysis.simulate import initial_state_of
+from frictionlab.analysis.simulate import initial_state_of, named_state
 from frictionlab.analysis.steady_state.classification import MotionKind
 from frictionlab.analysis.steady_state.steady_state import check_section, find_steady_state
 from frictionlab.analysis.sweeps.journal import Journal, read_journal, write_journal
@@ -23,6 +23,7 @@ from frictionlab.drawable import Drawable
 from frictionlab.hybrid.methods.base import Method
 from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.hybrid.problem import Status
+from frictionlab.hybrid.progress import progress_bar
 from frictionlab.models import Model
 from frictionlab.models.coercion import require_model
 from frictionlab.models.parameter_namespace import parameter_unit
@@ -208,7 +209,7 @@ def bifurcation(
     model : Model
     parameter : str
     values : array_like (N,)
-    x0 : "rest", "near", "continue" or array_like (2n,)
+    x0 : "rest", "near", "continue", mapping or array_like (2n,)
         "continue" starts each value from where the one before ended, the first from rest, and so does one
         after a run that ended early.  Values that ascend and then descend show hysteresis.  The values are
         computed one after another, in one thread.
@@ -274,8 +275,11 @@ def _models(model: Any, parameter: str, values: Any) -> list[Any]:
 
 def _initial_states(models: Sequence[Any], x0: Any) -> list[np.ndarray]:
     """The initial state of each model; a name stands for a state of each."""
-    first = initial_state_of(models[0], x0)
-    return [first, *(initial_state_of(m, x0) if isinstance(x0, str) else first for m in models[1:])]
+    first, named = initial_state_of(models[0], x0), isinstance(x0, (str, Mapping))
+    return [
+        first,
+        *(initial_state_of(m, x0) if named else first for m in models[1:]),
+    ]
 
 
 def _is_continued(x0: Any) -> bool:
@@ -356,9 +360,7 @@ def _run_continued(
     execution: Execution,
 ) -> None:
     """The steady states one after another, each from where the one before ended; ctrl-C keeps those done."""
-    from tqdm.auto import tqdm
-
-    bar = tqdm(values, TITLE, delay=1.0, leave=False, disable=not execution.progress)
+    bar = progress_bar(values, TITLE, shown=execution.progress)
     start: Any = None
     with deferred_interrupts() as interrupted:
         for i, (model, rest, name) in enumerate(bar):
@@ -378,7 +380,7 @@ def _run_continued(
 def _sweep_arguments(
     model: Any, parameter: str, models: Sequence[Any], x0: Any, options: SteadyStateOptions
 ) -> Any:
-    start = x0 if isinstance(x0, str) else np.asarray(x0, dtype=float).tolist()
+    start = named_state(x0)
     values = [getattr(m, parameter) for m in models]
     states = [symbol.name for symbol in model.automaton().states]
     about = {"model": model.to_dict(), "parameter": parameter, "values": values, "x0": start}

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionlab.analysis.options import Execution, ExecutionKeywords, merge_keywords
-from frictionlab.analysis.simulate import initial_state_of
+from frictionlab.analysis.simulate import initial_state_of, named_state
 from frictionlab.drawable import Drawable
 from frictionlab.models.coercion import require_model
 from frictionlab.models.parameter_namespace import parameter_unit
@@ -142,9 +142,9 @@ def sweep(
     axes = _axes(over)
     points = list(product(*axes.values()))
     models = [model.replace(**dict(zip(axes, map(float, point)))) for point in points]
-    if isinstance(x0, str):
+    if isinstance(x0, (str, Mapping)):
         raise ValueError(f"x0 must be a sequence of initial states, got {x0!r}: write [{x0!r}]")
-    starts = [s if isinstance(s, str) else np.asarray(s, dtype=float).tolist() for s in x0]
+    starts = [named_state(start) for start in x0]
     for start in starts:
         initial_state_of(model, start)
     specification = {"function": _name(function), "model": model.to_dict(), "x0": starts}

@@ -15,6 +15,7 @@ from multiprocessing import parent_process
 from typing import Any
 
 from frictionlab.analysis.options import Execution
+from frictionlab.hybrid.progress import progress_bar
 
 TASKS_PER_WORKER = (
     2  # tasks handed to each worker at a time, so that ctrl-C does not have to wait for all of them
@@ -61,12 +62,10 @@ def run_tasks(
     RuntimeError
         Where a task fails, from its error, once those already begun are finished and kept.
     """
-    from tqdm.auto import tqdm
-
     executor, count = execution.executor, execution.workers or os.cpu_count() or 1
     left = [(i, task) for i, task in enumerate(tasks) if i not in done]
     max_running = TASKS_PER_WORKER * count if executor is None else len(left)
-    bar = tqdm(total=len(left), desc=title, disable=not execution.progress, delay=1.0, leave=False)
+    bar = progress_bar(total=len(left), desc=title, shown=execution.progress)
     todo, running, failed = iter(left), {}, {}
     with bar, _executor(executor, count) as pool, deferred_interrupts() as interrupted:
         while not failed and not interrupted():

@@ -111,7 +111,7 @@ def verify(
     model : Model or HybridAutomaton
     t_end : float
         End time in seconds, positive.
-    x0 : "rest", "near" or array_like (n,)
+    x0 : "rest", "near", mapping or array_like (n,)
         Of an automaton "rest" (all states zero) or an array.
     method : "taylor", Taylor, RK4, Scipy, ...
         Of the run in question.
@@ -136,7 +136,7 @@ def verify(
     (True, 1.0, True)
     """
     chosen = method_of(method)
-    check_number("t_end", t_end, above=0.0, cure="give the length of the run in seconds")
+    t_end = check_number("t_end", t_end, above=0.0, cure="give the length of the run in seconds")
     start = validate_initial_state(model, x0, automaton_of(model))
     motion = _RunSetup(model, start, float(t_end), progress)
     run = motion.run(chosen)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import gc
 import hashlib
+import logging
 from collections.abc import Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager
@@ -28,6 +29,7 @@ from frictionlab.hybrid.kernels import arithmetic
 from frictionlab.hybrid.tape import functions, tape
 from frictionlab.hybrid.tape.program import Code, Program
 
+LOGGER = logging.getLogger(__name__)
 # number of a mode's jets after which compiling pays: interpreted, they take as long as the compilation
 COMPILE_AFTER = 20_000
 NAME, STEP = "jets", "step"
@@ -89,6 +91,7 @@ class NativeCode:
 
     def compile(self, mode: int) -> None:
         """Compile a mode now."""
+        LOGGER.info("compiling machine code of mode number %d", mode)
         function = self.tapes[mode]
         with _garbage_collection_off():
             code = _emit_object(jets_module(function, NAME))
@@ -97,6 +100,7 @@ class NativeCode:
 
     def compile_step(self, mode: int) -> None:
         """Compile a mode's step of several runs now."""
+        LOGGER.info("compiling machine code of mode number %d, for several runs", mode)
         function, more = self.tapes[mode], self._of_steps[mode]
         with _garbage_collection_off():
             code = _emit_object(lane_step_module(function, more, NAME))
@@ -206,6 +210,7 @@ def _load_from_cache(path: Path | None) -> int:
     if compilation.NUMBA is None or path is None:
         return 0
     code = kernel_cache.read(path)
+    LOGGER.debug("machine code %s %s the cache", path.name, "is not in" if code is None else "found in")
     return 0 if code is None else _load_object(code)
 
 

@@ -12,7 +12,7 @@ from frictionlab.validation import did_you_mean
 
 
 def method_of(method: Any) -> Method:
-    """The method itself, or the one of that name with its default settings.
+    """The method itself, or the one of that name, in small letters or large ones, with its default settings.
 
     Raises
     ------
@@ -22,11 +22,11 @@ def method_of(method: Any) -> Method:
     if isinstance(method, Method):
         return method
     named = {"taylor": Taylor, "rk4": RK4}
-    if method in named:
-        return named[method]()
-    if method in INTEGRATORS:
-        return Scipy(method)
     known = [*named, *INTEGRATORS]
+    spelt = {name.lower(): name for name in known}
+    name = spelt.get(method.lower(), "") if isinstance(method, str) else ""
+    if name:
+        return named[name]() if name in named else Scipy(name)
     names = ", ".join(map(repr, known))
     raise ValueError(
         f"method must be a frictionlab method or one of {names}, got {method!r}{did_you_mean(method, known)}"

@@ -30,7 +30,7 @@ from frictionlab.hybrid.methods.step_events import (
     is_full,
     record_step,
 )
-from frictionlab.validation import check_number
+from frictionlab.validation import check_number, store_plain_numbers
 
 Rates = Callable[[np.ndarray], np.ndarray]
 
@@ -70,6 +70,7 @@ class OneStepMethod(Method):
     max_steps: int = field(default=10_000_000, kw_only=True)
 
     def __post_init__(self) -> None:
+        store_plain_numbers(self)
         check_number("step", self.step, above=0.0, cure="2e-4 s reproduces the paper")
         self.check_caps()
         if self.tableau is not None:

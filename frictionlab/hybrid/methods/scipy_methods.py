@@ -11,7 +11,7 @@ from frictionlab.hybrid.kernels import event_handling, run_state
 from frictionlab.hybrid.kernels.event_location import GuardZero
 from frictionlab.hybrid.kernels.jets import slot_gradients, state_rates
 from frictionlab.hybrid.methods.base import ActiveRun, Method
-from frictionlab.validation import check_choice, check_number
+from frictionlab.validation import check_choice, check_number, store_plain_numbers
 
 CHATTER_DWELL = 1e-6  # s: shorter flights are below what the tolerances resolve
 IMPLICIT_INTEGRATORS = ("Radau", "BDF", "LSODA")
@@ -49,6 +49,7 @@ class Scipy(Method):
     max_step: float | None = None
 
     def __post_init__(self) -> None:
+        store_plain_numbers(self)
         check_choice("integrator", self.integrator, INTEGRATORS)
         check_number("rtol", self.rtol, least=3e-14, below=1.0, cure="1e-10 is the default")
         check_number("atol", self.atol, least=0.0, cure="1e-13 is the default")

@@ -32,7 +32,7 @@ from frictionlab.hybrid.kernels.taylor_steps import advance_taylor
 from frictionlab.hybrid.methods.base import ActiveRun, Method
 from frictionlab.hybrid.tape.operations import AFFINE
 from frictionlab.hybrid.tape.program import Numbers, Program, System
-from frictionlab.validation import check_choice, check_number
+from frictionlab.validation import check_choice, check_number, store_plain_numbers
 
 MIN_STEP_SHARE = 0.5  # of the length of a Taylor step
 AFFINE_STATE_LIMIT = 1e200  # states beyond are left to the Taylor steps, which see to what overflows
@@ -183,6 +183,7 @@ class Taylor(Method):
     accumulation: Literal["close", "raise"] = "close"
 
     def __post_init__(self) -> None:
+        store_plain_numbers(self)
         check_number("tol", self.tol, above=0.0, below=0.1, cure="take 1e-15 for full accuracy")
         if self.order is not None:
             check_number(

@@ -14,6 +14,9 @@ from typing import Any
 
 import sympy
 
+from frictionlab.automaton import HybridAutomaton
+from frictionlab.validation import abbreviate, did_you_mean_or_known
+
 NAME_PATTERN = re.compile(r"(?<![\w.])[A-Za-z_]\w*'?")  # x' is the rate of x
 MAX_LENGTH = 1000  # characters; a text that a person wrote is shorter
 MAX_EXPONENT = 100  # a power is a chain of as many products at most
@@ -27,6 +30,41 @@ OPERATIONS: dict[type, Callable[..., Any]] = {
     ast.USub: operator.neg,
 }
 ARITHMETIC = "numbers, names, + - * / ** and parentheses are all that it may hold"
+
+
+def read_expression(automaton: HybridAutomaton, text: Any, what: str) -> Any:
+    """The text as an expression of the automaton's states and parameters; x' is the rate of x.
+
+    The name of an output, and what is no text, is returned as it is.
+
+    Parameters
+    ----------
+    automaton : HybridAutomaton
+    text : str or object
+    what : str
+        What errors call it, such as "section".
+
+    Raises
+    ------
+    ValueError
+        For unknown names, for what is no arithmetic, and where no state is named.
+    """
+    if not isinstance(text, str) or text in automaton.outputs:
+        return text
+    states = [symbol.name for symbol in automaton.states]
+    symbols = {symbol.name: symbol for symbol in (*automaton.states, *automaton.parameters)}
+    unknown = [name for name in names_in(text) if name not in symbols]
+    if unknown:
+        hint = did_you_mean_or_known(unknown[0], [*states, *automaton.outputs])
+        raise ValueError(f"{what} {text!r} has the unknown name {unknown[0]!r}{hint}")
+    expected = f'{what} must be an expression of the states such as "x1 - x2", got {abbreviate(text)}'
+    try:
+        found = symbols.get(text) or parse_expression(text, symbols)
+    except ValueError as error:
+        raise ValueError(f"{expected}: {error}") from None
+    if not found.free_symbols & {*automaton.states}:
+        raise ValueError(f"{expected}: name one of {', '.join(states)}")
+    return found
 
 
 def names_in(text: str) -> list[str]:

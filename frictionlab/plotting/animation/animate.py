@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from frictionlab.analysis.motion_scales import round_down_1_2_5
+from frictionlab.hybrid.progress import progress_bar
 from frictionlab.models import Model
 from frictionlab.models.mechanism import Mechanism, TiltingBelt
 from frictionlab.plotting.appearance import background, figure_size, font_size, ink, marker_size
@@ -28,7 +29,7 @@ from frictionlab.plotting.runs.time_window import (
     window_limits,
 )
 from frictionlab.plotting.style import BLACK, mode_colours
-from frictionlab.validation import check_number
+from frictionlab.validation import check_number, plain_number
 
 from .artists import (
     draw_force_arrows,
@@ -215,6 +216,7 @@ def animate(
     for name, value in {"speed": speed, "fps": fps, "magnify": magnify}.items():
         if value is not None:
             check_number(name, value, above=0.0)
+    speed, fps, magnify = map(plain_number, (speed, fps, magnify))
     speed = speed or round_down_1_2_5((stop - start) / DEFAULT_DURATION)
     size = figure_size(11.0, 5.6)
     figure = AnimatedFigure(figsize=size, dpi=DPI, layout="constrained") if figure is None else figure
@@ -287,9 +289,7 @@ class RunAnimation(FuncAnimation):
         """Write a file; see :meth:`matplotlib.animation.Animation.save`."""
         if options.get("progress_callback") is not None:
             return super().save(filename, *args, **options)
-        from tqdm.auto import tqdm
-
-        with tqdm(leave=False, desc="animate", delay=1.0) as bar:
+        with progress_bar(desc="animate") as bar:
 
             def count(frame: int, total: int) -> None:
                 bar.total = total

@@ -6,12 +6,12 @@ import sympy as sp
 
 import frictionlab as fl
 from frictionlab.analysis.steady_state.poincare_sections import (
-    parse_section,
     section_crossings,
     section_function,
     stick_onsets,
     turning_section,
 )
+from frictionlab.hybrid.tape.expression_text import read_expression
 from tests.helpers.automata import oscillator
 
 MODEL = fl.SliderOnBelt(mu_k=1.4).without("geometry")
@@ -28,7 +28,7 @@ AUTOMATON = MODEL.automaton()
     ],
 )
 def test_an_expression_has_the_automatons_symbols(text, expected):
-    found = parse_section(AUTOMATON, text)
+    found = read_expression(AUTOMATON, text, "section")
     assert found.free_symbols <= {*AUTOMATON.states, *AUTOMATON.parameters}
     assert str(sp.sympify(str(found).replace("'", "_"))) == str(sp.sympify(expected.replace("'", "_")))
 
