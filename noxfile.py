@@ -7,7 +7,9 @@ as the README's second command makes.  What follows ``--`` goes to the command:
 
 import re
 import shlex
+import zipfile
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import nox
 
@@ -22,6 +24,7 @@ WITHOUT_NUMBA = {"FRICTIONLAB_DISABLE_NUMBA": "1"}
 # OpenBLAS has kernels for each kind of processor, which round differently: by AVX-512, by AVX2, by SSE.  What
 # holds on the processor that this happens to run on has to hold on others.  Kind and what it needs:
 BLAS_KERNELS = {"Nehalem": "sse4_2", "Haswell": "avx2", "SkylakeX": "avx512f"}
+NOT_PYTHON = "__init__.pyi", "py.typed", "widgets/canvas.js", "widgets/rendering/clickable.js"  # in the wheel
 CPU_FLAGS = Path("/proc/cpuinfo")
 
 
@@ -55,6 +58,14 @@ def browser(session: nox.Session) -> None:
     """Explorers, canvas and app in a Chromium that is installed."""
     install(session)
     run(session, "pytest", "-n", "auto", "-m", "browser")
+
+
+@nox.session(python="3.11")
+def lowest(session: nox.Session) -> None:
+    """The same with the lowest versions that pyproject.toml allows, in an environment of its own."""
+    session.install("uv")
+    session.run("uv", "pip", "install", "--resolution", "lowest-direct", "-e", ".[test]")
+    run(session, "pytest", "-n", "auto")
 
 
 @nox.session
@@ -94,6 +105,22 @@ def site(session: nox.Session) -> None:
     third = re.findall(r"^```sh\n(.*?)^```$", README.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)[2]
     program, *arguments = shlex.split(third.rpartition("&&")[2])
     run(session, Path(program).name, *arguments, env=EXECUTED)
+
+
+@nox.session
+def package(session: nox.Session) -> None:
+    """Wheel and source as they go to PyPI; the wheel alone runs the scene of the README."""
+    session.install("build", "twine")
+    with TemporaryDirectory() as folder:
+        session.run("python", "-m", "build", "--outdir", folder)
+        (wheel,), (source,) = Path(folder).glob("*.whl"), Path(folder).glob("*.tar.gz")
+        session.run("twine", "check", "--strict", str(wheel), str(source))
+        names = zipfile.ZipFile(wheel).namelist()
+        if lacking := [name for name in NOT_PYTHON if f"frictionlab/{name}" not in names]:
+            session.error(f"the wheel lacks {', '.join(lacking)}")
+        session.install(str(wheel))
+        with session.chdir(folder):
+            session.run("frictionlab", "run", "-o", "first-run.png")
 
 
 @nox.session

@@ -86,10 +86,16 @@ def line_style(index: int, name: str, ax: Axes | None = None) -> dict[str, Any]:
 
 
 def state_label(name: str) -> str:
-    """The name as a reader expects it in a legend or at an axis: subscripts, dots, Greek letters."""
+    """The name as a reader expects it in a legend or at an axis: subscripts, dots, Greek letters.
+
+    A name that is more than letters and an index, such as "x_left" or "a$b", is shown as it is.
+    """
     base = name.rstrip("'")
     stem = base.rstrip("0123456789")
     index = base[len(stem) :]
+    stem = stem.removesuffix("_")
+    if not stem.isalpha():
+        return name.replace("$", r"\$")
     letter = ANGLE_LETTERS.get(stem, stem)
     letter = rf"\dot{{{letter}}}" if name.endswith("'") else letter
     return f"${letter}_{{{index}}}$" if index else f"${letter}$"

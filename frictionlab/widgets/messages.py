@@ -24,7 +24,7 @@ def equilibrium_text(result: Any) -> str:
         ("F_T", point.friction_force, "N"),
     ]
     rows = [row for row in rows if not np.isnan(row[1])]
-    numbers = " ".join(f"<span>{n} = {x:.5g} {u}</span>" for n, x, u in rows)
+    numbers = " ".join(f"<span>{escape(n)} = {x:.5g} {u}</span>" for n, x, u in rows)
     return f"<b>Steady sliding is {stability_text(found)}</b><br>{numbers}"
 
 

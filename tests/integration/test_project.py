@@ -19,6 +19,7 @@ ROOT = Path(__file__).parents[2]
 DISTRIBUTIONS = {"PIL": "pillow", "IPython": "ipython", "jupyter_server": "jupyter-server"}
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 CONTRIBUTING = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
 AT_THE_TOP = """
     .ci .gitattributes .github .gitignore .pre-commit-config.yaml CHANGELOG.md CITATION.cff CONTRIBUTING.md
     LICENSE README.md docs frictionlab noxfile.py pyproject.toml tests tutorials
@@ -52,7 +53,9 @@ def test_every_session_of_nox_is_run():
     tree = ast.parse((ROOT / "noxfile.py").read_text(encoding="utf-8"))
     functions = [node for node in tree.body if isinstance(node, ast.FunctionDef)]
     sessions = {f.name for f in functions if any("nox.session" in ast.unparse(d) for d in f.decorator_list)}
-    called = re.findall(r"^run nox --no-venv -s (.*)$", (ROOT / ".ci/run").read_text(), flags=re.MULTILINE)
+    called = re.findall(
+        r"^run nox (?:--[\w-]+ )?-s ([\w ]+)", (ROOT / ".ci/run").read_text(), flags=re.MULTILINE
+    )
     by_readme = {"tests", "site"}  # its second and third command, which .ci/run takes from there
     assert sessions == {*" ".join(called).split(), *by_readme}
 
@@ -74,6 +77,19 @@ def test_links_lead_somewhere(page):
     targets = re.findall(r"\]\(([^)#:]+)(?:#[\w-]+)?\)", page)
     assert targets
     assert [target for target in targets if not (ROOT / target).exists()] == []
+
+
+def test_on_pypi_no_link_of_the_readme_is_relative():
+    """There are no files beside it there; the build replaces links by these rules."""
+    page, rules = README, PROJECT["tool"]["hatch"]["metadata"]["hooks"]["fancy-pypi-readme"]["substitutions"]
+    for rule in rules:
+        page = re.sub(rule["pattern"], rule["replacement"].replace("$HFPR_VERSION", fl.__version__), page)
+    before, after = (re.findall(r"\]\(([^)]+)\)", text) for text in (README, page))
+    source = PROJECT["project"]["urls"]["Source"]
+    assert sum(link.startswith(f"{source}/blob/v{fl.__version__}/") for link in after) > 10
+    for old, new in zip(before, after, strict=True):
+        assert new.startswith(("https://", "#"))
+        assert new.endswith(old)
 
 
 def test_readme_python_runs(tmp_path, monkeypatch):
@@ -102,7 +118,7 @@ def imported_packages(folder: Path) -> set[str]:
 
 
 def test_every_package_that_is_imported_is_declared():
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    project = PROJECT["project"]
     extras = project["optional-dependencies"]
     asked = [*project["dependencies"], *extras["data"], *extras["lab"]]
     declared = {re.split(r"[^\w-]", line)[0] for line in asked}

@@ -1,11 +1,13 @@
 """The server of `frictionlab app`: whom it lets in, from where, and how many kernels it starts."""
 
 import asyncio
+import os
 import re
 import subprocess
 import sys
 import time
 from http.client import HTTPConnection
+from pathlib import Path
 from urllib.parse import urlsplit
 
 import pytest
@@ -18,6 +20,7 @@ from tornado.websocket import websocket_connect  # noqa: E402
 
 pytestmark = pytest.mark.slow
 
+ROOT = Path(__file__).parents[3]
 PATIENCE = 120  # seconds
 # The command, with as many kernels and as little patience as a test has time for, and an empty page, as the
 # explorer takes some seconds.
@@ -30,11 +33,15 @@ raise SystemExit(command.main(["app", "--no-browser"]))
 
 
 class App:
-    """A running `frictionlab app`."""
+    """A running `frictionlab app`, in a folder where somebody left a configuration that would end it."""
 
-    def __init__(self, most, idle):
-        code = SERVER.format(most=most, idle=idle)
-        self.process = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True)
+    def __init__(self, folder, most, idle):
+        (folder / "voila.py").write_text("raise SystemExit(3)")
+        (folder / "voila.json").write_text('{"Voila": {"token": ""}}')
+        command = [sys.executable, "-c", SERVER.format(most=most, idle=idle)]
+        variables = os.environ | {"PYTHONPATH": str(ROOT)}
+        pipe = subprocess.PIPE
+        self.process = subprocess.Popen(command, cwd=folder, env=variables, stdout=pipe, text=True)
         self.link = re.search(r"http\S+", self.process.stdout.readline())[0]
         address = urlsplit(self.link)
         self.host, self.first = address.netloc, f"{address.path}?{address.query}"
@@ -110,8 +117,8 @@ def command_line(process):
 
 
 @pytest.fixture(scope="module")
-def app():
-    served = App(most=2, idle=1000)
+def app(tmp_path_factory):
+    served = App(tmp_path_factory.mktemp("app"), most=2, idle=1000)
     yield served
     served.end()
 
@@ -214,8 +221,8 @@ def test_no_more_pages_than_allowed_have_a_kernel(app):
     assert app.kernels() == 2
 
 
-def test_a_kernel_without_a_page_is_ended_after_a_while():
-    app = App(most=2, idle=2)
+def test_a_kernel_without_a_page_is_ended_after_a_while(tmp_path):
+    app = App(tmp_path, most=2, idle=2)
     try:
         app.page(app.enter())
         app.wait_for_kernels(0)
