@@ -3,7 +3,8 @@
 None of them uses pyplot, so a figure is freed with its last reference and no window opens.
 
     figure                  figures that show themselves in a notebook, the axes to draw into, legends
-    style                   colours of modes and lines, names and units of states and parameters
+    appearance              `fl.style`, the user's settings of matplotlib, colours on dark backgrounds
+    style                   lines and colours of coordinates and modes, symbols of states and parameters
     drawing                 a panel as data: curves, labels, limits (the explorers' panels give these)
     runs/                   panels of one run, and `plot_run`, which is four of them
     stability/              equilibria, eigenvalues, critical values, Hopf points

@@ -11,12 +11,12 @@ from __future__ import annotations
 from types import TracebackType
 from typing import Any
 
+import matplotlib
 import numpy as np
-from cycler import cycler
-from matplotlib import rcParams, rcParamsDefault
 from matplotlib.axes import Axes
 from matplotlib.colors import to_hex, to_rgb, to_rgba
 from matplotlib.patheffects import Normal, Stroke
+from matplotlib.rcsetup import cycler
 
 from frictionlab.validation import check_choice
 
@@ -33,6 +33,10 @@ MIN_CONTRAST = 4.5  # ratio of luminances that WCAG 2 asks for between a text an
 LIGHT_LUMINANCE = 0.18  # of a background: above, black is seen better than white
 MIX_STEPS = 50  # shades tried between a colour and white
 HALO_WIDTH = 2.0  # points on both sides of a line together
+
+# Settings have names of matplotlib's own type, of which its stubs know more than its users.
+rcParams: Any = matplotlib.rcParams
+rcParamsDefault: Any = matplotlib.rcParamsDefault
 
 DARK, PALE = "#111111", "#E8E8E8"  # background and ink of the style "dark"
 _INK_KEYS = "text.color axes.edgecolor axes.labelcolor xtick.color ytick.color patch.edgecolor hatch.color"
@@ -138,7 +142,8 @@ def background(ax: Axes | None = None) -> str:
     if ax is None:
         layers = rcParams["axes.facecolor"], rcParams["figure.facecolor"]
     else:
-        patches = ax.patch, ax.get_figure(root=True).patch
+        figure: Any = ax.get_figure(root=True)
+        patches = ax.patch, figure.patch
         layers = tuple(patch.get_facecolor() for patch in patches if patch.get_visible())  # no twin's
     return next((to_hex(layer) for layer in layers if to_rgba(layer)[3] > 0.5), WHITE)
 
@@ -168,12 +173,18 @@ def legible(colour: Any, ax: Axes | None = None) -> Any:
     behind = background(ax)
     if not is_dark(ax) or contrast(colour, behind) >= MIN_CONTRAST:
         return colour
-    r, g, b = to_rgb(colour)
-    if r == g == b:
-        return to_hex((1.0 - r,) * 3)
+    channels: Any = to_rgb(colour)
+    if len({*channels}) == 1:
+        grey = 1.0 - channels[0]
+        return to_hex((grey, grey, grey))
     shares = (i / MIX_STEPS for i in range(1, MIX_STEPS + 1))
-    mixes = (to_hex([c + (1.0 - c) * share for c in (r, g, b)]) for share in shares)
+    mixes = (_mixed_with_white(channels, share) for share in shares)
     return next(mix for mix in mixes if contrast(mix, behind) >= MIN_CONTRAST)
+
+
+def _mixed_with_white(channels: Any, share: float) -> str:
+    mix: Any = [c + (1.0 - c) * share for c in channels]
+    return to_hex(mix)
 
 
 def ink(ax: Axes | None = None) -> str:

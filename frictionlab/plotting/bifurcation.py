@@ -145,7 +145,7 @@ def plot_intensity(
     ax = axes_or_new(ax)
     lines = []
     for i, (result, text) in enumerate(zip(results, labels)):
-        style = {"marker": "."} | line_style(i, "", ax)
+        style: dict[str, Any] = {"marker": "."} | line_style(i, "", ax)
         lines += ax.plot(result.values, result.intensities, label=text, **style)
         resting = np.array(result.kinds) == MotionKind.EQUILIBRIUM
         hollow = {"color": style["color"], "markerfacecolor": background(ax), "linestyle": "none"}

@@ -62,7 +62,7 @@ def legend_beside(ax: Axes, handles: list[Any] | None = None) -> None:
 def set_long_title(ax: Axes, text: str) -> None:
     """A title that fills the width of a figure, smaller where letters are large."""
     title = ax.set_title(text)
-    title.set_fontsize(title.get_fontsize() / crowding())
+    title.set_fontsize(float(title.get_fontsize()) / crowding())
 
 
 def wrap_label(text: str, length: int) -> str:

@@ -74,7 +74,8 @@ def _numbers(found: Any) -> np.ndarray:
 def _draw_curves(at: np.ndarray, values: np.ndarray, starts: list[str], label: str, ax: Axes) -> list[Artist]:
     lines: list[Artist] = []
     for i, start in enumerate(starts):
-        lines += ax.plot(at, values[:, i], label=start or None, **({"marker": "."} | line_style(i, "", ax)))
+        style: dict[str, Any] = {"marker": "."} | line_style(i, "", ax)
+        lines += ax.plot(at, values[:, i], label=start or None, **style)
     ax.set_ylabel(label)
     if len(starts) > 1:
         legend_beside(ax)

@@ -4,10 +4,13 @@ from functools import cache
 
 import frictionlab as fl
 
+from .known_motions import logistic
+
 QUIET = {"progress": False}
 COUPLED = fl.ModeCoupling(c=0.1)
 BELT = fl.MassOnBelt()
 STICK_SLIP = fl.MassOnBelt(c=0.05, mu_k=0.5, mu_s=1.0)
+RESTING = fl.ModeCoupling(c=0.5)
 SLIDER = fl.SliderOnBelt()
 FLAT_SLIDER = fl.SliderOnBelt(mu_k=1.4).without("geometry")
 TURNING = SLIDER.automaton().states[5]  # the rate of x1
@@ -30,6 +33,12 @@ def short_bifurcation(model):
     return fl.bifurcation(model, "mu_k", [0.2, 0.3, 0.9], transient=5.0, window=5.0, **QUIET)
 
 
+def equilibrium_as_steady_state():
+    found = fl.steady_state(RESTING, "near", transient=2000.0, window=50.0, **QUIET)
+    assert found.kind == "equilibrium"
+    return found
+
+
 def steady_state():
     found = fl.steady_state(STICK_SLIP, transient=50.0, window=20.0, **QUIET)
     assert found.kind == "periodic"
@@ -38,6 +47,12 @@ def steady_state():
 
 def orbit():
     return fl.periodic_orbit(STICK_SLIP, result("steady state"))
+
+
+def branch_with_special_point():
+    speed = 1 - 1 / 2.5
+    doubling = fl.periodic_orbit(logistic(2.5), [speed**2 / 2, 0.0], period=2 * speed)
+    return fl.continue_orbit(doubling, "a", (2.5, 3.1), **QUIET)
 
 
 def run():
@@ -76,13 +91,16 @@ BUILDERS = {
     "boundary": lambda: result("map").boundary[0],
     "ends": lambda: fl.ensemble([SLIDER.replace(mu_k=mu) for mu in (0.1, 0.2)], 0.05, **QUIET),
     "steady state": steady_state,
-    "equilibrium as steady state": lambda: fl.steady_state(BELT, transient=50.0, window=5.0, **QUIET),
+    "equilibrium as steady state": lambda: fl.steady_state(
+        RESTING, "near", transient=50.0, window=5.0, **QUIET
+    ),
     "bifurcation": lambda: fl.bifurcation(
-        STICK_SLIP, "v", [0.3, 0.5, 2.5], transient=20.0, window=10.0, **QUIET
+        STICK_SLIP, "v", [0.2, 0.3, 0.5, 2.5], transient=50.0, window=40.0, **QUIET
     ),
     "orbit": orbit,
     "branch": lambda: fl.continue_orbit(result("orbit"), "v", (0.1, 0.4), max_points=4, **QUIET),
-    "special orbit": lambda: fl.continue_orbit(result("orbit"), "v", (0.1, 3.0), **QUIET).special[0],
+    "branch with a special point": branch_with_special_point,
+    "special orbit": lambda: result("branch with a special point").special[0],
     "exponents": lambda: fl.lyapunov(COUPLED, transient=1.0, t_end=2.0, blocks=2, **QUIET),
     "energies": lambda: fl.energy_audit(result("run"), **QUIET),
     "equilibrium": lambda: fl.equilibrium(SLIDER),

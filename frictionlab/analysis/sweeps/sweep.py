@@ -66,6 +66,7 @@ class Sweep(Drawable):
         pd = import_optional("pandas", "to_dataframe")
         axes = {**self.over, **({"x0": self.labels()} if self.x0 else {})}
         index = pd.MultiIndex.from_product(list(axes.values()), names=list(axes))
+        index = index if len(axes) > 1 else index.get_level_values(0)
         table = pd.DataFrame([_row(result) for result in self.results.ravel()], index=index)
         table.attrs["units"] = {
             name: unit for name in self.over if (unit := parameter_unit(self.model, name))

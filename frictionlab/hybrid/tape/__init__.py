@@ -17,6 +17,8 @@
     `program_of`: lowers every mode and reset of an automaton, packs the tapes, and remembers the result by
     structure.
     Also which functions are zero by construction after an event.
+``expression_text``
+    Expressions that are given as text, such as "x1' - v".
 ``automaton_checks``
     One clear error for an automaton that is not well formed.
 ``automaton_data``

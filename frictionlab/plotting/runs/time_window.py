@@ -17,6 +17,7 @@ from frictionlab.analysis.motion_scales import oscillation_period
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.plotting.appearance import is_dark, legible
 from frictionlab.plotting.style import mode_colours
+from frictionlab.validation import plain_number
 
 Array = NDArray[np.float64]
 
@@ -65,6 +66,7 @@ def window_limits(run: Any, window: Window = DEFAULT_WINDOW) -> tuple[float, flo
     """
     check_run(run)
     end = end_time(run)
+    window = plain_number(window)
     if window is None:
         return 0.0, end
     if isinstance(window, Periods):

@@ -23,10 +23,13 @@ from matplotlib.font_manager import FontProperties
 from numpy.typing import NDArray
 from PIL import Image
 
+from frictionlab.plotting.appearance import WHITE, background, ink_on
 from frictionlab.plotting.drawing import Drawing
 from frictionlab.plotting.figure import RunFigure
 
 from .tile import Tile
+
+RGB = tuple[float, float, float]
 
 PALETTE_ENTRIES = 256  # of a palette
 SHADES_PER_COLOUR = 16  # of a colour, to white; where lines end the pixels are mixtures with the background
@@ -42,7 +45,7 @@ PANEL_WIDTH, PANEL_HEIGHT, DPI = (
 PANEL_COLUMNS = 2
 
 
-def encode_png(pixels: Any, colours: Iterable[Any]) -> bytes:
+def encode_png(pixels: Any, colours: Iterable[Any], paper: Any = WHITE) -> bytes:
     """The image in shades of these colours.
 
     Parameters
@@ -50,9 +53,11 @@ def encode_png(pixels: Any, colours: Iterable[Any]) -> bytes:
     pixels : Image
         RGB or RGBA, without transparency.
     colours : iterable
-        As matplotlib takes them; black is always there.
+        As matplotlib takes them; black, or on dark paper white, is always there.
+    paper : colour
+        The background.
     """
-    palette = _palette(tuple(sorted({to_rgb("black"), *map(to_rgb, colours)})))
+    palette = _palette(tuple(sorted({to_rgb(ink_on(paper)), *map(to_rgb, colours)})), to_rgb(paper))
     buffer = BytesIO()
     image = pixels.convert("RGB").quantize(palette=palette, dither=Image.Dither.NONE)
     image.save(buffer, "png", compress_level=1)
@@ -60,13 +65,13 @@ def encode_png(pixels: Any, colours: Iterable[Any]) -> bytes:
 
 
 @lru_cache(16)
-def _palette(colours: tuple[tuple[float, float, float], ...]) -> Any:
-    """Each colour in equal steps to white."""
+def _palette(colours: tuple[RGB, ...], paper: RGB) -> Any:
+    """Each colour in equal steps to the colour of the background."""
     shades = max(3, min(SHADES_PER_COLOUR, (PALETTE_ENTRIES - 1) // len(colours)))
-    # White comes once, at the end, and no shade is so near to it that the two could be confused.
+    # That comes once, at the end, and no shade is so near to it that the two could be confused.
     share = np.linspace(1.0, 0.0, shades + 1)[:-2, None, None]
-    mixed = 1.0 - share * (1.0 - np.array(colours))
-    table = np.vstack([mixed.reshape(-1, 3)[: PALETTE_ENTRIES - 1], [[1.0, 1.0, 1.0]]])
+    mixed = paper - share * (np.array(paper) - np.array(colours))
+    table = np.vstack([mixed.reshape(-1, 3)[: PALETTE_ENTRIES - 1], [paper]])
     image = Image.new("P", (1, 1))
     image.putpalette(np.rint(table * 255).astype(np.uint8).tobytes())
     return image
@@ -216,7 +221,8 @@ class Picture:
         pixels = Image.fromarray(np.asarray(self.canvas.buffer_rgba()))
         for name in names:
             tile = self.tiles[name]
-            self.images[name].value = encode_png(pixels.crop(_pixel_box(tile, pixels.height)), tile.colours)
+            part = pixels.crop(_pixel_box(tile, pixels.height))
+            self.images[name].value = encode_png(part, tile.colours, background(tile.ax))
 
 
 def _panel_image(name: str, panel: Any) -> Any:

@@ -18,6 +18,7 @@ from matplotlib.ticker import NullFormatter
 from matplotlib.transforms import Bbox
 
 from frictionlab.analysis.motion_scales import ROUND_NUMBER_RTOL
+from frictionlab.plotting.appearance import background, legible
 from frictionlab.plotting.drawing import Curve, Drawing
 from frictionlab.plotting.style import GREY
 
@@ -107,7 +108,9 @@ class Tile:
         self.note = self.ax.text(
             0.985, 0.975, "", transform=self.ax.transAxes, ha="right", va="top", fontsize=NOTE_SIZE
         )
-        self.note.set(animated=True, bbox={"facecolor": "white", "alpha": 0.8, "linewidth": 0, "pad": 1.5})
+        self.note.set(
+            animated=True, bbox={"facecolor": background(self.ax), "alpha": 0.8, "linewidth": 0, "pad": 1.5}
+        )
         self.background: Any = None
         self.redrawn = 0  # backgrounds drawn so far
         self._blank: Any = None
@@ -196,6 +199,8 @@ class Tile:
         if label not in self.lines:
             ax = self._right() if curve.axis == "right" else self.ax
             style = {"linewidth": 1.2, **curve.style}
+            if "color" in style:
+                style["color"] = legible(style["color"], ax)
             if curve.axis == "strip":
                 self.strips.add(label)
                 style["transform"] = ax.get_xaxis_transform()

@@ -1,6 +1,6 @@
 """A run as a table."""
 
-import builtins
+import sys
 
 import pytest
 
@@ -22,13 +22,6 @@ def test_columns_are_states_outputs_and_mode(run):
 
 
 def test_without_pandas_the_extra_is_named(run, monkeypatch):
-    real = builtins.__import__
-
-    def no_pandas(name, *args, **kwargs):
-        if name == "pandas":
-            raise ImportError(name)
-        return real(name, *args, **kwargs)
-
-    monkeypatch.setattr(builtins, "__import__", no_pandas)
+    monkeypatch.setitem(sys.modules, "pandas", None)  # as if it were not installed
     with pytest.raises(ImportError, match=r"frictionlab\[data\]"):
         run.to_dataframe()

@@ -1,0 +1,83 @@
+"""Progress bars can be switched off for all functions; what goes on inside is logged."""
+
+import logging
+import os
+import subprocess
+import sys
+
+import pytest
+
+import frictionlab as fl
+from frictionlab.hybrid.progress import PROGRESS_VARIABLE, Progress, progress_bar
+from frictionlab.models.assembly import automaton_of_structure
+
+
+def is_shown():
+    return not progress_bar([1]).disable
+
+
+def test_bars_are_shown_unless_they_are_switched_off():
+    assert is_shown()
+    assert progress_bar([1], shown=False).disable
+    with fl.progress(False):
+        assert not is_shown()
+        with fl.progress(True):
+            assert is_shown()
+        assert not is_shown()
+    assert is_shown()
+
+
+def test_without_a_block_the_switch_stays():
+    before = fl.progress(False)
+    assert not is_shown()
+    with before:
+        pass
+    assert is_shown()
+
+
+def test_a_run_says_nothing_of_the_compilation(capsys):
+    with Progress(1.0, compiling=True):
+        pass
+    assert "compiling the solver" in capsys.readouterr().err
+    with fl.progress(False), Progress(1.0, compiling=True):
+        pass
+    assert capsys.readouterr().err == ""
+
+
+def test_what_is_no_truth_value_is_refused():
+    with pytest.raises(TypeError, match=r"write fl\.progress\(False\)"):
+        fl.progress("off")
+
+
+@pytest.mark.parametrize(("value", "shown"), [("0", False), ("off", False), ("False", False), ("1", True)])
+def test_the_environment_switches_bars_off(value, shown):
+    code = "from frictionlab.hybrid.progress import progress_bar; print(not progress_bar([1]).disable)"
+    environment = os.environ | {PROGRESS_VARIABLE: value}
+    answer = subprocess.run(
+        [sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True
+    )
+    assert answer.stdout.strip() == str(shown)
+
+
+def test_every_bar_goes_through_the_switch():
+    from pathlib import Path
+
+    package = Path(fl.__file__).parent
+    users = [path.name for path in package.rglob("*.py") if "tqdm" in path.read_text(encoding="utf-8")]
+    assert users == ["progress.py"]
+
+
+def test_models_modes_and_runs_are_logged(caplog):
+    automaton_of_structure.cache_clear()
+    with caplog.at_level(logging.DEBUG, logger="frictionlab"):
+        fl.simulate(fl.TwoBlocks(), 1.0, progress=False)
+    said = [(record.levelno, record.getMessage()) for record in caplog.records]
+    assert any(level == logging.INFO and "modes of TwoBlocks" in text for level, text in said)
+    assert any(level == logging.DEBUG and text.startswith("deriving mode") for level, text in said)
+    assert any(level == logging.DEBUG and text.startswith("run to 1 s") for level, text in said)
+
+
+def test_the_library_itself_shows_no_log():
+    handlers = logging.getLogger("frictionlab").handlers
+    assert any(isinstance(handler, logging.NullHandler) for handler in handlers)
+    assert all(isinstance(handler, logging.NullHandler) for handler in handlers)
