@@ -13,8 +13,8 @@ from tests.faults.processes import Report, in_a_process, judge, other_user
 from tests.helpers.own_models import Chain, Fitted
 
 SLIDER = fl.SliderOnBelt(mu_k=1.4).without("geometry")
-QUIET = {"progress": False}
-SHORT = {"transient": 5.0, "window": 2.0, "workers": 1, **QUIET}
+QUIET: dict[str, Any] = {"progress": False}
+SHORT: dict[str, Any] = {"transient": 5.0, "window": 2.0, "workers": 1, **QUIET}
 
 
 class Stored(NamedTuple):
