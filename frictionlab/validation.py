@@ -7,9 +7,11 @@ needed.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from difflib import get_close_matches
 from numbers import Real
+from os import PathLike
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -127,4 +129,17 @@ def unknown_parameter(owner: str, name: Any, known: Sequence[str], hint: str = "
 
 def with_cure(error: OSError, path: Any, cure: str) -> OSError:
     """The error of the system about a file, of the same class, with the path and what can be done."""
-    return type(error)(error.errno, f"{error.strerror or error}: {cure}", str(path))
+    if error.errno is None or type(error).__module__ != "builtins":  # of a library, such as pillow's
+        return OSError(f"{path} cannot be used ({error}): {cure}")
+    return type(error)(error.errno, f"{error.strerror}: {cure}", str(path))
+
+
+@contextmanager
+def name_written_file(path: Any) -> Iterator[None]:
+    """Context in which a file is written: errors of the system have its path, and what can be done."""
+    try:
+        yield
+    except OSError as error:
+        if not isinstance(path, (str, PathLike)):  # a stream, which only its owner knows
+            raise
+        raise with_cure(error, path, "give another path, or make room") from error

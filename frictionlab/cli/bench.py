@@ -57,6 +57,7 @@ def bench_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
         performance_page,
     )
     from frictionlab.bench.scenes import scenes
+    from frictionlab.validation import name_written_file
 
     known = scenes()
     if chosen.scene and chosen.output:
@@ -83,7 +84,8 @@ def bench_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
             )
             print(f"Pages in {written[0]} and {written[1]}")
         if chosen.json:
-            Path(chosen.json).write_text(json.dumps(harness.as_json(rows), indent=1), encoding="utf-8")
+            with name_written_file(chosen.json):
+                Path(chosen.json).write_text(json.dumps(harness.as_json(rows), indent=1), encoding="utf-8")
         if chosen.picture:
             page_figures.draw_work_precision(rows).savefig(chosen.picture, dpi=110)
     except (OSError, ValueError) as error:

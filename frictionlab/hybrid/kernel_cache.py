@@ -15,6 +15,7 @@ import stat
 import sys
 import tempfile
 import time
+import warnings
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from functools import cache
@@ -37,13 +38,16 @@ SUFFIXES = ".kernel", ".o", ".unfinished", ".nbi", ".nbc"
 def digest_folder(digest: str) -> str:
     """First usable folder of this name: in the user's cache, else in the temporary folder, else none ("").
 
-    One that cannot be written to is usable where there is something in it.
+    One that cannot be written to is usable where there is something in it.  Of one that others can write to
+    there is a warning, as nothing else tells why every start compiles.
     """
     for base in (_user_base, _temporary_base):
         try:
             folder = base().absolute() / digest
-            private = _made_private(folder.parent) and _made_private(folder)
-            if private and (os.access(folder, os.W_OK) or any(folder.iterdir())):
+            shared = next((each for each in (folder.parent, folder) if not _made_private(each)), None)
+            if shared is not None:
+                _warn_of_shared(shared)
+            elif os.access(folder, os.W_OK) or any(folder.iterdir()):
                 return str(folder)
         except (OSError, RuntimeError):  # it cannot be made, there is no home folder
             continue
@@ -72,6 +76,15 @@ def _made_private(folder: Path) -> bool:
     return stat.S_ISDIR(info.st_mode) and _is_private(info)
 
 
+def _warn_of_shared(folder: Path) -> None:
+    warnings.warn(
+        f"compiled code is not kept in {folder}, as other users could write there: remove that folder, which "
+        f"is then made for you alone, or set {FOLDER_VARIABLE} to another one",
+        RuntimeWarning,
+        stacklevel=4,
+    )
+
+
 def _is_private(info: os.stat_result) -> bool:
     if not hasattr(os, "getuid"):  # on Windows both base folders are the user's own already
         return True
@@ -98,12 +111,19 @@ def write(path: Path, content: bytes) -> None:
         try:
             with os.fdopen(handle, "wb") as file:
                 file.write(_checksum(path, content) + content)
-            os.replace(name, path)
+            _put_in_place(name, path)
         except BaseException:
             os.unlink(name)
             raise
         if path.parent.match(VERSION_FOLDER):
             _prune(path.parent.parent)
+
+
+def _put_in_place(name: str, path: Path) -> None:
+    """Rename a file; a folder in its place, which would be missed again at every start, is moved aside."""
+    if path.is_dir() and not path.is_symlink():
+        path.rename(f"{name}.aside")
+    os.replace(name, path)
 
 
 def _opened(path: str, flags: int) -> int:

@@ -22,7 +22,7 @@ import numpy as np
 from frictionlab._version import __version__
 from frictionlab.hybrid.kernels.jets import state_rates
 from frictionlab.hybrid.problem import Problem, RunData
-from frictionlab.validation import with_cure
+from frictionlab.validation import name_written_file, with_cure
 
 FILE_FORMAT = 2
 STORED_ARRAYS = (*RunData._fields[:9], "state")  # of a run, beside the end's time and mode
@@ -56,13 +56,12 @@ def write_run_file(path: str | Path, about: Mapping[str, Any], arrays: Mapping[s
     everything: dict[str, Any] = {"about": np.array(text), **arrays}
     beside = path.with_name(f"{path.stem}.{os.getpid()}.unfinished")
     try:
-        with open(beside, "wb") as stream:
-            np.savez_compressed(stream, **everything)
-            stream.flush()
-            os.fsync(stream.fileno())  # else a power cut may leave an empty file under the new name
-        os.replace(beside, path)
-    except OSError as error:
-        raise with_cure(error, path, "save the run elsewhere, or make room") from error
+        with name_written_file(path):
+            with open(beside, "wb") as stream:
+                np.savez_compressed(stream, **everything)
+                stream.flush()
+                os.fsync(stream.fileno())  # else a power cut may leave an empty file under the new name
+            os.replace(beside, path)
     finally:
         with suppress(OSError):
             beside.unlink(missing_ok=True)

@@ -17,6 +17,7 @@ import numpy as np
 from frictionlab._version import __version__
 from frictionlab.hybrid.progress import progress_bar
 from frictionlab.paper.checks.claim import Claims
+from frictionlab.validation import name_written_file
 
 from .registry import EVERY_CLAIM, FIGURES, WITHOUT_GEOMETRY, check, figure
 from .scenes import CHATTER_LIMIT, IMPACTS, PAPER_STEP, RETURN_TOLERANCES, Setting
@@ -149,9 +150,9 @@ def reproduce(folder: str | Path, setting: Setting) -> Path:
         _run_and_count(bar, "step sizes", _write_step_size_page, folder, setting)
     page = folder / REPRODUCTION_PAGE
     minutes = (time.monotonic() - begin) / 60
-    page.write_text(
-        _head_text(setting, minutes) + _claims_text(table) + _figures_text(drawn), encoding="utf-8"
-    )
+    text = _head_text(setting, minutes) + _claims_text(table) + _figures_text(drawn)
+    with name_written_file(page):
+        page.write_text(text, encoding="utf-8")
     return page
 
 
@@ -191,7 +192,8 @@ def _write_step_size_page(folder: Path, setting: Setting) -> None:
     """The page on what a fixed step does."""
     study, picture = step_study_with(setting), IMAGES / "step-size.png"
     _save_picture(study.plot(), folder / picture)
-    (folder / STEP_SIZE_PAGE).write_text(step_size_page(study, picture.as_posix()), encoding="utf-8")
+    with name_written_file(folder / STEP_SIZE_PAGE):
+        (folder / STEP_SIZE_PAGE).write_text(step_size_page(study, picture.as_posix()), encoding="utf-8")
 
 
 def _save_picture(picture: Any, path: Path) -> None:
@@ -199,9 +201,10 @@ def _save_picture(picture: Any, path: Path) -> None:
     from PIL import Image
 
     picture.savefig(path, dpi=DPI)
-    with Image.open(path) as image:
-        small = image.convert("RGB").quantize(COLOURS)
-    small.save(path, optimize=True)
+    with name_written_file(path):
+        with Image.open(path) as image:
+            small = image.convert("RGB").quantize(COLOURS)
+        small.save(path, optimize=True)
 
 
 def _head_text(setting: Setting, minutes: float) -> str:

@@ -18,11 +18,18 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.image import imsave
 
+from frictionlab.validation import name_written_file
+
 from .appearance import PANEL_SIZE, crowding, figure_size, font_size
 
 
 class RunFigure(Figure):
     """A matplotlib figure that a notebook displays whether or not pyplot was imported there."""
+
+    def savefig(self, fname: Any, **options: Any) -> None:
+        """Write a file or to a stream; see :meth:`matplotlib.figure.Figure.savefig`."""
+        with name_written_file(fname):
+            super().savefig(fname, **options)
 
     def _repr_png_(self) -> bytes:
         # IPython knows how to display a Figure only once pyplot has set up its inline backend.

@@ -52,7 +52,7 @@ def check_round_trip(subject: Component) -> None:
 
 def _class_names(subject: Component) -> dict[str, type]:
     """The classes that a repr may name."""
-    found = {type(subject).__name__: type(subject)}
+    found: dict[str, type] = {type(subject).__name__: type(subject)}
     waiting = [getattr(subject, name) for name in structure_of(type(subject))]
     while waiting:
         value = waiting.pop()

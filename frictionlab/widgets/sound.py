@@ -12,7 +12,7 @@ from frictionlab.analysis.motion_scales import oscillation_period
 from frictionlab.hybrid.progress import progress_bar
 from frictionlab.models.model import PITCH, Model, Tone
 from frictionlab.plotting.runs.time_window import SAMPLING_RTOL, Array, Window, check_run, window_limits
-from frictionlab.validation import check_choice, check_number
+from frictionlab.validation import check_choice, check_number, name_written_file
 
 PEAK_LEVEL = 0.9  # of full scale: no player clips it
 FADE_TIME = 0.01  # seconds at both ends, at most a tenth of the sound: a cut waveform clicks
@@ -67,7 +67,8 @@ class Sound:
         from scipy.io import wavfile
 
         path = Path(path)
-        wavfile.write(path, self.rate, np.round(self.samples * np.iinfo(np.int16).max).astype(np.int16))
+        with name_written_file(path):
+            wavfile.write(path, self.rate, np.round(self.samples * np.iinfo(np.int16).max).astype(np.int16))
         return path
 
     def __repr__(self) -> str:

@@ -29,7 +29,7 @@ from frictionlab.plotting.runs.time_window import (
     window_limits,
 )
 from frictionlab.plotting.style import BLACK, mode_colours
-from frictionlab.validation import check_number, plain_number
+from frictionlab.validation import check_number, name_written_file, plain_number
 
 from .artists import (
     draw_force_arrows,
@@ -287,6 +287,10 @@ class RunAnimation(FuncAnimation):
 
     def save(self, filename: Any, *args: Any, **options: Any) -> None:
         """Write a file; see :meth:`matplotlib.animation.Animation.save`."""
+        with name_written_file(filename):
+            self._save(filename, *args, **options)
+
+    def _save(self, filename: Any, *args: Any, **options: Any) -> None:
         if options.get("progress_callback") is not None:
             return super().save(filename, *args, **options)
         with progress_bar(desc="animate") as bar:

@@ -1,0 +1,187 @@
+"""What another user has put where the package looks is never executed.
+
+The other user is one of a number that nobody has; only root can act in its name.  What is planted has a right
+checksum, and would leave a folder behind, or end the process.
+"""
+
+import os
+import pickle
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import frictionlab as fl
+from frictionlab.hybrid import kernel_cache
+from frictionlab.hybrid.compilation import NUMBA
+
+ROOT = Path(__file__).parents[2]
+OTHER = 54321
+RUN = "import sys; from tests.helpers.cached_run import final_states; sys.stdout.buffer.write(final_states())"
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(getattr(os, "getuid", lambda: 1)() != 0, reason="only root can be two users"),
+    pytest.mark.skipif(NUMBA is None, reason="needs compiled code"),
+]
+
+
+class Planted:
+    """Unpickled, it makes a folder."""
+
+    def __init__(self, path):
+        self.path = str(path)
+
+    def __reduce__(self):
+        return os.mkdir, (self.path,)
+
+
+@pytest.fixture(scope="module")
+def known(tmp_path_factory):
+    """The version's folder, the names of its files, and what the run gives."""
+    cache = tmp_path_factory.mktemp("whole") / "cache"
+    found = run({"FRICTIONLAB_CACHE_DIR": str(cache)})
+    (folder,) = cache.iterdir()
+    return folder.name, [path.name for path in folder.iterdir()], found.stdout
+
+
+@pytest.fixture
+def shared():
+    """A folder that everybody can write to, in which everybody owns what is theirs, and one without that."""
+    import tempfile
+
+    with tempfile.TemporaryDirectory(dir="/tmp") as base:
+        os.chmod(base, 0o711)
+        for name, mode in (("sticky", 0o1777), ("open", 0o777)):
+            Path(base, name).mkdir()
+            Path(base, name).chmod(mode)
+        yield Path(base)
+
+
+def run(environment):
+    """The run, in a process of its own."""
+    return subprocess.run(
+        [sys.executable, "-c", RUN],
+        cwd=ROOT,
+        env={**os.environ, "PYTHONPATH": str(ROOT), **environment},
+        capture_output=True,
+        check=False,
+    )
+
+
+def as_other_user(act):
+    """Do it in a process of the other user."""
+    child = os.fork()
+    if child == 0:
+        status = 1
+        try:
+            os.setgroups([])
+            os.setgid(OTHER)
+            os.setuid(OTHER)
+            os.umask(0)
+            act()
+            status = 0
+        finally:
+            os._exit(status)
+    assert os.waitpid(child, 0)[1] == 0
+
+
+def plant(folder, names, executed):
+    """Files of all those names, with code in them."""
+    folder.mkdir(parents=True, exist_ok=True)
+    for name in names:
+        kernel_cache.write(folder / name, pickle.dumps(Planted(executed)))
+        (folder / name).chmod(0o777)
+
+
+def nothing_was_executed(found, known, executed):
+    assert found.returncode == 0, found.stderr.decode()
+    assert found.stdout == known[2]
+    assert not executed.exists()
+
+
+def test_planted_files_would_be_executed(known, shared):
+    """The test's own bite: what root itself puts there is run."""
+    folder, executed = shared / "own" / known[0], shared / "sticky" / "executed"
+    folder.mkdir(mode=0o700, parents=True)
+    folder.parent.chmod(0o700)
+    plant(folder, known[1], executed)
+    for path in folder.iterdir():
+        path.chmod(0o600)
+    found = run({"FRICTIONLAB_CACHE_DIR": str(folder.parent)})
+    assert executed.exists() or found.returncode != 0
+
+
+@pytest.mark.parametrize("where", ["sticky", "open"])
+def test_in_the_temporary_folder(known, shared, where):
+    """Its name there is known to everybody; it is used where there is no home."""
+    base, executed = shared / where / f"frictionlab-{os.getuid()}", shared / where / "executed"
+    as_other_user(lambda: plant(base / known[0], known[1], executed))
+    nowhere = {"FRICTIONLAB_CACHE_DIR": "/dev/null/none", "TMPDIR": str(shared / where)}
+    found = run(nowhere)
+    nothing_was_executed(found, known, executed)
+    assert b"other users could write there" in found.stderr
+    assert str(base).encode() in found.stderr
+
+
+def test_in_a_folder_that_is_shared_by_choice(known, shared):
+    executed, base = shared / "sticky" / "executed", shared / "open"
+    as_other_user(lambda: plant(base / known[0], known[1], executed))
+    nothing_was_executed(run({"FRICTIONLAB_CACHE_DIR": str(base)}), known, executed)
+
+
+def test_within_a_folder_that_became_open(known, shared):
+    """A private folder, but for one that was made for its version with other rights."""
+    base, executed = shared / "sticky" / "cache", shared / "sticky" / "executed"
+    (base / known[0]).mkdir(parents=True)
+    base.chmod(0o711)
+    (base / known[0]).chmod(0o777)
+    as_other_user(lambda: plant(base / known[0], known[1], executed))
+    nothing_was_executed(run({"FRICTIONLAB_CACHE_DIR": str(base)}), known, executed)
+
+
+def test_links_from_a_private_folder_to_files_of_others(known, shared):
+    base, executed = shared / "sticky" / "cache", shared / "sticky" / "executed"
+    theirs = shared / "sticky" / "theirs" / known[0]
+    as_other_user(lambda: plant(theirs, known[1], executed))
+    (base / known[0]).mkdir(mode=0o700, parents=True)
+    base.chmod(0o700)
+    for name in known[1]:
+        (base / known[0] / name).symlink_to(theirs / name)
+    nothing_was_executed(run({"FRICTIONLAB_CACHE_DIR": str(base)}), known, executed)
+
+
+def test_a_cache_that_was_exchanged_for_another(known, shared):
+    """Where its parent is open to all, another user can move it away."""
+    base, executed = shared / "open" / "cache", shared / "open" / "executed"
+    assert run({"FRICTIONLAB_CACHE_DIR": str(base)}).stdout == known[2]
+
+    def exchange():
+        base.rename(base.with_name("moved"))
+        plant(base / known[0], known[1], executed)
+
+    as_other_user(exchange)
+    nothing_was_executed(run({"FRICTIONLAB_CACHE_DIR": str(base)}), known, executed)
+
+
+def test_in_files_of_runs_and_sweeps(shared):
+    """Pickles within are not unpickled, classes not imported."""
+    executed = shared / "open" / "executed"
+    path, journal = shared / "open" / "run.npz", shared / "open" / "sweep.jsonl"
+
+    def plant_files():
+        np.savez(path, about=np.array([Planted(executed)], dtype=object))
+        journal.write_bytes(pickle.dumps(Planted(executed)))
+
+    as_other_user(plant_files)
+    model = fl.SliderOnBelt().without("geometry")
+    for read in (
+        lambda: fl.load(path),
+        lambda: fl.load_bifurcation(journal),
+        lambda: fl.load_basins(journal),
+        lambda: fl.bifurcation(model, "mu_k", [0.5], resume=journal, progress=False),
+    ):
+        with pytest.raises(ValueError, match=str(shared)):
+            read()
+    assert not executed.exists()
