@@ -93,6 +93,7 @@ class Execution:
     resume : path or None
         File in which results are kept as they come; if it is there, what it holds is not computed again.  In
         the end it does not depend on the number of workers, or on how often the computation was cut off.
+        Damaged lines are computed again, with a RuntimeWarning.
     progress : bool
 
     Raises

@@ -22,6 +22,7 @@ from frictionlab.hybrid.tape.expression_text import read_expression
 from frictionlab.hybrid.tape.packing import program_of
 from frictionlab.hybrid.tape.program import Numbers, Program, Section
 from frictionlab.hybrid.trajectory import Sampling, Trajectory
+from frictionlab.interruption import interruption
 from frictionlab.validation import (
     abbreviate,
     check_mapping,
@@ -75,7 +76,7 @@ def solve(
     Returns
     -------
     Trajectory
-        Also where the run ended early, interrupted by ctrl-C included: see ``run.status``.
+        Also where the run ended early: see ``run.status``.
 
     Raises
     ------
@@ -83,6 +84,8 @@ def solve(
         For what is no automaton.
     ValueError
         For other bad arguments; like the former before any work is done.
+    KeyboardInterrupt
+        After ctrl-C; :func:`partial_result` is then the run up to there.
     """
     check_automaton(automaton)
     chosen = method_of(method)
@@ -103,13 +106,13 @@ def solve(
     problem = problem_of(automaton, with_integrals, float(t_end), mode, asked)
     begin = time.perf_counter()
     with Progress(t_end, progress, needs_compilation(chosen.entry)) as bar:
-        raw = chosen.integrate(problem, bar)
+        raw = bar.call(chosen.integrate, problem)
     wall_time = time.perf_counter() - begin
     counts = len(raw.step_modes), len(raw.event_times)
     LOGGER.debug("run to %g s: %d steps, %d events, %.3g s, %s", raw.t, *counts, wall_time, raw.status.name)
     integrals = dict(zip(asked[1], raw.state[len(state) :].tolist(), strict=True))
     problem = problem_of(automaton, state, float(t_end), mode)
-    return Trajectory(
+    run = Trajectory(
         automaton,
         problem,
         raw.cut(len(state)),
@@ -119,6 +122,9 @@ def solve(
         source=source,
         wall_time=wall_time,
     )
+    if bar.stopped:
+        raise interruption(f"the run was stopped at {run.raw.t:g} of {t_end:g} s", run)
+    return run
 
 
 def _description(method: Method, t_end: float, source: Any) -> dict[str, Any]:

@@ -14,6 +14,7 @@ from frictionlab.analysis.orbits.shooting import floquet_multipliers
 from frictionlab.drawable import Drawable
 from frictionlab.hybrid.progress import progress_bar
 from frictionlab.hybrid.solve import solve
+from frictionlab.interruption import interruption
 from frictionlab.models.coercion import automaton_of, check_parameter_name
 from frictionlab.presentation import shorten
 from frictionlab.validation import check_number
@@ -123,7 +124,7 @@ def continue_orbit(
     max_points : int
         Largest number of orbits in each direction.
     progress : bool
-        Show a progress bar where it takes more than a second.  Ctrl-C ends with the orbits found so far.
+        Show a progress bar where it takes more than a second.
 
     Returns
     -------
@@ -135,6 +136,9 @@ def continue_orbit(
         For an unknown parameter, or what is no orbit.
     ValueError
         For other bad arguments; like the former before any work is done.
+    KeyboardInterrupt
+        After ctrl-C; :func:`partial_result` is then the OrbitBranch with the orbits found so far, whose
+        `ends` say where it was interrupted.
 
     Examples
     --------
@@ -165,13 +169,16 @@ def continue_orbit(
     back, ahead = halves
     points = [*back.points[::-1], start, *ahead.points]
     special = [*back.special[::-1], *ahead.special]
-    return OrbitBranch(
+    branch = OrbitBranch(
         parameter=parameter,
         values=np.array([point.value for point in points]),
         orbits=tuple(_orbit_at(orbit.model, parameter, point) for point in points),
         special=tuple(_special_orbit(orbit.model, parameter, found) for found in special),
         ends=(back.end, ahead.end),
     )
+    if INTERRUPTED in branch.ends:
+        raise interruption(f"the branch was stopped after {len(points)} orbits", branch)
+    return branch
 
 
 def _check(orbit: Any, parameter: str, bounds: Any, step: float, max_points: int) -> float:
@@ -198,7 +205,8 @@ def _with_progress_bar(
     bar = progress_bar(halves, desc="continue orbit", unit=" orbits", shown=progress)
     for found in bar:
         if found.points:
-            bar.set_postfix_str(f"{found.points[-1].value:.4g} in {bounds[0]:.4g} to {bounds[1]:.4g}")
+            at = f"{found.points[-1].value:.4g} in {bounds[0]:.4g} to {bounds[1]:.4g}"
+            bar.set_postfix_str(at, refresh=False)  # else the bar would be shown before its time
         yield found
 
 

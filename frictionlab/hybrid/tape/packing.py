@@ -8,9 +8,9 @@ that ends.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
-from functools import lru_cache
+from functools import lru_cache, partial
 from itertools import accumulate, chain
 from threading import Lock
 from typing import Any
@@ -32,6 +32,7 @@ from frictionlab.hybrid.tape.lowered_mode import (
     slot_array,
 )
 from frictionlab.hybrid.tape.operations import AFFINE
+from frictionlab.hybrid.tape.parameter_numbers import fill_function, undefined_number
 from frictionlab.hybrid.tape.program import NO_RESET, Code, Demand, Numbers, Program, Section
 
 NO_MODE = -1  # "no mode" in the arrays
@@ -271,7 +272,8 @@ class Packer:
             guards,
             guard_modes,
             int_array(initial),
-            _fill(parameters, every, apart),
+            fill_function(parameters, every, apart),
+            partial(undefined_number, parameters, tuple(every)),
         )
 
     def _code(self, lowered: Sequence[LoweredMode], coordinates: int, initial: Sequence[int]) -> Code:
@@ -373,51 +375,6 @@ def _ops(every: Sequence[LoweredTape]) -> np.ndarray:
     affine = found[:, 0] == AFFINE
     found[affine, 1:] += np.repeat(np.array(first, dtype=np.uint32), lengths)[affine, None]
     return found
-
-
-def _fill(
-    parameters: tuple[Any, ...], every: Sequence[LoweredTape], apart: bool
-) -> Callable[..., Sequence[float]]:
-    """Function of the parameters that gives all constants, then the coefficients of all terms."""
-    if not apart:
-        exprs = [c for one in every for c in one.tape.constants]
-        exprs += [c for one in every for _, c in one.tape.terms]
-        return sp.lambdify(parameters, exprs, "math", cse=True)
-    numbers = _number_list(parameters)
-    constants, terms = zip(*(numbers.places(one) for one in every))
-    used, where = np.unique(np.concatenate([*constants, *terms]), return_inverse=True)
-    functions = [numbers.functions[i] for i in used]
-    return lambda *values: np.array([function(*values) for function in functions], dtype=float)[where]
-
-
-class _NumberList:
-    """Functions of the parameters for the numbers in tapes.
-
-    Each has the same bits whatever the others are: they share no subexpressions.
-    """
-
-    def __init__(self, parameters: tuple[Any, ...]) -> None:
-        self._parameters = parameters
-        self._numbers: dict[Any, int] = {}
-        self.functions: list[Callable[..., float]] = []
-
-    def places(self, lowered: LoweredTape) -> tuple[np.ndarray, np.ndarray]:
-        """Numbers of the functions of a tape's constants and coefficients."""
-        tape = lowered.tape
-        exprs = tape.constants, [coefficient for _, coefficient in tape.terms]
-        constants, terms = (int_array([self._number(expr) for expr in some]) for some in exprs)
-        return constants, terms
-
-    def _number(self, expr: Any) -> int:
-        if expr not in self._numbers:
-            self._numbers[expr] = len(self.functions)
-            self.functions.append(sp.lambdify(self._parameters, expr, "math"))
-        return self._numbers[expr]
-
-
-@lru_cache(maxsize=64)
-def _number_list(parameters: tuple[Any, ...]) -> _NumberList:
-    return _NumberList(parameters)
 
 
 def _ranges(lengths: Sequence[int], start: int = 0) -> np.ndarray:

@@ -124,8 +124,7 @@ def initial_frame(run: Trajectory) -> np.ndarray:
 def carry_frame(run: Trajectory, frame: np.ndarray, progress: bool) -> tuple[np.ndarray, list[np.ndarray]]:
     """Columns (n, m), tangent vectors at a run's start, propagated to its end; and the saltation matrices."""
     rows, matrices = np.ascontiguousarray(frame.T), []
-    shown = progress_bar(list(smooth_segments(run)), desc="tangent flow", shown=progress)
-    for part, event in shown:
+    for part, event in progress_bar(list(smooth_segments(run)), desc="tangent flow", shown=progress):
         carry_rows(carry_steps, run, part, rows)
         if event is not None:
             matrices.append(event_saltation(run, event))

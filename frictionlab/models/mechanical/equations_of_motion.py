@@ -19,7 +19,6 @@ from frictionlab.models.symbols import Structure, symbol, symbolic_copy
 from .contact_regimes import PHASE, ContactRegime, regimes_of_contact
 from .mechanics import Friction, Mechanics, Stop
 
-
 Row = tuple[Any, ...]
 
 

@@ -146,14 +146,21 @@ def jacobian(model: Any, q: Array) -> Array:
     Raises
     ------
     ValueError
-        If the belt rests and the model has stick: friction has no derivative there.
+        If the belt rests and the model has stick: friction has no derivative there.  If a law has none.
     """
     problem = equilibrium_problem(model)
     if by_penetration(model) and (equations := sliding_equations(model)).rests(equations.values(model)):
         raise ValueError("v must not be 0 for steady sliding, got 0.0: give the belt a speed")
     x = np.zeros(len(problem.flow.states))
     x[: len(q)] = q
-    return problem.flow.jacobian(x, problem.values)
+    with np.errstate(all="ignore"):
+        matrix = problem.flow.jacobian(x, problem.values)
+    if not np.isfinite(matrix).all():
+        raise ValueError(
+            f"the state matrix of {model!r} must be finite at its equilibrium, and is not: a law has no "
+            "derivative there, or no value; change its parameters, or the law"
+        )
+    return matrix
 
 
 def mode_shapes(vectors: ComplexArray, n: int) -> ComplexArray:
