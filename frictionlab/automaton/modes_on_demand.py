@@ -60,6 +60,7 @@ class ModeNames(Sequence[str]):
 
     def __init__(self, regimes: tuple[tuple[str, ...], ...], allows: Callable[[Combination], bool]) -> None:
         self._names, self._allows = regimes, allows
+        self._numbers = [{name: i for i, name in enumerate(names)} for names in regimes]
 
     def combinations(self) -> Iterator[Combination]:
         """All combinations that are modes, in order: the last part's regime changes fastest."""
@@ -74,9 +75,8 @@ class ModeNames(Sequence[str]):
         words = name.split(JOINT) if isinstance(name, str) and name != NO_PARTS else ()
         if len(words) != len(self._names):
             return None
-        known = all(word in names for names, word in zip(self._names, words))
-        found = tuple(names.index(word) for names, word in zip(self._names, words)) if known else None
-        return found if found is not None and self._allows(found) else None
+        found = tuple(numbers.get(word, -1) for numbers, word in zip(self._numbers, words))
+        return found if -1 not in found and self._allows(found) else None
 
     def place_of(self, name: str) -> int:
         """The place of a mode in the order, counted as if all combinations were modes."""

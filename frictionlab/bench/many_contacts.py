@@ -13,6 +13,7 @@ import sys
 import time
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
+from itertools import pairwise
 from types import MappingProxyType
 from typing import Any, ClassVar
 
@@ -52,7 +53,7 @@ class Chain(MechanicalModel):
         """Masses of 1 kg, pressed on the belt by 1 N each."""
         x, u = ([getattr(at, name) for name in self.coordinates] for at in (q, v))
         springs = sum(self.k * one**2 for one in x)
-        springs += sum(self.kc * (one - other) ** 2 for one, other in zip(x, x[1:]))
+        springs += sum(self.kc * (one - other) ** 2 for one, other in pairwise(x))
         return Mechanics(
             kinetic=sum(one**2 for one in u) / 2,
             potential=springs / 2,
@@ -162,9 +163,9 @@ def measure_growth(scene: str, size: int) -> GrowthRow:
     times.append(time.perf_counter())
     memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
     visited = len({*run.mode, *run.events.target})
-    return GrowthRow(
-        scene, size, *np.diff(times).tolist(), memory, run.stats["steps"], len(run.events), visited
-    )
+    derivation, ran, rested = np.diff(times).tolist()
+    events, steps = len(run.events), int(run.stats["steps"])
+    return GrowthRow(scene, size, derivation, ran, rested, memory, steps, events, visited)
 
 
 def measure_apart(scene: str, size: int) -> GrowthRow | str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Container, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -37,8 +37,12 @@ class Flow:
 
     @cached_property
     def _partial(self) -> dict[tuple[int, int], Any]:
-        rows = enumerate(self.expressions)
-        partial = {(i, j): sympy.diff(row, x) for i, row in rows for j, x in enumerate(self.states)}
+        places = {x: j for j, x in enumerate(self.states)}
+        partial = {
+            (i, places[x]): sympy.diff(sympy.Add(*terms), x)
+            for i, row in enumerate(self.expressions)
+            for x, terms in sorted(_terms_by_symbol(row, places).items(), key=lambda item: places[item[0]])
+        }
         return {place: entry for place, entry in partial.items() if entry != 0}
 
     @cached_property
@@ -90,6 +94,16 @@ class Flow:
         for place, entry in zip(self._partial, self._entries(*x, *values)):
             matrix[place] = entry
         return np.moveaxis(matrix, (0, 1), (-2, -1))
+
+
+def _terms_by_symbol(expression: Any, symbols: Container[Any]) -> dict[Any, list[Any]]:
+    """The terms of a sum in which each symbol occurs: of many terms most hold only a few of many symbols."""
+    found: dict[Any, list[Any]] = {}
+    for term in sympy.Add.make_args(sympy.sympify(expression)):
+        for x in term.free_symbols:
+            if x in symbols:
+                found.setdefault(x, []).append(term)
+    return found
 
 
 def _stacked(parts: Sequence[Any], shape: tuple[int, ...]) -> Array:

@@ -1,9 +1,9 @@
 """The next mode where modes are combinations of regimes and only some are derived: far too many to list.
 
-Tried are, in this order: the targets of the event; those of the events that refuse one of these, and so on, as
-several contacts may change at one instant; then all combinations that the conditions of single regimes allow,
-in the automaton's order.  What comes to be tried and is not derived ends the kernel, which is called again
-once it is.
+Tried are, in this order: the targets of the event; those of the events that keep one of these from being
+entered, and so on, as several contacts may change at one instant; then all combinations that the conditions
+of single regimes allow, in the automaton's order.  What comes to be tried and is not derived ends the kernel,
+which is called again once it is.
 """
 
 from __future__ import annotations
@@ -101,10 +101,11 @@ def mark_regimes(system, z, rounding, scratch):
 @kernel
 def is_allowed(code, combination, allowed):
     """Whether the conditions of all regimes of a combination allow it."""
+    refused = 0
     for i in range(combination.shape[0]):
         if allowed[code.demand.regimes[i] + combination[i]] == 0:
-            return False
-    return True
+            refused += 1
+    return refused == 0
 
 
 @kernel

@@ -44,7 +44,7 @@ def apply_reset(system, reset, z, J):
 
 @kernel
 def set_zeros_by_construction(code, guard, closing, scratch):
-    """Note which functions vanish after a reset of an event: its own, or the one that closes an accumulation."""
+    """Note which functions vanish after a reset of an event: its own, or that for an accumulation."""
     forget_zeros(scratch)
     row = 2 * guard + closing
     for k in range(code.zeros[row], code.zeros[row + 1]):

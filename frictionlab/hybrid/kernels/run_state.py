@@ -67,8 +67,8 @@ class RunState(NamedTuple):
     events that have a limit mode, and what the sum of the steps is beyond now;
     ``counts``: mode, steps, events, section points, short dwells in a row by either limit, accumulations
     closed, events without advance, whether the jets are at hand, whether an accumulation ends the run, and
-    the number of the current cell of a fixed time grid, and the guard and multiplicity of the event at which a mode
-    has yet to be derived;
+    the number of the current cell of a fixed time grid, and the guard and multiplicity of the event at
+    which a mode has yet to be derived;
     ``sizes``: what the rounding errors of the state at the last event are relative to."""
 
     state: np.ndarray

@@ -169,7 +169,7 @@ class Method(ABC):
         return problem, natives, system, new_scratch(problem.program.slots, problem.program.code, self.degree)
 
     def _with_missing_mode(self, run: ActiveRun) -> ActiveRun:
-        """The run where it stands, with one mode more; it goes on with the event at which that was missing."""
+        """The run where it stands, with one mode more; next is the event at which that was missing."""
         problem, natives, system, scratch = self._prepared(
             run.problem.with_mode(run.scratch.candidates.missing)
         )

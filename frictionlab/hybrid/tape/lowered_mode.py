@@ -13,7 +13,7 @@ import numpy as np
 from frictionlab.automaton import Mode, Reset
 from frictionlab.hybrid.tape.operations import AFFINE, POWER
 from frictionlab.hybrid.tape.program import NOT_POLYNOMIAL, Section
-from frictionlab.hybrid.tape.tape import Range, ResetBuilder, Tape, TapeBuilder
+from frictionlab.hybrid.tape.tape import AffineTerms, ResetBuilder, Tape, TapeBuilder
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,34 +53,49 @@ class LoweredMode(LoweredTape):
         return self.tape.degrees(self.guards)
 
     @cached_property
-    def ranges(self) -> list[Range]:
-        """How the range of each slot is found."""
-        return self.tape.ranges((*self.flow, *self.guards, *self.sections), self.guards)
+    def ranges(self) -> np.ndarray:
+        """(slots,) how the range of each is found."""
+        return int_array(self.tape.ranges((*self.flow, *self.guards, *self.sections), self.guards))
 
-    @property
+    @cached_property
     def degree(self) -> int:
         """The highest degree, NOT_POLYNOMIAL where there are other functions."""
         return _finite(max(self.degrees))
 
-    @property
-    def polynomial(self) -> list[bool]:
-        """Whether each slot is a polynomial of the states."""
-        return [degree < math.inf for degree in self.degrees]
+    @cached_property
+    def polynomial(self) -> np.ndarray:
+        """(slots,) whether each is a polynomial of the states."""
+        return int_array([degree < math.inf for degree in self.degrees])
 
-    @property
+    @cached_property
     def polynomial_degree(self) -> int:
         """The highest degree of those that are."""
         return _finite(max(degree for degree in self.degrees if degree < math.inf))
 
-    @property
-    def guard_degrees(self) -> list[int]:
+    @cached_property
+    def guard_degrees(self) -> np.ndarray:
         """Degrees of the event functions."""
-        return [_finite(self.degrees[slot]) for slot in self.guards]
+        return int_array([_finite(self.degrees[slot]) for slot in self.guards])
 
-    @property
+    @cached_property
     def has_powers(self) -> bool:
         """Whether there are powers, whose base may be zero."""
         return any(op[0] == POWER for op in self.tape.ops)
+
+    @cached_property
+    def flow_slots(self) -> np.ndarray:
+        """(states,)"""
+        return slot_array(self.flow)
+
+    @cached_property
+    def guard_slots(self) -> np.ndarray:
+        """(guards,)"""
+        return slot_array(self.guards)
+
+    @cached_property
+    def constraint_slots(self) -> np.ndarray:
+        """(constraints,)"""
+        return slot_array(self.constraints)
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,13 +104,18 @@ class LoweredReset(LoweredTape):
 
     out: list[int]
 
+    @cached_property
+    def out_slots(self) -> np.ndarray:
+        """(states,)"""
+        return slot_array(self.out)
+
 
 @lru_cache(maxsize=4096)  # modes that are derived one by one are packed again and again
 def lower_mode(
     mode: Mode, states: tuple[Any, ...], sections: tuple[Section, ...], integrands: tuple[Any, ...]
 ) -> LoweredMode:
     """Lower a mode with its sections; the integrands follow the flow."""
-    builder = TapeBuilder(states)
+    builder = TapeBuilder(states, _linear_terms(states))
     return LoweredMode(
         flow=[
             builder.slot(expr) for expr in (*mode.flow, *(_section_expression(e, mode) for e in integrands))
@@ -107,10 +127,16 @@ def lower_mode(
     )
 
 
+@lru_cache(maxsize=64)
+def _linear_terms(states: tuple[Any, ...]) -> dict[Any, AffineTerms]:
+    """Terms of expressions that are affine in the states: they are the same on every tape."""
+    return {}
+
+
 @lru_cache(maxsize=4096)
 def lower_reset(reset: Reset, states: tuple[Any, ...]) -> LoweredReset:
     """Lower a reset."""
-    builder = ResetBuilder(states)
+    builder = ResetBuilder(states, _linear_terms(states))
     return LoweredReset(
         out=[builder.slot(reset.jump.get(state, state)) for state in states], tape=builder.tape
     )

@@ -8,10 +8,10 @@ that ends.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache, partial
-from itertools import accumulate, chain
+from itertools import accumulate
 from threading import Lock
 from typing import Any
 from weakref import ref
@@ -78,8 +78,8 @@ def program_of(
 ) -> tuple[Program, Numbers]:
     """Program and numbers of an automaton; the program is remembered per structure.
 
-    Of modes that are derived on demand it has all, in the automaton's order, where it is to be `complete`; else
-    those derived so far, in the order in which they were.
+    Of modes that are derived on demand it has all, in the automaton's order, where it is to be `complete`;
+    else those derived so far, in the order in which they were.
 
     Raises
     ------
@@ -180,6 +180,30 @@ class _GrowingProgram:
         return program
 
 
+class GrowingArray:
+    """Integers that are appended to; what it has given away stays as it is.
+
+    Programs that grow by a mode share them, as a copy for each would leave memory in pieces.
+    """
+
+    def __init__(self, first: Sequence[int] = ()) -> None:
+        self._room, self.length = np.zeros(1024, dtype=np.int64), 0
+        self.extend(first)
+
+    def extend(self, values: Sequence[int]) -> None:
+        """Append integers."""
+        end = self.length + len(values)
+        if end > len(self._room):
+            self._room = np.concatenate([self._room, np.zeros(max(end, len(self._room)), dtype=np.int64)])
+        self._room[self.length : end] = values
+        self.length = end
+
+    @property
+    def array(self) -> np.ndarray:
+        """What there is by now."""
+        return self._room[: self.length]
+
+
 class Packer:
     """Collects the arrays of a :class:`Program`, mode by mode."""
 
@@ -201,9 +225,13 @@ class Packer:
         self.classes: dict[Any, int] = {}  # of functions, by their normal form up to the sign
         self.guard_classes: list[int] = []
         self.constraint_classes: list[int] = []
-        self.zeros: list[list[tuple[int, int]]] = []  # classes and counts, for both resets of each event
-        self.listed: list[list[Combination]] = []  # targets of each event, where modes are on demand
+        self.zeros = GrowingArray([0])  # where what is zero after each reset ends, for both of each event;
+        self.zero_classes = GrowingArray()  # the classes of these functions,
+        self.zero_counts = GrowingArray()  # and the order to which each is zero
+        self.listed: list[Combination] = []  # the targets of all events, where modes are on demand,
+        self.listed_lengths: list[int] = []  # and how many each has
         self._reset_numbers: dict[Reset, int] = {}
+        self._conditions: Mode | None = None
 
     def add(self, mode: Mode) -> None:
         """Put a mode behind the others."""
@@ -219,11 +247,13 @@ class Packer:
         closing = event.accumulation or event.reset
         self.event_resets.append([plain, plain if event.accumulation is None else self._reset(closing)])
         for reset in (event.reset, closing):
-            zeros = structural_zeros(mode, event, reset).items()
-            self.zeros.append([(self._number_of_class(function), count) for function, count in zeros])
+            zeros = structural_zeros(mode, event, reset)
+            self.zero_classes.extend([self._number_of_class(function) for function in zeros])
+            self.zero_counts.extend(list(zeros.values()))
+            self.zeros.extend([self.zero_counts.length])
         if self.demand is not None:
-            found = map(self.demand.names.combination_of, event.targets)
-            self.listed.append([combination for combination in found if combination is not None])
+            self.listed += filter(None, map(self.demand.names.combination_of, event.targets))
+            self.listed_lengths.append(len(event.targets))
 
     def _class(self, function: Any) -> int:
         return self._number_of_class(sign_normal_form(function))
@@ -241,6 +271,13 @@ class Packer:
             self.resets.append(lower_reset(reset, self.states))
         return number
 
+    def _conditions_mode(self, modes: ModesOnDemand) -> Mode:
+        """A mode that stands for those not derived; its constraints are the conditions of all regimes."""
+        if self._conditions is None:
+            found = (condition for part in modes.parts for regime in part for condition in regime.conditions)
+            self._conditions = Mode("", (sp.S.Zero,) * len(self.states), constraints=tuple(found))
+        return self._conditions
+
     def pack(
         self,
         parameters: tuple[sp.Symbol, ...],
@@ -251,10 +288,11 @@ class Packer:
         """The program of the modes so far; with what is `known` of others where they are on demand."""
         lowered, constraint_classes, demand = self.lowered, self.constraint_classes, _no_demand()
         if self.demand is not None and known is not None:
-            conditions = _conditions_mode(self.demand, len(self.states))
+            conditions = self._conditions_mode(self.demand)
             lowered = [*lowered, lower_mode(conditions, self.states, (), ())]
             constraint_classes = [*constraint_classes, *map(self._class, conditions.constraints)]
-            demand = _demand_arrays(self.demand, known, self.listed)
+            targets = int_array(self.listed, columns=len(self.demand.parts))
+            demand = _demand_arrays(self.demand, known, _ranges(self.listed_lengths), targets)
         names = tuple(mode.name for mode in self.modes)
         initial = [i for i, mode in enumerate(self.modes) if not mode.limit] if known is None else []
         code = self._code(lowered, coordinates, initial)
@@ -281,27 +319,26 @@ class Packer:
         inputs, count = len(self.states), len(lowered)
         guards, mode_ops = sum(len(one.guards) for one in lowered), sum(len(one.tape.ops) for one in lowered)
         sections = [one.sections or [0] * len(self.sections) for one in lowered]
-        zeros = [*chain.from_iterable(self.zeros)]
         return Code(
             inputs=inputs,
             ops=_ops(every),
             term_slots=_joined([one.term_slots for one in every], np.uint32),
             mode_ops=_ranges([len(one.tape.ops) for one in lowered]),
-            flow=slot_array([one.flow for one in lowered]),
+            flow=np.array([one.flow_slots for one in lowered]),
             mode_guards=_ranges([len(one.guards) for one in lowered]),
             mode_constraints=_ranges([len(one.constraints) for one in lowered], start=guards),
-            function_slots=slot_array(
-                [*_chained(one.guards for one in lowered), *_chained(one.constraints for one in lowered)]
+            function_slots=_joined(
+                [*(one.guard_slots for one in lowered), *(one.constraint_slots for one in lowered)], np.uint32
             ),
             targets=int_array(self._targets(initial), columns=len(initial)),
             limits=int_array([i for i, mode in enumerate(self.modes) if mode.limit]),
             resets=int_array(self.event_resets, columns=2),
             function_classes=int_array([]),
-            zeros=_ranges([len(some) for some in self.zeros]),
-            zero_classes=int_array([number for number, _ in zeros]),
-            zero_counts=int_array([order for _, order in zeros]),
+            zeros=self.zeros.array,
+            zero_classes=self.zero_classes.array,
+            zero_counts=self.zero_counts.array,
             reset_ops=_ranges([len(one.tape.ops) for one in self.resets], start=mode_ops),
-            reset_out=slot_array([one.out for one in self.resets], columns=inputs),
+            reset_out=np.array([one.out_slots for one in self.resets], np.uint32).reshape(-1, inputs),
             sections=slot_array(sections, columns=len(self.sections)),
             directions=int_array([section.direction for section in self.sections]),
             native=np.zeros(count, dtype=np.int64),
@@ -309,21 +346,23 @@ class Packer:
             built=int_array([i < len(self.modes) for i in range(count)]),
             powers=int_array([one.has_powers for one in lowered]),
             degrees=int_array([one.degree for one in lowered]),
-            ranges=int_array([*_chained(one.ranges[inputs:] for one in lowered)]),
-            state_ranges=int_array([one.ranges[:inputs] for one in lowered], columns=inputs),
-            polynomial=int_array([*_chained(one.polynomial[inputs:] for one in lowered)]),
+            ranges=_joined([one.ranges[inputs:] for one in lowered], np.int64),
+            state_ranges=np.array([one.ranges[:inputs] for one in lowered]),
+            polynomial=_joined([one.polynomial[inputs:] for one in lowered], np.int64),
             polynomial_degrees=int_array([one.polynomial_degree for one in lowered]),
-            guard_degrees=int_array([*_chained(one.guard_degrees for one in lowered)]),
+            guard_degrees=_joined([one.guard_degrees for one in lowered], np.int64),
             groups=int_array([0, coordinates, 2 * coordinates, len(self.physical)]),
             demand=_no_demand(),
         )
 
     def _targets(self, initial: Sequence[int]) -> list[list[int]]:
         """The modes that each event leads to, then all others; none where modes are on demand."""
+        if not initial:
+            return [[] for _ in self.event_resets]
         places = {mode.name: i for i, mode in enumerate(self.modes)}
         tried = {*initial}
         orders = (
-            dict.fromkeys((*(places[name] for name in event.targets), *initial)) if initial else ()
+            dict.fromkeys((*(places[name] for name in event.targets), *initial))
             for mode in self.modes
             for event in mode.events
         )
@@ -337,7 +376,7 @@ def _no_demand() -> Demand:
 
 
 def _demand_arrays(
-    modes: ModesOnDemand, known: KnownModes, listed: Sequence[Sequence[Combination]]
+    modes: ModesOnDemand, known: KnownModes, listed: np.ndarray, targets: np.ndarray
 ) -> Demand:
     """What kernels have to know of modes that are not derived."""
     parts = len(modes.parts)
@@ -348,19 +387,9 @@ def _demand_arrays(
         conditions=_ranges(conditions),
         combinations=int_array([*known.combinations, *known.refused], columns=parts),
         modes=int_array(numbers),
-        listed=_ranges([len(targets) for targets in listed]),
-        targets=int_array([*_chained(listed)], columns=parts),
+        listed=listed,
+        targets=targets,
     )
-
-
-def _conditions_mode(modes: ModesOnDemand, states: int) -> Mode:
-    """A mode that stands for those not derived; its constraints are the conditions of all regimes."""
-    conditions = (condition for part in modes.parts for regime in part for condition in regime.conditions)
-    return Mode("", (sp.S.Zero,) * states, constraints=tuple(conditions))
-
-
-def _chained(lists: Iterable[Sequence[Any]]) -> Iterable[Any]:
-    return chain.from_iterable(lists)
 
 
 def _joined(arrays: Sequence[np.ndarray], kind: type) -> np.ndarray:

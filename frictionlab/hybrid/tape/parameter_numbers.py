@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from functools import lru_cache
 from typing import Any
+from weakref import WeakKeyDictionary
 
 import numpy as np
 import sympy as sp
@@ -49,14 +50,17 @@ class _NumberList:
     def __init__(self, parameters: tuple[Any, ...]) -> None:
         self._parameters = parameters
         self._numbers: dict[Any, int] = {}
+        self._places: WeakKeyDictionary[LoweredTape, tuple[np.ndarray, np.ndarray]] = WeakKeyDictionary()
         self.functions: list[Callable[..., float]] = []
 
     def places(self, lowered: LoweredTape) -> tuple[np.ndarray, np.ndarray]:
         """Numbers of the functions of a tape's constants and coefficients."""
-        tape = lowered.tape
-        exprs = tape.constants, [coefficient for _, coefficient in tape.terms]
-        constants, terms = (int_array([self._number(expr) for expr in some]) for some in exprs)
-        return constants, terms
+        if lowered not in self._places:
+            tape = lowered.tape
+            exprs = tape.constants, [coefficient for _, coefficient in tape.terms]
+            constants, terms = (int_array([self._number(expr) for expr in some]) for some in exprs)
+            self._places[lowered] = constants, terms
+        return self._places[lowered]
 
     def _number(self, expr: Any) -> int:
         if expr not in self._numbers:

@@ -20,9 +20,9 @@ NOT_POLYNOMIAL = 1000  # stands for the degree of what is no polynomial of the s
 class Demand(NamedTuple):
     """Modes that are combinations of regimes, one for each part, of which only some are derived.
 
-    The code's last mode then stands for all others: it holds no events and cannot be entered; its constraints
-    are the conditions of all regimes, none of which may be negative where a mode with it is entered.  There are
-    no parts where all modes are derived and listed in ``targets``.
+    The code's last mode then stands for all others: it holds no events and cannot be entered; its
+    constraints are the conditions of all regimes, none of which may be negative where a mode with it is
+    entered.  There are no parts where all modes are derived and listed in ``targets``.
     """
 
     regimes: np.ndarray  # (parts + 1,) range of each part's regimes, numbered through all parts
@@ -47,9 +47,7 @@ class Code(NamedTuple):
     mode_guards: np.ndarray  # (modes + 1,)
     mode_constraints: np.ndarray  # (modes + 1,) numbered after all guards
     function_slots: np.ndarray  # (guards + constraints,)
-    targets: (
-        np.ndarray
-    )  # (guards, modes but for limits) in the order in which they are tried; see `Combinations`
+    targets: np.ndarray  # (guards, modes but for limits) in the order in which they are tried
     limits: np.ndarray  # (limit modes,) which closing an accumulation tries before
     resets: np.ndarray  # (guards, 2) number of the reset, and of the one that closes an accumulation
     function_classes: (

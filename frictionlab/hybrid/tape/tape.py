@@ -141,10 +141,14 @@ class Tape:
 
 
 class TapeBuilder:
-    """Lowers expressions onto one tape; equal subexpressions share a slot."""
+    """Lowers expressions onto one tape; equal subexpressions share a slot.
 
-    def __init__(self, states: Sequence[Any]) -> None:
+    `linear` holds the terms of expressions that are affine in the states; tapes share what they find.
+    """
+
+    def __init__(self, states: Sequence[Any], linear: dict[Expr, AffineTerms] | None = None) -> None:
         self.tape = Tape(len(states))
+        self._linear_terms = {} if linear is None else linear
         self._states = {state: i for i, state in enumerate(states)}
         self._affine: dict[Expr, AffineTerms] = {}
         self._slots: dict[object, int] = {}
@@ -158,9 +162,15 @@ class TapeBuilder:
         return self._states.keys().isdisjoint(expr.free_symbols)
 
     def _lower(self, expr: Expr) -> AffineTerms:
-        if expr not in self._affine:
-            self._affine[expr] = self._lower_new(expr)
-        return self._affine[expr]
+        known = self._affine.get(expr)
+        if known is None:
+            known = self._linear_terms.get(expr)
+            if known is None:
+                known = self._lower_new(expr)
+                if all(slot < self.tape.inputs for slot in known):
+                    self._linear_terms[expr] = known
+            self._affine[expr] = known
+        return known
 
     def _lower_new(self, expr: Expr) -> AffineTerms:
         if self.constant(expr):

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from functools import cached_property, lru_cache, wraps
 from types import SimpleNamespace
 from typing import Any, NamedTuple
 
@@ -20,6 +20,19 @@ from .contact_regimes import PHASE, ContactRegime, regimes_of_contact
 from .mechanics import Friction, Mechanics, Stop
 
 Row = tuple[Any, ...]
+
+
+def _remembered(method: Any) -> Any:
+    """A method of one contact that is computed once for each; its system keeps the results."""
+
+    @wraps(method)
+    def remembering(self: LagrangeSystem, contact: Friction | Stop) -> Any:
+        found = self.__dict__.setdefault(f"_{method.__name__}_of_contacts", {})
+        if contact not in found:
+            found[contact] = method(self, contact)
+        return found[contact]
+
+    return remembering
 
 
 class Pair(NamedTuple):
@@ -71,15 +84,31 @@ class LagrangeSystem:
 
     def allows(self, combination: Combination) -> bool:
         """Whether the contacts that hold velocities at zero in a combination hold independent ones."""
-        rows = [rows[i] for rows, i in zip(self._held_rows, combination, strict=True) if rows[i] is not None]
+        held = (self._held_rows[i][combination[i]] for i in self._contacts_in_conflict)
+        rows = [row for row in held if row is not None]
         return len(rows) < 2 or all(_rank(tuple(some)) == len(some) for some in _coupled(rows))
+
+    @cached_property
+    def _contacts_in_conflict(self) -> tuple[int, ...]:
+        """Contacts that hold velocities of coordinates whose velocities others hold too, or hold none."""
+        columns = [
+            [{i for i, entry in enumerate(row) if entry != 0} for row in rows if row is not None]
+            for rows in self._held_rows
+        ]
+        used = [set().union(*some) for some in columns]
+        counts = [sum(i in some for some in used) for i in range(len(self.v))]
+        return tuple(
+            i
+            for i, some in enumerate(columns)
+            if not all(some) or any(counts[j] > 1 for each in some for j in each)
+        )
 
     @cached_property
     def _held_rows(self) -> tuple[tuple[Row | None, ...], ...]:
         """The derivatives by the velocities of what each regime holds at zero; None where it holds none."""
         return tuple(
             tuple(
-                None if regime.held is None else tuple(sympy.diff(regime.held, v) for v in self.v)
+                None if regime.held is None else tuple(self.gradient(regime.held, self.v))
                 for regime in regimes
             )
             for regimes in self.regimes
@@ -116,27 +145,50 @@ class LagrangeSystem:
 
     def rate(self, expression: Any) -> Any:
         """Time derivative of a function of coordinates and phase."""
-        pairs = [*zip(self.q, self.v, strict=True), *((x, self.mechanics.frequency) for x in self.phase)]
-        return sum((sympy.diff(expression, x) * rate for x, rate in pairs), sympy.S.Zero)
+        rates = (*self.v, *(self.mechanics.frequency for _ in self.phase))
+        slopes = self.gradient(expression, (*self.q, *self.phase))
+        return sum((slope * rate for slope, rate in zip(slopes, rates, strict=True)), sympy.S.Zero)
 
     def at_rest(self, expression: Any) -> Any:
         """The value at zero velocities: that of a relative velocity is the speed of the belt."""
-        return sympy.sympify(expression, strict=True).subs(dict.fromkeys(self.v, 0))
+        expression = sympy.sympify(expression, strict=True)
+        there = expression.free_symbols
+        return expression.subs({rate: 0 for rate in self.v if rate in there})
 
+    @_remembered
     def direction(self, contact: Friction | Stop) -> Any:
         """W: where the contact's force enters, friction or the reaction of a stop, (n, 1)."""
         if isinstance(contact, Friction):
-            return -sympy.Matrix([sympy.diff(contact.relative_velocity, rate) for rate in self.v])
-        return sympy.Matrix([sympy.diff(contact.distance, x) for x in self.q])
+            return -sympy.ImmutableMatrix(self.gradient(contact.relative_velocity, self.v))
+        return sympy.ImmutableMatrix(self.gradient(contact.distance, self.q))
 
+    @_remembered
     def normal(self, contact: Friction | Stop) -> Any:
         """W_N: where the normal force of a contact that may be lost enters, (n, 1); by default the gradient
         of the gap."""
         if isinstance(contact, Stop) or contact.penetration is None:
-            return sympy.zeros(len(self.q), 1)
+            return sympy.ImmutableMatrix.zeros(len(self.q), 1)
         if contact.normal is not None:
-            return sympy.Matrix(contact.normal)
-        return -sympy.Matrix([sympy.diff(contact.penetration, x) for x in self.q])
+            return sympy.ImmutableMatrix(contact.normal)
+        return -sympy.ImmutableMatrix(self.gradient(contact.penetration, self.q))
+
+    def gradient(self, expression: Any, x: Sequence[Any]) -> list[Any]:
+        """Derivatives by `x`, of which most are zero where there are many."""
+        expression = sympy.sympify(expression)
+        there = expression.free_symbols
+        return [sympy.diff(expression, one) if one in there else sympy.S.Zero for one in x]
+
+    def apply(self, direction: Any, force: Any, to: list[Any]) -> None:
+        """Add a force along a direction (n, 1) to the forces `to` (n,)."""
+        for i, w in enumerate(direction):
+            if w != 0:
+                to[i] += w * force
+
+    def accelerations(self, forces: Sequence[Any]) -> list[Any]:
+        """M^-1 times forces (n,)."""
+        if self.masses:
+            return [1 / m * force for m, force in zip(self.masses, forces, strict=True)]
+        return list(self.inverse * sympy.Matrix(forces))
 
     def forces(self, contact: Friction | Stop, normal_force: Any) -> list[Any]:
         """Loads less the forces of the structure, and a contact's normal force, for each coordinate."""
@@ -146,7 +198,7 @@ class LagrangeSystem:
     def pair(self, velocity: Any) -> Pair | None:
         """The two coordinates that move together where this velocity is zero: it contains one with +1, one
         with -1."""
-        rows = [sympy.diff(velocity, rate) for rate in self.v]
+        rows = self.gradient(velocity, self.v)
         moving = {i: row for i, row in enumerate(rows) if row != 0}
         speed = self.at_rest(velocity)
         if not self.masses or sorted(moving.values(), key=str) != [-1, 1] or self.rate(speed) != 0:

@@ -7,6 +7,7 @@ contacts at once.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 from typing import Any
 
 import sympy
@@ -63,20 +64,20 @@ def solve_contact_forces(
 ) -> tuple[list[Any], list[Any]]:
     """Accelerations, and the force of each contact."""
     contacts = found.mechanics.contacts
-    free = sympy.Matrix([load - rest for load, rest in zip(found.loads, found.internal, strict=True)])
+    free = [load - rest for load, rest in zip(found.loads, found.internal, strict=True)]
     for contact, regime in zip(contacts, chosen, strict=True):
-        free += found.direction(contact) * (0 if regime.force is None else regime.force)
+        found.apply(found.direction(contact), 0 if regime.force is None else regime.force, free)
         if isinstance(contact, Friction) and regime.name != "separation":
-            free += found.normal(contact) * contact.pressing
+            found.apply(found.normal(contact), contact.pressing, free)
     held = [i for i, regime in enumerate(chosen) if regime.force is None]
     forces = [regime.force for regime in chosen]
     if not held:
-        return list(found.inverse * free), forces
+        return found.accelerations(free), forces
     pair = found.pair(chosen[held[0]].held) if len(held) == 1 else None
     if pair is not None:
         accelerations, forces[held[0]] = _as_one_body(found, pair, free)
         return accelerations, forces
-    return _held_by_forces(found, chosen, held, free)
+    return _held_by_forces(found, chosen, held, sympy.Matrix(free))
 
 
 def _as_one_body(found: LagrangeSystem, pair: Pair, r: Any) -> tuple[list[Any], Any]:
@@ -98,14 +99,41 @@ def _held_by_forces(
 ) -> tuple[list[Any], list[Any]]:
     """The same where the velocities of several contacts, or one in any direction, are constrained."""
     inverse, forces = found.inverse, [regime.force for regime in chosen]
-    rows = sympy.Matrix([[sympy.diff(chosen[i].held, rate) for rate in found.v] for i in held])
-    along = sympy.Matrix([found.rate(chosen[i].held) for i in held]) + rows * inverse * free
+    rows = sympy.Matrix([found.gradient(chosen[i].held, found.v) for i in held])
+    reach = _sparse_product(rows, inverse)
+    rates = [found.rate(chosen[i].held) for i in held]
+    along = [rate + part for rate, part in zip(rates, _sparse_product(reach, free), strict=True)]
     columns = sympy.Matrix.hstack(*(found.direction(found.mechanics.contacts[i]) for i in held))
-    holding = (rows * inverse * columns).LUsolve(-along)
+    holding = _solve_in_blocks(_sparse_product(reach, columns), [-one for one in along])
     for i, force in zip(held, holding, strict=True):
-        forces[i] = expand_products(force)
+        forces[i] = _expand(force)
     # Expanded, terms that cancel vanish: a constrained velocity keeps its value to the last bit.
-    return [expand_products(a) for a in inverse * (free + columns * holding)], forces
+    pushed = free + _sparse_product(columns, sympy.Matrix(holding))
+    return [_expand(a) for a in found.accelerations(list(pushed))], forces
+
+
+_expand = lru_cache(maxsize=4096)(expand_products)  # most are the same in many modes
+
+
+def _sparse_product(one: Any, other: Any) -> Any:
+    """The product of two matrices with few entries that are not zero."""
+    there = [[(k, b) for k, b in enumerate(other.row(i)) if b != 0] for i in range(other.rows)]
+    found = [[sympy.S.Zero] * other.cols for _ in range(one.rows)]
+    for row, entries in zip(found, one.tolist(), strict=True):
+        for a, line in zip(entries, there, strict=True):
+            for k, b in line if a != 0 else ():
+                row[k] += a * b
+    return sympy.Matrix(one.rows, other.cols, [entry for row in found for entry in row])
+
+
+def _solve_in_blocks(matrix: Any, right: Sequence[Any]) -> list[Any]:
+    """The solution of equations of which most are apart, as those of contacts of different bodies."""
+    found: list[Any] = [None] * len(right)
+    for block in matrix.connected_components():
+        some = sympy.Matrix([right[i] for i in block])
+        for i, value in zip(block, matrix.extract(block, block).LUsolve(some), strict=True):
+            found[i] = value
+    return found
 
 
 def flow_and_forces(

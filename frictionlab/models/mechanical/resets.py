@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 import sympy
@@ -19,6 +20,7 @@ RATE_SYMBOLS = sympy.symbols("material_rate gap_rate compliance", real=True)
 CLOSING = PlasticImpact("full")  # restitution of the impact that closes a Zeno accumulation
 
 
+@lru_cache(maxsize=4096)  # one for all modes in which the contact slips
 def stick_reset(found: LagrangeSystem, contact: Any) -> Reset:
     """v_r = 0 by an impulse along W: it removes only the rounding of the root."""
     pair = found.pair(contact.relative_velocity)
@@ -37,6 +39,7 @@ def _together(found: LagrangeSystem, pair: Any) -> Reset:
     return Reset({found.v[one]: together, found.v[two]: together - speed})
 
 
+@lru_cache(maxsize=4096)
 def impact_resets(found: LagrangeSystem, contact: Friction | Stop) -> tuple[Reset, Reset]:
     """The impact by the contact's law, and the one that closes a Zeno accumulation of impacts."""
     if isinstance(contact, Stop):
