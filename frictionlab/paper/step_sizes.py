@@ -22,9 +22,9 @@ from frictionlab.analysis.steady_state.classification import MotionKind
 from frictionlab.analysis.steady_state.steady_state import steady_state
 from frictionlab.hybrid.methods.base import Method
 from frictionlab.hybrid.methods.one_step import RK4
-from frictionlab.plotting import RunFigure
-from frictionlab.plotting.figure import legend_beside
-from frictionlab.plotting.style import BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILLION, parameter_label
+from frictionlab.plotting.appearance import ink, legible
+from frictionlab.plotting.figure import legend_beside, new_figure
+from frictionlab.plotting.style import BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILLION, parameter_label
 
 from . import scenes
 from .scenes import IMPACTS, RETURN_TOLERANCES, Setting
@@ -158,7 +158,7 @@ def _steady_motion(model: Any, method: Method, tolerance: float, times: scenes.T
 
 def draw_step_study(study: StepStudy) -> Figure:
     """L_s and the strongest frequency against mu_k, by impact law."""
-    picture = RunFigure(figsize=(11.0, 7.0), layout="constrained")
+    picture = new_figure(11.0, 7.0)
     panels = picture.subplots(2, 2, sharex=True, sharey="row")
     for column, impact in zip(panels.T, IMPACTS):
         _draw_impact_law(study, impact, *column)
@@ -173,9 +173,17 @@ def draw_step_study(study: StepStudy) -> Figure:
 def _draw_impact_law(study: StepStudy, impact: str, above: Axes, below: Axes) -> None:
     *fixed, exact = study.of(impact)
     for series, colour, marker in zip(fixed, STEP_COLOURS, STEP_MARKERS):
-        style = {"color": colour, "marker": marker, "linestyle": "none", "markersize": 5.0, "alpha": 0.9}
+        style = {
+            "color": legible(colour, above),
+            "marker": marker,
+            "linestyle": "none",
+            "markersize": 5.0,
+            "alpha": 0.9,
+        }
         _draw_series(study, series, above, below, style)
-    _draw_series(study, exact, above, below, {"color": BLACK, "marker": ".", "linewidth": 1.0, "zorder": 1.5})
+    _draw_series(
+        study, exact, above, below, {"color": ink(above), "marker": ".", "linewidth": 1.0, "zorder": 1.5}
+    )
     above.set_yscale("log")
     below.set_xlabel(parameter_label(scenes.USUAL, "mu_k"))
 

@@ -251,5 +251,5 @@ def figure_size(width: float = PANEL_SIZE[0], height: float = PANEL_SIZE[1]) -> 
     if chosen == tuple(rcParamsDefault["figure.figsize"]):
         return width, height
     if chosen in [settings.get("figure.figsize") for settings in STYLES.values()]:
-        return width * chosen[0] / PANEL_SIZE[0], height * chosen[0] / PANEL_SIZE[0]
+        return width * chosen[0] / PANEL_SIZE[0], height * chosen[1] / PANEL_SIZE[1]
     return chosen

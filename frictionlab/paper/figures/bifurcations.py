@@ -27,8 +27,9 @@ from frictionlab.plotting import (
     plot_intensity,
     plot_phase_plane,
 )
-from frictionlab.plotting.figure import legend_beside
-from frictionlab.plotting.style import BLACK, BLUE, parameter_value_text, state_label
+from frictionlab.plotting.appearance import ink
+from frictionlab.plotting.figure import legend_beside, new_figure
+from frictionlab.plotting.style import BLUE, parameter_value_text, state_label
 from frictionlab.presentation import state_unit
 
 from .paper_figure import PaperFigure
@@ -122,7 +123,7 @@ def _rotation(found: SteadyState) -> float:
 
 
 def _draw_responses(result: PaperFigure) -> RunFigure:
-    picture = RunFigure(figsize=(11.0, 7.5), layout="constrained")
+    picture = new_figure(11.0, 7.5)
     panels = picture.subplots(3, 2, sharex=True)
     t = np.linspace(0.0, RESPONSE_TIME, SAMPLES)
     for (start, mu_k), ax in zip(result.data.runs, panels.flat):
@@ -140,7 +141,7 @@ def _draw_responses(result: PaperFigure) -> RunFigure:
 
 
 def _draw_cycles(result: PaperFigure) -> RunFigure:
-    picture = RunFigure(figsize=(11.0, 9.5), layout="constrained")
+    picture = new_figure(11.0, 9.5)
     panels = picture.subplots(3, 2)
     for column, (mu_k, found) in zip(panels.T, result.data.steady.items()):
         forces, plane, lines = column
@@ -160,7 +161,7 @@ def _draw_spectrum(found: SteadyState, ax: Axes) -> None:
     spectrum = found.spectrum(f_max=F_MAX)
     if spectrum is None:
         return
-    ax.semilogy(spectrum.frequencies, spectrum.amplitudes, color=BLACK, linewidth=1.0)
+    ax.semilogy(spectrum.frequencies, spectrum.amplitudes, color=ink(ax), linewidth=1.0)
     top = float(spectrum.amplitudes.max())
     ax.set(xlabel="frequency (Hz)", ylabel=f"amplitude of {state_label('x1')} ({state_unit('x1')})")
     ax.set(xlim=(0, F_MAX), ylim=(top * 10.0**-DECADES, top * 2))
@@ -215,7 +216,7 @@ def _sweep_text(found: Any) -> str:
 def _draw_sections(result: PaperFigure) -> RunFigure:
     sweeps, cycles = result.data.sweeps, result.data.cycles
     rows, columns = (2, len(cycles)) if cycles else (1, len(sweeps))
-    picture = RunFigure(figsize=(max(7.5, 4.4 * columns), 4.2 * rows), layout="constrained")
+    picture = new_figure(max(7.5, 4.4 * columns), 4.2 * rows)
     panels = picture.subplots(rows, columns, squeeze=False)
     for i, ((k_nl, _), found) in enumerate(sweeps.items()):
         ax = panels[0, i]
@@ -246,7 +247,7 @@ def _row_legends(panels: Any) -> None:
 def _draw_intensities(result: PaperFigure) -> RunFigure:
     sweeps = result.data.sweeps
     stiffnesses = list(dict.fromkeys(k for k, _ in sweeps))
-    picture = RunFigure(figsize=(max(7.5, 4.4 * len(stiffnesses)), 4.2), layout="constrained")
+    picture = new_figure(max(7.5, 4.4 * len(stiffnesses)), 4.2)
     panels = picture.subplots(1, len(stiffnesses), squeeze=False)
     for i, k_nl in enumerate(stiffnesses):
         _draw_intensity([sweeps[k_nl, start] for start in ("rest", "near")], panels[0, i])
@@ -286,7 +287,7 @@ def preload_figure(number: int, setting: Setting) -> PaperFigure:
 
 
 def _draw_preload(result: PaperFigure) -> RunFigure:
-    picture = RunFigure(figsize=(11.0, 7.5), layout="constrained")
+    picture = new_figure(11.0, 7.5)
     panels = picture.subplots(2, 2, sharex=True, squeeze=False)
     for i, (name, found) in enumerate(result.data.sweeps.items()):
         plot_bifurcation(found, panels[0, i], legend=False)

@@ -24,7 +24,8 @@ from matplotlib.lines import Line2D
 
 from frictionlab.models import SliderOnBelt
 from frictionlab.plotting import RunFigure, plot_critical, plot_frequencies, plot_growth_rates
-from frictionlab.plotting.figure import legend_beside
+from frictionlab.plotting.appearance import ink, legible
+from frictionlab.plotting.figure import legend_beside, new_figure
 from frictionlab.plotting.stability.root_locus import growing_legend_handle
 from frictionlab.plotting.style import BLACK, BLUE, DASHED, VERMILLION, parameter_symbol, parameter_value_text
 from frictionlab.stability import (
@@ -122,10 +123,11 @@ def coalescence(preload: float) -> Coalescence:
 
 def _draw_coalescence(result: PaperFigure) -> RunFigure:
     data = result.data
-    picture = RunFigure(figsize=(11.0, 4.2), layout="constrained")
+    picture = new_figure(11.0, 4.2)
     left, right = picture.subplots(1, 2)
     for k, locus in data.loci.items():
-        color, linestyle = STIFFNESS_STYLES[k]
+        colour, linestyle = STIFFNESS_STYLES[k]
+        color = legible(colour)
         style = {
             "label": parameter_value_text(locus.model, "k_nl", k),
             "color": color,
@@ -148,7 +150,7 @@ def _draw_coalescence(result: PaperFigure) -> RunFigure:
 
 def _critical_legend_handle(data: Any) -> Line2D:
     symbol = parameter_symbol(next(iter(data.loci.values())).model, "mu_k")
-    return Line2D([], [], color=BLACK, linestyle="", marker="o", markersize=5, label=f"critical {symbol}")
+    return Line2D([], [], color=ink(), linestyle="", marker="o", markersize=5, label=f"critical {symbol}")
 
 
 @dataclass(frozen=True, eq=False)
@@ -224,7 +226,7 @@ def _draw_critical(result: PaperFigure) -> RunFigure:
     labels = [
         k if isinstance(k, str) else parameter_value_text(c.model, "k_nl", k) for k, c in curves.items()
     ]
-    picture = RunFigure(figsize=(7.5, 4.2), layout="constrained")
+    picture = new_figure(7.5, 4.2)
     ax = picture.add_subplot()
     plot_critical(list(curves.values()), ax, labels=labels)
     ax.set_xlim(left=0.0)
@@ -272,7 +274,7 @@ def two_pairs() -> TwoPairs:
 
 
 def _draw_two_pairs(result: PaperFigure) -> RunFigure:
-    picture = RunFigure(figsize=(11.0, 7.5), layout="constrained")
+    picture = new_figure(11.0, 7.5)
     panels = picture.subplots(2, 2, sharex=True)
     for (left, right), (name, locus) in zip(panels, result.data.loci.items()):
         modes = [mode for pair in result.data.pairs[name] for mode in pair]

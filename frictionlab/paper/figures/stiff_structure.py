@@ -23,6 +23,7 @@ from frictionlab.paper import scenes, steady_states
 from frictionlab.paper.scenes import Setting
 from frictionlab.paper.steady_states import intervals_text, sweep_results
 from frictionlab.plotting import RunFigure, plot_bifurcation, plot_intensity
+from frictionlab.plotting.figure import new_figure
 from frictionlab.plotting.style import BLUE, DASHED, VERMILLION, parameter_label, state_label
 from frictionlab.presentation import state_unit
 from frictionlab.stability import critical_value, root_locus
@@ -132,7 +133,7 @@ def critical_mu_k() -> float:
 
 
 def _draw_comparison(result: PaperFigure) -> RunFigure:
-    picture = RunFigure(figsize=(8.5, 8.0), layout="constrained")
+    picture = new_figure(8.5, 8.0)
     panels = picture.subplots(3, 1, sharex=True)
     for name, found in result.data.steady.items():
         for ax, state in zip(panels, ("x1", "y1", "normal_force")):
@@ -155,7 +156,7 @@ def _legend_below(ax: Axes, handles: list[Any]) -> None:
 
 def _draw_sweeps(result: PaperFigure) -> RunFigure:
     data = result.data
-    picture = RunFigure(figsize=(13.2, 4.4), layout="constrained")
+    picture = new_figure(13.2, 4.4)
     panels = picture.subplots(1, 3)
     for ax, (name, found), letter in zip(panels, data.sweeps.items(), "ab"):
         plot_bifurcation(found, ax, legend=False)
@@ -274,7 +275,7 @@ def deviation_text(each: FrequencyPanel) -> str:
 
 
 def _draw_frequencies(result: PaperFigure) -> RunFigure:
-    picture = RunFigure(figsize=(11.0, 8.0), layout="constrained")
+    picture = new_figure(11.0, 8.0)
     axes = picture.subplots(2, 2, sharex=True, sharey=True)
     for ax, (name, each), letter in zip(axes.flat, result.data.panels.items(), "abcd"):
         top = max(each.amplitudes.max(), np.finfo(float).tiny)

@@ -81,9 +81,11 @@ def contrasts(figure):
     return found
 
 
-DARK = [("dark_background", name) for name in FIGURES] + [
-    ("dark", name) for name in ("overview", "map", "basins")
-]
+QUICK = "run, overview, map, basins, shares of basins, animation, spectrum, tangent flow, Hopf point".split(
+    ", "
+)
+DARK = [pytest.param("dark_background", n, marks=[] if n in QUICK else pytest.mark.slow) for n in FIGURES]
+DARK += [("dark", name) for name in ("overview", "map", "basins")]
 
 
 @pytest.mark.parametrize(("way", "name"), DARK)

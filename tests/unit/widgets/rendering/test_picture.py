@@ -194,3 +194,19 @@ def test_many_colours_still_fit_into_a_palette():
     pixels = np.zeros((4, 4, 3), dtype=np.uint8)
     colours = [(i / 299, 0.5, 1 - i / 299) for i in range(300)]
     assert Image.open(BytesIO(encode_png(Image.fromarray(pixels), colours))).size == (4, 4)
+
+
+def test_shades_on_dark_paper_run_from_the_colours_to_the_paper():
+    paper, curve = (17, 17, 17), (230, 159, 0)
+    pixels = np.full((4, 4, 3), paper, dtype=np.uint8)
+    pixels[0], pixels[1] = curve, 255
+    image = Image.open(BytesIO(encode_png(Image.fromarray(pixels), ["#E69F00"], "#111111"))).convert("RGB")
+    assert [image.getpixel((0, row)) for row in range(3)] == [curve, (255, 255, 255), paper]
+
+
+def test_panels_are_drawn_in_the_style_they_were_made_in():
+    with fl.style("dark"):
+        explorer = fl.explore(fl.MassOnBelt())
+    image = Image.open(BytesIO(next(iter(explorer.picture.images.values())).value)).convert("RGB")
+    assert image.getpixel((1, 1)) == (17, 17, 17)
+    assert max(sum(colour) for _, colour in image.getcolors(100_000)) > 3 * 200  # letters are light
