@@ -44,8 +44,9 @@ SAME_SITE = {"samesite": "Lax"}
 class LinkIdentity(IdentityProvider):
     """Knows whoever brings the link's token, and from then on the cookie; refuses all others."""
 
-    async def get_user(self, handler: Any) -> Any:  # type: ignore[override]  # the base's may be awaited as well
-        user = await super().get_user(handler)  # type: ignore[misc]
+    async def get_user(self, handler: Any) -> Any:
+        found: Any = super().get_user(handler)
+        user = await found
         if user is None:
             handler.current_user = None  # which the page that says so asks for
             raise web.HTTPError(403, reason=LINK_NEEDED)
@@ -79,7 +80,7 @@ class PageKernels(AsyncMappingKernelManager):
         self._page_of: dict[str, ExplorerPage] = {}  # that which a kernel was started for
         self._one_at_a_time = asyncio.Lock()  # between the count and the start nobody else starts one
 
-    async def start_kernel(self, **options: Any) -> str:  # type: ignore[override]
+    async def start_kernel(self, **options: Any) -> str:
         page: ExplorerPage = CallContext.get(CallContext.JUPYTER_HANDLER)
         async with self._one_at_a_time:
             await self._make_room(page.browser)
@@ -88,10 +89,12 @@ class PageKernels(AsyncMappingKernelManager):
         return kernel_id
 
     async def _make_room(self, browser: str) -> None:
-        unconnected = [about["id"] for about in self.list_kernels() if not about["connections"]]
-        without_page = [kernel_id for kernel_id in unconnected if self._page_of[kernel_id].is_sent]
+        connections = {about["id"]: about["connections"] for about in self.list_kernels()}
+        self._page_of = {name: page for name, page in self._page_of.items() if name in connections}
+        in_use = [name for name, page in self._page_of.items() if connections[name] or not page.is_sent]
+        without_page = [name for name in connections if name not in in_use]
         for kernel_id in without_page:
-            if self._page_of[kernel_id].browser == browser:
+            if kernel_id not in self._page_of or self._page_of[kernel_id].browser == browser:
                 await self._end(kernel_id)
         for kernel_id in without_page:  # the oldest first
             if len(self) >= MAX_KERNELS:
@@ -100,9 +103,8 @@ class PageKernels(AsyncMappingKernelManager):
             raise web.HTTPError(503, reason=TOO_MANY)
 
     async def _end(self, kernel_id: str) -> None:
-        with contextlib.suppress(
-            web.HTTPError, KeyError
-        ):  # its page, as it closes, may have ended it meanwhile
+        # Its page, as it closes, may have ended it meanwhile.
+        with contextlib.suppress(web.HTTPError, KeyError):
             await self.shutdown_kernel(kernel_id, now=True)
 
 

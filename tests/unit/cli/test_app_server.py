@@ -38,7 +38,7 @@ class App:
     def __init__(self, folder, most, idle):
         (folder / "voila.py").write_text("raise SystemExit(3)")
         (folder / "voila.json").write_text('{"Voila": {"token": ""}}')
-        command = [sys.executable, "-c", SERVER.format(most=most, idle=idle)]
+        command = [sys.executable, "-P", "-c", SERVER.format(most=most, idle=idle)]  # as `frictionlab` does
         variables = os.environ | {"PYTHONPATH": str(ROOT)}
         pipe = subprocess.PIPE
         self.process = subprocess.Popen(command, cwd=folder, env=variables, stdout=pipe, text=True)
