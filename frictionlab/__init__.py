@@ -10,6 +10,7 @@ stub beside this file, ``__init__.pyi``.
 
 from __future__ import annotations
 
+import os
 from importlib import import_module
 from typing import Any
 
@@ -19,8 +20,9 @@ def _names_in_stub() -> dict[str, str]:
 
     A line of the stub is ``from .analysis.ensemble import ensemble as ensemble``.
     """
-    with open(f"{__path__[0]}/__init__.pyi", encoding="utf-8") as stub:
-        imports = [line.split() for line in stub if line.startswith("from .")]
+    # by the loader, as the package may be in a zip file
+    stub = __loader__.get_data(f"{__path__[0]}{os.sep}__init__.pyi").decode()
+    imports = [line.split() for line in stub.splitlines() if line.startswith("from .")]
     return {words[3]: words[1].lstrip(".") for words in imports}
 
 

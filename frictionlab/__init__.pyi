@@ -80,6 +80,7 @@ from .hybrid.solve import solve as solve
 from .hybrid.trajectory import Trajectory as Trajectory
 from .hybrid.variational.tangent_flow import TangentFlow as TangentFlow
 from .hybrid.variational.tangent_flow import tangent_flow as tangent_flow
+from .interruption import partial_result as partial_result
 from .models import BouncingBall as BouncingBall
 from .models import DenHartog as DenHartog
 from .models import FreeCoulomb as FreeCoulomb

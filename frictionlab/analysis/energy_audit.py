@@ -18,7 +18,7 @@ from frictionlab.automaton import HybridAutomaton
 from frictionlab.drawable import Drawable
 from frictionlab.frozen_mapping import FrozenMapping
 from frictionlab.hybrid.outputs import array_function, evaluate_output
-from frictionlab.hybrid.progress import PROGRESS_DELAY
+from frictionlab.hybrid.progress import progress_bar
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models import MechanicalModel
 from frictionlab.models.mechanical.chatter import CHATTER_MODE
@@ -325,10 +325,8 @@ def _balance(run: Any) -> Balance:
 
 def _work_integrals(run: Trajectory, balance: Balance, edges: Array, progress: bool) -> tuple[Any, float]:
     """Works (contributions, edges) since the first edge, and the sum of all sizes, J."""
-    from tqdm.auto import tqdm
-
     starts = range(0, len(edges) - 1, PIECES_PER_CHUNK)
-    shown = tqdm(starts, desc="energy audit", leave=False, delay=PROGRESS_DELAY, disable=not progress)
+    shown = progress_bar(starts, desc="energy audit", shown=progress)
     parts = [_work_of_pieces(run, balance, edges[i : i + PIECES_PER_CHUNK + 1]) for i in shown]
     net = np.concatenate([np.zeros((len(parts[0][0]), 1)), *(part for part, _ in parts)], axis=1)
     return np.cumsum(net, axis=1, dtype=np.longdouble), sum(size for _, size in parts)

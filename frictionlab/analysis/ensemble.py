@@ -22,6 +22,7 @@ from frictionlab.hybrid.solve import with_chatter_limit
 from frictionlab.hybrid.tape.automaton_checks import check_automaton
 from frictionlab.hybrid.tape.packing import program_of
 from frictionlab.hybrid.tape.program import Numbers
+from frictionlab.interruption import interruption
 from frictionlab.models.coercion import automaton_of
 from frictionlab.validation import check_number
 
@@ -57,7 +58,7 @@ def ensemble(
     Returns
     -------
     BatchResult
-        Also where some ended early, or all by ctrl-C: see ``status``.
+        Also where some ended early: see ``status``.
 
     Raises
     ------
@@ -65,6 +66,8 @@ def ensemble(
         For what are no models.
     ValueError
         For other bad arguments; like the former before any work is done.
+    KeyboardInterrupt
+        After ctrl-C; :func:`partial_result` is then the BatchResult as far as the runs had come.
 
     Examples
     --------
@@ -93,8 +96,11 @@ def ensemble(
                 "call ensemble for each kind, or use fl.sweep"
             )
     with Progress(t_end, progress, needs_compilation(advance_batch_kernel)) as bar:
-        ends = integrate_batch(problems, chosen, bar)
-    return replace(ends, names=tuple(map(str, automaton_of(models[0]).states)))
+        ends = bar.call(integrate_batch, problems, chosen)
+    found = replace(ends, names=tuple(map(str, automaton_of(models[0]).states)))
+    if bar.stopped:
+        raise interruption(f"the ensemble was stopped at {found.t.mean():g} of {t_end:g} s", found)
+    return found
 
 
 def start_group(automaton: HybridAutomaton, states: np.ndarray, method: Taylor) -> Batch:
@@ -105,9 +111,11 @@ def start_group(automaton: HybridAutomaton, states: np.ndarray, method: Taylor) 
 
 
 def advance_group(group: Batch, t_end: float) -> None:
-    """Advance the runs of a batch to a time, without a progress bar."""
+    """Advance the runs of a batch to a time, without a progress bar; KeyboardInterrupt after ctrl-C."""
     with Progress(t_end, False) as bar:
         advance_batch(group, t_end, bar)
+    if bar.stopped:
+        raise KeyboardInterrupt
 
 
 def _problems(models: Sequence[Any], x0: Any, t_end: float, method: Taylor) -> list[Problem]:

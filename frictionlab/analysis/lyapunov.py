@@ -10,9 +10,10 @@ import numpy as np
 from frictionlab.analysis.simulate import validate_initial_state
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.drawable import Drawable
-from frictionlab.hybrid.progress import PROGRESS_DELAY
+from frictionlab.hybrid.progress import progress_bar
 from frictionlab.hybrid.solve import solve
 from frictionlab.hybrid.variational.tangent_flow import tangent_growth
+from frictionlab.interruption import interruption
 from frictionlab.models.coercion import automaton_of
 from frictionlab.validation import check_number
 
@@ -88,6 +89,9 @@ def lyapunov(
     ------
     ValueError
         For bad arguments; where the run ends early or has no tangent flow, see `tangent_flow`.
+    KeyboardInterrupt
+        After ctrl-C; :func:`partial_result` is then the spectrum of the blocks that were done, None of less
+        than two.
 
     Examples
     --------
@@ -107,16 +111,19 @@ def lyapunov(
     motion = _run(automaton, t_end / blocks, state, progress).states
     size = state_scales(motion, automaton.coordinates)
     rows = np.linalg.qr(np.random.default_rng(0).normal(size=(len(size),) * 2))[0] * size
-    from tqdm.auto import tqdm
-
-    growths = []
-    for _ in tqdm(
-        range(blocks + 1), desc="lyapunov", leave=False, delay=PROGRESS_DELAY, disable=not progress
-    ):
-        run = _run(automaton, t_end / blocks, state, False)
-        rows, growth = tangent_growth(run, rows, size)
-        growths.append(growth)
-        state = run.final_state
+    growths: list[Array] = []
+    try:
+        for _ in progress_bar(range(blocks + 1), desc="lyapunov", shown=progress):
+            run = _run(automaton, t_end / blocks, state, False)
+            rows, growth = tangent_growth(run, rows, size)
+            growths.append(growth)
+            state = run.final_state
+    except KeyboardInterrupt as error:
+        done = len(growths) - 1
+        so_far = _spectrum(np.array(growths[1:]) * blocks / t_end, state) if done > 1 else None
+        raise interruption(
+            f"the average was stopped after {max(done, 0)} of {blocks} blocks", so_far
+        ) from error
     return _spectrum(np.array(growths[1:]) * blocks / t_end, state)
 
 

@@ -103,7 +103,7 @@ def simulate(
     Returns
     -------
     Trajectory
-        Also where the run ended early, interrupted by ctrl-C included: see ``run.status``.
+        Also where the run ended early: see ``run.status``.
 
     Raises
     ------
@@ -111,6 +111,8 @@ def simulate(
         Where `model` is no model.
     ValueError
         For bad arguments, or ``x0="near"`` where there is no equilibrium; before any work is done.
+    KeyboardInterrupt
+        After ctrl-C; :func:`partial_result` is then the run up to there.
 
     Examples
     --------

@@ -6,13 +6,12 @@ import argparse
 import json
 import signal
 import socket
-import sys
 from importlib.util import find_spec
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from .parsing import OneLineParser
+from .parsing import OneLineParser, complain
 
 EXIT_FAILED = 1
 DEFAULT_PORT = 8866
@@ -59,7 +58,7 @@ def app_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
         parser.error(f"--port must be from 1 to 65535, got {chosen.port}: leave it out for {DEFAULT_PORT}")
     if find_spec("voila") is None:
         cure = 'pip install "frictionlab[lab]"'
-        sys.stderr.write(f"{parser.prog}: error: the page needs Voila, which is not installed: {cure}\n")
+        complain(parser.prog, f"error: the page needs Voila, which is not installed: {cure}")
         return EXIT_FAILED
     try:
         port = choose_port(chosen.port)

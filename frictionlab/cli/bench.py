@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import argparse
 import json
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from .parsing import OneLineParser
+from .parsing import OneLineParser, complain
 
 DESCRIPTION = """\
 Measure wall time and error of this solver and of others on scenes whose end is
@@ -89,7 +88,7 @@ def bench_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
         if chosen.picture:
             page_figures.draw_work_precision(rows).savefig(chosen.picture, dpi=110)
     except (OSError, ValueError) as error:
-        sys.stderr.write(f"{parser.prog}: error: {error}\n")
+        complain(parser.prog, f"error: {error}")
         return 1
     return 0
 

@@ -3,20 +3,27 @@
 from __future__ import annotations
 
 import argparse
-import os
 import sys
 from collections.abc import Sequence
-from typing import NoReturn
 
 from frictionlab._version import __version__
 
 from .app import add_app
 from .bench import add_bench
 from .paper import add_figure, add_reproduce
-from .parsing import OneLineParser, normalise_arguments, unknown_option_text
+from .parsing import (
+    OneLineParser,
+    complain,
+    discard,
+    discard_unwritten,
+    flush_output,
+    normalise_arguments,
+    unknown_option_text,
+)
 from .run import add_run
 
-EXIT_INTERRUPTED = 130  # 128 + SIGINT, as shells have it
+PROGRAM = "frictionlab"
+EXIT_FAILED, EXIT_INTERRUPTED = 1, 130  # the latter 128 + SIGINT, as shells have it
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -30,15 +37,39 @@ def main(argv: Sequence[str] | None = None) -> int:
     Returns
     -------
     int
-        0: done.  1: the run ended early, or a file could not be written.  130: stopped by ctrl-C.
+        0: done.  1: the run ended early, or a file or standard output could not be written.  130: stopped by
+        ctrl-C.
 
     Raises
     ------
     SystemExit
         With code 2 for bad arguments, after one line on stderr; with 0 after --help and --version.
     """
+    try:
+        try:
+            return _parse_and_run(sys.argv[1:] if argv is None else argv)
+        finally:
+            flush_output()
+    except KeyboardInterrupt:
+        complain(PROGRAM, "stopped by ctrl-C")
+        return EXIT_INTERRUPTED
+    except BrokenPipeError:  # the reader of the pipe, such as `head`, has closed it
+        discard(sys.stdout)
+        return EXIT_FAILED
+    except OSError as error:
+        # An error of a file has its path, or a text of ours and no number.
+        ours = error.filename is not None or error.errno is None
+        text = str(error) if ours else f"standard output cannot be written ({error}): send it elsewhere"
+        complain(PROGRAM, f"error: {text}")
+        return EXIT_FAILED
+    finally:
+        for stream in (sys.stdout, sys.stderr):
+            discard_unwritten(stream)
+
+
+def _parse_and_run(argv: Sequence[str]) -> int:
     parser, commands = _build_parsers()
-    chosen, rest = parser.parse_known_args(normalise_arguments(sys.argv[1:] if argv is None else argv))
+    chosen, rest = parser.parse_known_args(normalise_arguments(argv))
     command = commands.get(chosen.command, parser)
     if rest:
         command.error(unknown_option_text(rest, command))
@@ -50,7 +81,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _build_parsers() -> tuple[OneLineParser, dict[str, OneLineParser]]:
     parser = OneLineParser(
-        prog="frictionlab",
+        prog=PROGRAM,
         description="Friction-induced vibration with sticking, slipping, lifting off and impacts.",
         epilog="`frictionlab run --help` lists every option of a run, and so on for the others.",
         allow_abbrev=False,
@@ -70,19 +101,4 @@ def _run_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
 
     does = {"run": run_command, "app": app_command, "figure": figure_command}
     does |= {"reproduce": reproduce_command, "bench": bench_command}
-    try:
-        command = does[chosen.command]
-        code = command(chosen, parser)
-        sys.stdout.flush()
-        return code
-    except KeyboardInterrupt:  # a second ctrl-C, or one while the solver is compiled or a picture drawn
-        sys.stderr.write(f"{parser.prog}: interrupted\n")
-        return EXIT_INTERRUPTED
-    except BrokenPipeError:  # the reader of the pipe, such as `head`, has closed it
-        _quiet_exit()
-
-
-def _quiet_exit() -> NoReturn:
-    # Python would complain once more when it flushes stdout at its end.
-    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-    sys.exit(1)
+    return does[chosen.command](chosen, parser)

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from pathlib import Path
 from typing import Any
 
 from . import parsing
-from .parsing import OneLineParser, add_sweep_options, check_workers
+from .parsing import OneLineParser, add_sweep_options, check_workers, complain
 
 EXIT_FAILED = 1
 
@@ -94,7 +93,11 @@ def figure_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
         parsing.check_files(chosen)
     except ValueError as error:
         parser.error(str(error))
-    result = figure(chosen.number, **options)
+    try:
+        result = figure(chosen.number, **options)
+    except ValueError as error:  # a file in --resume that is damaged, or of another sweep
+        complain(parser.prog, f"error: {error}")
+        return EXIT_FAILED
     print(result, flush=True)
     return _write_picture(result, chosen.output, parser)
 
@@ -109,7 +112,7 @@ def _write_picture(result: Any, path: str, parser: OneLineParser) -> int:
     try:
         result.plot().savefig(path)
     except OSError as error:  # a full disk, or a folder that has gone since the check
-        sys.stderr.write(f"{parser.prog}: error: {error}\n")
+        complain(parser.prog, f"error: {error}")
         return EXIT_FAILED
     print(f"Picture in {path}")
     return 0
@@ -153,8 +156,8 @@ def reproduce_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
     options = {"quick": chosen.quick, "workers": chosen.workers, "progress": not chosen.quiet}
     try:
         page = reproduce(chosen.output, Setting(**options, resume=resume))
-    except OSError as error:
-        sys.stderr.write(f"{parser.prog}: error: {error}\n")
+    except (OSError, ValueError) as error:  # ValueError: a file in --resume that is damaged
+        complain(parser.prog, f"error: {error}")
         return EXIT_FAILED
     print(f"Page in {page}")
     return 0

@@ -1,4 +1,6 @@
-"""What the commands share: a parser with errors of one line, spellings, checks before a run."""
+"""What the commands share: a parser with errors of one line, spellings, checks before a run, and output to
+streams that may be closed or full.
+"""
 
 from __future__ import annotations
 
@@ -22,8 +24,37 @@ class OneLineParser(argparse.ArgumentParser):
     """A parser whose errors are one line."""
 
     def error(self, message: str) -> NoReturn:
-        sys.stdout.flush()
+        flush_output()
         self.exit(2, f"{self.prog}: error: {' '.join(message.split())}\n")
+
+
+def flush_output() -> None:
+    """Write what standard output still holds; OSError where that fails.  There may be none (pythonw)."""
+    if sys.stdout is not None:
+        sys.stdout.flush()
+
+
+def complain(program: str, text: str) -> None:
+    """Write a line to standard error, if that can be done."""
+    from frictionlab.hybrid.progress import tell
+
+    tell(f"{program}: {text}")
+
+
+def discard(stream: Any) -> None:
+    """Write all that the stream still holds, and all that follows, to nowhere."""
+    handle = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(handle, stream.fileno())
+    os.close(handle)
+
+
+def discard_unwritten(stream: Any) -> None:
+    """Discard what cannot be written: the interpreter would try again when it ends, and complain."""
+    try:
+        if stream is not None:
+            stream.flush()
+    except OSError:
+        discard(stream)
 
 
 def normalise_arguments(argv: Sequence[str]) -> list[str]:

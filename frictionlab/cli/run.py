@@ -8,14 +8,13 @@ from __future__ import annotations
 
 import argparse
 import math
-import sys
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
 from typing import Any
 
 from . import parsing
-from .parsing import OneLineParser
+from .parsing import OneLineParser, complain
 
 RUN_DESCRIPTION = """\
 Simulate the 5-degree-of-freedom slider on a moving belt of Liu & Ouyang (2020)
@@ -45,7 +44,7 @@ DEFAULT_MU_K = 1.4
 
 IMPACT_LAWS = ("material", "full", "restitution")
 
-EXIT_FAILED, EXIT_INTERRUPTED = 1, 130
+EXIT_FAILED = 1
 
 
 def add_run(commands: Any) -> OneLineParser:
@@ -273,10 +272,14 @@ def run_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
     except (ValueError, TypeError) as error:
         parser.error(str(error))
     print(before(model, options["method"], chosen), flush=True)
-    run = _simulate(model, chosen, options, parser)
+    run, stopped = _simulate(model, chosen, options, parser)
+    if run is None:
+        raise stopped or KeyboardInterrupt
     print(after(run), flush=True)
     written = _write_files(run, chosen, parser)
-    return _exit_status(run) or written
+    if stopped:
+        raise stopped
+    return written if run.status.ok else EXIT_FAILED
 
 
 def _check_options(chosen: argparse.Namespace) -> tuple[Any, dict[str, Any]]:
@@ -288,11 +291,17 @@ def _check_options(chosen: argparse.Namespace) -> tuple[Any, dict[str, Any]]:
     return model, {"method": method_from_options(chosen), "x0": initial_state_from_options(chosen, model)}
 
 
-def _simulate(model: Any, chosen: argparse.Namespace, options: dict[str, Any], parser: OneLineParser) -> Any:
+def _simulate(
+    model: Any, chosen: argparse.Namespace, options: dict[str, Any], parser: OneLineParser
+) -> tuple[Any, KeyboardInterrupt | None]:
+    """The run, None where there is none, and the interruption where ctrl-C has stopped it."""
     from frictionlab.analysis.simulate import simulate
+    from frictionlab.interruption import partial_result
 
     try:
-        return simulate(model, chosen.t_end, progress=not chosen.quiet, **options)
+        return simulate(model, chosen.t_end, progress=not chosen.quiet, **options), None
+    except KeyboardInterrupt as stopped:
+        return partial_result(), stopped
     except ValueError as error:
         parser.error(str(error))
 
@@ -307,12 +316,6 @@ def _write_files(run: Any, chosen: argparse.Namespace, parser: OneLineParser) ->
             plot_run(run).savefig(chosen.output)
             print(f"Picture in {chosen.output}")
     except OSError as error:  # a full disk, or a folder that has gone since the check
-        sys.stderr.write(f"{parser.prog}: error: {error}\n")
+        complain(parser.prog, f"error: {error}")
         return EXIT_FAILED
     return 0
-
-
-def _exit_status(run: Any) -> int:
-    if run.status.ok:
-        return 0
-    return EXIT_INTERRUPTED if run.status.name == "INTERRUPTED" else EXIT_FAILED

@@ -9,8 +9,9 @@ from __future__ import annotations
 import hashlib
 import os
 import sys
-from collections.abc import Callable
-from pathlib import Path
+import warnings
+from collections.abc import Callable, Iterator
+from importlib import import_module, resources
 from typing import Any
 
 from frictionlab.hybrid.kernel_cache import DIGEST_LENGTH, KernelCache, digest_folder, has_kernel
@@ -24,17 +25,40 @@ def _numba() -> Any:
     if os.environ.get(DISABLE_VARIABLE, "0") not in ("", "0"):
         return None
     try:
-        import numba
-    except ImportError:  # Pyodide, or a platform without llvmlite
+        numba: Any = import_module("numba")
+    except ModuleNotFoundError as error:  # Pyodide, or a platform without llvmlite
+        if error.name not in ("numba", "llvmlite"):
+            _warn_of_numba(error)
         return None
-    return numba
+    except Exception as error:  # its library cannot be loaded, or it does not fit to numpy
+        _warn_of_numba(error)
+        return None
+    return None if numba.config.DISABLE_JIT else numba
+
+
+def _warn_of_numba(error: Exception) -> None:
+    warnings.warn(
+        f"numba cannot be imported ({type(error).__name__}: {error}): kernels run as plain Python, some "
+        "hundred times slower; install numba and llvmlite again, in versions that fit to numpy",
+        RuntimeWarning,
+        stacklevel=2,
+    )
 
 
 def _digest(numba: Any) -> str:
-    sources = (path.read_bytes() for path in sorted(Path(__file__).parent.rglob("*.py")))
+    sources = _python_sources(resources.files("frictionlab.hybrid"))
     text = b"".join(source for source in sources if any(mark in source for mark in KERNEL_MARKS))
     versions = f"{numba.__version__} {sys.version}".encode()
     return hashlib.sha256(text + versions).hexdigest()[:DIGEST_LENGTH]
+
+
+def _python_sources(folder: Any) -> Iterator[bytes]:
+    """The sources in a folder and those in it, in their order; it may be in a zip file."""
+    for entry in sorted(folder.iterdir(), key=lambda entry: entry.name):
+        if entry.is_dir():
+            yield from _python_sources(entry)
+        elif entry.name.endswith(".py"):
+            yield entry.read_bytes()
 
 
 def cache_folder(numba: Any) -> str:

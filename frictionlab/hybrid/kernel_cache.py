@@ -202,7 +202,7 @@ class KernelCache:
 
     def _path(self, signature: Any, context: Any) -> Path | None:
         function = self._function
-        source = _source_digest(function.__code__.co_filename)
+        source = _source_digest(function.__code__.co_filename, function.__globals__.get("__loader__"))
         what = signature, context.codegen().magic_tuple(), function.__module__, function.__qualname__
         text = repr((what, source))
         if not (self.cache_path and source) or function.__closure__ or " at 0x" in text:
@@ -217,8 +217,8 @@ def has_kernel(folder: str, name: str) -> bool:
 
 
 @cache
-def _source_digest(file: str) -> str:
-    """Digest of a source file; "" where there is none, as at the prompt."""
-    with suppress(OSError):
-        return hashlib.blake2b(Path(file).read_bytes(), digest_size=16).hexdigest()
+def _source_digest(file: str, loader: Any) -> str:
+    """Digest of a source file, which may be in a zip file; "" where there is none, as at the prompt."""
+    with suppress(OSError, AttributeError):
+        return hashlib.blake2b(loader.get_data(file), digest_size=16).hexdigest()
     return ""

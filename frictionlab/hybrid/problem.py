@@ -83,7 +83,7 @@ class Status(Enum):
     )
     STEP_CAP = "step cap: max_steps was reached before the end time; raise it to go on"
     EVENT_CAP = "event cap: max_events was reached before the end time; raise it to go on"
-    INTERRUPTED = "interrupted: stopped by the user; what was computed is kept"
+    INTERRUPTED = "interrupted: stopped by ctrl-C; the run is kept up to there"
     RUNNING = "running"
 
     def __str__(self) -> str:

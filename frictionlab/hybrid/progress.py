@@ -1,64 +1,122 @@
-"""A progress bar that appears after a second, and ctrl-C that ends a run without losing it."""
+"""Progress bars that appear after a second, and ctrl-C that ends a run without losing it.
+
+What is shown goes to standard error where there is one: neither its lack (pythonw) nor a full disk behind it
+ends a computation.
+"""
 
 from __future__ import annotations
 
-import signal
 import sys
 import threading
 import time
+from collections.abc import Callable
+from contextlib import ExitStack, suppress
 from types import TracebackType
 from typing import Any
 
+from frictionlab.interruption import STOP_SIGN, call_in_background, deferred_interrupts, interruption
+
 PROGRESS_DELAY = 1.0  # seconds before a bar is shown
+URGENT_PRESS = 2  # the press of ctrl-C that interrupts a run at once, wherever it is
+
+
+class _ForgivingStream:
+    """A stream to which nothing is written any more once that has failed."""
+
+    def __init__(self, stream: Any) -> None:
+        self._stream = stream
+
+    def write(self, text: str) -> None:
+        with suppress(OSError, ValueError):  # a full disk; a closed stream
+            self._stream.write(text)
+
+    def flush(self) -> None:
+        with suppress(OSError, ValueError):
+            self._stream.flush()
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._stream, name)
+
+
+def tell(text: str) -> None:
+    """Write a line to standard error, if that can be done."""
+    if sys.stderr is not None:
+        stream = _ForgivingStream(sys.stderr)
+        stream.write(f"{text}\n")
+        stream.flush()
+
+
+def progress_bar(*arguments: Any, shown: bool = True, delay: float = PROGRESS_DELAY, **options: Any) -> Any:
+    """tqdm's bar, which vanishes when it is done; `options` are tqdm's."""
+    from tqdm.auto import tqdm
+
+    if sys.stderr is None:
+        return tqdm(*arguments, disable=True)
+    stream: Any = _ForgivingStream(sys.stderr)
+    return tqdm(*arguments, disable=not shown, leave=False, delay=delay, file=stream, **options)
 
 
 class Progress:
     """Counts simulated seconds; `update` tells whether the user asked to stop.
 
     A first ctrl-C is noted, and the run ends at the next update with what it has; a second one interrupts at
-    once.  In a thread other than the main one Python delivers no signals, so nothing is installed there.
+    once.  In a thread of a sweep a run shows no bar, and ends where the sweep no longer waits for it.
     """
 
     def __init__(self, t_end: float, show: bool = True, compiling: bool = False) -> None:
         # In a thread of a sweep, which has a bar of its own, runs show none.
         self._t_end, self._show = t_end, show and threading.current_thread() is threading.main_thread()
-        self._compiling = compiling
-        self._stop = False
+        self._compiling, self._started = compiling, False
+        self._sign = STOP_SIGN.get()
         self._since = time.monotonic()
         self._bar: Any = None
-        self._previous: Any = None
+        self._context = ExitStack()
 
     def __enter__(self) -> Progress:
-        if threading.current_thread() is threading.main_thread():
-            self._previous = signal.getsignal(signal.SIGINT)
-            if callable(self._previous):
-                signal.signal(signal.SIGINT, self._note)
+        self._presses = self._context.enter_context(deferred_interrupts(URGENT_PRESS))
         if self._show and self._compiling:
-            print("compiling the solver, once on this machine: some 30 s", file=sys.stderr, flush=True)
+            tell("compiling the solver, once on this machine: some 30 s")
         return self
 
     def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:
-        if callable(self._previous):
-            signal.signal(signal.SIGINT, self._previous)
+        self._context.close()
         if self._bar is not None:
             self._bar.close()
 
-    def _note(self, number: int, frame: Any) -> None:
-        if self._stop:
-            raise KeyboardInterrupt
-        self._stop = True
+    def call(self, integrate: Callable[..., Any], *arguments: Any) -> Any:
+        """``integrate(*arguments, progress)``, where ctrl-C is answered while the solver is compiled, too.
+
+        Raises
+        ------
+        KeyboardInterrupt
+            After ctrl-C before the first update: nothing has been computed.
+        """
+        if not (self._compiling and self._presses.installed):
+            return integrate(*arguments, self)
+        call = call_in_background(
+            lambda: integrate(*arguments, self), lambda: self._presses.count and not self._started
+        )
+        if not call.done():
+            raise interruption("the compilation of the solver was left", None)
+        return call.result()
+
+    @property
+    def stopped(self) -> bool:
+        """Whether the user asked to stop, also where the run had just come to its end."""
+        return self._presses.count > 0 or (self._sign is not None and self._sign.is_set())
 
     def update(self, t: float) -> bool:
         """Show that time `t` was reached; returns whether the run is to stop."""
+        self._started = True
+        if self.stopped:
+            return True
         late = time.monotonic() - self._since > PROGRESS_DELAY
         if self._show and late and self._bar is None and t < self._t_end:
             self._bar = self._new_bar()
         if self._bar is not None:
             self._bar.update(t - self._bar.n)
-        return self._stop
+        return False
 
     def _new_bar(self) -> Any:
-        from tqdm.auto import tqdm
-
         form = "{l_bar}{bar}| {n:.4g}/{total:.4g} s [{elapsed}<{remaining}]"
-        return tqdm(total=self._t_end, leave=False, bar_format=form, desc="simulate")
+        return progress_bar(total=self._t_end, delay=0.0, bar_format=form, desc="simulate")

@@ -19,6 +19,7 @@ from frictionlab.hybrid.tape.automaton_checks import check_automaton, check_sect
 from frictionlab.hybrid.tape.packing import program_of
 from frictionlab.hybrid.tape.program import Section
 from frictionlab.hybrid.trajectory import Sampling, Trajectory
+from frictionlab.interruption import interruption
 from frictionlab.validation import abbreviate, check_choice, check_mapping, check_number, float_array
 
 
@@ -62,7 +63,7 @@ def solve(
     Returns
     -------
     Trajectory
-        Also where the run ended early, interrupted by ctrl-C included: see ``run.status``.
+        Also where the run ended early: see ``run.status``.
 
     Raises
     ------
@@ -70,6 +71,8 @@ def solve(
         For what is no automaton.
     ValueError
         For other bad arguments; like the former before any work is done.
+    KeyboardInterrupt
+        After ctrl-C; :func:`partial_result` is then the run up to there.
     """
     check_automaton(automaton)
     chosen = method_of(method)
@@ -91,7 +94,9 @@ def solve(
     with Progress(t_end, progress, needs_compilation(chosen.entry)) as bar:
         while raw is None:
             try:
-                raw = chosen.integrate(Problem(program, numbers, with_integrals, float(t_end), number), bar)
+                raw = bar.call(
+                    chosen.integrate, Problem(program, numbers, with_integrals, float(t_end), number)
+                )
             except ModeNotDerived as missing:
                 # Run again from the start: each mode is missing only once in a process, mostly early in a
                 # run.
@@ -100,7 +105,7 @@ def solve(
     wall_time = time.perf_counter() - begin
     integrals = dict(zip(asked[1], raw.state[len(state) :].tolist(), strict=True))
     problem = Problem(*program_of(automaton, modes=modes), state, float(t_end), number)
-    return Trajectory(
+    run = Trajectory(
         automaton,
         problem,
         raw.cut(len(state)),
@@ -110,6 +115,9 @@ def solve(
         source=source,
         wall_time=wall_time,
     )
+    if bar.stopped:
+        raise interruption(f"the run was stopped at {run.raw.t:g} of {t_end:g} s", run)
+    return run
 
 
 def _description(method: Method, t_end: float, source: Any) -> dict[str, Any]:

@@ -7,7 +7,7 @@ from typing import Any
 
 from frictionlab.automaton import HybridAutomaton
 
-from .symbols import Structure, structure_of_component, symbol, symbolic_copy
+from .symbols import Structure, check_laws, structure_of_component, symbol, symbolic_copy
 
 
 def state_symbols(coordinates: tuple[str, ...]) -> tuple[Any, ...]:
@@ -22,7 +22,14 @@ def automaton_of_structure(key: Structure) -> HybridAutomaton:
 
 
 def automaton_of_model(model: Any) -> HybridAutomaton:
-    """The automaton of a model; models of one structure share their `modes` object."""
+    """The automaton of a model; models of one structure share their `modes` object.
+
+    Raises
+    ------
+    ValueError
+        Where a law has no real value at the values of the parameters.
+    """
+    check_laws(model)
     derived = automaton_of_structure(structure_of_component(model))
     numbers = {symbol(name): value for name, value in model.parameters.items()}
     numbers |= dict(derived.parameters)

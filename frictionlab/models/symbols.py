@@ -8,11 +8,14 @@ laws cannot take symbols they raise an error that says so.
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from functools import cache, wraps
+from inspect import signature
 from typing import Any, NamedTuple
 
 import sympy
 
+from frictionlab.automaton.undefined_numbers import undefined_part
 from frictionlab.components import ContactLaw, FrictionLaw, ImpactLaw
 from frictionlab.components.component import Component, parameters_of, structure_of
 
@@ -67,6 +70,35 @@ def structure_values(model: Any) -> tuple[float, ...]:
 @cache
 def _parameter_names(key: Structure) -> tuple[str, ...]:
     return tuple(symbolic_copy(key).parameters)
+
+
+def check_laws(model: Any) -> None:
+    """Raise ValueError where a law of a model has no real value at the values of its parameters."""
+    key = structure_of_component(model)
+    values = dict(zip(parameter_symbols(key), structure_values(model), strict=True))
+    for place, formula in _law_formulas(key):
+        if what := undefined_part(formula, values):
+            raise ValueError(
+                f"{place} of this {type(model).__name__} has {what}: give it another value; in a law of your "
+                "own, fl.parameter(..., minimum=...) says which are allowed"
+            )
+
+
+@cache
+def _law_formulas(key: Structure) -> tuple[tuple[str, Any], ...]:
+    """What the methods of the laws return, each with its name, such as "Coulomb.kinetic"."""
+    found: list[tuple[str, Any]] = []
+    for law in symbolic_copy(key).components.values():
+        for name in LAW_METHODS if isinstance(law, (ContactLaw, FrictionLaw, ImpactLaw)) else ():
+            with suppress(AttributeError, NotImplementedError, TypeError):  # what is needed, deriving tells
+                method = getattr(law, name)
+                formula = method(*map(_positive, signature(method).parameters))
+                found.append((f"{type(law).__name__}.{name}", formula))
+    return tuple(found)
+
+
+def _positive(argument: str) -> Any:
+    return sympy.Dummy(argument, positive=True)
 
 
 def expand_products(expr: Any) -> Any:

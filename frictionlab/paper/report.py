@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from frictionlab._version import __version__
+from frictionlab.hybrid.progress import progress_bar
 from frictionlab.paper.checks.claim import Claims
 from frictionlab.validation import name_written_file
 
@@ -141,7 +142,8 @@ def reproduce(folder: str | Path, setting: Setting) -> Path:
     begin, folder = time.monotonic(), Path(folder)
     (folder / IMAGES).mkdir(parents=True, exist_ok=True)
     pictures = list(figure_variants())
-    with _progress_bar(len(EVERY_CLAIM) + len(pictures) + 1, setting.progress) as bar:
+    count = len(EVERY_CLAIM) + len(pictures) + 1
+    with progress_bar(total=count, desc="reproduce", shown=setting.progress, delay=0.0, position=0) as bar:
         table = Claims(tuple(_run_and_count(bar, name, check, name, setting) for name in EVERY_CLAIM))
         drawn = [
             _run_and_count(bar, f"Fig. {n}", _draw_figure, n, way, folder, setting) for n, way in pictures
@@ -164,12 +166,6 @@ def figure_variants() -> Iterator[tuple[int, str]]:
             if number in WITHOUT_GEOMETRY and options["impact"] != "paper":
                 continue
             yield number, way
-
-
-def _progress_bar(total: int, shown: bool) -> Any:
-    from tqdm.auto import tqdm
-
-    return tqdm(total=total, desc="reproduce", disable=not shown, leave=False, position=0)
 
 
 def _run_and_count(bar: Any, text: str, function: Any, *arguments: Any) -> Any:

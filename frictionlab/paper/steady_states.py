@@ -65,7 +65,7 @@ def steady_states(
     asked = [model.to_dict(), parameter, list(values), x0, setting.method.describe(), options]
 
     def compute(path: Path | None) -> Any:
-        found = bifurcation(
+        return bifurcation(
             model,
             parameter,
             values,
@@ -76,7 +76,6 @@ def steady_states(
             progress=setting.progress,
             **options,
         )
-        return found, "" not in found.kinds
 
     return _cached(asked, setting, compute)
 
@@ -90,23 +89,19 @@ def sweep_results(
 
     def compute(path: Path | None) -> Any:
         options: dict[str, Any] = {"workers": setting.workers, "progress": setting.progress}
-        found = sweep(model, function, over, resume=path, **options)
-        return found, all(result is not None for result in found.results.flat)
+        return sweep(model, function, over, resume=path, **options)
 
     return _cached(asked, setting, compute)
 
 
-def _cached(asked: Any, setting: Setting, compute: Callable[[Path | None], tuple[Any, bool]]) -> Any:
+def _cached(asked: Any, setting: Setting, compute: Callable[[Path | None], Any]) -> Any:
     key = hashlib.sha256(json.dumps(asked, sort_keys=True).encode()).hexdigest()[:16]
     if key not in CACHE:
         path = None
         if setting.resume is not None:
             setting.resume.mkdir(parents=True, exist_ok=True)
             path = setting.resume / f"{key}.jsonl"
-        found, complete = compute(path)
-        if not complete:
-            raise KeyboardInterrupt
-        CACHE[key] = found
+        CACHE[key] = compute(path)
     return CACHE[key]
 
 

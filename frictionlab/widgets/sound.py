@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from frictionlab.analysis.motion_scales import oscillation_period
+from frictionlab.hybrid.progress import progress_bar
 from frictionlab.models.model import PITCH, Model, Tone
 from frictionlab.plotting.runs.time_window import SAMPLING_RTOL, Array, Window, check_run, window_limits
 from frictionlab.validation import check_choice, check_number, name_written_file
@@ -151,13 +152,9 @@ def _usual(run: Any) -> Tone:
 
 def _signal_samples(run: Any, signal: str, t: Array) -> Array:
     """The signal less its mean; zero where it does not vary beyond rounding."""
-    from tqdm.auto import tqdm
-
     # In parts, as all states of every sample would fill the memory.
     parts = np.array_split(t, len(t) // CHUNK_SAMPLES + 1)
-    x = np.concatenate(
-        [_signal_at(run, signal, part) for part in tqdm(parts, desc="listen", leave=False, delay=1.0)]
-    )
+    x = np.concatenate([_signal_at(run, signal, part) for part in progress_bar(parts, desc="listen")])
     return x - x.mean() if np.ptp(x) > SILENCE_LEVEL * np.abs(x).max() else np.zeros_like(x)
 
 

@@ -1,5 +1,6 @@
 """A sweep that tests cut off from outside: FILE threads | continue | processes | basins."""
 
+import signal
 import sys
 import time
 from concurrent.futures import ProcessPoolExecutor
@@ -18,19 +19,28 @@ def slow(model):
 
 
 def main(path, kind):
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell ignores it in the background
+    try:
+        sweep(path, kind)
+    except KeyboardInterrupt:
+        found = fl.partial_result()
+    if isinstance(found, fl.Sweep):
+        done = sum(result is not None for result in found.results)
+    else:
+        done = len(found.results)
+    print("kept", done, flush=True)
+
+
+def sweep(path, kind):
     if kind == "processes":
         with ProcessPoolExecutor(2) as pool:
-            found = fl.sweep(MODEL, slow, {"mu_k": VALUES}, executor=pool, resume=path, progress=False)
-        done = sum(result is not None for result in found.results)
+            fl.sweep(MODEL, slow, {"mu_k": VALUES}, executor=pool, resume=path, progress=False)
     elif kind == "basins":
         speeds = ("x1'", VALUES), ("y1'", VALUES)
-        found = fl.basins(MODEL.replace(mu_k=1.4), *speeds, workers=1, resume=path, **SETTINGS)
-        done = len(found.results)
+        fl.basins(MODEL.replace(mu_k=1.4), *speeds, workers=1, resume=path, **SETTINGS)
     else:
         x0 = "continue" if kind == "continue" else "rest"
-        found = fl.bifurcation(MODEL, "mu_k", VALUES, x0, workers=1, resume=path, **SETTINGS)
-        done = sum(kind != "" for kind in found.kinds)
-    print("came back with", done, flush=True)
+        fl.bifurcation(MODEL, "mu_k", VALUES, x0, workers=1, resume=path, **SETTINGS)
 
 
 if __name__ == "__main__":

@@ -64,7 +64,6 @@ def basins(
     Returns
     -------
     Basins
-        After ctrl-C with what was done.
 
     Raises
     ------
@@ -73,9 +72,12 @@ def basins(
     ValueError
         For other bad arguments, or a file of other basins; like the former before any work is done.
     OSError
-        Where the file cannot be written.
+        Where the file cannot be written, or another sweep is using it.
     RuntimeError
         Where a task fails, from its error; what was done before is in the file.
+    KeyboardInterrupt
+        After ctrl-C; :func:`partial_result` is then the Basins with -1 for what was not done, None where
+        nothing was.  A first press lets the tasks that have begun be finished, a second one leaves them.
 
     Examples
     --------
@@ -93,7 +95,7 @@ def basins(
     plane = np.stack(np.meshgrid(axes[0][1], axes[1][1]), axis=-1).reshape(-1, 2)
     starts = _initial_states(model, [name for name, _ in axes], plane, x0)
     about = {key: {"name": name, "values": v.tolist()} for key, (name, v) in zip("xy", axes)}
-    return basins_from_results(*run_basin_tasks(model, starts, about, settings, how))
+    return run_basin_tasks(model, starts, about, settings, how, basins_from_results)
 
 
 def basin_stability(
@@ -126,11 +128,10 @@ def basin_stability(
     Returns
     -------
     BasinStability
-        After ctrl-C with what was done.
 
     Raises
     ------
-    TypeError, ValueError, OSError, RuntimeError
+    TypeError, ValueError, OSError, RuntimeError, KeyboardInterrupt
         As :func:`basins`.
 
     Examples
@@ -151,7 +152,7 @@ def basin_stability(
     points = random_initial_values(limits, samples, seed)
     starts = _initial_states(model, list(limits), points, x0)
     about = {"ranges": limits, "samples": int(samples), "seed": int(seed)}
-    return basin_stability_from_results(*run_basin_tasks(model, starts, about, settings, how))
+    return run_basin_tasks(model, starts, about, settings, how, basin_stability_from_results)
 
 
 def _settings(

@@ -53,7 +53,7 @@ class Basins(LabelledStates):
         Names of the states that vary.
     x_values, y_values : array (N,), (M,)
     labels : int array (M, N)
-        Index of the attractor that each initial state goes to; -1 where that was not computed (after ctrl-C).
+        Index of the attractor that each initial state goes to; -1 where that was not computed.
     attractors : tuple of Attractor
         In the order in which they were found.
     names : tuple of str
@@ -85,7 +85,7 @@ class BasinStability(LabelledStates):
     points : array (N, k)
         Initial values of the states in `ranges`.
     labels : int array (N,)
-        Index of the attractor that each goes to; -1 where that was not computed (after ctrl-C).
+        Index of the attractor that each goes to; -1 where that was not computed.
     attractors, names, specification, results
         As :class:`Basins`.
     """

@@ -6,7 +6,7 @@ The runs of a group go side by side and are checked from time to time; a run on 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from hashlib import sha256
 from typing import Any
 
@@ -57,8 +57,15 @@ def run_basin_tasks(
     about: dict[str, Any],
     settings: dict[str, Any],
     execution: Execution,
-) -> tuple[dict[str, Any], dict[int, Any]]:
-    """What was asked, and the results of all tasks: those of the probes first, then those of the groups."""
+    result_of: Callable[[dict[str, Any], dict[int, Any]], Any],
+) -> Any:
+    """What `result_of` makes of what was asked and of the results of all tasks, the probes' first.
+
+    Raises
+    ------
+    KeyboardInterrupt
+        After ctrl-C, with what it makes of the tasks that were done.
+    """
     check_section(model, settings["section"])
     initial_state_of(model, starts[0])
     automaton, chosen = automaton_of(model), probe_indices(len(starts))
@@ -66,31 +73,58 @@ def run_basin_tasks(
     groups = [starts[i : i + size] for i in range(0, len(starts), size)]
     layout = {"count": len(starts), "group": size, "probes": len(chosen), "starts": _digest(starts.tobytes())}
     specification = _basin_arguments(model, automaton, {**about, **layout}, settings)
-    journal = Journal(specification, execution.resume)
-    done = run_tasks(
+    probes = [(automaton, starts[i], settings) for i in chosen]
+    names = [f"initial state {i}" for i in chosen]
+    with Journal(specification, execution.resume) as journal:
+        complete = _run_probes(journal, probes, names, execution) and _run_groups(
+            journal, automaton, groups, settings, len(chosen), execution
+        )
+        journal.put_in_order()
+    if complete:
+        return result_of(specification, journal.results)
+    so_far = result_of(specification, journal.results) if journal.results else None
+    raise journal.interruption(so_far, len(chosen) + len(groups))
+
+
+def _run_probes(
+    journal: Journal, probes: Sequence[tuple[Any, ...]], names: Sequence[str], execution: Execution
+) -> bool:
+    """Find the attractors; whether all probes were done."""
+    return run_tasks(
         probe_attractor,
-        [(automaton, starts[i], settings) for i in chosen],
+        probes,
         keep=journal.keep,
-        names=[f"initial state {i}" for i in chosen],
-        done=journal.results.keys(),
+        names=names,
+        done=frozenset(journal.results),
         execution=execution,
         title="attractors",
     )
-    if done:
-        probed = [journal.results[i] for i in range(len(chosen))]
+
+
+def _run_groups(
+    journal: Journal,
+    automaton: HybridAutomaton,
+    groups: Sequence[Array],
+    settings: dict[str, Any],
+    probes: int,
+    execution: Execution,
+) -> bool:
+    """Label the initial states by the attractors that the probes found; whether all were done."""
+    size, probed = len(groups[0]), [journal.results[i] for i in range(probes)]
+    try:
         known = catalogue_of_probes(automaton, probed, settings)
-        settings = {**settings, "spread": transient_ranges(probed)}
-        run_tasks(
-            label_initial_states,
-            [(automaton, group, known, settings) for group in groups],
-            keep=lambda i, result: journal.keep(i + len(chosen), result),
-            names=[f"initial states from {i * size} on" for i in range(len(groups))],
-            done={i - len(chosen) for i in journal.results},
-            execution=execution,
-            title=f"basins, {size} states each",
-        )
-    journal.close()
-    return specification, journal.results
+    except KeyboardInterrupt:
+        return False
+    settings = {**settings, "spread": transient_ranges(probed)}
+    return run_tasks(
+        label_initial_states,
+        [(automaton, group, known, settings) for group in groups],
+        keep=lambda i, result: journal.keep(i + probes, result),
+        names=[f"initial states from {i * size} on" for i in range(len(groups))],
+        done={i - probes for i in journal.results},
+        execution=execution,
+        title=f"basins, {size} states each",
+    )
 
 
 def probe_indices(count: int) -> list[int]:

@@ -12,8 +12,9 @@ from frictionlab.analysis.motion_scales import Array
 from frictionlab.analysis.orbits.periodic_orbit import PeriodicOrbit, mode_sequence
 from frictionlab.analysis.orbits.shooting import floquet_multipliers
 from frictionlab.drawable import Drawable
-from frictionlab.hybrid.progress import PROGRESS_DELAY
+from frictionlab.hybrid.progress import progress_bar
 from frictionlab.hybrid.solve import solve
+from frictionlab.interruption import interruption
 from frictionlab.models.coercion import automaton_of, check_parameter_name
 from frictionlab.validation import check_number
 
@@ -119,7 +120,7 @@ def continue_orbit(
     max_points : int
         Largest number of orbits in each direction.
     progress : bool
-        Show a progress bar where it takes more than a second.  Ctrl-C ends with the orbits found so far.
+        Show a progress bar where it takes more than a second.
 
     Returns
     -------
@@ -131,6 +132,9 @@ def continue_orbit(
         For an unknown parameter, or what is no orbit.
     ValueError
         For other bad arguments; like the former before any work is done.
+    KeyboardInterrupt
+        After ctrl-C; :func:`partial_result` is then the OrbitBranch with the orbits found so far, whose
+        `ends` say where it was interrupted.
 
     Examples
     --------
@@ -161,13 +165,16 @@ def continue_orbit(
     back, ahead = halves
     points = [*back.points[::-1], start, *ahead.points]
     special = [*back.special[::-1], *ahead.special]
-    return OrbitBranch(
+    branch = OrbitBranch(
         parameter=parameter,
         values=np.array([point.value for point in points]),
         orbits=tuple(_orbit_at(orbit.model, parameter, point) for point in points),
         special=tuple(_special_orbit(orbit.model, parameter, found) for found in special),
         ends=(back.end, ahead.end),
     )
+    if INTERRUPTED in branch.ends:
+        raise interruption(f"the branch was stopped after {len(points)} orbits", branch)
+    return branch
 
 
 def _check(orbit: Any, parameter: str, bounds: Any, step: float, max_points: int) -> float:
@@ -191,14 +198,11 @@ def _check(orbit: Any, parameter: str, bounds: Any, step: float, max_points: int
 def _with_progress_bar(
     halves: Iterator[BranchHalf], bounds: tuple[float, float], progress: bool
 ) -> Iterator[BranchHalf]:
-    from tqdm.auto import tqdm
-
-    bar = tqdm(
-        halves, desc="continue orbit", unit=" orbits", leave=False, delay=PROGRESS_DELAY, disable=not progress
-    )
+    bar = progress_bar(halves, desc="continue orbit", unit=" orbits", shown=progress)
     for found in bar:
         if found.points:
-            bar.set_postfix_str(f"{found.points[-1].value:.4g} in {bounds[0]:.4g} to {bounds[1]:.4g}")
+            at = f"{found.points[-1].value:.4g} in {bounds[0]:.4g} to {bounds[1]:.4g}"
+            bar.set_postfix_str(at, refresh=False)  # else the bar would be shown before its time
         yield found
 
 

@@ -109,6 +109,8 @@ def periodic_orbit(
     ValueError
         For bad arguments; for a guess to which the motion does not return; where Newton's method does not get
         below the tolerance, with what it reached; where the motion has no derivative, see `tangent_flow`.
+    KeyboardInterrupt
+        After ctrl-C; there is no result yet.
 
     Examples
     --------

@@ -16,7 +16,6 @@ from frictionlab.analysis.motion_scales import AT_REST_RTOL, Array, state_groups
 from frictionlab.analysis.steady_state.classification import MotionKind
 from frictionlab.analysis.steady_state.result import SteadyState
 from frictionlab.automaton import HybridAutomaton
-from frictionlab.hybrid.problem import Status
 from frictionlab.hybrid.solve import solve
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.hybrid.variational.saltation import SaltationError
@@ -151,14 +150,10 @@ def run_one_period(automaton: HybridAutomaton, z: Array, period: float, size: Ar
 
     Raises
     ------
-    KeyboardInterrupt
-        If the run is stopped by ctrl-C.
     SaltationError
         If the motion ends early.
     """
     run = solve(automaton, period, x0=z, progress=False)
-    if run.status is Status.INTERRUPTED:
-        raise KeyboardInterrupt
     if not run.status.ok:
         raise SaltationError(f"a motion near the orbit ends after {run.raw.t:g} s: {run.status}")
     missed = float(np.abs((run.final_state - z) / size).max())

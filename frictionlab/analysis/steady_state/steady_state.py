@@ -58,6 +58,8 @@ def steady_state(
         For what is no model, or an unknown keyword.
     ValueError
         For other bad arguments; like the former before any work is done.
+    KeyboardInterrupt
+        After ctrl-C; :func:`partial_result` is then the run that was stopped, in the transient or the window.
 
     Examples
     --------

@@ -9,6 +9,7 @@ from typing import Any, Unpack
 
 from frictionlab.analysis.options import Execution, ExecutionKeywords, merge_keywords
 from frictionlab.drawable import Drawable
+from frictionlab.interruption import interruption
 from frictionlab.models.coercion import require_model
 
 from .task_runner import check_function, run_tasks
@@ -92,7 +93,6 @@ def ablation(
     Returns
     -------
     Ablation
-        After ctrl-C with None for the scenes that were not done.
 
     Raises
     ------
@@ -102,6 +102,8 @@ def ablation(
         For a model that cannot be without one of them, or an `execution` with a file.
     RuntimeError
         Where the study of a scene fails, from its error.
+    KeyboardInterrupt
+        After ctrl-C; :func:`partial_result` is then the Ablation with None for the scenes that were not done.
 
     Examples
     --------
@@ -119,7 +121,7 @@ def ablation(
     left_out = tuple(tuple(compress(switches, choice)) for choice in product((0, 1), repeat=len(switches)))
     models = tuple(model.without(*names) for names in left_out)
     results: dict[int, Any] = {}
-    run_tasks(
+    complete = run_tasks(
         study,
         [(m,) for m in models],
         keep=results.__setitem__,
@@ -127,4 +129,7 @@ def ablation(
         execution=how,
         title="ablation",
     )
-    return Ablation(left_out, models, tuple(results.get(i) for i in range(len(models))))
+    found = Ablation(left_out, models, tuple(results.get(i) for i in range(len(models))))
+    if not complete:
+        raise interruption(f"the ablation was stopped after {len(results)} of {len(models)} scenes", found)
+    return found

@@ -18,12 +18,13 @@ from frictionlab.analysis.simulate import initial_state_of
 from frictionlab.analysis.steady_state.classification import MotionKind
 from frictionlab.analysis.steady_state.steady_state import check_section, find_steady_state
 from frictionlab.analysis.sweeps.journal import Journal, read_journal, write_journal
-from frictionlab.analysis.sweeps.task_runner import deferred_interrupts, run_tasks
+from frictionlab.analysis.sweeps.task_runner import URGENT_PRESS, run_tasks
 from frictionlab.analysis.tables import import_optional
 from frictionlab.drawable import Drawable
 from frictionlab.hybrid.methods.base import Method
 from frictionlab.hybrid.methods.taylor import Taylor
-from frictionlab.hybrid.problem import Status
+from frictionlab.hybrid.progress import progress_bar
+from frictionlab.interruption import deferred_interrupts
 from frictionlab.models import Model
 from frictionlab.models.coercion import require_model
 from frictionlab.validation import check_choice
@@ -38,7 +39,7 @@ MAX_SECTION_POINTS = 200  # section points kept for each value, the last ones
 
 @dataclass(frozen=True, eq=False)
 class Bifurcation(Drawable):
-    """Steady states at N values of a parameter; those not computed (after ctrl-C) have the kind "".
+    """Steady states at N values of a parameter; those not computed have the kind "".
 
     Parameters
     ----------
@@ -215,7 +216,6 @@ def bifurcation(
     Returns
     -------
     Bifurcation
-        After ctrl-C with the values that were done.
 
     Raises
     ------
@@ -224,9 +224,12 @@ def bifurcation(
     ValueError
         For other bad arguments, or a file of another sweep; like the others before any work is done.
     OSError
-        Where the file cannot be written.
+        Where the file cannot be written, or another sweep is using it.
     RuntimeError
         Where a value fails, from its error; what was done before is in the file.
+    KeyboardInterrupt
+        After ctrl-C; :func:`partial_result` is then the Bifurcation with the values that were done.  A first
+        press lets those that have begun be finished, a second one leaves them.
 
     Examples
     --------
@@ -248,12 +251,15 @@ def bifurcation(
     check_section(models[0], chosen.section)
     starts = _initial_states(models, "rest" if _is_continued(x0) else x0)
     specification = _sweep_arguments(model, parameter, models, x0, chosen)
-    journal = Journal(specification, how.resume)
     names = [f"{parameter} = {getattr(m, parameter):g}" for m in models]
     run = _run_continued if _is_continued(x0) else _run_independently
-    run(list(zip(models, starts, names)), chosen, journal, how)
-    journal.close()
-    return bifurcation_from_results(specification, journal.results)
+    with Journal(specification, how.resume) as journal:
+        complete = run(list(zip(models, starts, names)), chosen, journal, how)
+        journal.put_in_order()
+    found = bifurcation_from_results(specification, journal.results)
+    if not complete:
+        raise journal.interruption(found, len(models))
+    return found
 
 
 def _models(model: Any, parameter: str, values: Any) -> list[Any]:
@@ -279,8 +285,8 @@ def _run_independently(
     options: SteadyStateOptions,
     journal: Journal,
     execution: Execution,
-) -> None:
-    """Model, initial state and name of each value: all that are not done yet, in groups."""
+) -> bool:
+    """Model, initial state and name of each value: all that are not done yet, in groups; whether all are."""
     models, starts, names = zip(*values)
     groups = _groups([i for i in range(len(models)) if i not in journal.results], models, options.solver)
 
@@ -288,7 +294,7 @@ def _run_independently(
         for i, result in zip(groups[task], results):
             journal.keep(i, result)
 
-    run_tasks(
+    return run_tasks(
         steady_states_task,
         [([models[i] for i in group], [starts[i] for i in group], options) for group in groups],
         keep=keep,
@@ -326,8 +332,6 @@ def steady_states_task(
 def steady_state_task(model: Any, start: np.ndarray, options: SteadyStateOptions) -> dict[str, Any]:
     """One task: the steady state from an initial state (n,), as data that JSON can hold."""
     found = find_steady_state(model, start, options, progress=False)
-    if found.trajectory.status is Status.INTERRUPTED:
-        raise KeyboardInterrupt
     period = None if np.isnan(found.period) else found.period
     return {
         "kind": found.kind,
@@ -346,25 +350,37 @@ def _run_continued(
     options: SteadyStateOptions,
     journal: Journal,
     execution: Execution,
-) -> None:
-    """The steady states one after another, each from where the one before ended; ctrl-C keeps those done."""
-    from tqdm.auto import tqdm
+) -> bool:
+    """The steady states one after another, each from where the one before ended; whether all were done.
 
-    bar = tqdm(values, TITLE, delay=1.0, leave=False, disable=not execution.progress)
+    Ctrl-C stops the run in progress; the values before it are kept.
+    """
+    bar = progress_bar(values, TITLE, shown=execution.progress)
     start: Any = None
-    with deferred_interrupts() as interrupted:
+    with deferred_interrupts(URGENT_PRESS) as presses, bar:
         for i, (model, rest, name) in enumerate(bar):
             if i not in journal.results:
-                try:
-                    journal.keep(i, steady_state_task(model, rest if start is None else start, options))
-                except KeyboardInterrupt:
-                    return
-                except Exception as error:
-                    raise RuntimeError(f"{name} failed with {type(error).__name__}: {error}") from error
+                found = _named_task(name, model, rest if start is None else start, options)
+                if found is None:
+                    return False
+                journal.keep(i, found)
             done = journal.results[i]
             start = None if done["kind"] == MotionKind.ENDED_EARLY else np.array(done["final"])
-            if interrupted():
-                return
+            if presses.count:
+                return False
+    return True
+
+
+def _named_task(
+    name: str, model: Any, start: np.ndarray, options: SteadyStateOptions
+) -> dict[str, Any] | None:
+    """The steady state at a value, whose name errors tell; None after ctrl-C."""
+    try:
+        return steady_state_task(model, start, options)
+    except KeyboardInterrupt:
+        return None
+    except Exception as error:
+        raise RuntimeError(f"{name} failed with {type(error).__name__}: {error}") from error
 
 
 def _sweep_arguments(

@@ -1,73 +1,161 @@
 """Results of a sweep in a file of JSON lines, written as they come, so that an interrupted sweep can be
 resumed.
 
-The first line holds the arguments of the sweep; each further one the result of one task.  When all are there
-the lines are put in order, so that the file does not depend on how often the sweep was interrupted.
+The first line holds the format, the version and the arguments of the sweep; each further one the result of
+one task; each ends with a checksum of itself.  When all are there the lines are put in order, so that the
+file does not depend on how often the sweep was interrupted.
+
+A task depends on the arguments alone.  So a line that a power cut or a bad disk has damaged is left out, and
+its task computed again; only without the first line a file is of no use.
 """
 
 from __future__ import annotations
 
 import json
 import os
+import re
+import warnings
+import zlib
+from contextlib import suppress
 from pathlib import Path
-from typing import Any
+from time import monotonic
+from types import TracebackType
+from typing import Any, NamedTuple
 
 import numpy as np
 
-LINE_KEYS = {"task", "result"}
+from frictionlab._version import __version__
+from frictionlab.interruption import interruption
+
+FORMAT = 1
+HEAD_KEYS = "frictionlab sweep", "version"  # of the first line, before the arguments of the sweep
+LINE = re.compile(rb'(\{.*), "crc32": "([0-9a-f]{8})"\}')
+SYNC_TIME = 1.0  # seconds of results that a power cut may take: each fsync takes some milliseconds
 
 
 class Journal:
-    """The specification and results of a sweep so far, also on disk if there is a path."""
+    """The specification and results of a sweep so far, also on disk if there is a path.
+
+    A context in which no other process can write to the file.
+    """
 
     def __init__(self, specification: dict[str, Any], path: str | Path | None = None) -> None:
         self.results: dict[int, Any] = {}
         self._specification = specification
         self._path = None if path is None else Path(path)
+        self._lock: Any = None
+        self._file: Any = None
+        self._synced = monotonic()
+
+    def __enter__(self) -> Journal:
         if self._path is not None:
-            self._open(self._path)
+            self._lock = _locked(self._path)
+            try:
+                self._open(self._path)
+            except BaseException:
+                self._lock.release()
+                raise
+        return self
+
+    def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        if self._file is not None:
+            with suppress(OSError):  # what the system could not keep it has said when it was written
+                os.fsync(self._file.fileno())
+            self._file.close()
+        if self._lock is not None:
+            self._lock.release()
 
     def _open(self, path: Path) -> None:
         try:
             if path.exists() and path.stat().st_size:
-                found, self.results = read_journal(path)
-                _refuse_another(path, found, self._specification)
+                found = _read(path)
+                _refuse_another(path, found.specification, self._specification, found.version)
+                self.results = found.results
+                if found.damaged:
+                    warnings.warn(f"{path} is damaged in {found.damage}: computed again", RuntimeWarning, 4)
             write_journal(path, self._specification, self.results)
+            self._file = path.open("ab", buffering=0)
         except OSError as error:
             raise OSError(f"resume must be a file that can be written, {path} is none: {error}") from error
 
     def keep(self, task: int, result: Any) -> None:
-        """Keep a result, in the form in which the file gives it back; it is on disk when this returns.
+        """Keep a result, in the form in which the file gives it back; it is in the file when this returns.
 
         Raises
         ------
         TypeError
             For a result that the file cannot hold.
+        OSError
+            Where the file cannot be written any more; what was in it still is.
         """
         if self._path is None:
             self.results[task] = result
             return
         line = _json_line({"task": task, "result": result})
+        self._append(line)
         self.results[task] = json.loads(line)["result"]
-        with self._path.open("a", encoding="utf-8") as file:
-            file.write(line)
 
-    def close(self) -> None:
-        """Put the lines in order."""
-        if self._path is not None:
+    def _append(self, line: bytes) -> None:
+        before = os.fstat(self._file.fileno()).st_size
+        try:
+            while line:
+                line = line[self._file.write(line) :]
+            if monotonic() - self._synced > SYNC_TIME:
+                os.fsync(self._file.fileno())
+                self._synced = monotonic()
+        except OSError as error:
+            with suppress(OSError):
+                self._file.truncate(before)
+            raise OSError(
+                f"{self._path} cannot be written ({error.strerror}): make room, and call again with the same "
+                f"resume=; the {len(self.results)} results in it are kept"
+            ) from error
+
+    def interruption(self, result: Any, count: int) -> KeyboardInterrupt:
+        """The error after ctrl-C, when so many tasks were asked for."""
+        file = "" if self._path is None else f"; resume={str(self._path)!r} goes on from there"
+        return interruption(f"stopped after {len(self.results)} of {count} tasks", result, file)
+
+    def put_in_order(self) -> None:
+        """Write the lines in the order of the tasks."""
+        if self._path is None:
+            return
+        try:
             write_journal(self._path, self._specification, self.results)
+        except OSError as error:  # all is in the file already
+            warnings.warn(f"{self._path} is complete, but not in order: {error}", RuntimeWarning, 3)
+
+
+class _Content(NamedTuple):
+    """What a file holds: the version that wrote it, and the numbers of the lines that are damaged."""
+
+    specification: dict[str, Any]
+    results: dict[int, Any]
+    version: str
+    damaged: list[int]
+
+    @property
+    def damage(self) -> str:
+        """The damaged lines, in words."""
+        first, *others = self.damaged
+        return f"line {first}" + (f" and {len(others)} more" if others else "")
 
 
 def write_journal(path: str | Path, specification: dict[str, Any], results: dict[int, Any]) -> Path:
-    """Write all lines in order, atomically: a reader sees the old file or the new one."""
+    """Write all lines in order, atomically: a reader sees the old file or the new one, a power cut too."""
     path = Path(path)
-    lines = [
-        _json_line(specification),
-        *(_json_line({"task": i, "result": results[i]}) for i in sorted(results)),
-    ]
-    temporary = path.with_name(path.name + ".new")
-    temporary.write_text("".join(lines), encoding="utf-8")
-    os.replace(temporary, path)
+    head = dict(zip(HEAD_KEYS, (FORMAT, __version__))) | specification
+    rows = ({"task": i, "result": results[i]} for i in sorted(results))
+    beside = path.with_name(f"{path.name}.{os.getpid()}.unfinished")
+    try:
+        with open(beside, "wb") as file:
+            file.writelines(map(_json_line, (head, *rows)))
+            file.flush()
+            os.fsync(file.fileno())
+        os.replace(beside, path)
+    finally:
+        beside.unlink(missing_ok=True)
+    _sync_folder(path.parent)
     return path
 
 
@@ -77,18 +165,49 @@ def read_journal(path: str | Path) -> tuple[dict[str, Any], dict[int, Any]]:
     Raises
     ------
     ValueError
-        If the file holds no sweep.
+        If the file holds no sweep, or is damaged.
     """
-    head, *lines = _complete_lines(Path(path))
-    if not all(isinstance(line, dict) for line in [head, *lines]) or any(
-        LINE_KEYS - line.keys() for line in lines
-    ):
-        raise ValueError(f"{path} must be a file of a sweep, and is none: give another path")
-    return head, {line["task"]: line["result"] for line in lines}
+    found = _read(Path(path))
+    if found.damaged:
+        raise ValueError(
+            f"{path} is damaged in {found.damage}: use it as resume={str(path)!r}, which computes "
+            "again what is missing"
+        )
+    return found.specification, found.results
 
 
-def _json_line(content: Any) -> str:
-    return json.dumps(content, default=_json_value) + "\n"
+def _read(path: Path) -> _Content:
+    # Without what follows the last line feed: a line that was cut off.
+    first, *rest = path.read_bytes().split(b"\n")[:-1] or [b""]
+    head = _content(first)
+    if head is None or HEAD_KEYS[0] not in head:
+        raise ValueError(
+            f"{path} must be a file of a sweep, and is none, or its first line is damaged: give another "
+            "path, or delete it to begin anew"
+        )
+    form, version = (head.pop(key, None) for key in HEAD_KEYS)
+    if form != FORMAT:
+        raise ValueError(
+            f"{path} has format {form}, this version reads {FORMAT}: read it with frictionlab {version}, or "
+            "delete it to begin anew"
+        )
+    lines = {i: _content(line) for i, line in enumerate(rest, 2)}
+    results = {line["task"]: line["result"] for line in lines.values() if line is not None}
+    return _Content(head, results, version, [i for i, line in lines.items() if line is None])
+
+
+def _json_line(content: dict[str, Any]) -> bytes:
+    """A line: the content with the checksum of its text as a last entry."""
+    text = json.dumps(content, default=_json_value).encode()[:-1]
+    return b'%b, "crc32": "%08x"}\n' % (text, zlib.crc32(text))
+
+
+def _content(line: bytes) -> dict[str, Any] | None:
+    """The content of a line; None where it is damaged."""
+    match = LINE.fullmatch(line)
+    if match is None or zlib.crc32(match[1]) != int(match[2], 16):
+        return None
+    return json.loads(match[1] + b"}")
 
 
 def _json_value(value: Any) -> Any:
@@ -101,18 +220,38 @@ def _json_value(value: Any) -> Any:
     )
 
 
-def _complete_lines(path: Path) -> list[Any]:
-    """The complete lines of a file, without a last one that was cut off."""
-    text = path.read_text(encoding="utf-8")
+def _sync_folder(folder: Path) -> None:
+    """Have the system write down that a file was renamed; on Windows a folder cannot be opened."""
+    with suppress(OSError):
+        handle = os.open(folder, os.O_RDONLY)
+        try:
+            os.fsync(handle)
+        finally:
+            os.close(handle)
+
+
+def _locked(path: Path) -> Any:
+    """The lock of a file, held; it is one of a file beside, which stays."""
+    from filelock import FileLock, Timeout
+
+    lock = FileLock(path.with_name(path.name + ".lock"))
     try:
-        return [json.loads(line) for line in text[: text.rfind("\n") + 1].splitlines()] or [None]
-    except json.JSONDecodeError as error:
-        raise ValueError(f"{path} must be a file of a sweep, and is none: {error}") from error
+        path.parent.stat()  # FileLock would make the folder
+        lock.acquire(timeout=0)
+    except Timeout:
+        raise OSError(
+            f"resume={str(path)!r} is in use by another sweep, here or in another process: wait until that "
+            "has ended, or give another path"
+        ) from None
+    except OSError as error:
+        raise OSError(f"resume must be a file that can be written, {path} is none: {error}") from error
+    return lock
 
 
-def _refuse_another(path: Path, found: dict[str, Any], specification: dict[str, Any]) -> None:
-    specification = json.loads(json.dumps(specification))
-    differing = [name for name in {**found, **specification} if found.get(name) != specification.get(name)]
+def _refuse_another(path: Path, found: dict[str, Any], specification: dict[str, Any], version: str) -> None:
+    asked = {**json.loads(json.dumps(specification)), "version": __version__}
+    found = {**found, "version": version}
+    differing = [name for name in {**found, **asked} if found.get(name) != asked.get(name)]
     if differing:
         raise ValueError(
             f"resume must be a file of the same sweep, {path} differs in {', '.join(differing)}: "

@@ -32,7 +32,7 @@ class Sweep(Drawable):
     x0 : tuple
         Initial states, the last axis; empty where the function takes none.
     results : object array
-        What the function returned; None for what was not done (after ctrl-C).
+        What the function returned; None for what was not done, where ctrl-C stopped it.
     model : Model
         With the values that are not in `over`.
     function : str
@@ -105,7 +105,6 @@ def sweep(
     Returns
     -------
     Sweep
-        After ctrl-C with what was done.
 
     Raises
     ------
@@ -114,9 +113,12 @@ def sweep(
     ValueError
         For a value that breaks a rule or a bad initial state; like the others before any work is done.
     OSError
-        Where the file cannot be written.
+        Where the file cannot be written, or another sweep is using it.
     RuntimeError
         Where the function fails, from its error; what was done before is in the file.
+    KeyboardInterrupt
+        After ctrl-C; :func:`partial_result` is then the Sweep with None for what was not done.  A first press
+        lets what has begun be finished, a second one leaves it.
 
     Examples
     --------
@@ -137,23 +139,27 @@ def sweep(
     for start in starts:
         initial_state_of(model, start)
     specification = {"function": _name(function), "model": model.to_dict(), "x0": starts}
-    journal = Journal({**specification, "over": {k: v.tolist() for k, v in axes.items()}}, how.resume)
+    specification |= {"over": {k: v.tolist() for k, v in axes.items()}}
     tasks = [(m, start) for m in models for start in x0] if starts else [(m,) for m in models]
-    run_tasks(
-        function,
-        tasks,
-        keep=journal.keep,
-        names=[_point(axes, points[i // (len(starts) or 1)]) for i in range(len(tasks))],
-        done=frozenset(journal.results),
-        execution=how,
-        title="sweep",
-    )
-    journal.close()
+    with Journal(specification, how.resume) as journal:
+        complete = run_tasks(
+            function,
+            tasks,
+            keep=journal.keep,
+            names=[_point(axes, points[i // (len(starts) or 1)]) for i in range(len(tasks))],
+            done=frozenset(journal.results),
+            execution=how,
+            title="sweep",
+        )
+        journal.put_in_order()
     results = np.empty(len(tasks), dtype=object)
     for i, result in journal.results.items():
         results[i] = result
     shape = [len(values) for values in axes.values()] + ([len(starts)] if starts else [])
-    return Sweep(axes, tuple(x0), results.reshape(shape), model, _own_name(function))
+    found = Sweep(axes, tuple(x0), results.reshape(shape), model, _own_name(function))
+    if not complete:
+        raise journal.interruption(found, len(tasks))
+    return found
 
 
 def _axes(over: Mapping[str, Any]) -> dict[str, NDArray[np.float64]]:

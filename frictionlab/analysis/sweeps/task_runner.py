@@ -1,6 +1,7 @@
 """Many independent computations: in threads by default, in any executor, resumable, with a progress bar.
 
-After a first ctrl-C tasks that have begun are finished; a second one interrupts at once.
+After a first ctrl-C tasks that have begun are finished; after a second one they are left, and their results
+lost; a third one interrupts wherever it is.
 """
 
 from __future__ import annotations
@@ -8,19 +9,23 @@ from __future__ import annotations
 import os
 import signal
 import threading
-from collections.abc import Callable, Container, Iterator, Sequence
+from collections.abc import Callable, Container, Iterator, Sequence, Sized
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
 from contextlib import contextmanager
 from multiprocessing import parent_process
+from time import monotonic
 from typing import Any
 
 from frictionlab.analysis.options import Execution
+from frictionlab.hybrid.progress import progress_bar, tell
+from frictionlab.interruption import POLL_TIME, STOP_SIGN, Presses, deferred_interrupts
 
 TASKS_PER_WORKER = (
     2  # tasks handed to each worker at a time, so that ctrl-C does not have to wait for all of them
 )
 QUIETLY = Execution(progress=False)
-INTERRUPT_POLL_TIME = 0.2  # seconds between two looks at ctrl-C
+LEAVING_PRESS, URGENT_PRESS = 2, 3  # the presses of ctrl-C that leave tasks in progress, and that interrupt
+SILENT_TIME = 0.5  # seconds in which tasks may finish after ctrl-C before the user is told of them
 
 
 def run_tasks(
@@ -41,7 +46,7 @@ def run_tasks(
         Called as ``function(*task)``.  An executor of processes needs to be able to pickle it.
     tasks : sequence of tuples
     keep : callable of (index, result)
-        Called in this thread only, and never interrupted by a first ctrl-C.
+        Called in this thread only, and never interrupted by a first or a second ctrl-C.
     names : sequence of str
         Name of each task, for the message where it fails, e.g. "mu_k = 1.4".
     done : container of int
@@ -54,34 +59,46 @@ def run_tasks(
     Returns
     -------
     bool
-        Whether all were done; False after ctrl-C, when tasks already begun are still finished and kept.
+        Whether all were done and nobody pressed ctrl-C; tasks already begun are still finished and kept.
 
     Raises
     ------
     RuntimeError
         Where a task fails, from its error, once those already begun are finished and kept.
     """
-    from tqdm.auto import tqdm
-
     executor, count = execution.executor, execution.workers or os.cpu_count() or 1
     left = [(i, task) for i, task in enumerate(tasks) if i not in done]
     max_running = TASKS_PER_WORKER * count if executor is None else len(left)
-    bar = tqdm(total=len(left), desc=title, disable=not execution.progress, delay=1.0, leave=False)
+    bar = progress_bar(total=len(left), desc=title, shown=execution.progress)
     todo, running, failed = iter(left), {}, {}
-    with bar, _executor(executor, count) as pool, deferred_interrupts() as interrupted:
-        while not failed and not interrupted():
-            _submit_tasks(running, todo, max_running, pool, function)
-            if not running:
-                return True
-            _collect_results(running, keep, failed, bar)
-        for future in [f for f in running if f.cancel()]:
-            del running[future]
-        while running:
-            _collect_results(running, keep, failed, bar)
-    if failed and not interrupted():
+    with bar, deferred_interrupts(URGENT_PRESS) as presses:
+        try:
+            with _executor(executor, count, presses) as pool:
+                while not failed and not presses.count:
+                    _submit_tasks(running, todo, max_running, pool, function)
+                    if not running:
+                        break
+                    _collect_results(running, keep, failed, bar)
+                for future in [f for f in running if f.cancel()]:
+                    del running[future]
+                _finish_tasks(running, presses, lambda: _collect_results(running, keep, failed, bar))
+        except KeyboardInterrupt:
+            return False
+    if failed and not presses.count:
         index, error = min(failed.items())
         raise RuntimeError(f"{names[index]} failed with {type(error).__name__}: {error}") from error
-    return False
+    return not presses.count
+
+
+def _finish_tasks(running: Sized, presses: Presses, collect: Callable[[], None]) -> None:
+    """Collect the results of tasks that have begun, and say so where ctrl-C has asked for the end."""
+    since, told = monotonic(), False
+    while running and presses.count < LEAVING_PRESS:
+        if presses.count and not told and monotonic() - since > SILENT_TIME:
+            tasks = "the task that has" if len(running) == 1 else f"the {len(running)} tasks that have"
+            tell(f"ctrl-C: waiting for {tasks} begun; press it again to leave what is not done")
+            told = True
+        collect()
 
 
 def check_function(name: str, function: Any, cure: str) -> None:
@@ -97,7 +114,7 @@ def _collect_results(
     bar: Any,
 ) -> None:
     """Keep the results that have arrived, waiting for a moment at most."""
-    for future in wait(running, timeout=INTERRUPT_POLL_TIME, return_when=FIRST_COMPLETED).done:
+    for future in wait(running, timeout=POLL_TIME, return_when=FIRST_COMPLETED).done:
         index = running.pop(future)
         error = future.exception()
         if error is None:
@@ -127,39 +144,22 @@ def _submit_tasks(
 
 
 @contextmanager
-def _executor(given: Executor | None, workers: int) -> Iterator[Executor]:
+def _executor(given: Executor | None, workers: int, presses: Presses) -> Iterator[Executor]:
+    """The executor given, left open, or one of threads, whose runs stop where nobody waits for them."""
     if given is not None:
         yield given
         return
-    pool = ThreadPoolExecutor(workers)
+    sign = threading.Event()
+    pool = ThreadPoolExecutor(workers, initializer=STOP_SIGN.set, initargs=(sign,))
     try:
         yield pool
+    except BaseException:
+        sign.set()
+        raise
     finally:
-        pool.shutdown(cancel_futures=True)
-
-
-@contextmanager
-def deferred_interrupts() -> Iterator[Callable[[], bool]]:
-    """Context in which a first ctrl-C is only noted, as the function yielded tells; a second one interrupts.
-
-    In a thread other than the main one Python delivers no signals, so nothing is installed there.
-    """
-    noted: list[int] = []
-
-    def note(number: int, frame: Any) -> None:
-        if noted:
-            raise KeyboardInterrupt
-        noted.append(number)
-
-    previous = signal.getsignal(signal.SIGINT)
-    here = threading.current_thread() is threading.main_thread() and callable(previous)
-    if here:
-        signal.signal(signal.SIGINT, note)
-    try:
-        yield lambda: bool(noted)
-    finally:
-        if here:
-            signal.signal(signal.SIGINT, previous)
+        if presses.count >= LEAVING_PRESS:
+            sign.set()
+        pool.shutdown(wait=not sign.is_set(), cancel_futures=True)
 
 
 def ignore_interrupts_in_worker() -> None:

@@ -126,7 +126,7 @@ def verify(
     ValueError
         For bad arguments, before any work is done.
     KeyboardInterrupt
-        After ctrl-C.
+        After ctrl-C; :func:`partial_result` is then the run that was stopped.
 
     Examples
     --------
@@ -169,7 +169,7 @@ class _RunSetup:
         self.start, self._t_end = start, t_end
 
     def run(self, method: Method, start: Array | None = None, t_end: float | None = None) -> Trajectory:
-        run = solve(
+        return solve(
             self._automaton,
             self._t_end if t_end is None else t_end,
             x0=self.start if start is None else start,
@@ -177,9 +177,6 @@ class _RunSetup:
             progress=self._progress,
             source=None if self._model is self._automaton else self._model,
         )
-        if run.status is Status.INTERRUPTED:
-            raise KeyboardInterrupt
-        return run
 
     def neighbouring_run(self, run: Trajectory) -> Trajectory:
         """A run by the same method from a neighbouring state, in the same mode.

@@ -161,7 +161,7 @@ def _host() -> str:
     llvm = _llvm()
     writers: Any = (jet_codegen, step_codegen, remainder_codegen)
     writers = (*writers, kernel_symbols, arithmetic, llvm_instructions, tape, functions)
-    writer = "".join(Path(module.__file__).read_text(encoding="utf-8") for module in writers)
+    writer = "".join(module.__loader__.get_data(module.__file__).decode() for module in writers)
     cpu = llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten()
     return "\n".join([writer, llvmlite.__version__, llvm.get_default_triple(), *cpu])
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from functools import lru_cache
+from functools import lru_cache, partial
 from itertools import chain
 from threading import Lock
 from typing import Any, NamedTuple
@@ -21,6 +21,7 @@ import sympy as sp
 
 from frictionlab.automaton import Event, HybridAutomaton, Mode, Reset
 from frictionlab.automaton.modes_on_demand import ModesOnDemand, Sketch
+from frictionlab.automaton.undefined_numbers import undefined_part
 from frictionlab.hybrid.tape.automaton_checks import check_structure
 from frictionlab.hybrid.tape.operations import POWER
 from frictionlab.hybrid.tape.program import NO_RESET, NOT_POLYNOMIAL, Code, Numbers, Program, Section
@@ -200,7 +201,10 @@ class _Packer:
         slots = max(tape.slots for tape in every)
         tapes, resets = tuple(tapes), tuple(self.reset_tapes)
         initial = _ints(self.initial)
-        return Program(code, tapes, resets, slots, tuple(names), guards, guard_modes, initial, fill)
+        undefined = partial(_undefined_number, parameters, tuple(exprs))
+        return Program(
+            code, tapes, resets, slots, tuple(names), guards, guard_modes, initial, fill, undefined
+        )
 
     def _targets(self, event: Event) -> list[int]:
         order = dict.fromkeys((*(self.places[name] for name in event.targets), *self.initial))
@@ -257,6 +261,12 @@ def _finite(degree: float) -> int:
 
 def _joined(lists: Iterable[Sequence[int]]) -> Iterable[int]:
     return chain.from_iterable(lists)
+
+
+def _undefined_number(parameters: tuple[Any, ...], exprs: tuple[Any, ...], values: Sequence[float]) -> str:
+    """The first expression without a value, in words; empty where none is found."""
+    at = dict(zip(parameters, values, strict=True))
+    return next(filter(None, (undefined_part(expr, at) for expr in exprs)), "")
 
 
 def _fill_separately(parameters: tuple[Any, ...], exprs: Sequence[Any]) -> Callable[..., Any]:

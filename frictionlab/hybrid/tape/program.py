@@ -94,10 +94,23 @@ class Program:
     guard_modes: np.ndarray
     initial: np.ndarray  # modes in the order in which they are tried at the start
     _fill: Callable[..., Sequence[float]]
+    _undefined: Callable[[Sequence[float]], str]  # which number has no value at those of the parameters
 
     def numbers(self, values: Sequence[float]) -> Numbers:
-        """Coefficients for parameter values in the order of the automaton's parameters."""
-        filled = np.array(self._fill(*values), dtype=float)
+        """Coefficients for parameter values in the order of the automaton's parameters.
+
+        Raises
+        ------
+        ValueError
+            Where one has no real value there, such as the root of a negative number.
+        """
+        try:
+            filled = np.array(self._fill(*values), dtype=float)
+        except (ArithmeticError, ValueError, TypeError) as error:  # TypeError: a complex number
+            raise ValueError(
+                f"the equations have {self._undefined(values) or f'an undefined number ({error})'}: give the "
+                "parameters other values, or mend the formula"
+            ) from error
         split = len(self.code.ops)
         return Numbers(filled[:split].copy(), filled[split:].copy())
 

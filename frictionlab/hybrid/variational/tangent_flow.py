@@ -19,7 +19,7 @@ from frictionlab.hybrid.events import Events
 from frictionlab.hybrid.kernels.jets import copy_vector
 from frictionlab.hybrid.kernels.run_state import StepData, Truncation
 from frictionlab.hybrid.methods.base import RECORD_CAPACITY
-from frictionlab.hybrid.progress import PROGRESS_DELAY
+from frictionlab.hybrid.progress import progress_bar
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.hybrid.variational.saltation import (
     EventCrossing,
@@ -118,17 +118,8 @@ def initial_frame(run: Trajectory) -> np.ndarray:
 
 def carry_frame(run: Trajectory, frame: np.ndarray, progress: bool) -> tuple[np.ndarray, list[np.ndarray]]:
     """Columns (n, m), tangent vectors at a run's start, propagated to its end; and the saltation matrices."""
-    from tqdm.auto import tqdm
-
     rows, matrices = np.ascontiguousarray(frame.T), []
-    shown = tqdm(
-        list(smooth_segments(run)),
-        desc="tangent flow",
-        leave=False,
-        delay=PROGRESS_DELAY,
-        disable=not progress,
-    )
-    for part, event in shown:
+    for part, event in progress_bar(list(smooth_segments(run)), desc="tangent flow", shown=progress):
         carry_rows(carry_steps, run, part, rows)
         if event is not None:
             matrices.append(event_saltation(run, event))

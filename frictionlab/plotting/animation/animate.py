@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from frictionlab.analysis.motion_scales import round_down_1_2_5
+from frictionlab.hybrid.progress import progress_bar
 from frictionlab.models import Model
 from frictionlab.models.mechanism import Mechanism, TiltingBelt
 from frictionlab.plotting.figure import AnimatedFigure
@@ -284,9 +285,7 @@ class RunAnimation(FuncAnimation):
     def _save(self, filename: Any, *args: Any, **options: Any) -> None:
         if options.get("progress_callback") is not None:
             return super().save(filename, *args, **options)
-        from tqdm.auto import tqdm
-
-        with tqdm(leave=False, desc="animate", delay=1.0) as bar:
+        with progress_bar(desc="animate") as bar:
 
             def count(frame: int, total: int) -> None:
                 bar.total = total

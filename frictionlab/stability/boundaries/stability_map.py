@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionlab.drawable import Drawable
+from frictionlab.hybrid.progress import progress_bar
 from frictionlab.stability.equilibrium_points.equilibria import equilibrium_problem
 from frictionlab.stability.equilibrium_problem import EquilibriumProblem, check_parameter
 from frictionlab.stability.state_matrices import unstable_pairs
@@ -112,12 +113,8 @@ def _spectra_on_grid(
     problem: EquilibriumProblem, x: tuple[str, Array], y: tuple[str, Array], progress: bool
 ) -> Any:
     """Sorted spectra (ny, nx, m)."""
-    from tqdm.auto import tqdm
-
     across, up = (plane.ravel() for plane in np.meshgrid(x[1], y[1]))
-    starts = tqdm(
-        range(0, len(up), GRID_CHUNK), "stability map", delay=1.0, leave=False, disable=not progress
-    )
+    starts = progress_bar(range(0, len(up), GRID_CHUNK), "stability map", shown=progress)
     parts = [
         problem.spectra({x[0]: across[i : i + GRID_CHUNK], y[0]: up[i : i + GRID_CHUNK]}) for i in starts
     ]

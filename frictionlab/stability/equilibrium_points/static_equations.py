@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from frictionlab.models import Model
 from frictionlab.models.mechanical.equations_of_motion import LagrangeSystem, lagrange_system
-from frictionlab.models.symbols import Structure, structure_of_component, symbol, symbolic_copy
+from frictionlab.models.symbols import Structure, check_laws, structure_of_component, symbol, symbolic_copy
 
 Array = NDArray[np.float64]
 PENETRATION = sympy.Symbol("compression", real=True)
@@ -67,7 +67,8 @@ class SlidingEquations:
     height: int
 
     def values(self, model: Any) -> tuple[float, ...]:
-        """The model's parameters, in the order of `parameters`."""
+        """The model's parameters, in the order of `parameters`; ValueError where a law has no value there."""
+        check_laws(model)
         known = model.parameters
         return tuple(known[symbol.name] for symbol in self.parameters)
 

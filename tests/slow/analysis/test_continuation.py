@@ -178,7 +178,7 @@ def test_the_unstable_cycle_of_the_slider_lives_from_its_hopf_point_to_grazing()
     assert not branch.stable[branch.values < point.value - 1e-8].any()
 
 
-def test_ctrl_c_returns_what_there_is(monkeypatch):
+def test_ctrl_c_keeps_what_there_is(monkeypatch):
     from frictionlab.analysis.continuation import driver
 
     count = iter(range(100))
@@ -191,7 +191,9 @@ def test_ctrl_c_returns_what_there_is(monkeypatch):
 
     monkeypatch.setattr(driver, "continuation_step", interrupted)
     orbit = fl.periodic_orbit(coulomb(0.2, 1.0, 0.5), [0.0, 0.2])
-    branch = followed(orbit, "belt", (0.05, 2.0))
+    with pytest.raises(KeyboardInterrupt, match="the branch was stopped after"):
+        followed(orbit, "belt", (0.05, 2.0))
+    branch = fl.partial_result()
     assert "interrupted" in branch.ends
     assert len(branch.orbits) > 5
 

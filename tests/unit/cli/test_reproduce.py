@@ -58,7 +58,7 @@ def test_ctrl_c_is_told_by_the_exit_status(tmp_path, capsys, small, monkeypatch)
 
     monkeypatch.setattr(report, "check", interrupted)
     assert command.main(["reproduce", "-o", str(tmp_path), "-q"]) == 130
-    assert "interrupted" in capsys.readouterr().err
+    assert capsys.readouterr().err == "frictionlab: stopped by ctrl-C\n"
 
 
 def test_a_folder_that_cannot_be_made(tmp_path, capsys, small):

@@ -1,0 +1,162 @@
+"""Files of sweeps: damaged, of other versions, full disks, and two sweeps on one file."""
+
+import json
+import os
+import random
+import subprocess
+import sys
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+
+import frictionlab as fl
+from frictionlab.analysis.sweeps.journal import Journal, read_journal, write_journal
+
+MODEL = fl.SliderOnBelt()
+VALUES = {"F": [100.0, 200.0, 300.0, 400.0]}
+ROOT = Path(__file__).parents[4]
+
+
+def load(model):
+    return {"F": model.F, "third": model.F / 3.0}
+
+
+def swept(path):
+    return fl.sweep(MODEL, load, VALUES, resume=path, workers=2, progress=False)
+
+
+@pytest.fixture
+def whole(tmp_path):
+    path = tmp_path / "sweep.jsonl"
+    swept(path)
+    return path
+
+
+def test_the_first_line_has_format_and_version(whole):
+    head = json.loads(whole.read_text().splitlines()[0])
+    assert head["frictionlab sweep"] == 1
+    assert head["version"] == fl.__version__
+    assert head["function"] == "load"
+
+
+def test_damaged_lines_are_computed_again(whole):
+    content, lines = whole.read_bytes(), whole.read_bytes().splitlines(keepends=True)
+    lines[2] = lines[2].replace(b"200.0", b"201.0")
+    lines[4] = b"\x00" * 40 + b"\n"
+    whole.write_bytes(b"".join(lines))
+    with pytest.raises(ValueError, match=r"sweep.jsonl is damaged in line 3 and 1 more: use it as resume="):
+        read_journal(whole)
+    with pytest.warns(RuntimeWarning, match=r"sweep.jsonl is damaged in line 3 and 1 more: computed again"):
+        found = swept(whole)
+    assert [result["F"] for result in found.results] == VALUES["F"]
+    assert whole.read_bytes() == content
+
+
+@pytest.mark.filterwarnings("ignore:.*computed again:RuntimeWarning")
+def test_no_flip_and_no_cut_gives_a_wrong_result(whole):
+    content, draw = whole.read_bytes(), random.Random(1)
+    right = swept(whole).results.tolist()
+    messages = []
+    for _ in range(150):
+        damaged = bytearray(content[: draw.choice([len(content), draw.randrange(len(content))])])
+        if damaged:
+            damaged[draw.randrange(len(damaged))] ^= 1 << draw.randrange(8)
+        whole.write_bytes(bytes(damaged))
+        try:
+            results = swept(whole).results.tolist()
+        except ValueError as error:
+            messages.append(str(error))
+            unchanged = bytes(damaged)
+        else:
+            assert results == right
+            unchanged = content
+        assert whole.read_bytes() == unchanged
+    assert 0 < len(messages) < 150
+    assert all(str(whole) in message and "delete it" in message for message in messages)
+
+
+def test_another_format_or_version_is_refused(whole, monkeypatch):
+    content = whole.read_bytes()
+    monkeypatch.setattr("frictionlab.analysis.sweeps.journal.__version__", "9.9")
+    with pytest.raises(ValueError, match=r"sweep.jsonl differs in version: give another path, or delete it"):
+        swept(whole)
+    assert read_journal(whole)[1][0]["F"] == 100.0
+    monkeypatch.setattr("frictionlab.analysis.sweeps.journal.FORMAT", 2)
+    with pytest.raises(ValueError, match=r"has format 1, this version reads 2: read it with frictionlab 0"):
+        swept(whole)
+    assert whole.read_bytes() == content
+
+
+def test_two_sweeps_cannot_use_one_file(whole):
+    other = (
+        "import sys\n"
+        "from frictionlab.analysis.sweeps.journal import Journal\n"
+        "with Journal({}, sys.argv[1]):\n"
+        "    print('has it', flush=True)\n"
+        "    sys.stdin.read()\n"
+    )
+    whole.unlink()
+    command = [sys.executable, "-c", other, str(whole)]
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    with subprocess.Popen(
+        command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env=environment
+    ) as process:
+        assert process.stdout is not None
+        assert process.stdout.readline() == "has it\n"
+        with pytest.raises(OSError, match=r"sweep.jsonl' is in use by another sweep.*: wait until"):
+            swept(whole)
+        process.kill()
+    whole.unlink()
+    assert len(swept(whole).results) == 4  # what is killed holds nothing
+
+
+def test_the_file_is_free_after_an_error(tmp_path):
+    def fails(model):
+        raise ArithmeticError("no such thing")
+
+    path = tmp_path / "sweep.jsonl"
+    for _ in range(2):
+        with pytest.raises(RuntimeError, match="F = 100 failed with ArithmeticError: no such thing"):
+            fl.sweep(MODEL, fails, {"F": [100.0]}, resume=path, progress=False)
+
+
+@contextmanager
+def room_for(size):
+    """Context in which files cannot become larger, as on a disk that is full."""
+    resource = pytest.importorskip("resource", reason="limits of files are POSIX")
+    usual = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, usual[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, usual)
+
+
+def test_a_full_disk_leaves_whole_lines(tmp_path):
+    path = tmp_path / "sweep.jsonl"
+    with Journal({"a": 1}, path) as journal:
+        journal.keep(0, 0.5)
+        before = path.read_bytes()
+        with (
+            room_for(len(before) + 20),
+            pytest.raises(OSError, match=r"cannot be written .*: make room") as full,
+        ):
+            journal.keep(1, 1.5)
+    assert str(path) in str(full.value)
+    assert "the 1 results in it are kept" in str(full.value)
+    assert path.read_bytes() == before
+    assert read_journal(path) == ({"a": 1}, {0: 0.5})
+
+
+def test_a_file_that_cannot_be_written_is_kept(whole, monkeypatch):
+    content = whole.read_bytes()
+
+    def full(handle):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(os, "fsync", full)
+    with pytest.raises(OSError, match="No space left on device"):
+        write_journal(whole, {}, {})
+    assert whole.read_bytes() == content
+    assert {file.name for file in whole.parent.iterdir()} == {"sweep.jsonl", "sweep.jsonl.lock"}
