@@ -27,7 +27,7 @@ from frictionlab.hybrid.progress import progress_bar
 from frictionlab.interruption import deferred_interrupts
 from frictionlab.models import Model
 from frictionlab.models.coercion import require_model
-from frictionlab.validation import check_choice
+from frictionlab.validation import check_choice, name_written_file
 
 Array = NDArray[np.float64]
 
@@ -144,7 +144,8 @@ class Bifurcation(Drawable):
 
     def save(self, path: str | Path) -> Path:
         """Write the result as JSON lines: what :func:`load_bifurcation` reads and `resume` continues."""
-        return write_journal(path, self.specification, self.results)
+        with name_written_file(path):
+            return write_journal(path, self.specification, self.results)
 
 
 def load_bifurcation(path: str | Path) -> Bifurcation:
