@@ -10,6 +10,7 @@ import os
 import resource
 import subprocess
 from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -112,9 +113,7 @@ def _resume_all(scratch: Path) -> int:
                     )[2]
                 )
                 # without room for a copy its lines are in the order in which they came
-                wrong = judge(
-                    found, path, lambda value, lines=sorted_lines(expected): sorted_lines(value) == lines
-                )
+                wrong = judge(found, path, partial(same_lines, expected))
                 kept = path.read_bytes() if path.exists() else b""
             again = scratch / "again.jsonl"
             again.write_bytes(kept)
@@ -126,9 +125,9 @@ def _resume_all(scratch: Path) -> int:
     return report.finish()
 
 
-def sorted_lines(content: bytes) -> list[bytes]:
-    """The lines of a file, whatever their order."""
-    return sorted(content.splitlines())
+def same_lines(one: bytes, other: bytes) -> bool:
+    """Whether two files have the same lines, whatever their order."""
+    return sorted(one.splitlines()) == sorted(other.splitlines())
 
 
 @contextlib.contextmanager
