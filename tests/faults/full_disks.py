@@ -10,6 +10,7 @@ import os
 import resource
 import subprocess
 from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -19,7 +20,7 @@ from tests.faults.processes import Report, in_a_process, judge
 from tests.faults.stored_files import QUIET, SLIDER, basins, bifurcation, content, sweep
 
 DISK = 200_000  # bytes
-PAGE = 4096  # bytes, by which memory is given
+PAGE = 4096  # bytes, by which memory is given; the file that was there has one
 BEFORE = b"what was there"
 ROOM = 0, 1, 500, 5000  # bytes that are left
 
@@ -80,7 +81,7 @@ def _write_all(scratch: Path) -> int:
     for name, writer in WRITERS.items():
         path, large = scratch / f"disk/file{writer.suffix}", scratch / f"large{writer.suffix}"
         writer.write(large)
-        for room in (room for room in ROOM if room + PAGE < large.stat().st_size):
+        for room in (room for room in ROOM if room + 2 * PAGE < large.stat().st_size):
             with small_disk(scratch / "disk", room, lambda path=path: path.write_bytes(BEFORE)) as limit:
                 found = in_a_process(
                     lambda writer=writer, path=path, limit=limit: (limit(), writer.write(path))
@@ -111,7 +112,8 @@ def _resume_all(scratch: Path) -> int:
                         path.read_bytes(),
                     )[2]
                 )
-                wrong = judge(found, path, lambda value, expected=expected: value == expected)
+                # without room for a copy its lines are in the order in which they came
+                wrong = judge(found, path, partial(same_lines, expected))
                 kept = path.read_bytes() if path.exists() else b""
             again = scratch / "again.jsonl"
             again.write_bytes(kept)
@@ -121,6 +123,11 @@ def _resume_all(scratch: Path) -> int:
             again.unlink()
             report.add(f"{name}, {room} bytes left", wrong)
     return report.finish()
+
+
+def same_lines(one: bytes, other: bytes) -> bool:
+    """Whether two files have the same lines, whatever their order."""
+    return sorted(one.splitlines()) == sorted(other.splitlines())
 
 
 @contextlib.contextmanager

@@ -12,6 +12,7 @@ from frictionlab.analysis.motion_scales import Array
 from frictionlab.analysis.sweeps.journal import read_journal, write_journal
 from frictionlab.drawable import Drawable
 from frictionlab.presentation import shorten
+from frictionlab.validation import name_written_file
 
 from .attractors import (
     UNDECIDED,
@@ -41,7 +42,8 @@ class LabelledStates(Drawable):
 
     def save(self, path: str | Path) -> Path:
         """Write the result as JSON lines: what :func:`load_basins` reads and `resume` continues."""
-        return write_journal(path, self.specification, self.results)
+        with name_written_file(path):
+            return write_journal(path, self.specification, self.results)
 
 
 @dataclass(frozen=True, eq=False)

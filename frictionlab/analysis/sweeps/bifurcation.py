@@ -28,7 +28,7 @@ from frictionlab.models import Model
 from frictionlab.models.coercion import require_model
 from frictionlab.models.parameter_namespace import parameter_unit
 from frictionlab.presentation import count, dataframe, dataset, span, tally
-from frictionlab.validation import check_choice
+from frictionlab.validation import check_choice, name_written_file
 
 Array = NDArray[np.float64]
 
@@ -152,7 +152,8 @@ class Bifurcation(Drawable):
 
     def save(self, path: str | Path) -> Path:
         """Write the result as JSON lines: what :func:`load_bifurcation` reads and `resume` continues."""
-        return write_journal(path, self.specification, self.results)
+        with name_written_file(path):
+            return write_journal(path, self.specification, self.results)
 
 
 def load_bifurcation(path: str | Path) -> Bifurcation:

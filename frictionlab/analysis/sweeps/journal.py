@@ -26,6 +26,7 @@ import numpy as np
 
 from frictionlab._version import __version__
 from frictionlab.interruption import interruption
+from frictionlab.validation import with_cure
 
 FORMAT = 1
 HEAD_KEYS = "frictionlab sweep", "version"  # of the first line, before the arguments of the sweep
@@ -76,7 +77,7 @@ class Journal:
             write_journal(path, self._specification, self.results)
             self._file = path.open("ab", buffering=0)
         except OSError as error:
-            raise OSError(f"resume must be a file that can be written, {path} is none: {error}") from error
+            raise _unusable(path, error) from error
 
     def keep(self, task: int, result: Any) -> None:
         """Keep a result, in the form in which the file gives it back; it is in the file when this returns.
@@ -164,10 +165,15 @@ def read_journal(path: str | Path) -> tuple[dict[str, Any], dict[int, Any]]:
 
     Raises
     ------
+    OSError
+        If there is none, or it cannot be read.
     ValueError
         If the file holds no sweep, or is damaged.
     """
-    found = _read(Path(path))
+    try:
+        found = _read(Path(path))
+    except OSError as error:
+        raise with_cure(error, path, "give a file that save(path) or resume=path wrote") from error
     if found.damaged:
         raise ValueError(
             f"{path} is damaged in {found.damage}: use it as resume={str(path)!r}, which computes "
@@ -194,6 +200,14 @@ def _read(path: Path) -> _Content:
     lines = {i: _content(line) for i, line in enumerate(rest, 2)}
     results = {line["task"]: line["result"] for line in lines.values() if line is not None}
     return _Content(head, results, version, [i for i, line in lines.items() if line is None])
+
+
+def _unusable(path: Path, error: OSError) -> OSError:
+    """The error for a path at which no file can be written."""
+    return OSError(
+        f"resume must be a file that can be written, {path} is none ({error.strerror or error}): "
+        "give another path, or make room"
+    )
 
 
 def _json_line(content: dict[str, Any]) -> bytes:
@@ -244,7 +258,7 @@ def _locked(path: Path) -> Any:
             "has ended, or give another path"
         ) from None
     except OSError as error:
-        raise OSError(f"resume must be a file that can be written, {path} is none: {error}") from error
+        raise _unusable(path, error) from error
     return lock
 
 
