@@ -52,7 +52,7 @@ def evaluate_output(
     parameters = tuple(automaton.parameters)
     for i in np.unique(modes):
         chosen = modes == i
-        mode = automaton.mode(mode_names[i])
+        mode = automaton.mode(mode_names[int(i)])
         function = _output_function(mode, name, automaton.states, parameters)
         values[chosen] = function(*states[chosen].T, *automaton.parameters.values())
     return values
