@@ -31,9 +31,9 @@ from .analysis.steady_state.result import SteadyState as SteadyState
 from .analysis.steady_state.steady_state import steady_state as steady_state
 from .analysis.sweeps.ablation import Ablation as Ablation
 from .analysis.sweeps.ablation import ablation as ablation
-from .analysis.sweeps.bifurcation import Bifurcation as Bifurcation
 from .analysis.sweeps.bifurcation import bifurcation as bifurcation
-from .analysis.sweeps.bifurcation import load_bifurcation as load_bifurcation
+from .analysis.sweeps.bifurcation_result import Bifurcation as Bifurcation
+from .analysis.sweeps.bifurcation_result import load_bifurcation as load_bifurcation
 from .analysis.sweeps.sweep import Sweep as Sweep
 from .analysis.sweeps.sweep import sweep as sweep
 from .analysis.verification.verify import Verification as Verification

@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from frictionlab.analysis.spectrum import Spectrum
 from frictionlab.analysis.steady_state.result import SteadyState
 from frictionlab.analysis.sweeps.ablation import all_of
-from frictionlab.analysis.sweeps.bifurcation import Bifurcation
+from frictionlab.analysis.sweeps.bifurcation_result import Bifurcation
 from frictionlab.plotting.runs.spectrum import plot_amplitudes
 
 from .appearance import crowding, font_size, pen

@@ -1,7 +1,7 @@
 """Many independent runs.
 
-`sweep` (any function over a grid), `bifurcation` (steady states against a parameter) and `ablation` (with and
-without each nonlinearity) make tasks, models with arguments. `task_runner` does them in threads or any
-executor and hands each result, data that JSON can hold, to a `journal`, from which a sweep that was cut off
-goes on.
+`sweep` (any function over a grid), `bifurcation` (steady states against a parameter, a `bifurcation_result`)
+and `ablation` (with and without each nonlinearity) make tasks, models with arguments. `task_runner` does them
+in threads or any executor and hands each result, data that JSON can hold, to a `journal`, from which a sweep
+that was cut off goes on.
 """

@@ -6,19 +6,20 @@
     The functions among them: for each its derivative, its value, its range on a disc.
 ``tape``
     `Tape`, operations on numbered slots, and `TapeBuilder`, which lowers expressions onto one; equal
-    subexpressions
-    share a slot.
-``expression_text``
-    Expressions given as text, read without being evaluated as Python.
+    subexpressions share a slot.
 ``program``
     `Program`: the arrays of a whole automaton (`Code`), and `Numbers`, its coefficients for one set of
     values.
 ``packing``
-    `program_of`: lowers every mode and reset of an automaton, packs the tapes, and remembers the result by
-    structure.
-    Also which functions are zero by construction after an event.
+    `program_of`: packs the tapes of all modes and resets, and remembers the result by structure.
+``lowered_mode``
+    The tape of one mode, or of one reset, and what the kernels need to know of it.
+``structural_zeros``
+    Which functions are zero by construction after an event.
+``parameter_numbers``
+    The numbers in tapes as functions of the parameters.
 ``expression_text``
-    Expressions that are given as text, such as "x1' - v".
+    Expressions that are given as text, such as "x1' - v", read without being evaluated as Python.
 ``automaton_checks``
     One clear error for an automaton that is not well formed.
 ``automaton_data``

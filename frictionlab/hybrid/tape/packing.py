@@ -34,39 +34,10 @@ from frictionlab.hybrid.tape.lowered_mode import (
 from frictionlab.hybrid.tape.operations import AFFINE
 from frictionlab.hybrid.tape.parameter_numbers import fill_function, undefined_number
 from frictionlab.hybrid.tape.program import NO_RESET, Code, Demand, Numbers, Program, Section
+from frictionlab.hybrid.tape.structural_zeros import sign_normal_form, structural_zeros
 
 NO_MODE = -1  # "no mode" in the arrays
 _ONE_AT_A_TIME = Lock()
-
-
-@lru_cache(maxsize=4096)
-def structural_zeros(mode: Mode, event: Event, reset: Reset) -> Mapping[Any, int]:
-    """How many leading Taylor coefficients are zero after the event's reset, by function up to its sign.
-
-    What the reset declares; besides, the function that triggered the event and the constraints of the
-    mode that ends were zero before it, and stay so unless the reset changes them.
-    """
-    zero: dict[Any, int] = {}
-    for function, count in reset.vanishing.items():
-        zero[sign_normal_form(function)] = max(count, zero.get(sign_normal_form(function), 0))
-    for function in (event.function, *mode.constraints):
-        if sign_normal_form(function) not in zero and _survives(function, reset):
-            zero[sign_normal_form(function)] = 1
-    return zero
-
-
-def _survives(function: sp.Expr, reset: Reset) -> bool:
-    """Whether a function that was zero before the reset is zero after it."""
-    if function.free_symbols.isdisjoint(reset.jump):
-        return True
-    return sp.expand(function.xreplace(dict(reset.jump))) == 0
-
-
-@lru_cache(maxsize=4096)
-def sign_normal_form(function: sp.Expr) -> sp.Expr:
-    """The same for f and for -f, however they are written: both are zero together."""
-    expanded = sp.expand(function)
-    return -expanded if expanded.could_extract_minus_sign() else expanded
 
 
 def program_of(
