@@ -130,7 +130,7 @@ def beam(states: int) -> Beam:
 
 @dataclass(frozen=True)
 class GrowthRow:
-    """Seconds that each part took, the process's largest memory (MB), and counts of the run."""
+    """Seconds of one processor that each part took, the process's largest memory (MB), and counts of the run."""
 
     scene: str
     size: int
@@ -151,16 +151,16 @@ def measure_growth(scene: str, size: int) -> GrowthRow:
     make, t_end = SCENES[scene]
     fl.simulate(fl.TwoBlocks(), 1.0, progress=False)  # compiles the kernels
     fl.equilibrium(fl.MassOnBelt())
-    model, times = make(size), [time.perf_counter()]
+    model, times = make(size), [time.process_time()]
     automaton = model.automaton()
-    times.append(time.perf_counter())
+    times.append(time.process_time())
     x0 = np.zeros(len(automaton.states))
     if scene == "chain":
         x0[:size] = np.sin(1.0 + np.arange(size))
     run = fl.simulate(model, t_end, x0=x0, progress=False)
-    times.append(time.perf_counter())
+    times.append(time.process_time())
     fl.equilibrium(model)
-    times.append(time.perf_counter())
+    times.append(time.process_time())
     memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
     visited = len({*run.mode, *run.events.target})
     derivation, ran, rested = np.diff(times).tolist()
