@@ -22,7 +22,7 @@ flat = model.without("geometry")
 
 
 def pressed(script, presses=1, wait=1.0, sign="ready", **variables):
-    """Standard output, standard error and exit status of a script that gets ctrl-C after it gives the sign."""
+    """Standard output, standard error and exit status of a script that gets ctrl-C after its sign."""
     environment = {**os.environ, "PYTHONPATH": str(ROOT), **variables}
     command = [sys.executable, "-u", "-c", HEAD + textwrap.dedent(script)]
     with subprocess.Popen(
