@@ -30,6 +30,11 @@ GROUPS = {
     "hybrid": ("Solver", "Methods, runs, and the derivative of a run."),
     "stability": ("Stability of steady sliding", "Equilibria, eigenvalues and how parameters change them."),
     "analysis": ("Runs and their analysis", "From one run to steady states, sweeps and periodic orbits."),
+    "interruption": (
+        "Ctrl-C",
+        "Every computation raises KeyboardInterrupt, and what it had computed is kept, see "
+        "[stop it](../how-to/sweeps.md#stop-it).",
+    ),
     "plotting": (
         "Figures",
         "All of them take `ax=` and return artists. Those not in `frictionlab` itself are in "

@@ -23,7 +23,8 @@ FULL = (
 
 def ended(words, redirection="", path=ROOT, **variables):
     """Exit status, standard output and standard error of Python with its streams redirected by a shell."""
-    environment = {**os.environ, "PYTHONPATH": str(path), "PYTHONUNBUFFERED": "", **variables}
+    environment = {**os.environ, "PYTHONPATH": str(path), "PYTHONUNBUFFERED": ""}
+    environment |= {"PYTHONSAFEPATH": "1", **variables}  # no package from the working folder
     command = ["sh", "-c", f'exec "$@" {redirection}', "sh", sys.executable, *words]
     done = subprocess.run(command, capture_output=True, text=True, env=environment, timeout=600)
     return done.returncode, done.stdout, done.stderr
@@ -60,9 +61,10 @@ def test_without_standard_output_a_command_runs_on(redirection, tmp_path):
 
 
 @posix
-@pytest.mark.parametrize("redirection", ["2>&-", "2>/dev/full", ">&- 2>&-"])
+@pytest.mark.parametrize("redirection", ["2>&-", "2>/dev/full"])
 def test_without_standard_error_a_run_has_no_bar(redirection):
-    assert ended(["-c", LONG_RUN], redirection)[0] == 0
+    # The status is not looked at: of a stream that is full the interpreter itself complains with 120.
+    assert ended(["-c", f"{LONG_RUN}; print('ran')"], redirection)[1] == "ran\n"
 
 
 def test_without_any_stream_as_under_pythonw():
