@@ -54,10 +54,16 @@ def test_a_class_without_the_decorator_is_refused():
         Forgotten()
 
 
-@pytest.mark.parametrize("value", [True, "5", 1j, None, [1.0], np.array([1.0]), np.array(1.0)])
+@pytest.mark.parametrize("value", [True, "5", 1j, None, [1.0], np.array([1.0]), np.array(True)])
 def test_what_is_no_real_number_is_a_type_error(value):
     with pytest.raises(TypeError, match=r"k2 must be one real number, got .*: give a float .*5000 N/m"):
         LinearContact(k2=value)
+
+
+def test_an_array_of_no_dimension_is_the_number_it_holds():
+    law = LinearContact(k2=np.array(7.0))
+    assert type(law.k2) is float
+    assert law == LinearContact(k2=7.0)
 
 
 @pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf, 10**400])
