@@ -45,7 +45,7 @@ def test_thirty_contacts_take_what_a_run_visits():
     assert " | ".join(["slip+"] * MANY) in run.automaton.names
     assert "stick/slip+/slip- | " in repr(run.automaton)
     with pytest.raises(ValueError, match="mode must have one regime for each contact"):
-        fl.simulate(model, 1.0, x0=start(MANY), mode="slip", progress=False)
+        fl.solve(model.automaton(), 1.0, x0=start(MANY), mode="slip", progress=False)
 
 
 @pytest.mark.slow
