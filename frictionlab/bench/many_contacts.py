@@ -130,7 +130,7 @@ def beam(states: int) -> Beam:
 
 @dataclass(frozen=True)
 class GrowthRow:
-    """Seconds of one processor for each part, the largest memory (MB), and counts of the run."""
+    """Seconds of one processor, the largest memory (MB), and counts of the run."""
 
     scene: str
     size: int
