@@ -37,7 +37,7 @@ def undefined_part(expression: Any, values: Mapping[Symbol, float]) -> str:
 
     As text: "sqrt(a), which has no real value at a = -1".  Parts that hold a state are left out.
     """
-    for part in _doubtful_parts(sympy.sympify(expression), frozenset(values)):
+    for part in _doubtful_parts(sympy.sympify(expression, strict=True), frozenset(values)):
         if part.is_undefined(values):
             at = ", ".join(f"{symbol} = {values[symbol]:g}" for symbol in part.symbols)
             return f"{part.expression}, which has no real value at {at}"

@@ -20,9 +20,9 @@ from typing import Any, ClassVar
 import numpy as np
 
 import frictionlab as fl
-from frictionlab.analysis.tables import markdown_table
 from frictionlab.components.friction import FrictionLaw
 from frictionlab.models import Friction, MechanicalModel, Mechanics, with_signature
+from frictionlab.presentation import markdown_table
 from frictionlab.validation import check_choice
 
 CHAIN_CONTACTS = (2, 4, 6, 7, 8, 10, 20, 30)

@@ -11,8 +11,6 @@ from dataclasses import fields
 from enum import Enum
 from typing import Any
 
-import numpy as np
-
 from frictionlab.components.component import Component
 
 
@@ -44,7 +42,8 @@ def _value_to_data(value: Any, owner: str) -> Any:
         return {"enum": class_path(type(value)), "name": value.name}
     if isinstance(value, tuple):
         return [_value_to_data(each, owner) for each in value]
-    value = value.item() if isinstance(value, np.generic) else value
+    if hasattr(value, "item"):  # a number of numpy, which is not loaded for this
+        value = value.item()
     if value is None or isinstance(value, (bool, int, float, str)):
         return value
     raise TypeError(

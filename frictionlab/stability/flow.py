@@ -99,7 +99,7 @@ class Flow:
 def _terms_by_symbol(expression: Any, symbols: Container[Any]) -> dict[Any, list[Any]]:
     """The terms of a sum in which each symbol occurs: of many terms most hold only a few of many symbols."""
     found: dict[Any, list[Any]] = {}
-    for term in sympy.Add.make_args(sympy.sympify(expression)):
+    for term in sympy.Add.make_args(sympy.sympify(expression, strict=True)):
         for x in term.free_symbols:
             if x in symbols:
                 found.setdefault(x, []).append(term)

@@ -22,7 +22,9 @@ class Wear(Enum):
 class Fitted(FrictionLaw):
     """Friction that falls with speed by a series whose shares and exponents are data."""
 
-    mu: float = fl.parameter(0.5, symbol=r"\mu", meaning="friction at rest", range=(0.0, 2.0), minimum=0.0)
+    mu_w: float = fl.parameter(
+        0.5, symbol=r"\mu_w", meaning="friction at rest", range=(0.0, 2.0), minimum=0.0
+    )
     shares: tuple[float, ...] = (0.3, 0.1)
     pairs: tuple[tuple[str, int], ...] = (("slow", 1), ("fast", 2))
     wear: Wear = Wear.NEW
@@ -35,11 +37,11 @@ class Fitted(FrictionLaw):
         """The base's, and a part that falls."""
         falling = sum(s / (1 + speed) ** n for s, (_, n) in zip(self.shares, self.pairs, strict=True))
         worn = 0.5 if self.wear is Wear.OLD else 1.0
-        return self.base.kinetic(normal_force, speed) + worn * self.mu * normal_force * falling
+        return self.base.kinetic(normal_force, speed) + worn * self.mu_w * normal_force * falling
 
     def static_limit(self, normal_force):
         """At rest."""
-        return (self.mu + 1.0) * normal_force
+        return (self.mu_w + 1.0) * normal_force
 
 
 @with_signature

@@ -164,7 +164,7 @@ class _Writer:
 
     def node(self, expression: Any) -> int:
         """Place of the node of an expression; those that are missing are written."""
-        stack = [sp.sympify(expression)]
+        stack = [sp.sympify(expression, strict=True)]
         while stack:
             expr = stack[-1]
             # exactly that expression: 2 and 2.0 are equal in some versions of sympy, and differ in bits
@@ -176,7 +176,7 @@ class _Writer:
             if _key(expr) not in self._places:
                 self._places[_key(expr)] = len(self.written)
                 self.written.append(self._row(expr))
-        return self._places[_key(sp.sympify(expression))]
+        return self._places[_key(sp.sympify(expression, strict=True))]
 
     def _row(self, expr: Any) -> list[Any]:
         if type(expr) in (sp.Symbol, sp.Dummy):

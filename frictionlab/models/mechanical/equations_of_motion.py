@@ -174,7 +174,7 @@ class LagrangeSystem:
 
     def gradient(self, expression: Any, x: Sequence[Any]) -> list[Any]:
         """Derivatives by `x`, of which most are zero where there are many."""
-        expression = sympy.sympify(expression)
+        expression = sympy.sympify(expression, strict=True)
         there = expression.free_symbols
         return [sympy.diff(expression, one) if one in there else sympy.S.Zero for one in x]
 

@@ -16,14 +16,14 @@ from tests.helpers.own_models import Chain, Fitted, NeedsNumber, Wear
 LAWS = {
     "defaults": Fitted(),
     "other": Fitted(0.7, (0.5,), (("x", 3),), Wear.OLD, "", True, "a paper", fl.Stribeck(mu_s=1.0)),
-    "law within a law": Fitted(base=Fitted(mu=0.1, shares=(), pairs=())),
+    "law within a law": Fitted(base=Fitted(mu_w=0.1, shares=(), pairs=())),
 }
 MODELS = {
     "defaults": Chain(),
     "three": Chain(masses=3, ends="free", wear=Wear.OLD),
     "weights": Chain(weights=(1.0, 2.0), m=2.0),
     "a law of one's own": Chain(friction=Fitted()),
-    "in another law": Chain(spare=fl.Coulomb(mu_k=0.1, mu_s=0.2), friction=Fitted(mu=0.6)),
+    "in another law": Chain(spare=fl.Coulomb(mu_k=0.1, mu_s=0.2), friction=Fitted(mu_w=0.6)),
     "no default": NeedsNumber(degree=3),
     "a library's model": fl.MassOnBelt(friction=Fitted()),
 }

@@ -221,13 +221,12 @@ def test_runs_of_every_method_and_end_come_back(tmp_path, method):
     assert_same(run, fl.load(run.save(tmp_path / "a.npz")))
 
 
-def test_an_automatons_run_needs_the_automaton(tmp_path):
+def test_an_automatons_run_is_loaded_with_it_or_without(tmp_path):
     run = fl.solve(ball(), 1.0, x0=[1.0, 0.0])
     path = run.save(tmp_path / "ball.npz")
     assert_same(run, fl.load(path, model=ball()))
     assert fl.load(path, model=ball()).height.tolist() == run.height.tolist()
-    with pytest.raises(ValueError, match="model=automaton"):
-        fl.load(path)
+    assert_same(run, fl.load(path))
     with pytest.raises(ValueError, match="the model"):
         fl.load(path, model=B)
 
