@@ -26,7 +26,7 @@ def automaton_of_structure(key: Structure) -> HybridAutomaton:
     model = symbolic_copy(key)
     derived = model.derive()
     seconds = time.perf_counter() - begin
-    LOGGER.info("derived %d modes of %s in %.2g s", len(derived.modes), type(model).__name__, seconds)
+    LOGGER.info("derived the automaton of %s in %.2g s", type(model).__name__, seconds)
     return derived
 
 

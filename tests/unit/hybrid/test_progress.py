@@ -72,7 +72,7 @@ def test_models_modes_and_runs_are_logged(caplog):
     with caplog.at_level(logging.DEBUG, logger="frictionlab"):
         fl.simulate(fl.TwoBlocks(), 1.0, progress=False)
     said = [(record.levelno, record.getMessage()) for record in caplog.records]
-    assert any(level == logging.INFO and "modes of TwoBlocks" in text for level, text in said)
+    assert any(level == logging.INFO and "automaton of TwoBlocks" in text for level, text in said)
     assert any(level == logging.DEBUG and text.startswith("deriving mode") for level, text in said)
     assert any(level == logging.DEBUG and text.startswith("run to 1 s") for level, text in said)
 
