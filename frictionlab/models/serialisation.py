@@ -42,8 +42,9 @@ def _value_to_data(value: Any, owner: str) -> Any:
         return {"enum": class_path(type(value)), "name": value.name}
     if isinstance(value, tuple):
         return [_value_to_data(each, owner) for each in value]
-    if hasattr(value, "item"):  # a number of numpy, which is not loaded for this
-        value = value.item()
+    if getattr(value, "shape", None) == ():  # a number of numpy, which is not loaded for this
+        number: Any = value
+        value = number.item()
     if value is None or isinstance(value, (bool, int, float, str)):
         return value
     raise TypeError(
