@@ -23,6 +23,8 @@ Array = NDArray[np.float64]
 PENETRATION = sympy.Symbol("compression", real=True)
 # A stiffness matrix with ones on its diagonal is singular but for rounding where an eigenvalue is smaller.
 SINGULAR_EIGENVALUE = 1e-13
+# N: smaller forces have parts among the smallest numbers, which lose digits.
+SMALLEST_FORCE = float(np.finfo(float).tiny / np.finfo(float).eps)
 LOOSE_SHARE = 0.1  # a coordinate with this share of a unit vector moves in a motion that no spring resists
 
 
@@ -204,8 +206,7 @@ def static_residual(statics: Statics, q: Sequence[Any], values: Sequence[Any]) -
     """Largest residual force at `q`, relative to the largest force in the equations."""
     n = len(q)
     rows = np.abs(np.stack(np.broadcast_arrays(*statics.residual(*q, *values), np.zeros(np.shape(q[0])))))
-    largest = rows[n:].max(axis=0)
-    return rows[:n].max(axis=0) / np.where(largest > 0, largest, 1.0)
+    return rows[:n].max(axis=0) / np.maximum(rows[n:].max(axis=0), SMALLEST_FORCE)
 
 
 def statics_for_values(equations: SlidingEquations, values: Sequence[float]) -> Statics:

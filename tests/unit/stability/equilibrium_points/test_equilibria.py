@@ -57,6 +57,13 @@ def test_the_papers_equilibria(mu_k):
     assert only.friction_force == pytest.approx(mu_k * only.normal_force)
 
 
+@pytest.mark.parametrize("F", [2.2250738585e-313, 5e-324, 1e-300])
+def test_a_preload_among_the_smallest_numbers(F):
+    (found,) = equilibria(SliderOnBelt(mu_k=0.0, k_nl=0.0, F=F, k1=1e3, k3=1e3, k4=1e3, k5=1e3))
+    assert found.residual < 1e-9
+    assert 0 <= found.normal_force <= F
+
+
 def test_erratum_e1():
     assert equilibrium(SliderOnBelt(mu_k=1.4)).q[0] == pytest.approx(0.005253, abs=5e-7)
 
