@@ -57,7 +57,10 @@ def test_every_session_of_nox_is_run():
         r"^run nox (?:--[\w-]+ )?-s ([\w ]+)", (ROOT / ".ci/run").read_text(), flags=re.MULTILINE
     )
     by_readme = {"tests", "site"}  # its second and third command, which .ci/run takes from there
-    assert sessions == {*" ".join(called).split(), *by_readme}
+    workflow = (ROOT / ".github/workflows/ci.yml").read_text(encoding="utf-8")
+    by_workflow = {*re.findall(r"python -m nox -s (\w+)", workflow)}  # too long for .ci/run
+    assert sessions == {*" ".join(called).split(), *by_readme, *by_workflow}
+    assert "lowest" in by_workflow
 
 
 def test_what_contributors_are_sent_to_is_there():
