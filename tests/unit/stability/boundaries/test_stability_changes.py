@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import sympy
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 import frictionlab as fl
@@ -183,7 +183,9 @@ def test_brute_force(name, stiffness, mu_k, k_nl, F, v, damping, toggles):
             told = {c.unstable[1] for c in changes[i - 1 : i]} | {c.unstable[0] for c in changes[i : i + 1]}
             assert len(told | set(counted[between & sure].tolist())) <= 1
             compared += (between & sure).any()
-    assert compared > 0
+    assume(
+        compared > 0
+    )  # else growth rates are small everywhere: an example that tells nothing is not counted
 
 
 def test_an_equilibrium_that_gives_way_to_another_is_a_fold():
