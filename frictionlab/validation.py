@@ -7,11 +7,9 @@ needed.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Iterable, Mapping, Sequence
 from difflib import get_close_matches
 from numbers import Real
-from os import PathLike
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -132,14 +130,3 @@ def with_cure(error: OSError, path: Any, cure: str) -> OSError:
     if error.errno is None or type(error).__module__ != "builtins":  # of a library, such as pillow's
         return OSError(f"{path} cannot be used ({error}): {cure}")
     return type(error)(error.errno, f"{error.strerror}: {cure}", str(path))
-
-
-@contextmanager
-def name_written_file(path: Any) -> Iterator[None]:
-    """Context in which a file is written: errors of the system have its path, and what can be done."""
-    try:
-        yield
-    except OSError as error:
-        if not isinstance(path, (str, PathLike)):  # a stream, which only its owner knows
-            raise
-        raise with_cure(error, path, "give another path, or make room") from error

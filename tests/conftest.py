@@ -2,6 +2,7 @@
 
 import os
 import shutil
+import signal
 import sys
 from pathlib import Path
 
@@ -16,6 +17,10 @@ if os.environ.get("FRICTIONLAB_DISABLE_NUMBA", "0") not in ("", "0"):
 # The first example may compile the solver, so no deadline; the same examples on every machine.
 settings.register_profile("frictionlab", deadline=None, derandomize=True)
 settings.load_profile("frictionlab")
+
+# A shell has commands that it starts in the background ignore ctrl-C; tests of it would wait for ever.
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 pytest.register_assert_rewrite("tests.helpers", "tests.differential")  # helpers assert too
 

@@ -17,6 +17,7 @@ from frictionlab.hybrid.storage import StoredRun, read_run_file
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models import Model
 from frictionlab.models.coercion import automaton_of, require_model
+from frictionlab.models.structure_data import automaton_from_structure_data
 from frictionlab.stability import equilibrium
 from frictionlab.validation import abbreviate, check_choice, float_array, plain_number
 
@@ -155,8 +156,7 @@ def load(path: str | Path, model: Any = None) -> Trajectory:
     path : path
     model : model or automaton, optional
         The model or automaton of the run; by default that in the file.  Needed for laws and models of your
-        own that are not defined in this session, and for the automaton of a model given to
-        :func:`frictionlab.solve`.  It must be the same as that of the run.
+        own that are not defined in this session.  It must be the same as that of the run.
 
     Raises
     ------
@@ -168,7 +168,10 @@ def load(path: str | Path, model: Any = None) -> Trajectory:
     stored = read_run_file(path)
     if model is None and "model" in stored.description:
         model = _model_in_file(stored)
-    automaton = automaton_in_file(stored) if model is None else automaton_of(model)
+    if model is None:
+        automaton = automaton_in_file(stored, automaton_from_structure_data)
+    else:
+        automaton = automaton_of(model)
     return trajectory_from_file(stored, automaton, model if isinstance(model, Model) else None)
 
 

@@ -155,6 +155,9 @@ class ModesOnDemand(Sequence[Mode]):
         Whether a combination is a mode.
     again : tuple of callable and arguments, or None
         A call that gives these modes in another process, for pickles; None where they stay in this one.
+    origin : callable or None
+        Gives what they are derived from, as data that JSON can hold, for files of runs; raises TypeError
+        where it cannot be such.
 
     Attributes
     ----------
@@ -168,8 +171,9 @@ class ModesOnDemand(Sequence[Mode]):
         derive: Callable[[Combination], Mode],
         allows: Callable[[Combination], bool] = lambda _: True,
         again: tuple[Callable[..., ModesOnDemand], tuple[Any, ...]] | None = None,
+        origin: Callable[[], dict[str, Any]] | None = None,
     ) -> None:
-        self.parts = parts
+        self.parts, self.origin = parts, origin
         self.names = ModeNames(tuple(tuple(regime.name for regime in part) for part in parts), allows)
         self._derive, self._allows, self._again = derive, allows, again
         self._derived: dict[Combination, Mode] = {}

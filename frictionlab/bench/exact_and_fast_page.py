@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from frictionlab.file_writing import write_text
 from frictionlab.hybrid.methods.taylor import Taylor
 
 from . import missed_event, page_figures
@@ -155,8 +156,7 @@ def write_exact_and_fast(
     }
     for name, picture in pictures.items():
         picture.savefig(images / name, dpi=110)
-    (folder / PAGE).write_text(_text(rows, found), encoding="utf-8")
-    return folder / PAGE
+    return write_text(folder / PAGE, _text(rows, found))
 
 
 def _text(rows: Sequence[WorkPrecisionRow], found: missed_event.MissedEvent) -> str:

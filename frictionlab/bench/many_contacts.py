@@ -21,14 +21,14 @@ import numpy as np
 
 import frictionlab as fl
 from frictionlab.components.friction import FrictionLaw
-from frictionlab.models import Friction, MechanicalModel, Mechanics, with_signature
+from frictionlab.models import Friction, MechanicalModel, Mechanics, quadratic_form, with_signature
 from frictionlab.presentation import markdown_table
 from frictionlab.validation import check_choice
 
 CHAIN_CONTACTS = (2, 4, 6, 7, 8, 10, 20, 30)
-BEAM_STATES = (20, 40, 100, 200)
+ROD_STATES = (20, 50, 100, 200)
 CHAIN_SECONDS = 20.0  # length of a run of a chain, in which it sticks and slips
-BEAM_SECONDS = 0.02  # length of a run of a beam: some periods of its first bending mode
+ROD_SECONDS = 0.005  # length of a run of a rod: a dozen periods of its first mode
 LONGEST = 600.0  # s: what takes longer is ended
 
 
@@ -68,64 +68,49 @@ def chain(contacts: int) -> Chain:
 
 @with_signature
 @dataclass(frozen=True, init=False, repr=False)
-class Beam(MechanicalModel):
-    """A clamped beam of finite elements by Hermite's polynomials, with a belt that rubs at its end."""
+class Rod(MechanicalModel):
+    """A rod of linear finite elements, clamped at one end; at the other it rubs on a belt along it."""
 
     E: float = fl.parameter(2.1e11, unit="N/m^2", symbol="E", meaning="Young's modulus", range=(1e10, 1e12))
-    c: float = fl.parameter(1e-5, unit="s", symbol="c", meaning="damping per stiffness", range=(0.0, 1e-3))
-    N: float = fl.parameter(50.0, unit="N", symbol="N", meaning="normal force", range=(0.0, 1e3))
-    v: float = fl.parameter(0.1, unit="m/s", symbol="v", meaning="speed of the belt", range=(0.0, 10.0))
+    rho: float = fl.parameter(7850.0, unit="kg/m^3", symbol=r"\rho", meaning="density", range=(1e3, 1e4))
+    c: float = fl.parameter(1e-8, unit="s", symbol="c", meaning="damping per stiffness", range=(0.0, 1e-5))
+    N: float = fl.parameter(500.0, unit="N", symbol="N", meaning="normal force", range=(0.0, 1e4))
+    v: float = fl.parameter(0.02, unit="m/s", symbol="v", meaning="speed of the belt", range=(0.0, 10.0))
     friction: FrictionLaw = fl.Coulomb(mu_k=0.3, mu_s=0.5)
     roles: ClassVar[Any] = MappingProxyType({"friction": FrictionLaw})
-    elements: ClassVar[int]
+    elements: int = 10
     length: ClassVar[float] = 0.5  # m
-    side: ClassVar[float] = 0.01  # m, of its square section
-    density: ClassVar[float] = 7850.0  # kg/m^3
+    area: ClassVar[float] = 1e-4  # m^2
 
     @property
     def coordinates(self) -> tuple[str, ...]:
-        """Deflection and slope of each node but the clamped one."""
-        return tuple(f"{what}{i + 1}" for i in range(self.elements) for what in ("w", "r"))
+        """The displacements of all nodes but the clamped one."""
+        return tuple(f"u{i + 1}" for i in range(self.elements))
 
     def mechanics(self, q: Any, v: Any) -> Mechanics:
-        """The energies of the elements, by their matrices."""
-        mass, stiffness = element_matrices(self.length / self.elements)
-        x, u = ([0, 0, *(getattr(at, name) for name in self.coordinates)] for at in (q, v))
-        parts = [slice(2 * i, 2 * i + 4) for i in range(self.elements)]
-        bending = self.E * self.side**4 / 12
+        """The energies by matrices; those are of a rod of unit density and stiffness."""
+        mass, stiffness = rod_matrices(self.elements, self.length / self.elements)
+        x, u = ([getattr(at, name) for name in self.coordinates] for at in (q, v))
         return Mechanics(
-            kinetic=self.density * self.side**2 * sum(quadratic_form(mass, u[part]) for part in parts) / 2,
-            potential=bending * sum(quadratic_form(stiffness, x[part]) for part in parts) / 2,
-            dissipation=self.c * bending * sum(quadratic_form(stiffness, u[part]) for part in parts) / 2,
-            contacts=(Friction(self.v - u[-2], self.N, self.friction),),
+            kinetic=self.rho * self.area * quadratic_form(mass, u) / 2,
+            potential=self.E * self.area * quadratic_form(stiffness, x) / 2,
+            dissipation=self.c * self.E * self.area * quadratic_form(stiffness, u) / 2,
+            contacts=(Friction(self.v - u[-1], self.N, self.friction),),
         )
 
 
-def element_matrices(h: float) -> tuple[np.ndarray, np.ndarray]:
-    """Mass and stiffness of an element of the length `h`, (4, 4), for unit density and bending stiffness."""
-    mass = [
-        [156, 22 * h, 54, -13 * h],
-        [22 * h, 4 * h**2, 13 * h, -3 * h**2],
-        [54, 13 * h, 156, -22 * h],
-        [-13 * h, -3 * h**2, -22 * h, 4 * h**2],
-    ]
-    stiffness = [
-        [12, 6 * h, -12, 6 * h],
-        [6 * h, 4 * h**2, -6 * h, 2 * h**2],
-        [-12, -6 * h, 12, -6 * h],
-        [6 * h, 2 * h**2, -6 * h, 4 * h**2],
-    ]
-    return np.array(mass) * h / 420, np.array(stiffness) / h**3
+def rod_matrices(elements: int, h: float) -> tuple[np.ndarray, np.ndarray]:
+    """Consistent mass and stiffness, (elements, elements), of elements of the length `h`."""
+    mass, stiffness = np.zeros((2, elements + 1, elements + 1))
+    for i in range(elements):
+        mass[i : i + 2, i : i + 2] += np.array([[2.0, 1.0], [1.0, 2.0]]) * h / 6
+        stiffness[i : i + 2, i : i + 2] += np.array([[1.0, -1.0], [-1.0, 1.0]]) / h
+    return mass[1:, 1:], stiffness[1:, 1:]
 
 
-def quadratic_form(matrix: np.ndarray, x: Sequence[Any]) -> Any:
-    """x^T A x."""
-    return sum(float(a) * one * other for row, one in zip(matrix, x) for a, other in zip(row, x))
-
-
-def beam(states: int) -> Beam:
-    """A beam of so many states, a multiple of 4."""
-    return type("Beam", (Beam,), {"elements": states // 4})()
+def rod(states: int) -> Rod:
+    """A rod of so many states."""
+    return Rod(elements=states // 2)
 
 
 @dataclass(frozen=True)
@@ -137,13 +122,14 @@ class GrowthRow:
     derivation: float
     run: float
     equilibrium: float
+    eigenvalues: float
     memory: float
     steps: int
     events: int
     modes: int
 
 
-SCENES: dict[str, Any] = {"chain": (chain, CHAIN_SECONDS), "beam": (beam, BEAM_SECONDS)}
+SCENES: dict[str, Any] = {"chain": (chain, CHAIN_SECONDS), "rod": (rod, ROD_SECONDS)}
 
 
 def measure_growth(scene: str, size: int) -> GrowthRow:
@@ -161,11 +147,13 @@ def measure_growth(scene: str, size: int) -> GrowthRow:
     times.append(time.process_time())
     fl.equilibrium(model)
     times.append(time.process_time())
+    fl.eigenvalues(model)
+    times.append(time.process_time())
     memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
     visited = len({*run.mode, *run.events.target})
-    derivation, ran, rested = np.diff(times).tolist()
+    derivation, ran, rested, linearised = np.diff(times).tolist()
     events, steps = len(run.events), int(run.stats["steps"])
-    return GrowthRow(scene, size, derivation, ran, rested, memory, steps, events, visited)
+    return GrowthRow(scene, size, derivation, ran, rested, linearised, memory, steps, events, visited)
 
 
 def measure_apart(scene: str, size: int) -> GrowthRow | str:
@@ -182,14 +170,14 @@ def measure_apart(scene: str, size: int) -> GrowthRow | str:
 
 def growth_table(rows: Sequence[tuple[str, int, GrowthRow | str]]) -> str:
     """The rows as Markdown."""
-    heads = "scene | size | derivation | run | equilibrium | memory | steps | events | modes visited"
+    heads = "scene | size | derivation | run | equilibrium | eigenvalues | memory | steps | events | modes"
     return markdown_table(heads, (f"{scene} | {size} | {_cells(row)}" for scene, size, row in rows))
 
 
 def _cells(row: GrowthRow | str) -> str:
     if isinstance(row, str):
-        return row + " | " * 6
-    seconds = (f"{value:.2g} s" for value in (row.derivation, row.run, row.equilibrium))
+        return row + " | " * 7
+    seconds = (f"{value:.2g} s" for value in (row.derivation, row.run, row.equilibrium, row.eigenvalues))
     return " | ".join([*seconds, f"{row.memory:.0f} MB", str(row.steps), str(row.events), str(row.modes)])
 
 
@@ -199,7 +187,7 @@ def main(arguments: Sequence[str]) -> None:
         check_choice("scene", arguments[0], tuple(SCENES))
         print(json.dumps(asdict(measure_growth(arguments[0], int(arguments[1])))))
         return
-    sizes = [*(("chain", n) for n in CHAIN_CONTACTS), *(("beam", n) for n in BEAM_STATES)]
+    sizes = [*(("chain", n) for n in CHAIN_CONTACTS), *(("rod", n) for n in ROD_STATES)]
     print(growth_table([(scene, n, measure_apart(scene, n)) for scene, n in sizes]))
 
 

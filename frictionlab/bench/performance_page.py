@@ -6,6 +6,8 @@ import os
 from collections.abc import Sequence
 from pathlib import Path
 
+from frictionlab.file_writing import write_text
+
 from . import harness, page_figures
 from .basins import EQUILIBRIUM_SHARE
 from .harness import WorkPrecisionRow
@@ -169,5 +171,4 @@ def write_performance(
     )
     for head, table in zip(heads, tables, strict=True):
         text += f"{head}{table}\n"
-    (folder / PAGE).write_text(text + TAIL, encoding="utf-8")
-    return folder / PAGE
+    return write_text(folder / PAGE, text + TAIL)

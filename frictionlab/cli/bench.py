@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -41,22 +41,14 @@ def add_bench(commands: Any) -> OneLineParser:
         "--scene", action="append", metavar="NAME", help="A, B, C, D, Coulomb or linear; only these (repeat)"
     )
     parser.add_argument("-o", "--output", metavar="FOLDER", help="write all of it as pages with pictures")
-    parser.add_argument("--json", metavar="FILE", help="write the rows of the scenes as JSON")
+    parser.add_argument("--json", metavar="FILE", help="write the rows as JSON, after each scene")
     parser.add_argument("--picture", metavar="FILE", help="draw error against wall time into a file")
     return parser
 
 
 def bench_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
     """Measure and print; returns the exit status."""
-    from frictionlab.bench import (
-        exact_and_fast_page,
-        harness,
-        nonlinearity_cost,
-        page_figures,
-        performance_page,
-    )
     from frictionlab.bench.scenes import scenes
-    from frictionlab.validation import name_written_file
 
     known = scenes()
     if chosen.scene and chosen.output:
@@ -65,32 +57,52 @@ def bench_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
     for name in names:
         if name not in known:
             parser.error(f"--scene must be one of {', '.join(known)}, got {name!r}")
-    rows, loads = [], [performance_page.load_average()]
-    for name in names:
-        found = harness.measure(known[name], repeats=1 if chosen.quick else 3)
-        table = harness.work_precision_table(found)
-        print(f"\n{name}: {known[name].text}, {known[name].t_end:.6g} s\n\n{table}", flush=True)
-        rows += found
-    loads.append(performance_page.load_average())
-    switched = [] if chosen.scene else nonlinearity_cost.nonlinearity_costs(repeats=3 if chosen.quick else 15)
-    tables = [] if chosen.scene else _measure_others(chosen.quick, switched)
     try:
-        if chosen.output:
-            folder = Path(chosen.output)
-            written = (
-                performance_page.write_performance(folder, rows, tables, loads),
-                exact_and_fast_page.write_exact_and_fast(folder, rows, switched),
-            )
-            print(f"Pages in {written[0]} and {written[1]}")
-        if chosen.json:
-            with name_written_file(chosen.json):
-                Path(chosen.json).write_text(json.dumps(harness.as_json(rows), indent=1), encoding="utf-8")
-        if chosen.picture:
-            page_figures.draw_work_precision(rows).savefig(chosen.picture, dpi=110)
-    except (OSError, ValueError) as error:
+        _measure_and_write(chosen, [known[name] for name in names])
+    except OSError as error:
         complain(parser.prog, f"error: {error}")
         return 1
     return 0
+
+
+def _measure_and_write(chosen: argparse.Namespace, measured: Sequence[Any]) -> None:
+    from frictionlab.bench import (
+        exact_and_fast_page,
+        nonlinearity_cost,
+        page_figures,
+        performance_page,
+    )
+
+    loads = [performance_page.load_average()]
+    rows = _measure_scenes(chosen, measured)
+    loads.append(performance_page.load_average())
+    switched = [] if chosen.scene else nonlinearity_cost.nonlinearity_costs(repeats=3 if chosen.quick else 15)
+    tables = [] if chosen.scene else _measure_others(chosen.quick, switched)
+    if chosen.output:
+        folder = Path(chosen.output)
+        written = (
+            performance_page.write_performance(folder, rows, tables, loads),
+            exact_and_fast_page.write_exact_and_fast(folder, rows, switched),
+        )
+        print(f"Pages in {written[0]} and {written[1]}")
+    if chosen.picture:
+        page_figures.draw_work_precision(rows).savefig(chosen.picture, dpi=110)
+
+
+def _measure_scenes(chosen: argparse.Namespace, measured: Sequence[Any]) -> list[Any]:
+    """The rows of all scenes; the JSON file holds those of the scenes that are done."""
+    from frictionlab.bench import harness
+    from frictionlab.file_writing import write_text
+
+    rows: list[Any] = []
+    for scene in measured:
+        found = harness.measure(scene, repeats=1 if chosen.quick else 3)
+        table = harness.work_precision_table(found)
+        print(f"\n{scene.name}: {scene.text}, {scene.t_end:.6g} s\n\n{table}", flush=True)
+        rows += found
+        if chosen.json:
+            write_text(Path(chosen.json), json.dumps(harness.as_json(rows), indent=1))
+    return rows
 
 
 def _measure_others(quick: bool, switched: list[Any]) -> list[str]:

@@ -100,11 +100,17 @@ class Status(Enum):
 
 
 class RecordList:
-    """Records in the order in which they were filled."""
+    """Records in the order in which they were filled.
+
+    Attributes
+    ----------
+    copied : bool
+        Whether what is kept of the last record is a copy, so that it can be filled again.
+    """
 
     def __init__(self) -> None:
         self._parts: list[Record] = []
-        self.steps = self.events = 0
+        self.steps, self.events, self.copied = 0, 0, False
 
     def add(self, record: Record, steps: int, events: int, points: int) -> None:
         """Keep the filled part of a record."""
@@ -113,6 +119,7 @@ class RecordList:
             array[:n].copy() if n < len(array) else array for array, n in zip(record, lengths, strict=True)
         )
         self._parts.append(Record(*cut))
+        self.copied = all(n < len(array) for array, n in zip(record, lengths) if len(array))
         self.steps += int(steps)
         self.events += int(events)
 

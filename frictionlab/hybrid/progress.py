@@ -1,7 +1,8 @@
 """Progress bars that appear after a second, and ctrl-C that ends a run without losing it.
 
 What is shown goes to standard error where there is one: neither its lack (pythonw) nor a full disk behind it
-ends a computation.
+ends a computation, or changes the exit status of a script.  Warnings and tracebacks are Python's own: where
+one of these cannot be written, the interpreter ends with status 120.
 """
 
 from __future__ import annotations
@@ -67,14 +68,24 @@ def progress(shown: bool) -> ProgressSetting:
 
 
 class _ForgivingStream:
-    """A stream to which nothing is written any more once that has failed."""
+    """A stream whose failure ends nothing, neither now nor when the interpreter ends.
+
+    What a buffer of Python's own standard error cannot get rid of makes a script end with status 120, however
+    well it went: so that buffer is passed by.
+    """
 
     def __init__(self, stream: Any) -> None:
         self._stream = stream
+        own = stream is sys.__stderr__  # others, as that of a notebook, lead elsewhere than to a file
+        self._raw = getattr(getattr(stream, "buffer", None), "raw", None) if own else None
 
     def write(self, text: str) -> None:
         with suppress(OSError, ValueError):  # a full disk; a closed stream
-            self._stream.write(text)
+            if self._raw is None:
+                self._stream.write(text)
+            else:
+                self._stream.flush()
+                self._raw.write(text.encode(self._stream.encoding, "replace"))
 
     def flush(self) -> None:
         with suppress(OSError, ValueError):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -12,17 +13,27 @@ from frictionlab.hybrid.kernels.jets import MAX_ORDER
 from frictionlab.hybrid.problem import Problem, RunData, Status
 from frictionlab.hybrid.solve import with_chatter_limit
 from frictionlab.hybrid.storage import STORED_ARRAYS, StoredRun, rates_by_mode
-from frictionlab.hybrid.tape.automaton_data import automaton_from_data
+from frictionlab.hybrid.tape.automaton_data import DERIVED_FROM, automaton_from_data
 from frictionlab.hybrid.tape.packing import program_of, program_of_modes
 from frictionlab.hybrid.trajectory import Sampling, Trajectory
+from frictionlab.validation import abbreviate
 
 MAX_PARTS = 1000  # of a step, in samples: methods take eight at most
 INTEGER_ARRAYS = "step_modes", "event_codes", "point_sections"
 RATES_RTOL = 1e-9  # rates by the same equations agree to rounding, on every processor
 
 
-def automaton_in_file(stored: StoredRun) -> HybridAutomaton:
+Derive = Callable[[Any, Mapping[str, float]], HybridAutomaton]
+
+
+def automaton_in_file(stored: StoredRun, derive: Derive) -> HybridAutomaton:
     """The automaton that a file holds.
+
+    Parameters
+    ----------
+    stored : StoredRun
+    derive : callable
+        The automaton of what modes on demand are derived from, as data, with parameters by name.
 
     Raises
     ------
@@ -36,11 +47,24 @@ def automaton_in_file(stored: StoredRun) -> HybridAutomaton:
             f"{stored.path} holds a run without its automaton{reason}: give it as load(path, model=automaton)"
         )
     try:
+        if DERIVED_FROM in data:
+            return _derived_automaton(stored, data, derive)
         automaton = automaton_from_data(data)
         program_of(automaton)  # which checks that it is well formed, and is remembered
         return automaton
     except (ValueError, ArithmeticError) as error:
         raise ValueError(f"{stored.path} is damaged, {error}: save the run again") from error
+
+
+def _derived_automaton(stored: StoredRun, data: Mapping[str, Any], derive: Derive) -> HybridAutomaton:
+    """That of a model with several contacts, whose modes a file cannot hold."""
+    parameters = stored.about.get("parameters")
+    if not isinstance(parameters, dict) or not all(type(value) is float for value in parameters.values()):
+        raise ValueError(f"its parameters are {abbreviate(parameters)}")
+    automaton = derive(data[DERIVED_FROM], parameters)
+    if data.get("coordinates") != automaton.coordinates:
+        raise ValueError(f"it has {data.get('coordinates')} coordinates instead of {automaton.coordinates}")
+    return automaton
 
 
 def trajectory_from_file(stored: StoredRun, automaton: HybridAutomaton, source: Any = None) -> Trajectory:

@@ -8,11 +8,10 @@ from __future__ import annotations
 
 import io
 import json
-import os
+import tokenize
 import zipfile
 import zlib
 from collections.abc import Mapping
-from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -20,9 +19,10 @@ from typing import Any
 import numpy as np
 
 from frictionlab._version import __version__
+from frictionlab.file_writing import write_file
 from frictionlab.hybrid.kernels.jets import state_rates
 from frictionlab.hybrid.problem import Problem, RunData
-from frictionlab.validation import name_written_file, with_cure
+from frictionlab.validation import with_cure
 
 FILE_FORMAT = 2
 STORED_ARRAYS = (*RunData._fields[:9], "state")  # of a run, beside the end's time and mode
@@ -30,7 +30,7 @@ STORED_ARRAYS = (*RunData._fields[:9], "state")  # of a run, beside the end's ti
 # What archives, arrays and JSON raise where they are no such thing.
 DAMAGED = (
     *(zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, RuntimeError, OSError, MemoryError),
-    *(ValueError, TypeError, KeyError, AttributeError, SyntaxError, OverflowError),
+    *(ValueError, TypeError, KeyError, AttributeError, SyntaxError, OverflowError, tokenize.TokenError),
 )
 
 
@@ -54,17 +54,8 @@ def write_run_file(path: str | Path, about: Mapping[str, Any], arrays: Mapping[s
     path = path if path.suffix == ".npz" else path.with_name(path.name + ".npz")
     text = json.dumps({"format": FILE_FORMAT, "version": __version__, **about})
     everything: dict[str, Any] = {"about": np.array(text), **arrays}
-    beside = path.with_name(f"{path.stem}.{os.getpid()}.unfinished")
-    try:
-        with name_written_file(path):
-            with open(beside, "wb") as stream:
-                np.savez_compressed(stream, **everything)
-                stream.flush()
-                os.fsync(stream.fileno())  # else a power cut may leave an empty file under the new name
-            os.replace(beside, path)
-    finally:
-        with suppress(OSError):
-            beside.unlink(missing_ok=True)
+    with write_file(path) as beside, open(beside, "wb") as stream:
+        np.savez_compressed(stream, **everything)
     return path
 
 
@@ -83,8 +74,14 @@ def read_run_file(path: str | Path) -> StoredRun:
     except OSError as error:
         raise with_cure(error, path, "give a file that run.save(path) wrote") from error
     try:
-        with np.load(content, allow_pickle=False) as file:
-            arrays = {name: file[name] for name in file.files}
+        with zipfile.ZipFile(content) as file:
+            # each is read whole, so that its checksum is compared before numpy reads what it holds
+            arrays = {
+                name.removesuffix(".npy"): np.lib.format.read_array(
+                    io.BytesIO(file.read(name)), allow_pickle=False
+                )
+                for name in file.namelist()
+            }
         about = json.loads(str(arrays.pop("about")))
     except DAMAGED as error:
         raise ValueError(f"{path} is no saved run: write one with run.save(path)") from error

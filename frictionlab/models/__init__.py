@@ -1,11 +1,11 @@
 """Models: compositions of parameters and components, and what they mean as hybrid automata.
 
 `model` is the base of all models: one namespace of parameters (`parameter_namespace`), copies with changes,
-files (`serialisation`), switches (`nonlinearities`).  A model is derived once for its structure, on a copy
-whose parameters are sympy symbols (`symbols`); `assembly` puts the numbers back and gives the
-`HybridAutomaton` that the solver runs. `mechanical` derives automata from energies and contacts, `library`
-holds the nine models, `description` shows a model as equations.  `coercion` tells models and
-automata from anything else.
+files (`serialisation`, `structure_data`), switches (`nonlinearities`).  A model is derived once for its
+structure, on a copy whose parameters are sympy symbols (`symbols`), with derivatives of long sums
+(`gradients`); `assembly` puts the numbers back and gives the `HybridAutomaton` that the solver runs.
+`mechanical` derives automata from energies and contacts, `library` holds the nine models, `description`
+shows a model as equations.  `coercion` tells models and automata from anything else.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from .library.slider_on_belt import SliderOnBelt
 from .library.slider_on_rigid_belt import SliderOnRigidBelt
 from .library.two_blocks import TwoBlocks
 from .mechanical.mechanical_model import MechanicalModel
-from .mechanical.mechanics import Friction, Mechanics, Stop
+from .mechanical.mechanics import Friction, Mechanics, Stop, quadratic_form
 from .mechanism import Mechanism
 from .model import Model, with_signature
 
@@ -43,5 +43,6 @@ __all__ = [
     "Stop",
     "TwoBlocks",
     "list_models",
+    "quadratic_form",
     "with_signature",
 ]

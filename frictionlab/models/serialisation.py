@@ -31,17 +31,18 @@ def component_to_dict(component: Component) -> dict[str, Any]:
     owner = type(component).__name__
     return {
         "class": class_path(type(component)),
-        "fields": {name: _value_to_data(value, f"{owner}.{name}") for name, value in values.items()},
+        "fields": {name: value_to_data(value, f"{owner}.{name}") for name, value in values.items()},
     }
 
 
-def _value_to_data(value: Any, owner: str) -> Any:
+def value_to_data(value: Any, owner: str) -> Any:
+    """The value of a field as data; `owner` names the field in errors."""
     if isinstance(value, Component):
         return component_to_dict(value)
     if isinstance(value, Enum) and value.name in type(value).__members__:
         return {"enum": class_path(type(value)), "name": value.name}
     if isinstance(value, tuple):
-        return [_value_to_data(each, owner) for each in value]
+        return [value_to_data(each, owner) for each in value]
     if getattr(value, "shape", None) == ():  # a number of numpy, which is not loaded for this
         number: Any = value
         value = number.item()
@@ -63,10 +64,10 @@ def component_from_dict(data: Mapping[str, Any], base: type) -> Any:
     """
     if not isinstance(data, Mapping) or not isinstance(data.get("fields"), Mapping):
         raise ValueError(f"a {base.__name__} must be a mapping with 'class' and 'fields', got {data!r}")
-    cls = _loaded_class(data.get("class"), base)
+    cls = loaded_class(data.get("class"), base)
     roles: Mapping[str, type] = getattr(cls, "roles", {})
     values = {
-        name: component_from_dict(value, roles[name]) if name in roles else _value_from_data(value)
+        name: component_from_dict(value, roles[name]) if name in roles else value_from_data(value)
         for name, value in data["fields"].items()
     }
     try:
@@ -75,20 +76,22 @@ def component_from_dict(data: Mapping[str, Any], base: type) -> Any:
         raise ValueError(f"{cls.__name__} cannot be made from {dict(data['fields'])!r}: {error}") from error
 
 
-def _value_from_data(data: Any) -> Any:
+def value_from_data(data: Any) -> Any:
+    """The value that :func:`value_to_data` described."""
     if isinstance(data, (list, tuple)):
-        return tuple(_value_from_data(each) for each in data)
+        return tuple(value_from_data(each) for each in data)
     if not isinstance(data, Mapping):
         return data
     if "class" in data:
         return component_from_dict(data, Component)
-    members = getattr(_loaded_class(data.get("enum"), Enum), "__members__", {})
+    members = getattr(loaded_class(data.get("enum"), Enum), "__members__", {})
     if data.get("name") not in members:
         raise ValueError(f"{data.get('enum')} must have {data.get('name')!r}, it has {', '.join(members)}")
     return members[data["name"]]
 
 
-def _loaded_class(name: object, base: type) -> type:
+def loaded_class(name: object, base: type) -> type:
+    """The subclass of `base` of that path; ValueError where none is loaded."""
     # The last one wins: a notebook cell that ran twice has defined its class twice.
     found = [cls for cls in _subclasses(base) if class_path(cls) == name]
     if found:

@@ -15,6 +15,7 @@ from typing import Any, NamedTuple
 
 import sympy
 
+from frictionlab.automaton.expansion import multiply_out
 from frictionlab.automaton.undefined_numbers import undefined_part
 from frictionlab.components import ContactLaw, FrictionLaw, ImpactLaw
 from frictionlab.components.component import Component, parameters_of, structure_of
@@ -102,11 +103,11 @@ def _positive(argument: str) -> Any:
 
 
 def expand_products(expr: Any) -> Any:
-    """Expand products of sums; arguments of a law's functions stay as they are.
+    """Expand products of sums, unless that is too long; arguments of a law's functions stay as they are.
 
     Otherwise exp(v - x') would become exp(v) exp(-x'), of which one factor may overflow.
     """
-    return sympy.expand(expr, power_exp=False, power_base=False, log=False)
+    return multiply_out(expr, power_exp=False, power_base=False, log=False)
 
 
 def explain_errors(copy: Component) -> None:

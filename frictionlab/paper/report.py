@@ -9,15 +9,16 @@ from __future__ import annotations
 import time
 from collections import Counter
 from collections.abc import Iterator
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from frictionlab._version import __version__
+from frictionlab.file_writing import write_file, write_text
 from frictionlab.hybrid.progress import progress_bar
 from frictionlab.paper.checks.claim import Claims
-from frictionlab.validation import name_written_file
 
 from .registry import EVERY_CLAIM, FIGURES, WITHOUT_GEOMETRY, check, figure
 from .scenes import CHATTER_LIMIT, IMPACTS, PAPER_STEP, RETURN_TOLERANCES, Setting
@@ -152,9 +153,7 @@ def reproduce(folder: str | Path, setting: Setting) -> Path:
     page = folder / REPRODUCTION_PAGE
     minutes = (time.monotonic() - begin) / 60
     text = _head_text(setting, minutes) + _claims_text(table) + _figures_text(drawn)
-    with name_written_file(page):
-        page.write_text(text, encoding="utf-8")
-    return page
+    return write_text(page, text)
 
 
 def figure_variants() -> Iterator[tuple[int, str]]:
@@ -189,19 +188,17 @@ def _write_step_size_page(folder: Path, setting: Setting) -> None:
     """The page on what a fixed step does."""
     study, picture = step_study_with(setting), IMAGES / "step-size.png"
     _save_picture(study.plot(), folder / picture)
-    with name_written_file(folder / STEP_SIZE_PAGE):
-        (folder / STEP_SIZE_PAGE).write_text(step_size_page(study, picture.as_posix()), encoding="utf-8")
+    write_text(folder / STEP_SIZE_PAGE, step_size_page(study, picture.as_posix()))
 
 
 def _save_picture(picture: Any, path: Path) -> None:
     """A PNG with a palette, where pillow is installed, as it is with matplotlib."""
     from PIL import Image
 
-    picture.savefig(path, dpi=DPI)
-    with name_written_file(path):
-        with Image.open(path) as image:
-            small = image.convert("RGB").quantize(COLOURS)
-        small.save(path, optimize=True)
+    drawn = BytesIO()
+    picture.savefig(drawn, dpi=DPI)
+    with write_file(path) as beside:
+        Image.open(drawn).convert("RGB").quantize(COLOURS).save(beside, optimize=True)
 
 
 def _head_text(setting: Setting, minutes: float) -> str:

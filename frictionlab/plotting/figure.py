@@ -18,7 +18,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.image import imsave
 
-from frictionlab.validation import name_written_file
+from frictionlab.file_writing import write_file
 
 from .appearance import PANEL_SIZE, crowding, figure_size, font_size
 
@@ -28,8 +28,8 @@ class RunFigure(Figure):
 
     def savefig(self, fname: Any, **options: Any) -> None:
         """Write a file or to a stream; see :meth:`matplotlib.figure.Figure.savefig`."""
-        with name_written_file(fname):
-            super().savefig(fname, **options)
+        with write_file(fname) as beside:
+            super().savefig(beside, **options)
 
     def _repr_png_(self) -> bytes:
         # IPython knows how to display a Figure only once pyplot has set up its inline backend.
@@ -96,7 +96,10 @@ class AnimatedFigure(RunFigure):
             return super().savefig(fname, transparent=transparent, **options)
         dpi = options.get("dpi", "figure")
         pixels = self.pixels(self.dpi if dpi == "figure" else dpi)
-        return imsave(fname, pixels, format="png") if kind == "png" else fname.write(pixels.tobytes())
+        if kind == "rgba":
+            return fname.write(pixels.tobytes())
+        with write_file(fname) as beside:
+            imsave(beside, pixels, format="png")
 
     def pixels(self, dpi: float) -> np.ndarray:
         """The picture as (height, width, 4) bytes."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Container, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -10,8 +10,14 @@ from typing import Any
 import numpy as np
 import sympy
 from numpy.typing import NDArray
+from scipy.sparse import csr_array
+
+from frictionlab.automaton.combinations import combinations_of
+from frictionlab.models.gradients import derivatives
 
 Array = NDArray[np.float64]
+# Terms from which on to write each as Python code takes seconds; they are then sums of a few expressions.
+MANY_TERMS = 1000
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,13 +43,12 @@ class Flow:
 
     @cached_property
     def _partial(self) -> dict[tuple[int, int], Any]:
-        places = {x: j for j, x in enumerate(self.states)}
-        partial = {
-            (i, places[x]): sympy.diff(sympy.Add(*terms), x)
+        places, states = {x: j for j, x in enumerate(self.states)}, {*self.states}
+        return {
+            (i, places[x]): entry
             for i, row in enumerate(self.expressions)
-            for x, terms in sorted(_terms_by_symbol(row, places).items(), key=lambda item: places[item[0]])
+            for x, entry in sorted(derivatives(row, states).items(), key=lambda item: places[item[0]])
         }
-        return {place: entry for place, entry in partial.items() if entry != 0}
 
     @cached_property
     def free(self) -> list[int]:
@@ -59,7 +64,7 @@ class Flow:
     def linear(self) -> bool:
         """Whether the Jacobian is the same at every state."""
         states = {*self.states}
-        return not any(entry.free_symbols & states for entry in self._partial.values())
+        return all(states.isdisjoint(entry.free_symbols) for entry in self._partial.values())
 
     @cached_property
     def _entries(self) -> Callable[..., Any]:
@@ -75,7 +80,13 @@ class Flow:
 
     def compiled(self, expressions: Sequence[Any]) -> Callable[..., Any]:
         """A numpy function of all states, then all parameters."""
-        return sympy.lambdify([*self.states, *self.parameters], list(expressions), modules="numpy", cse=True)
+        arguments = [*self.states, *self.parameters]
+        if sum(len(sympy.Add.make_args(one)) for one in expressions) < MANY_TERMS:
+            return sympy.lambdify(arguments, list(expressions), modules="numpy", cse=True)
+        sums = combinations_of(expressions, self.states)
+        of = sympy.lambdify(arguments, list(sums.expressions), modules="numpy", cse=True)
+        matrix = csr_array((sums.numbers, tuple(sums.places.T)), (sums.sums, len(sums.expressions)))
+        return lambda *values: matrix @ np.stack(np.broadcast_arrays(*of(*values)))
 
     def rhs(self, x: Any, values: Sequence[Any]) -> Array:
         """x' (m, ...) at states `x` (m, ...); parameters are numbers or arrays."""
@@ -91,19 +102,14 @@ class Flow:
         """d x'/d x as (..., m, m)."""
         m = len(self.states)
         matrix = np.zeros((m, m, *np.shape(x[0])))
-        for place, entry in zip(self._partial, self._entries(*x, *values)):
-            matrix[place] = entry
+        entries = self._entries(*x, *values)
+        if isinstance(entries, np.ndarray):
+            rows, columns = zip(*self._partial)
+            matrix[rows, columns] = entries.reshape(len(rows), -1) if matrix.ndim > 2 else entries
+        else:
+            for place, entry in zip(self._partial, entries):
+                matrix[place] = entry
         return np.moveaxis(matrix, (0, 1), (-2, -1))
-
-
-def _terms_by_symbol(expression: Any, symbols: Container[Any]) -> dict[Any, list[Any]]:
-    """The terms of a sum in which each symbol occurs: of many terms most hold only a few of many symbols."""
-    found: dict[Any, list[Any]] = {}
-    for term in sympy.Add.make_args(sympy.sympify(expression, strict=True)):
-        for x in term.free_symbols:
-            if x in symbols:
-                found.setdefault(x, []).append(term)
-    return found
 
 
 def _stacked(parts: Sequence[Any], shape: tuple[int, ...]) -> Array:

@@ -82,6 +82,10 @@ def is_neutral(matrix: Array, values: NDArray[np.complex128]) -> NDArray[np.bool
     known, left, right = system
     nearest = np.abs(values[:, None] - known).argmin(axis=1)
     product = np.abs((left.conj() * right).sum(axis=0))[nearest]
-    on_axis = balanced - 1j * values.imag[:, None, None] * np.eye(len(matrix))
-    distance = np.linalg.svd(on_axis, compute_uv=False)[:, -1]
-    return (np.abs(values.real) * product <= error) & (distance <= error)
+    neutral = np.abs(values.real) * product <= error
+    for i in np.flatnonzero(neutral):  # one by one: matrices of many states are large
+        on_axis = balanced - 1j * values.imag[i] * np.eye(len(matrix))
+        # The least singular value is below what is left of any vector of length 1, which takes less time.
+        left_over = np.linalg.norm(on_axis @ right[:, nearest[i]])
+        neutral[i] = left_over <= error or np.linalg.svd(on_axis, compute_uv=False)[-1] <= error
+    return neutral

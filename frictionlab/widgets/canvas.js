@@ -1,9 +1,9 @@
 // A model's mechanism, its contact forces and its phase plane. Python sends the sizes once as `scene` and the
 // places as `rows`: 32-bit numbers, one row for every frame, with the columns of scene.columns. y points up. The
 // pictures are those of frictionlab.plotting: of draw_mechanism for the slider on the tilting belt, whose lengths
-// are metres, and of parts for all that have scene.shapes.
+// are metres, and of parts for all that have scene.shapes.  Colours are those of the style in which it was made.
 const PACES = [1, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01];
-const TURNS = 6, MARKS = 16, GREY = "#999999", PALE = "#F2F2F2";
+const TURNS = 6, MARKS = 16;
 
 function html(tag, properties = {}, children = []) {
   const node = Object.assign(document.createElement(tag), properties);
@@ -16,18 +16,18 @@ function subscripted(text) { // F_N as F with a small N
   return rest ? [letter, html("sub", { textContent: rest[0] }), rest.slice(1)] : [text];
 }
 
-function line(c, points, width, colour = "black") {
+function line(c, points, width, colour) {
   c.beginPath();
   for (const [x, y] of points) c.lineTo(x, y);
   Object.assign(c, { lineWidth: width, strokeStyle: colour, lineJoin: "round" });
   c.stroke();
 }
 
-function spring(c, [ax, ay], [bx, by], width, px) {
+function spring(c, [ax, ay], [bx, by], width, px, colour) {
   const [dx, dy] = [bx - ax, by - ay], length = Math.hypot(dx, dy) || 1;
   const at = (along, across) => [ax + along * dx - across * dy / length, ay + along * dy + across * dx / length];
   const turns = Array.from({ length: 2 * TURNS }, (_, i) => at(0.2 + 0.6 * (i + 1) / (2 * TURNS + 1), (i % 2 ? -width : width) / 2));
-  line(c, [at(0, 0), at(0.2, 0), ...turns, at(0.8, 0), at(1, 0)], px);
+  line(c, [at(0, 0), at(0.2, 0), ...turns, at(0.8, 0), at(1, 0)], px, colour);
 }
 
 function arrow(c, x, y, dx, dy, colour, px) {
@@ -52,13 +52,13 @@ function belt(c, scene, row, px) {
   outline.arc(right, -r, r, half, -half, true);
   outline.arc(-left, -r, r, -half, -3 * half, true);
   outline.closePath();
-  Object.assign(c, { fillStyle: PALE, strokeStyle: "black", lineWidth: 2 * px, lineCap: "round" });
+  Object.assign(c, { fillStyle: scene.pale, strokeStyle: scene.ink, lineWidth: 2 * px, lineCap: "round" });
   c.fill(outline);
   c.stroke(outline);
   c.setLineDash([0, loop / MARKS]); // dots that travel with the belt
   Object.assign(c, { lineWidth: 6 * px, lineDashOffset: -row.travel });
   c.stroke(outline);
-  Object.assign(c, { fillStyle: "white", strokeStyle: GREY, lineWidth: px });
+  Object.assign(c, { fillStyle: scene.paper, strokeStyle: scene.grey, lineWidth: px });
   c.setLineDash([]);
   for (const x of [-left, right]) { c.beginPath(); c.arc(x, -r, 0.75 * r, 0, 7); c.fill(); c.stroke(); }
   c.restore();
@@ -74,24 +74,24 @@ function mechanism(c, width, height, scene, row) {
   c.translate((width - k * (x1 - x0)) / 2 - k * x0, (height + k * (y1 - y0)) / 2 + k * y0);
   c.scale(k, -k);
   const rest = scene.spring + h / 2, r = scene.radius;
-  line(c, [[left, rest - span], [left, Math.min(rest + span, ay - 2 * e)]], 4 * px, GREY);
-  line(c, [[right, -r - span], [right, span - r]], 4 * px, GREY);
-  line(c, [[0.9 * x0, ground], [scene.wheels[1] + scene.reach + r, ground]], 4 * px, GREY);
-  line(c, [[ax - e, ay - e], [ax + e, ay + e]], 4 * px, GREY);
+  line(c, [[left, rest - span], [left, Math.min(rest + span, ay - 2 * e)]], 4 * px, scene.grey);
+  line(c, [[right, -r - span], [right, span - r]], 4 * px, scene.grey);
+  line(c, [[0.9 * x0, ground], [scene.wheels[1] + scene.reach + r, ground]], 4 * px, scene.grey);
+  line(c, [[ax - e, ay - e], [ax + e, ay + e]], 4 * px, scene.grey);
   const [first, second] = belt(c, scene, row, px);
   const springs = { k1: [[left, middle], [x - w / 2, middle]], k2: [[row.foot_x, row.foot_y], [x, y]],
     k3: [[ax, ay], [x - w / 2, y + h]], k4: [second, [right, second[1]]],
     k5: [[first[0], ground], first], k6: [[second[0], ground], second] };
-  for (const [from, to] of Object.values(springs)) spring(c, from, to, e, px);
-  line(c, [[row.foot_x - 5 * px, row.foot_y], [row.foot_x + 5 * px, row.foot_y]], 3 * px);
+  for (const [from, to] of Object.values(springs)) spring(c, from, to, e, px, scene.ink);
+  line(c, [[row.foot_x - 5 * px, row.foot_y], [row.foot_x + 5 * px, row.foot_y]], 3 * px, scene.ink);
   c.fillStyle = scene.colours[row.mode];
   c.fillRect(x - w / 2, y, w, h);
-  line(c, [[x - w / 2, y], [x + w / 2, y], [x + w / 2, y + h], [x - w / 2, y + h], [x - w / 2, y]], 1.2 * px);
+  line(c, [[x - w / 2, y], [x + w / 2, y], [x + w / 2, y + h], [x - w / 2, y + h], [x - w / 2, y]], 1.2 * px, scene.ink);
   const [normal, friction, preload] = scene.force_colours, top = y + h + scene.preload / scene.scale;
   arrow(c, x + 0.35 * w, top, 0, -scene.preload / scene.scale, preload, px);
   arrow(c, x, middle, 0, row.normal_force / scene.scale, normal, px);
   arrow(c, x, middle, row.friction_force / scene.scale, 0, friction, px);
-  Object.assign(c, { fillStyle: "black", font: "italic 13px serif", textAlign: "center", textBaseline: "middle" });
+  Object.assign(c, { fillStyle: scene.ink, font: "italic 13px serif", textAlign: "center", textBaseline: "middle" });
   for (const [name, [from, to]] of Object.entries(springs)) {
     const [dx, dy] = scene.names[name];
     c.save();
@@ -106,19 +106,19 @@ function mechanism(c, width, height, scene, row) {
 function shape(c, scene, { kind, colour, first }, row, px) {
   const v = row.all.subarray(first), [x, y, w, h] = v;
   if (kind === "wall") line(c, [[x, y], [w, h]], 4 * px, colour);
-  if (kind === "spring") spring(c, [x, y], [w, h], scene.width, px);
+  if (kind === "spring") spring(c, [x, y], [w, h], scene.width, px, colour);
   if (kind === "arrow") arrow(c, x, y, w, h, colour, px);
   if (kind === "belt") { // from x to y at the height w, its surface h along
     line(c, [[x, w], [y, w]], 3 * px, colour);
     for (let i = 0; i < scene.marks; i++) {
       const way = (h + (y - x) * i / scene.marks) % (y - x), at = x + (way < 0 ? way + y - x : way);
-      line(c, [[at - 2 * px, w], [at + 2 * px, w]], 4 * px);
+      line(c, [[at - 2 * px, w], [at + 2 * px, w]], 4 * px, scene.ink);
     }
   }
   if (kind !== "block" && kind !== "disc") return;
   c.beginPath();
   kind === "disc" ? c.arc(x, y, w / 2, 0, 7) : c.rect(x - w / 2, y - h / 2, w, h);
-  Object.assign(c, { fillStyle: scene.colours[row.mode], strokeStyle: "black", lineWidth: 1.2 * px });
+  Object.assign(c, { fillStyle: scene.colours[row.mode], strokeStyle: scene.ink, lineWidth: 1.2 * px });
   c.fill();
   c.stroke();
 }
@@ -152,14 +152,14 @@ function phasePlane(c, width, height, scene, frames) { // the whole path; return
   for (let i = 0; i < frames.count; i++) { // a line for each stay in a mode, up to the first point of the next
     const mode = frames.get(i, "mode"), old = frames.get(Math.max(0, i - 1), "mode");
     points.push([X(frames.get(i, scene.axes[0])), Y(frames.get(i, "rate"))]);
-    if (mode !== old || i === frames.count - 1) { line(c, points, 1.5, scene.colours[old]); points = points.slice(-1); }
+    if (mode !== old || i === frames.count - 1) { line(c, points, 1.5, scene.line_colours[old]); points = points.slice(-1); }
   }
-  line(c, [[l, t], [l, height - b], [width - r, height - b]], 1);
-  Object.assign(c, { fillStyle: "black", font: "12px sans-serif", textAlign: "center", textBaseline: "top" });
-  for (const v of ticks(xs)) { line(c, [[X(v), height - b], [X(v), height - b + 4]], 1); c.fillText(+v.toPrecision(3), X(v), height - b + 7); }
+  line(c, [[l, t], [l, height - b], [width - r, height - b]], 1, scene.ink);
+  Object.assign(c, { fillStyle: scene.ink, font: "12px sans-serif", textAlign: "center", textBaseline: "top" });
+  for (const v of ticks(xs)) { line(c, [[X(v), height - b], [X(v), height - b + 4]], 1, scene.ink); c.fillText(+v.toPrecision(3), X(v), height - b + 7); }
   c.fillText(scene.axes[1], (l + width - r) / 2, height - b + 23);
   Object.assign(c, { textAlign: "right", textBaseline: "middle" });
-  for (const v of ticks(ys)) { line(c, [[l - 4, Y(v)], [l, Y(v)]], 1); c.fillText(+v.toPrecision(3), l - 7, Y(v)); }
+  for (const v of ticks(ys)) { line(c, [[l - 4, Y(v)], [l, Y(v)]], 1, scene.ink); c.fillText(+v.toPrecision(3), l - 7, Y(v)); }
   c.translate(12, (height - b + t) / 2);
   c.rotate(-Math.PI / 2);
   c.textAlign = "center";
@@ -192,7 +192,7 @@ function render({ model, el }) {
   const key = scene.legend.map(([text, colour]) => html("span", { style: "white-space: nowrap" },
     [html("span", { style: `display: inline-block; width: 1em; height: 0.7em; margin-right: 0.3em; background: ${colour}` }), ...subscripted(text)]));
   const bar = (nodes) => html("div", { style: "display: flex; flex-wrap: wrap; gap: 4px 14px; align-items: center; margin: 4px" }, nodes);
-  el.append(html("div", { style: "background: white; color: black; font: 13px sans-serif; padding: 4px" },
+  el.append(html("div", { style: `background: ${scene.paper}; color: ${scene.ink}; font: 13px sans-serif; padding: 4px` },
     [bar([play, scrub, pace, state]), html("div", { style: "display: flex; flex-wrap: wrap" }, pictures), bar(key)]));
 
   let time = 0, last = null, request = null, path = null, place = null, surfaces = null;
@@ -207,7 +207,7 @@ function render({ model, el }) {
     p.drawImage(path, 0, 0, pw, ph);
     p.beginPath();
     p.arc(...place(now), 6, 0, 7);
-    Object.assign(p, { fillStyle: scene.colours[now.mode], strokeStyle: "black", lineWidth: 1.5 });
+    Object.assign(p, { fillStyle: scene.colours[now.mode], strokeStyle: scene.ink, lineWidth: 1.5 });
     p.fill();
     p.stroke();
     scrub.value = frame;

@@ -11,11 +11,12 @@ import traitlets
 
 from frictionlab.analysis.motion_scales import oscillation_period, rounded_period
 from frictionlab.plotting.animation.animate import BeltPicture, frame_times, mechanism_of, picture_of
-from frictionlab.plotting.animation.artists import FORCE_COLOURS, SPRING_LABELS
+from frictionlab.plotting.animation.artists import FORCE_COLOURS, SPRING_LABELS, belt_colour
 from frictionlab.plotting.animation.parts import MARKS, WIDTH, Parts
 from frictionlab.plotting.animation.tilting_belt import COLUMNS
+from frictionlab.plotting.appearance import background, ink, legible
 from frictionlab.plotting.runs.time_window import Periods, Window, window_limits
-from frictionlab.plotting.style import mode_colours
+from frictionlab.plotting.style import GREY, mode_colours
 from frictionlab.presentation import state_unit
 from frictionlab.validation import check_number
 
@@ -110,7 +111,11 @@ def _belt(picture: BeltPicture) -> tuple[dict[str, Any], list[Any]]:
     """Sizes of the slider on the tilting belt, and its columns but the mode."""
     names = ("size", "wheels", "radius", "block", "spring", "walls", "anchor", "limits", "reach")
     scene = {name: getattr(picture.sizes, name) for name in names} | {"columns": BELT}
-    scene |= {"scale": picture.scale, "preload": picture.preload, "force_colours": FORCE_COLOURS}
+    scene |= {
+        "scale": picture.scale,
+        "preload": picture.preload,
+        "force_colours": [*map(legible, FORCE_COLOURS)],
+    }
     scene |= {"names": {name: aside for name, (_, aside) in SPRING_LABELS.items()}}
     seen = picture.frames
     return scene, [picture.sizes.rows, seen.normal_force, seen.friction_force, seen.x1, seen.rate]
@@ -120,7 +125,7 @@ def _parts(picture: Parts) -> tuple[dict[str, Any], list[Any]]:
     """The shapes of a mechanism, each with the place of its first number, and its columns but the mode."""
     shapes, columns = [], []
     for i, shape in enumerate(picture.shapes):
-        shapes.append({"kind": shape.kind, "colour": shape.colour, "first": len(columns)})
+        shapes.append({"kind": shape.kind, "colour": legible(shape.colour), "first": len(columns)})
         columns += [f"{shape.kind}{i}.{j}" for j in range(shape.rows.shape[1])]
     scene = {"shapes": shapes, "limits": picture.limits, "width": WIDTH, "marks": MARKS}
     scene |= {"columns": (*columns, picture.coordinate, "rate", "mode")}
@@ -137,6 +142,11 @@ def _labels_and_colours(picture: BeltPicture | Parts, colours: dict[str, str]) -
     return {
         "modes": list(colours),
         "colours": list(colours.values()),
+        "line_colours": [*map(legible, colours.values())],
+        "paper": background(),
+        "ink": ink(),
+        "grey": legible(GREY),
+        "pale": belt_colour(),
         "legend": [*legend, *forces],
         "axes": [picture.coordinate, *labels],
     }

@@ -9,10 +9,11 @@ from typing import Any
 import numpy as np
 
 from frictionlab.analysis.motion_scales import oscillation_period
+from frictionlab.file_writing import write_file
 from frictionlab.hybrid.progress import progress_bar
 from frictionlab.models.model import PITCH, Model, Tone
 from frictionlab.plotting.runs.time_window import SAMPLING_RTOL, Array, Window, check_run, window_limits
-from frictionlab.validation import check_choice, check_number, name_written_file
+from frictionlab.validation import check_choice, check_number
 
 PEAK_LEVEL = 0.9  # of full scale: no player clips it
 FADE_TIME = 0.01  # seconds at both ends, at most a tenth of the sound: a cut waveform clicks
@@ -67,8 +68,8 @@ class Sound:
         from scipy.io import wavfile
 
         path = Path(path)
-        with name_written_file(path):
-            wavfile.write(path, self.rate, np.round(self.samples * np.iinfo(np.int16).max).astype(np.int16))
+        with write_file(path) as beside:
+            wavfile.write(beside, self.rate, np.round(self.samples * np.iinfo(np.int16).max).astype(np.int16))
         return path
 
     def __repr__(self) -> str:

@@ -24,6 +24,7 @@ def main() -> int:
     parser.add_argument("suites", nargs="*", metavar="SUITE", help=f"{', '.join(SUITES)} (default: all)")
     parser.add_argument("--truncations", type=int, default=20, help="places in each kind of file")
     parser.add_argument("--flips", type=int, default=200, help="random bits in each kind of file")
+    parser.add_argument("--rooms", type=int, default=7, help="places at which the disk of a sweep is full")
     parser.add_argument("--kills", type=int, default=200, help="times that a command is ended")
     parser.add_argument("--seed", type=int, default=0, help="of the moments at which commands are ended")
     chosen = parser.parse_args()
@@ -47,9 +48,9 @@ def _run(suite: str, scratch: Path, chosen: argparse.Namespace) -> int:
     module = import_module(f"tests.faults.{SUITES[suite]}")
     if suite == "kills":
         return module.main(scratch, chosen.kills, chosen.seed)
-    return (
-        module.main(scratch) if suite == "disks" else module.main(scratch, chosen.truncations, chosen.flips)
-    )
+    if suite == "disks":
+        return module.main(scratch, chosen.rooms)
+    return module.main(scratch, chosen.truncations, chosen.flips)
 
 
 if __name__ == "__main__":

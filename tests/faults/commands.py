@@ -1,4 +1,4 @@
-"""Long commands that `kills` ends: ``python -m tests.faults.commands NAME PATH``, which takes their files."""
+"""Long commands that `kills` ends; each takes the path of its file."""
 
 from __future__ import annotations
 
@@ -52,6 +52,10 @@ def basin_stability(path: str) -> None:
     fl.basin_stability(SLIDER.replace(mu_k=1.4), ranges, 24, workers=2, resume=path, **SHORT)
 
 
+def ablation(path: str) -> None:
+    fl.ablation(fl.SliderOnBelt(mu_k=1.4), slow, resume=path, **QUICK)
+
+
 def figure(path: str) -> None:
     """A figure of the paper, its sweeps kept in a folder."""
     options = ["--quick", "--workers", "2", "--resume", path, "-o", f"{path}.png"]
@@ -72,9 +76,7 @@ COMMANDS: dict[str, Callable[[str], None]] = {
     "bifurcation-on": bifurcation_on,
     "basins": basins,
     "basin-stability": basin_stability,
+    "ablation": ablation,
     "run": run,
     "figure": figure,
 }
-
-if __name__ == "__main__":
-    COMMANDS[sys.argv[1]](sys.argv[2])

@@ -63,6 +63,10 @@ STORED = {
         lambda path: fl.solve(SLIDER.automaton(), 1.0, x0=[0.0] * 8, **QUIET).save(path),
         lambda path: content(fl.load(path)),
     ),
+    "run of modes on demand": Stored(
+        lambda path: fl.solve(fl.TwoBlocks().automaton(), 2.0, x0=[0.0] * 4, **QUIET).save(path),
+        lambda path: content(fl.load(path)),
+    ),
     "run of own laws": Stored(
         lambda path: fl.simulate(Chain(friction=Fitted()), 2.0, **QUIET).save(path),
         lambda path: content(fl.load(path)),

@@ -10,7 +10,7 @@ import pytest
 ROOT = Path(__file__).parents[2]
 SHORT = {
     "files": ["--truncations", "3", "--flips", "5"],
-    "disks": [],
+    "disks": ["--rooms", "3"],
     "kills": ["--kills", "12"],
 }
 pytestmark = [

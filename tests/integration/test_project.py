@@ -95,6 +95,17 @@ def test_on_pypi_no_link_of_the_readme_is_relative():
         assert new.endswith(old)
 
 
+def test_the_projects_address_is_in_one_file_and_one_everywhere():
+    """Where it moves only pyproject.toml changes: a file of TOML cannot refer to itself."""
+    urls, source = PROJECT["project"]["urls"], PROJECT["project"]["urls"]["Source"]
+    assert all(url == source or url.startswith(f"{source}/") for url in urls.values())
+    address = source.partition("://")[2].encode()
+    texts = [*ROOT.glob("*.*"), *(ROOT / "frictionlab").rglob("*.*"), *(ROOT / "docs").rglob("*.*")]
+    texts = [path for path in texts if path.suffix in (".py", ".pyi", ".md", ".toml", ".cff", ".js", ".css")]
+    assert len(texts) > 200
+    assert [path.name for path in texts if address in path.read_bytes()] == ["pyproject.toml"]
+
+
 def test_readme_python_runs(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)  # it saves a picture
     exec("\n".join(readme_blocks("python")), {})

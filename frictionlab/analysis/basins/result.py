@@ -11,8 +11,8 @@ import numpy as np
 from frictionlab.analysis.motion_scales import Array
 from frictionlab.analysis.sweeps.journal import read_journal, write_journal
 from frictionlab.drawable import Drawable
+from frictionlab.file_writing import name_written_file
 from frictionlab.presentation import shorten
-from frictionlab.validation import name_written_file
 
 from .attractors import (
     UNDECIDED,

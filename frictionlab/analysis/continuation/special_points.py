@@ -9,7 +9,6 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
-import sympy as sp
 from scipy.optimize import brentq
 
 from frictionlab.analysis.continuation.pseudo_arclength import BranchPoint, continuation_step
@@ -17,6 +16,7 @@ from frictionlab.analysis.motion_scales import Array
 from frictionlab.analysis.orbits.shooting import floquet_multipliers
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.hybrid.outputs import array_function
+from frictionlab.hybrid.tape.structural_zeros import sign_normal_form
 
 LOCATION_XTOL = 1e-12  # share of the step to which a special point is located
 UNIT_CIRCLE_ATOL = (
@@ -166,9 +166,9 @@ def _at_guard_limit(automaton: HybridAutomaton, point: BranchPoint) -> bool:
     ):
         left = modes[source]
         trigger = next(event for event in left.events if event.name == guard)
-        zero = (trigger.function, *left.constraints, *trigger.reset.vanishing)
+        zero = {*map(sign_normal_form, (trigger.function, *left.constraints, *trigger.reset.vanishing))}
         for event in modes[target].events:
-            if any(sp.expand(event.function - s * f) == 0 for f in zero for s in (1, -1)):
+            if sign_normal_form(event.function) in zero:
                 continue
             value = array_function(arguments, event.function)
             along = value(*point.shot.run.states.T, *numbers)

@@ -9,11 +9,11 @@ from typing import Any, Unpack
 
 from frictionlab.analysis.options import Execution, ExecutionKeywords, merge_keywords
 from frictionlab.drawable import Drawable
-from frictionlab.interruption import interruption
 from frictionlab.models.coercion import require_model
 from frictionlab.presentation import text_table
 
-from .task_runner import check_function, run_tasks
+from .journal import Journal
+from .task_runner import check_function, function_name, run_tasks
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,7 +89,9 @@ def ablation(
     study : callable
         Called as ``study(model)``: ``fl.steady_state``, or a function of your own.
     execution : Execution or None
-        Workers, executor and progress bar; None takes the usual ones.  `resume` must be None.
+        Workers, executor, file and progress bar; None takes the usual ones.  Results that the file of
+        `resume` keeps have to be numbers, texts, or lists and mappings of such.  Of the study the file knows
+        only the name, as for :func:`sweep`.
     **keywords
         Fields of :class:`Execution`, in the place of those of `execution`: ``workers=2``.
 
@@ -102,9 +104,11 @@ def ablation(
     TypeError
         For what is no model, or no function, or an unknown keyword.
     ValueError
-        For a model that cannot be without one of them, or an `execution` with a file.
+        For a model that cannot be without one of them, or a file of another ablation.
+    OSError
+        Where the file cannot be written, or another ablation is using it.
     RuntimeError
-        Where the study of a scene fails, from its error.
+        Where the study of a scene fails, from its error; what was done before is in the file.
     KeyboardInterrupt
         After ctrl-C; :func:`partial_result` is then the Ablation with None for the scenes that were not done.
 
@@ -117,22 +121,28 @@ def ablation(
     """
     require_model(model, cure="write ablation(model, study), the model made, such as fl.SliderOnBelt()")
     check_function("study", study, "give one such as fl.steady_state")
-    (how,) = merge_keywords("ablation", keywords, unused="resume", execution=(Execution, execution))
-    if how.resume is not None:
-        raise ValueError(f"resume must be None, got {how.resume!r}: an ablation keeps no file, leave it out")
+    (how,) = merge_keywords("ablation", keywords, execution=(Execution, execution))
     switches = tuple(model.nonlinearities)
     left_out = tuple(tuple(compress(switches, choice)) for choice in product((0, 1), repeat=len(switches)))
     models = tuple(model.without(*names) for names in left_out)
-    results: dict[int, Any] = {}
-    complete = run_tasks(
-        study,
-        [(m,) for m in models],
-        keep=results.__setitem__,
-        names=[f"the scene {_scene(names, len(switches))}" for names in left_out],
-        execution=how,
-        title="ablation",
-    )
-    found = Ablation(left_out, models, tuple(results.get(i) for i in range(len(models))))
+    specification = {} if how.resume is None else _specification(model, study, left_out)
+    with Journal(specification, how.resume) as journal:
+        complete = run_tasks(
+            study,
+            [(m,) for m in models],
+            keep=journal.keep,
+            names=[f"the scene {_scene(names, len(switches))}" for names in left_out],
+            done=frozenset(journal.results),
+            execution=how,
+            title="ablation",
+        )
+        journal.put_in_order()
+    found = Ablation(left_out, models, tuple(journal.results.get(i) for i in range(len(models))))
     if not complete:
-        raise interruption(f"the ablation was stopped after {len(results)} of {len(models)} scenes", found)
+        raise journal.interruption(found, len(models))
     return found
+
+
+def _specification(model: Any, study: Callable[[Any], Any], left_out: tuple[Any, ...]) -> dict[str, Any]:
+    """What a file tells ablations apart by."""
+    return {"ablation": function_name(study), "model": model.to_dict(), "without": left_out}

@@ -25,6 +25,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from frictionlab._version import __version__
+from frictionlab.file_writing import replace_file
 from frictionlab.interruption import interruption
 from frictionlab.validation import with_cure
 
@@ -147,16 +148,8 @@ def write_journal(path: str | Path, specification: dict[str, Any], results: dict
     path = Path(path)
     head = dict(zip(HEAD_KEYS, (FORMAT, __version__))) | specification
     rows = ({"task": i, "result": results[i]} for i in sorted(results))
-    beside = path.with_name(f"{path.name}.{os.getpid()}.unfinished")
-    try:
-        with open(beside, "wb") as file:
-            file.writelines(map(_json_line, (head, *rows)))
-            file.flush()
-            os.fsync(file.fileno())
-        os.replace(beside, path)
-    finally:
-        beside.unlink(missing_ok=True)
-    _sync_folder(path.parent)
+    with replace_file(path) as beside, open(beside, "wb") as file:
+        file.writelines(map(_json_line, (head, *rows)))
     return path
 
 
@@ -232,16 +225,6 @@ def _json_value(value: Any) -> Any:
         f"results that resume keeps must be numbers, texts, or lists and mappings of such, got {value!r}: "
         "let the function return these, or leave resume out"
     )
-
-
-def _sync_folder(folder: Path) -> None:
-    """Have the system write down that a file was renamed; on Windows a folder cannot be opened."""
-    with suppress(OSError):
-        handle = os.open(folder, os.O_RDONLY)
-        try:
-            os.fsync(handle)
-        finally:
-            os.close(handle)
 
 
 def _locked(path: Path) -> Any:

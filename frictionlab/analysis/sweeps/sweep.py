@@ -19,7 +19,7 @@ from frictionlab.presentation import count, import_optional, shorten, span
 from frictionlab.validation import check_mapping, float_array
 
 from .journal import Journal
-from .task_runner import check_function, run_tasks
+from .task_runner import check_function, function_name, run_tasks
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,7 +150,7 @@ def sweep(
     starts = [named_state(start) for start in x0]
     for start in starts:
         initial_state_of(model, start)
-    specification = {"function": _name(function), "model": model.to_dict(), "x0": starts}
+    specification = {"function": function_name(function), "model": model.to_dict(), "x0": starts}
     specification |= {"over": {k: v.tolist() for k, v in axes.items()}}
     tasks = [(m, start) for m in models for start in x0] if starts else [(m,) for m in models]
     with Journal(specification, how.resume) as journal:
@@ -188,10 +188,6 @@ def _axes(over: Mapping[str, Any]) -> dict[str, NDArray[np.float64]]:
 
 def _point(axes: Mapping[str, Any], point: tuple[float, ...]) -> str:
     return ", ".join(f"{name} = {value:g}" for name, value in zip(axes, point))
-
-
-def _name(function: Callable[..., Any]) -> str:
-    return getattr(function, "__qualname__", type(function).__name__)
 
 
 def _own_name(function: Callable[..., Any]) -> str:

@@ -107,6 +107,11 @@ def check_function(name: str, function: Any, cure: str) -> None:
         raise TypeError(f"{name} must be a function of a model, got {function!r}: {cure}")
 
 
+def function_name(function: Callable[..., Any]) -> str:
+    """What files tell functions apart by."""
+    return getattr(function, "__qualname__", type(function).__name__)
+
+
 def _collect_results(
     running: dict[Future[Any], int],
     keep: Callable[[int, Any], None],

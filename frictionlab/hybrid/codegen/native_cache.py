@@ -16,7 +16,7 @@ from functools import cache
 from itertools import accumulate
 from pathlib import Path
 from typing import Any
-from weakref import WeakKeyDictionary
+from weakref import WeakKeyDictionary, ref
 
 import numpy as np
 
@@ -32,6 +32,9 @@ from frictionlab.hybrid.tape.program import Code, Program
 LOGGER = logging.getLogger(__name__)
 # number of a mode's jets after which compiling pays: interpreted, they take as long as the compilation
 COMPILE_AFTER = 20_000
+# Terms of affine sums, as of finite elements: with more, the kernel's loops take no longer, and LLVM takes
+# hundreds of MB.
+MOST_TERMS = 4000
 NAME, STEP = "jets", "step"
 _MADE: WeakKeyDictionary[Program, NativeCode] = WeakKeyDictionary()
 _ENGINES: list[Any] = []  # engines own the code, so they live as long as the process
@@ -58,7 +61,9 @@ class NativeCode:
         self.requested: dict[int, Future[None]] = {}
         self._used, addresses, steps = np.zeros((3, count), dtype=np.int64)
         self.code: Code = program.code._replace(native=addresses, lanes=steps)
-        self._after: list[NativeCode] = []  # of programs that have more modes behind these
+        # of this program, and of all with modes before or behind these; weak, as only the last one is in use
+        self._family: list[ref[NativeCode]] = [] if before is None else before._family
+        self._family.append(ref(self))
         if before is not None:
             before._share_with(self, known)
         for mode in modes:
@@ -70,15 +75,14 @@ class NativeCode:
         after.tapes = self.tapes | after.tapes
         after._of_steps = self._of_steps | after._of_steps
         after.requested = self.requested
-        self._after.append(after)
         after._used[:known] = self._used[:known]
         after.code.native[:known] = self.code.native[:known]
         after.code.lanes[:known] = self.code.lanes[:known]
 
     def _set_address(self, kind: str, mode: int, address: int) -> None:
-        getattr(self.code, kind)[mode] = address
-        for after in self._after:
-            after._set_address(kind, mode, address)
+        for member in filter(None, (one() for one in self._family)):
+            if mode in member.tapes:
+                getattr(member.code, kind)[mode] = address
 
     def used(self, modes: np.ndarray) -> None:
         """Count the jets computed in each mode; start the compilation of modes with many."""
@@ -86,7 +90,7 @@ class NativeCode:
             return
         self._used += np.bincount(modes, minlength=len(self._used))
         for mode in np.flatnonzero((self._used > COMPILE_AFTER) & (self.code.native == 0)).tolist():
-            if mode not in self.requested:
+            if mode not in self.requested and len(self.tapes[mode].tape.terms) <= MOST_TERMS:
                 self.requested[mode] = _worker().submit(self.compile, mode)
 
     def compile(self, mode: int) -> None:

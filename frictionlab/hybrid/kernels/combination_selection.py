@@ -27,23 +27,23 @@ UNKNOWN = -2  # a combination of which it is not known whether it is a mode
 
 
 @kernel
-def find_mode(code, combination):
+def find_mode(demand, combination):
     """Number of the mode of a combination; NO_MODE where it is none, UNKNOWN where it is not yet derived."""
-    for k in range(code.demand.combinations.shape[0]):
+    for k in range(demand.combinations.shape[0]):
         same = True
         for i in range(combination.shape[0]):
-            if code.demand.combinations[k, i] != combination[i]:
+            if demand.combinations[k, i] != combination[i]:
                 same = False
                 break
         if same:
-            return code.demand.modes[k]
+            return demand.modes[k]
     return UNKNOWN
 
 
 @kernel
-def add_candidate(row, candidates, count):
+def add_candidate(row, queue, count):
     """Put a combination at the end of the queue of `count`, unless it is there; returns the new count."""
-    rows = candidates.rows
+    rows = queue.rows
     if count == rows.shape[0]:
         return count
     for k in range(count):
@@ -59,15 +59,16 @@ def add_candidate(row, candidates, count):
 
 
 @kernel
-def add_targets(code, guard, candidates, count):
+def add_targets(queue, guard, count):
     """Put the targets of a guard's event into the queue; returns the new count."""
-    for k in range(code.demand.listed[guard], code.demand.listed[guard + 1]):
-        count = add_candidate(code.demand.targets[k], candidates, count)
+    demand = queue.demand
+    for k in range(demand.listed[guard], demand.listed[guard + 1]):
+        count = add_candidate(demand.targets[k], queue, count)
     return count
 
 
 @kernel
-def add_targets_of_failed_guards(system, mode, z, rounding, order, scratch, count):
+def add_targets_of_failed_guards(system, queue, mode, z, rounding, order, scratch, count):
     """Put the targets of all events into the queue that keep a mode from being entered; the new count."""
     code, J, bounds = system.code, scratch.jets, scratch.bounds
     mode_jets(code, system.numbers, mode, order, z, J)
@@ -78,46 +79,47 @@ def add_targets_of_failed_guards(system, mode, z, rounding, order, scratch, coun
             J[slot], bounds[slot], zeros_by_construction(code, scratch, g), order, rounding.share
         )
         if k <= order and J[slot, k] < 0.0:
-            count = add_targets(code, g, scratch.candidates, count)
+            count = add_targets(queue, g, count)
     return count
 
 
 @kernel
-def mark_regimes(system, z, rounding, scratch):
+def mark_regimes(system, queue, z, rounding, scratch):
     """Note for each regime of each part whether its conditions allow to enter a mode with it at `z`."""
-    code, J, bounds, allowed = system.code, scratch.jets, scratch.bounds, scratch.candidates.allowed
+    code, J, bounds, allowed = system.code, scratch.jets, scratch.bounds, queue.allowed
     mode = code.built.shape[0] - 1  # the last stands for the conditions of all regimes
     mode_jets(code, system.numbers, mode, 0, z, J)
     majorant(code, system.magnitudes, mode, 0, rounding.sizes, J, bounds)
-    first = code.mode_constraints[mode]
+    first, conditions = code.mode_constraints[mode], queue.demand.conditions
     for r in range(allowed.shape[0]):
         allowed[r] = 1
-        for f in range(first + code.demand.conditions[r], first + code.demand.conditions[r + 1]):
+        for f in range(first + conditions[r], first + conditions[r + 1]):
             slot, zeros = code.function_slots[f], zeros_by_construction(code, scratch, f)
             if leading_order(J[slot], bounds[slot], zeros, 0, rounding.share) == 0 and J[slot, 0] < 0.0:
                 allowed[r] = 0
 
 
 @kernel
-def is_allowed(code, combination, allowed):
+def is_allowed(queue, combination):
     """Whether the conditions of all regimes of a combination allow it."""
     refused = 0
     for i in range(combination.shape[0]):
-        if allowed[code.demand.regimes[i] + combination[i]] == 0:
+        if queue.allowed[queue.demand.regimes[i] + combination[i]] == 0:
             refused += 1
     return refused == 0
 
 
 @kernel
-def next_allowed(code, place, allowed, begins):
-    """Write the next allowed combination into `place`, the first where it `begins`; whether there is one."""
+def next_allowed(queue, begins):
+    """Go on to the next allowed combination, the first where it `begins`; whether there is one."""
+    place, allowed, regimes = queue.place, queue.allowed, queue.demand.regimes
     i = 0 if begins else place.shape[0] - 1
     if begins:
         place[:] = -1
     while 0 <= i < place.shape[0]:
-        count = code.demand.regimes[i + 1] - code.demand.regimes[i]
+        count = regimes[i + 1] - regimes[i]
         place[i] += 1
-        while place[i] < count and allowed[code.demand.regimes[i] + place[i]] == 0:
+        while place[i] < count and allowed[regimes[i] + place[i]] == 0:
             place[i] += 1
         if place[i] < count:
             i += 1
@@ -136,32 +138,31 @@ def try_candidate(system, mode, z, rounding, order, scratch):
 
 
 @kernel
-def select_combination(system, guard, z, rounding, order, scratch):
+def select_combination(system, queue, guard, z, rounding, order, scratch):
     """First admissible mode after the event of a guard, at the start for NO_MODE: a :class:`Selection`.
 
-    As :func:`select_mode`.  Where a mode is missing its combination is left in ``candidates.missing``.
+    As :func:`select_mode`.  Where a mode is missing its combination is left in ``queue.missing``.
     """
-    code, candidates = system.code, scratch.candidates
-    rows, marked, begins, passed = candidates.rows, False, True, NO_MODE
-    count = 0 if guard == NO_MODE else add_targets(code, guard, candidates, 0)
+    rows, marked, begins, passed = queue.rows, False, True, NO_MODE
+    count = 0 if guard == NO_MODE else add_targets(queue, guard, 0)
     tried = 0
     while True:
         while tried == count:
             if not marked:
-                mark_regimes(system, z, rounding, scratch)
+                mark_regimes(system, queue, z, rounding, scratch)
                 marked = True
-            if count == rows.shape[0] or not next_allowed(code, candidates.place, candidates.allowed, begins):
+            if count == rows.shape[0] or not next_allowed(queue, begins):
                 return enter_passed(system, passed, z, rounding, order, scratch)
             begins = False
-            count = add_candidate(candidates.place, candidates, count)
-        mode = find_mode(code, rows[tried])
+            count = add_candidate(queue.place, queue, count)
+        mode = find_mode(queue.demand, rows[tried])
         tried += 1
         if mode == UNKNOWN:
             if not marked:
-                mark_regimes(system, z, rounding, scratch)
+                mark_regimes(system, queue, z, rounding, scratch)
                 marked = True
-            if is_allowed(code, rows[tried - 1], candidates.allowed):
-                copy_vector(rows[tried - 1], candidates.missing)
+            if is_allowed(queue, rows[tried - 1]):
+                copy_vector(rows[tried - 1], queue.missing)
                 return Selection(NO_MODE, MISSING)
         if mode < 0:
             continue
@@ -170,4 +171,4 @@ def select_combination(system, guard, z, rounding, order, scratch):
             return Selection(mode, NO_MODE)
         if verdict == AT_ANOTHER_EVENT and passed == NO_MODE:
             passed = mode
-        count = add_targets_of_failed_guards(system, mode, z, rounding, order, scratch, count)
+        count = add_targets_of_failed_guards(system, queue, mode, z, rounding, order, scratch, count)

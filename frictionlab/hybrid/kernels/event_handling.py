@@ -26,6 +26,7 @@ from frictionlab.hybrid.kernels.run_state import (
     ENTERED,
     EVENT_GUARD,
     EVENT_MULTIPLICITY,
+    EVENT_PENDING,
     EVENTS,
     JETS_READY,
     MODE,
@@ -88,16 +89,16 @@ def select_limit_mode(system, guard, order, run, scratch):
     return selection
 
 
-@kernel
-def select_target(system, guard, z, rounding, order, scratch):
+@inlined
+def select_target(system, queue, guard, z, rounding, order, scratch):
     """First admissible mode after the event of a guard, a :class:`Selection`."""
-    if scratch.candidates.place.shape[0]:
-        return select_combination(system, guard, z, rounding, order, scratch)
-    return select_mode(system, system.code.targets[guard], z, rounding, order, scratch)
+    if queue is None:
+        return select_mode(system, system.code.targets[guard], z, rounding, order, scratch)
+    return select_combination(system, queue, guard, z, rounding, order, scratch)
 
 
 @kernel
-def reset_and_select_mode(system, truncation, event, run, scratch):
+def reset_and_select_mode(system, queue, truncation, event, run, scratch):
     """Reset the state after an event and enter the next mode; returns (:class:`Selection`, closed)."""
     code, guard, order = system.code, event.guard, truncation.order
     closing = 0
@@ -112,12 +113,23 @@ def reset_and_select_mode(system, truncation, event, run, scratch):
     if code.resets[guard, closing] < 0:
         scratch.ended[0], scratch.ended[1] = guard, event.multiplicity
     z = run.state
-    selection = select_target(system, guard, z, Rounding(z, COEFFICIENT_ROUNDING), order, scratch)
+    selection = select_target(system, queue, guard, z, Rounding(z, COEFFICIENT_ROUNDING), order, scratch)
     # Another event at this instant? Its guard is zero up to the rounding of the step, or what it leaves out.
     for share in (COEFFICIENT_ROUNDING, max(COEFFICIENT_ROUNDING, FUNCTION_TOL_FACTOR * truncation.tol)):
         if selection.mode == NO_MODE and selection.missing == NO_MODE:
-            selection = select_target(system, guard, z, Rounding(run.sizes, share), order, scratch)
+            selection = select_target(system, queue, guard, z, Rounding(run.sizes, share), order, scratch)
     return selection, closing
+
+
+@kernel
+def leave_event(event, run):
+    """Note an event that is yet to be handled; returns that status of the run.
+
+    Where modes are derived on demand the solver's loop leaves its events: what chooses among combinations
+    of regimes would make it longer for all.
+    """
+    run.counts[EVENT_GUARD], run.counts[EVENT_MULTIPLICITY] = event.guard, event.multiplicity
+    return EVENT_PENDING
 
 
 @kernel
@@ -126,17 +138,29 @@ def handle_event(system, truncation, event, run, record, scratch):
 
     ``truncation.tol`` is the share of the states by which the steps may miss the event.
     """
+    return record_and_change_mode(system, None, truncation, event, run, record, scratch)
+
+
+@kernel
+def handle_event_on_demand(system, queue, truncation, event, run, record, scratch):
+    """The same where modes are derived on demand, and chosen among combinations of regimes."""
+    return record_and_change_mode(system, queue, truncation, event, run, record, scratch)
+
+
+@kernel
+def record_and_change_mode(system, queue, truncation, event, run, record, scratch):
+    """As :func:`handle_event`; `queue` is None where modes are listed."""
     times, counts = run.times, run.counts
     row = counts[EVENTS]
     record.event_times[row] = times[NOW]
     copy_vector(run.state, record.event_states[row, 0])
     short_dwells, short_flights = counts[SHORT_DWELLS], counts[SHORT_FLIGHTS]
-    selection, closed = reset_and_select_mode(system, truncation, event, run, scratch)
+    selection, closed = reset_and_select_mode(system, queue, truncation, event, run, scratch)
     mode = selection.mode
     if selection.missing != NO_MODE:  # it is to be derived first, as if the event were yet to happen
         copy_vector(record.event_states[row, 0], run.state)
         counts[SHORT_DWELLS], counts[SHORT_FLIGHTS] = short_dwells, short_flights
-        counts[EVENT_GUARD], counts[EVENT_MULTIPLICITY] = event.guard, event.multiplicity
+        leave_event(event, run)
         return MODE_NOT_DERIVED
     record.event_codes[row, 0] = event.guard
     record.event_codes[row, 1] = mode

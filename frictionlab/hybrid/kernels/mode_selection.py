@@ -33,6 +33,12 @@ class Selection(NamedTuple):
     missing: int
 
 
+@inlined
+def has_modes_on_demand(code):
+    """Whether modes are derived on demand, so that no event lists those that may follow it."""
+    return code.targets.shape[1] == 0
+
+
 @kernel
 def apply_reset(system, reset, z, J):
     """Overwrite the state by its values after the reset number `reset`; none for -1."""
@@ -42,7 +48,7 @@ def apply_reset(system, reset, z, J):
             z[i] = J[system.code.reset_out[reset, i], 0]
 
 
-@kernel
+@inlined
 def set_zeros_by_construction(code, guard, closing, scratch):
     """Note which functions vanish after a reset of an event: its own, or that for an accumulation."""
     forget_zeros(scratch)
@@ -51,10 +57,11 @@ def set_zeros_by_construction(code, guard, closing, scratch):
         scratch.structural_zeros[code.zero_classes[k]] = code.zero_counts[k]
 
 
-@kernel
+@inlined
 def forget_zeros(scratch):
     """Note that no function vanishes by construction."""
-    scratch.structural_zeros[:] = 0
+    for i in range(scratch.structural_zeros.shape[0]):
+        scratch.structural_zeros[i] = 0
     scratch.ended[0] = NO_MODE
 
 
@@ -149,7 +156,7 @@ def select_mode(system, candidates, z, rounding, order, scratch):
     return enter_passed(system, passed, z, rounding, order, scratch)
 
 
-@kernel
+@inlined
 def enter_passed(system, passed, z, rounding, order, scratch):
     """Select a mode that is at another event, if there is one; leaves its jets in `scratch`."""
     if passed != NO_MODE:

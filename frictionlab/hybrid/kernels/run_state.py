@@ -15,16 +15,17 @@ from frictionlab.hybrid.kernels.jets import JET_COLUMNS
 from frictionlab.hybrid.kernels.roots import RootScratch, new_root_scratch
 from frictionlab.hybrid.tape.program import Code, Demand
 
-RUNNING, FINISHED, NO_ADMISSIBLE_MODE, STALLED, ZENO, NOT_FINITE, MODE_NOT_DERIVED = range(7)
+RUNNING, FINISHED, NO_ADMISSIBLE_MODE, STALLED, ZENO, NOT_FINITE, MODE_NOT_DERIVED, EVENT_PENDING = range(8)
 
 # Combinations of regimes tried after an event, most: all of 6 contacts that may stick or slip either way.
 MAX_CANDIDATES = 3**6
 CLOCK_RESOLUTION = 1e-15  # share of the time that the clock shows as some of its last digits
 
 
-class Candidates(NamedTuple):
-    """Combinations of regimes that come to be tried as the next mode; see :class:`Demand`."""
+class CombinationQueue(NamedTuple):
+    """Combinations of regimes that come to be tried as the next mode, where modes are derived on demand."""
 
+    demand: Demand
     rows: np.ndarray  # (MAX_CANDIDATES, parts) in the order in which they are tried
     allowed: np.ndarray  # (regimes,) whether their conditions allow to enter a mode
     place: np.ndarray  # (parts,) of the last taken from the automaton's order
@@ -44,7 +45,6 @@ class Scratch(NamedTuple):
     )  # (2,) the guard that ended the last mode without a reset, -1 for none; its multiplicity
     leading_zeros: np.ndarray  # (guards of a mode,) leading coefficients that count as zero
     states: np.ndarray  # (states,)
-    candidates: Candidates
 
 
 class Truncation(NamedTuple):
@@ -67,8 +67,8 @@ class RunState(NamedTuple):
     events that have a limit mode, and what the sum of the steps is beyond now;
     ``counts``: mode, steps, events, section points, short dwells in a row by either limit, accumulations
     closed, events without advance, whether the jets are at hand, whether an accumulation ends the run, and
-    the number of the current cell of a fixed time grid, and the guard and multiplicity of the event at
-    which a mode has yet to be derived;
+    the number of the current cell of a fixed time grid, and the guard and multiplicity of an event that
+    has yet to be handled, or whose mode has yet to be derived;
     ``sizes``: what the rounding errors of the state at the last event are relative to."""
 
     state: np.ndarray
@@ -177,15 +177,16 @@ def new_scratch(slots: int, code: Code, order: int) -> Scratch:
         ended=np.array([-1, 0]),
         leading_zeros=np.zeros(max(1, int(np.diff(code.mode_guards).max())), dtype=np.int64),
         states=np.zeros(code.inputs),
-        candidates=new_candidates(code.demand),
     )
 
 
-def new_candidates(demand: Demand) -> Candidates:
-    """No candidates yet."""
+def new_queue(demand: Demand | None) -> CombinationQueue | None:
+    """An empty queue; None where all modes are derived."""
+    if demand is None:
+        return None
     parts, regimes = len(demand.regimes) - 1, demand.regimes[-1]
-    rows = np.zeros((MAX_CANDIDATES if parts else 0, parts), dtype=np.int64)
-    return Candidates(rows, np.zeros(regimes, dtype=np.int64), *np.zeros((2, parts), dtype=np.int64))
+    rows, allowed = np.zeros((MAX_CANDIDATES, parts), dtype=np.int64), np.zeros(regimes, dtype=np.int64)
+    return CombinationQueue(demand, rows, allowed, *np.zeros((2, parts), dtype=np.int64))
 
 
 def jet_columns(order: int) -> int:

@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 from frictionlab.hybrid.compilation import inlined, kernel
-from frictionlab.hybrid.kernels.event_handling import count_repeat, handle_event
+from frictionlab.hybrid.kernels.event_handling import count_repeat, handle_event, leave_event
 from frictionlab.hybrid.kernels.event_location import (
     NO_GUARD,
     GuardZero,
@@ -23,6 +23,7 @@ from frictionlab.hybrid.kernels.event_location import (
     rescale,
 )
 from frictionlab.hybrid.kernels.jets import copy_vector, mode_jets, polynomial_value, states_at
+from frictionlab.hybrid.kernels.mode_selection import has_modes_on_demand
 from frictionlab.hybrid.kernels.powers import (
     MIN_USEFUL_ORDER,
     has_base_near_zero,
@@ -218,12 +219,15 @@ def take_taylor_step(system, truncation, run, record, scratch):
             record_sizes(record.step_states[row], run)
     if guard == NO_GUARD:
         return RUNNING if goes_on else count_repeat(counts)
-    return handle_event(system, truncation, GuardZero(h, guard, multiplicity), run, record, scratch)
+    event = GuardZero(h, guard, multiplicity)
+    if has_modes_on_demand(code):
+        return leave_event(event, run)
+    return handle_event(system, truncation, event, run, record, scratch)
 
 
 @kernel
 def advance_taylor(system, truncation, run, record, scratch):
-    """Run until the end, an error, or until a buffer may be full (RUNNING)."""
+    """Run until the end, an error, an event that is left, or until a buffer may be full (RUNNING)."""
     times, counts = run.times, run.counts
     room = record.point_times.shape[0] - (truncation.order + 2) * system.code.sections.shape[1]
     while times[NOW] < times[END]:

@@ -14,11 +14,12 @@ from typing import Any, ClassVar
 import numpy as np
 
 from frictionlab.hybrid.codegen.native_cache import NativeCode, native_code
-from frictionlab.hybrid.kernels import event_handling, run_state
+from frictionlab.hybrid.kernels import run_state
 from frictionlab.hybrid.kernels.combination_selection import select_combination
+from frictionlab.hybrid.kernels.event_handling import handle_event, handle_event_on_demand
 from frictionlab.hybrid.kernels.event_location import COEFFICIENT_ROUNDING, GuardZero
 from frictionlab.hybrid.kernels.mode_selection import NO_MODE, Rounding, Selection, forget_zeros, select_mode
-from frictionlab.hybrid.kernels.run_state import new_record, new_scratch
+from frictionlab.hybrid.kernels.run_state import CombinationQueue, new_queue, new_record, new_scratch
 from frictionlab.hybrid.problem import Problem, RecordList, RunData, Status
 from frictionlab.hybrid.progress import Progress
 from frictionlab.hybrid.tape.program import System, system_of
@@ -37,19 +38,61 @@ STATUS_OF_CODE = {
 _COUNTED = [run_state.STEPS, run_state.EVENTS, run_state.POINTS]
 
 
-def initial_mode(problem: Problem, system: System, order: int, scratch: run_state.Scratch) -> Selection:
-    """First admissible mode at the initial state; leaves its jets in `scratch`.
+@dataclass(frozen=True)
+class ActiveRun:
+    """A run in progress: its arrays, as the kernels take them.
+
+    `queue` is None where all modes are derived; `event` is that at which a mode had to be derived,
+    after which the next is yet to be chosen.
+    """
+
+    problem: Problem
+    natives: NativeCode
+    system: System  # with the addresses of native code
+    cursor: run_state.RunState
+    scratch: run_state.Scratch
+    queue: CombinationQueue | None
+    event: GuardZero | None = None
+
+    def without_native_code(self) -> ActiveRun:
+        """The run whose modes are all interpreted."""
+        return replace(self, system=self.system._replace(code=self.problem.program.code))
+
+    def handle_event(
+        self, truncation: run_state.Truncation, event: GuardZero, record: run_state.Record
+    ) -> int:
+        """Record an event and choose the next mode by series up to an order; returns how the run goes on."""
+        arrays = self.cursor, record, self.scratch
+        if self.queue is None:
+            return handle_event(self.system, truncation, event, *arrays)
+        return handle_event_on_demand(self.system, self.queue, truncation, event, *arrays)
+
+    def with_missing_mode(self) -> Problem:
+        """The problem with the mode that was to be tried next and is not derived."""
+        assert self.queue is not None
+        return self.problem.with_mode(self.queue.missing)
+
+    def event_left(self) -> GuardZero:
+        """The event that a kernel left to be handled."""
+        counts = self.cursor.counts
+        guard, multiplicity = counts[run_state.EVENT_GUARD], counts[run_state.EVENT_MULTIPLICITY]
+        return GuardZero(0.0, int(guard), int(multiplicity))
+
+
+def initial_mode(run: ActiveRun, order: int) -> Selection:
+    """First admissible mode at the initial state; leaves its jets in the scratch arrays.
 
     Raises
     ------
     ValueError
         Where the mode that was asked for cannot be entered there.
     """
-    program = problem.program
+    problem, scratch = run.problem, run.scratch
+    program, system = problem.program, run.without_native_code().system
     forget_zeros(scratch)
     rounding = Rounding(problem.x0, COEFFICIENT_ROUNDING)
-    if problem.mode is None and len(scratch.candidates.place):
-        return select_combination(system, NO_MODE, problem.x0, rounding, order, scratch)
+    if problem.mode is None and run.queue is not None:
+        return select_combination(system, run.queue, NO_MODE, problem.x0, rounding, order, scratch)
     candidates = program.initial if problem.mode is None else np.array([problem.mode], dtype=np.int64)
     selection = select_mode(system, candidates, problem.x0, rounding, order, scratch)
     if selection.mode < 0 and problem.mode is not None:
@@ -58,21 +101,6 @@ def initial_mode(problem: Problem, system: System, order: int, scratch: run_stat
             "does not hold or fails at once; leave mode=None to have the mode chosen"
         )
     return selection
-
-
-@dataclass(frozen=True)
-class ActiveRun:
-    """A run in progress: its arrays, as the kernels take them.
-
-    `event` is one at which a mode had to be derived, so that the next is yet to be chosen.
-    """
-
-    problem: Problem
-    natives: NativeCode
-    system: System  # with the addresses of native code
-    cursor: run_state.RunState
-    scratch: run_state.Scratch
-    event: GuardZero | None = None
 
 
 @dataclass(frozen=True)
@@ -121,8 +149,7 @@ class Method(ABC):
     def handle_event(self, run: ActiveRun, event: GuardZero, record: run_state.Record) -> int:
         """Record an event and choose the next mode; returns how the run goes on, as :meth:`advance`."""
         truncation = run_state.Truncation(self.degree, 0.0)
-        system = run.system._replace(code=run.problem.program.code)
-        return event_handling.handle_event(system, truncation, event, run.cursor, record, run.scratch)
+        return run.without_native_code().handle_event(truncation, event, record)
 
     def integrate(self, problem: Problem, progress: Progress) -> RunData:
         """Run the problem to its end, or as far as it goes."""
@@ -130,12 +157,12 @@ class Method(ABC):
             return self._integrate(problem, progress)
 
     def _integrate(self, problem: Problem, progress: Progress) -> RunData:
-        run, pieces, status = self._begin(problem), RecordList(), Status.RUNNING
+        run, pieces, status, record = self._begin(problem), RecordList(), Status.RUNNING, None
         counts, times = run.cursor.counts, run.cursor.times
         if counts[run_state.MODE] < 0:
             status = Status.NO_ADMISSIBLE_MODE
         while status is Status.RUNNING:
-            record = self._record(run, pieces)
+            record = self._record(run, pieces, record)
             counts[_COUNTED] = 0
             end = int(self._advance_or_enter(run, record))
             run = replace(run, event=None) if run.event is not None else run
@@ -145,42 +172,52 @@ class Method(ABC):
             if progress.update(times[run_state.NOW]) and status is Status.RUNNING:
                 status = Status.INTERRUPTED
             elif end == run_state.MODE_NOT_DERIVED:
-                run = self._with_missing_mode(run)
+                run = self._prepare(run.with_missing_mode(), run.cursor, run.event_left())
         mode = int(counts[run_state.MODE])
         return pieces.raw(run.problem.program.code, times[run_state.NOW], run.cursor.state, mode, status)
 
     def _advance_or_enter(self, run: ActiveRun, record: run_state.Record) -> int:
-        """Go on, or first enter the mode that has been derived meanwhile."""
-        return self.advance(run, record) if run.event is None else self.handle_event(run, run.event, record)
+        """Go on, or first enter the mode that has been derived meanwhile, and handle what events are left."""
+        end = self.advance(run, record) if run.event is None else self.handle_event(run, run.event, record)
+        while end == run_state.EVENT_PENDING:
+            end = self.handle_event(run, run.event_left(), record)
+            if end == run_state.RUNNING:
+                end = self.advance(run, record)
+        return end
 
     def _begin(self, problem: Problem) -> ActiveRun:
-        problem, natives, system, scratch = self._prepared(problem)
-        mode, missing = map(int, initial_mode(problem, system, self.degree, scratch))
-        while missing != NO_MODE:
-            problem = problem.with_mode(scratch.candidates.missing)
-            problem, natives, system, scratch = self._prepared(problem)
-            mode, missing = map(int, initial_mode(problem, system, self.degree, scratch))
-        cursor = run_state.new_run_state(problem.x0, mode, problem.t_end, self.limits, self.raises)
+        cursor = run_state.new_run_state(problem.x0, NO_MODE, problem.t_end, self.limits, self.raises)
         cursor = cursor._replace(signs=np.zeros(problem.program.code.sections.shape[1], dtype=np.int64))
-        return ActiveRun(problem, natives, system._replace(code=natives.code), cursor, scratch)
+        run = self._prepare(problem, cursor)
+        mode, missing = initial_mode(run, self.degree)
+        while missing != NO_MODE:
+            run = self._prepare(run.with_missing_mode(), cursor)
+            mode, missing = initial_mode(run, self.degree)
+        cursor.counts[run_state.MODE] = mode
+        return run
 
-    def _prepared(self, problem: Problem) -> tuple[Problem, NativeCode, System, run_state.Scratch]:
-        natives, system = native_code(problem.program), system_of(problem.program.code, problem.numbers)
-        return problem, natives, system, new_scratch(problem.program.slots, problem.program.code, self.degree)
+    def _prepare(
+        self, problem: Problem, cursor: run_state.RunState, event: GuardZero | None = None
+    ) -> ActiveRun:
+        program = problem.program
+        natives, system = native_code(program), system_of(program.code, problem.numbers)
+        scratch, queue = new_scratch(program.slots, program.code, self.degree), new_queue(program.demand)
+        return ActiveRun(problem, natives, system._replace(code=natives.code), cursor, scratch, queue, event)
 
-    def _with_missing_mode(self, run: ActiveRun) -> ActiveRun:
-        """The run where it stands, with one mode more; next is the event at which that was missing."""
-        problem, natives, system, scratch = self._prepared(
-            run.problem.with_mode(run.scratch.candidates.missing)
-        )
-        counts = run.cursor.counts
-        event = GuardZero(0.0, int(counts[run_state.EVENT_GUARD]), int(counts[run_state.EVENT_MULTIPLICITY]))
-        return ActiveRun(problem, natives, system._replace(code=natives.code), run.cursor, scratch, event)
+    def _record(self, run: ActiveRun, pieces: RecordList, last: run_state.Record | None) -> run_state.Record:
+        """A record to fill: the last one again where nothing was kept of it but copies.
 
-    def _record(self, run: ActiveRun, pieces: RecordList) -> run_state.Record:
+        A run that stops for every new mode would leave memory in pieces.
+        """
         code = run.problem.program.code
         steps = min(RECORD_CAPACITY, self.max_steps - pieces.steps)
         events = min(RECORD_CAPACITY, self.max_events - pieces.events)
+        if (
+            last is not None
+            and pieces.copied
+            and (steps, events) == (len(last.step_modes), len(last.event_times))
+        ):
+            return last
         points = (self.degree + 2) * code.sections.shape[1]
         return new_record(code, steps, events, points + (RECORD_CAPACITY if points else 0))
 

@@ -26,6 +26,7 @@ from frictionlab.hybrid.methods.step_events import (
     SIMPLE,
     end_of_cell,
     enter_next_mode,
+    enter_next_mode_on_demand,
     failed_guard,
     is_full,
     record_step,
@@ -106,7 +107,10 @@ class OneStepMethod(Method):
         return FINISHED
 
     def handle_event(self, run: ActiveRun, event: GuardZero, record: run_state.Record) -> int:
-        return enter_next_mode(run.system, event, self._order, run.cursor, record, run.scratch)
+        arrays = run.cursor, record, run.scratch
+        if run.queue is None:
+            return enter_next_mode(run.system, event, self._order, *arrays)
+        return enter_next_mode_on_demand(run.system, run.queue, event, self._order, *arrays)
 
     @property
     def _order(self) -> int:

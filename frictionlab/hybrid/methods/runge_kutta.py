@@ -7,8 +7,10 @@ from typing import NamedTuple
 import numpy as np
 
 from frictionlab.hybrid.compilation import inlined, kernel
+from frictionlab.hybrid.kernels.event_handling import leave_event
 from frictionlab.hybrid.kernels.event_location import GuardZero
 from frictionlab.hybrid.kernels.jets import copy_vector, state_rates
+from frictionlab.hybrid.kernels.mode_selection import has_modes_on_demand
 from frictionlab.hybrid.kernels.run_state import CELL, END, FINISHED, MODE, NOT_FINITE, NOW, RUNNING
 from frictionlab.hybrid.methods.step_events import (
     BISECTIONS,
@@ -116,12 +118,15 @@ def take_runge_kutta_step(system, scheme, run, record, scratch):
     record_step(h, goal, new, run, record)
     if guard < 0:
         return RUNNING
-    return enter_next_mode(system, GuardZero(h, guard, SIMPLE), scheme.order, run, record, scratch)
+    event = GuardZero(h, guard, SIMPLE)
+    if has_modes_on_demand(code):
+        return leave_event(event, run)
+    return enter_next_mode(system, event, scheme.order, run, record, scratch)
 
 
 @kernel
 def advance_runge_kutta(system, scheme, run, record, scratch):
-    """Run until the end, an error, or until a buffer is full (RUNNING)."""
+    """Run until the end, an error, an event that is left, or until a buffer is full (RUNNING)."""
     while run.times[NOW] < run.times[END]:
         if is_full(run, record):
             return RUNNING

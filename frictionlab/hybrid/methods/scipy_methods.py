@@ -95,8 +95,7 @@ class Scipy(Method):
 
     def handle_event(self, run: ActiveRun, event: GuardZero, record: run_state.Record) -> int:
         truncation = run_state.Truncation(self.degree, self.rtol)
-        system = run.system._replace(code=run.problem.program.code)
-        return event_handling.handle_event(system, truncation, event, run.cursor, record, run.scratch)
+        return run.without_native_code().handle_event(truncation, event, record)
 
     def _solver(self, run: ActiveRun) -> Any:
         """scipy's integrator at the state of the run; None where a rate there is no number."""

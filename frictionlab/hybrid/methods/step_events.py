@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from frictionlab.hybrid.compilation import inlined, kernel
 from frictionlab.hybrid.kernels.combination_selection import select_combination
-from frictionlab.hybrid.kernels.event_handling import handle_event
+from frictionlab.hybrid.kernels.event_handling import handle_event, handle_event_on_demand, leave_event
 from frictionlab.hybrid.kernels.event_location import COEFFICIENT_ROUNDING
 from frictionlab.hybrid.kernels.jets import copy_vector, mode_jets
 from frictionlab.hybrid.kernels.mode_selection import (
@@ -24,8 +24,6 @@ from frictionlab.hybrid.kernels.run_state import (
     CELL,
     END,
     ENTERED,
-    EVENT_GUARD,
-    EVENT_MULTIPLICITY,
     EVENTS,
     MODE,
     MODE_NOT_DERIVED,
@@ -56,14 +54,15 @@ def failed_guard(code, numbers, mode, z, J):
 
 
 @kernel
-def select_mode_by_values(system, guard, z, scratch):
+def select_mode_by_values(system, queue, guard, z, scratch):
     """First target whose conditions hold by their values alone; what the event made zero holds.
 
     So slip is entered after a re-contact whatever the penetration rate.
     """
     set_zeros_by_construction(system.code, guard, 0, scratch)
-    if scratch.candidates.place.shape[0]:
-        return select_combination(system, guard, z, Rounding(z, COEFFICIENT_ROUNDING), BY_VALUES, scratch)
+    if queue is not None:
+        rounding = Rounding(z, COEFFICIENT_ROUNDING)
+        return select_combination(system, queue, guard, z, rounding, BY_VALUES, scratch)
     for mode in system.code.targets[guard]:
         if try_mode_by_values(system, mode, z, scratch) == ADMITTED:
             return Selection(mode, NO_MODE)
@@ -71,17 +70,17 @@ def select_mode_by_values(system, guard, z, scratch):
 
 
 @kernel
-def change_mode(system, guard, run, record, scratch):
+def change_mode(system, queue, event, run, record, scratch):
     """Record the event, reset, enter the next mode by :func:`select_mode_by_values`."""
-    counts = run.counts
+    counts, guard = run.counts, event.guard
     row = counts[EVENTS]
     record.event_times[row] = run.times[NOW]
     copy_vector(run.state, record.event_states[row, 0])
     apply_reset(system, system.code.resets[guard, 0], run.state, scratch.jets)
-    mode, missing = select_mode_by_values(system, guard, run.state, scratch)
+    mode, missing = select_mode_by_values(system, queue, guard, run.state, scratch)
     if missing != NO_MODE:
         copy_vector(record.event_states[row, 0], run.state)
-        counts[EVENT_GUARD], counts[EVENT_MULTIPLICITY] = guard, SIMPLE
+        leave_event(event, run)
         return MODE_NOT_DERIVED
     copy_vector(run.state, record.event_states[row, 1])
     record.event_codes[row, 0] = guard
@@ -99,9 +98,22 @@ def change_mode(system, guard, run, record, scratch):
 def enter_next_mode(system, event, order, run, record, scratch):
     """What is done at an event; modes are chosen by series of an order, at 0 by the values of conditions."""
     if order == BY_VALUES:
-        return change_mode(system, event.guard, run, record, scratch)
-    exact = Truncation(order, 0.0)  # 0: the share of the states by which steps may miss the event
-    return handle_event(system, exact, event, run, record, scratch)
+        return change_mode(system, None, event, run, record, scratch)
+    return handle_event(system, exact(order), event, run, record, scratch)
+
+
+@kernel
+def enter_next_mode_on_demand(system, queue, event, order, run, record, scratch):
+    """The same where modes are derived on demand, and chosen among combinations of regimes."""
+    if order == BY_VALUES:
+        return change_mode(system, queue, event, run, record, scratch)
+    return handle_event_on_demand(system, queue, exact(order), event, run, record, scratch)
+
+
+@inlined
+def exact(order):
+    """Series up to an order, and steps that miss events by nothing."""
+    return Truncation(order, 0.0)
 
 
 @kernel

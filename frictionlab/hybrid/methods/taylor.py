@@ -15,7 +15,6 @@ import numpy as np
 
 from frictionlab.hybrid.compilation import inlined, kernel
 from frictionlab.hybrid.kernels import run_state, taylor_steps
-from frictionlab.hybrid.kernels.event_handling import handle_event
 from frictionlab.hybrid.kernels.event_location import GuardZero
 from frictionlab.hybrid.kernels.jets import MAX_ORDER, copy_vector, mode_jets
 from frictionlab.hybrid.kernels.run_state import (
@@ -207,8 +206,7 @@ class Taylor(Method):
         return self.accumulation == "raise"
 
     def handle_event(self, run: ActiveRun, event: GuardZero, record: run_state.Record) -> int:
-        truncation = Truncation(self.degree, self.tol)
-        return handle_event(run.system, truncation, event, run.cursor, record, run.scratch)
+        return run.handle_event(Truncation(self.degree, self.tol), event, record)
 
     def advance(self, run: ActiveRun, record: run_state.Record) -> int:
         cursor, truncation = run.cursor, Truncation(self.degree, self.tol)

@@ -28,6 +28,7 @@ MAX_TERMS = 1e5  # of an event function or constraint multiplied out, as it is t
 SYMBOL_BITS, MAX_PRECISION, MAX_EXPONENT = 64, 4096, 100_000
 MAX_CHARACTERS = 200  # of a name
 
+DERIVED_FROM = "derived from"  # the key of what modes on demand are derived from
 NUMBER, TRUTH, PAIR = "number", "truth", "pair"
 
 
@@ -91,12 +92,18 @@ class Node:
 
 
 def storable_automaton(automaton: HybridAutomaton) -> dict[str, Any] | str:
-    """The automaton as data that JSON can hold, or why it cannot be."""
-    if isinstance(automaton.modes, ModesOnDemand):
-        return "as it is that of a model, by which modes are derived"
+    """The automaton as data that JSON can hold, or why it cannot be.
+
+    Of modes that are derived on demand, which may be 3^30, it has what they are derived from.
+    """
+    modes = automaton.modes
     try:
-        return automaton_to_data(automaton)
-    except UnknownOperation as error:
+        if not isinstance(modes, ModesOnDemand):
+            return automaton_to_data(automaton)
+        if modes.origin is None:
+            return "as its modes are derived by a function of the session that made it"
+        return {DERIVED_FROM: modes.origin(), "coordinates": automaton.coordinates}
+    except (UnknownOperation, TypeError) as error:
         return f"as {error}"
 
 

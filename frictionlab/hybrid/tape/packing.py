@@ -257,7 +257,7 @@ class Packer:
         known: KnownModes | None = None,
     ) -> Program:
         """The program of the modes so far; with what is `known` of others where they are on demand."""
-        lowered, constraint_classes, demand = self.lowered, self.constraint_classes, _no_demand()
+        lowered, constraint_classes, demand = self.lowered, self.constraint_classes, None
         if self.demand is not None and known is not None:
             conditions = self._conditions_mode(self.demand)
             lowered = [*lowered, lower_mode(conditions, self.states, (), ())]
@@ -268,7 +268,7 @@ class Packer:
         initial = [i for i, mode in enumerate(self.modes) if not mode.limit] if known is None else []
         code = self._code(lowered, coordinates, initial)
         classes = int_array([*self.guard_classes, *constraint_classes])
-        code = code._replace(function_classes=classes, demand=demand)
+        code = code._replace(function_classes=classes)
         every: list[LoweredTape] = [*lowered, *self.resets]
         guards = tuple(event.name for mode in self.modes for event in mode.events)
         guard_modes = int_array([i for i, mode in enumerate(self.modes) for _ in mode.events])
@@ -283,6 +283,7 @@ class Packer:
             int_array(initial),
             fill_function(parameters, every, apart),
             partial(undefined_number, parameters, tuple(every)),
+            demand,
         )
 
     def _code(self, lowered: Sequence[LoweredMode], coordinates: int, initial: Sequence[int]) -> Code:
@@ -301,7 +302,7 @@ class Packer:
             function_slots=_joined(
                 [*(one.guard_slots for one in lowered), *(one.constraint_slots for one in lowered)], np.uint32
             ),
-            targets=int_array(self._targets(initial), columns=len(initial)),
+            targets=self._targets(initial),
             limits=int_array([i for i, mode in enumerate(self.modes) if mode.limit]),
             resets=int_array(self.event_resets, columns=2),
             function_classes=int_array([]),
@@ -323,13 +324,12 @@ class Packer:
             polynomial_degrees=int_array([one.polynomial_degree for one in lowered]),
             guard_degrees=_joined([one.guard_degrees for one in lowered], np.int64),
             groups=int_array([0, coordinates, 2 * coordinates, len(self.physical)]),
-            demand=_no_demand(),
         )
 
-    def _targets(self, initial: Sequence[int]) -> list[list[int]]:
+    def _targets(self, initial: Sequence[int]) -> np.ndarray:
         """The modes that each event leads to, then all others; none where modes are on demand."""
         if not initial:
-            return [[] for _ in self.event_resets]
+            return np.zeros((len(self.event_resets), 0), dtype=np.int64)
         places = {mode.name: i for i, mode in enumerate(self.modes)}
         tried = {*initial}
         orders = (
@@ -337,13 +337,7 @@ class Packer:
             for mode in self.modes
             for event in mode.events
         )
-        return [[i for i in order if i in tried] for order in orders]
-
-
-def _no_demand() -> Demand:
-    """What they have to know where all modes are derived."""
-    none, no_rows = np.zeros(1, dtype=np.int64), np.zeros((0, 0), dtype=np.int64)
-    return Demand(none, none, no_rows, none[:0], none, no_rows)
+        return int_array([[i for i in order if i in tried] for order in orders], columns=len(initial))
 
 
 def _demand_arrays(

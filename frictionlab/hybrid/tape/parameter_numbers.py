@@ -10,8 +10,12 @@ from weakref import WeakKeyDictionary
 import numpy as np
 import sympy as sp
 
+from frictionlab.automaton.combinations import combinations_of
 from frictionlab.automaton.undefined_numbers import undefined_part
 from frictionlab.hybrid.tape.lowered_mode import LoweredTape, int_array
+
+# Numbers from which on to write each as Python code takes seconds; they are then sums of a few expressions.
+MANY_NUMBERS = 1000
 
 
 def undefined_number(
@@ -33,7 +37,10 @@ def fill_function(
 ) -> Callable[..., Any]:
     """Function of the parameters that gives all constants, then the coefficients of all terms."""
     if not apart:
-        return sp.lambdify(parameters, _numbers_of(every), "math", cse=True)
+        exprs = _numbers_of(every)
+        if len(exprs) >= MANY_NUMBERS:
+            return combinations_of(exprs, ()).function(parameters)
+        return sp.lambdify(parameters, exprs, "math", cse=True)
     numbers = _number_list(parameters)
     constants, terms = zip(*(numbers.places(one) for one in every))
     used, where = np.unique(np.concatenate([*constants, *terms]), return_inverse=True)

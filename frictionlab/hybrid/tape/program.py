@@ -22,7 +22,7 @@ class Demand(NamedTuple):
 
     The code's last mode then stands for all others: it holds no events and cannot be entered; its
     constraints are the conditions of all regimes, none of which may be negative where a mode with it is
-    entered.  There are no parts where all modes are derived and listed in ``targets``.
+    entered.
     """
 
     regimes: np.ndarray  # (parts + 1,) range of each part's regimes, numbered through all parts
@@ -47,7 +47,7 @@ class Code(NamedTuple):
     mode_guards: np.ndarray  # (modes + 1,)
     mode_constraints: np.ndarray  # (modes + 1,) numbered after all guards
     function_slots: np.ndarray  # (guards + constraints,)
-    targets: np.ndarray  # (guards, modes but for limits) in the order in which they are tried
+    targets: np.ndarray  # (guards, modes but for limits) in the order in which they are tried; none on demand
     limits: np.ndarray  # (limit modes,) which closing an accumulation tries before
     resets: np.ndarray  # (guards, 2) number of the reset, and of the one that closes an accumulation
     function_classes: (
@@ -75,7 +75,6 @@ class Code(NamedTuple):
     polynomial_degrees: np.ndarray  # (modes,) the highest of those that are
     guard_degrees: np.ndarray  # (guards,) the same of the event functions
     groups: np.ndarray  # (4,) bounds of the coordinates, the velocities, the other states; integrals follow
-    demand: Demand  # what is known where only some modes are derived
 
 
 class Numbers(NamedTuple):
@@ -119,6 +118,7 @@ class Program:
     initial: np.ndarray  # modes in the order in which they are tried at the start
     _fill: Callable[..., Sequence[float]]
     _undefined: Callable[[Sequence[float]], str]  # which number has no value at those of the parameters
+    demand: Demand | None = None  # what is known of all modes where only some are derived
     grown_from: Any = None  # a weak reference to the program whose modes are the first of these, if any
 
     def numbers(self, values: Sequence[float]) -> Numbers:

@@ -9,6 +9,7 @@ from typing import Any
 import sympy as sp
 
 from frictionlab.automaton import Event, Mode, Reset
+from frictionlab.automaton.expansion import multiply_out
 
 
 @lru_cache(maxsize=4096)
@@ -31,11 +32,12 @@ def _survives(function: sp.Expr, reset: Reset) -> bool:
     """Whether a function that was zero before the reset is zero after it."""
     if function.free_symbols.isdisjoint(reset.jump):
         return True
-    return sp.expand(function.xreplace(dict(reset.jump))) == 0
+    after: Any = function.xreplace(dict(reset.jump))
+    return multiply_out(after) in (0, 0.0)  # to sympy these are two numbers
 
 
 @lru_cache(maxsize=4096)
 def sign_normal_form(function: sp.Expr) -> sp.Expr:
     """The same for f and for -f, however they are written: both are zero together."""
-    expanded = sp.expand(function)
+    expanded = multiply_out(function)
     return -expanded if expanded.could_extract_minus_sign() else expanded

@@ -16,6 +16,7 @@ from typing import Any
 
 import sympy as sp
 
+from frictionlab.automaton.combinations import unsorted_product
 from frictionlab.automaton.mode import Expr
 from frictionlab.hybrid.tape.functions import ALLOWED_OPERATIONS, FUNCTION_OF, OPERATION_NAMES
 from frictionlab.hybrid.tape.operations import AFFINE, POWER, PRODUCT, QUOTIENT, RATE, SQUARE
@@ -203,19 +204,29 @@ class TapeBuilder:
 
     def _term(self, expr: Expr) -> AffineTerms:
         """A summand: a multiple of a non-linear sum refers to its slot instead of copying its terms."""
-        factor, rest = expr.as_independent(*self._states, as_Add=False)
+        factor, rest = self._factored(expr)
         if rest.is_Add and factor != 1 and not self._linear(rest):
             return {self.slot(rest): factor}
         return self._lower(expr)
+
+    def _factored(self, expr: Expr) -> tuple[Expr, Expr]:
+        """The factors that depend on the parameters alone, and the rest."""
+        if expr in self._states:
+            return sp.S.One, expr
+        moving = [f for f in expr.args if not self.constant(f)] if expr.is_Mul else ()
+        if len(moving) == 1 and moving[0] in self._states:
+            return unsorted_product([f for f in expr.args if f is not moving[0]]), moving[0]
+        return expr.as_independent(*self._states, as_Add=False)
 
     def _linear(self, expr: Expr) -> bool:
         return all(slot < self.tape.inputs for slot in self._lower(expr))
 
     def _mul(self, expr: Expr) -> AffineTerms:
-        factor, rest = expr.as_independent(*self._states, as_Add=False)
+        factor, rest = self._factored(expr)
         factors: Any = sp.Mul.make_args(rest)
         if len(factors) == 1:
-            return {slot: factor * value for slot, value in self._lower(rest).items()}
+            lowered = self._lower(rest).items()
+            return {slot: factor if value is sp.S.One else factor * value for slot, value in lowered}
         below = [f for f in factors if f.is_Pow and f.exp.is_Integer and f.exp < 0]
         above = [f for f in factors if f not in below]
         slot = self._product(above) if above else self.slot(sp.S.One)
@@ -278,5 +289,5 @@ def _total(parts: Sequence[AffineTerms]) -> AffineTerms:
     total: AffineTerms = {}
     for part in parts:
         for slot, value in part.items():
-            total[slot] = total.get(slot, sp.S.Zero) + value
+            total[slot] = total[slot] + value if slot in total else value
     return {slot: value for slot, value in total.items() if value != 0}

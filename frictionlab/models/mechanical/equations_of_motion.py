@@ -14,9 +14,11 @@ from typing import Any, NamedTuple
 import sympy
 
 from frictionlab.automaton.modes_on_demand import Combination, ModeNames
+from frictionlab.models.gradients import gradient
 from frictionlab.models.symbols import Structure, symbol, symbolic_copy
 
 from .contact_regimes import PHASE, ContactRegime, regimes_of_contact
+from .coupled_masses import CoupledMasses, coupled_masses
 from .mechanics import Friction, Mechanics, Stop
 
 Row = tuple[Any, ...]
@@ -61,7 +63,18 @@ class LagrangeSystem:
     @cached_property
     def inverse(self) -> Any:
         """M^-1."""
+        if self.coupled is not None:
+            return sympy.Matrix(self.coupled.inverse) / self.coupled.scale
         return sympy.diag(*(1 / m for m in self.masses)) if self.masses else self.mass.inv()
+
+    @cached_property
+    def coupled(self) -> CoupledMasses | None:
+        """M^-1 in numbers, where M is not diagonal and is floats times one expression; else None.
+
+        Exact masses, integers and parameters, are left to sympy, whose terms cancel exactly.
+        """
+        found = None if self.masses else coupled_masses(self.mass)
+        return found if self.mass.has(sympy.Float) else None
 
     @cached_property
     def masses(self) -> tuple[Any, ...]:
@@ -174,20 +187,19 @@ class LagrangeSystem:
 
     def gradient(self, expression: Any, x: Sequence[Any]) -> list[Any]:
         """Derivatives by `x`, of which most are zero where there are many."""
-        expression = sympy.sympify(expression, strict=True)
-        there = expression.free_symbols
-        return [sympy.diff(expression, one) if one in there else sympy.S.Zero for one in x]
+        return gradient(expression, x)
 
     def apply(self, direction: Any, force: Any, to: list[Any]) -> None:
         """Add a force along a direction (n, 1) to the forces `to` (n,)."""
-        for i, w in enumerate(direction):
-            if w != 0:
-                to[i] += w * force
+        for (i, _), w in direction.todok().items():
+            to[i] += w * force
 
     def accelerations(self, forces: Sequence[Any]) -> list[Any]:
         """M^-1 times forces (n,)."""
         if self.masses:
             return [1 / m * force for m, force in zip(self.masses, forces, strict=True)]
+        if self.coupled is not None:
+            return self.coupled.accelerations(forces, self.states)
         return list(self.inverse * sympy.Matrix(forces))
 
     def forces(self, contact: Friction | Stop, normal_force: Any) -> list[Any]:
@@ -223,8 +235,8 @@ def system_at(model: Any, q: Sequence[Any], v: Sequence[Any]) -> LagrangeSystem:
     names = model.coordinates
     at = SimpleNamespace(**dict(zip(names, q, strict=True)), phase=symbol(PHASE))
     about = _in_regimes(model.mechanics(at, SimpleNamespace(**dict(zip(names, v, strict=True)))), model)
-    momenta = [sympy.diff(about.kinetic, rate) for rate in v]
-    mass = sympy.Matrix(momenta).jacobian(v)
+    momenta = gradient(about.kinetic, v)
+    mass = sympy.Matrix([gradient(momentum, v) for momentum in momenta])
     loads = tuple(sympy.sympify(about.loads.get(name, 0), strict=True) for name in names)
     # In matrix form where the statics need K; the form determines the last bits of equilibria.
     linear = model.statics is not None
@@ -240,16 +252,16 @@ def _in_regimes(about: Mechanics, model: Any) -> Mechanics:
 
 def _internal(about: Mechanics, momenta: Sequence[Any], q: Sequence[Any], v: Sequence[Any]) -> Any:
     """Forces of energies and dampers, for each coordinate."""
-    turning = sympy.Matrix(momenta).jacobian(q) * sympy.Matrix(v)
-    slopes = [sympy.diff(about.stored - about.kinetic, x) for x in q]
-    damping = [sympy.diff(about.dissipation, rate) for rate in v]
+    turning = [_dot(gradient(momentum, q), v) for momentum in momenta]
+    slopes = gradient(about.stored - about.kinetic, q)
+    damping = gradient(about.dissipation, v)
     return tuple(map(sympy.factor_terms, map(sum, zip(turning, slopes, damping, strict=True))))
 
 
 def _with_matrices(about: Mechanics, q: Sequence[Any], v: Sequence[Any]) -> Any:
     """C q' + K q - f, of quadratic energies."""
-    slopes = [sympy.sympify(sympy.diff(about.stored, x), strict=True) for x in q]
-    damping = _jacobian([sympy.diff(about.dissipation, rate) for rate in v], v)
+    slopes = gradient(about.stored, q)
+    damping = _jacobian(gradient(about.dissipation, v), v)
     stiffness = _jacobian(slopes, q)
     constant = [slope.subs(dict.fromkeys(q, 0)) for slope in slopes]
     return tuple(_dot(c, v) + _dot(k, q) + f for c, k, f in zip(damping, stiffness, constant, strict=True))
@@ -262,7 +274,7 @@ def _jacobian(gradient: Sequence[Any], x: Sequence[Any]) -> tuple[tuple[Any, ...
 
 
 def _dot(row: Sequence[Any], values: Sequence[Any]) -> Any:
-    return sum(a * b for a, b in zip(row, values, strict=True))
+    return sum((a * b for a, b in zip(row, values, strict=True) if a != 0), sympy.S.Zero)
 
 
 def _coupled(rows: Sequence[Row]) -> list[list[Row]]:

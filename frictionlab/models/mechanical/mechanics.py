@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from typing import Any
 
@@ -131,6 +131,51 @@ class Mechanics:
     def stored(self) -> Any:
         """The potential energy V (J), the sum of all its parts."""
         return sum(self.potential.values()) if isinstance(self.potential, Mapping) else self.potential
+
+
+def quadratic_form(matrix: Any, x: Sequence[Any]) -> Any:
+    """x^T A x, by which matrices of finite elements become energies.
+
+    With M, K and C of a structure, the energies are ``quadratic_form(M, velocities) / 2``,
+    ``quadratic_form(K, coordinates) / 2`` and ``quadratic_form(C, velocities) / 2``; parameters go in front.
+
+    Parameters
+    ----------
+    matrix : array (n, n)
+        Numbers; a sparse matrix of scipy too.
+    x : sequence of Expr
+        The coordinates, or the velocities, in the order of the matrix's rows.
+
+    Returns
+    -------
+    Expr
+
+    Raises
+    ------
+    ValueError
+        If the matrix has not one row and one column for each of `x`.
+
+    Examples
+    --------
+    >>> import sympy
+    >>> from frictionlab.models import quadratic_form
+    >>> quadratic_form([[2.0, -1.0], [-1.0, 3.0]], sympy.symbols("x y"))
+    2.0*x**2 - 2.0*x*y + 3.0*y**2
+    """
+    from sympy import Add
+
+    given = matrix.toarray() if hasattr(matrix, "toarray") else matrix
+    rows = [list(map(float, row)) for row in given]
+    if {len(x)} != {len(rows), *map(len, rows)}:
+        raise ValueError(
+            f"matrix must have one row and one column for each of the {len(x)} entries of x, got {len(rows)} "
+            f"rows of {sorted({*map(len, rows)})} entries: leave out those of coordinates that are held"
+        )
+    terms = [rows[i][i] * one**2 for i, one in enumerate(x) if rows[i][i]]
+    for i, one in enumerate(x):
+        pairs = ((rows[i][j] + rows[j][i], x[j]) for j in range(i))
+        terms += [both * one * other for both, other in pairs if both]
+    return Add(*terms)  # at once: sum() would sort what there is again for each
 
 
 @dataclass(frozen=True)

@@ -15,10 +15,12 @@ import sympy
 from frictionlab.automaton import Event, HybridAutomaton, Mode, Reset
 from frictionlab.automaton.modes_on_demand import Combination, ModesOnDemand, Regime
 from frictionlab.models.assembly import automaton_of_structure
+from frictionlab.models.structure_data import structure_to_data
 from frictionlab.models.symbols import Structure, expand_products, structure_of_component
 
 from .chatter import CHATTER_TIME, chatter_mode
 from .contact_regimes import ContactRegime, RegimeEnd
+from .coupled_masses import HeldVelocities, held_velocities
 from .equations_of_motion import LagrangeSystem, Pair, lagrange_system
 from .mechanics import Friction, Stop
 from .resets import impact_resets, stick_reset
@@ -31,11 +33,13 @@ def derive_automaton(model: Any) -> HybridAutomaton:
     """
     found, numbers = lagrange_system(model), {}
     if len(found.mechanics.contacts) > 1:
+        key = structure_of_component(model)
         modes: Any = ModesOnDemand(
             tuple(tuple(map(_conditions, regimes)) for regimes in found.regimes),
             lambda combination: mode_of(found, combination),
             found.allows,
-            (modes_of_structure, (structure_of_component(model),)),
+            (modes_of_structure, (key,)),
+            lambda: structure_to_data(key),
         )
     else:
         modes = tuple(mode_of(found, combination) for combination in found.names.combinations())
@@ -77,7 +81,23 @@ def solve_contact_forces(
     if pair is not None:
         accelerations, forces[held[0]] = _as_one_body(found, pair, free)
         return accelerations, forces
+    if (velocities := _held_in_numbers(found, chosen, held)) is not None:
+        accelerations, holding = velocities.solve(free, found.states)
+        for i, force in zip(held, holding, strict=True):
+            forces[i] = force
+        return accelerations, forces
     return _held_by_forces(found, chosen, held, sympy.Matrix(free))
+
+
+def _held_in_numbers(
+    found: LagrangeSystem, chosen: Sequence[ContactRegime], held: Sequence[int]
+) -> HeldVelocities | None:
+    """What is held where masses are coupled by numbers; None where only sympy can tell."""
+    if found.coupled is None:
+        return None
+    rows = [found.gradient(chosen[i].held, found.v) for i in held]
+    along = [list(found.direction(found.mechanics.contacts[i])) for i in held]
+    return held_velocities(found.coupled, rows, along, [found.rate(chosen[i].held) for i in held])
 
 
 def _as_one_body(found: LagrangeSystem, pair: Pair, r: Any) -> tuple[list[Any], Any]:

@@ -8,9 +8,11 @@ from typing import TYPE_CHECKING, Any
 import sympy
 
 from frictionlab.automaton import Reset
+from frictionlab.automaton.combinations import exact_number
 from frictionlab.components.impact import ImpactLaw, PlasticImpact
 from frictionlab.models.symbols import expand_products, symbol
 
+from .coupled_masses import numbers_of, pivot_of, solved_for
 from .mechanics import Friction, Stop
 
 if TYPE_CHECKING:
@@ -28,7 +30,18 @@ def stick_reset(found: LagrangeSystem, contact: Any) -> Reset:
         return _together(found, pair)
     w = found.direction(contact)
     jump = _velocity_jump(found, w, contact.relative_velocity / compliance(found, w))
-    return Reset({rate: expand_products(after) for rate, after in jump.items()})
+    after = {rate: expand_products(one) for rate, one in jump.items()}
+    return Reset(after if found.coupled is None else after | _last_velocity(found, contact, w, after))
+
+
+def _last_velocity(found: LagrangeSystem, contact: Any, w: Any, after: dict[Any, Any]) -> dict[Any, Any]:
+    """The velocity that follows from the others after it where v_r = 0: sums of rounded numbers are not 0."""
+    row = numbers_of([-one for one in w])
+    if row is None:
+        return {}
+    values, pivot = [after.get(rate, rate) for rate in found.v], pivot_of(row)
+    rest = found.at_rest(contact.relative_velocity)
+    return {found.v[pivot]: expand_products(solved_for(row, pivot, values, rest))}
 
 
 def _together(found: LagrangeSystem, pair: Any) -> Reset:
@@ -49,7 +62,18 @@ def impact_resets(found: LagrangeSystem, contact: Friction | Stop) -> tuple[Rese
 
 def compliance(found: LagrangeSystem, w: Any) -> Any:
     """W^T M^-1 W (1/kg), the denominator of Eq. (14)."""
+    numbers = None if found.coupled is None else numbers_of(list(w))
+    if found.coupled is not None and numbers is not None:
+        return found.coupled.softness(numbers) / found.coupled.scale
     return (w.T * found.inverse * w)[0]
+
+
+def _pushed(found: LagrangeSystem, w: Any, impulse: Any) -> Any:
+    """M^-1 W p: how the velocities change by an impulse along W."""
+    numbers = None if found.coupled is None else numbers_of(list(w))
+    if found.coupled is not None and numbers is not None:
+        return [exact_number(one) * impulse / found.coupled.scale for one in found.coupled.times(numbers)]
+    return found.inverse * w * impulse
 
 
 def velocities_after(found: LagrangeSystem, direction: Any, impulse: Any) -> dict[Any, Any]:
@@ -58,7 +82,7 @@ def velocities_after(found: LagrangeSystem, direction: Any, impulse: Any) -> dic
 
 
 def _velocity_jump(found: LagrangeSystem, w: Any, impulse: Any) -> dict[Any, Any]:
-    changes = [p * impulse / m for p, m in zip(w, found.masses)] or found.inverse * w * impulse
+    changes = [p * impulse / m for p, m in zip(w, found.masses)] or _pushed(found, w, impulse)
     return {rate: rate + change for rate, change in zip(found.v, changes, strict=True) if change != 0}
 
 
@@ -105,7 +129,7 @@ def _on_stop(found: LagrangeSystem, contact: Stop, law: Any) -> Reset:
     # The position is projected as well, which removes only the rounding of the root: a body that comes to
     # rest on the
     # stop is on it to the last bit.
-    moved = zip(found.q, found.inverse * w * (contact.distance / compliance(found, w)), strict=True)
+    moved = zip(found.q, _pushed(found, w, contact.distance / compliance(found, w)), strict=True)
     placed = {x: expand_products(x - change) for x, change in moved if change != 0}
     after = _velocity_jump(found, w, law.impulse(-rate, -rate, compliance(found, w)))
     return Reset({**placed, **{v: expand_products(a) for v, a in after.items()}}, {contact.distance: order})

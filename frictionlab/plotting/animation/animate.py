@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from frictionlab.analysis.motion_scales import round_down_1_2_5
+from frictionlab.file_writing import name_written_file, write_file
 from frictionlab.hybrid.progress import progress_bar
 from frictionlab.models import Model
 from frictionlab.models.mechanism import Mechanism, TiltingBelt
@@ -29,7 +30,7 @@ from frictionlab.plotting.runs.time_window import (
     window_limits,
 )
 from frictionlab.plotting.style import BLACK, mode_colours
-from frictionlab.validation import check_number, name_written_file, plain_number
+from frictionlab.validation import check_number, plain_number
 
 from .artists import (
     draw_force_arrows,
@@ -287,8 +288,11 @@ class RunAnimation(FuncAnimation):
 
     def save(self, filename: Any, *args: Any, **options: Any) -> None:
         """Write a file; see :meth:`matplotlib.animation.Animation.save`."""
-        with name_written_file(filename):
-            self._save(filename, *args, **options)
+        if str(filename).lower().endswith((".html", ".htm")):  # its frames are in a folder beside it
+            with name_written_file(filename):
+                return self._save(filename, *args, **options)
+        with write_file(filename) as beside:
+            self._save(beside, *args, **options)
 
     def _save(self, filename: Any, *args: Any, **options: Any) -> None:
         if options.get("progress_callback") is not None:

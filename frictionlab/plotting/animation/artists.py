@@ -58,6 +58,11 @@ def spring_outline(start: tuple[float, float], end: tuple[float, float], width: 
     return a[:, None] + way[:, None] * along + normal[:, None] * (width / 2 * across)
 
 
+def belt_colour(ax: Axes | None = None) -> str:
+    """The colour of the belt's inside, in `ax` or on new axes."""
+    return BELT_ON_DARK if is_dark(ax) else BELT_COLOUR
+
+
 def belt_outline(distance: Array, wheels: tuple[float, float], radius: float) -> Array:
     """Points (2, P) of a belt at a distance (P,) along it, from its left upper end, clockwise.
 
@@ -97,9 +102,10 @@ def draw_mechanism(ax: Axes, mechanism: Mechanism) -> dict[str, Any]:
     """
     _draw_walls(ax, mechanism)
     thin, edge = pen(BLACK, 1.0, ax), ink(ax)
-    belt = BELT_ON_DARK if is_dark(ax) else BELT_COLOUR
     artists: dict[str, Any] = {
-        "belt": Polygon(np.zeros((1, 2)), facecolor=belt, edgecolor=edge, linewidth=line_width(1.8))
+        "belt": Polygon(
+            np.zeros((1, 2)), facecolor=belt_colour(ax), edgecolor=edge, linewidth=line_width(1.8)
+        )
     }
     for name in ("wheel1", "wheel2"):
         artists[name] = Circle((0.0, 0.0), 0.75 * mechanism.radius, facecolor=background(ax), edgecolor=GREY)

@@ -43,14 +43,19 @@ def newton_step(flow: Flow, x: Array, values: Sequence[Any]) -> Array:
 
 
 def solve_matrices(matrices: Array, right: Array) -> Any:
-    """Solutions (N, m, k), of least length where a matrix is singular, as at a fold."""
+    """Solutions (N, m, k), of least length where a matrix is singular, as at a fold.
+
+    Which are singular only the solver itself can tell, and of many at once it says no more than that one is:
+    so they are halved until those are found.
+    """
     try:
         return np.linalg.solve(matrices, right)
     except np.linalg.LinAlgError:
-        regular = np.linalg.slogdet(matrices).sign != 0
-    found = np.linalg.pinv(matrices) @ right
-    found[regular] = np.linalg.solve(matrices[regular], right[regular])
-    return found
+        if len(matrices) == 1:
+            return np.linalg.pinv(matrices) @ right
+    half = len(matrices) // 2
+    parts = (slice(None, half), slice(half, None))
+    return np.concatenate([solve_matrices(matrices[part], right[part]) for part in parts])
 
 
 def polish_zeros(flow: Flow, x: Array, values: Sequence[Any], scale: Array) -> tuple[Array, Array]:

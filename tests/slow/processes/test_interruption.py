@@ -1,6 +1,7 @@
 """Ctrl-C, as a real signal in a process of its own: it always ends a computation, and nothing is lost."""
 
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -9,6 +10,9 @@ import time
 from pathlib import Path
 
 import pytest
+
+import frictionlab as fl
+from frictionlab.hybrid.compilation import CACHE_FOLDER
 
 ROOT = Path(__file__).parents[3]
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="sends POSIX signals")
@@ -110,10 +114,21 @@ def test_a_computation_that_was_stopped_keeps_what_it_has(call, presses, kept):
     assert (out, status) == ("kept\n", 0), err
 
 
-COMPILING = {"sign": "compiling the solver", "wait": 3.0}
+COMPILING = {"sign": "compiling the solver", "wait": 1.0}
 
 
-def test_ctrl_c_is_answered_while_the_solver_is_compiled(tmp_path):
+@pytest.fixture
+def incomplete_cache(tmp_path):
+    """All that the solver needs but the kernel that takes longest to compile: seconds instead of a minute."""
+    fl.simulate(fl.SliderOnBelt(mu_k=1.4), 0.02, progress=False)
+    if not CACHE_FOLDER:
+        pytest.skip("compiled code is kept nowhere, or there is none")
+    whole, missing = Path(CACHE_FOLDER), f"{fl.Taylor().entry.__name__}-*"
+    shutil.copytree(whole, tmp_path / whole.name, ignore=shutil.ignore_patterns(missing, "*.o"))
+    return {"FRICTIONLAB_CACHE_DIR": str(tmp_path)}
+
+
+def test_ctrl_c_is_answered_while_the_solver_is_compiled(incomplete_cache):
     script = """
     import threading
     sys.stderr = sys.stdout
@@ -124,12 +139,12 @@ def test_ctrl_c_is_answered_while_the_solver_is_compiled(tmp_path):
         # The compiler has not been waited for: it is still at work.
         print(any(thread.name == "frictionlab-compiler" for thread in threading.enumerate()), stopped)
     """
-    out, err, status = pressed(script, **COMPILING, FRICTIONLAB_CACHE_DIR=str(tmp_path))
+    out, err, status = pressed(script, **COMPILING, **incomplete_cache)
     assert out == "True the compilation of the solver was left by ctrl-C; nothing was computed yet\n", err
     assert status == 0
 
 
-def test_what_was_compiled_in_the_background_serves_the_next_run(tmp_path):
+def test_what_was_compiled_in_the_background_serves_the_next_run(incomplete_cache):
     script = """
     sys.stderr = sys.stdout
     try:
@@ -137,5 +152,5 @@ def test_what_was_compiled_in_the_background_serves_the_next_run(tmp_path):
     except KeyboardInterrupt:
         print(fl.simulate(model, 0.02, progress=False).status.name)
     """
-    out, err, status = pressed(script, **COMPILING, FRICTIONLAB_CACHE_DIR=str(tmp_path))
+    out, err, status = pressed(script, **COMPILING, **incomplete_cache)
     assert (out, status) == ("FINISHED\n", 0), err

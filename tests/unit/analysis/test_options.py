@@ -56,8 +56,6 @@ def test_settings_without_a_use_are_refused():
         STUDIES["basins"](t_max=1.0)
     with pytest.raises(ValueError, match=r"t_max must be None, got 1\.0: give a longer transient"):
         STUDIES["basins"](options=fl.SteadyStateOptions(t_max=1.0))
-    with pytest.raises(ValueError, match="resume must be None, got 'file': an ablation keeps no file"):
-        STUDIES["ablation"](execution=fl.Execution(resume="file"))
 
 
 @pytest.mark.parametrize("field", ["transient", "window", "t_max", "tolerance", "rtol"])

@@ -1,5 +1,6 @@
 """Progress bars can be switched off for all functions; what goes on inside is logged."""
 
+import io
 import logging
 import os
 import subprocess
@@ -8,7 +9,7 @@ import sys
 import pytest
 
 import frictionlab as fl
-from frictionlab.hybrid.progress import PROGRESS_VARIABLE, Progress, progress_bar
+from frictionlab.hybrid.progress import PROGRESS_VARIABLE, Progress, progress_bar, tell
 from frictionlab.models.assembly import automaton_of_structure
 
 
@@ -81,3 +82,31 @@ def test_the_library_itself_shows_no_log():
     handlers = logging.getLogger("frictionlab").handlers
     assert any(isinstance(handler, logging.NullHandler) for handler in handlers)
     assert all(isinstance(handler, logging.NullHandler) for handler in handlers)
+
+
+class FullDisk(io.RawIOBase):
+    """A file that nothing can be written to."""
+
+    def writable(self):
+        return True
+
+    def write(self, data):
+        raise OSError(28, "No space left on device")
+
+
+def test_nothing_is_left_for_the_interpreter_to_write_to_a_full_disk(monkeypatch):
+    """It would fail as it ends, with status 120."""
+    stream = io.TextIOWrapper(io.BufferedWriter(FullDisk()), line_buffering=True)
+    monkeypatch.setattr(sys, "stderr", stream)
+    monkeypatch.setattr(sys, "__stderr__", stream)
+    tell("compiling the solver")
+    with progress_bar(total=2, delay=0.0) as bar:
+        bar.update()
+    stream.flush()
+
+
+def test_another_stream_than_the_interpreters_own_is_written_through_itself(monkeypatch):
+    stream = io.TextIOWrapper(io.BytesIO(), write_through=True)
+    monkeypatch.setattr(sys, "stderr", stream)
+    tell("a line")
+    assert stream.buffer.getvalue() == b"a line\n"

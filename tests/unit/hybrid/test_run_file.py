@@ -158,6 +158,20 @@ def test_a_damaged_file_is_refused_or_gives_the_same_run(saved, tmp_path):
     assert refused > 150
 
 
+def test_a_damaged_head_of_an_array_is_refused(saved, tmp_path):
+    """Numpy reads it as text of Python, before the checksum of the archive is compared."""
+    _, path = saved
+    damaged = tmp_path / "damaged.npz"
+    with np.load(path) as file:
+        np.savez(damaged, **{name: file[name] for name in file.files})
+    content = damaged.read_bytes()
+    assert b": False" in content
+    damaged.write_bytes(content.replace(b": False", b": ((((("))
+    with pytest.raises(ValueError, match="is no saved run") as caught:
+        fl.load(damaged, model=oscillator())
+    assert str(damaged) in str(caught.value)
+
+
 def test_a_full_disk_leaves_the_file_that_was_there(saved, tmp_path, monkeypatch):
     run, path = saved
     target = tmp_path / "run.npz"

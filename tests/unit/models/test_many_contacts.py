@@ -35,10 +35,11 @@ def test_thirty_contacts_take_what_a_run_visits():
     assert len(run.events) > 8
     assert visited <= set(modes.derived)
     assert len(modes.derived) < 2 * len(visited)
-    code = run.problem.program.code
+    program = run.problem.program
+    code = program.code
     assert len(code.built) == len(modes.derived) + 1  # that of the conditions
     assert code.targets.size == 0
-    assert len(code.demand.targets) <= 2 * len(code.resets)
+    assert len(program.demand.targets) <= 2 * len(code.resets)
     assert len(code.zero_classes) <= 2 * len(code.resets) * (MANY + 1)
     assert code.function_classes.max() < 5 * MANY
     assert set(run.time_in_mode) <= visited

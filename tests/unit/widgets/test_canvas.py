@@ -111,6 +111,29 @@ def test_the_wheel_holds_the_javascript(tmp_path):
     assert {f"frictionlab/widgets/{name}.js" for name in ("canvas", "rendering/clickable")} <= {*names}
 
 
+DARK_MODELS = {"belt": MODEL, "parts": fl.MassOnBelt()}
+
+
+@pytest.mark.parametrize("name", DARK_MODELS)
+def test_a_dark_style_is_dark_all_over(name, browser):
+    run = fl.simulate(DARK_MODELS[name], 0.5, progress=False)
+    with fl.style("dark"):
+        canvas = fl.watch(run, window=None)
+    page = browser.new_page(viewport={"width": 1280, "height": 720})
+    open_canvas(page, canvas)
+    behind = page.evaluate(
+        "getComputedStyle(document.querySelector('canvas').parentNode.parentNode).backgroundColor"
+    )
+    assert behind == "rgb(17, 17, 17)"
+    for index in (BELT, PHASE):
+        assert pixels_of(page, index, canvas.scene["ink"])
+        assert not pixels_of(page, index, "#000000")
+        drawn = picture_of(page, index)
+        light = (drawn[..., 3] > 0) & (drawn[..., :3].min(axis=2) > 200)
+        assert 0 < light.mean() < 0.05  # lines and letters, and no area
+    page.close()
+
+
 @pytest.fixture(params=[(1280, 720), (400, 800)], ids=["wide", "narrow"])
 def page(request, browser, canvas):
     page = browser.new_page(viewport=dict(zip(("width", "height"), request.param)))

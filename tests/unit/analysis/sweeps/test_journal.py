@@ -26,6 +26,30 @@ def swept(path):
     return fl.sweep(MODEL, load, VALUES, resume=path, workers=2, progress=False)
 
 
+def test_an_ablation_goes_on_where_it_was_cut_off(tmp_path):
+    calls = []
+
+    def count(model):
+        calls.append(model)
+        return {"F": model.F}
+
+    path = tmp_path / "ablation.jsonl"
+    first = fl.ablation(MODEL, count, resume=path, workers=2, progress=False)
+    whole = path.read_bytes()
+    path.write_bytes(b"".join(whole.splitlines(keepends=True)[:6]))
+    again = fl.ablation(MODEL, count, resume=path, workers=2, progress=False)
+    assert (len(calls), again.results) == (8 + 3, first.results)
+    assert path.read_bytes() == whole
+    with pytest.raises(
+        ValueError, match=r"resume must be a file of the same sweep, .* differs in .*ablation"
+    ):
+        fl.ablation(MODEL, load, resume=path, progress=False)
+    with pytest.raises(ValueError, match=r"differs in .*model"):
+        fl.ablation(MODEL.replace(F=1.0), count, resume=path, progress=False)
+    with pytest.raises(ValueError, match="differs in"):
+        fl.sweep(MODEL, count, VALUES, resume=path, progress=False)
+
+
 @pytest.fixture
 def whole(tmp_path):
     path = tmp_path / "sweep.jsonl"

@@ -11,6 +11,7 @@ import frictionlab as fl
 from frictionlab.hybrid.tape import automaton_data
 from frictionlab.hybrid.tape.automaton_data import automaton_from_data, automaton_to_data, storable_automaton
 from frictionlab.hybrid.tape.packing import program_of
+from frictionlab.models.structure_data import automaton_from_structure_data
 from tests.helpers.automata import automaton, ball, coulomb
 from tests.helpers.linear_automata import linear
 from tests.helpers.lorenz import lorenz
@@ -117,13 +118,58 @@ def test_what_no_file_can_hold_is_said_and_needs_the_automaton(tmp_path):
     assert fl.load(path, model=given).states.tobytes() == run.states.tobytes()
 
 
-def test_a_run_of_a_models_automaton_needs_the_model(tmp_path):
-    """Modes that are derived when they are needed are the model's to derive."""
-    model = fl.TwoBlocks()
-    path = fl.solve(model.automaton(), 1.0, x0=[0.0, 0.0, 0.0, 0.0], progress=False).save(tmp_path / "run")
-    with pytest.raises(ValueError, match="that of a model, by which modes are derived"):
+def run_of_two_blocks():
+    """Modes that are derived when a run comes to them, which no file can hold."""
+    given = fl.TwoBlocks().automaton().replace(mu_k=0.25)
+    return fl.solve(given, 5.0, x0=[0.0, 0.0, 0.0, 0.0], progress=False)
+
+
+def test_a_run_of_modes_on_demand_needs_no_model(tmp_path):
+    run = run_of_two_blocks()
+    again = fl.load(run.save(tmp_path / "run"))
+    assert again.source is None
+    assert again.automaton.modes is run.automaton.modes
+    assert again.automaton.parameters == run.automaton.parameters
+    assert again.states.tobytes() == run.states.tobytes()
+    assert again.mode.tolist() == run.mode.tolist()
+    further = fl.solve(again.automaton, 5.0, x0=again.problem.x0, progress=False)
+    assert further.states.tobytes() == run.states.tobytes()
+
+
+@pytest.mark.parametrize(
+    ("name", "changes", "word"),
+    [
+        ("automaton", {"coordinates": 3}, "3 coordinates instead of 2"),
+        ("automaton", {"derived from": None}, "must be a mapping with 'class' and 'structure'"),
+        (
+            "automaton",
+            {"derived from": {"class": "os:system", "structure": {}}},
+            "no Model 'os:system' is loaded",
+        ),
+        ("parameters", {"k": "1.0"}, "its parameters are"),
+        ("parameters", {"k": None}, "its parameters are"),
+    ],
+)
+def test_a_file_of_modes_on_demand_that_cannot_be_is_refused(tmp_path, name, changes, word):
+    path = run_of_two_blocks().save(tmp_path / "run")
+    with np.load(path) as file:
+        arrays = {key: file[key] for key in file.files}
+    about = json.loads(str(arrays["about"]))
+    about[name] = {**about[name], **changes}
+    np.savez_compressed(path, **{**arrays, "about": np.array(json.dumps(about))})
+    with pytest.raises(ValueError, match=word) as caught:
         fl.load(path)
-    assert fl.load(path, model=model).status.ok
+    assert str(path) in str(caught.value)
+
+
+def test_a_structure_of_a_model_is_checked():
+    model = fl.TwoBlocks()
+    data, numbers = model.automaton().modes.origin(), model.parameters
+    assert automaton_from_structure_data(data, numbers).modes is model.automaton().modes
+    with pytest.raises(ValueError, match="a TwoBlocks has"):
+        automaton_from_structure_data({**data, "structure": {}}, numbers)
+    with pytest.raises(ValueError, match="it lacks the parameters m1, m2"):
+        automaton_from_structure_data(data, {})
 
 
 def test_a_product_that_shares_its_parts_is_too_long():

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 import frictionlab as fl
 from frictionlab.hybrid.kernels.jets import majorant, mode_jets
 from frictionlab.hybrid.tape.packing import program_of
-from frictionlab.hybrid.tape.program import Numbers
+from frictionlab.hybrid.tape.program import Numbers, Section
 from frictionlab.hybrid.tape.tape import TapeError
 
 X, Y, A = sp.symbols("x y a")
@@ -44,15 +44,18 @@ expressions = st.recursive(leaves, combine, max_leaves=6)
 
 
 def jets_of(expression, flow, order=ORDER):
-    """Taylor coefficients of an expression along a flow of (x, y), and their majorant."""
-    mode = fl.Mode("only", tuple(flow), (fl.Event("e", expression),))
-    program, numbers = program_of(fl.HybridAutomaton((X, Y), (mode,), {A: float(VALUES[A])}))
+    """Taylor coefficients of an expression along a flow of (x, y), and their majorant.
+
+    It is a section: event functions are multiplied out, which takes sympy most of the time.
+    """
+    given = fl.HybridAutomaton((X, Y), (fl.Mode("only", tuple(flow)),), {A: float(VALUES[A])})
+    program, numbers = program_of(given, {"e": Section(expression)})
     state = np.array([float(VALUES[X]), float(VALUES[Y])])
     shape = program.slots, order + 1
     jets, bounds = np.zeros(shape), np.zeros(shape)
     mode_jets(program.code, numbers, 0, order, state, jets)
     majorant(program.code, Numbers(*map(np.abs, numbers)), 0, order, state, jets, bounds)
-    slot = program.code.function_slots[0]
+    slot = program.code.sections[0, 0]
     return jets[slot], bounds[slot]
 
 
