@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
 import json
 import secrets
 import signal
-import socket
 from importlib.util import find_spec
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from .parsing import OneLineParser, complain
+
+if TYPE_CHECKING:
+    import socket
 
 EXIT_FAILED = 1
 DEFAULT_PORT = 8866
@@ -57,33 +60,33 @@ def app_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
         complain(parser.prog, f"error: the page needs Voila, which is not installed: {cure}")
         return EXIT_FAILED
     try:
-        port = choose_port(chosen.port)
+        sockets = listen(chosen.port)
     except OSError as error:
         cure = "give another, or leave it out for any that is free"
         parser.error(f"--port {chosen.port} cannot be had ({error.strerror}): {cure}")
-    with TemporaryDirectory(prefix="frictionlab-") as folder:
+    with TemporaryDirectory(prefix="frictionlab-") as folder, contextlib.suppress(KeyboardInterrupt):
         notebook = Path(folder) / "explorer.ipynb"
         notebook.write_text(json.dumps(_notebook()), encoding="utf-8")
         token = secrets.token_urlsafe(32)
+        port = sockets[0].getsockname()[1]
         print(f"Explorer at http://localhost:{port}/?token={token} (ctrl-C ends it)", flush=True)
-        _serve_until_stopped(notebook, port, token, browser=not chosen.no_browser)
+        _serve_until_stopped(notebook, sockets, token, browser=not chosen.no_browser)
     return 0
 
 
-def choose_port(asked: int | None) -> int:
-    """The port asked for; by default the usual one, or any free one if that is taken."""
-    if asked is not None:
-        return _bind_port(asked)
+def listen(port: int | None) -> list[socket.socket]:
+    """Sockets of this machine at a port; by default at the usual one, or at any free one if that is taken.
+
+    They listen from here on, so that no other process can take the port whose link is printed.
+    """
+    from tornado.netutil import bind_sockets
+
+    if port is not None:
+        return bind_sockets(port, "localhost")
     try:
-        return _bind_port(DEFAULT_PORT)
+        return bind_sockets(DEFAULT_PORT, "localhost")
     except OSError:
-        return _bind_port(0)
-
-
-def _bind_port(port: int) -> int:
-    # Voila would tell of failure in its log only.
-    with socket.create_server(("localhost", port)) as probe:
-        return probe.getsockname()[1]
+        return bind_sockets(0, "localhost")
 
 
 def _notebook() -> dict[str, Any]:
@@ -98,11 +101,11 @@ def _notebook() -> dict[str, Any]:
     return {"cells": [cell], "metadata": {"kernelspec": kernel}, "nbformat": 4, "nbformat_minor": 4}
 
 
-def _serve_until_stopped(notebook: Path, port: int, token: str, browser: bool) -> None:
+def _serve_until_stopped(notebook: Path, sockets: list[socket.socket], token: str, browser: bool) -> None:
     from .app_server import serve  # needs Voila
 
     signal.signal(signal.SIGINT, _stop)
-    serve(notebook, port, token, browser)
+    serve(notebook, sockets, token, browser)
 
 
 def _stop(number: int, frame: Any) -> None:

@@ -10,6 +10,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import hmac
+import socket
 import threading
 import webbrowser
 from pathlib import Path
@@ -19,6 +20,9 @@ from jupyter_server.auth.identity import IdentityProvider
 from jupyter_server.base.call_context import CallContext
 from jupyter_server.services.kernels.kernelmanager import AsyncMappingKernelManager
 from tornado import web
+from tornado.httpserver import HTTPServer
+from tornado.ioloop import IOLoop
+from traitlets import Instance, List
 from traitlets.config import Config
 from voila.app import Voila
 from voila.tornado.handler import TornadoVoilaHandler
@@ -139,7 +143,9 @@ class ExplorerPage(TornadoVoilaHandler):
 
 
 class ExplorerServer(Voila):
-    """Voila with these kernels, this page and this identity."""
+    """Voila with these kernels, this page, this identity, and sockets that were opened before."""
+
+    sockets = List(Instance(socket.socket))
 
     def init_handlers(self) -> list[Any]:
         """Handlers for this machine's own names; for others a refusal, in which all that is left ends."""
@@ -147,6 +153,17 @@ class ExplorerServer(Voila):
         own = [(pattern, _page(handler), *rest) for pattern, handler, *rest in handlers]
         self.app.add_handlers(LOCAL_HOSTS, own)
         return [(r".*", web.ErrorHandler, {"status_code": 403})]
+
+    def listen(self) -> None:
+        """Serve at the sockets that listen already, where Voila would open a port of its own."""
+        HTTPServer(self.app).add_sockets(self.sockets)
+        if self.open_browser:
+            self.launch_browser()
+        self.ioloop = IOLoop.current()
+        try:
+            self.ioloop.start()
+        finally:
+            self.stop()
 
     def launch_browser(self) -> None:
         """Open the link by a file beside the notebook: in a command's arguments all users could read it."""
@@ -160,7 +177,7 @@ def _page(handler: Any) -> Any:
     return ExplorerPage if handler is TornadoVoilaHandler else handler
 
 
-def serve(notebook: Path, port: int, token: str, browser: bool) -> None:
+def serve(notebook: Path, sockets: list[socket.socket], token: str, browser: bool) -> None:
     """Serve the notebook's page until the loop is stopped."""
     config = Config(
         {
@@ -173,8 +190,8 @@ def serve(notebook: Path, port: int, token: str, browser: bool) -> None:
         config=config,
         config_file_paths=[],  # else a file voila.py in the folder one happens to be in would be run
         log_level="ERROR",
-        port=port,
-        port_retries=0,
+        port=sockets[0].getsockname()[1],
+        sockets=sockets,
         token=token,
         open_browser=browser,
         identity_provider_class=LinkIdentity,
