@@ -69,7 +69,7 @@ def defects(
         chosen = np.arange(len(raw.step_modes))
     worst = np.full(len(program.modes), -1.0)
     system = system_of(native_code(program).code, problem.numbers)
-    scratch = _new_scratch(program.slots, raw.state.size, order)
+    scratch = new_defect_scratch(program.slots, raw.state.size, order)
     with np.errstate(all="ignore"):
         measure_defects(system, order, steps, chosen, worst, scratch)
     found = zip(program.modes, worst.tolist())
@@ -87,7 +87,8 @@ def stored_steps(raw: RunData) -> StoredSteps:
     return StoredSteps(raw.step_times, raw.step_modes, raw.step_states, ends)
 
 
-def _new_scratch(slots: int, states: int, order: int) -> DefectScratch:
+def new_defect_scratch(slots: int, states: int, order: int) -> DefectScratch:
+    """Empty scratch arrays for :func:`measure_defects`."""
     series, values, bounds = (np.zeros((slots, jet_columns(k))) for k in (order, 0, 0))
     return DefectScratch(series, values, bounds, *np.zeros((4, states)))
 

@@ -95,7 +95,7 @@ def c_function(function: Callable, signature: str) -> Any:
     from numba.core.ccallback import CFunc
     from numba.core.sigutils import normalize_signature
 
-    compiled: Any = CFunc(function, normalize_signature(signature), locals={}, options=_options())
+    compiled: Any = CFunc(function, normalize_signature(signature), locals={}, options=jit_options())
     compiled._cache = KernelCache(function, CACHE_FOLDER)
     compiled.compile()
     return compiled
@@ -104,12 +104,12 @@ def c_function(function: Callable, signature: str) -> Any:
 def _compile(function: Callable, further: dict[str, bool]) -> Callable:
     if NUMBA is None:
         return function
-    compiled = NUMBA.njit(nogil=True, **_options(), **further)(function)
+    compiled = NUMBA.njit(nogil=True, **jit_options(), **further)(function)
     compiled._cache = KernelCache(function, CACHE_FOLDER)
     return compiled
 
 
-def _options() -> dict[str, Any]:
+def jit_options() -> dict[str, Any]:
     """Compile without reference counts: kernels allocate nothing, and counting would take most of their
     time."""
     counts = {"_nrt": False} if hasattr(NUMBA.core.options.DefaultOptions, "_nrt") else {}

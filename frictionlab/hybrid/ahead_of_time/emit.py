@@ -1,0 +1,110 @@
+"""Machine code for each target, from the kernels' instructions."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import llvmlite.binding as llvm
+
+from frictionlab.hybrid.ahead_of_time.targets import TARGETS, WEB, Target
+
+OPTIMISATION = 2  # 3 makes no run shorter and objects longer
+COMMON = TARGETS[1]  # x86-64 without extensions
+STACK_BYTES, MEMORY_BYTES = 1 << 18, 1 << 25  # in a browser; the memory grows
+LINKER = "wasm-ld --no-entry --allow-undefined --export-table --growable-table --strip-all --gc-sections -O2".split()
+SCALARS = {"int64": "i64", "float64": "double"}
+
+
+def shim(name: str, symbol: str) -> str:
+    """Function ``int name(int64 *table)`` in LLVM's language: numba's own takes pointers to its results too."""
+    return f"""
+declare i32 @"{symbol}"(ptr, ptr, ptr)
+define i32 @{name}(ptr %table) {{
+  %result = alloca [4 x i64]
+  %error = alloca ptr
+  %status = call i32 @"{symbol}"(ptr %result, ptr %error, ptr %table)
+  ret i32 %status
+}}
+"""
+
+
+def scalar_shim(name: str, symbol: str, signature: str) -> str:
+    """Function of numbers as C has it, ``double name(int64, double)``, of numba's text of the signature."""
+    words = re.findall(r"\w+", signature)
+    result, *kinds = (SCALARS[word] for word in words)
+    declared = ", ".join(["ptr", "ptr", *kinds])
+    named = ", ".join(f"{kind} %a{i}" for i, kind in enumerate(kinds))
+    return f"""
+declare i32 @"{symbol}"({declared})
+define {result} @{name}({named}) {{
+  %result = alloca {result}
+  %error = alloca ptr
+  %status = call i32 @"{symbol}"(ptr %result, ptr %error, {named})
+  %value = load {result}, ptr %result
+  ret {result} %value
+}}
+"""
+
+
+def simplified(instructions: str, exports: list[str]) -> str:
+    """The instructions, optimised as far as holds for all processors of 64 bits; done once for them."""
+    machine = _machine(COMMON)
+    return str(_optimised(instructions, exports, COMMON, machine, vectorise=False))
+
+
+def emit_object(instructions: str, exports: list[str], target: Target) -> bytes:
+    """Object file of a target, in which only the exports are seen from outside."""
+    machine = _machine(target)
+    return machine.emit_object(_optimised(instructions, exports, target, machine, vectorise=True))
+
+
+def _optimised(instructions: str, exports: list[str], target: Target, machine: Any, *, vectorise: bool) -> Any:
+    module = llvm.parse_assembly(_adapted(instructions, target, machine))
+    for function in module.functions:
+        if not function.is_declaration:
+            function.linkage = "external" if function.name in exports else "internal"
+    for variable in module.global_variables:
+        if not variable.name.startswith("llvm."):
+            variable.linkage = "internal"
+    options = llvm.create_pipeline_tuning_options(speed_level=OPTIMISATION)
+    options.loop_vectorization = options.slp_vectorization = vectorise
+    builder = llvm.create_pass_builder(machine, options)
+    builder.getModulePassManager().run(module, builder)
+    module.verify()
+    return module
+
+
+def _machine(target: Target) -> Any:
+    llvm.initialize_all_targets()
+    llvm.initialize_all_asmprinters()
+    web = target is WEB
+    place = dict(reloc="static") if web else dict(reloc="pic", codemodel="default", jit=True)
+    known = llvm.Target.from_triple(target.triple)
+    return known.create_target_machine(opt=OPTIMISATION, cpu=target.cpu, features=target.features, **place)
+
+
+def _adapted(instructions: str, target: Target, machine: Any) -> str:
+    """The instructions with the target's layout, and null for addresses of this process."""
+    text = re.sub(r'target datalayout = ".*"', f'target datalayout = "{machine.target_data}"', instructions)
+    text = re.sub(r'target triple = ".*"', f'target triple = "{target.triple}"', text)
+    return re.sub(r"inttoptr \(i64 \d+ to ptr\)", "null", text)
+
+
+def link_for_web(code: bytes, exports: list[str]) -> bytes:
+    """An object of :data:`WEB` as a module of WebAssembly, by the linker that comes with zig."""
+    with TemporaryDirectory() as folder:
+        given, made = Path(folder) / "kernels.o", Path(folder) / "kernels.wasm"
+        given.write_bytes(code)
+        sizes = ["-z", f"stack-size={STACK_BYTES}", f"--initial-memory={MEMORY_BYTES}"]
+        shown = [f"--export={name}" for name in [*exports, "__heap_base"]]
+        files = [str(given), "-o", str(made)]
+        command = [sys.executable, "-m", "ziglang", *LINKER, *sizes, *shown, *files]
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        if done.returncode:
+            raise RuntimeError(f"the linker for WebAssembly failed: {done.stderr[:2000]}")
+        return made.read_bytes()

@@ -1,0 +1,208 @@
+"""The compiled kernels that fit this machine, as functions that Python calls."""
+
+from __future__ import annotations
+
+import ctypes
+import logging
+import lzma
+import struct
+from array import array
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from functools import update_wrapper
+from typing import Any
+
+import numpy as np
+
+from frictionlab.hybrid.ahead_of_time.manifest import (
+    Function,
+    Manifest,
+    changed_sources,
+    digest,
+    objects_folder,
+    read_manifest,
+)
+from frictionlab.hybrid.ahead_of_time.targets import targets_of_machine
+
+LOGGER = logging.getLogger(__name__)
+SUFFIX = ".o.xz"
+GAPS = "with gaps"  # the type of an array whose elements do not follow each other
+FLOAT, INTEGER = ["<f8", 0], ["<i8", 0]
+MANY = 20  # parts of a tuple whose words are remembered
+ENTRY = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_void_p)
+# the last of these tuples (kept, so that no other is taken for it), its words, and their types
+_last: tuple[Any, list[int], list[Any]] = (None, [], [])
+
+
+@dataclass(frozen=True)
+class LoadedKernels:
+    """The functions of an object.
+
+    Parameters
+    ----------
+    manifest : Manifest
+    digest : str
+        Of the sources and of the object.
+    engine : Any
+        LLVM's, which owns the code.
+    """
+
+    manifest: Manifest
+    digest: str
+    engine: Any
+
+    def function(self, kernel: Callable) -> Callable:
+        """The compiled function of a kernel; the kernel itself where it is no entry point."""
+        table = self.manifest.functions.get(kernel.__name__)
+        return kernel if table is None else CompiledKernel(kernel, table, self.address(kernel.__name__))
+
+    def address(self, name: str) -> int:
+        """Address of a function's code, by its name."""
+        return int(self.engine.get_function_address(name))
+
+
+def load_kernels() -> tuple[LoadedKernels | None, str]:
+    """The kernels for this machine, if some have been compiled from these sources; if not, why."""
+    manifest = read_manifest()
+    if manifest is None:
+        return None, "the kernels have not been compiled ahead of time"
+    if changed := changed_sources(manifest):
+        return None, f"kernels have changed since they were compiled ahead of time ({changed[0]})"
+    try:
+        import llvmlite.binding as llvm
+
+        llvm.initialize_native_target()
+        llvm.initialize_native_asmprinter()
+    except Exception as error:  # it is not installed, or its library cannot be loaded
+        return None, f"llvmlite cannot be imported ({type(error).__name__}: {error})"
+    for target in targets_of_machine():
+        code = _object(manifest, target.name + SUFFIX)
+        if code is not None:
+            LOGGER.debug("kernels compiled ahead of time for %s", target.name)
+            sources = "".join(manifest.sources.values()).encode()
+            return LoadedKernels(manifest, digest(sources + code), _engine(llvm, code)), ""
+    return None, "the kernels have not been compiled ahead of time for this processor and system"
+
+
+def _object(manifest: Manifest, name: str) -> bytes | None:
+    """Content of an object; None where it is missing or not as it was written."""
+    try:
+        packed = (objects_folder() / name).read_bytes()
+    except OSError:
+        return None
+    return lzma.decompress(packed) if manifest.objects.get(name) == digest(packed) else None
+
+
+def _engine(llvm: Any, code: bytes) -> Any:
+    machine = llvm.Target.from_default_triple().create_target_machine(jit=True)
+    engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), machine)
+    engine.add_object_file(llvm.ObjectFileRef.from_data(code))
+    engine.finalize_object()
+    return engine
+
+
+class CompiledKernel:
+    """A kernel as machine code, called like the Python function that it was compiled from.
+
+    Its arguments go into a table of words (see the package).
+    """
+
+    def __init__(self, kernel: Callable, table: Function, address: int) -> None:
+        update_wrapper(self, kernel)
+        self._call = ENTRY(address)
+        self._arguments = table.arguments
+        self._kinds = [part for _, kind, axes in table.arguments for part in (f"<{kind}", axes)]
+        self._results = tuple(kind for _, kind, _ in table.results)
+        self._returns = _named_tuple(kernel, table.returns)
+
+    def __call__(self, *arguments: Any) -> Any:
+        words, kinds, copies = [0] * len(self._results), [], []
+        _append(arguments, words, kinds)
+        if kinds != self._kinds:
+            words, copies = self._converted(arguments)
+        table = array("q", words)
+        if status := self._call(table.buffer_info()[0]):
+            raise RuntimeError(f"the kernel {self.__name__} ended with status {status}")
+        for given, used in copies:
+            given[...] = used
+        found = [_number(kind, word) for kind, word in zip(self._results, table)]
+        if self._returns is not None:
+            return self._returns(*found)
+        return found[0] if found else None
+
+    def _converted(self, arguments: Any) -> tuple[list[int], list[tuple[np.ndarray, np.ndarray]]]:
+        """Words where whole numbers stand for others, or arrays have gaps; these, with copies without."""
+        leaves = list(_leaves(arguments))
+        if len(leaves) != len(self._arguments):
+            expected = f"{len(self._arguments)} numbers and arrays"
+            raise TypeError(f"{self.__name__} takes {expected}, got {len(leaves)}: see its docstring")
+        words, copies = [0] * len(self._results), []
+        for leaf, (name, kind, axes) in zip(leaves, self._arguments, strict=True):
+            if axes == 0:
+                _append([float(leaf) if kind == "f8" else int(leaf)], words, [])
+                continue
+            if not (isinstance(leaf, np.ndarray) and leaf.dtype.str[1:] == kind and leaf.ndim == axes):
+                got = f"{leaf.dtype} with {leaf.ndim}" if isinstance(leaf, np.ndarray) else repr(leaf)
+                rule = f"an array of numpy's type {kind!r} with {axes} axes"
+                raise TypeError(f"{name} of {self.__name__} must be {rule}, got {got}: convert it")
+            whole = np.ascontiguousarray(leaf)
+            copies.append((leaf, whole))
+            _append([whole], words, [])
+        return words, [(given, used) for given, used in copies if used is not given and given.flags.writeable]
+
+
+def _number(kind: str, word: int) -> Any:
+    if kind == "f8":
+        return struct.unpack("d", struct.pack("q", word))[0]
+    return bool(word) if kind == "b1" else word
+
+
+def _named_tuple(kernel: Callable, name: str) -> Any:
+    """A class that the module of a kernel knows, by its name; None for ""."""
+    return kernel.__globals__[name] if name else None
+
+
+def _append(arguments: Iterable[Any], words: list[int], kinds: list[Any]) -> None:
+    """Append the words of arguments, and for each number and array its type and number of axes."""
+    for each in arguments:
+        kind = type(each)
+        if kind is np.ndarray:
+            about = each.__array_interface__
+            shape = about["shape"]
+            words.append(about["data"][0])
+            words.extend(shape)
+            kinds.append(about["typestr"] if about["strides"] is None else GAPS)
+            kinds.append(len(shape))
+        elif isinstance(each, tuple):
+            if len(each) < MANY:
+                _append(each, words, kinds)
+            else:
+                _append_remembered(each, words, kinds)
+        elif isinstance(each, (float, np.floating)):
+            words.append(struct.unpack("q", struct.pack("d", each))[0])
+            kinds += FLOAT
+        elif each is not None:
+            words.append(int(each))
+            kinds += INTEGER
+
+
+def _append_remembered(many: tuple[Any, ...], words: list[int], kinds: list[Any]) -> None:
+    """The same of a tuple of many arrays, such as a program's, which is passed again and again."""
+    global _last
+    known, more, their = _last
+    if known is not many:
+        more, their = [], []
+        for part in many:  # not the tuple itself, of which one word after the other would be asked again
+            _append((part,), more, their)
+        _last = many, more, their
+    words.extend(more)
+    kinds.extend(their)
+
+
+def _leaves(arguments: Iterable[Any]) -> Iterator[Any]:
+    """Numbers and arrays, one after the other."""
+    for each in arguments:
+        if isinstance(each, tuple):
+            yield from _leaves(each)
+        elif each is not None:
+            yield each
