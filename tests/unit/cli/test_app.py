@@ -27,7 +27,7 @@ def test_a_port_in_use_is_refused(refused):
 
 
 # Tornado leaves the socket to the garbage collector that could not have the port.
-@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
+@pytest.mark.filterwarnings("ignore:unclosed:ResourceWarning")
 def test_without_a_port_another_is_taken_where_the_usual_one_is_in_use(monkeypatch):
     pytest.importorskip("voila", reason="voila serves the page; it is not installed")
     with contextlib.ExitStack() as opened:
