@@ -182,7 +182,7 @@ def atanh(x):
 
 @kernel
 def power(x, y):
-    """x^y; no number for x below zero, for which there is :func:`integer_power`."""
+    """x^y; no number for x below zero."""
     x, y = float(x), float(y)
     if y == 0.0 or x == 1.0:
         return 1.0
@@ -207,19 +207,3 @@ def power_at_limits(x, y):
     if x == 0.0 or x == math.inf:
         return math.inf if (x == 0.0) == (y < 0.0) else 0.0
     return math.inf if (x > 1.0) == (y > 0.0) else 0.0
-
-
-@kernel
-def integer_power(x, n):
-    """x^n for an integer n, by squares: each is made of the one before, and products go from low to high."""
-    value, square, count = 1.0, float(x), abs(n)
-    while count > 0:
-        if count & 1:
-            value *= square
-        square *= square
-        count >>= 1
-    if n >= 0:
-        return value
-    if value == 0.0:
-        return math.inf
-    return 1.0 / value

@@ -154,13 +154,6 @@ def test_a_power_of_what_is_no_number_is_none():
         assert math.isnan(logarithms.power(x, y))
 
 
-@pytest.mark.parametrize("x", [1.7, -0.3])
-@pytest.mark.parametrize("n", range(-7, 12))
-def test_an_integer_power_is_one_of_products(x, n):
-    assert logarithms.integer_power(x, n) == pytest.approx(x**n, rel=1e-15)
-    assert logarithms.integer_power(0.0, -2) == math.inf
-
-
 def digest_of_values():
     """All values of all functions, to the last bit."""
     digest = hashlib.sha256()
