@@ -1,5 +1,6 @@
 """Native jets against the interpreter: the same to the last bit, over all laws, modes and orders."""
 
+import re
 from concurrent.futures import wait
 from itertools import combinations
 
@@ -12,6 +13,8 @@ from frictionlab.automaton import HybridAutomaton, Mode
 from frictionlab.components import SlidingSeparation, StickSlip
 from frictionlab.hybrid import compilation
 from frictionlab.hybrid.codegen import native_cache
+from frictionlab.hybrid.codegen.jet_codegen import jets_module
+from frictionlab.hybrid.codegen.kernel_symbols import KERNELS
 from frictionlab.hybrid.kernels.jets import (
     JET_COLUMNS,
     LOG2_LEAST_RATIO,
@@ -117,6 +120,17 @@ def test_whether_a_power_has_a_series_depends_on_the_order():
             np.testing.assert_array_equal(jets[[0, guard]], interpreted[[0, guard]])
             assert (interpreted[guard, 2] != 0) == has_series(*interpreted[0, :2], order)
             assert has_series(*interpreted[0, :2], order) == (start > first) or start == first
+
+
+@pytest.mark.parametrize("automaton", [SCENES[0].automaton(), stiffened(), functions()])
+def test_code_holds_nothing_that_differs_between_machines(automaton):
+    """No multiply-add that is rounded once, no library; only the package's own kernels are called."""
+    native = native_cache.NativeCode(program_of(automaton)[0])
+    text = str(jets_module(native.tapes[0], "jets"))
+    declared = set(re.findall(r'declare \S+ @"?([\w.]+)', text))
+    assert "fmuladd" not in text
+    assert "contract" not in text
+    assert declared <= {*KERNELS, "llvm.fabs.f64"}
 
 
 def test_orders_beyond_the_highest_are_interpreted():
