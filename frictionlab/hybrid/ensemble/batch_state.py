@@ -89,7 +89,7 @@ def _new_runs(program: Program, numbers: Numbers, states: np.ndarray, method: Ta
 
 def _new_lanes(program: Program, numbers: Numbers, method: Taylor) -> Lanes:
     control = aligned_zeros(CONTROL_ROWS, LANE_COUNT)
-    control[TOL], control[LOG_TOL] = method.tol, np.log2(method.tol)
+    control[TOL], control[LOG_TOL] = method.tol, step_length.log2_of_tolerance(method.tol)
     control[GUARD_TOL] = method.tol * step_length.FUNCTION_TOL_FACTOR
     return Lanes(
         runs=np.full(LANE_COUNT, FREE),
