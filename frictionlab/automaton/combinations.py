@@ -7,7 +7,7 @@ done with the numbers; sympy sees the few expressions only.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -64,11 +64,6 @@ class Combinations:
         terms = self.numbers * of_expressions[self.places[:, 1]]
         found: Array = np.bincount(self.places[:, 0], weights=terms, minlength=self.sums).astype(float)
         return found
-
-    def function(self, arguments: Sequence[Any]) -> Callable[..., Array]:
-        """A function of numbers that gives the sums."""
-        compiled = sympy.lambdify(list(arguments), list(self.expressions), "math", cse=True)
-        return lambda *values: self.values(np.array(compiled(*values), dtype=float))
 
 
 def combinations_of(sums: Sequence[Any], states: Sequence[Any]) -> Combinations:

@@ -18,6 +18,7 @@ import numpy as np
 from frictionlab.frozen_mapping import FrozenMapping
 from frictionlab.hybrid.codegen.native_cache import native_code
 from frictionlab.hybrid.compilation import inlined, kernel
+from frictionlab.hybrid.elementary.trigonometry import cos
 from frictionlab.hybrid.kernels.jets import (
     MACHINE_EPSILON,
     majorant,
@@ -101,7 +102,7 @@ def measure_defects(system, order, steps, chosen, worst, scratch):
         if h > 0.0:
             begin_step(system, order, mode, h, steps.states[step], scratch)
             for point in range(CHECK_POINTS):
-                s = 0.5 * h * (1.0 - math.cos(math.pi * (point + 0.5) / CHECK_POINTS))
+                s = 0.5 * h * (1.0 - cos(math.pi * (point + 0.5) / CHECK_POINTS))
                 record_residuals(system, order, mode, s, scratch)
             for i in range(scratch.errors.shape[0]):
                 scratch.errors[i] *= h

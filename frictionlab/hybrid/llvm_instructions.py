@@ -149,8 +149,9 @@ class Instructions:
     def _abs(self, a: Any) -> Any:
         return self._intrinsic("fabs", a)
 
-    def _fma(self, a: Any, b: Any, c: Any) -> Any:
-        return self._intrinsic("fma", a, b, c)
+    def _multiply_add(self, a: Any, b: Any, c: Any) -> Any:
+        """a b + c, rounded twice, as not every processor rounds it once."""
+        return self.build.fadd(self.build.fmul(a, b), c)
 
     def _intrinsic(self, name: str, *arguments: Any) -> Any:
         """One instruction for a number or for a vector."""

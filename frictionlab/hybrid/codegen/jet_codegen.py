@@ -11,15 +11,19 @@ from __future__ import annotations
 from functools import partial
 from typing import Any, NamedTuple
 
-from frictionlab.hybrid.codegen.kernel_symbols import VALUE_SYMBOL
+from frictionlab.hybrid.codegen.kernel_symbols import POWER_SYMBOL, VALUE_SYMBOL
 from frictionlab.hybrid.kernels.arithmetic import PARTS
-from frictionlab.hybrid.kernels.jets import INVERSE_LARGEST_COEFFICIENT, JET_COLUMNS
-from frictionlab.hybrid.llvm_instructions import Instructions, Values, llvm_constant, write_branch, write_loop
-from frictionlab.hybrid.tape.functions import FUNCTIONS
+from frictionlab.hybrid.kernels.jets import JET_COLUMNS, LOG2_LEAST_RATIO
+from frictionlab.hybrid.llvm_instructions import (
+    Instructions,
+    Values,
+    llvm_constant,
+    write_branch,
+    write_exp2,
+    write_loop,
+)
 from frictionlab.hybrid.tape.operations import AFFINE, POWER, PRODUCT, QUOTIENT, RATE, SQUARE
 from frictionlab.hybrid.tape.tape import Tape
-
-LIBRARY_SYMBOLS = {function.kind: function.name for function in FUNCTIONS if function.in_library}
 
 LANE_COUNT = 4
 LEFT, LENGTH, REGULAR, TOL, LOG_TOL, GUARD_TOL = range(6)  # rows of `control`, all of LANE_COUNT numbers
@@ -136,8 +140,6 @@ class JetWriter(Instructions):
         return self._power_value(i, values[a]) if kind == POWER else self._function_value(kind, values[a])
 
     def _function_value(self, kind: int, a: Any) -> Any:
-        if kind in LIBRARY_SYMBOLS:
-            return self._call(LIBRARY_SYMBOLS[kind], a)
         return self._call(VALUE_SYMBOL, self.whole(kind), a)
 
     def _coefficient(self, i: int, kind: int, a: int, b: int, at: OrderInLoop) -> Any:
@@ -162,13 +164,15 @@ class JetWriter(Instructions):
         for j in range(first, last):
             slot, value = self.function.tape.terms[j][0], self._load(self.terms, self.function.first[1] + j)
             factor = self.values[slot]
-            total = self.build.fmul(value, factor) if total is None else self._fma(value, factor, total)
+            total = (
+                self.build.fmul(value, factor) if total is None else self._multiply_add(value, factor, total)
+            )
         return self._number(0.0) if total is None else total
 
     def _product(self, a: int, b: int, at: OrderInLoop) -> Any:
         total = self._convolution(a, b, at, 0)
-        total = self._fma(self._at(a, self.J), self.values[b], total)
-        return self._fma(self.values[a], self._at(b, self.J), total)
+        total = self._multiply_add(self._at(a, self.J), self.values[b], total)
+        return self._multiply_add(self.values[a], self._at(b, self.J), total)
 
     def _square(self, a: int, at: OrderInLoop) -> Any:
         """Each pair once; of the (k - 1)/2 pairs, groups of four leave two more where `fours` is odd."""
@@ -187,22 +191,20 @@ class JetWriter(Instructions):
             middle = self._ahead(
                 self.J, build.add(build.shl(at.fours, self.whole(1)), self.whole(1 + single))
             )
-            total = self._fma(self._at(a, middle), self._at(a, middle), total)
-        return self._fma(build.fmul(two, self._at(a, self.J)), self.values[a], total)
+            total = self._multiply_add(self._at(a, middle), self._at(a, middle), total)
+        return self._multiply_add(build.fmul(two, self._at(a, self.J)), self.values[a], total)
 
     def _prepare_powers(self) -> None:
         """The least base of a power, relative to its rate, for which it has a series."""
         if any(kind == POWER for kind, _, _ in self.function.tape.ops):
             build, kind, one = self.build, self.ir.DoubleType(), self.whole(1)
             order = build.select(build.icmp_signed(">", self.order, one), self.order, one)
-            exponent = build.fdiv(kind(1.0), build.sitofp(order, kind))
-            self.shortest = self._spread(
-                self._called("pow", kind, kind(INVERSE_LARGEST_COEFFICIENT), exponent)
-            )
+            exponent = build.fdiv(kind(LOG2_LEAST_RATIO), build.sitofp(order, kind))
+            self.shortest = self._spread(write_exp2(self.ir, build, exponent))
 
     def _power_value(self, i: int, base: Any) -> Any:
         build, exponent, regular = self.build, self._exponent(i), self._regular(base)
-        value = self._call("pow", build.select(regular, base, self._number(1.0)), exponent)
+        value = self._call(POWER_SYMBOL, build.select(regular, base, self._number(1.0)), exponent)
         return build.select(regular, value, self._limit(exponent))
 
     def _power(self, i: int, a: int, out: int, at: OrderInLoop) -> Any:
@@ -246,7 +248,7 @@ class JetWriter(Instructions):
         return [self._further(ahead, behind, j, parts[j]) for j in range(count)] + parts[count:]
 
     def _further(self, ahead: Any, behind: Any, j: int, part: Any) -> Any:
-        return self._fma(self._load(ahead, j), self._load(behind, -j), part)
+        return self._multiply_add(self._load(ahead, j), self._load(behind, -j), part)
 
     def _in_pairs(self, parts: Values) -> Any:
         return self.build.fadd(self.build.fadd(parts[0], parts[1]), self.build.fadd(parts[2], parts[3]))
@@ -260,9 +262,8 @@ class JetWriter(Instructions):
             j = build.shl(i, self.whole(2))
             forward = self._vector(self._ahead(ahead, j), 0, four)
             backward = self._vector(self._ahead(behind, build.neg(j)), 1 - PARTS, four)
-            return [
-                self._intrinsic("fma", forward, build.shuffle_vector(backward, backward, turned), sums[0])
-            ]
+            backward = build.shuffle_vector(backward, backward, turned)
+            return [self._multiply_add(forward, backward, sums[0])]
 
         (total,) = write_loop(build, count, [llvm_constant(self.ir, four, 0.0)], group)
         return [build.extract_element(total, self.ir.IntType(32)(j)) for j in range(PARTS)]

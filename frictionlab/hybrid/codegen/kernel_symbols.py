@@ -1,7 +1,7 @@
 """Kernels that native code calls by a name, so that what they compute is stated once.
 
-A name is made known to LLVM when code that holds it is loaded.  The kernels of functions are called so: what
-they do is chosen by the number of the function, and takes longer than a call.
+A name is made known to LLVM when code that holds it is loaded.  The kernels of functions and of powers are
+called so, as what they do takes longer than a call.
 """
 
 from __future__ import annotations
@@ -11,9 +11,11 @@ from functools import cache
 from typing import Any, NamedTuple
 
 from frictionlab.hybrid.compilation import c_function
+from frictionlab.hybrid.elementary.logarithms import power
 from frictionlab.hybrid.tape.functions import function_range, function_value
 
 VALUE_SYMBOL, RANGE_SYMBOL = "frictionlab_function_value", "frictionlab_function_range"
+POWER_SYMBOL = "frictionlab_power"
 
 
 class KernelSymbol(NamedTuple):
@@ -31,9 +33,14 @@ def _range(kind, a, y, slope, d):
     return function_range(kind, a, y, slope, d)
 
 
+def _power(x, y):
+    return power(x, y)
+
+
 KERNELS = {
     VALUE_SYMBOL: KernelSymbol(_value, "float64(int64, float64)"),
     RANGE_SYMBOL: KernelSymbol(_range, "float64(int64, float64, float64, float64, float64)"),
+    POWER_SYMBOL: KernelSymbol(_power, "float64(float64, float64)"),
 }
 
 

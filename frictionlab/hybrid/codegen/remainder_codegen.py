@@ -2,7 +2,7 @@
 discs.
 
 That is :mod:`frictionlab.hybrid.kernels.remainder` for all lanes: the operations are those of a single run in
-the same sequence, except that zeros are not added; the library's functions are called for each lane by
+the same sequence, except that zeros are not added; the kernels of functions are called for each lane by
 itself. Radii are tried until every lane has its step.  In the ranges `d` is how far the argument goes from
 its value `a`; `y` and `slope` are the absolute values of the function and its derivative there.
 """
@@ -14,18 +14,18 @@ from itertools import pairwise
 from typing import Any, NamedTuple
 
 from frictionlab.hybrid.codegen.jet_codegen import LANE_COUNT, LEFT, TOL, LaneWriter, ModeTape
-from frictionlab.hybrid.codegen.kernel_symbols import RANGE_SYMBOL
+from frictionlab.hybrid.codegen.kernel_symbols import POWER_SYMBOL, RANGE_SYMBOL
 from frictionlab.hybrid.kernels.arithmetic import PARTS
 from frictionlab.hybrid.kernels.powers import INSTANT
 from frictionlab.hybrid.kernels.remainder import (
     BOUND_EXCESS,
     FIRST_RADIUS,
-    MIN_RADIUS_IN_STEPS,
+    LOG2_RADIUS_MARGIN,
     RADIUS_FACTOR,
     RADIUS_TRIES,
     SUFFICIENT_SHARE,
 )
-from frictionlab.hybrid.kernels.step_length import FUNCTION_TOL_FACTOR, MIN_FUNCTION_STEP_SHARE
+from frictionlab.hybrid.kernels.step_length import LOG2_FUNCTION_TOL_FACTOR, MIN_FUNCTION_STEP_SHARE
 from frictionlab.hybrid.llvm_instructions import Values, write_exp2, write_log2, write_loop, write_while_loop
 from frictionlab.hybrid.tape.operations import AFFINE, POWER, PRODUCT, QUOTIENT, RATE, SQUARE
 from frictionlab.hybrid.tape.program import NOT_POLYNOMIAL
@@ -48,7 +48,9 @@ class RangeWriter(LaneWriter):
 
     def _power_range(self, exponent: Any, base: Any, d: Any) -> Any:
         build, less = self.build, self.build.fsub(exponent, self._number(1.0))
-        near, far = (self._call("pow", end, less) for end in (build.fsub(base, d), build.fadd(base, d)))
+        near, far = (
+            self._call(POWER_SYMBOL, end, less) for end in (build.fsub(base, d), build.fadd(base, d))
+        )
         reach = build.fmul(build.fmul(self._abs(exponent), self._max(near, far)), d)
         return self._where(build.fcmp_ordered("<", d, base), reach, math.inf)
 
@@ -132,7 +134,7 @@ class RemainderWriter(RangeWriter):
         log_radius = write_log2(ir, build, radius)
         room = build.fmul(self._as_number(self.order), log_radius)
         room = build.fadd(write_log2(ir, build, self._load(self.control, TOL)), room)
-        best = build.fsub(log_radius, self._number(math.log2(MIN_RADIUS_IN_STEPS * BOUND_EXCESS)))
+        best = build.fsub(log_radius, self._number(LOG2_RADIUS_MARGIN))
         room_of_rates = build.fadd(room, write_log2(ir, build, self._order_less(-1)))
         bounded = self._all()
         for first, last in pairwise(self.groups):
@@ -145,7 +147,7 @@ class RemainderWriter(RangeWriter):
                 known = build.and_(known, build.or_(build.not_(leaves), self._some(sizes)))
                 bounded = build.and_(bounded, build.fcmp_ordered("<", rest, self._number(math.inf)))
         least = write_log2(ir, build, build.fmul(self._number(MIN_FUNCTION_STEP_SHARE), h))
-        room = build.fadd(room, build.fadd(self._number(math.log2(FUNCTION_TOL_FACTOR)), log_radius))
+        room = build.fadd(room, build.fadd(self._number(LOG2_FUNCTION_TOL_FACTOR), log_radius))
         for slot in self.guards:
             if self.bounds[slot].rest is not None:
                 best = self._min(best, self._max(least, self._guard_support(slot, room)))

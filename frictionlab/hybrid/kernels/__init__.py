@@ -3,7 +3,7 @@
 In the order of their imports:
 
 ``arithmetic``
-    Fused multiply-add, quick logarithms, calls of machine code.
+    Quick logarithms, sums in vectors, calls of machine code.
 ``jets``
     Taylor coefficients of a mode's slots at a state, and majorants of their rounding errors.
 ``step_length``

@@ -1,23 +1,33 @@
-"""Operations that Python does not have: a fused multiply-add, calls by address, quick logarithms.
+"""Operations that Python does not have: calls by address, sums in vectors, quick logarithms.
 
-Intrinsics of numba, for use in a @kernel; without numba they are plain arithmetic, and calls are never
-reached, as there are no addresses.
+Intrinsics of numba, for use in a @kernel; without numba they are plain arithmetic with the same bits, and
+calls are never reached, as there are no addresses.
 """
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 from frictionlab.hybrid import llvm_instructions
 from frictionlab.hybrid.compilation import NUMBA
-from frictionlab.hybrid.llvm_instructions import write_loop
+from frictionlab.hybrid.elementary.float_bits import (
+    BITS_OF_ONE,
+    EXPONENT_BIAS,
+    FRACTION_BITS,
+    ROUNDING,
+    bits_to_float,
+    float_to_bits,
+)
+from frictionlab.hybrid.llvm_instructions import (
+    EXP2_COEFFICIENTS,
+    EXPONENT_LIMIT,
+    LOG2_COEFFICIENTS,
+    MANTISSA_BITS,
+    write_loop,
+)
 
+SIGN_AND_EXPONENT_MASK = 0xFFF
 PARTS = 4  # sums of a convolution or a series that do not wait for each other
-
-
-def _plain_fma(a, b, c):
-    return a * b + c
 
 
 def _plain_sum(J, slot, groups, last, radius):
@@ -30,12 +40,27 @@ def _plain_sum(J, slot, groups, last, radius):
     return (a + radius * (b + radius * (c + radius * d))) * radius
 
 
+def _plain_correction(x, coefficients):
+    total = coefficients[-1]
+    for c in coefficients[-2::-1]:
+        total = total * x + c
+    return (x * (1.0 - x)) * total
+
+
 def _plain_log2(x):
-    return math.log2(x) if x > 0.0 else -1023.0
+    bits = float_to_bits(x)
+    exponent = float((bits >> FRACTION_BITS) & SIGN_AND_EXPONENT_MASK) - EXPONENT_BIAS
+    part = bits_to_float((bits & MANTISSA_BITS) | BITS_OF_ONE) - 1.0
+    return exponent + (part + _plain_correction(part, LOG2_COEFFICIENTS))
 
 
 def _plain_exp2(x):
-    return 2.0 ** min(max(x, -1000.0), 1000.0)
+    x = float(x) if x > -EXPONENT_LIMIT else -EXPONENT_LIMIT
+    x = x if x < EXPONENT_LIMIT else EXPONENT_LIMIT
+    floor = ((x - 0.5) + ROUNDING) - ROUNDING
+    part = x - floor
+    value = (part + 1.0) + _plain_correction(part, EXP2_COEFFICIENTS)
+    return bits_to_float(float_to_bits(value) + (int(floor) << FRACTION_BITS))
 
 
 def _plain_call(address, *arguments):
@@ -76,16 +101,6 @@ def _intrinsics() -> tuple[Any, ...]:
     from llvmlite import ir
     from numba import types
     from numba.extending import intrinsic
-
-    @intrinsic
-    def fma(typing_context, a, b, c):
-        """a*b + c, rounded once."""
-        number = types.float64
-
-        def code(context, builder, signature, arguments):
-            return builder.fma(*arguments)
-
-        return number(number, number, number), code
 
     def by_address(context, builder, signature, arguments):
         address, *arrays, order = arguments
@@ -136,8 +151,8 @@ def _intrinsics() -> tuple[Any, ...]:
         return function
 
     of_one = of_one_number(llvm_instructions.write_log2), of_one_number(llvm_instructions.write_exp2)
-    return fma, call, call_step, sum_of_series, *of_one
+    return call, call_step, sum_of_series, *of_one
 
 
-_PLAIN = _plain_fma, _plain_call, _plain_call, _plain_sum, _plain_log2, _plain_exp2
-fma, call_jets, call_lane_step, sum_of_series, log2, exp2 = _PLAIN if NUMBA is None else _intrinsics()
+_PLAIN = _plain_call, _plain_call, _plain_sum, _plain_log2, _plain_exp2
+call_jets, call_lane_step, sum_of_series, log2, exp2 = _PLAIN if NUMBA is None else _intrinsics()

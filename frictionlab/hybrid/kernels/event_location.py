@@ -133,14 +133,13 @@ def is_guard_truncated(code, guard, mode, order, s, J):
 @inlined
 def has_significant_tail(c, order, s):
     """Whether the last terms of a polynomial are above the rounding errors of its largest."""
-    power = s ** (order - 1)
-    last = abs(c[order - 1]) * power + abs(c[order]) * power * s
-    largest = 0.0
+    before = last = largest = 0.0
     power = 1.0
     for k in range(order + 1):
-        largest = max(largest, abs(c[k]) * power)
+        before, last = last, abs(c[k]) * power
+        largest = max(largest, last)
         power *= s
-    return last > MACHINE_EPSILON * largest
+    return before + last > MACHINE_EPSILON * largest
 
 
 @kernel

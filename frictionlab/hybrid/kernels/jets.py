@@ -11,13 +11,14 @@ from __future__ import annotations
 import math
 
 from frictionlab.hybrid.compilation import inlined, kernel
-from frictionlab.hybrid.kernels.arithmetic import call_jets, fma
+from frictionlab.hybrid.elementary.logarithms import power
+from frictionlab.hybrid.kernels.arithmetic import call_jets, exp2
 from frictionlab.hybrid.tape.functions import function_value
 from frictionlab.hybrid.tape.operations import AFFINE, POWER, PRODUCT, RATE, SQUARE
 
 MAX_ORDER = 60  # order that may be asked for
 JET_COLUMNS = MAX_ORDER + 1  # no power of two, for which rows would lie on few sets of the cache
-INVERSE_LARGEST_COEFFICIENT = 1e-290  # its inverse is how large a coefficient of a power may be
+LOG2_LEAST_RATIO = -963.0  # 2^963, some 1e290, is how large a coefficient of a power may be
 
 # Rounding errors are taken to be below this many ulps of the majorant.
 MACHINE_EPSILON = 2.220446049250313e-16
@@ -29,17 +30,17 @@ def convolution(J, a, b, first, last, k):
     one = two = three = four = 0.0
     j = first
     while j + 3 <= last:
-        one = fma(J[a, j], J[b, k - j], one)
-        two = fma(J[a, j + 1], J[b, k - j - 1], two)
-        three = fma(J[a, j + 2], J[b, k - j - 2], three)
-        four = fma(J[a, j + 3], J[b, k - j - 3], four)
+        one += J[a, j] * J[b, k - j]
+        two += J[a, j + 1] * J[b, k - j - 1]
+        three += J[a, j + 2] * J[b, k - j - 2]
+        four += J[a, j + 3] * J[b, k - j - 3]
         j += 4
     if j <= last:
-        one = fma(J[a, j], J[b, k - j], one)
+        one += J[a, j] * J[b, k - j]
     if j + 1 <= last:
-        two = fma(J[a, j + 1], J[b, k - j - 1], two)
+        two += J[a, j + 1] * J[b, k - j - 1]
     if j + 2 <= last:
-        three = fma(J[a, j + 2], J[b, k - j - 2], three)
+        three += J[a, j + 2] * J[b, k - j - 2]
     return (one + two) + (three + four)
 
 
@@ -49,7 +50,7 @@ def product_coefficient(J, a, b, k):
     if k == 0:
         return J[a, 0] * J[b, 0]
     total = convolution(J, a, b, 1, k - 1, k)
-    return fma(J[a, k], J[b, 0], fma(J[a, 0], J[b, k], total))
+    return (total + J[a, 0] * J[b, k]) + J[a, k] * J[b, 0]
 
 
 @kernel
@@ -59,8 +60,8 @@ def square_coefficient(J, a, k):
         return J[a, 0] * J[a, 0]
     total = 2.0 * convolution(J, a, a, 1, (k - 1) // 2, k)
     if k % 2 == 0:
-        total = fma(J[a, k // 2], J[a, k // 2], total)
-    return fma(2.0 * J[a, 0], J[a, k], total)
+        total += J[a, k // 2] * J[a, k // 2]
+    return total + 2.0 * J[a, 0] * J[a, k]
 
 
 @kernel
@@ -76,7 +77,7 @@ def function_coefficient(kind, a, slope, out, k, sign, values, J):
 @inlined
 def has_series(base, rate, order):
     """Whether a power's Taylor coefficients are numbers: they grow like (rate/base)^k."""
-    return base > INVERSE_LARGEST_COEFFICIENT ** (1.0 / max(order, 1)) * abs(rate)
+    return base > exp2(LOG2_LEAST_RATIO / max(order, 1)) * abs(rate)
 
 
 @kernel
@@ -95,7 +96,7 @@ def power_coefficient(exponent, a, out, k, order, sign, values, J):
     if k == 0 and sign > 0.0:
         return abs(values[out, 0]) * (1.0 + abs(exponent) * J[a, 0] / base)
     if k == 0:
-        return base**exponent
+        return power(base, exponent)
     total = (exponent + 1.0) * convolution(J, out - 1, out, 1, k, k)
     total += sign * k * convolution(J, a, out, 1, k, k)
     if sign > 0.0:
@@ -126,7 +127,7 @@ def run_tape(code, numbers, operations, order, flow, sign, values, J):
                 if k == 0:
                     total = constants[i]
                 for j in range(a, b):
-                    total = fma(terms[j], J[slots[j], k], total)
+                    total += terms[j] * J[slots[j], k]
             elif kind == PRODUCT:
                 total = product_coefficient(J, a, b, k)
             elif kind == SQUARE:

@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 
 from frictionlab.hybrid.compilation import kernel
+from frictionlab.hybrid.kernels.arithmetic import exp2, log2
 from frictionlab.hybrid.kernels.jets import has_series, majorant, mode_jets, polynomial_slope, states_at
 from frictionlab.hybrid.kernels.step_length import largest_coefficient
 from frictionlab.hybrid.tape.operations import POWER
@@ -53,7 +54,7 @@ def usable_order(code, order, mode, J):
             if not base > 0.0:
                 return 0
             if not has_series(base, rate, order):
-                few = min(few, int(LOG2_LARGEST_COEFFICIENT / (math.log2(rate) - math.log2(base))))
+                few = min(few, int(LOG2_LARGEST_COEFFICIENT / (log2(rate) - log2(base))))
     return few
 
 
@@ -126,5 +127,5 @@ def onset_step(system, truncation, mode, h, scratch):
                     share = max(share, error / (truncation.tol * size))
         if not share > 1.0:
             break
-        h *= max(0.1, 0.9 / share**0.4)
+        h *= max(0.1, 0.9 * exp2(-0.4 * log2(share)))
     return h

@@ -22,10 +22,11 @@ from __future__ import annotations
 import math
 
 from frictionlab.hybrid.compilation import inlined, kernel
+from frictionlab.hybrid.elementary.logarithms import power
 from frictionlab.hybrid.kernels.arithmetic import PARTS, exp2, log2, sum_of_series
 from frictionlab.hybrid.kernels.powers import INSTANT
 from frictionlab.hybrid.kernels.step_length import (
-    FUNCTION_TOL_FACTOR,
+    LOG2_FUNCTION_TOL_FACTOR,
     MIN_FUNCTION_STEP_SHARE,
     largest_coefficient,
     log2_step_from_later_terms,
@@ -44,6 +45,7 @@ MIN_RADIUS_IN_STEPS = (
 BOUND_EXCESS = (
     1.25  # what a step may be longer: bounds of ordinary motions are larger than their remainders by that
 )
+LOG2_RADIUS_MARGIN = 0.4594316186372973  # log2(MIN_RADIUS_IN_STEPS BOUND_EXCESS)
 SUFFICIENT_SHARE = 0.83  # share of a step that is taken without looking for a longer one, which costs as much
 RADIUS_TRIES = 200  # radii tried at the most: RADIUS_FACTOR to this power is below the smallest number
 
@@ -53,7 +55,7 @@ def power_range(exponent, base, d):
     """Bound of |z^p - a^p| for complex |z - a| <= d and a base a > 0, by the largest slope."""
     if not d < base:
         return math.inf
-    steepest = max((base - d) ** (exponent - 1.0), (base + d) ** (exponent - 1.0))
+    steepest = max(power(base - d, exponent - 1.0), power(base + d, exponent - 1.0))
     return abs(exponent) * steepest * d
 
 
@@ -175,7 +177,7 @@ def supported_step(code, truncation, mode, radius, shortest, J, bounds):
     """Longest step that the ranges on the disc of a radius support: no slot leaves out more than allowed."""
     order, log_radius = truncation.order, log2(radius)
     log_room = log2(truncation.tol) + order * log_radius
-    best = log_radius - math.log2(MIN_RADIUS_IN_STEPS * BOUND_EXCESS)
+    best = log_radius - LOG2_RADIUS_MARGIN
     for group in range(4):
         first = code.groups[group]
         last = code.groups[group + 1] if group < 3 else code.inputs
@@ -188,7 +190,7 @@ def supported_step(code, truncation, mode, radius, shortest, J, bounds):
             room = log_room + log2(order + 1.0) - log2(rest)
             best = min(best, log2_group_support(room, order, first, last, J))
     least = log2(shortest)
-    log_room += math.log2(FUNCTION_TOL_FACTOR) + log_radius
+    log_room += LOG2_FUNCTION_TOL_FACTOR + log_radius
     for g in range(code.mode_guards[mode], code.mode_guards[mode + 1]):
         slot = code.function_slots[g]
         best = min(best, max(least, log2_function_support(slot, log_room, order, J, bounds)))

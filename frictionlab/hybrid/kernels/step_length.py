@@ -7,10 +7,15 @@ import math
 from frictionlab.hybrid.compilation import inlined, kernel
 from frictionlab.hybrid.kernels.arithmetic import exp2, log2
 
-FUNCTION_TOL_FACTOR = (
-    64.0  # what the tolerance of a function of the states is wider than theirs: the room for rounding
-)
+# What the tolerance of a function of the states is wider than theirs: the room for rounding.
+FUNCTION_TOL_FACTOR, LOG2_FUNCTION_TOL_FACTOR = 64.0, 6.0
 MIN_FUNCTION_STEP_SHARE = 0.02
+
+
+@kernel
+def log2_of_tolerance(tol):
+    """The logarithm by which steps are chosen, for who is no kernel."""
+    return log2(tol)
 
 
 @inlined
@@ -67,7 +72,7 @@ def step_length(code, order, tol, J):
     if, for one m of 0, 1, 2, |c_p| h^p <= tol |c_m| h^m; where those three are zero, for the next that is
     not.  Zero where a coefficient is no number.
     """
-    log_tol = math.log2(tol)
+    log_tol = log2(tol)
     best = math.inf
     for group in range(3):
         first, last = code.groups[group], code.groups[group + 1]
@@ -90,7 +95,7 @@ def series_step(c, order, tol, h):
         last = max(abs(c[order - 1]), abs(c[order]) * h) * power
         if size == 0.0 or not last > tol * size:
             break
-        h *= max(0.1, (tol * size / last) ** (1.0 / (order - 1)))
+        h *= max(0.1, exp2(log2(tol * size / last) / (order - 1)))
     return h
 
 

@@ -20,11 +20,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
 import sympy as sp
 
 from frictionlab.automaton.mode import Expr
 from frictionlab.hybrid.compilation import inlined, kernel
+from frictionlab.hybrid.elementary import arcs, exponentials, logarithms, trigonometry
 from frictionlab.hybrid.tape.operations import FIRST_FUNCTION, NAMES_OF_OPERATIONS
 
 EXP, LOG, SIN, COS, TAN, TANH, SINH, COSH, ATAN, ASINH, SECH2 = range(FIRST_FUNCTION, FIRST_FUNCTION + 11)
@@ -46,16 +46,12 @@ class Function:
         f' as an expression of the argument; None for the one that sympy knows.
     public : bool
         Whether expressions of users may hold it; if not, it is the derivative of another only.
-    in_library : bool
-        Whether C's mathematical library has it, by sympy's name: native code calls it there, otherwise it
-        calls `function_value`.
     """
 
     kind: int
     expression: Any
     derivative: Callable[[Expr], Expr] | None = None
     public: bool = True
-    in_library: bool = True
 
     @property
     def name(self) -> str:
@@ -86,7 +82,7 @@ FUNCTIONS = (
     Function(COSH, sp.cosh),
     Function(ATAN, sp.atan),
     Function(ASINH, sp.asinh),
-    Function(SECH2, sech2, lambda a: -2 * sp.tanh(a) * sech2(a), public=False, in_library=False),
+    Function(SECH2, sech2, lambda a: -2 * sp.tanh(a) * sech2(a), public=False),
 )
 FUNCTION_OF = {function.expression: function for function in FUNCTIONS}
 OPERATION_NAMES = dict(enumerate(NAMES_OF_OPERATIONS)) | {f.kind: f.name for f in FUNCTIONS}
@@ -97,28 +93,27 @@ ALLOWED_OPERATIONS = "+, -, *, /, constant exponents, " + ", ".join(f.name for f
 def function_value(kind, x):
     """Value of a function; no number where there is none of this kind."""
     if kind == EXP:
-        return np.exp(x)
+        return exponentials.exp(x)
     if kind == LOG:
-        return np.log(x)
+        return logarithms.log(x)
     if kind == SIN:
-        return np.sin(x)
+        return trigonometry.sin(x)
     if kind == COS:
-        return np.cos(x)
+        return trigonometry.cos(x)
     if kind == TAN:
-        return np.tan(x)
+        return trigonometry.tan(x)
     if kind == TANH:
-        return np.tanh(x)
+        return exponentials.tanh(x)
     if kind == SINH:
-        return np.sinh(x)
+        return exponentials.sinh(x)
     if kind == COSH:
-        return np.cosh(x)
+        return exponentials.cosh(x)
     if kind == ATAN:
-        return np.arctan(x)
+        return arcs.atan(x)
     if kind == ASINH:
-        return np.arcsinh(x)
+        return logarithms.asinh(x)
     if kind == SECH2:
-        q = np.exp(-2.0 * abs(x))
-        return 4.0 * q / ((1.0 + q) * (1.0 + q))
+        return exponentials.sech2(x)
     return math.nan
 
 
@@ -127,12 +122,12 @@ def tanh_range(a, y, slope, d):
     """Bound of |tanh(z) - tanh(a)| for |z - a| <= d; `y` and `slope` are the values at `a`."""
     near = far = math.inf
     if d < 1.5:  # from the addition theorem
-        t = math.tan(d)
+        t = trigonometry.tan(d)
         if y * t < 1.0:
             near = slope * t / (1.0 - y * t)
     if d < abs(a):  # from tanh(z) = 1 - 2 q/(1 + q), q = exp(-2 z), which is at most w
-        w = np.exp(2.0 * (d - abs(a)))
-        far = -2.0 * w * np.expm1(-2.0 * d) / (1.0 - w)
+        w = exponentials.exp(2.0 * (d - abs(a)))
+        far = -2.0 * w * exponentials.expm1(-2.0 * d) / (1.0 - w)
     return min(near, far)
 
 
@@ -140,13 +135,15 @@ def tanh_range(a, y, slope, d):
 def sech2_range(a, y, slope, d):
     """The same for 1/cosh(z)^2."""
     near = far = math.inf
-    half = np.sinh(0.5 * min(d, 2.0))
+    half = exponentials.sinh(0.5 * min(d, 2.0))
     tanh = min(0.5 * slope / y, 1.0) if y > 0.0 else 1.0
-    g = 2.0 * half * half + tanh * np.sinh(min(d, 2.0))  # bounds 1 - cosh(z)/cosh(a); above 1 before d = 2
+    g = 2.0 * half * half + tanh * exponentials.sinh(
+        min(d, 2.0)
+    )  # bounds 1 - cosh(z)/cosh(a); above 1 before d = 2
     if g < 1.0:
         near = y * g * (2.0 - g) / ((1.0 - g) * (1.0 - g))
     if d < abs(a):  # by 4 q/(1 + q)^2
-        w = np.exp(2.0 * (d - abs(a)))
+        w = exponentials.exp(2.0 * (d - abs(a)))
         far = 4.0 * w / ((1.0 - w) * (1.0 - w))
     return min(near, far)
 
@@ -158,23 +155,23 @@ def function_range(kind, a, y, slope, d):
     `y` and `slope` are the absolute values of f and its derivative at `a`.
     """
     if kind == EXP:  # `y` may be below the smallest number where `a` is far below zero
-        return y * np.expm1(d) if d < 1.0 else np.exp(a + d)
+        return y * exponentials.expm1(d) if d < 1.0 else exponentials.exp(a + d)
     if kind == LOG:
-        return -np.log1p(-d / a) if d < a else math.inf
+        return -logarithms.log1p(-d / a) if d < a else math.inf
     if kind == TANH:
         return tanh_range(a, y, slope, d)
     if kind == SECH2:
         return sech2_range(a, y, slope, d)
     if kind == TAN:
-        t = math.tan(d) if d < 1.5 else math.inf
+        t = trigonometry.tan(d) if d < 1.5 else math.inf
         return slope * t / (1.0 - y * t) if y * t < 1.0 else math.inf
     if kind == ATAN:  # its poles are at i and -i
         room = math.sqrt(1.0 + a * a) - d
         return d / (room * room) if room > 0.0 else math.inf
     if kind == ASINH:  # |f'(z)| is at most 1/(room - |z - a|), as its branch points are at i and -i
         room = math.sqrt(1.0 + a * a)
-        return -np.log1p(-d / room) if d < room else math.inf
+        return -logarithms.log1p(-d / room) if d < room else math.inf
     if kind in (SIN, COS, SINH, COSH) and d < SINH_LIMIT:
-        half = np.sinh(0.5 * d)
-        return 2.0 * y * half * half + slope * np.sinh(d)
+        half = exponentials.sinh(0.5 * d)
+        return 2.0 * y * half * half + slope * exponentials.sinh(d)
     return math.inf

@@ -8,10 +8,10 @@ from typing import Any
 from weakref import WeakKeyDictionary
 
 import numpy as np
-import sympy as sp
 
 from frictionlab.automaton.combinations import combinations_of
 from frictionlab.automaton.undefined_numbers import undefined_part
+from frictionlab.hybrid.elementary.parameter_functions import function_of_parameters
 from frictionlab.hybrid.tape.lowered_mode import LoweredTape, int_array
 
 # Numbers from which on to write each as Python code takes seconds; they are then sums of a few expressions.
@@ -39,8 +39,10 @@ def fill_function(
     if not apart:
         exprs = _numbers_of(every)
         if len(exprs) >= MANY_NUMBERS:
-            return combinations_of(exprs, ()).function(parameters)
-        return sp.lambdify(parameters, exprs, "math", cse=True)
+            sums = combinations_of(exprs, ())
+            function = function_of_parameters(parameters, list(sums.expressions))
+            return lambda *values: sums.values(np.array(function(*values), dtype=float))
+        return function_of_parameters(parameters, exprs)
     numbers = _number_list(parameters)
     constants, terms = zip(*(numbers.places(one) for one in every))
     used, where = np.unique(np.concatenate([*constants, *terms]), return_inverse=True)
@@ -72,7 +74,7 @@ class _NumberList:
     def _number(self, expr: Any) -> int:
         if expr not in self._numbers:
             self._numbers[expr] = len(self.functions)
-            self.functions.append(sp.lambdify(self._parameters, expr, "math"))
+            self.functions.append(function_of_parameters(self._parameters, expr))
         return self._numbers[expr]
 
 

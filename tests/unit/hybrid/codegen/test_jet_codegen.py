@@ -1,5 +1,6 @@
 """Native jets against the interpreter: the same to the last bit, over all laws, modes and orders."""
 
+import re
 from concurrent.futures import wait
 from itertools import combinations
 
@@ -12,11 +13,14 @@ from frictionlab.automaton import HybridAutomaton, Mode
 from frictionlab.components import SlidingSeparation, StickSlip
 from frictionlab.hybrid import compilation
 from frictionlab.hybrid.codegen import native_cache
+from frictionlab.hybrid.codegen.jet_codegen import jets_module
+from frictionlab.hybrid.codegen.kernel_symbols import KERNELS
 from frictionlab.hybrid.kernels.jets import (
-    INVERSE_LARGEST_COEFFICIENT,
     JET_COLUMNS,
+    LOG2_LEAST_RATIO,
     MAX_ORDER,
     has_native_jets,
+    has_series,
     mode_jets,
 )
 from frictionlab.hybrid.kernels.run_state import jet_columns
@@ -102,19 +106,31 @@ def test_one_code_serves_every_order(automaton):
 
 
 def test_whether_a_power_has_a_series_depends_on_the_order():
-    """Of x^a at x = s, x' = -1, there is one where s > 1e-290^(1/order), to the last bit of that."""
+    """Of x^a at x = s, x' = -1, there is one where s > 2^(-963/order), to the last bit of that."""
     x, a = sp.symbols("x a")
     automaton = HybridAutomaton((x,), (Mode("m", (x**a - 1,), (), (x**a,)),), {a: 1.5}, 0)
     program, numbers = program_of(automaton)
     native, guard = with_code(automaton, 0), program.code.function_slots[0]
     for order in range(4, MAX_ORDER + 1):
-        first = INVERSE_LARGEST_COEFFICIENT ** (1 / order)
-        for start in (first * (1 - 1e-15), first, first * (1 + 1e-12)):
+        first = 2.0 ** (LOG2_LEAST_RATIO / order)
+        for start in (first * (1 - 2e-6), first, first * (1 + 2e-6)):
             jets, interpreted = np.zeros((2, program.slots, JET_COLUMNS))
             mode_jets(native.code, numbers, 0, order, np.array([start]), jets)
             mode_jets(program.code, numbers, 0, order, np.array([start]), interpreted)
             np.testing.assert_array_equal(jets[[0, guard]], interpreted[[0, guard]])
-            assert (interpreted[guard, 2] != 0) == (start > first * abs(start**1.5 - 1))
+            assert (interpreted[guard, 2] != 0) == has_series(*interpreted[0, :2], order)
+            assert has_series(*interpreted[0, :2], order) == (start > first) or start == first
+
+
+@pytest.mark.parametrize("automaton", [SCENES[0].automaton(), stiffened(), functions()])
+def test_code_holds_nothing_that_differs_between_machines(automaton):
+    """No multiply-add that is rounded once, no library; only the package's own kernels are called."""
+    native = native_cache.NativeCode(program_of(automaton)[0])
+    text = str(jets_module(native.tapes[0], "jets"))
+    declared = set(re.findall(r'declare \S+ @"?([\w.]+)', text))
+    assert "fmuladd" not in text
+    assert "contract" not in text
+    assert declared <= {*KERNELS, "llvm.fabs.f64"}
 
 
 def test_orders_beyond_the_highest_are_interpreted():

@@ -1,0 +1,152 @@
+"""Sine, cosine and tangent.
+
+An angle is a number n of quarter turns and a rest r with |r| <= pi/4, a pair.  The rest of any angle above
+pi/4 is computed from the digits of 2/pi that matter for it (Payne & Hanek 1983); those before make multiples
+of four quarter turns, those behind are below rounding even for the angle next to a multiple of pi/2.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from frictionlab.hybrid.compilation import inlined, kernel
+from frictionlab.hybrid.elementary.double_double import (
+    pair_product,
+    pair_quotient,
+    pair_sum,
+    quick_two_sum,
+    two_product,
+)
+from frictionlab.hybrid.elementary.float_bits import (
+    exponent_and_fraction,
+    power_of_two,
+    round_to_integer,
+)
+
+QUARTER_PI = 0.7853981633974483
+HALF_PI, HALF_PI_LOW = 1.5707963267948966, 6.123233995736766e-17
+SIXTH, SIXTH_LOW = 0.16666666666666666, 9.25185853854297e-18
+
+# 2/pi in digits of 24 bits, the first of weight 2^-24, behind two zeros
+DIGIT_BITS = 24
+DIGITS_USED = 8
+LEADING_ZEROS = 2
+DIGITS_OF_TWO_OVER_PI = np.array(
+    """
+    0 0 10680707 7228996 1387004 2578385 16069853 12639074 9804092 4427841 16666979 11263675 12935607
+    2387514 4345298 14681673 3074569 13734428 16653803 1880361 10960616 8533493 3062596 8710556 7349940
+    6258241 3772886 3769171 3798172 8675211 12450088 3874808 9961438 366607 15675153 9132554 7151469 3571407
+    2607881 12013382 4155038 6285869 7677882 13102053 15825725 473591 9065106 15363067 6271263 9264392 5636912
+    """.split(),
+    dtype=float,
+)
+
+
+@kernel
+def quarter_turns(x):
+    """n and the pair r with x = n pi/2 + r, |r| <= pi/4, for a finite x above pi/4; n is modulo four.
+
+    With x = 2^k (m_0 + m_1 2^-24 + m_2 2^-48), x 2/pi is a sum over d of
+    (m_0 t_d + m_1 t_(d-1) + m_2 t_(d-2)) 2^(k - 24 (d + 1)), in which t are the digits of 2/pi.  Terms of
+    weight 4 and more are left out; integers are taken away as terms come, so that a pair holds all bits.
+    """
+    k, m = exponent_and_fraction(x)
+    m *= power_of_two(DIGIT_BITS - 1)
+    k -= DIGIT_BITS - 1
+    first = float(int(m))
+    part = (m - first) * power_of_two(DIGIT_BITS)
+    second = float(int(part))
+    third = (part - second) * power_of_two(DIGIT_BITS)
+    start = max(0, (k - 2) // DIGIT_BITS)
+    turns, high, low = 0.0, 0.0, 0.0
+    for d in range(start, start + DIGITS_USED):
+        at = d + LEADING_ZEROS
+        term = first * float(DIGITS_OF_TWO_OVER_PI[at])
+        term += second * float(DIGITS_OF_TWO_OVER_PI[at - 1])
+        term += third * float(DIGITS_OF_TWO_OVER_PI[at - 2])
+        high, low = pair_sum(high, low, term * power_of_two(k - DIGIT_BITS * (d + 1)), 0.0)
+        whole = round_to_integer(high)
+        turns += whole
+        high, low = quick_two_sum(high - whole, low)
+    r, r_low = pair_product(high, low, HALF_PI, HALF_PI_LOW)
+    return int(turns) & 3, r, r_low
+
+
+@inlined
+def sine_pair(r, r_low):
+    """sin(r) as a pair, for |r| <= pi/4."""
+    w, w_low = two_product(r, r)
+    w_low += 2.0 * r * r_low
+    cube, cube_low = pair_product(r, r_low, w, w_low)
+    cube, cube_low = pair_product(cube, cube_low, SIXTH, SIXTH_LOW)
+    tail = 1.0 / 6227020800.0 + w * (
+        -1.0 / 1307674368000.0 + w * (1.0 / 355687428096000.0 + w * (-1.0 / 121645100408832000.0))
+    )
+    tail = 1.0 / 120.0 + w * (-1.0 / 5040.0 + w * (1.0 / 362880.0 + w * (-1.0 / 39916800.0 + w * tail)))
+    high, low = quick_two_sum(r, -cube)
+    return quick_two_sum(high, low + ((r_low - cube_low) + r * (w * w) * tail))
+
+
+@inlined
+def cosine_pair(r, r_low):
+    """cos(r) as a pair, for |r| <= pi/4."""
+    w, w_low = two_product(r, r)
+    w_low += 2.0 * r * r_low
+    tail = -1.0 / 87178291200.0 + w * (
+        1.0 / 20922789888000.0 + w * (-1.0 / 6402373705728000.0 + w * (1.0 / 2432902008176640000.0))
+    )
+    tail = 1.0 / 24.0 + w * (
+        -1.0 / 720.0 + w * (1.0 / 40320.0 + w * (-1.0 / 3628800.0 + w * (1.0 / 479001600.0 + w * tail)))
+    )
+    high, low = quick_two_sum(1.0, -0.5 * w)
+    return quick_two_sum(high, low + (-0.5 * w_low + (w * w) * tail))
+
+
+@inlined
+def reduced_angle(size):
+    """n and the pair r of an angle that is not below zero."""
+    if size <= QUARTER_PI:
+        return 0, size, 0.0
+    return quarter_turns(size)
+
+
+@kernel
+def sin(x):
+    """Sine; no number for infinite angles."""
+    x = float(x)
+    size = abs(x)
+    if not 0.0 < size < math.inf:
+        return x if size == 0.0 else math.nan
+    n, r, r_low = reduced_angle(size)
+    high, _ = sine_pair(r, r_low) if n & 1 == 0 else cosine_pair(r, r_low)
+    return -high if (n > 1) != (x < 0.0) else high
+
+
+@kernel
+def cos(x):
+    """Cosine; no number for infinite angles."""
+    size = abs(float(x))
+    if not size < math.inf:
+        return math.nan
+    n, r, r_low = reduced_angle(size)
+    high, _ = cosine_pair(r, r_low) if n & 1 == 0 else sine_pair(r, r_low)
+    return -high if n in (1, 2) else high
+
+
+@kernel
+def tan(x):
+    """Tangent; no number for infinite angles."""
+    x = float(x)
+    size = abs(x)
+    if not 0.0 < size < math.inf:
+        return x if size == 0.0 else math.nan
+    n, r, r_low = reduced_angle(size)
+    sine, sine_low = sine_pair(r, r_low)
+    cosine, cosine_low = cosine_pair(r, r_low)
+    if n & 1 == 0:
+        value = pair_quotient(sine, sine_low, cosine, cosine_low)[0]
+    else:
+        value = -pair_quotient(cosine, cosine_low, sine, sine_low)[0]
+    return -value if x < 0.0 else value
