@@ -19,7 +19,7 @@ from frictionlab.automaton import HybridAutomaton
 from frictionlab.bench.peers.external import ExternalMethod
 from frictionlab.bench.peers.methods import METHODS, BenchMethod
 from frictionlab.hybrid.codegen.native_cache import native_code
-from frictionlab.hybrid.compilation import NUMBA
+from frictionlab.hybrid.compilation import HAS_MACHINE_CODE
 from frictionlab.hybrid.methods.base import Method
 from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.hybrid.problem import Status
@@ -43,14 +43,14 @@ def warm_up(automaton: HybridAutomaton, method: Method) -> None:
     if not isinstance(method, Taylor):
         return
     jets = native_code(program_of(automaton)[0])
-    for mode in np.flatnonzero(jets.code.native == 0) if NUMBA else ():
+    for mode in np.flatnonzero(jets.code.native == 0) if HAS_MACHINE_CODE else ():
         jets.compile(int(mode))
 
 
 def warm_up_lanes(automaton: HybridAutomaton, method: Taylor) -> None:
     """The same for the steps of several runs side by side."""
     native = native_code(program_of(automaton)[0])
-    for mode in np.flatnonzero(native.code.lanes == 0) if NUMBA else ():
+    for mode in np.flatnonzero(native.code.lanes == 0) if HAS_MACHINE_CODE else ():
         native.compile_step(int(mode))
 
 

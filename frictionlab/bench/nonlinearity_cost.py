@@ -123,7 +123,7 @@ def _time_fresh_process(without: tuple[str, ...]) -> tuple[float, float]:
 
 def native_code_times(repeats: int = 3) -> list[NativeCodeTime]:
     """Every mode of scene B, compiled into an empty cache and loaded from it; none without numba."""
-    if compilation.NUMBA is None:
+    if not compilation.HAS_MACHINE_CODE:
         return []
     program = program_of(FULL_GAP_RATE_SLIDER.automaton())[0]
     _time_native_code(program, 0)  # LLVM itself is loaded here

@@ -1,29 +1,37 @@
-"""One decorator for every numerical kernel: compiled and cached where numba exists, plain Python where not.
+"""One decorator for every numerical kernel: compiled ahead of time, else by numba, else plain Python.
 
-The compiled code is kept in a folder of the user, named by a digest of all kernel sources and the versions,
-because a kernel's code holds that of functions *called* by it, in other files.
+Where there is an object that was compiled from these very sources for this processor and system
+(:mod:`frictionlab.hybrid.ahead_of_time`), its functions take the place of the kernels that Python calls, and
+numba is not imported.  Otherwise numba compiles; what it made is kept in a folder of the user, named by a
+digest of all sources of the solver and the versions, because a kernel's code holds that of functions
+*called* by it, in other files.
 """
 
 from __future__ import annotations
 
 import hashlib
+import logging
 import os
 import sys
 import warnings
 from collections.abc import Callable, Iterator
+from functools import cache
 from importlib import import_module, resources
 from typing import Any
 
+from frictionlab.hybrid.ahead_of_time.loaded_kernels import LoadedKernels, load_kernels
 from frictionlab.hybrid.kernel_cache import DIGEST_LENGTH, KernelCache, digest_folder, has_kernel
 
-DISABLE_VARIABLE = "FRICTIONLAB_DISABLE_NUMBA"
-# In the sources that compiled code is made from.
-KERNEL_MARKS = (b"@kernel", b"@inlined", b"NamedTuple", b"intrinsic", b"LLVM")
+LOGGER = logging.getLogger(__name__)
+DISABLE_VARIABLE = "FRICTIONLAB_DISABLE_NUMBA"  # kernels are plain Python, whatever there is
+COMPILE_VARIABLE = "FRICTIONLAB_COMPILE_KERNELS"  # numba compiles, although there may be an object
+
+
+def _is_set(variable: str) -> bool:
+    return os.environ.get(variable, "0") not in ("", "0")
 
 
 def _numba() -> Any:
-    if os.environ.get(DISABLE_VARIABLE, "0") not in ("", "0"):
-        return None
     try:
         numba: Any = import_module("numba")
     except ModuleNotFoundError as error:  # Pyodide, or a platform without llvmlite
@@ -45,9 +53,35 @@ def _warn_of_numba(error: Exception) -> None:
     )
 
 
+def _warn_of_plain_python(reason: str) -> None:
+    warnings.warn(
+        f"{reason}: kernels run as plain Python, some hundred times slower; install numba, by "
+        "pip install numba, which compiles them when they are first called, or ahead of time by "
+        "python -m frictionlab.hybrid.ahead_of_time",
+        RuntimeWarning,
+        stacklevel=2,
+    )
+
+
+def _machine_code() -> tuple[LoadedKernels | None, Any]:
+    """Kernels compiled ahead of time, or numba; neither where kernels are plain Python."""
+    if _is_set(DISABLE_VARIABLE):
+        return None, None
+    loaded, reason = (None, "") if _is_set(COMPILE_VARIABLE) else load_kernels()
+    if loaded is not None:
+        return loaded, None
+    LOGGER.info("%s: numba compiles them", reason)
+    with warnings.catch_warnings(record=True) as caught:
+        numba = _numba()
+    for warning in caught:
+        warnings.warn(warning.message, stacklevel=2)
+    if numba is None and reason and not caught:
+        _warn_of_plain_python(reason)
+    return None, numba
+
+
 def _digest(numba: Any) -> str:
-    sources = _python_sources(resources.files("frictionlab.hybrid"))
-    text = b"".join(source for source in sources if any(mark in source for mark in KERNEL_MARKS))
+    text = b"".join(_python_sources(resources.files("frictionlab.hybrid")))
     versions = f"{numba.__version__} {sys.version}".encode()
     return hashlib.sha256(text + versions).hexdigest()[:DIGEST_LENGTH]
 
@@ -62,12 +96,16 @@ def _python_sources(folder: Any) -> Iterator[bytes]:
 
 
 def cache_folder(numba: Any) -> str:
-    """The folder that compiled code is kept in, "" where there is none."""
+    """The folder that code compiled by numba is kept in, "" where there is none."""
     return digest_folder(_digest(numba))
 
 
-NUMBA = _numba()
-CACHE_FOLDER = cache_folder(NUMBA) if NUMBA else ""
+LOADED, NUMBA = _machine_code()
+HAS_MACHINE_CODE = LOADED is not None or NUMBA is not None
+if LOADED is not None:  # the code of modes, compiled on this machine
+    CACHE_FOLDER = digest_folder(LOADED.digest[:DIGEST_LENGTH])
+else:
+    CACHE_FOLDER = cache_folder(NUMBA) if NUMBA else ""
 _FOUND: set[Any] = set()  # kernels found in the cache folder, so that it is read once for each
 
 
@@ -81,7 +119,8 @@ def needs_compilation(function: Any) -> bool:
 
 
 def kernel(function: Callable) -> Callable:
-    """Compile `function` on its first call, once per machine; without numba return it as it is."""
+    """What was compiled ahead of time of a function; otherwise compile it on its first call, once per
+    machine; without numba return it as it is."""
     return _compile(function, {})
 
 
@@ -90,8 +129,13 @@ def inlined(function: Callable) -> Callable:
     return _compile(function, {"forceinline": True})
 
 
-def c_function(function: Callable, signature: str) -> Any:
-    """A function compiled now, as C code calls it; its ``address`` is that of the code, while it is kept."""
+def c_address(name: str, function: Callable, signature: str) -> int:
+    """Address of a function as C code calls it, by its name where it has been compiled ahead of time."""
+    return _c_function(function, signature).address if LOADED is None else LOADED.address(name)
+
+
+@cache  # keeps the function, whose code lives as long as it does
+def _c_function(function: Callable, signature: str) -> Any:
     from numba.core.ccallback import CFunc
     from numba.core.sigutils import normalize_signature
 
@@ -102,6 +146,8 @@ def c_function(function: Callable, signature: str) -> Any:
 
 
 def _compile(function: Callable, further: dict[str, bool]) -> Callable:
+    if LOADED is not None:
+        return LOADED.function(function)
     if NUMBA is None:
         return function
     compiled = NUMBA.njit(nogil=True, **jit_options(), **further)(function)

@@ -16,7 +16,9 @@ def main() -> None:
     from frictionlab.hybrid.ahead_of_time.build import build
 
     targets = list(TARGETS) if arguments.all else targets_of_machine()[:1]
-    build([*targets, WEB] if arguments.all or arguments.web else targets, lambda text: print(text, flush=True))
+    build(
+        [*targets, WEB] if arguments.all or arguments.web else targets, lambda text: print(text, flush=True)
+    )
 
 
 if __name__ == "__main__":

@@ -14,9 +14,9 @@ import llvmlite.binding as llvm
 
 from frictionlab.hybrid.ahead_of_time import capture, emit
 from frictionlab.hybrid.ahead_of_time.entry_points import entry_points, symbols
-from frictionlab.hybrid.ahead_of_time.flat_functions import FlatFunction, flat_function, scalar_function
+from frictionlab.hybrid.ahead_of_time.flat_functions import flat_function, scalar_function
 from frictionlab.hybrid.ahead_of_time.loaded_kernels import SUFFIX
-from frictionlab.hybrid.ahead_of_time.manifest import FILE, Manifest, digest, objects_folder
+from frictionlab.hybrid.ahead_of_time.manifest import FILE, Function, Manifest, digest, objects_folder
 from frictionlab.hybrid.ahead_of_time.sources import source_files
 from frictionlab.hybrid.ahead_of_time.targets import WEB, Target
 
@@ -45,12 +45,13 @@ def build(targets: Iterable[Target], report: Callable[[str], None]) -> None:
             content = lzma.compress(emit.emit_object(plain, exports, target), preset=9)
         (folder / name).write_bytes(content)
         objects[name] = digest(content)
-    manifest = Manifest(sources, {name: table for name, table in tables.items()}, tuple(names), objects)
+    manifest = Manifest(sources, tables, tuple(names), objects)
     (folder / FILE).write_text(manifest.to_json(), encoding="utf-8")
     report(f"kernels: compiled in {time.perf_counter() - start:.0f} s, in {folder}")
 
 
-def _capture():
+def _capture() -> tuple[str, dict[str, Function], list[str]]:
+    """The instructions, the tables of the entry points, the names of the functions of numbers."""
     with capture.captured_libraries() as libraries:
         flat = [flat_function(entry) for entry in entry_points()]
         scalar = [(each, scalar_function(each)) for each in symbols()]
@@ -66,6 +67,6 @@ def _capture():
 def _sources() -> dict[str, str]:
     """Digests of the files that the kernels depend on."""
     kernels = [getattr(entry.kernel, "py_func", entry.kernel) for entry in entry_points()]
-    functions = [*kernels, *(symbol.function for symbol in symbols())]
+    functions = [*kernels, *(getattr(each.function, "py_func", each.function) for each in symbols())]
     files = source_files([(each.__module__, each.__name__) for each in functions])
     return {file.relative_to(PACKAGE).as_posix(): digest(file.read_bytes()) for file in files}

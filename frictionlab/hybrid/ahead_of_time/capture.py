@@ -24,8 +24,8 @@ NO_CODE = 1  # stands for an address that nothing calls
 def captured_libraries() -> Iterator[list[Any]]:
     """Context in which numba compiles to instructions that are not optimised, and to nothing else.
 
-    The list that it gives is filled with the libraries of all functions compiled meanwhile, without those that
-    they call.
+    The list that it gives is filled with the libraries of all functions compiled meanwhile, without those
+    that they call.
     """
     libraries: list[Any] = []
 
@@ -40,11 +40,11 @@ def captured_libraries() -> Iterator[list[Any]]:
         return None
 
     replaced = {
-        CPUCodeLibrary: dict(_optimize_functions=keep_layout, finalize=finalize),
-        JITCodeLibrary: dict(get_pointer_to_function=lambda library, name: NO_CODE),
-        JITCPUCodegen: dict(set_env=nothing),
-        KernelCache: dict(load_overload=nothing, save_overload=nothing),
-        BaseLower: dict(create_cpython_wrapper=nothing, create_cfunc_wrapper=nothing),
+        CPUCodeLibrary: {"_optimize_functions": keep_layout, "finalize": finalize},
+        JITCodeLibrary: {"get_pointer_to_function": lambda library, name: NO_CODE},
+        JITCPUCodegen: {"set_env": nothing},
+        KernelCache: {"load_overload": nothing, "save_overload": nothing},
+        BaseLower: {"create_cpython_wrapper": nothing, "create_cfunc_wrapper": nothing},
     }
     with ExitStack() as stack:
         for owner, methods in replaced.items():

@@ -15,13 +15,15 @@ from frictionlab.hybrid.ahead_of_time.targets import TARGETS, WEB, Target
 
 OPTIMISATION = 2  # 3 makes no run shorter and objects longer
 COMMON = TARGETS[1]  # x86-64 without extensions
+# Kernels that take longer than a call and are called in many places.
+CALLED = "run_tape", "function_value", "function_range", "power"
 STACK_BYTES, MEMORY_BYTES = 1 << 18, 1 << 25  # in a browser; the memory grows
-LINKER = "wasm-ld --no-entry --allow-undefined --export-table --growable-table --strip-all --gc-sections -O2".split()
+LINKER = ("wasm-ld", "--no-entry", "--allow-undefined", "--export-table", "--growable-table", "--strip-all")
 SCALARS = {"int64": "i64", "float64": "double"}
 
 
 def shim(name: str, symbol: str) -> str:
-    """Function ``int name(int64 *table)`` in LLVM's language: numba's own takes pointers to its results too."""
+    """Function ``int name(int64 *table)`` in LLVM's language: numba's own takes two pointers more."""
     return f"""
 declare i32 @"{symbol}"(ptr, ptr, ptr)
 define i32 @{name}(ptr %table) {{
@@ -63,11 +65,15 @@ def emit_object(instructions: str, exports: list[str], target: Target) -> bytes:
     return machine.emit_object(_optimised(instructions, exports, target, machine, vectorise=True))
 
 
-def _optimised(instructions: str, exports: list[str], target: Target, machine: Any, *, vectorise: bool) -> Any:
+def _optimised(
+    instructions: str, exports: list[str], target: Target, machine: Any, *, vectorise: bool
+) -> Any:
     module = llvm.parse_assembly(_adapted(instructions, target, machine))
     for function in module.functions:
         if not function.is_declaration:
             function.linkage = "external" if function.name in exports else "internal"
+            if _is_called(function.name):
+                function.add_function_attribute("noinline")
     for variable in module.global_variables:
         if not variable.name.startswith("llvm."):
             variable.linkage = "internal"
@@ -79,11 +85,18 @@ def _optimised(instructions: str, exports: list[str], target: Target, machine: A
     return module
 
 
+def _is_called(symbol: str) -> bool:
+    """Whether a function is one of :data:`CALLED`, whose names numba writes behind their lengths."""
+    return any(f"{len(name)}{name}B" in symbol for name in CALLED)
+
+
 def _machine(target: Target) -> Any:
     llvm.initialize_all_targets()
     llvm.initialize_all_asmprinters()
     web = target is WEB
-    place = dict(reloc="static") if web else dict(reloc="pic", codemodel="default", jit=True)
+    place: dict[str, Any] = {"reloc": "static"}
+    if not web:
+        place = {"reloc": "pic", "codemodel": "default", "jit": True}
     known = llvm.Target.from_triple(target.triple)
     return known.create_target_machine(opt=OPTIMISATION, cpu=target.cpu, features=target.features, **place)
 
@@ -103,7 +116,7 @@ def link_for_web(code: bytes, exports: list[str]) -> bytes:
         sizes = ["-z", f"stack-size={STACK_BYTES}", f"--initial-memory={MEMORY_BYTES}"]
         shown = [f"--export={name}" for name in [*exports, "__heap_base"]]
         files = [str(given), "-o", str(made)]
-        command = [sys.executable, "-m", "ziglang", *LINKER, *sizes, *shown, *files]
+        command = [sys.executable, "-m", "ziglang", *LINKER, "--gc-sections", "-O2", *sizes, *shown, *files]
         done = subprocess.run(command, capture_output=True, text=True, check=False)
         if done.returncode:
             raise RuntimeError(f"the linker for WebAssembly failed: {done.stderr[:2000]}")

@@ -1,8 +1,8 @@
 """What Python and native code call of the kernels: one list, for objects and for WebAssembly.
 
 Each entry point comes with specimens of its arguments, of which only the types count: numbers, arrays with
-their number of axes, named tuples of these.  They are made by the functions that make them for runs, so that a
-field more or less needs no change here.
+their number of axes, named tuples of these.  They are made by the functions that make them for runs, so
+that a field more or less needs no change here.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ import sympy as sp
 from frictionlab.automaton import Event, HybridAutomaton, Mode
 from frictionlab.hybrid.accuracy import StoredSteps, measure_defects, new_defect_scratch
 from frictionlab.hybrid.codegen.kernel_symbols import KERNELS
+from frictionlab.hybrid.elementary.parameter_functions import KERNELS as ELEMENTARY
 from frictionlab.hybrid.ensemble import lanes
 from frictionlab.hybrid.ensemble.batch_state import new_batch
 from frictionlab.hybrid.kernels import jets, mode_selection, taylor_steps
@@ -32,8 +33,9 @@ from frictionlab.hybrid.kernels.run_state import (
     new_scratch,
 )
 from frictionlab.hybrid.methods import runge_kutta, step_events, taylor
+from frictionlab.hybrid.problem import Problem
 from frictionlab.hybrid.tape.packing import program_of
-from frictionlab.hybrid.tape.program import Demand, Numbers, system_of
+from frictionlab.hybrid.tape.program import Demand, system_of
 from frictionlab.hybrid.variational import tangent_flow, tangent_jets
 
 ORDER, TOL, STEP = 8, 1e-6, 1e-3
@@ -67,8 +69,9 @@ def entry_points() -> list[EntryPoint]:
 
 
 def symbols() -> list[Symbol]:
-    """All that native code calls."""
-    return [Symbol(name, each.function, each.signature) for name, each in KERNELS.items()]
+    """All that native code calls, and the elementary functions, which pages in a browser call."""
+    called = [Symbol(name, each.function, each.signature) for name, each in KERNELS.items()]
+    return called + [Symbol(f"frictionlab_{each.__name__}", each, "float64(float64)") for each in ELEMENTARY]
 
 
 _KERNELS = (
@@ -99,9 +102,9 @@ _KERNELS = (
 
 
 def _entry_point(kernel: Any, specimens: dict[str, Any]) -> EntryPoint:
-    function = getattr(kernel, "py_func", kernel)
+    function: Any = getattr(kernel, "py_func", kernel)
     names = function.__code__.co_varnames[: function.__code__.co_argcount]
-    special = _SPECIAL.get(function.__name__, {})
+    special = _SPECIAL.get(str(function.__name__), {})
     return EntryPoint(kernel, {name: specimens[special.get(name, name)] for name in names})
 
 
@@ -122,33 +125,33 @@ def _specimens() -> dict[str, Any]:
     program, numbers = program_of(HybridAutomaton((x, v), modes, coordinates=1))
     code, method, matrix = program.code, taylor.Taylor(), np.zeros((1, 1))
     row, places = np.zeros(2), np.zeros(1, dtype=np.int64)
-    batch = new_batch(program, Numbers(*(part[None] for part in numbers)), row[None], method)
+    batch = new_batch([Problem(program, numbers, row, 1.0)], method)
     step_data = StepData(matrix, places, matrix)
     tangent_scratch = tangent_jets.TangentScratch(matrix, np.zeros((1, 1, 1)))
-    of_program = dict(system=system_of(code, numbers), code=code, numbers=numbers, magnitudes=numbers)
-    of_runs = dict(
-        truncation=Truncation(ORDER, TOL),
-        event=GuardZero(0.0, 0, 1),
-        queue=new_queue(_demand()),
-        run=new_run_state(row, 0, 1.0, (0.0, 0.0), False),
-        record=new_record(code, 1, 1, 1),
-        scratch=new_scratch(program.slots, code, ORDER),
-        rounding=mode_selection.Rounding(row, TOL),
-        change=taylor.AffineMap(STEP, matrix, row),
-        scheme=runge_kutta.new_scheme(_tableau(), STEP, ORDER, 2),
-        runs=batch.runs,
-        lanes=batch.lanes,
-        steps=StoredSteps(matrix, places, matrix, matrix),
-        step_data=step_data,
-        defect_scratch=new_defect_scratch(program.slots, 2, ORDER),
-        tangent_scratch=tangent_scratch,
-        growth=tangent_flow.Growth(row, row),
-    )
+    of_program = {"system": system_of(code, numbers), "code": code, "numbers": numbers, "magnitudes": numbers}
+    of_runs = {
+        "truncation": Truncation(ORDER, TOL),
+        "event": GuardZero(0.0, 0, 1),
+        "queue": new_queue(_demand()),
+        "run": new_run_state(row, 0, 1.0, (0.0, 0.0), False),
+        "record": new_record(code, 1, 1, 1),
+        "scratch": new_scratch(program.slots, code, ORDER),
+        "rounding": mode_selection.Rounding(row, TOL),
+        "change": taylor.AffineMap(STEP, matrix, row),
+        "scheme": runge_kutta.new_scheme(_tableau(), STEP, ORDER, 2),
+        "runs": batch.runs,
+        "lanes": batch.lanes,
+        "steps": StoredSteps(matrix, places, matrix, matrix),
+        "step_data": step_data,
+        "defect_scratch": new_defect_scratch(program.slots, 2, ORDER),
+        "tangent_scratch": tangent_scratch,
+        "growth": tangent_flow.Growth(row, row),
+    }
     vectors = dict.fromkeys(("z", "times", "worst", "dz"), row)
     matrices = dict.fromkeys(("J", "jets", "values", "T", "frame", "starts", "out"), matrix)
-    integers = dict.fromkeys(("candidates", "initial", "which", "chosen", "flow"), places)
+    integers = dict.fromkeys(("candidates", "initial", "which", "chosen"), places)
     whole = dict.fromkeys(("order", "guard", "mode", "rounds"), 0)
-    others = dict(operations=(0, 1), sign=-1.0, h=STEP)
+    others = {"flow": code.flow[0], "operations": (0, 1), "sign": -1.0, "h": STEP}
     return of_program | of_runs | vectors | matrices | integers | whole | others
 
 

@@ -1,8 +1,8 @@
 """A function of one table of words for each entry point, which calls the kernel.
 
 Word by word a table has the results, then the arguments in their order, fields of named tuples one after the
-other: a number is one word (of a float its bits), an array its address and its length along each axis.  A table
-is the same on every processor, and all that a caller has to know of numba.
+other: a number is one word (of a float its bits), an array its address and its length along each axis.  A
+table is the same on every processor, and all that a caller has to know of numba.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from numba import njit, types
 from numba.core import sigutils
 from numba.extending import intrinsic
 from numba.np.arrayobj import populate_array
+from numba.np.numpy_support import from_dtype
 
 from frictionlab.hybrid.ahead_of_time.capture import compiled
 from frictionlab.hybrid.ahead_of_time.entry_points import EntryPoint, Symbol
@@ -112,7 +113,12 @@ def flat_function(entry: EntryPoint) -> FlatFunction:
 
     inner = compiled(entry.kernel, tuple(map(typeof, entry.arguments.values())))
     results = _results(inner.signature.return_type)
-    names: dict[str, Any] = dict(integer_at=integer_at, float_at=float_at, put=put, kernel=entry.kernel)
+    names: dict[str, Any] = {
+        "integer_at": integer_at,
+        "float_at": float_at,
+        "put": put,
+        "kernel": entry.kernel,
+    }
     leaves: list[Word] = []
     place = count(len(results))
     read = [_expression(name, value, names, leaves, place) for name, value in entry.arguments.items()]
@@ -131,18 +137,23 @@ def flat_function(entry: EntryPoint) -> FlatFunction:
 def scalar_function(symbol: Symbol) -> FlatFunction:
     """Compile a function of numbers, within :func:`captured_libraries`."""
     arguments, _ = sigutils.normalize_signature(symbol.signature)
-    result = compiled(njit(**jit_options())(symbol.function), arguments)
+    function = getattr(symbol.function, "py_func", symbol.function)
+    result = compiled(njit(**jit_options())(function), arguments)
     return FlatFunction(symbol.name, result.fndesc.llvm_func_name, Function((), ()))
 
 
+def _is_named_tuple(kind: Any) -> bool:
+    return isinstance(kind, types.BaseNamedTuple)
+
+
 def _class_name(kind: Any) -> str:
-    return kind.instance_class.__name__ if isinstance(kind, types.BaseNamedTuple) else ""
+    return kind.instance_class.__name__ if _is_named_tuple(kind) else ""
 
 
 def _results(kind: Any) -> list[Word]:
     if isinstance(kind, types.NoneType):
         return []
-    if isinstance(kind, types.BaseNamedTuple):
+    if _is_named_tuple(kind):
         return [(name, KINDS[each], 0) for name, each in zip(kind.fields, kind.types, strict=True)]
     kind = types.unliteral(kind)
     return [("result", "i8" if isinstance(kind, types.Integer) else KINDS[kind], 0)]
@@ -166,9 +177,7 @@ def _expression(name: str, value: Any, names: dict[str, Any], leaves: list[Any],
         leaves.append((name, element, axes))
         reader = f"array_{element}_{axes}"
         if reader not in names:
-            from numba import typeof
-
-            names[reader] = _array_at(typeof(value).dtype, axes)
+            names[reader] = _array_at(from_dtype(value.dtype), axes)
         for _ in range(axes):
             next(place)
         return f"{reader}(table, {at})"

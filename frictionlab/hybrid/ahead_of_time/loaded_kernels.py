@@ -109,6 +109,7 @@ class CompiledKernel:
 
     def __init__(self, kernel: Callable, table: Function, address: int) -> None:
         update_wrapper(self, kernel)
+        self._name = kernel.__name__
         self._call = ENTRY(address)
         self._arguments = table.arguments
         self._kinds = [part for _, kind, axes in table.arguments for part in (f"<{kind}", axes)]
@@ -122,7 +123,7 @@ class CompiledKernel:
             words, copies = self._converted(arguments)
         table = array("q", words)
         if status := self._call(table.buffer_info()[0]):
-            raise RuntimeError(f"the kernel {self.__name__} ended with status {status}")
+            raise RuntimeError(f"the kernel {self._name} ended with status {status}")
         for given, used in copies:
             given[...] = used
         found = [_number(kind, word) for kind, word in zip(self._results, table)]
@@ -135,20 +136,25 @@ class CompiledKernel:
         leaves = list(_leaves(arguments))
         if len(leaves) != len(self._arguments):
             expected = f"{len(self._arguments)} numbers and arrays"
-            raise TypeError(f"{self.__name__} takes {expected}, got {len(leaves)}: see its docstring")
+            raise TypeError(f"{self._name} takes {expected}, got {len(leaves)}: see its docstring")
         words, copies = [0] * len(self._results), []
         for leaf, (name, kind, axes) in zip(leaves, self._arguments, strict=True):
             if axes == 0:
                 _append([float(leaf) if kind == "f8" else int(leaf)], words, [])
                 continue
-            if not (isinstance(leaf, np.ndarray) and leaf.dtype.str[1:] == kind and leaf.ndim == axes):
+            if not (isinstance(leaf, np.ndarray) and _suits(leaf, kind) and leaf.ndim == axes):
                 got = f"{leaf.dtype} with {leaf.ndim}" if isinstance(leaf, np.ndarray) else repr(leaf)
                 rule = f"an array of numpy's type {kind!r} with {axes} axes"
-                raise TypeError(f"{name} of {self.__name__} must be {rule}, got {got}: convert it")
-            whole = np.ascontiguousarray(leaf)
+                raise TypeError(f"{name} of {self._name} must be {rule}, got {got}: convert it")
+            whole = np.ascontiguousarray(leaf, dtype=kind)
             copies.append((leaf, whole))
             _append([whole], words, [])
         return words, [(given, used) for given, used in copies if used is not given and given.flags.writeable]
+
+
+def _suits(leaf: np.ndarray, kind: str) -> bool:
+    """Whether an array's elements are of a type, or whole numbers of another size."""
+    return leaf.dtype.str[1:] == kind or {leaf.dtype.kind, kind[0]} <= {"i", "u"}
 
 
 def _number(kind: str, word: int) -> Any:

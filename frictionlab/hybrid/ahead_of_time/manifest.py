@@ -51,7 +51,7 @@ class Manifest:
 
 def objects_folder() -> Any:
     """The folder of objects, which may be in a zip file."""
-    return resources.files(__package__) / FOLDER
+    return resources.files("frictionlab.hybrid.ahead_of_time") / FOLDER
 
 
 def read_manifest() -> Manifest | None:

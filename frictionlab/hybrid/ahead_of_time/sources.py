@@ -52,7 +52,8 @@ def _needed(module: str, name: str) -> list[tuple[str, str]]:
 
 @cache
 def _contents(module: str) -> tuple[dict[str, list[ast.AST]], dict[str, tuple[str, str]]]:
-    """Of a module: what defines each of its names, and for what it imports from the package module and name."""
+    """Of a module: what defines each of its names, and for what it imports from the package module and
+    name."""
     definitions: dict[str, list[ast.AST]] = {}
     imports: dict[str, tuple[str, str]] = {}
     tree = ast.parse(_file(module).read_text(encoding="utf-8"))
@@ -81,5 +82,5 @@ def _is_module(name: str) -> bool:
 @cache
 def _file(module: str) -> Path:
     spec = find_spec(module)
-    assert spec is not None and spec.origin is not None
-    return Path(spec.origin)
+    assert spec is not None
+    return Path(str(spec.origin))

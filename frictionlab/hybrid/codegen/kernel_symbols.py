@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cache
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-from frictionlab.hybrid.compilation import c_function
+from frictionlab.hybrid.compilation import c_address
 from frictionlab.hybrid.elementary.logarithms import power
 from frictionlab.hybrid.tape.functions import function_range, function_value
 
@@ -51,10 +51,8 @@ def register_used(code: bytes) -> None:
             _registered(name)
 
 
-@cache  # keeps the function, whose code lives as long as it does
-def _registered(name: str) -> Any:
+@cache  # once a process
+def _registered(name: str) -> None:
     import llvmlite.binding as llvm
 
-    function = c_function(*KERNELS[name])
-    llvm.add_symbol(name, function.address)
-    return function
+    llvm.add_symbol(name, c_address(name, *KERNELS[name]))

@@ -86,7 +86,7 @@ class NativeCode:
 
     def used(self, modes: np.ndarray) -> None:
         """Count the jets computed in each mode; start the compilation of modes with many."""
-        if compilation.NUMBA is None:
+        if not compilation.HAS_MACHINE_CODE:
             return
         self._used += np.bincount(modes, minlength=len(self._used))
         for mode in np.flatnonzero((self._used > COMPILE_AFTER) & (self.code.native == 0)).tolist():
@@ -120,7 +120,7 @@ class NativeCode:
 
     def share(self, modes: Iterable[int]) -> None:
         """Start the compilation of the lane steps of these modes."""
-        for mode in modes if compilation.NUMBA is not None else ():
+        for mode in modes if compilation.HAS_MACHINE_CODE else ():
             if not (self.code.lanes[mode] or self.code.powers[mode]) and ~mode not in self.requested:
                 self.requested[~mode] = _worker().submit(self.compile_step, mode)
 
@@ -211,7 +211,7 @@ def _path(function: ModeTape, what: str = NAME, more: object = None) -> Path | N
 
 def _load_from_cache(path: Path | None) -> int:
     """Address of code that an earlier process has compiled, else 0."""
-    if compilation.NUMBA is None or path is None:
+    if not compilation.HAS_MACHINE_CODE or path is None:
         return 0
     code = kernel_cache.read(path)
     LOGGER.debug("machine code %s %s the cache", path.name, "is not in" if code is None else "found in")

@@ -7,7 +7,7 @@ import pytest
 
 from frictionlab.bench import exact_and_fast_page, harness, missed_event, nonlinearity_cost, page_figures
 from frictionlab.bench.scenes import BenchScene, scenes
-from frictionlab.hybrid.compilation import NUMBA
+from frictionlab.hybrid.compilation import HAS_MACHINE_CODE
 from frictionlab.hybrid.solve import solve
 
 
@@ -96,7 +96,7 @@ def test_a_fresh_process_is_timed(monkeypatch):
     assert len(starts.first) == 1
 
 
-@pytest.mark.skipif(NUMBA is None, reason="native code needs numba")
+@pytest.mark.skipif(not HAS_MACHINE_CODE, reason="native code needs numba")
 def test_native_code_of_every_mode():
     rows = nonlinearity_cost.native_code_times(repeats=1)
     assert [row.mode for row in rows] == ["stick", "slip+", "slip-", "separation"]

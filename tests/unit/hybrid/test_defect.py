@@ -9,7 +9,7 @@ import sympy as sp
 import frictionlab as fl
 from frictionlab.hybrid.accuracy import CHECK_POINTS, stored_steps
 from frictionlab.hybrid.codegen import native_cache
-from frictionlab.hybrid.compilation import NUMBA
+from frictionlab.hybrid.compilation import HAS_MACHINE_CODE
 from frictionlab.hybrid.tape.packing import program_of
 from tests.helpers.automata import ONCE, V, X, automaton, ball, oscillator
 
@@ -90,7 +90,7 @@ def test_ends_of_steps_are_those_before_the_reset():
     assert ends[hit, 0] == pytest.approx(0.0, abs=1e-15)
 
 
-@pytest.mark.skipif(NUMBA is None, reason="needs numba")
+@pytest.mark.skipif(not HAS_MACHINE_CODE, reason="needs numba")
 @pytest.mark.parametrize("contact", [fl.CubicContact(), fl.HertzContact()])
 def test_native_and_interpreted_jets_give_the_same(contact):
     model = fl.SliderOnBelt(mu_k=1.4, contact=contact)

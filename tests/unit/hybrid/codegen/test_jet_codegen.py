@@ -27,7 +27,7 @@ from frictionlab.hybrid.kernels.run_state import jet_columns
 from frictionlab.hybrid.tape.functions import FUNCTIONS
 from frictionlab.hybrid.tape.packing import program_of
 
-pytestmark = pytest.mark.skipif(compilation.NUMBA is None, reason="needs numba")
+pytestmark = pytest.mark.skipif(not compilation.HAS_MACHINE_CODE, reason="needs numba")
 SWITCHES = ("cubic", "nonsmooth", "geometry")
 SCENES = [fl.SliderOnBelt(mu_k=1.4).without(*off) for n in range(4) for off in combinations(SWITCHES, n)]
 LAWS = [

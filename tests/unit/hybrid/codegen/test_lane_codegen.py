@@ -20,7 +20,7 @@ from frictionlab.hybrid.tape.functions import FUNCTIONS
 from frictionlab.hybrid.tape.packing import program_of
 from frictionlab.hybrid.tape.program import system_of
 
-pytestmark = pytest.mark.skipif(compilation.NUMBA is None, reason="needs numba")
+pytestmark = pytest.mark.skipif(not compilation.HAS_MACHINE_CODE, reason="needs numba")
 METHODS = [fl.Taylor(tol=1e-15), fl.Taylor(tol=1e-9), fl.Taylor(tol=1e-4), fl.Taylor(order=4)]
 X, Y, A, P = sp.symbols("x y a p")
 INNER = {sp.log: 2 + X, sp.tan: X / 2}  # away from their poles
