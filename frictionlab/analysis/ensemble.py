@@ -10,6 +10,7 @@ import numpy as np
 
 from frictionlab.analysis.simulate import validate_initial_state
 from frictionlab.automaton import HybridAutomaton
+from frictionlab.automaton.modes_on_demand import ModeNames
 from frictionlab.hybrid.compilation import needs_compilation
 from frictionlab.hybrid.ensemble.batch import BatchResult, advance_batch, integrate_batch
 from frictionlab.hybrid.ensemble.batch_state import Batch, new_batch
@@ -18,15 +19,16 @@ from frictionlab.hybrid.methods.method_registry import method_of
 from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.hybrid.problem import Problem
 from frictionlab.hybrid.progress import Progress
-from frictionlab.hybrid.solve import with_chatter_limit
+from frictionlab.hybrid.solve import problem_of, with_chatter_limit
 from frictionlab.hybrid.tape.automaton_checks import check_automaton
 from frictionlab.hybrid.tape.packing import program_of
-from frictionlab.hybrid.tape.program import Numbers
 from frictionlab.interruption import interruption
 from frictionlab.models.coercion import automaton_of
 from frictionlab.validation import check_number
 
 __all__ = ["BatchResult", "ensemble"]
+
+MOST_MODES_IN_LANES = 81  # those of four contacts; of more, deriving all takes longer than lanes save
 
 
 def ensemble(
@@ -97,7 +99,9 @@ def ensemble(
             )
     with Progress(t_end, progress, needs_compilation(advance_batch_kernel)) as bar:
         ends = bar.call(integrate_batch, problems, chosen)
-    found = replace(ends, names=tuple(map(str, automaton_of(models[0]).states)))
+    first = automaton_of(models[0])
+    names, modes = tuple(map(str, first.states)), problem_for_batch(first, problems[0].x0).program.modes
+    found = replace(ends, names=names, mode_names=modes)
     if bar.stopped:
         raise interruption(f"the ensemble was stopped at {found.t.mean():g} of {t_end:g} s", found)
     return found
@@ -105,9 +109,8 @@ def ensemble(
 
 def start_group(automaton: HybridAutomaton, states: np.ndarray, method: Taylor) -> Batch:
     """A batch of runs of one automaton from states (N, n), to be advanced; the arguments are not checked."""
-    program, numbers = program_of(with_chatter_limit(automaton, method.limits[1]))
-    rows = Numbers(*(np.tile(each, (len(states), 1)) for each in numbers))
-    return new_batch(program, rows, states, method)
+    problem = problem_for_batch(with_chatter_limit(automaton, method.limits[1]), states[0])
+    return new_batch([replace(problem, x0=state) for state in states], method)
 
 
 def advance_group(group: Batch, t_end: float) -> None:
@@ -135,11 +138,19 @@ def _problems(models: Sequence[Any], x0: Any, t_end: float, method: Taylor) -> l
         first.setdefault(id(model), i)
     automata = {key: _check_model(models[i], i) for key, i in first.items()}
     limit = method.limits[1]
-    programs = {key: program_of(with_chatter_limit(one, limit)) for key, one in automata.items()}
-    return [
-        Problem(*programs[id(model)], validate_initial_state(model, start, automata[id(model)]), t_end)
-        for model, start in zip(models, each)
-    ]
+    starts = [validate_initial_state(model, x0, automata[id(model)]) for model, x0 in zip(models, each)]
+    made = {
+        key: problem_for_batch(with_chatter_limit(one, limit), starts[first[key]], t_end)
+        for key, one in automata.items()
+    }
+    return [replace(made[id(model)], x0=start) for model, start in zip(models, starts)]
+
+
+def problem_for_batch(automaton: HybridAutomaton, x0: np.ndarray, t_end: float = 0.0) -> Problem:
+    """A run with all modes, which lanes need; where these are many, with those that runs come to."""
+    if isinstance(automaton.names, ModeNames) and automaton.names.more_than(MOST_MODES_IN_LANES):
+        return problem_of(automaton, x0, t_end)
+    return Problem(*program_of(automaton), x0, t_end)
 
 
 def _check_model(model: Any, i: int) -> HybridAutomaton:

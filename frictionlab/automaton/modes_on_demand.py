@@ -111,6 +111,10 @@ class ModeNames(Sequence[str]):
             raise IndexError(f"there is no mode number {index}")
         return found
 
+    def more_than(self, count: int) -> bool:
+        """Whether there are more modes; as many are looked at, however many there are."""
+        return next(islice(self.combinations(), count, None), None) is not None
+
     def __eq__(self, other: object) -> bool:
         if isinstance(other, ModeNames):
             return self._names == other._names
@@ -127,7 +131,7 @@ def check_mode_name(mode: Any, names: Sequence[str], others: Sequence[str] = ())
     """Raise ValueError unless there is a mode of that name, or it is one of the `others`."""
     if mode in names or mode in others:
         return
-    if not isinstance(names, ModeNames) or not any(islice(names, LISTED, None)):
+    if not isinstance(names, ModeNames) or not names.more_than(LISTED):
         check_choice("mode", mode, (*names, *others))
     raise ValueError(
         f"mode must have one regime for each contact, {names!r}, got {mode!r}: join them by {JOINT!r}"

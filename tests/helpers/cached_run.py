@@ -14,8 +14,8 @@ from frictionlab.hybrid.compilation import kernel
 from frictionlab.hybrid.ensemble.batch_state import new_batch
 from frictionlab.hybrid.kernels.arithmetic import call_jets, call_lane_step
 from frictionlab.hybrid.kernels.run_state import jet_columns
+from frictionlab.hybrid.problem import Problem
 from frictionlab.hybrid.tape.packing import program_of
-from frictionlab.hybrid.tape.program import Numbers
 
 ORDER, STEP, STEPS = 12, 0.1, 20
 
@@ -50,8 +50,8 @@ def final_states() -> bytes:
         native.compile_step(0)
     z, J = np.array([1.0, 0.5]), np.zeros((program.slots, jet_columns(ORDER)))
     taylor_steps(native.code.native[0], z, *numbers, J)
-    rows = Numbers(*(np.tile(each, (LANE_COUNT, 1)) for each in numbers))
-    lanes = new_batch(program, rows, np.zeros((LANE_COUNT, 2)), fl.Taylor(order=ORDER)).lanes
+    problem = Problem(program, numbers, np.zeros(2), 1.0)
+    lanes = new_batch([problem] * LANE_COUNT, fl.Taylor(order=ORDER)).lanes
     lanes.constants[:], lanes.terms[:] = numbers.constants[:, None], numbers.terms[:, None]
     lanes.z[:], lanes.control[LEFT] = z[:, None], 1.0
     lane_steps(native.code.lanes[0], lanes.z, lanes.constants, lanes.terms, lanes.jets, lanes.control)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -37,10 +37,12 @@ class BatchResult(Drawable):
     t : array (N,)
     states : array (N, n)
     modes : int array (N,)
+        Their numbers in `mode_names`; -1 where there is none.
     steps, events : int array (N,)
     status : tuple of Status
     names : tuple of str
         Names of the states.
+    mode_names : tuple of str
     """
 
     drawn_by = "plot_ends"
@@ -52,6 +54,7 @@ class BatchResult(Drawable):
     events: np.ndarray
     status: tuple[Status, ...]
     names: tuple[str, ...] = ()
+    mode_names: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
         ends = tally(status.name.lower().replace("_", " ") for status in self.status)
@@ -60,9 +63,7 @@ class BatchResult(Drawable):
 
 def integrate_batch(problems: Sequence[Problem], method: Taylor, progress: Progress) -> BatchResult:
     """Run problems that share a program to their ends; each as it would run alone, to the last bit."""
-    constants, terms = (np.array(rows) for rows in zip(*(problem.numbers for problem in problems)))
-    states = np.array([problem.x0 for problem in problems])
-    group = new_batch(problems[0].program, Numbers(constants, terms), states, method)
+    group = new_batch(problems, method)
     advance_batch(group, problems[0].t_end, progress)
     return batch_result(group)
 
@@ -73,22 +74,31 @@ def advance_batch(group: Batch, t_end: float, progress: Progress) -> None:
     goes_on = (runs.status == run_state.RUNNING) | (runs.status == run_state.FINISHED)
     runs.times[goes_on, run_state.END] = t_end
     runs.status[goes_on] = run_state.RUNNING
-    if is_affine(group.program):
+    if group.alone or is_affine(group.program):
         return _advance_one_by_one(group, np.flatnonzero(goes_on), progress)
     with np.errstate(all="ignore"):
         _advance_side_by_side(group, goes_on, progress)
 
 
 def _advance_one_by_one(group: Batch, which: np.ndarray, progress: Progress) -> None:
-    """Advance each run alone: where a step is a product with a matrix of its own, lanes gain nothing."""
+    """Advance each run alone: where a step is a product with a matrix of its own, or runs come to modes that
+    are not derived, lanes gain nothing."""
     runs = group.runs
     for i in which:
-        numbers, (now, end) = Numbers(runs.constants[i], runs.terms[i]), runs.times[i, :2]
-        raw = group.method.integrate(Problem(group.program, numbers, runs.states[i], end - now), progress)
+        now, end = runs.times[i, :2]
+        raw = group.method.integrate(_problem_of_run(group, i, end - now), progress)
         runs.states[i], runs.counts[i, run_state.MODE] = raw.state, raw.mode
         runs.times[i, run_state.NOW] = end if raw.status is Status.FINISHED else now + raw.t
         runs.totals[i] += len(raw.step_modes), len(raw.event_times)
         runs.status[i] = CODE_OF_STATUS[raw.status]
+
+
+def _problem_of_run(group: Batch, i: int, duration: float) -> Problem:
+    """A run from its present state on."""
+    state = group.runs.states[i]
+    if group.alone:
+        return replace(group.alone[i], x0=state, t_end=duration)
+    return Problem(group.program, Numbers(group.runs.constants[i], group.runs.terms[i]), state, duration)
 
 
 def _advance_side_by_side(group: Batch, goes_on: np.ndarray, progress: Progress) -> None:

@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -15,6 +16,7 @@ from frictionlab.hybrid.codegen.native_cache import NativeCode, native_code
 from frictionlab.hybrid.kernels import run_state, step_length
 from frictionlab.hybrid.kernels.run_state import jet_columns, new_record, new_scratch
 from frictionlab.hybrid.methods.taylor import Taylor
+from frictionlab.hybrid.problem import Problem
 from frictionlab.hybrid.tape.program import Numbers, Program
 
 FREE = -1
@@ -33,11 +35,15 @@ class Batch:
     lanes: Lanes
     record: run_state.Record
     scratch: run_state.Scratch
+    alone: tuple[Problem, ...] = ()  # of each run, where modes are derived as runs come to them
 
 
-def new_batch(program: Program, numbers: Numbers, states: np.ndarray, method: Taylor) -> Batch:
-    """Runs at time 0; `numbers` and `states` have a row for each."""
-    code, order = program.code, method.degree
+def new_batch(problems: Sequence[Problem], method: Taylor) -> Batch:
+    """Runs at time 0 of problems that share a program."""
+    constants, terms = (np.array(rows) for rows in zip(*(problem.numbers for problem in problems)))
+    numbers, states = Numbers(constants, terms), np.array([problem.x0 for problem in problems])
+    program, order = problems[0].program, method.degree
+    code = program.code
     return Batch(
         program,
         method,
@@ -46,6 +52,7 @@ def new_batch(program: Program, numbers: Numbers, states: np.ndarray, method: Ta
         _new_lanes(program, numbers, method),
         new_record(code, 1, 2, 0),
         new_scratch(program.slots, code, order),
+        tuple(problems) if problems[0].derive is not None else (),
     )
 
 
@@ -54,7 +61,8 @@ def select_runs(group: Batch, which: np.ndarray) -> Batch:
     shared = ("signs", "caps", "queue", "queued")
     rows = {name: array[which] for name, array in group.runs._asdict().items() if name not in shared}
     queue = np.zeros((len(group.runs.queued), len(rows["status"])), dtype=np.int64)
-    return replace(group, runs=group.runs._replace(**rows, queue=queue))
+    alone = tuple(group.alone[i] for i in np.arange(len(group.runs.status))[which]) if group.alone else ()
+    return replace(group, runs=group.runs._replace(**rows, queue=queue), alone=alone)
 
 
 def _new_runs(program: Program, numbers: Numbers, states: np.ndarray, method: Taylor) -> BatchRuns:

@@ -15,9 +15,10 @@ from frictionlab.hybrid.kernels.arithmetic import call_lane_step
 from frictionlab.hybrid.kernels.run_state import END, Truncation, new_record, new_run_state, new_scratch
 from frictionlab.hybrid.kernels.step_length import step_length
 from frictionlab.hybrid.kernels.taylor_steps import advance_taylor
+from frictionlab.hybrid.problem import Problem
 from frictionlab.hybrid.tape.functions import FUNCTIONS
 from frictionlab.hybrid.tape.packing import program_of
-from frictionlab.hybrid.tape.program import Numbers, system_of
+from frictionlab.hybrid.tape.program import system_of
 
 pytestmark = pytest.mark.skipif(compilation.NUMBA is None, reason="needs numba")
 METHODS = [fl.Taylor(tol=1e-15), fl.Taylor(tol=1e-9), fl.Taylor(tol=1e-4), fl.Taylor(order=4)]
@@ -85,8 +86,7 @@ def fine_and_shortened(automaton, methods):
     program, numbers, code = with_step(automaton)
     fine = shortened = 0
     for method in methods:
-        rows = Numbers(*(np.tile(each, (LANE_COUNT, 1)) for each in numbers))
-        group = new_batch(program, rows, np.zeros((LANE_COUNT, 2)), method)
+        group = new_batch([Problem(program, numbers, np.zeros(2), 1.0)] * LANE_COUNT, method)
         lanes = group.lanes
         lanes.constants[:], lanes.terms[:] = numbers.constants[:, None], numbers.terms[:, None]
         for states in np.random.default_rng(0).uniform(-1.2, 1.2, size=(10, LANE_COUNT, 2)):
