@@ -32,7 +32,6 @@ SCRIPTS = (
     "solver",
     "sampling",
     "linear_algebra",
-    "spectrum",
     "layout",
     "plots",
     "state",

@@ -1,7 +1,7 @@
 """The kernels as WebAssembly, and how they take their arguments.
 
-Both are files that `frictionlab.hybrid.ahead_of_time` makes: ``kernels.wasm``, and ``manifest.json``, which lists
-for each function the results and arguments in its table of words.
+Both are files that `frictionlab.hybrid.ahead_of_time` makes: ``kernels.wasm``, and ``manifest.json``, which
+lists for each function the results and arguments in its table of words.
 """
 
 from __future__ import annotations
