@@ -142,12 +142,11 @@ function showStability() {
 
 function drawPhase() {
   if (!view.samples || !$("phase").clientWidth) return;
-  const surface = fit($("phase")), [c, width, height] = surface, states = view.run.structure.states, first = states[0];
+  const [c, width, height] = fit($("phase")), path = html("canvas", { width: $("phase").width, height: $("phase").height }), states = view.run.structure.states, first = states[0];
   const scene = { axes: [first, `${written(first)} (${unitOf(first)})`, `${written(first + "'")} (${unitOf(first)}/s)`], line_colours: view.run.structure.colours, ink: theme().ink };
-  c.save();
-  const place = phasePlane(c, width, height, scene, phaseFrames(view.run, view.samples));
-  c.restore();
-  view.phase = { c, width, height, place, image: c.getImageData(0, 0, $("phase").width, $("phase").height) };
+  const behind = path.getContext("2d");
+  behind.scale(path.width / width, path.height / height);
+  view.phase = { c, width, height, path, place: phasePlane(behind, width, height, scene, phaseFrames(view.run, view.samples)) };
 }
 
 function showKey() {
@@ -172,8 +171,9 @@ function showFrame() { // the instant that is played, exact
     picture.draw(c, width, height, picture.scene, picture.row(now, 0));
   }
   if (phase) {
-    const { c, place, image } = phase, first = run.structure.states[0];
-    c.putImageData(image, 0, 0);
+    const { c, width, height, place, path } = phase, first = run.structure.states[0];
+    c.clearRect(0, 0, width, height);
+    c.drawImage(path, 0, 0, width, height);
     c.beginPath();
     c.arc(...place({ [first]: now.column(first)[0], rate: now.column(first + "'")[0] }), 6, 0, 7);
     Object.assign(c, { fillStyle: run.structure.colours[now.modes[0]], strokeStyle: theme().ink, lineWidth: 1.5 });

@@ -9,7 +9,7 @@ function seriesColours() {
 
 function axisOptions(label, log) {
   const { ink, grey } = theme();
-  return { label, stroke: ink, grid: { stroke: grey + "40", width: 1 }, ticks: { stroke: grey, width: 1 }, labelSize: 18, labelGap: 0, size: log || label.includes("(") ? 58 : 50, font: "11px system-ui", labelFont: "12px system-ui" };
+  return { label, stroke: ink, grid: { stroke: grey + "40", width: 1 }, ticks: { stroke: grey, width: 1 }, labelSize: 18, labelGap: 0, ...(log ? { values: (_, ticks) => ticks.map((v) => v && Number.isInteger(Math.log10(v)) ? v.toExponential(0) : "") } : {}), font: "11px system-ui", labelFont: "12px system-ui" };
 }
 
 function showPlot(id, data, names, [xLabel, yLabel], options = {}) {
@@ -19,7 +19,7 @@ function showPlot(id, data, names, [xLabel, yLabel], options = {}) {
     const points = options.points, width = host.clientWidth || 300, height = host.clientHeight - (points ? 0 : LEGEND);
     const series = names.map((label, i) => ({ label, stroke: seriesColours()[i % 6], width: 1.2, ...(points ? { paths: () => null, points: { show: true, size: 8, fill: seriesColours()[i % 6] } } : { points: { show: false } }) }));
     const y = options.log ? { distr: 3 } : {};
-    plots[id] = { key, chart: new uPlot({ width, height, series: [{ label: xLabel }, ...series], scales: { x: { time: false }, y }, axes: [axisOptions(xLabel), axisOptions(yLabel, options.log)], legend: { show: !points, live: false }, cursor: { drag: { x: true, y: false } } }, data, host) };
+    plots[id] = { key, chart: new uPlot({ width, height, series: [{ label: xLabel }, ...series], scales: { x: { time: false }, y }, axes: [{ ...axisOptions(xLabel), size: 32 }, { ...axisOptions(yLabel, options.log), size: 52 }], legend: { show: !points, live: false }, cursor: { drag: { x: true, y: false } } }, data, host) };
   } else plots[id].chart.setData(data);
 }
 

@@ -97,6 +97,7 @@ class Solver {
     this.array("times", "f8", [SAMPLES]);
     this.array("out", "f8", [SAMPLES, n]);
     this.views();
+    new Uint8Array(this.exports.memory.buffer, this.start, this.heap - this.start).fill(0); // another structure was there
     Object.assign(this.fixed, { order, "truncation.order": order, "truncation.tol": tol });
     for (const a of structure.arrays) if (a.data) this.write(a);
     for (let i = 0; i < n; i++) this.arrays.unit.view[i * n + i] = 1;
