@@ -97,6 +97,7 @@ from .models import TwoBlocks as TwoBlocks
 from .models import list_models as list_models
 from .models.description.equations import Equations as Equations
 from .models.parameter_namespace import ParameterTable as ParameterTable
+from .pages.export import export_page as export_page
 from .plotting import animate as animate
 from .plotting import plot_run as plot_run
 from .plotting.appearance import style as style

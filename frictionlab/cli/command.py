@@ -10,6 +10,7 @@ from frictionlab._version import __version__
 
 from .app import add_app
 from .bench import add_bench
+from .page import add_page
 from .paper import add_figure, add_reproduce
 from .parsing import (
     OneLineParser,
@@ -88,7 +89,7 @@ def _build_parsers() -> tuple[OneLineParser, dict[str, OneLineParser]]:
     )
     parser.add_argument("--version", action="version", version=f"frictionlab {__version__}")
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", title="commands")
-    added = {"run": add_run, "app": add_app, "figure": add_figure}
+    added = {"run": add_run, "app": add_app, "page": add_page, "figure": add_figure}
     added |= {"reproduce": add_reproduce, "bench": add_bench}
     return parser, {name: add(commands) for name, add in added.items()}
 
@@ -96,9 +97,10 @@ def _build_parsers() -> tuple[OneLineParser, dict[str, OneLineParser]]:
 def _run_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
     from .app import app_command
     from .bench import bench_command
+    from .page import page_command
     from .paper import figure_command, reproduce_command
     from .run import run_command
 
-    does = {"run": run_command, "app": app_command, "figure": figure_command}
+    does = {"run": run_command, "app": app_command, "page": page_command, "figure": figure_command}
     does |= {"reproduce": reproduce_command, "bench": bench_command}
     return does[chosen.command](chosen, parser)

@@ -39,7 +39,13 @@ class Canvas(anywidget.AnyWidget):
         32-bit floats (K, columns): what moves, in K frames.
     """
 
-    _esm = resources.files("frictionlab.widgets").joinpath("canvas.js").read_text(encoding="utf-8")
+    _esm = "".join(
+        resources.files(package).joinpath(name).read_text(encoding="utf-8")
+        for package, name in (
+            ("frictionlab.plotting.animation", "drawing.js"),
+            ("frictionlab.widgets", "canvas.js"),
+        )
+    )
     scene = traitlets.Dict().tag(sync=True)
     rows = traitlets.Bytes().tag(sync=True)
 

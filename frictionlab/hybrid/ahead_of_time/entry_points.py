@@ -105,7 +105,7 @@ def _entry_point(kernel: Any, specimens: dict[str, Any]) -> EntryPoint:
     function: Any = getattr(kernel, "py_func", kernel)
     names = function.__code__.co_varnames[: function.__code__.co_argcount]
     special = _SPECIAL.get(str(function.__name__), {})
-    return EntryPoint(kernel, {name: specimens[special.get(name, name)] for name in names})
+    return EntryPoint(kernel, {name: specimens[special.get(str(name), str(name))] for name in names})
 
 
 # Where an argument's name stands for something else than elsewhere.

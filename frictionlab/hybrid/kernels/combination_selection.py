@@ -1,9 +1,13 @@
 """The next mode where modes are combinations of regimes and only some are derived: far too many to list.
 
-Tried are, in this order: the targets of the event; those of the events that keep one of these from being
-entered, and so on, as several contacts may change at one instant; then all combinations that the conditions
-of single regimes allow, in the automaton's order.  What comes to be tried and is not derived ends the kernel,
-which is called again once it is.
+Tried are, in this order: the targets of the event; where other events keep one of these from being entered,
+that with the changes of all of these at once, and then those with one of them each, as several contacts may
+change at one instant; then all combinations that the conditions of single regimes allow, in the automaton's
+order.  What comes to be tried and is not derived ends the kernel, which is called again once it is.
+
+Changing all that fails at once is block pivoting, as for linear complementarity problems (Judice & Pires,
+Comput. Oper. Res. 21 (1994) 587-596): k equal contacts that begin to slip at one
+instant take one more try, not 2^k.
 """
 
 from __future__ import annotations
@@ -68,17 +72,47 @@ def add_targets(queue, guard, count):
 
 
 @kernel
-def add_targets_of_failed_guards(system, queue, mode, z, rounding, order, scratch, count):
-    """Put the targets of all events into the queue that keep a mode from being entered; the new count."""
-    code, J, bounds = system.code, scratch.jets, scratch.bounds
-    mode_jets(code, system.numbers, mode, order, z, J)
-    majorant(code, system.magnitudes, mode, order, rounding.sizes, J, bounds)
+def has_failed(system, guard, rounding, order, scratch):
+    """Whether the guard of a mode keeps it from being entered; its jets are at hand."""
+    zeros, J = zeros_by_construction(system.code, scratch, guard), scratch.jets
+    slot = system.code.function_slots[guard]
+    k = leading_order(J[slot], scratch.bounds[slot], zeros, order, rounding.share)
+    return k <= order and J[slot, k] < 0.0
+
+
+@kernel
+def add_change(demand, guard, row, joint):
+    """Change in `joint` what the first target of a guard's event changes in the combination `row`."""
+    if demand.listed[guard] < demand.listed[guard + 1]:
+        target = demand.targets[demand.listed[guard]]
+        for i in range(row.shape[0]):
+            if target[i] != row[i]:
+                joint[i] = target[i]
+
+
+@kernel
+def put_next(queue, tried, row, count):
+    """Put a combination next into the queue of `count`, unless it is there; returns the new count."""
+    longer = add_candidate(row, queue, count)
+    if longer > count:
+        for k in range(count, tried, -1):
+            copy_vector(queue.rows[k - 1], queue.rows[k])
+        copy_vector(row, queue.rows[tried])
+    return longer
+
+
+@kernel
+def add_targets_of_failed_guards(system, queue, mode, tried, rounding, order, scratch, count):
+    """Put the targets of all events into the queue that keep the last tried mode from being entered, first
+    that of all at once; the new count."""
+    code, row, joint = system.code, queue.rows[tried - 1], queue.missing
+    copy_vector(row, joint)
     for g in range(code.mode_guards[mode], code.mode_guards[mode + 1]):
-        slot = code.function_slots[g]
-        k = leading_order(
-            J[slot], bounds[slot], zeros_by_construction(code, scratch, g), order, rounding.share
-        )
-        if k <= order and J[slot, k] < 0.0:
+        if has_failed(system, g, rounding, order, scratch):
+            add_change(queue.demand, g, row, joint)
+    count = put_next(queue, tried, joint, count)
+    for g in range(code.mode_guards[mode], code.mode_guards[mode + 1]):
+        if has_failed(system, g, rounding, order, scratch):
             count = add_targets(queue, g, count)
     return count
 
@@ -171,4 +205,6 @@ def select_combination(system, queue, guard, z, rounding, order, scratch):
             return Selection(mode, NO_MODE)
         if verdict == AT_ANOTHER_EVENT and passed == NO_MODE:
             passed = mode
-        count = add_targets_of_failed_guards(system, queue, mode, z, rounding, order, scratch, count)
+        mode_jets(system.code, system.numbers, mode, order, z, scratch.jets)
+        majorant(system.code, system.magnitudes, mode, order, rounding.sizes, scratch.jets, scratch.bounds)
+        count = add_targets_of_failed_guards(system, queue, mode, tried, rounding, order, scratch, count)

@@ -29,7 +29,7 @@ class CombinationQueue(NamedTuple):
     rows: np.ndarray  # (MAX_CANDIDATES, parts) in the order in which they are tried
     allowed: np.ndarray  # (regimes,) whether their conditions allow to enter a mode
     place: np.ndarray  # (parts,) of the last taken from the automaton's order
-    missing: np.ndarray  # (parts,) the one that is to be derived
+    missing: np.ndarray  # (parts,) one that is being made, and in the end the one that is to be derived
 
 
 class Scratch(NamedTuple):

@@ -9,6 +9,8 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from decimal import Decimal
+from functools import cache
 from typing import Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
@@ -138,6 +140,12 @@ def advance_affine(system, truncation, change, run, record, scratch):
     return advance_taylor(system, truncation, run, record, scratch)
 
 
+@cache
+def order_of_tolerance(tol: float) -> int:
+    """ceil(1 - 0.7 ln(tol)), 4 at least; by decimal numbers, whose logarithm is the same everywhere."""
+    return max(4, math.ceil(1 - Decimal("0.7") * Decimal(tol).ln()))
+
+
 @dataclass(frozen=True)
 class Taylor(Method):
     """Taylor series of high order, with every event found to rounding error.
@@ -195,7 +203,7 @@ class Taylor(Method):
 
     @property
     def degree(self) -> int:
-        return self.order or max(4, math.ceil(1 - 0.7 * math.log(self.tol)))
+        return self.order or order_of_tolerance(self.tol)
 
     @property
     def limits(self) -> tuple[float, float]:

@@ -21,7 +21,7 @@ def answer(command):
     return subprocess.run([sys.executable, "-c", HELP, command], check=True, capture_output=True, text=True)
 
 
-@pytest.mark.parametrize("command", ["run", "figure", "reproduce", "bench", "app"])
+@pytest.mark.parametrize("command", ["run", "figure", "reproduce", "bench", "app", "page"])
 def test_help_loads_nothing_heavy(command):
     assert answer(command).stdout.startswith(f"usage: frictionlab {command}")
 

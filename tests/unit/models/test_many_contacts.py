@@ -88,3 +88,26 @@ def test_a_start_at_which_any_combination_may_be_entered(stretch):
     assert bool(slips) == (stretch == 1.0)
     slipping = run.mode[0].split(" | ").count("slip+") + run.mode[0].split(" | ").count("slip-")
     assert len(model.automaton().modes.derived) <= 2**slipping
+
+
+def test_equal_contacts_that_slip_at_one_instant():
+    """Blocks that move alike leave the springs between them at rest: each is a block alone."""
+    model = chain(12)
+    run = fl.simulate(model, 20.0, progress=False)
+    one = fl.simulate(fl.MassOnBelt(m=1.0, k=1.0, c=0.0, v=0.2, N=1.0, friction=model.friction), 20.0)
+    assert set(one.events.target) == {"stick", "slip+"}
+    in_turn = [" | ".join([target] * 12) for target in one.events.target]
+    assert [name for name in run.events.target if name in in_turn] == in_turn
+    np.testing.assert_allclose(run.raw.state[:12], one.raw.state[0], rtol=0, atol=1e-12)
+    assert len(model.automaton().modes.derived) < 40
+
+
+def test_an_ensemble_derives_what_its_runs_visit():
+    model, starts = chain(12), [start(12, stretch) for stretch in (1.0, 0.3)]
+    ends = fl.ensemble([model] * 2, 2.0, x0=starts, progress=False)
+    assert len(model.automaton().modes.derived) < 200
+    for i, x0 in enumerate(starts):
+        run = fl.simulate(model, 2.0, x0=x0, progress=False)
+        assert ends.states[i].tobytes() == run.raw.state.tobytes()
+        assert ends.mode_names[ends.modes[i]] == run.mode[-1]
+        assert (ends.steps[i], ends.events[i]) == (run.stats["steps"], len(run.events))

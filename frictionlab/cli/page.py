@@ -1,0 +1,59 @@
+"""`frictionlab page`: a model as one HTML file with sliders and the exact solver in it."""
+
+from __future__ import annotations
+
+import argparse
+from typing import Any
+
+from .parsing import OneLineParser, complain
+
+EXIT_FAILED = 1
+
+DESCRIPTION = """\
+Write a model as one HTML file with sliders, switches and the exact solver in
+it. The file needs neither a server nor a network."""
+
+EPILOG = """\
+examples:
+  frictionlab page -o slider.html
+  frictionlab page --model DenHartog -o den-hartog.html --slider F Omega N
+
+exit status: 0 written; 1 it could not be written; 2 bad arguments."""
+
+
+def add_page(commands: Any) -> OneLineParser:
+    """Add the command `page`; returns its parser."""
+    parser = commands.add_parser(
+        "page",
+        help="write a model as one HTML file with the exact solver in it",
+        description=DESCRIPTION,
+        epilog=EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        allow_abbrev=False,
+    )
+    parser.add_argument("-o", "--output", metavar="FILE", default="slider.html", help="default: slider.html")
+    parser.add_argument("--model", metavar="NAME", default="SliderOnBelt", help="default: SliderOnBelt")
+    parser.add_argument("--slider", nargs="+", metavar="NAME", help="sliders shown at first")
+    parser.add_argument("--t-end", type=float, metavar="S", help="end time (default: some 300 periods)")
+    return parser
+
+
+def page_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
+    """Write the page; returns the exit status."""
+    import frictionlab as fl
+    from frictionlab.pages.solver_file import SolverNotBuiltError
+
+    known = [row.call.split("(")[0] for row in fl.list_models()]
+    if chosen.model not in known:
+        listed = ", ".join(dict.fromkeys(known))
+        parser.error(f"--model must be one of {listed}, got {chosen.model!r}: take one of these")
+    model = getattr(fl, chosen.model)()
+    try:
+        path = fl.export_page(model, chosen.output, sliders=chosen.slider, t_end=chosen.t_end)
+    except SolverNotBuiltError as error:
+        complain(parser.prog, f"error: {error}")
+        return EXIT_FAILED
+    except ValueError as error:
+        parser.error(str(error))
+    print(f"wrote {path}")
+    return 0

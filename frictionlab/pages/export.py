@@ -1,0 +1,201 @@
+"""`fl.export_page`: a model as one HTML file that needs neither a server nor a network."""
+
+from __future__ import annotations
+
+import html
+import json
+from collections.abc import Mapping, Sequence
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+from frictionlab._version import __version__
+from frictionlab.analysis.motion_scales import oscillation_period, round_down_1_2_5
+from frictionlab.file_writing import write_text
+from frictionlab.hybrid.kernels.event_location import COEFFICIENT_ROUNDING
+from frictionlab.hybrid.methods.taylor import MIN_STEP_SHARE, Taylor
+from frictionlab.hybrid.tape.functions import FUNCTIONS
+from frictionlab.models import Model
+from frictionlab.models.coercion import require_model
+from frictionlab.models.mechanism import Mechanism, TiltingBelt
+from frictionlab.pages.controls import preset_data, slider_data, structures, switch_names
+from frictionlab.pages.solver_file import solver_data
+from frictionlab.pages.structure import structure_data
+from frictionlab.plotting.animation.artists import SPRING_LABELS
+from frictionlab.plotting.animation.parts import MARKS, WIDTH
+from frictionlab.validation import check_number
+
+PERIODS = 300.0  # that a page computes where no end is given
+# In the order in which they use each other.
+SCRIPTS = (
+    "functions",
+    "solver",
+    "sampling",
+    "linear_algebra",
+    "layout",
+    "plots",
+    "state",
+    "page",
+)
+
+
+def export_page(
+    model: Any,
+    path: str | Path,
+    *,
+    sliders: Mapping[str, tuple[float, float]] | Sequence[str] | None = None,
+    switches: Sequence[str] | None = None,
+    presets: Mapping[str, Mapping[str, Any]] | None = None,
+    t_end: float | None = None,
+    title: str | None = None,
+) -> Path:
+    """Write a model as one HTML file with sliders and the exact solver in it.
+
+    The file needs neither a server nor a network: it can be mailed, put on a stick or into a course's pages.
+    The browser runs the same kernels, compiled to WebAssembly, so that states and events are those of
+    :func:`frictionlab.simulate` with the Taylor method, to the last bit.
+
+    Parameters
+    ----------
+    model : Model
+        One of :func:`frictionlab.list_models`, or your own; laws of your own are exported with it.
+    path : path
+        Of the file, such as ``"slider.html"``.
+    sliders : sequence of names, mapping of name to (low, high), or None
+        Parameters whose sliders are shown at first; None chooses.  All others are under "more parameters".
+    switches : sequence of names or None
+        Nonlinearities that can be switched off; None takes all of the model.
+    presets : mapping of name to mapping, or None
+        Values by name, such as ``{"flutter": {"mu_k": 1.4, "without": ["geometry"]}}``.
+    t_end : float or None
+        End time in seconds; None takes some 300 periods.
+    title : str or None
+        None takes the model's name.
+
+    Returns
+    -------
+    Path
+        Of the file.
+
+    Raises
+    ------
+    SolverNotBuiltError
+        Where the package was built without WebAssembly; it says how to build it.
+    ValueError
+        For unknown names, bad values, or a model of more than 64 modes.
+
+    Examples
+    --------
+    >>> import frictionlab as fl
+    >>> fl.export_page(fl.SliderOnBelt(mu_k=1.4), "slider.html")  # doctest: +SKIP
+    PosixPath('slider.html')
+    """
+    model = require_model(model, cure="write export_page(model, path)")
+    names = switch_names(model, switches)
+    if t_end is None:
+        t_end = round_down_1_2_5(PERIODS * oscillation_period(model))
+    check_number("t_end", t_end, above=0.0, cure="give the length of the run in seconds")
+    scene = {
+        "title": title or type(model).__name__,
+        "version": __version__,
+        "call": _call(model),
+        "t_end": float(t_end),
+        "period": float(oscillation_period(model)),
+        "switches": [{"name": n, "about": model.nonlinearities[n].about} for n in names],
+        "sliders": slider_data(model, sliders),
+        "presets": preset_data(model, names, presets),
+        "sound": {"signal": model.sound.signal, "pitch": float(model.sound.pitch)},
+        "mechanism": _mechanism(model),
+        "method": _method(),
+    }
+    solver = solver_data()
+    found = {key: structure_data(each) for key, each in structures(model, names).items()}
+    return write_text(Path(path), _html(scene, found, solver))
+
+
+def _call(model: Model) -> str:
+    """How Python calls the model's class."""
+    name, ours = type(model).__name__, type(model).__module__.startswith("frictionlab.")
+    return f"fl.{name}" if ours else name
+
+
+def _method() -> dict[str, Any]:
+    method = Taylor()
+    return {
+        "order": method.degree,
+        "tol": method.tol,
+        "rounding": COEFFICIENT_ROUNDING,
+        "min_step_share": MIN_STEP_SHARE,
+        "dwell": method.limits[0],
+        "chatter": method.limits[1],
+        "kinds": {function.name: function.kind for function in FUNCTIONS},
+    }
+
+
+def _mechanism(model: Model) -> dict[str, Any] | None:
+    """The model's picture as data: what its parts are, and the fields of each."""
+    mechanism = model.mechanism
+    if isinstance(mechanism, TiltingBelt):
+        return {
+            "kind": "TiltingBelt",
+            "names": {name: aside for name, (_, aside) in SPRING_LABELS.items()},
+        }
+    if isinstance(mechanism, Mechanism):
+        parts = [_part(part) for part in mechanism.parts]
+        return {"kind": "Mechanism", "parts": parts, "width": WIDTH, "marks": MARKS}
+    return None
+
+
+def _part(part: Any) -> dict[str, Any]:
+    return {"part": type(part).__name__} | {name: _field(value) for name, value in vars(part).items()}
+
+
+def _field(value: Any) -> Any:
+    if isinstance(value, tuple):
+        return {"x": value[0], "y": value[1], "right": "", "up": ""}
+    return dict(vars(value)) if hasattr(value, "right") else value
+
+
+def _html(scene: dict[str, Any], found: dict[str, dict[str, Any]], solver: dict[str, Any]) -> str:
+    folder = resources.files("frictionlab.pages").joinpath("scripts")
+    drawing = resources.files("frictionlab.plotting.animation").joinpath("drawing.js")
+
+    def text(name: str) -> str:
+        return folder.joinpath(name).read_text(encoding="utf-8")
+
+    licence = "/*! uPlot\n" + text("uplot-licence.txt").replace("*/", "") + "*/\n"
+    script = drawing.read_text(encoding="utf-8") + "".join(text(f"{name}.js") for name in SCRIPTS)
+    constants = {"SCENE": _json(scene), "SOLVER": _json(solver), "STRUCTURES": _structures(found)}
+    data = "".join(f"const {name} = {value};\n" for name, value in constants.items())
+    parts = {
+        "TITLE": html.escape(scene["title"]),
+        "STYLE": text("uplot.css") + text("page.css"),
+        "UPLOT": licence + text("uplot.js"),
+        "SCRIPT": data + script,
+    }
+    page = text("page.html")
+    for name, part in parts.items():
+        page = page.replace(f"<!--{name}-->", part)
+    return page
+
+
+def _json(data: Any) -> str:
+    return json.dumps(data, allow_nan=False, separators=(",", ":")).replace("</", "<\\/")
+
+
+def _structures(found: dict[str, dict[str, Any]]) -> str:
+    """The structures as JavaScript: data, and functions as such."""
+    return "{" + ",\n".join(f"{_json(key)}: {_structure(data)}" for key, data in found.items()) + "}"
+
+
+def _structure(data: dict[str, Any]) -> str:
+    of_functions = ("numbers", "release", "outputs", "sliding")
+    plain = {name: value for name, value in data.items() if name not in of_functions}
+    named, functions = data["outputs"]["names"], ", ".join(data["outputs"]["functions"])
+    outputs = f"{{names: {_json(named)}, functions: [{functions}]}}"
+    modes = (", ".join(f"{name}: {value}" for name, value in mode.items()) for mode in data["sliding"])
+    sliding = ", ".join(f"{{{mode}}}" for mode in modes)
+    texts = (
+        f"numbers: {data['numbers']}, release: {data['release']}, outputs: {outputs}, sliding: [{sliding}]"
+    )
+    return f"{{...{_json(plain)}, {texts}}}"

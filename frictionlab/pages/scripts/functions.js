@@ -1,0 +1,22 @@
+// Functions of parameters as Python computes them: integer powers are products, all else calls of the kernels.
+const F = {};
+
+function finite(value) {
+  if (!Number.isFinite(value)) throw new RangeError("the equations have no finite value for these parameters");
+  return value;
+}
+
+F.integer_power = (x, n) => { // by squares, multiplied from low to high
+  let value = 1, square = x;
+  for (let count = Math.abs(n); count; count = Math.floor(count / 2)) {
+    if (count % 2) value *= square;
+    square *= square;
+  }
+  return finite(n >= 0 ? value : 1 / value);
+};
+
+function bindFunctions(solver) {
+  F.real_power = (x, y) => Number.isInteger(y) ? F.integer_power(x, y) : finite(solver.exports.frictionlab_power(x, y));
+  for (const [name, kind] of Object.entries(SCENE.method.kinds)) F[name] = (x) => finite(solver.exports.frictionlab_function_value(BigInt(kind), x));
+  for (const name of ["asin", "acos", "acosh", "atanh"]) F[name] = (x) => finite(Math[name](x));
+}

@@ -1,0 +1,69 @@
+// Plots by uPlot in the colours of the page; each is made once and given new data.
+const plots = {};
+const LEGEND = 34; // pixels under a plot
+
+function seriesColours() {
+  const { ink, force } = theme();
+  return [ink, COLOURS.vermillion, force, COLOURS.green, COLOURS.orange, COLOURS.purple];
+}
+
+function axisOptions(label, log) {
+  const { ink, grey } = theme();
+  return { label, stroke: ink, grid: { stroke: grey + "40", width: 1 }, ticks: { stroke: grey, width: 1 }, labelSize: 18, labelGap: 0, ...(log ? { values: (_, ticks) => ticks.map((v) => v && Number.isInteger(Math.log10(v)) ? v.toExponential(0) : "") } : {}), font: "11px system-ui", labelFont: "12px system-ui" };
+}
+
+function showPlot(id, data, names, [xLabel, yLabel], options = {}) {
+  const host = document.getElementById(id), key = JSON.stringify([names, xLabel, yLabel]);
+  if (plots[id]?.key !== key) {
+    plots[id]?.chart.destroy();
+    const points = options.points, width = host.clientWidth || 300, height = host.clientHeight - (points ? 0 : LEGEND);
+    const series = names.map((label, i) => ({ label, stroke: seriesColours()[i % 6], width: 1.2, ...(points ? { paths: () => null, points: { show: true, size: 8, fill: seriesColours()[i % 6] } } : { points: { show: false } }) }));
+    const y = options.log ? { distr: 3 } : {};
+    plots[id] = { key, chart: new uPlot({ width, height, series: [{ label: xLabel }, ...series], scales: { x: { time: false }, y }, axes: [{ ...axisOptions(xLabel), size: 32 }, { ...axisOptions(yLabel, options.log), size: 52 }], legend: { show: !points, live: false }, cursor: { drag: { x: true, y: false } } }, data, host) };
+  } else plots[id].chart.setData(data);
+}
+
+function forgetPlots() { // for other colours
+  for (const id of Object.keys(plots)) { plots[id].chart.destroy(); delete plots[id]; }
+}
+
+function resizePlots() {
+  for (const [id, { chart }] of Object.entries(plots)) {
+    const host = document.getElementById(id), legend = host.querySelector(".u-legend") ? LEGEND : 0;
+    chart.setSize({ width: host.clientWidth, height: host.clientHeight - legend });
+  }
+}
+
+const unitOf = (name) => /^(phi|theta|alpha)/.test(name) ? "rad" : "m";
+const SUBSCRIPTS = "₀₁₂₃₄₅₆₇₈₉";
+const written = (name) => name.replace(/[0-9]/g, (d) => SUBSCRIPTS[d]).replace("'", "′").replace("phi", "φ");
+
+function showHistory(run, samples) {
+  const shown = run.structure.states.slice(0, run.structure.coordinates).slice(0, 6);
+  showPlot("history", [samples.times, ...shown.map(samples.column)], shown.map(written), ["time (s)", "displacement (m)"]);
+}
+
+function showForces(run, samples) {
+  const shown = run.structure.outputs.names.filter((name) => /^(normal_force|friction_force|reaction)/.test(name)).slice(0, 6);
+  document.getElementById("forces").parentElement.hidden = !shown.length;
+  if (shown.length) showPlot("forces", [samples.times, ...shown.map(samples.column)], shown.map((name) => name.replace("_", " ").replace("_", " ")), ["time (s)", "force (N)"]);
+}
+
+function showSpectrum(run, signal, step) {
+  const found = amplitudes(signal), count = found.length, hertz = Float64Array.from(found, (_, i) => i / (2 * count * step));
+  const end = Math.max(8, hertz.findIndex((f) => f > 20 / SCENE.period)), cut = end > 8 ? end : count;
+  const positive = Array.from(found.subarray(1, cut), (v) => v > 1e-16 ? v : 1e-16);
+  showPlot("spectrum", [hertz.slice(1, cut), positive], [written(run.structure.states[0])], ["frequency (Hz)", "amplitude"], { log: true });
+}
+
+function showEigenvalues(values, caption) {
+  document.getElementById("stability").textContent = caption;
+  const sorted = [...values].sort((a, b) => a[0] - b[0]);
+  showPlot("eigenvalues", [sorted.map(([re]) => re), sorted.map(([, im]) => im / (2 * Math.PI))], ["eigenvalues"], ["growth rate (1/s)", "frequency (Hz)"], { points: true });
+}
+
+function phaseFrames(run, samples) {
+  const coordinate = run.structure.states[0], rate = coordinate + "'";
+  const get = (i, name) => name === "mode" ? samples.modes[i] : samples.column(name === "rate" ? rate : name)[i];
+  return { count: samples.times.length, get };
+}

@@ -1,0 +1,187 @@
+// The solver: calls of the kernels in WebAssembly, and the loop over full records, as methods/taylor.py has it.
+// Every function takes a table of words: its results, then its arguments; of an array address and lengths.
+const [RUNNING, FINISHED] = [0, 1];
+const STATUS = ["stopped", "the end was reached", "no admissible mode: no mode could be entered after the last event",
+  "stalled: time no longer advances", "accumulation of events", "not finite: a state overflowed"];
+const [MODE, STEPS, EVENTS, POINTS, JETS_READY] = [0, 1, 2, 3, 8];
+const RECORDS = 24; // most records in a run, of 2048 steps each
+const SAMPLES = 4096; // most samples in a call
+const KINDS = { i8: BigInt64Array, f8: Float64Array, u4: Uint32Array, u1: Uint8Array, b1: Uint8Array };
+const NO_MODE = -1n;
+
+const bytesOf = (text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
+
+async function loadSolver() {
+  const packed = new Blob([bytesOf(SOLVER.module)]).stream().pipeThrough(new DecompressionStream("gzip"));
+  const code = await new Response(packed).arrayBuffer();
+  const { instance } = await WebAssembly.instantiate(code, {});
+  return new Solver(instance.exports);
+}
+
+class Solver {
+  constructor(exports) {
+    this.exports = exports;
+    this.start = (exports.__heap_base.value + 63) & ~63;
+    this.structure = null;
+    this.reset();
+  }
+
+  reset() { // forget all arrays
+    this.heap = this.start;
+    this.arrays = {};
+    this.fixed = {};
+    this.tables = {};
+    for (const [name, { results, arguments: given }] of Object.entries(SOLVER.tables)) {
+      const words = results.length + given.reduce((sum, [, , axes]) => sum + 1 + axes, 0);
+      this.tables[name] = { place: this.allocate(8 * words), words };
+    }
+    this.views();
+  }
+
+  allocate(bytes) {
+    const place = this.heap;
+    this.heap = (place + bytes + 63) & ~63;
+    const missing = this.heap + 65536 - this.exports.memory.buffer.byteLength;
+    if (missing > 0) this.exports.memory.grow(Math.ceil(missing / 65536));
+    return place;
+  }
+
+  array(name, type, shape, room = 1) {
+    const length = shape.reduce((a, b) => a * b, 1);
+    this.arrays[name] = { type, shape, length: length * room, place: this.allocate(room * length * KINDS[type].BYTES_PER_ELEMENT) };
+  }
+
+  views() { // after the memory has grown
+    const buffer = this.exports.memory.buffer;
+    for (const a of Object.values(this.arrays)) a.view = new KINDS[a.type](buffer, a.place, a.length);
+    for (const t of Object.values(this.tables)) {
+      t.integers = new BigInt64Array(buffer, t.place, t.words);
+      t.floats = new Float64Array(buffer, t.place, t.words);
+    }
+  }
+
+  call(name, given = {}) { // `given` says what stands for arguments that differ from the arrays at hand
+    const { results, arguments: leaves } = SOLVER.tables[name], table = this.tables[name];
+    let at = results.length;
+    for (const [leaf, type, axes] of leaves) {
+      const plain = leaf.replace(/^system\./, "");
+      const value = given[plain] ?? this.arrays[plain] ?? this.fixed[plain];
+      if (axes) {
+        table.integers[at++] = BigInt(value.place);
+        for (const length of value.shape) table.integers[at++] = BigInt(length);
+      } else if (type === "f8") table.floats[at++] = value;
+      else table.integers[at++] = BigInt(value);
+    }
+    if (this.exports[name](table.place) !== 0) throw new Error(`the kernel ${name} failed`);
+    return table;
+  }
+
+  number(name, given) { return this.call(name, given).floats[0]; }
+
+  load(structure) { // arrays of a structure
+    if (this.structure === structure) return;
+    this.reset();
+    const { order, tol } = SCENE.method, n = structure.states.length, numbers = {};
+    for (const a of structure.arrays) {
+      if (!a.shape) this.fixed[a.name] = a.value;
+      else this.array(a.name, a.type, a.shape, a.name.startsWith("record.") ? RECORDS : 1);
+      if (a.name === "code.ops") numbers.constants = a.shape[0];
+      if (a.name === "code.term_slots") numbers.terms = a.shape[0];
+    }
+    for (const set of ["numbers", "magnitudes", "linear"]) for (const [part, length] of Object.entries(numbers)) this.array(`${set}.${part}`, "f8", [length]);
+    this.array("matrix", "f8", [n, n]);
+    this.array("shift", "f8", [n, 1]);
+    this.array("unit", "f8", [n, n]);
+    this.array("zero", "f8", [1, n]);
+    this.array("which", "i8", [SAMPLES]);
+    this.array("times", "f8", [SAMPLES]);
+    this.array("out", "f8", [SAMPLES, n]);
+    this.views();
+    new Uint8Array(this.exports.memory.buffer, this.start, this.heap - this.start).fill(0); // another structure was there
+    Object.assign(this.fixed, { order, "truncation.order": order, "truncation.tol": tol });
+    for (const a of structure.arrays) if (a.data) this.write(a);
+    for (let i = 0; i < n; i++) this.arrays.unit.view[i * n + i] = 1;
+    this.structure = structure;
+  }
+
+  write(a) {
+    const bytes = bytesOf(a.data);
+    new Uint8Array(this.exports.memory.buffer, this.arrays[a.name].place, bytes.length).set(bytes);
+  }
+
+  begin(values, state, end) { // numbers, state and clock of a new run
+    const { structure, arrays } = this, { dwell, chatter } = SCENE.method;
+    const all = structure.numbers(values), constants = all.slice(0, structure.constants), terms = all.slice(structure.constants);
+    if (!all.every(Number.isFinite)) throw new RangeError("the equations have no finite value for these parameters");
+    for (const [part, list] of [["constants", constants], ["terms", terms]]) {
+      arrays[`numbers.${part}`].view.set(list);
+      arrays[`magnitudes.${part}`].view.set(list.map(Math.abs));
+      arrays[`linear.${part}`].view.set(part === "terms" ? list : list.map(() => 0));
+    }
+    for (const a of structure.arrays) {
+      if (a.shape && (a.name.startsWith("run.") || a.name.startsWith("scratch."))) { arrays[a.name].view.fill(KINDS[a.type] === BigInt64Array ? 0n : 0); if (a.data) this.write(a); }
+    }
+    arrays["run.state"].view.set(state);
+    arrays["run.sizes"].view.set(state.map(Math.abs));
+    arrays["run.times"].view.set([0, end, 0, dwell, chatter, 0]);
+    arrays["scratch.ended"].view[0] = NO_MODE;
+    const found = this.call("select_mode", { z: arrays["run.state"], "rounding.sizes": arrays["run.state"], "rounding.share": SCENE.method.rounding, ...this.rounding(arrays["run.state"]) });
+    arrays["run.counts"].view[MODE] = found.integers[0];
+    return found.integers[0] >= 0n;
+  }
+
+  rounding(sizes) { // by the names that the kernel's tuple has
+    const names = SOLVER.tables.select_mode.arguments.filter(([name]) => name.startsWith("rounding."));
+    return Object.fromEntries(names.map(([name, , axes]) => [name, axes ? sizes : SCENE.method.rounding]));
+  }
+
+  affineMap() { // the change in a step that suits every state, where no mode ends and all is linear
+    const { arrays } = this, linear = { "numbers.constants": arrays["linear.constants"], "numbers.terms": arrays["linear.terms"], J: arrays["scratch.jets"] };
+    const J = { J: arrays["scratch.jets"] }, n = this.structure.states.length, state = { ...arrays["run.state"], shape: [1, n] };
+    const h = this.number("longest_common_step", { ...linear, starts: arrays.unit });
+    const usual = this.number("longest_common_step", { ...J, starts: state });
+    arrays["run.counts"].view[JETS_READY] = 0n;
+    if (h < SCENE.method.min_step_share * usual) return null;
+    this.call("affine_map_columns", { ...linear, h, starts: arrays.unit, out: arrays.matrix });
+    this.call("affine_map_columns", { ...J, h, starts: arrays.zero, out: arrays.shift });
+    return [...arrays.matrix.view, ...arrays.shift.view].every(Number.isFinite) ? h : null;
+  }
+
+  advance(record) {
+    if (this.structure.affine) {
+      const h = this.affineMap(), shift = { ...this.arrays.shift, shape: [this.structure.states.length] };
+      if (h !== null) return Number(this.call("advance_affine", { ...record, "change.h": h, "change.matrix": this.arrays.matrix, "change.shift": shift }).integers[0]);
+    }
+    return Number(this.call("advance_taylor", record).integers[0]);
+  }
+
+  record(steps, events) { // room behind what has been recorded
+    const found = {};
+    for (const a of this.structure.arrays.filter(({ name }) => name.startsWith("record."))) {
+      const row = a.shape.slice(1).reduce((x, y) => x * y, KINDS[a.type].BYTES_PER_ELEMENT);
+      const before = a.name.startsWith("record.step") ? steps : a.name.startsWith("record.event") ? events : 0;
+      found[a.name] = { shape: a.shape, place: this.arrays[a.name].place + row * before };
+    }
+    return found;
+  }
+
+  run(structure, values, state, end, patience = Infinity) { // up to the end, or so many milliseconds
+    this.load(structure);
+    const { arrays } = this, counts = arrays["run.counts"].view, began = performance.now();
+    let [status, steps, events] = [this.begin(values, state, end) ? RUNNING : 2, 0, 0];
+    for (let i = 0; i < RECORDS && status === RUNNING; i++) {
+      for (const part of [STEPS, EVENTS, POINTS]) counts[part] = 0n;
+      status = this.advance(this.record(steps, events));
+      steps += Number(counts[STEPS]);
+      events += Number(counts[EVENTS]);
+      if (performance.now() - began > patience) break;
+    }
+    const part = (name, count, width) => arrays[`record.${name}`].view.subarray(0, count * width), n = structure.states.length;
+    return {
+      structure, values, status, steps, events, end: arrays["run.times"].view[0], state: Array.from(arrays["run.state"].view),
+      mode: Number(counts[MODE]), milliseconds: performance.now() - began,
+      stepTimes: part("step_times", steps, 2), stepModes: part("step_modes", steps, 1),
+      eventTimes: part("event_times", events, 1), eventCodes: part("event_codes", events, 3), eventStates: part("event_states", events, 2 * n),
+    };
+  }
+}

@@ -1,0 +1,39 @@
+// What is set on the page: parameters, switches, start and end; as a link and as Python.
+const settings = { values: {}, off: [], start: "rest", end: SCENE.t_end };
+
+function resetSettings() {
+  settings.values = Object.fromEntries(SCENE.sliders.map(({ name, value }) => [name, value]));
+  Object.assign(settings, { off: [], start: "rest", end: SCENE.t_end });
+}
+
+const structureNow = () => STRUCTURES[SCENE.switches.map(({ name }) => name).filter((name) => settings.off.includes(name)).join(",")];
+
+function parametersOf(structure) { // in the order of the automaton's parameters
+  return structure.parameters.map((name) => settings.values[name] ?? structure.fixed[name]);
+}
+
+function linkText() {
+  const parts = SCENE.sliders.filter(({ name, value }) => settings.values[name] !== value).map(({ name }) => `${encodeURIComponent(name)}=${settings.values[name]}`);
+  if (settings.off.length) parts.push(`without=${settings.off.join(",")}`);
+  if (settings.start !== "rest") parts.push(`x0=${settings.start}`);
+  if (settings.end !== SCENE.t_end) parts.push(`t_end=${settings.end}`);
+  return parts.join("&");
+}
+
+function readLink(text) {
+  resetSettings();
+  for (const [name, value] of new URLSearchParams(text.replace(/^#/, ""))) {
+    if (name === "without") settings.off = SCENE.switches.map((s) => s.name).filter((s) => value.split(",").includes(s));
+    else if (name === "x0") settings.start = value === "near" ? "near" : "rest";
+    else if (name === "t_end") settings.end = Number(value) > 0 && Number.isFinite(Number(value)) ? Number(value) : SCENE.t_end;
+    else if (name in settings.values && value !== "" && Number.isFinite(Number(value))) settings.values[name] = Number(value);
+  }
+}
+
+function pythonText() {
+  const present = structureNow().parameters, number = (v) => Number.isInteger(v) && Math.abs(v) < 1e15 ? `${v}.0` : String(v).replace("e+", "e");
+  const values = SCENE.sliders.filter(({ name }) => present.includes(name)).map(({ name }) => `${name}=${number(settings.values[name])}`);
+  const off = settings.off.length ? `.without(${settings.off.map((name) => `"${name}"`).join(", ")})` : "";
+  const replaced = off ? `${SCENE.call}()${off}.replace(${values.join(", ")})` : `${SCENE.call}(${values.join(", ")})`;
+  return `import frictionlab as fl\n\nmodel = ${replaced}\nrun = fl.simulate(model, ${number(settings.end)}, x0="${settings.start}")\nprint(run.final_state.tolist())\n`;
+}

@@ -1,0 +1,157 @@
+"""One structure of a model as data for a page: the tape's arrays, its numbers, outputs and equilibria.
+
+The arrays are those that a run here would begin with, made by the same functions, so that the page knows
+nothing of their shapes: each has a name, such as ``code.ops``, a type, lengths, and its content where it is
+not all zeros.
+"""
+
+from __future__ import annotations
+
+import base64
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import sympy as sp
+
+from frictionlab.analysis.simulate import model_initial_state
+from frictionlab.automaton import HybridAutomaton, Mode
+from frictionlab.automaton.modes_on_demand import ModesOnDemand
+from frictionlab.hybrid.kernels.run_state import new_record, new_run_state, new_scratch
+from frictionlab.hybrid.methods.base import RECORD_CAPACITY
+from frictionlab.hybrid.methods.taylor import Taylor, is_affine
+from frictionlab.hybrid.solve import with_chatter_limit
+from frictionlab.hybrid.tape.packing import program_of
+from frictionlab.hybrid.tape.program import Program
+from frictionlab.models import Model
+from frictionlab.models.symbols import structure_of_component, symbolic_copy
+from frictionlab.pages.javascript import javascript_function, javascript_function_apart
+from frictionlab.plotting.style import mode_colours
+from frictionlab.stability import equilibrium
+
+MAX_MODES = 64  # more make a page of megabytes, and minutes to derive
+
+
+def structure_data(model: Model) -> dict[str, Any]:
+    """All that a page needs of the structure of a model.
+
+    Raises
+    ------
+    ValueError
+        Where the model has more than 64 modes.
+    """
+    method = Taylor()
+    automaton = with_chatter_limit(model.automaton(), method.limits[1])
+    count = len(automaton.modes)
+    if count > MAX_MODES:
+        raise ValueError(
+            f"a page holds at most {MAX_MODES} modes, and {type(model).__name__} has {count}: "
+            "take a model with fewer contacts"
+        )
+    modes = tuple(automaton.modes)
+    program, _ = program_of(automaton)
+    parameters = tuple(automaton.parameters)
+    known = model.parameters
+    return {
+        "parameters": [symbol.name for symbol in parameters],
+        "fixed": {s.name: float(v) for s, v in automaton.parameters.items() if s.name not in known},
+        "states": [symbol.name for symbol in automaton.states],
+        "coordinates": len(model.coordinates),
+        "modes": list(program.modes),
+        "guards": list(program.guards),
+        "colours": _colours(program),
+        "affine": bool(is_affine(program)),
+        "constants": len(program.code.ops),
+        "numbers": _numbers(program, parameters, isinstance(automaton.modes, ModesOnDemand)),
+        "release": javascript_function([parameters], _release(model, automaton)),
+        "arrays": _arrays(program, method),
+        "outputs": _outputs(modes, automaton, parameters),
+        "sliding": [
+            _sliding(mode, i, automaton, parameters) for i, mode in enumerate(modes) if _may_rest(mode)
+        ],
+        "near": _known_equilibrium(model, automaton),
+    }
+
+
+def _numbers(program: Program, parameters: tuple[Any, ...], apart: bool) -> str:
+    every = (*program.tapes, *program.resets)
+    exprs = [c for tape in every for c in tape.constants] + [c for tape in every for _, c in tape.terms]
+    return (javascript_function_apart if apart else javascript_function)([parameters], exprs)
+
+
+def _release(model: Model, automaton: HybridAutomaton) -> list[Any]:
+    """The state at rest: formulas of the parameters, or the numbers of this model."""
+    names = [symbol.name for symbol in automaton.states]
+    try:
+        released = symbolic_copy(structure_of_component(model)).release()
+    except (TypeError, AttributeError):  # it decides by the values
+        return [float(value) for value in model_initial_state(model, "rest", automaton)]
+    return [sp.sympify(released.get(name, 0.0)) for name in names]
+
+
+def _colours(program: Program) -> list[str]:
+    places = SimpleNamespace(mode_places=range(len(program.modes)), mode_names=program.modes)
+    return list(mode_colours(places).values())
+
+
+def _arrays(program: Program, method: Taylor) -> list[dict[str, Any]]:
+    """The arrays of a run by their names, in the order in which kernels name them."""
+    code, n = program.code, program.code.inputs
+    run = new_run_state(np.zeros(n), 0, 1.0, method.limits, method.raises)
+    leaves: list[tuple[str, Any]] = []
+    _collect("code", code, leaves)
+    _collect("run", run._replace(signs=np.zeros(code.sections.shape[1], dtype=np.int64)), leaves)
+    _collect("record", new_record(code, RECORD_CAPACITY, RECORD_CAPACITY, 0), leaves)
+    _collect("scratch", new_scratch(program.slots, code, method.degree), leaves)
+    _collect("candidates", program.initial, leaves)
+    return [_array(name, value) for name, value in leaves]
+
+
+def _collect(name: str, value: Any, leaves: list[tuple[str, Any]]) -> None:
+    if isinstance(value, tuple):
+        for field, part in zip(getattr(value, "_fields", range(len(value))), value, strict=True):
+            _collect(f"{name}.{field}", part, leaves)
+    else:
+        leaves.append((name, value))
+
+
+def _array(name: str, value: Any) -> dict[str, Any]:
+    if not isinstance(value, np.ndarray):
+        return {"name": name, "value": value}
+    data = {"name": name, "type": value.dtype.str[1:], "shape": list(value.shape)}
+    if name.startswith("record.") or not value.any():
+        return data
+    return data | {"data": base64.b64encode(np.ascontiguousarray(value).tobytes()).decode()}
+
+
+def _outputs(modes: tuple[Mode, ...], automaton: HybridAutomaton, parameters: Any) -> dict[str, Any]:
+    """Names of the outputs that all modes have, and a function of state and parameters for each mode."""
+    shared = [name for name in modes[0].outputs if all(name in mode.outputs for mode in modes)]
+    arguments = (automaton.states, parameters)
+    found = [javascript_function(arguments, [mode.outputs[name] for name in shared]) for mode in modes]
+    return {"names": shared, "functions": found}
+
+
+def _may_rest(mode: Mode) -> bool:
+    return not mode.constraints and not mode.limit
+
+
+def _sliding(mode: Mode, number: int, automaton: HybridAutomaton, parameters: Any) -> dict[str, Any]:
+    """Flow, its Jacobian and the event functions of a mode, by which the page finds equilibria."""
+    arguments, flow = (automaton.states, parameters), list(mode.flow)
+    jacobian = sp.Matrix(flow).jacobian(sp.Matrix(automaton.states))
+    return {
+        "mode": number,
+        "flow": javascript_function(arguments, flow),
+        "jacobian": javascript_function(arguments, list(jacobian)),
+        "guards": javascript_function(arguments, [event.function for event in mode.events]),
+    }
+
+
+def _known_equilibrium(model: Model, automaton: HybridAutomaton) -> list[float]:
+    """Where the search for the equilibrium begins: that of this model, or zero."""
+    try:
+        q = [float(value) for value in equilibrium(model).q]
+    except (ValueError, ArithmeticError):
+        q = []
+    return [*q, *[0.0] * (len(automaton.states) - len(q))]

@@ -1,0 +1,209 @@
+"""An exported page in Chromium, from a file, without a network: results, controls, pictures."""
+
+from dataclasses import dataclass
+from itertools import combinations
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import frictionlab as fl
+from frictionlab.pages.solver_file import SolverNotBuiltError
+
+pytestmark = pytest.mark.browser
+
+SWITCHES = ("cubic", "nonsmooth", "geometry")
+EIGHT = [some for k in range(4) for some in combinations(SWITCHES, k)]
+TEN = [
+    {"mu_k": 0.3},
+    {"mu_k": 0.55, "v": 2.0},
+    {"mu_k": 1.0, "v": 2.0},
+    {"mu_k": 1.4},
+    {"mu_k": 1.7, "F": 300.0},
+    {"mu_k": 2.0, "k_nl": 2e4},
+    {"mu_k": 2.5, "F": 1000.0},
+    {"mu_k": 0.8, "c1": 20.0},
+    {"M": 2.0, "k1": 2e4},
+    {"v": 0.1, "mu_s": 1.0, "mu_k": 0.9},
+]
+SECONDS = 1.0
+RUN = """([values, without, start, end]) => {
+  resetSettings();
+  Object.assign(settings, { off: without, start, end });
+  Object.assign(settings.values, values);
+  showControls();
+  compute(false);
+  return { state: view.run.state, times: Array.from(view.run.eventTimes), eigenvalues: view.eigenvalues,
+           status: document.getElementById("status").textContent };
+}"""
+
+
+def exported(model, path, **options):
+    try:
+        return fl.export_page(model, path, **options)
+    except SolverNotBuiltError as error:
+        pytest.skip(str(error))
+
+
+def opened(browser, path, width=1280, fragment=""):
+    context = browser.new_context(viewport={"width": width, "height": 900}, offline=True)
+    page = context.new_page()
+    page.problems = []
+    page.on("pageerror", lambda error: page.problems.append(str(error)))
+    page.goto(path.resolve().as_uri() + fragment)
+    page.wait_for_selector("body[data-ready]")
+    return page
+
+
+@pytest.fixture(scope="module")
+def slider(tmp_path_factory):
+    presets = {"strong": {"mu_k": 2.5, "F": 1000.0, "without": ["geometry"]}}
+    path = tmp_path_factory.mktemp("pages") / "slider.html"
+    return exported(fl.SliderOnBelt(mu_k=1.4), path, presets=presets, t_end=SECONDS)
+
+
+@pytest.fixture(scope="module")
+def page(browser, slider):
+    found = opened(browser, slider)
+    yield found
+    assert not found.problems
+
+
+def check_same_bits(page, model, values, without=(), start="rest", end=SECONDS):
+    found = page.evaluate(RUN, [values, list(without), start, end])
+    assert "the end was reached" in found["status"]
+    run = fl.simulate(model, end)
+    assert found["state"] == run.final_state.tolist()
+    assert found["times"] == run.events.t.tolist()
+    return found
+
+
+@pytest.mark.parametrize("values", TEN, ids=str)
+def test_ten_settings_have_the_bits_of_simulate(page, values):
+    check_same_bits(page, fl.SliderOnBelt(**{"mu_k": 1.4} | values), values)
+
+
+@pytest.mark.parametrize("without", EIGHT, ids=str)
+def test_all_eight_structures_have_the_bits_of_simulate(page, without):
+    model = fl.SliderOnBelt(mu_k=1.4).without(*without) if without else fl.SliderOnBelt(mu_k=1.4)
+    found = check_same_bits(page, model, {}, without)
+    known = fl.eigenvalues(model).values
+    values = np.array([complex(*pair) for pair in found["eigenvalues"]])
+    assert len(values) == len(known)
+    assert max(abs(values - value).min() for value in known) < 1e-9 * abs(known).max()
+
+
+def test_the_file_is_below_a_megabyte(slider):
+    assert 1e5 < Path(slider).stat().st_size < 1e6
+
+
+def picture(page, name):
+    return page.evaluate("(id) => document.getElementById(id).toDataURL()", name)
+
+
+def test_a_slider_changes_the_pictures_and_the_state(page):
+    page.evaluate(RUN, [{}, [], "rest", SECONDS])
+    before = [picture(page, name) for name in ("mechanism", "phase")], page.inner_text("#final")
+    page.fill("#slider-mu_k", "2")
+    page.wait_for_function("(text) => document.getElementById('final').innerText !== text", arg=before[1])
+    assert page.evaluate("settings.values.mu_k") == pytest.approx(2.0, abs=0.02)
+    assert all(new != old for new, old in zip([picture(page, n) for n in ("mechanism", "phase")], before[0]))
+
+
+def test_the_link_holds_what_is_set(browser, slider):
+    page = opened(browser, slider, fragment="#mu_k=2&without=geometry&t_end=0.5")
+    run = fl.simulate(fl.SliderOnBelt(mu_k=2.0).without("geometry"), 0.5)
+    assert page.evaluate("view.run.state") == run.final_state.tolist()
+    assert page.evaluate("linkText()") == "mu_k=2&without=geometry&t_end=0.5"
+    assert not page.is_checked("#switch-geometry")
+    page.context.close()
+
+
+def test_presets_and_switches(page):
+    page.select_option("#preset", label="strong")
+    page.wait_for_function("view.run.structure === STRUCTURES.geometry")
+    page.wait_for_function("settings.values.F === 1000")
+    page.check("#switch-geometry")
+    page.wait_for_function("view.run.structure === STRUCTURES['']")
+
+
+def test_copied_python_computes_the_same(page):
+    found = page.evaluate(RUN, [{"mu_k": 0.7}, ["cubic"], "rest", 0.5])
+    page.click("#copy")
+    page.wait_for_function("view.copied")
+    text = page.evaluate("view.copied")
+    scope = {}
+    exec(text.replace("print(run.final_state.tolist())", "state = run.final_state.tolist()"), scope)
+    assert scope["state"] == found["state"]
+
+
+def test_play_moves_the_picture(page):
+    page.evaluate(RUN, [{}, [], "rest", SECONDS])
+    before = page.inner_text("#now")
+    page.click("#play")
+    page.wait_for_function("(text) => document.getElementById('now').innerText !== text", arg=before)
+    assert page.inner_text("#play") == "pause"
+    page.click("#play")
+    assert page.inner_text("#play") == "play"
+
+
+def test_dark_and_light(page):
+    before = picture(page, "mechanism")
+    page.keyboard.press("d")
+    assert picture(page, "mechanism") != before
+    page.keyboard.press("d")
+
+
+@pytest.mark.parametrize("width", [1280, 390])
+def test_nothing_is_wider_than_the_screen(browser, slider, width):
+    page = opened(browser, slider, width)
+    assert page.evaluate("document.documentElement.scrollWidth") <= width
+    page.context.close()
+
+
+@dataclass(frozen=True)
+class Softening(fl.FrictionLaw):
+    """A law that no model of the package has."""
+
+    mu_k: float = fl.parameter(0.5, symbol="mu_k", meaning="friction coefficient", minimum=0.0)
+    mu_s: float = fl.parameter(1.0, symbol="mu_s", meaning="static friction coefficient", minimum=0.0)
+    rate: float = fl.parameter(2.0, symbol="a", meaning="rate of the decay", minimum=0.0, unit="s/m")
+
+    def kinetic(self, normal_force, speed):
+        return (self.mu_k + (self.mu_s - self.mu_k) * fl.functions.exp(-self.rate * speed)) * normal_force
+
+    def static_limit(self, normal_force):
+        return self.mu_s * normal_force
+
+
+OTHERS = [
+    fl.MassOnBelt(c=0.1),
+    fl.MassOnBelt(friction=fl.Stribeck(mu_k=0.5, mu_s=1.0), c=0.1),
+    fl.DenHartog(),
+    fl.BouncingBall(),
+    fl.ImpactOscillator(),
+    fl.TwoBlocks(),
+    fl.ModeCoupling(),
+    fl.SliderOnRigidBelt(),
+    fl.FreeCoulomb(),
+]
+
+
+@pytest.mark.parametrize("model", OTHERS, ids=lambda model: repr(model)[:40])
+def test_other_models_have_the_bits_of_simulate(browser, tmp_path, model):
+    page = opened(browser, exported(model, tmp_path / "page.html", t_end=5.0))
+    found = page.evaluate("({ state: view.run.state, times: Array.from(view.run.eventTimes) })")
+    run = fl.simulate(model, 5.0)
+    assert found["state"] == run.final_state.tolist()
+    assert found["times"] == run.events.t.tolist()
+    assert not page.problems
+    page.context.close()
+
+
+def test_a_law_of_ones_own_is_exported(browser, tmp_path):
+    model = fl.MassOnBelt(friction=Softening(), c=0.1)
+    page = opened(browser, exported(model, tmp_path / "page.html", t_end=5.0), fragment="#rate=3.5")
+    run = fl.simulate(model.replace(rate=3.5), 5.0)
+    assert page.evaluate("view.run.state") == run.final_state.tolist()
+    assert not page.problems
+    page.context.close()

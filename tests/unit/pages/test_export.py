@@ -1,0 +1,53 @@
+"""What `export_page` refuses, and what its controls are made of."""
+
+import pytest
+
+import frictionlab as fl
+from frictionlab.pages import solver_file
+from frictionlab.pages.controls import preset_data, slider_data, structures, switch_names
+
+
+def test_all_eight_structures_of_the_slider_are_there():
+    found = structures(fl.SliderOnBelt(), ("cubic", "nonsmooth", "geometry"))
+    assert len(found) == 8
+    assert found["cubic,geometry"] == fl.SliderOnBelt().without("cubic", "geometry")
+
+
+def test_a_nonlinearity_that_the_model_is_without_has_no_switch():
+    assert switch_names(fl.SliderOnBelt().without("cubic"), None) == ("nonsmooth", "geometry")
+
+
+def test_chosen_sliders_come_first_and_all_parameters_are_there():
+    model = fl.SliderOnBelt(mu_k=1.4)
+    found = slider_data(model, {"F": (0.0, 1000.0)})
+    assert found[0]["name"] == "F"
+    assert (found[0]["low"], found[0]["high"]) == (0.0, 1000.0)
+    assert [each["open"] for each in found] == [True] + [False] * (len(model.parameters) - 1)
+    assert {each["name"] for each in found} == {*model.parameters}
+
+
+@pytest.mark.parametrize(
+    ("options", "text"),
+    [
+        ({"sliders": ["mu_x"]}, "sliders has no parameter 'mu_x'"),
+        ({"switches": ["cubik"]}, "switches has no nonlinearity 'cubik'"),
+        ({"presets": {"a": {"without": ["cubik"]}}}, "has no switch 'cubik'"),
+        ({"t_end": -1.0}, "t_end must be"),
+        ({"sliders": {"F": (3.0, 1.0)}}, "high end of slider 'F'"),
+    ],
+)
+def test_bad_options_are_named_before_anything_is_written(options, text, tmp_path):
+    with pytest.raises(ValueError, match=text):
+        fl.export_page(fl.SliderOnBelt(), tmp_path / "page.html", **options)
+    assert not list(tmp_path.iterdir())
+
+
+def test_presets_keep_values_and_switches():
+    found = preset_data(fl.SliderOnBelt(), ("geometry",), {"a": {"mu_k": 2, "without": "geometry"}})
+    assert found == [{"name": "a", "values": {"mu_k": 2.0}, "without": ["geometry"]}]
+
+
+def test_without_the_solver_the_error_says_how_to_build_it(monkeypatch, tmp_path):
+    monkeypatch.setattr(solver_file, "FOLDER", "nowhere")
+    with pytest.raises(solver_file.SolverNotBuiltError, match="ahead_of_time --web"):
+        fl.export_page(fl.MassOnBelt(), tmp_path / "page.html")
