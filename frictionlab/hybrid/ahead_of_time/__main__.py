@@ -10,15 +10,15 @@ def main() -> None:
     """Compile for what the arguments say."""
     parser = argparse.ArgumentParser(description="Compile the kernels ahead of time; this needs numba.")
     parser.add_argument("--all", action="store_true", help="for every processor and system, and for browsers")
-    parser.add_argument("--web", action="store_true", help="for browsers as well (needs ziglang)")
+    parser.add_argument("--web", action="store_true", help="for browsers only (needs ziglang)")
     arguments = parser.parse_args()
     os.environ["FRICTIONLAB_COMPILE_KERNELS"] = "1"  # read as kernels are imported, which `build` does
     from frictionlab.hybrid.ahead_of_time.build import build
 
-    targets = list(TARGETS) if arguments.all else targets_of_machine()[:1]
-    build(
-        [*targets, WEB] if arguments.all or arguments.web else targets, lambda text: print(text, flush=True)
-    )
+    chosen = targets_of_machine()[:1]
+    if arguments.web or arguments.all:
+        chosen = [*(TARGETS if arguments.all else ()), WEB]
+    build(chosen, lambda text: print(text, flush=True))
 
 
 if __name__ == "__main__":
