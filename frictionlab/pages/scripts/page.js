@@ -1,6 +1,6 @@
 // The page: controls, the run that they ask for, and its pictures.
 const PAGE_PACES = [1, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002];
-const WINDOW_SAMPLES = 1500, SPECTRUM_SAMPLES = 4096;
+const WINDOW_SAMPLES = 1500, DRAG_SAMPLES = 600, SPECTRUM_SAMPLES = 4096;
 const DRAG_PATIENCE = 80, PATIENCE = 4000; // milliseconds that a run may take while a slider moves, and when it has stopped
 const $ = (id) => document.getElementById(id);
 const view = { solver: null, run: null, samples: null, picture: null, frames: null, time: 0, playing: null, last: null, request: null, settled: null, equilibrium: null };
@@ -103,7 +103,7 @@ function compute(dragging) {
     const [known, start] = startState(structure, values);
     view.run = view.solver.run(structure, values, start, settings.end, dragging ? DRAG_PATIENCE : PATIENCE);
     view.known = known;
-    redraw();
+    redraw(dragging);
     const { run } = view, how = run.status === RUNNING ? `stopped at ${run.end.toPrecision(4)} s: the run is long; take an earlier end` : STATUS[run.status];
     say(`${how}. ${run.steps} steps, ${run.events} events; solved in ${run.milliseconds.toFixed(1)} ms, drawn in ${(performance.now() - began - run.milliseconds).toFixed(1)} ms`, run.status !== FINISHED);
     view.times = [run.milliseconds, performance.now() - began];
@@ -112,23 +112,27 @@ function compute(dragging) {
   if (!dragging) try { history.replaceState(null, "", `#${linkText()}`); } catch { location.hash = linkText(); }
 }
 
-function redraw() { // all pictures of the run at hand
+function redraw(dragging = false) { // all pictures of the run at hand; while a slider moves those that are quick
   const { solver, run } = view, periods = Number($("window").value), end = run.end, span = periods ? Math.min(end, periods * SCENE.period) : end;
   view.start = end - span;
   view.span = span;
-  view.samples = sample(solver, run, sampleTimes(view.start, end, WINDOW_SAMPLES));
+  view.samples = sample(solver, run, sampleTimes(view.start, end, dragging ? DRAG_SAMPLES : WINDOW_SAMPLES));
   const parameters = Object.fromEntries(run.structure.parameters.map((name, i) => [name, run.values[i]]));
   view.picture = pictureOf(run, view.samples, parameters);
   $("mechanism").hidden = !view.picture;
   showHistory(run, view.samples);
   showForces(run, view.samples);
-  const long = Math.min(end, 100 * SCENE.period), heard = sample(solver, run, sampleTimes(end - long, end, SPECTRUM_SAMPLES));
-  showSpectrum(run, heard.column(run.structure.states[0]), long / (SPECTRUM_SAMPLES - 1));
+  if (!dragging) showHeard(solver, run);
   showStability();
   drawPhase();
   showKey();
   showFinal();
   showFrame();
+}
+
+function showHeard(solver, run) { // the spectrum of the last hundred periods
+  const span = Math.min(run.end, 100 * SCENE.period), times = sampleTimes(run.end - span, run.end, SPECTRUM_SAMPLES);
+  showSpectrum(run, sample(solver, run, times, NO_OUTPUTS).column(run.structure.states[0]), span / (SPECTRUM_SAMPLES - 1));
 }
 
 function showStability() {

@@ -43,10 +43,12 @@ function showHistory(run, samples) {
   showPlot("history", [samples.times, ...shown.map(samples.column)], shown.map(written), ["time (s)", "displacement (m)"]);
 }
 
+const forceName = (name) => written(name.replace("normal_force", "normal").replace("friction_force", "friction").replace("_", " "));
+
 function showForces(run, samples) {
   const shown = run.structure.outputs.names.filter((name) => /^(normal_force|friction_force|reaction)/.test(name)).slice(0, 6);
   document.getElementById("forces").parentElement.hidden = !shown.length;
-  if (shown.length) showPlot("forces", [samples.times, ...shown.map(samples.column)], shown.map((name) => name.replace("_", " ").replace("_", " ")), ["time (s)", "force (N)"]);
+  if (shown.length) showPlot("forces", [samples.times, ...shown.map(samples.column)], shown.map(forceName), ["time (s)", "force (N)"]);
 }
 
 function showSpectrum(run, signal, step) {

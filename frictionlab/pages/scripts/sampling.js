@@ -3,8 +3,8 @@ function sampleTimes(start, stop, count) {
   return Float64Array.from({ length: count }, (_, i) => i === count - 1 ? stop : start + (stop - start) * i / (count - 1));
 }
 
-function sample(solver, run, times) { // ascending times, at most SAMPLES; states, modes, outputs
-  const { arrays } = solver, n = run.structure.states.length, { names, functions } = run.structure.outputs;
+function sample(solver, run, times, outputs = run.structure.outputs) { // ascending times, at most SAMPLES; states, modes, outputs
+  const { arrays } = solver, n = run.structure.states.length, { names, functions } = outputs;
   const modes = new Int32Array(times.length), which = arrays.which.view;
   for (let i = 0, step = 0; i < times.length; i++) {
     while (step + 1 < run.steps && run.stepTimes[2 * step + 2] <= times[i]) step++;
@@ -21,7 +21,7 @@ function sample(solver, run, times) { // ascending times, at most SAMPLES; state
   const states = arrays.out.view.slice(0, n * times.length);
   const columns = run.structure.states.map((_, j) => Float64Array.from(times, (_, i) => states[i * n + j]));
   const values = names.map(() => new Float64Array(times.length));
-  for (let i = 0; i < times.length; i++) {
+  for (let i = 0; names.length && i < times.length; i++) {
     const found = outputsAt(run, modes[i], states.subarray(i * n, i * n + n));
     for (let k = 0; k < names.length; k++) values[k][i] = found[k];
   }
@@ -32,6 +32,8 @@ function sample(solver, run, times) { // ascending times, at most SAMPLES; state
     try { return functions[mode](state, parameters); } catch { return structure.outputs.names.map(() => NaN); }
   }
 }
+
+const NO_OUTPUTS = { names: [], functions: [] };
 
 function amplitudes(signal) { // one-sided amplitudes of a real signal of 2^k samples, its mean taken away, by a Hann window
   const n = signal.length, mean = signal.reduce((a, b) => a + b, 0) / n;
