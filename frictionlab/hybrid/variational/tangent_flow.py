@@ -15,6 +15,7 @@ import numpy as np
 
 from frictionlab.drawable import Drawable
 from frictionlab.hybrid.compilation import kernel
+from frictionlab.hybrid.elementary.logarithms import log
 from frictionlab.hybrid.events import Events
 from frictionlab.hybrid.kernels.jets import copy_vector
 from frictionlab.hybrid.kernels.run_state import StepData, Truncation
@@ -226,7 +227,7 @@ def orthonormalise(frame, growth):
             for i in range(frame.shape[1]):
                 frame[d, i] -= share * frame[e, i]
         length = math.sqrt(scaled_inner_product(frame[d], frame[d], size))
-        growth.sums[d] += math.log(length)
+        growth.sums[d] += log(length)
         for i in range(frame.shape[1]):
             frame[d, i] /= length
 
