@@ -24,7 +24,10 @@ WITHOUT_NUMBA = {"FRICTIONLAB_DISABLE_NUMBA": "1"}
 # OpenBLAS has kernels for each kind of processor, which round differently: by AVX-512, by AVX2, by SSE.  What
 # holds on the processor that this happens to run on has to hold on others.  Kind and what it needs:
 BLAS_KERNELS = {"Nehalem": "sse4_2", "Haswell": "avx2", "SkylakeX": "avx512f"}
-NOT_PYTHON = "__init__.pyi", "py.typed", "widgets/canvas.js", "widgets/rendering/clickable.js"  # in the wheel
+NOT_PYTHON = (  # in the wheel
+    *("__init__.pyi", "py.typed", "pages/scripts/page.html", "pages/scripts/page.js"),
+    *("plotting/animation/drawing.js", "widgets/canvas.js", "widgets/rendering/clickable.js"),
+)
 CPU_FLAGS = Path("/proc/cpuinfo")
 
 
@@ -66,6 +69,14 @@ def lowest(session: nox.Session) -> None:
     session.install("uv")
     session.run("uv", "pip", "install", "--resolution", "lowest-direct", "-e", ".[test]")
     run(session, "pytest", "-n", "auto")
+
+
+@nox.session
+def pages(session: nox.Session) -> None:
+    """Exported pages in a Chromium, with the solver compiled for browsers, which takes four minutes."""
+    install(session, "test,pages")
+    session.run("python", "-m", "frictionlab.hybrid.ahead_of_time", "--web", external=True)
+    run(session, "pytest", "-n", "auto", "-m", "browser", "tests/browser/test_page.py")
 
 
 @nox.session

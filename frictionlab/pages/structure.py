@@ -86,7 +86,7 @@ def _release(model: Model, automaton: HybridAutomaton) -> list[Any]:
         released = symbolic_copy(structure_of_component(model)).release()
     except (TypeError, AttributeError):  # it decides by the values
         return [float(value) for value in model_initial_state(model, "rest", automaton)]
-    return [sp.sympify(released.get(name, 0.0)) for name in names]
+    return [sp.sympify(released.get(name, 0.0), strict=True) for name in names]
 
 
 def _colours(program: Program) -> list[str]:
