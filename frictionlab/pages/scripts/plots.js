@@ -7,9 +7,16 @@ function seriesColours() {
   return [ink, COLOURS.vermillion, force, COLOURS.green, COLOURS.orange, COLOURS.purple];
 }
 
+const isDecade = (v) => v && Number.isInteger(Math.log10(v));
+const onlyDecades = (_, ticks) => ticks.map((v) => isDecade(v) ? v : null);
+
 function axisOptions(label, log) {
-  const { ink, grey } = theme();
-  return { label, stroke: ink, grid: { stroke: grey + "40", width: 1 }, ticks: { stroke: grey, width: 1 }, labelSize: 18, labelGap: 0, ...(log ? { values: (_, ticks) => ticks.map((v) => v && Number.isInteger(Math.log10(v)) ? v.toExponential(0) : "") } : {}), font: "11px system-ui", labelFont: "12px system-ui" };
+  const { ink, grey } = theme(), filter = log ? { filter: onlyDecades } : {};
+  return {
+    label, stroke: ink, grid: { stroke: grey + "40", width: 1, ...filter }, ticks: { stroke: grey, width: 1, ...filter },
+    labelSize: 18, labelGap: 0, font: "11px system-ui", labelFont: "12px system-ui",
+    ...(log ? { values: (_, ticks) => ticks.map((v) => isDecade(v) ? v.toExponential(0) : "") } : {}),
+  };
 }
 
 function showPlot(id, data, names, [xLabel, yLabel], options = {}) {
@@ -40,7 +47,7 @@ const written = (name) => name.replace(/[0-9]/g, (d) => SUBSCRIPTS[d]).replace("
 
 function showHistory(run, samples) {
   const shown = run.structure.states.slice(0, run.structure.coordinates).slice(0, 6);
-  showPlot("history", [samples.times, ...shown.map(samples.column)], shown.map(written), ["time (s)", "displacement (m)"]);
+  showPlot("history", [samples.times, ...shown.map(samples.column)], shown.map((name) => written(name) + (unitOf(name) === "m" ? "" : " (rad)")), ["time (s)", "displacement (m)"]);
 }
 
 const forceName = (name) => written(name.replace("normal_force", "normal").replace("friction_force", "friction").replace("_", " "));
@@ -55,7 +62,7 @@ function showSpectrum(run, signal, step) {
   const found = amplitudes(signal), count = found.length, hertz = Float64Array.from(found, (_, i) => i / (2 * count * step));
   const end = Math.max(8, hertz.findIndex((f) => f > 20 / SCENE.period)), cut = end > 8 ? end : count;
   const positive = Array.from(found.subarray(1, cut), (v) => v > 1e-16 ? v : 1e-16);
-  showPlot("spectrum", [hertz.slice(1, cut), positive], [written(run.structure.states[0])], ["frequency (Hz)", "amplitude"], { log: true });
+  showPlot("spectrum", [hertz.slice(1, cut), positive], [written(run.structure.states[0])], ["frequency (Hz)", `amplitude (${unitOf(run.structure.states[0])})`], { log: true });
 }
 
 function showEigenvalues(values, caption) {
