@@ -18,6 +18,7 @@ from frictionlab.hybrid.kernels import run_state
 from frictionlab.hybrid.kernels.combination_selection import select_combination
 from frictionlab.hybrid.kernels.event_handling import handle_event, handle_event_on_demand
 from frictionlab.hybrid.kernels.event_location import COEFFICIENT_ROUNDING, GuardZero
+from frictionlab.hybrid.kernels.jets import MACHINE_EPSILON
 from frictionlab.hybrid.kernels.mode_selection import NO_MODE, Rounding, Selection, forget_zeros, select_mode
 from frictionlab.hybrid.kernels.run_state import CombinationQueue, new_queue, new_record, new_scratch
 from frictionlab.hybrid.problem import Problem, RecordList, RunData, Status
@@ -79,6 +80,11 @@ class ActiveRun:
         return GuardZero(0.0, int(guard), int(multiplicity))
 
 
+# Share of a condition's terms below which it is zero at a state that an event of another run has given: the
+# sums of the step before it had larger terms than the state has.
+ROUNDING_OF_EVENT_STATE = 4096 * MACHINE_EPSILON
+
+
 def initial_mode(run: ActiveRun, order: int) -> Selection:
     """First admissible mode at the initial state; leaves its jets in the scratch arrays.
 
@@ -95,6 +101,9 @@ def initial_mode(run: ActiveRun, order: int) -> Selection:
         return select_combination(system, run.queue, NO_MODE, problem.x0, rounding, order, scratch)
     candidates = program.initial if problem.mode is None else np.array([problem.mode], dtype=np.int64)
     selection = select_mode(system, candidates, problem.x0, rounding, order, scratch)
+    if selection.mode < 0 and problem.mode is not None:
+        rounding = Rounding(problem.x0, ROUNDING_OF_EVENT_STATE)
+        selection = select_mode(system, candidates, problem.x0, rounding, order, scratch)
     if selection.mode < 0 and problem.mode is not None:
         raise ValueError(
             f"the run cannot start in mode {program.modes[problem.mode]!r}: at x0 one of its conditions "
