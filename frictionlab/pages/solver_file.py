@@ -8,12 +8,13 @@ from __future__ import annotations
 
 import base64
 import gzip
-import json
-from importlib import resources
 from typing import Any
 
-FOLDER, MODULE, MANIFEST = "objects", "kernels.wasm", "manifest.json"
+from frictionlab.hybrid.ahead_of_time.manifest import changed_sources, digest, objects_folder, read_manifest
+
+MODULE = "kernels.wasm"
 BUILD_COMMAND = "python -m frictionlab.hybrid.ahead_of_time --web"
+CURE = f'in a clone, run `pip install -e ".[pages]"` and `{BUILD_COMMAND}` once'
 # Those that solver.js and sampling.js call.
 FUNCTIONS = (
     "select_mode",
@@ -26,7 +27,7 @@ FUNCTIONS = (
 
 
 class SolverNotBuiltError(FileNotFoundError):
-    """The WebAssembly of the kernels has not been built."""
+    """The WebAssembly of these kernels has not been built."""
 
 
 def solver_data() -> dict[str, Any]:
@@ -35,16 +36,24 @@ def solver_data() -> dict[str, Any]:
     Raises
     ------
     SolverNotBuiltError
-        Where the files are missing.
+        Where the files are missing, damaged, or older than the kernels.
     """
-    folder = resources.files("frictionlab.hybrid").joinpath("ahead_of_time", FOLDER)
-    module, manifest = folder.joinpath(MODULE), folder.joinpath(MANIFEST)
-    if not (module.is_file() and manifest.is_file()):
-        raise SolverNotBuiltError(
-            "export_page needs the solver as WebAssembly, which this installation was built without: run "
-            f"`{BUILD_COMMAND}` once, with numba and ziglang installed"
-        )
-    functions = json.loads(manifest.read_text(encoding="utf-8"))["functions"]
-    tables = {name: {key: functions[name][key] for key in ("results", "arguments")} for name in FUNCTIONS}
-    packed = gzip.compress(module.read_bytes(), 9, mtime=0)
+    manifest, module = read_manifest(), _module()
+    if manifest is None or digest(module) != manifest.objects.get(MODULE):
+        raise SolverNotBuiltError(f"export_page needs the solver as WebAssembly, which is not there: {CURE}")
+    if changed := changed_sources(manifest):
+        raise SolverNotBuiltError(f"{changed[0]} has changed since it was compiled to WebAssembly: {CURE}")
+    functions = {name: manifest.functions[name] for name in FUNCTIONS}
+    tables = {
+        name: {"results": each.results, "arguments": each.arguments} for name, each in functions.items()
+    }
+    packed = gzip.compress(module, 9, mtime=0)
     return {"module": base64.b64encode(packed).decode(), "tables": tables}
+
+
+def _module() -> bytes:
+    """The module; empty where there is none."""
+    try:
+        return (objects_folder() / MODULE).read_bytes()
+    except OSError:
+        return b""
