@@ -155,8 +155,8 @@ def test_no_text_is_run_as_python():
     assert len(parsers) > 10
     assert [(name, text) for name, text in parsers if not text.endswith(", strict=True)")] == []
     runs = {(name, function) for name, function, _ in named if function in ("eval", "exec")}
-    # A law's own repr in its check; source that sympy prints for other tools in benchmarks; the call of a kernel
-    # with the names of its own arguments, where kernels are compiled ahead of time.
+    # A law's own repr in its check; source that sympy prints for other tools in benchmarks; the call of a
+    # kernel with the names of its own arguments, where kernels are compiled ahead of time.
     assert runs == {("law_checks.py", "eval"), ("external.py", "exec"), ("flat_functions.py", "exec")}
 
 
