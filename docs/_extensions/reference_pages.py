@@ -41,6 +41,7 @@ GROUPS = {
         "`frictionlab.plotting`.",
     ),
     "widgets": ("Explorers", "For notebooks and, by `frictionlab app`, the browser."),
+    "pages": ("Exported pages", "Files with the exact solver for any browser, see [how](../how-to/page.md)."),
     "paper": ("The paper", "Figures and claims of the paper, computed again."),
     "testing": ("Testing", "What a law or a model of your own has to pass."),
 }
