@@ -75,7 +75,8 @@ def _machine_code() -> tuple[LoadedKernels | None, Any]:
         numba = _numba()
     for warning in caught:
         warnings.warn(warning.message, stacklevel=2)
-    if numba is None and reason and not caught:
+    # Nobody is told who has switched numba's compilation off, nor where there is no numba to install.
+    if "numba" not in sys.modules and not caught and reason and sys.platform != "emscripten":
         _warn_of_plain_python(reason)
     return None, numba
 
