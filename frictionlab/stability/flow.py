@@ -67,8 +67,24 @@ class Flow:
         return all(states.isdisjoint(entry.free_symbols) for entry in self._partial.values())
 
     @cached_property
+    def nonlinear(self) -> list[int]:
+        """The states that enter nonlinearly: the columns of the Jacobian that are not the same at every state."""
+        states = {*self.states}
+        return sorted(
+            {j for (_, j), entry in self._partial.items() if not states.isdisjoint(entry.free_symbols)}
+        )
+
+    @cached_property
     def _entries(self) -> Callable[..., Any]:
         return self.compiled(tuple(self._partial.values()))
+
+    @cached_property
+    def _nonlinear_partial(self) -> dict[tuple[int, int], Any]:
+        return {place: entry for place, entry in self._partial.items() if place[1] in self.nonlinear}
+
+    @cached_property
+    def _nonlinear_entries(self) -> Callable[..., Any]:
+        return self.compiled(tuple(self._nonlinear_partial.values()))
 
     @cached_property
     def _rhs(self) -> Callable[..., Any]:
@@ -110,6 +126,14 @@ class Flow:
             for place, entry in zip(self._partial, entries):
                 matrix[place] = entry
         return np.moveaxis(matrix, (0, 1), (-2, -1))
+
+    def nonlinear_columns(self, x: Array, values: Sequence[Any]) -> Array:
+        """The columns `nonlinear` of the Jacobian as (N, m, k), at states (m, N)."""
+        columns = {j: k for k, j in enumerate(self.nonlinear)}
+        found = np.zeros((x.shape[1], len(self.states), len(columns)))
+        for (i, j), entry in zip(self._nonlinear_partial, self._nonlinear_entries(*x, *values)):
+            found[:, i, columns[j]] = entry
+        return found
 
 
 def _stacked(parts: Sequence[Any], shape: tuple[int, ...]) -> Array:

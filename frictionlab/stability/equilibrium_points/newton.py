@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from frictionlab.stability.equilibrium_points.low_rank_newton import (
+    LEAST_STATES,
+    LowRankNewton,
+    low_rank_newton,
+    merge_candidates,
+)
 from frictionlab.stability.flow import Flow
 from frictionlab.stability.state_matrices import MACHINE_EPSILON
 
@@ -152,20 +158,27 @@ def find_zeros(flow: Flow, values: Sequence[float]) -> Array:
     with np.errstate(all="ignore"):  # a start may lead out of the range of floats; it is dropped then
         random = np.random.default_rng(0)
         x, scale = _starts(flow, values, random)
-        found = _zeros_from(flow, values, x, scale)
+        cheap = low_rank_newton(flow, values, x)
+        found = _zeros_from(flow, values, x, scale, cheap)
         for _ in range(0 if flow.linear else RESTART_ROUNDS):
             before = found.shape[1]
             found = _zeros_from(
-                flow, values, np.hstack([found, _restart_points(flow, values, found, random)]), scale
+                flow, values, np.hstack([found, _restart_points(flow, values, found, random)]), scale, cheap
             )
             if not before < found.shape[1] < START_COUNT:  # no new zeros, or a continuum of zeros
                 break
     return found
 
 
-def _zeros_from(flow: Flow, values: Sequence[float], x: Array, scale: Array) -> Array:
+def _zeros_from(
+    flow: Flow, values: Sequence[float], x: Array, scale: Array, cheap: LowRankNewton | None
+) -> Array:
     """The zeros that Newton's method finds from the starts."""
-    return distinct_zeros(*polish_zeros(flow, _search(flow, x, values), values, scale))
+    if cheap is None:
+        found = _search(lambda at: newton_step(flow, at, values), x)
+    else:
+        found = merge_candidates(_search(cheap.step, x))
+    return distinct_zeros(*polish_zeros(flow, found, values, scale))
 
 
 def _restart_points(flow: Flow, values: Sequence[float], found: Array, random: np.random.Generator) -> Array:
@@ -184,8 +197,14 @@ def _restart_points(flow: Flow, values: Sequence[float], found: Array, random: n
     combined = np.take_along_axis(found, random.integers(count, size=(rows, START_COUNT)), axis=1) * (
         1 + away
     )
-    base, rate = found[:, random.integers(count, size=START_COUNT)], random.integers(rows, size=START_COUNT)
-    only = solve_matrices(flow.jacobian(base, values), np.eye(rows)[rate][:, :, None])[:, :, 0].T
+    zero, rate = random.integers(count, size=START_COUNT), random.integers(rows, size=START_COUNT)
+    base = found[:, zero]
+    if rows < LEAST_STATES:
+        only = solve_matrices(flow.jacobian(base, values), np.eye(rows)[rate][:, :, None])[:, :, 0].T
+    else:  # by whole inverses, of which there are fewer
+        of_zeros = flow.jacobian(found, values)
+        inverses = solve_matrices(of_zeros, np.broadcast_to(np.eye(rows), of_zeros.shape))
+        only = inverses[zero, :, rate].T
     length = np.abs(base).max(axis=0) / np.abs(only).max(axis=0)
     return np.hstack([combined, base + away[0] * length * only])
 
@@ -249,11 +268,11 @@ def _newton(flow: Flow, x: Array, values: Sequence[Any]) -> Array:
     return x
 
 
-def _search(flow: Flow, x: Array, values: Sequence[float]) -> Array:
-    """The same from all starts, dropping those that have converged or left the range of floats."""
+def _search(newton: Callable[[Array], Array], x: Array) -> Array:
+    """The same by the steps `newton(x)` from all starts, but those that have converged or left the range of floats."""
     x, going = x.copy(), np.arange(x.shape[1])
     for _ in range(SEARCH_STEPS):
-        step = newton_step(flow, x[:, going], values)
+        step = newton(x[:, going])
         x[:, going] += step
         going = going[
             (np.abs(step) > LAST_STEP_RTOL * np.abs(x[:, going])).any(axis=0) & np.isfinite(step).all(axis=0)
