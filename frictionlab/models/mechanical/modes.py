@@ -137,13 +137,14 @@ _expand = lru_cache(maxsize=4096)(expand_products)  # most are the same in many 
 
 def _sparse_product(one: Any, other: Any) -> Any:
     """The product of two matrices with few entries that are not zero."""
-    there = [[(k, b) for k, b in enumerate(other.row(i)) if b != 0] for i in range(other.rows)]
-    found = [[sympy.S.Zero] * other.cols for _ in range(one.rows)]
-    for row, entries in zip(found, one.tolist(), strict=True):
-        for a, line in zip(entries, there, strict=True):
-            for k, b in line if a != 0 else ():
-                row[k] += a * b
-    return sympy.Matrix(one.rows, other.cols, [entry for row in found for entry in row])
+    there: dict[int, list[tuple[int, Any]]] = {}
+    for (i, k), entry in sorted(other.todok().items()):
+        there.setdefault(i, []).append((k, entry))
+    found: dict[tuple[int, int], Any] = {}
+    for (i, j), factor in sorted(one.todok().items()):
+        for k, entry in there.get(j, ()):
+            found[i, k] = found.get((i, k), sympy.S.Zero) + factor * entry
+    return sympy.Matrix(one.rows, other.cols, lambda i, k: found.get((int(i), int(k)), sympy.S.Zero))
 
 
 def _solve_in_blocks(matrix: Any, right: Sequence[Any]) -> list[Any]:
