@@ -29,6 +29,8 @@ PERIODS = 300.0  # that a page computes where no end is given
 # In the order in which they use each other.
 SCRIPTS = (
     "functions",
+    "assembler",
+    "jets",
     "solver",
     "sampling",
     "linear_algebra",
@@ -163,14 +165,14 @@ def _html(scene: dict[str, Any], found: dict[str, dict[str, Any]], solver: dict[
     def text(name: str) -> str:
         return folder.joinpath(name).read_text(encoding="utf-8")
 
-    licence = "/*! uPlot\n" + text("uplot-licence.txt").replace("*/", "") + "*/\n"
+    licence = "/*! uPlot\n" + text("uplot/licence.txt").replace("*/", "") + "*/\n"
     script = drawing.read_text(encoding="utf-8") + "".join(text(f"{name}.js") for name in SCRIPTS)
     constants = {"SCENE": _json(scene), "SOLVER": _json(solver), "STRUCTURES": _structures(found)}
     data = "".join(f"const {name} = {value};\n" for name, value in constants.items())
     parts = {
         "TITLE": html.escape(scene["title"]),
-        "STYLE": text("uplot.css") + text("page.css"),
-        "UPLOT": licence + text("uplot.js"),
+        "STYLE": text("uplot/uplot.css") + text("page.css"),
+        "UPLOT": licence + text("uplot/uplot.js"),
         "SCRIPT": data + script,
     }
     page = text("page.html")

@@ -93,6 +93,41 @@ def test_all_eight_structures_have_the_bits_of_simulate(page, without):
     assert max(abs(values - value).min() for value in known) < 1e-9 * abs(known).max()
 
 
+BOTH_WAYS = """async ([without, mu]) => {
+  const { solver } = view, structure = STRUCTURES[without];
+  const value = (name) => name === "mu_k" ? mu : settings.values[name] ?? structure.fixed[name];
+  const values = structure.parameters.map(value);
+  const run = () => {
+    const { state, steps, events, eventTimes } = solver.run(structure, values, structure.release(values), 1);
+    return [state, steps, events, Array.from(eventTimes)];
+  };
+  solver.load(structure);
+  await solver.useJets(structure);
+  const native = run();
+  solver.arrays["code.native"].view.fill(0n);
+  const interpreted = run();
+  solver.arrays["code.native"].view.set(structure.jets);
+  return [native, interpreted, structure.jets.every((place) => place > 0n)];
+}"""
+
+
+@pytest.mark.parametrize("without", ["", "cubic", "geometry", "nonsmooth"])
+def test_machine_code_of_the_modes_and_the_interpreter_have_the_same_bits(page, without):
+    native, interpreted, all_modes = page.evaluate(BOTH_WAYS, [without, 1.4])
+    assert all_modes
+    assert native == interpreted
+    assert native[1] > 50
+
+
+def test_machine_code_of_functions_and_quotients_has_the_bits_of_the_interpreter(browser, tmp_path):
+    model = fl.MassOnBelt(friction=fl.Stribeck(mu_k=0.5, mu_s=1.0), c=0.1)
+    page = opened(browser, exported(model, tmp_path / "page.html", t_end=5.0))
+    native, interpreted, all_modes = page.evaluate(BOTH_WAYS, ["", 0.5])
+    assert all_modes
+    assert native == interpreted
+    page.context.close()
+
+
 def test_the_file_is_below_a_megabyte(slider):
     assert 1e5 < Path(slider).stat().st_size < 1e6
 
@@ -108,6 +143,33 @@ def test_a_slider_changes_the_pictures_and_the_state(page):
     page.wait_for_function("(text) => document.getElementById('final').innerText !== text", arg=before[1])
     assert page.evaluate("settings.values.mu_k") == pytest.approx(2.0, abs=0.02)
     assert all(new != old for new, old in zip([picture(page, n) for n in ("mechanism", "phase")], before[0]))
+
+
+DRAGS = """async (count) => {
+  const slider = document.getElementById("slider-mu_k"), drawn = {};
+  for (const id of ["history", "forces", "eigenvalues"]) {
+    const { chart } = plots[id], set = chart.setData;
+    chart.setData = (...given) => { drawn[id] = (drawn[id] ?? 0) + 1; return set.apply(chart, given); };
+  }
+  for (let i = 0; i < count; i++) {
+    slider.value = 0.2 + 0.1 * i / count;
+    slider.oninput();
+    await new Promise(requestAnimationFrame);
+  }
+  const followed = Object.keys(drawn);
+  while (view.samples.times.length !== WINDOW_SAMPLES) await new Promise((done) => setTimeout(done, 50));
+  const place = view.run.structure.parameters.indexOf("mu_k");
+  return { followed, shown: settings.values.mu_k, settled: view.run.values[place] };
+}"""
+
+
+def test_all_plots_follow_a_slider_and_are_whole_when_it_stops(browser, slider):
+    page = opened(browser, slider)
+    found = page.evaluate(DRAGS, 20)
+    assert set(found["followed"]) == {"history", "forces", "eigenvalues"}
+    assert found["shown"] == found["settled"]
+    assert not page.problems
+    page.context.close()
 
 
 def test_the_link_holds_what_is_set(browser, slider):
