@@ -286,7 +286,9 @@ def frame_updater(scene: AnimationScene, speed: float) -> Callable[[int], list[A
 class RunAnimation(FuncAnimation):
     """An animation that shows itself in a notebook, with a bar while its frames are drawn."""
 
-    def __init__(self, figure: Figure, update: Callable[[int], list[Artist]], frames: int, fps: float) -> None:
+    def __init__(
+        self, figure: Figure, update: Callable[[int], list[Artist]], frames: int, fps: float
+    ) -> None:
         super().__init__(figure, update, frames=frames, interval=1000.0 / fps, blit=False, repeat=True)
         self.fps = fps
 

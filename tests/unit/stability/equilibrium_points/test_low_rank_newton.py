@@ -80,7 +80,9 @@ def test_small_and_very_nonlinear_systems_keep_whole_matrices():
 def test_a_singular_point_is_no_reference():
     flow = chain_with_end_spring(lambda u: u**3)
     singular = np.zeros((2 * MASSES, 3))
-    free = Flow(flow.states, (), (*flow.expressions[:-1], flow.states[-2] * 0 + flow.states[0] ** 3), (), MASSES)
+    free = Flow(
+        flow.states, (), (*flow.expressions[:-1], flow.states[-2] * 0 + flow.states[0] ** 3), (), MASSES
+    )
     assert low_rank_newton(free, (), singular) is None
 
 
