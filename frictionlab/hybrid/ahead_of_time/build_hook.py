@@ -56,7 +56,9 @@ class KernelBuildHook(BuildHookInterface):
 
     def _run(self, *arguments: str) -> str:
         """Run Python in the clone; what it has printed."""
-        environment = {**os.environ, "PYTHONPATH": self.root}
+        # Before the path by which pip shows what was installed for the build.
+        path = os.pathsep.join(filter(None, (self.root, os.environ.get("PYTHONPATH"))))
+        environment = {**os.environ, "PYTHONPATH": path}
         command = [sys.executable, *arguments]
         options = {"cwd": self.root, "capture_output": True, "text": True, "check": True}
         return subprocess.run(command, env=environment, **options).stdout
