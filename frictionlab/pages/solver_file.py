@@ -10,9 +10,9 @@ import base64
 import gzip
 from typing import Any
 
-from frictionlab.hybrid.ahead_of_time.manifest import changed_sources, digest, objects_folder, read_manifest
+from frictionlab.hybrid.ahead_of_time.manifest import changed_sources, read_manifest, read_object
+from frictionlab.hybrid.ahead_of_time.targets import WEB
 
-MODULE = "kernels.wasm"
 BUILD_COMMAND = "python -m frictionlab.hybrid.ahead_of_time --web"
 CURE = f'in a clone, run `pip install -e ".[pages]"` and `{BUILD_COMMAND}` once'
 # Those that solver.js and sampling.js call.
@@ -38,8 +38,9 @@ def solver_data() -> dict[str, Any]:
     SolverNotBuiltError
         Where the files are missing, damaged, or older than the kernels.
     """
-    manifest, module = read_manifest(), _module()
-    if manifest is None or digest(module) != manifest.objects.get(MODULE):
+    manifest = read_manifest()
+    module = None if manifest is None else read_object(manifest, WEB.file)
+    if manifest is None or module is None:
         raise SolverNotBuiltError(f"export_page needs the solver as WebAssembly, which is not there: {CURE}")
     if changed := changed_sources(manifest):
         raise SolverNotBuiltError(f"{changed[0]} has changed since it was compiled to WebAssembly: {CURE}")
@@ -49,11 +50,3 @@ def solver_data() -> dict[str, Any]:
     }
     packed = gzip.compress(module, 9, mtime=0)
     return {"module": base64.b64encode(packed).decode(), "tables": tables}
-
-
-def _module() -> bytes:
-    """The module; empty where there is none."""
-    try:
-        return (objects_folder() / MODULE).read_bytes()
-    except OSError:
-        return b""

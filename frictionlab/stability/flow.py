@@ -68,7 +68,7 @@ class Flow:
 
     @cached_property
     def nonlinear(self) -> list[int]:
-        """The states that enter nonlinearly: the columns of the Jacobian that are not the same at every state."""
+        """The states that enter nonlinearly: columns of the Jacobian that are not the same at every state."""
         states = {*self.states}
         return sorted(
             {j for (_, j), entry in self._partial.items() if not states.isdisjoint(entry.free_symbols)}

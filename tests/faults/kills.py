@@ -76,6 +76,7 @@ class Command:
         if self.pid == 0:
             os.close(self._reading)
             os._exit(_run(name, folder / "file.npz", writing))
+        os.setpgid(self.pid, self.pid)  # before any signal is sent to the group
         os.close(writing)
 
     def running(self) -> bool:
@@ -104,7 +105,6 @@ class Command:
 
 def _run(name: str, path: Path, writing: int) -> int:
     """What Python does with a script, up to its exit status."""
-    os.setsid()
     os.dup2(writing, 1)
     os.dup2(writing, 2)
     signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell ignores it in the background

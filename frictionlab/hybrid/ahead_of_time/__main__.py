@@ -3,6 +3,7 @@
 import argparse
 import os
 
+from frictionlab.hybrid.ahead_of_time.manifest import lacking_objects
 from frictionlab.hybrid.ahead_of_time.targets import TARGETS, WEB, targets_of_machine
 
 
@@ -10,14 +11,18 @@ def main() -> None:
     """Compile for what the arguments say."""
     parser = argparse.ArgumentParser(description="Compile the kernels ahead of time; this needs numba.")
     parser.add_argument("--all", action="store_true", help="for every processor and system, and for browsers")
-    parser.add_argument("--web", action="store_true", help="for browsers only (needs ziglang)")
+    parser.add_argument("--web", action="store_true", help="for browsers too (needs ziglang)")
+    parser.add_argument("--if-changed", action="store_true", help="not where the objects fit the sources")
     arguments = parser.parse_args()
+    chosen = [*(TARGETS if arguments.all else targets_of_machine())]
+    if arguments.web or arguments.all:
+        chosen.append(WEB)
+    if arguments.if_changed and not lacking_objects(target.file for target in chosen):
+        print("kernels: compiled before, from these sources")
+        return
     os.environ["FRICTIONLAB_COMPILE_KERNELS"] = "1"  # read as kernels are imported, which `build` does
     from frictionlab.hybrid.ahead_of_time.build import build
 
-    chosen = targets_of_machine()[:1]
-    if arguments.web or arguments.all:
-        chosen = [*(TARGETS if arguments.all else ()), WEB]
     build(chosen, lambda text: print(text, flush=True))
 
 

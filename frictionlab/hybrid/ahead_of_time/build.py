@@ -5,9 +5,12 @@ Run as ``python -m frictionlab.hybrid.ahead_of_time``, which has numba compile a
 
 from __future__ import annotations
 
-import lzma
+import os
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from itertools import repeat
+from multiprocessing import get_context
 from pathlib import Path
 
 import llvmlite.binding as llvm
@@ -15,46 +18,54 @@ import llvmlite.binding as llvm
 from frictionlab.hybrid.ahead_of_time import capture, emit
 from frictionlab.hybrid.ahead_of_time.entry_points import entry_points, symbols
 from frictionlab.hybrid.ahead_of_time.flat_functions import flat_function, scalar_function
-from frictionlab.hybrid.ahead_of_time.loaded_kernels import SUFFIX
 from frictionlab.hybrid.ahead_of_time.manifest import FILE, Function, Manifest, digest, objects_folder
 from frictionlab.hybrid.ahead_of_time.sources import source_files
 from frictionlab.hybrid.ahead_of_time.targets import WEB, Target
 
 PACKAGE = Path(__file__).parents[2]
-WEB_FILE = "kernels.wasm"
+# Targets from which on it pays to optimise once what holds for all processors: that takes as long as one of them.
+MOST_WITHOUT_SIMPLIFICATION = 2
 
 
-def build(targets: Iterable[Target], report: Callable[[str], None]) -> None:
+def build(targets: Sequence[Target], report: Callable[[str], None]) -> None:
     """Compile for the targets, in place of all that the folder of objects has held."""
     folder = Path(str(objects_folder()))
     start, sources = time.perf_counter(), _sources()
     report("kernels: numba compiles them once, for all processors ...")
     instructions, tables, names = _capture()
+    report(f"kernels: machine code for {', '.join(target.name for target in targets)} ...")
+    contents = _machine_code(instructions, [*tables, *names], targets)
     folder.mkdir(exist_ok=True)
     for old in folder.iterdir():
         old.unlink()
     objects = {}
-    plain = emit.simplified(instructions, [*tables, *names])
-    for target in targets:
-        report(f"kernels: machine code for {target.name} ...")
-        exports = [*tables, *names]
-        if target is WEB:
-            name, content = WEB_FILE, emit.link_for_web(emit.emit_object(instructions, exports, WEB), exports)
-        else:
-            name = target.name + SUFFIX
-            content = lzma.compress(emit.emit_object(plain, exports, target), preset=9)
-        (folder / name).write_bytes(content)
-        objects[name] = digest(content)
+    for target, content in zip(targets, contents, strict=True):
+        (folder / target.file).write_bytes(content)
+        objects[target.file] = digest(content)
     manifest = Manifest(sources, tables, tuple(names), objects)
     (folder / FILE).write_text(manifest.to_json(), encoding="utf-8")
     report(f"kernels: compiled in {time.perf_counter() - start:.0f} s, in {folder}")
 
 
+def _machine_code(instructions: str, exports: list[str], targets: Sequence[Target]) -> list[bytes]:
+    """The file of each target; several at once where there are several processors."""
+    of_processors = instructions
+    if sum(target != WEB for target in targets) > MOST_WITHOUT_SIMPLIFICATION:
+        of_processors = emit.simplified(instructions, exports)
+    given = [instructions if target == WEB else of_processors for target in targets]
+    count = min(len(targets), os.cpu_count() or 1)
+    if count == 1:
+        return [emit.object_file(*each) for each in zip(given, repeat(exports), targets)]
+    with ProcessPoolExecutor(count, get_context("spawn")) as pool:
+        return list(pool.map(emit.object_file, given, repeat(exports), targets))
+
+
 def _capture() -> tuple[str, dict[str, Function], list[str]]:
     """The instructions, the tables of the entry points, the names of the functions of numbers."""
+    entries, called = entry_points(), symbols()  # before, as to make specimens runs compiled code
     with capture.captured_libraries() as libraries:
-        flat = [flat_function(entry) for entry in entry_points()]
-        scalar = [(each, scalar_function(each)) for each in symbols()]
+        flat = [flat_function(entry) for entry in entries]
+        scalar = [(each, scalar_function(each)) for each in called]
         module = capture.linked(libraries)
     for function in flat:
         module.link_in(llvm.parse_assembly(emit.shim(function.name, function.symbol)))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import lzma
 import re
 import subprocess
 import sys
@@ -59,6 +60,12 @@ def simplified(instructions: str, exports: list[str]) -> str:
     return str(_optimised(instructions, exports, COMMON, machine, vectorise=False))
 
 
+def object_file(instructions: str, exports: list[str], target: Target) -> bytes:
+    """Content of a target's file: a compressed object, or a module of WebAssembly."""
+    code = emit_object(instructions, exports, target)
+    return link_for_web(code, exports) if target == WEB else lzma.compress(code, preset=9)
+
+
 def emit_object(instructions: str, exports: list[str], target: Target) -> bytes:
     """Object file of a target, in which only the exports are seen from outside."""
     machine = _machine(target)
@@ -93,7 +100,7 @@ def _is_called(symbol: str) -> bool:
 def _machine(target: Target) -> Any:
     llvm.initialize_all_targets()
     llvm.initialize_all_asmprinters()
-    web = target is WEB
+    web = target == WEB
     place: dict[str, Any] = {"reloc": "static"}
     if not web:
         place = {"reloc": "pic", "codemodel": "default", "jit": True}

@@ -19,13 +19,12 @@ from frictionlab.hybrid.ahead_of_time.manifest import (
     Manifest,
     changed_sources,
     digest,
-    objects_folder,
     read_manifest,
+    read_object,
 )
 from frictionlab.hybrid.ahead_of_time.targets import targets_of_machine
 
 LOGGER = logging.getLogger(__name__)
-SUFFIX = ".o.xz"
 GAPS = "with gaps"  # the type of an array whose elements do not follow each other
 FLOAT, INTEGER = ["<f8", 0], ["<i8", 0]
 MANY = 20  # parts of a tuple whose words are remembered
@@ -76,21 +75,13 @@ def load_kernels() -> tuple[LoadedKernels | None, str]:
     except Exception as error:  # it is not installed, or its library cannot be loaded
         return None, f"llvmlite cannot be imported ({type(error).__name__}: {error})"
     for target in targets_of_machine():
-        code = _object(manifest, target.name + SUFFIX)
-        if code is not None:
+        packed = read_object(manifest, target.file)
+        if packed is not None:
+            code = lzma.decompress(packed)
             LOGGER.debug("kernels compiled ahead of time for %s", target.name)
             sources = "".join(manifest.sources.values()).encode()
             return LoadedKernels(manifest, digest(sources + code), _engine(llvm, code)), ""
     return None, "the kernels have not been compiled ahead of time for this processor and system"
-
-
-def _object(manifest: Manifest, name: str) -> bytes | None:
-    """Content of an object; None where it is missing or not as it was written."""
-    try:
-        packed = (objects_folder() / name).read_bytes()
-    except OSError:
-        return None
-    return lzma.decompress(packed) if manifest.objects.get(name) == digest(packed) else None
 
 
 def _engine(llvm: Any, code: bytes) -> Any:

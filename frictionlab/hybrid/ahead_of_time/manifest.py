@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+from collections.abc import Iterable
 from dataclasses import asdict, dataclass, field
 from importlib import resources
 from typing import Any
@@ -69,6 +70,23 @@ def read_manifest() -> Manifest | None:
         return Manifest(functions=functions, **given)
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
         return None
+
+
+def lacking_objects(names: Iterable[str]) -> list[str]:
+    """Those of the files that are missing, not as they were written, or older than the sources."""
+    manifest = read_manifest()
+    if manifest is None or changed_sources(manifest):
+        return list(names)
+    return [name for name in names if read_object(manifest, name) is None]
+
+
+def read_object(manifest: Manifest, name: str) -> bytes | None:
+    """Content of a file; None where it is missing or not as it was written."""
+    try:
+        content = (objects_folder() / name).read_bytes()
+    except OSError:
+        return None
+    return content if manifest.objects.get(name) == digest(content) else None
 
 
 def digest(content: bytes) -> str:

@@ -25,6 +25,8 @@ class Target:
         As ``sys.platform`` begins.
     machines : tuple of str
         Names that such a processor has, in small letters.
+    wheel : str
+        The platform tag of a wheel that carries the object.
     needs : tuple of str
         Features of the processor that the code uses beyond the baseline.
     """
@@ -35,23 +37,34 @@ class Target:
     features: str
     system: str
     machines: tuple[str, ...]
+    wheel: str
     needs: tuple[str, ...] = ()
+
+    @property
+    def file(self) -> str:
+        """Name of the file in the folder of objects."""
+        return "kernels.wasm" if self.system == "emscripten" else self.name + ".o.xz"
 
 
 # MCJIT loads ELF on Windows too, as numba has it do.
 _WINDOWS = "pc-windows-msvc-elf"
+# The objects call nothing of the system; the oldest one that Python and numpy have wheels for.
+_LINUX = "manylinux_2_17"
+_X86_LINUX = ("linux", X86, f"{_LINUX}_x86_64")
+_X86_WINDOWS = ("win32", X86, "win_amd64")
 # In the order in which they are tried.
 TARGETS = (
-    Target("linux-x86-64-v3", "x86_64-unknown-linux-gnu", "x86-64-v3", "", "linux", X86, tuple(V3_FEATURES)),
-    Target("linux-x86-64", "x86_64-unknown-linux-gnu", "x86-64", "", "linux", X86),
-    Target("linux-aarch64", "aarch64-unknown-linux-gnu", "generic", "", "linux", ARM),
-    Target("macos-aarch64", "arm64-apple-macosx11", "apple-m1", "", "darwin", ARM),
-    Target("windows-x86-64-v3", f"x86_64-{_WINDOWS}", "x86-64-v3", "", "win32", X86, tuple(V3_FEATURES)),
-    Target("windows-x86-64", f"x86_64-{_WINDOWS}", "x86-64", "", "win32", X86),
+    Target("linux-x86-64-v3", "x86_64-unknown-linux-gnu", "x86-64-v3", "", *_X86_LINUX, tuple(V3_FEATURES)),
+    Target("linux-x86-64", "x86_64-unknown-linux-gnu", "x86-64", "", *_X86_LINUX),
+    Target("linux-aarch64", "aarch64-unknown-linux-gnu", "generic", "", "linux", ARM, f"{_LINUX}_aarch64"),
+    Target("macos-aarch64", "arm64-apple-macosx11", "apple-m1", "", "darwin", ARM, "macosx_11_0_arm64"),
+    Target("windows-x86-64-v3", f"x86_64-{_WINDOWS}", "x86-64-v3", "", *_X86_WINDOWS, tuple(V3_FEATURES)),
+    Target("windows-x86-64", f"x86_64-{_WINDOWS}", "x86-64", "", *_X86_WINDOWS),
 )
 WEB = Target(
     "web", "wasm32-unknown-unknown", "generic",
     "+simd128,+bulk-memory,+nontrapping-fptoint,+sign-ext,+mutable-globals", "emscripten", ("wasm32",),
+    "",
 )  # fmt: skip
 
 

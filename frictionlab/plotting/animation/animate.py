@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from matplotlib.animation import FuncAnimation
+from matplotlib.animation import FuncAnimation, HTMLWriter
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -230,7 +230,7 @@ def animate(
     if isinstance(figure, AnimatedFigure):
         figure.moving_artists = moving_artists
     count = len(picture.t)
-    return RunAnimation(figure, update, frames=count, interval=1000.0 / fps, blit=False, repeat=True)
+    return RunAnimation(figure, update, count, fps)
 
 
 def frame_times(start: float, stop: float, step: float) -> Array:
@@ -286,11 +286,24 @@ def frame_updater(scene: AnimationScene, speed: float) -> Callable[[int], list[A
 class RunAnimation(FuncAnimation):
     """An animation that shows itself in a notebook, with a bar while its frames are drawn."""
 
+    def __init__(
+        self, figure: Figure, update: Callable[[int], list[Artist]], frames: int, fps: float
+    ) -> None:
+        super().__init__(figure, update, frames=frames, interval=1000.0 / fps, blit=False, repeat=True)
+        self.fps = fps
+
     def save(self, filename: Any, *args: Any, **options: Any) -> None:
-        """Write a file; see :meth:`matplotlib.animation.Animation.save`."""
-        if str(filename).lower().endswith((".html", ".htm")):  # its frames are in a folder beside it
-            with name_written_file(filename):
-                return self._save(filename, *args, **options)
+        """Write a file; see :meth:`matplotlib.animation.Animation.save`.
+
+        An HTML page holds its frames, all of them, unless a writer other than "html" is given.
+        """
+        if str(filename).lower().endswith((".html", ".htm")) and not args:
+            if options.get("writer", "html") != "html":  # whose frames may be in a folder beside it
+                with name_written_file(filename):
+                    return self._save(filename, **options)
+            fps = options.pop("fps", None) or self.fps
+            writer = HTMLWriter(fps=fps, embed_frames=True, embed_limit=float("inf"))
+            options["writer"] = writer
         with write_file(filename) as beside:
             self._save(beside, *args, **options)
 

@@ -1,8 +1,9 @@
-"""Newton's steps of large systems in which few states enter nonlinearly, as a finite-element body with a contact.
+"""Newton's steps of large systems in which few states enter nonlinearly, as those of finite elements.
 
-Of the Jacobian J(x) only the columns of these states change from point to point: J(x) = J_0 + C(x) S with S the
-rows of the unit matrix that choose them.  With the inverse of J_0, which is had once, a step costs a product of
-that matrix and a vector and the solution of one equation for each such state (Sherman, Morrison and Woodbury):
+Of the Jacobian J(x) only the columns of these states change from point to point: J(x) = J_0 + C(x) S with S
+the rows of the unit matrix that choose them.  With the inverse of J_0, which is had once, a step costs a
+product of that matrix and a vector and the solution of one equation for each such state (Sherman, Morrison
+and Woodbury):
 
 .. math:: J^{-1} b = y - J_0^{-1} C (1 + S J_0^{-1} C)^{-1} S y, \\qquad y = J_0^{-1} b
 
@@ -24,8 +25,8 @@ Array = NDArray[np.float64]
 LEAST_STATES = 32  # below, whole matrices at all points take less than a tenth of a second
 MOST_NONLINEAR_SHARE = 0.25  # of the states: with more, whole matrices cost about as much
 REFERENCES_TRIED = 8  # points at which J_0 may be taken
-# Share of a state: candidates so close are one.  Two zeros nearer to each other than the root of the machine epsilon
-# cannot be told apart: at each the Jacobian is so small that rounding moves it by more than their distance.
+# Share of a state: candidates so close are one.  Two zeros nearer to each other than the root of the machine
+# epsilon cannot be told apart: at each the Jacobian is so small that rounding moves it by more than that.
 SAME_CANDIDATE_RTOL = 1e-9
 
 
@@ -66,7 +67,7 @@ class LowRankNewton:
 
 
 def low_rank_newton(flow: Flow, values: Sequence[float], x: Array) -> LowRankNewton | None:
-    """Newton's steps by one inverse, taken at one of the points (m, N); None where that does not pay or serve."""
+    """Newton's steps by one inverse, at one of the points (m, N); None where that does not pay or serve."""
     m = len(flow.states)
     if m < LEAST_STATES or flow.linear or len(flow.nonlinear) > MOST_NONLINEAR_SHARE * m:
         return None

@@ -269,7 +269,8 @@ def _newton(flow: Flow, x: Array, values: Sequence[Any]) -> Array:
 
 
 def _search(newton: Callable[[Array], Array], x: Array) -> Array:
-    """The same by the steps `newton(x)` from all starts, but those that have converged or left the range of floats."""
+    """The same by the steps `newton(x)` from all starts, without those that have converged or left the range
+    of floats."""
     x, going = x.copy(), np.arange(x.shape[1])
     for _ in range(SEARCH_STEPS):
         step = newton(x[:, going])

@@ -8,7 +8,7 @@ from io import BytesIO
 import numpy as np
 import pytest
 import sympy as sp
-from matplotlib.animation import FuncAnimation
+from matplotlib.animation import FuncAnimation, HTMLWriter
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
@@ -240,6 +240,30 @@ def test_a_file_is_written(tmp_path):
     fl.animate(run, speed=0.1, fps=6).save(tmp_path / "run.gif", writer="pillow")
     with Image.open(tmp_path / "run.gif") as image:
         assert image.n_frames == 7
+
+
+def test_a_page_holds_all_its_frames(tmp_path):
+    """One file, which can be sent to someone."""
+    page = tmp_path / "run.html"
+    fl.animate(fl.simulate(MODEL, 0.1, progress=False), speed=0.1, fps=6).save(page)
+    assert page.read_text(encoding="utf-8").count("data:image/png") == 7
+    assert list(tmp_path.iterdir()) == [page]
+
+
+def test_a_page_that_was_there_survives_a_failure(tmp_path, monkeypatch):
+    page = tmp_path / "run.html"
+    page.write_text("before", encoding="utf-8")
+    animation = fl.animate(fl.simulate(MODEL, 0.1, progress=False), speed=0.1, fps=6)
+    finish = HTMLWriter.finish
+    monkeypatch.setattr(HTMLWriter, "finish", lambda writer: _fail(finish(writer)))
+    with pytest.raises(OSError, match="no room"):
+        animation.save(page)
+    assert page.read_text(encoding="utf-8") == "before"
+    assert list(tmp_path.iterdir()) == [page]
+
+
+def _fail(*args, **options):
+    raise OSError("no room")
 
 
 def test_frames_are_those_that_matplotlib_draws_in_full():

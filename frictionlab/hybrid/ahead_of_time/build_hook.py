@@ -1,0 +1,64 @@
+"""What hatchling calls when a wheel is made: compile the kernels, have the wheel carry them.
+
+They are compiled in a process of its own, for the machine at hand, unless the objects in the clone were made
+from these very sources.  Where that fails, or the variable ``FRICTIONLAB_BUILD_KERNELS`` is 0, the wheel
+holds Python only: numba compiles the kernels on the user's machine where it is installed, else they run as
+plain Python.
+"""
+
+from __future__ import annotations
+
+import os
+import platform
+import subprocess
+import sys
+import sysconfig
+from typing import Any
+
+from hatchling.builders.hooks.plugin.interface import BuildHookInterface
+
+VARIABLE = "FRICTIONLAB_BUILD_KERNELS"
+COMMAND = "-m", "frictionlab.hybrid.ahead_of_time", "--if-changed"
+OBJECTS = "frictionlab/hybrid/ahead_of_time/objects"
+
+
+class KernelBuildHook(BuildHookInterface):
+    """The build step of hatchling, by the name that its option `path` asks for."""
+
+    PLUGIN_NAME = "custom"
+
+    def initialize(self, version: str, build_data: dict[str, Any]) -> None:
+        """Compile before the files of a wheel are chosen; `version` is "standard" or "editable"."""
+        if os.environ.get(VARIABLE, "1") in ("", "0"):
+            return
+        self.app.display_info("frictionlab compiles its solver for this machine, some three minutes ...")
+        try:
+            self._run(*COMMAND)
+        except (OSError, subprocess.CalledProcessError) as error:
+            said = getattr(error, "stderr", None) or str(error)
+            self.app.display_warning(
+                f"the solver could not be compiled, it will run by numba or as plain Python: {said[-2000:]}"
+            )
+            return
+        if version != "editable":
+            build_data["pure_python"] = False
+            build_data["tag"] = f"py3-none-{self._platform()}"
+            build_data["artifacts"].append(f"/{OBJECTS}/")
+
+    def _platform(self) -> str:
+        """The tag of the machine's wheels."""
+        if sys.platform == "linux" and platform.libc_ver()[0] != "glibc":
+            return sysconfig.get_platform().replace("-", "_")
+        sys.path.insert(0, self.root)
+        from frictionlab.hybrid.ahead_of_time.targets import targets_of_machine
+
+        return targets_of_machine()[0].wheel
+
+    def _run(self, *arguments: str) -> str:
+        """Run Python in the clone; what it has printed."""
+        # Before the path by which pip shows what was installed for the build.
+        path = os.pathsep.join(filter(None, (self.root, os.environ.get("PYTHONPATH"))))
+        environment = {**os.environ, "PYTHONPATH": path}
+        command = [sys.executable, *arguments]
+        options = {"cwd": self.root, "capture_output": True, "text": True, "check": True}
+        return subprocess.run(command, env=environment, **options).stdout
