@@ -7,6 +7,7 @@ as the README's second command makes.  What follows ``--`` goes to the command:
 
 import re
 import shlex
+import shutil
 import zipfile
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -140,7 +141,10 @@ def build_site(session: nox.Session, *more: str) -> None:
 
 @nox.session
 def package(session: nox.Session) -> None:
-    """Wheel and source as they go to PyPI; the wheel alone runs the scene of the README, without numba."""
+    """Wheel and source as they go to PyPI; the wheel alone runs the scene of the README, without numba.
+
+    A folder that follows ``--`` keeps both.
+    """
     session.install("build", "twine")
     with TemporaryDirectory() as folder:
         session.run("python", "-m", "build", "--sdist", "--wheel", "--outdir", folder)
@@ -153,6 +157,8 @@ def package(session: nox.Session) -> None:
             session.error(f"the wheel's objects have {sum(objects)} bytes")
         if lacking := [name for name in NOT_PYTHON if f"frictionlab/{name}" not in names]:
             session.error(f"the wheel lacks {', '.join(lacking)}")
+        for kept in session.posargs:
+            shutil.copytree(folder, kept, dirs_exist_ok=True)
         session.install(str(wheel))
         with session.chdir(folder):
             session.run("frictionlab", "run", "-o", "first-run.png")
