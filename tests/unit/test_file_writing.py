@@ -6,6 +6,7 @@ import zlib
 from pathlib import Path
 
 import pytest
+from matplotlib.animation import HTMLWriter
 
 import frictionlab as fl
 from frictionlab.file_writing import replace_file, write_file, write_text
@@ -120,7 +121,8 @@ def test_what_the_package_writes_takes_the_place_of_the_old_file_at_its_end(name
     assert path.stat().st_size > len(b"old")
 
 
-def test_a_film_of_pages_keeps_its_frames_beside(run, tmp_path):
-    fl.animate(run, fps=1.0, speed=0.05).save(tmp_path / "film.html", writer="html", dpi=30)
+def test_a_film_of_pages_by_a_writer_of_ones_own_may_keep_its_frames_beside(run, tmp_path):
+    writer = HTMLWriter(fps=1.0)
+    fl.animate(run, fps=1.0, speed=0.05).save(tmp_path / "film.html", writer=writer, dpi=30)
     assert {path.name for path in tmp_path.iterdir()} == {"film.html", "film_frames"}
     assert all(contents(tmp_path / "film_frames").values())

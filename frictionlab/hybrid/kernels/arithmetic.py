@@ -1,12 +1,14 @@
 """Operations that Python does not have: calls by address, sums in vectors, quick logarithms.
 
-Intrinsics of numba, for use in a @kernel; without numba they are plain arithmetic with the same bits, and
-calls are never reached, as there are no addresses.
+Intrinsics of numba, for use in a @kernel; without numba they are plain arithmetic with the same bits.
 """
 
 from __future__ import annotations
 
+import ctypes
 from typing import Any
+
+import numpy as np
 
 from frictionlab.hybrid import llvm_instructions
 from frictionlab.hybrid.compilation import NUMBA
@@ -64,7 +66,11 @@ def _plain_exp2(x):
 
 
 def _plain_call(address, *arguments):
-    raise NotImplementedError("there is no native code without numba")
+    """Python itself calls a mode's code, where other kernels have been compiled ahead of time."""
+    arrays = [isinstance(each, np.ndarray) for each in arguments]
+    kinds = [ctypes.c_void_p if array else ctypes.c_int64 for array in arrays]
+    words = [each.ctypes.data if array else int(each) for each, array in zip(arguments, arrays)]
+    ctypes.CFUNCTYPE(None, *kinds)(int(address))(*words)
 
 
 def sum_by_fours(ir: Any, build: Any, row: Any, groups: Any, last: Any, radius: Any) -> Any:
