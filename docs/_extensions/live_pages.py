@@ -49,7 +49,11 @@ class LivePage(SphinxDirective):
         """The embedded page, or the picture."""
         text = self.options["model"]
         name = re.sub(r"[^A-Za-z0-9_.]+", "-", text).strip("-") + ".html"
-        self.env.note_dependency(str(objects_folder() / FILE))  # read again when the solver is compiled
+        for source in (
+            objects_folder() / FILE,
+            *SOURCES,
+        ):  # read again when the solver is compiled, or changes
+            self.env.note_dependency(str(source))
         try:
             export(text, Path(self.env.doctreedir) / FOLDER / name)
         except SolverNotBuiltError as error:

@@ -9,6 +9,7 @@
     basins              basin stability by events, against a model made smooth
     missed_event        one landing that a fixed step does not see
     explorer_latency    a step of an explorer's slider
+    page_frames         size of exported pages, and how pictures follow a slider
     performance_page, exact_and_fast_page, page_figures     docs/performance.md and docs/exact-and-fast.md
 
 A scene and a method give rows, rows give tables and pictures, these the pages.

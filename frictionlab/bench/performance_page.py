@@ -126,6 +126,16 @@ replaces flights below 0.4 ms by their limit.
 
 """
 
+PAGES = """\
+
+## A slider of an exported page
+
+`fl.export_page`, in a Chromium without a graphics card, 1280 pixels wide: a new value of mu_k in every frame,
+the whole run computed and drawn. A screen shows a picture every 16.7 ms. A run is cut at 40 ms while the
+slider moves, and plots are drawn in turns where all of them would take longer than a frame.
+
+"""
+
 TAIL = """\
 
 ## How it is fast
@@ -168,6 +178,7 @@ def write_performance(
         MULTIPLIERS,
         BASINS.format(share=EQUILIBRIUM_SHARE),
         EXPLORER,
+        PAGES,
     )
     for head, table in zip(heads, tables, strict=True):
         text += f"{head}{table}\n"

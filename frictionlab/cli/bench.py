@@ -13,9 +13,10 @@ from .parsing import OneLineParser, complain
 DESCRIPTION = """\
 Measure wall time and error of this solver and of others on scenes whose end is
 known, what each nonlinearity costs, Fig. 9's sweep, linear stability, Floquet
-multipliers, basins, and a step of an explorer's slider. Times are medians of
-interleaved runs on this machine. Prints Markdown. heyoka, CVODE, PathSim and
-diffrax are measured where they are installed (extra "bench")."""
+multipliers, basins, a step of an explorer's slider, and a slider of an exported
+page. Times are medians of interleaved runs on this machine. Prints Markdown.
+heyoka, CVODE, PathSim and diffrax are measured where they are installed (extra
+"bench")."""
 
 EPILOG = """\
 examples:
@@ -128,6 +129,7 @@ def _measure_others(quick: bool, switched: list[Any]) -> list[str]:
         ),
         "Basins": lambda: basins.basin_table(basins.basin_times(10_000, 20 if quick else 200)),
         "A step of an explorer's slider": lambda: _explorer_table(3 if quick else 10),
+        "A slider of an exported page": lambda: _page_table(20 if quick else 100),
     }
     tables = []
     for title, measure in measured.items():
@@ -142,6 +144,12 @@ def _table_or_reason(measure: Callable[[], str]) -> str:
         return measure()
     except Exception as error:
         return f"Not measured: {type(error).__name__}: {error}\n"
+
+
+def _page_table(count: int) -> str:
+    from frictionlab.bench import page_frames
+
+    return page_frames.page_table(page_frames.page_frames(count))
 
 
 def _explorer_table(count: int) -> str:

@@ -152,7 +152,7 @@ def test_the_command(monkeypatch, tmp_path, capsys, rows):
 
 def test_the_page(tmp_path, rows):
     every = [replace(row, scene=name) for name in scenes() for row in rows]
-    words = "one", "two", "three", "four", "five", "six", "seven", "eight"
+    words = "one", "two", "three", "four", "five", "six", "seven", "eight", "nine"
     text = performance_page.write_performance(
         tmp_path, every, [f"| {word} |" for word in words], ["0.1", "1.2"]
     ).read_text()
