@@ -8,7 +8,8 @@ None of them uses pyplot, so a figure is freed with its last reference and no wi
     drawing                 a panel as data: curves, labels, limits (the explorers' panels give these)
     runs/                   panels of one run, and `plot_run`, which is four of them
     stability/              equilibria, eigenvalues, critical values, Hopf points
-    bifurcation, basins, energy, ablation, sweep, motions, verification         what analyses found
+    bifurcation, basins, energy, ablation, factorial_effects, sweep, motions,
+    verification                                                                what analyses found
     animation/              the slider on its belt, frame by frame
 
 A result of an analysis comes in, artists go out; nothing is computed here but samples of a run.
@@ -21,6 +22,7 @@ from .animation.animate import animate
 from .basins import plot_basin_stability, plot_basins
 from .bifurcation import plot_bifurcation, plot_intensity, plot_orbit_branch
 from .energy import plot_energies, plot_works
+from .factorial_effects import plot_effects, plot_scene_lattice
 from .figure import RunFigure, axes_or_new
 from .motions import plot_ends, plot_lyapunov, plot_orbit, plot_steady_state, plot_tangent_flow
 from .runs.overview import plot_run
@@ -49,6 +51,7 @@ __all__ = [
     "plot_contact_forces",
     "plot_critical",
     "plot_displacements",
+    "plot_effects",
     "plot_eigenvalues",
     "plot_ends",
     "plot_energies",
@@ -64,6 +67,7 @@ __all__ = [
     "plot_rates",
     "plot_root_locus",
     "plot_run",
+    "plot_scene_lattice",
     "plot_spectrum",
     "plot_stability_map",
     "plot_steady_state",

@@ -80,6 +80,8 @@ BUILDERS = {
     "from two states": lambda: fl.sweep(
         SLIDER, preload_from, {"F": [100.0, 200.0]}, x0=["rest", "near"], **QUIET
     ),
+    "effects": lambda: result("ablation").effects(),
+    "ablation over a parameter": lambda: fl.ablation(SLIDER, lambda m: m.F, over={"F": [1.0, 2.0]}, **QUIET),
     "ablation": lambda: fl.ablation(SLIDER, lambda m: m.k1, **QUIET),
     "ablation of motions": lambda: fl.ablation(COUPLED, short_motion, **QUIET),
     "ablation of bifurcations": lambda: fl.ablation(STICK_SLIP, short_bifurcation, **QUIET),

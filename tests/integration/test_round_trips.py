@@ -79,6 +79,8 @@ BUILDERS = {
     "boundary": lambda: fl.stability_map(SLIDER, ("F", [100, 500, 1000]), ("mu_k", [0.5, 1.5])).boundary[0],
     "bifurcation": lambda: fl.bifurcation(MODEL, "v", [0.5, 0.6], **QUIET),
     "sweep": lambda: fl.sweep(MODEL, speed, {"v": [1.0, 2.0]}, **QUIET),
+    "effects": lambda: result("ablation").effects(),
+    "switch": lambda: result("ablation").factors[0],
     "ablation": lambda: fl.ablation(MODEL, speed, **QUIET),
     "basins": plane,
     "attractor": lambda: result("basins").attractors[0],
