@@ -9,7 +9,7 @@ None of them uses pyplot, so a figure is freed with its last reference and no wi
     runs/                   panels of one run, and `plot_run`, which is four of them
     stability/              equilibria, eigenvalues, critical values, Hopf points
     bifurcation, basins, energy, ablation, factorial_effects, sweep, motions,
-    verification                                                                what analyses found
+    sensitivity, uncertainty, verification                                     what analyses found
     animation/              the slider on its belt, frame by frame
 
 A result of an analysis comes in, artists go out; nothing is computed here but samples of a run.
@@ -30,11 +30,13 @@ from .runs.phase_plane import plot_phase_plane
 from .runs.spectrum import Spectrum, amplitude_spectrum, plot_amplitudes, plot_spectrum
 from .runs.time_histories import plot_contact_forces, plot_displacements, plot_rates
 from .runs.time_window import shade_modes
+from .sensitivity import plot_sensitivity
 from .stability.equilibrium import plot_equilibrium
 from .stability.hopf import plot_hopf
 from .stability.root_locus import plot_eigenvalues, plot_frequencies, plot_growth_rates, plot_root_locus
 from .stability.stability_boundaries import plot_critical, plot_stability_map
 from .sweep import plot_sweep
+from .uncertainty import plot_sobol_indices, plot_uncertainty
 from .verification import plot_verification
 
 __all__ = [
@@ -68,11 +70,14 @@ __all__ = [
     "plot_root_locus",
     "plot_run",
     "plot_scene_lattice",
+    "plot_sensitivity",
+    "plot_sobol_indices",
     "plot_spectrum",
     "plot_stability_map",
     "plot_steady_state",
     "plot_sweep",
     "plot_tangent_flow",
+    "plot_uncertainty",
     "plot_verification",
     "plot_works",
     "shade_modes",

@@ -78,13 +78,12 @@ class Effects(Drawable):
         return f"{text}\n  at the first of {more + 1} conditions" if more else text
 
     @property
-    def strongest(self) -> str:
-        """The switch with the largest share of the variance, over all conditions."""
+    def strongest(self) -> str | None:
+        """The switch with the largest share of the variance, over all conditions; None where nothing varies
+        or a scene lacks the quantity.
+        """
         if not np.isfinite(self.shares).any():
-            raise ValueError(
-                f"{self.quantity} must be the same in no two scenes or known in all, to name the strongest "
-                f"switch: it does not vary, or a scene lacks it ({self.used.tolist()} initial states used)"
-            )
+            return None
         return self.switches[int(np.nanmean(self.shares, axis=1).argmax())]
 
     def __getitem__(self, term: str) -> Array:
