@@ -163,7 +163,7 @@ def derivatives_at(problem: EquilibriumProblem, **changes: float) -> Equilibrium
     return equilibrium_derivatives(problem.flow, x, values)
 
 
-def _chosen(problem: EquilibriumProblem, mode: int | None, changes: Mapping[str, Array]) -> ComplexArray:
+def _chosen(problem: EquilibriumProblem, mode: int | None, changes: Mapping[str, Array]) -> Any:
     """One eigenvalue (N,) with Im >= 0 of each model."""
     return _of_mode(problem.spectra(changes), mode)
 

@@ -48,8 +48,7 @@ def sobol_points(dimensions: int, count: int, seed: int) -> Array:
     """Scrambled points (count, dimensions) of the open unit cube; their number has to be a power of two."""
     from scipy.stats import qmc
 
-    points = qmc.Sobol(dimensions, seed=seed)  # pyright: ignore[reportCallIssue]  (rng from scipy 1.15 on)
-    return points.random(count)
+    return qmc.Sobol(dimensions, rng=np.random.default_rng(seed)).random(count)
 
 
 def quantiles(model: Any, distributions: Mapping[str, Any], points: Array) -> Array:

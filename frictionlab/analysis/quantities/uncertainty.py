@@ -304,7 +304,7 @@ def _indices(found: Array, seed: int) -> tuple[Array, Array, Array, Array]:
 
     n = found.shape[1]
     parts: Any = {"f_A": found[:1], "f_B": found[1:2], "f_AB": found[2:, None, :]}
-    result = indices_of(func=parts, n=n, random_state=np.random.default_rng(seed))  # pyright: ignore[reportCallIssue]
+    result = indices_of(func=parts, n=n, rng=np.random.default_rng(seed))
     spread = result.bootstrap(n_resamples=200)
     errors = (spread.first_order.standard_error, spread.total_order.standard_error)
     return tuple(

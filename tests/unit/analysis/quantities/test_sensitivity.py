@@ -1,5 +1,7 @@
 """Derivatives by all parameters, against closed forms and Richardson differences."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 import sympy
@@ -23,7 +25,7 @@ def richardson(quantity, model, name):
         above, below = (quantity(model.replace(**{name: value + s * h})) for s in (1, -1))
         rows.append((above - below) / (2 * h))
     for power in range(1, LEVELS):
-        rows = [(4**power * b - a) / (4**power - 1) for a, b in zip(rows, rows[1:], strict=False)]
+        rows = [(4**power * b - a) / (4**power - 1) for a, b in pairwise(rows)]
     return rows[0]
 
 
@@ -119,8 +121,8 @@ def test_what_has_no_derivative_is_refused():
         fl.GrowthRate(7)(SLIDER)
     with pytest.raises(ValueError, match="flutter of damped modes"):
         fl.sensitivity(fl.ModeCoupling(c=0.0), fl.CriticalFrequency("mu_k", (0, 4)))
+    model = fl.ModeCoupling(c=0.0)
     with pytest.raises(ValueError, match="eigenvalue must be simple"):
-        model = fl.ModeCoupling(c=0.0)
         fl.sensitivity(model.replace(mu_k=model.critical_friction), fl.ModeFrequency(0))
     with pytest.raises(KeyError, match="no parameter 'mu'"):
         _ = fl.sensitivity(SLIDER, fl.GrowthRate())["mu"]
