@@ -153,7 +153,7 @@ def solve_regular(matrix: Any, right: Any) -> Any:
     if sizes[-1] < SINGULAR_RTOL * sizes[0]:
         raise ValueError(
             "the equilibrium must depend smoothly on the parameters to have derivatives, got one where the "
-            "state matrix is singular: take another value, or a fold's own sensitivity"
+            "state matrix is singular: take another value"
         )
     return columns.reshape(-1, *[1] * (np.ndim(right) - 1)) * np.linalg.solve(
         scaled, rows.reshape(-1, *[1] * (np.ndim(right) - 1)) * right

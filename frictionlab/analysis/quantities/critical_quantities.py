@@ -60,7 +60,8 @@ class _AtFirstLoss(Quantity):
 class CriticalValue(_AtFirstLoss):
     """The first value of a parameter at which stability is lost as it grows; see :func:`critical_value`.
 
-    Its derivatives hold where flutter sets in (a Hopf point), where undamped modes coalesce, and at folds.
+    Its derivatives hold where flutter sets in (a Hopf point), and where undamped modes coalesce; where the
+    equilibrium ends in a fold they are not known.
 
     Parameters
     ----------
@@ -117,7 +118,7 @@ class CriticalFrequency(_AtFirstLoss):
         problem = equilibrium_problem(model)
         change = self._change(problem)
         _, slopes = _critical_slopes(problem, self.parameter, change)
-        if change.kind != "flutter" or np.isnan(slopes).all():
+        if change.kind != "flutter" or np.isnan(slopes).any():
             raise ValueError(
                 "stability must be lost by flutter of damped modes for the frequency to have derivatives, "
                 f"got {change.kind} at {self.parameter} = {change.value:.6g}: ask for CriticalValue"
@@ -130,13 +131,13 @@ def _critical_slopes(
 ) -> tuple[Array, Array]:
     """Derivatives (P,) of the critical value and of the frequency there by all parameters."""
     place = [symbol.name for symbol in problem.flow.parameters].index(parameter)
-    at = derivatives_at(problem, **{parameter: change.value})
     if change.kind == "fold":
-        left = null_vectors(at.matrix, 0.0).left.real
-        value = -(left @ at.by_parameter) / (left @ at.by_parameter[:, place])
-        frequency = np.full(len(value), np.nan)
-    else:
-        value, frequency = _flutter_slopes(at, place, 2j * np.pi * change.frequency)
+        raise ValueError(
+            "stability must be lost by flutter or divergence for the critical value to have derivatives here, "
+            f"got a fold at {parameter} = {change.value:.6g}, where the equilibrium ends: take another range"
+        )
+    at = derivatives_at(problem, **{parameter: change.value})
+    value, frequency = _flutter_slopes(at, place, 2j * np.pi * change.frequency)
     value[place] = frequency[place] = 0.0  # the critical value does not depend on the parameter's own
     return value, frequency
 

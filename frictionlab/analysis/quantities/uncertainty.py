@@ -302,14 +302,19 @@ def _indices(found: Array, seed: int) -> tuple[Array, Array, Array, Array]:
     """First and total order, and their errors, of values (d + 2, n) at A, B and the mixed points."""
     from scipy.stats import sobol_indices as indices_of
 
-    n = found.shape[1]
-    parts: Any = {"f_A": found[:1], "f_B": found[1:2], "f_AB": found[2:, None, :]}
+    d, n = len(found) - 2, found.shape[1]
+    mixed = found[2:] if d > 1 else found[[2, 2]]  # scipy 1.15 to 1.17 fail with a single parameter
+    parts: Any = {"f_A": found[:1], "f_B": found[1:2], "f_AB": mixed[:, None, :]}
     result = indices_of(func=parts, n=n, rng=np.random.default_rng(seed))
     spread = result.bootstrap(n_resamples=200)
-    errors = (spread.first_order.standard_error, spread.total_order.standard_error)
-    return tuple(
-        np.asarray(x, dtype=float).ravel() for x in (result.first_order, result.total_order, *errors)
-    )  # pyright: ignore[reportReturnType]
+    found_parts = (
+        result.first_order,
+        result.total_order,
+        spread.first_order.standard_error,
+        spread.total_order.standard_error,
+    )
+    first, total, first_errors, total_errors = (np.asarray(x, dtype=float).ravel()[:d] for x in found_parts)
+    return first, total, first_errors, total_errors
 
 
 class _Task(NamedTuple):
