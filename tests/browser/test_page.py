@@ -93,6 +93,41 @@ def test_all_eight_structures_have_the_bits_of_simulate(page, without):
     assert max(abs(values - value).min() for value in known) < 1e-9 * abs(known).max()
 
 
+BOTH_WAYS = """async ([without, mu]) => {
+  const { solver } = view, structure = STRUCTURES[without];
+  const value = (name) => name === "mu_k" ? mu : settings.values[name] ?? structure.fixed[name];
+  const values = structure.parameters.map(value);
+  const run = () => {
+    const { state, steps, events, eventTimes } = solver.run(structure, values, structure.release(values), 1);
+    return [state, steps, events, Array.from(eventTimes)];
+  };
+  solver.load(structure);
+  await solver.useJets(structure);
+  const native = run();
+  solver.arrays["code.native"].view.fill(0n);
+  const interpreted = run();
+  solver.arrays["code.native"].view.set(structure.jets);
+  return [native, interpreted, structure.jets.every((place) => place > 0n)];
+}"""
+
+
+@pytest.mark.parametrize("without", ["", "cubic", "geometry", "nonsmooth"])
+def test_machine_code_of_the_modes_and_the_interpreter_have_the_same_bits(page, without):
+    native, interpreted, all_modes = page.evaluate(BOTH_WAYS, [without, 1.4])
+    assert all_modes
+    assert native == interpreted
+    assert native[1] > 50
+
+
+def test_machine_code_of_functions_and_quotients_has_the_bits_of_the_interpreter(browser, tmp_path):
+    model = fl.MassOnBelt(friction=fl.Stribeck(mu_k=0.5, mu_s=1.0), c=0.1)
+    page = opened(browser, exported(model, tmp_path / "page.html", t_end=5.0))
+    native, interpreted, all_modes = page.evaluate(BOTH_WAYS, ["", 0.5])
+    assert all_modes
+    assert native == interpreted
+    page.context.close()
+
+
 def test_the_file_is_below_a_megabyte(slider):
     assert 1e5 < Path(slider).stat().st_size < 1e6
 
@@ -108,6 +143,33 @@ def test_a_slider_changes_the_pictures_and_the_state(page):
     page.wait_for_function("(text) => document.getElementById('final').innerText !== text", arg=before[1])
     assert page.evaluate("settings.values.mu_k") == pytest.approx(2.0, abs=0.02)
     assert all(new != old for new, old in zip([picture(page, n) for n in ("mechanism", "phase")], before[0]))
+
+
+DRAGS = """async (count) => {
+  const slider = document.getElementById("slider-mu_k"), drawn = {};
+  for (const id of ["history", "forces", "eigenvalues"]) {
+    const { chart } = plots[id], set = chart.setData;
+    chart.setData = (...given) => { drawn[id] = (drawn[id] ?? 0) + 1; return set.apply(chart, given); };
+  }
+  for (let i = 0; i < count; i++) {
+    slider.value = 0.2 + 0.1 * i / count;
+    slider.oninput();
+    await new Promise(requestAnimationFrame);
+  }
+  const followed = Object.keys(drawn);
+  while (view.samples.times.length !== WINDOW_SAMPLES) await new Promise((done) => setTimeout(done, 50));
+  const place = view.run.structure.parameters.indexOf("mu_k");
+  return { followed, shown: settings.values.mu_k, settled: view.run.values[place] };
+}"""
+
+
+def test_all_plots_follow_a_slider_and_are_whole_when_it_stops(browser, slider):
+    page = opened(browser, slider)
+    found = page.evaluate(DRAGS, 20)
+    assert set(found["followed"]) == {"history", "forces", "eigenvalues"}
+    assert found["shown"] == found["settled"]
+    assert not page.problems
+    page.context.close()
 
 
 def test_the_link_holds_what_is_set(browser, slider):
@@ -154,6 +216,61 @@ def test_dark_and_light(page):
     page.keyboard.press("d")
 
 
+BROKEN = [
+    {"mu_k": 2.0, "mu_s": 1.5},
+    {"mu_k": 1e-5, "mu_s": 0.0},
+    {"mu_k": -1.0},
+    {"M": 0.0},
+    {"k2": -2e16},
+    {"F": -1.0, "mu_s": 0.1},
+]
+
+
+def words_of(model, values):
+    with pytest.raises(ValueError, match="must be") as error:
+        model.replace(**values)
+    return str(error.value)
+
+
+@pytest.mark.parametrize("values", BROKEN, ids=str)
+def test_a_broken_rule_is_said_in_the_words_of_the_model(page, values):
+    before = page.evaluate(RUN, [{}, [], "rest", SECONDS])["state"]
+    found = page.evaluate(RUN, [values, [], "rest", SECONDS])
+    assert found["status"] == words_of(fl.SliderOnBelt(mu_k=1.4), values)
+    assert found["state"] == before
+
+
+def test_typed_values_are_checked_too(page):
+    page.evaluate(RUN, [{}, [], "rest", SECONDS])
+    page.fill("#number-mu_s", "1")
+    page.keyboard.press("Tab")
+    page.wait_for_selector("#status.bad")
+    assert page.inner_text("#status") == words_of(fl.SliderOnBelt(mu_k=1.4), {"mu_s": 1.0})
+    page.fill("#number-mu_s", "2")
+    page.keyboard.press("Tab")
+    page.wait_for_selector("#status:not(.bad)")
+
+
+@pytest.mark.parametrize("end", ["low", "high"])
+def test_the_ends_of_every_slider_give_a_run_or_say_why_not(page, end):
+    at_ends = """(end) => SCENE.sliders.map((about) => {
+      resetSettings();
+      settings.end = 0.05;
+      settings.values[about.name] = about[end];
+      compute(false);
+      const status = document.getElementById("status").textContent, { values, structure } = view.run;
+      return [about.name, about[end], status, values[structure.parameters.indexOf(about.name)]];
+    })"""
+    found = page.evaluate(at_ends, end)
+    model = fl.SliderOnBelt(mu_k=1.4)
+    assert len(found) == len(model.parameters)
+    for name, value, status, computed in found:
+        if status.startswith("the end was reached"):
+            assert computed == value == model.replace(**{name: value}).parameters[name]
+        else:
+            assert status == words_of(model, {name: value})
+
+
 @pytest.mark.parametrize("width", [1280, 390])
 def test_nothing_is_wider_than_the_screen(browser, slider, width):
     page = opened(browser, slider, width)
@@ -167,7 +284,12 @@ class Softening(fl.FrictionLaw):
 
     mu_k: float = fl.parameter(0.5, symbol="mu_k", meaning="friction coefficient", minimum=0.0)
     mu_s: float = fl.parameter(1.0, symbol="mu_s", meaning="static friction coefficient", minimum=0.0)
-    rate: float = fl.parameter(2.0, symbol="a", meaning="rate of the decay", minimum=0.0, unit="s/m")
+    rate: float = fl.parameter(2.0, symbol="a", meaning="rate of the decay", maximum=50.0, unit="s/m")
+
+    def check(self):
+        if self.rate <= 0 or not 2 * self.mu_k < 3 + abs(self.mu_s):
+            least = f"{(3 + self.mu_s) / 2:g}"
+            raise ValueError(f"mu_k must be below {least} and rate above 0, got {self.mu_k}, {self.rate!r}")
 
     def kinetic(self, normal_force, speed):
         return (self.mu_k + (self.mu_s - self.mu_k) * fl.functions.exp(-self.rate * speed)) * normal_force
@@ -205,5 +327,9 @@ def test_a_law_of_ones_own_is_exported(browser, tmp_path):
     page = opened(browser, exported(model, tmp_path / "page.html", t_end=5.0), fragment="#rate=3.5")
     run = fl.simulate(model.replace(rate=3.5), 5.0)
     assert page.evaluate("view.run.state") == run.final_state.tolist()
+    for values in ({"rate": -1.0}, {"mu_k": 2.5}, {"mu_k": 1234567.0, "mu_s": 2e6}, {"rate": 51.0}):
+        page.evaluate("(values) => { Object.assign(settings.values, values); compute(false); }", values)
+        assert page.inner_text("#status") == words_of(model, {"rate": 3.5} | values)
+        page.evaluate("readLink('#rate=3.5')")
     assert not page.problems
     page.context.close()

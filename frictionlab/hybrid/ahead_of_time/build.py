@@ -23,7 +23,7 @@ from frictionlab.hybrid.ahead_of_time.sources import source_files
 from frictionlab.hybrid.ahead_of_time.targets import WEB, Target
 
 PACKAGE = Path(__file__).parents[2]
-# Targets from which on it pays to optimise once what holds for all processors: that takes as long as one of them.
+# With more targets it pays to optimise once what holds for all processors; that takes as long as one.
 MOST_WITHOUT_SIMPLIFICATION = 2
 
 

@@ -1,9 +1,10 @@
 // The page: controls, the run that they ask for, and its pictures.
 const PAGE_PACES = [1, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002];
-const WINDOW_SAMPLES = 1500, DRAG_SAMPLES = 600, SPECTRUM_SAMPLES = 4096;
-const DRAG_PATIENCE = 80, PATIENCE = 4000; // milliseconds that a run may take while a slider moves, and when it has stopped
+const WINDOW_SAMPLES = 1500, DRAG_SAMPLES = 400, SPECTRUM_SAMPLES = 4096;
+const DRAG_PATIENCE = 40, PATIENCE = 4000; // milliseconds that a run may take while a slider moves, and when it has stopped
+const FRAME = 14; // milliseconds that solving and drawing may take while a slider moves; plots that do not fit are drawn in turns
 const $ = (id) => document.getElementById(id);
-const view = { solver: null, run: null, samples: null, picture: null, frames: null, time: 0, playing: null, last: null, request: null, settled: null, equilibrium: null };
+const view = { solver: null, run: null, samples: null, picture: null, frames: null, time: 0, playing: null, last: null, request: null, settled: null, equilibrium: null, took: 0, turns: 1, turn: 0 };
 
 function control(about) { // a slider with its number
   const { name, symbol, unit, meaning, low, high, log } = about;
@@ -16,12 +17,10 @@ function control(about) { // a slider with its number
     [html("label", { htmlFor: range.id }, [html("i", { textContent: letter }), ...(rest.length ? [html("sub", { textContent: rest.join("") })] : [])]), range, number]);
   range.oninput = () => { settings.values[name] = from(range.value); number.value = settings.values[name]; ask(true); };
   range.onchange = () => ask(false);
-  number.onchange = () => { if (allowed(about, Number(number.value)) && number.value !== "") { settings.values[name] = Number(number.value); range.value = to(settings.values[name]); ask(false); } else number.value = settings.values[name]; };
+  number.onchange = () => { if (number.value !== "" && Number.isFinite(Number(number.value))) { settings.values[name] = Number(number.value); range.value = to(settings.values[name]); ask(false); } else number.value = settings.values[name]; };
   row.show = () => { range.value = to(settings.values[name]); number.value = settings.values[name]; };
   return row;
 }
-
-const allowed = ({ least, exclusive }, value) => Number.isFinite(value) && (least === null || (exclusive ? value > least : value >= least));
 
 function build() {
   for (const about of SCENE.sliders) (about.open ? $("sliders") : $("others")).append(control(about));
@@ -51,7 +50,7 @@ function build() {
     const does = { " ": "play", c: "copy", l: "link", d: "theme", f: "full", s: "sound" }[event.key];
     if (does && !(event.key === " " && event.target.tagName === "BUTTON")) { event.preventDefault(); $(does).click(); }
   };
-  new ResizeObserver(() => { resizePlots(); drawPhase(); showFrame(); }).observe($("pictures"));
+  new ResizeObserver(() => { resizePlots(); drawPhase(); showFrame(); }).observe(document.querySelector("main"));
 }
 
 function showControls() {
@@ -100,6 +99,8 @@ function startState(structure, values) {
 function compute(dragging) {
   const began = performance.now(), structure = structureNow(), values = parametersOf(structure);
   try {
+    const broken = brokenRule(structure, values);
+    if (broken) throw new RangeError(broken);
     const [known, start] = startState(structure, values);
     view.run = view.solver.run(structure, values, start, settings.end, dragging ? DRAG_PATIENCE : PATIENCE);
     view.known = known;
@@ -112,7 +113,7 @@ function compute(dragging) {
   if (!dragging) try { history.replaceState(null, "", `#${linkText()}`); } catch { location.hash = linkText(); }
 }
 
-function redraw(dragging = false) { // all pictures of the run at hand; while a slider moves those that are quick
+function redraw(dragging = false) { // all pictures of the run at hand; while a slider moves those that are quick, some of them in turns
   const { solver, run } = view, periods = Number($("window").value), end = run.end, span = periods ? Math.min(end, periods * SCENE.period) : end;
   view.start = end - span;
   view.span = span;
@@ -120,14 +121,21 @@ function redraw(dragging = false) { // all pictures of the run at hand; while a 
   const parameters = Object.fromEntries(run.structure.parameters.map((name, i) => [name, run.values[i]]));
   view.picture = pictureOf(run, view.samples, parameters);
   $("mechanism").hidden = !view.picture;
-  showHistory(run, view.samples);
-  showForces(run, view.samples);
-  if (!dragging) showHeard(solver, run);
-  showStability();
-  drawPhase();
-  showKey();
-  showFinal();
+  for (const draw of dragging ? picturesInTurn() : PLOTS) draw();
   showFrame();
+  showKey();
+  if (dragging) return;
+  showHeard(solver, run);
+  showFinal();
+}
+
+const PLOTS = [() => showHistory(view.run, view.samples), () => drawPhase(), () => showForces(view.run, view.samples), () => showStability()];
+
+function picturesInTurn() { // as many as fit into a frame, by how long the last one took with what the browser does after it
+  const now = performance.now(), most = PLOTS.length;
+  view.turns = Math.min(most, Math.max(1, view.turns + (view.took > FRAME ? -1 : 0.1)));
+  setTimeout(() => { view.took = performance.now() - now + view.run.milliseconds; });
+  return Array.from({ length: Math.floor(view.turns) }, () => PLOTS[view.turn = (view.turn + 1) % most]);
 }
 
 function showHeard(solver, run) { // the spectrum of the last hundred periods
@@ -144,17 +152,17 @@ function showStability() {
   showEigenvalues(values, `eigenvalues: the equilibrium is ${verdict}, largest growth rate ${growth.toPrecision(4)}/s`);
 }
 
-function drawPhase() {
+function drawPhase() { // the path; the instant is on a canvas of its own, over it
   if (!view.samples || !$("phase").clientWidth) return;
-  const [c, width, height] = fit($("phase")), path = html("canvas", { width: $("phase").width, height: $("phase").height }), states = view.run.structure.states, first = states[0];
+  const [c, width, height] = fit($("phase")), states = view.run.structure.states, first = states[0];
   const scene = { axes: [first, `${written(first)} (${unitOf(first)})`, `${written(first + "'")} (${unitOf(first)}/s)`], line_colours: view.run.structure.colours, ink: theme().ink };
-  const behind = path.getContext("2d");
-  behind.scale(path.width / width, path.height / height);
-  view.phase = { c, width, height, path, place: phasePlane(behind, width, height, scene, phaseFrames(view.run, view.samples)) };
+  view.place = phasePlane(c, width, height, scene, phaseFrames(view.run, view.samples));
 }
 
 function showKey() {
-  const seen = [...new Set(view.samples.modes)].sort(), { modes, colours } = view.run.structure;
+  const seen = [...new Set(view.samples.modes)].sort(), { modes, colours } = view.run.structure, key = JSON.stringify([modes, seen, view.picture?.note]);
+  if (key === view.key) return;
+  view.key = key;
   $("key").replaceChildren(...seen.map((mode) => { const s = html("span", { className: "mode", textContent: modes[mode] }); s.style.setProperty("--colour", colours[mode]); return s; }),
     ...(view.picture ? [html("span", { className: "mode", textContent: view.picture.note })] : []));
 }
@@ -165,7 +173,7 @@ function showFinal() {
 }
 
 function showFrame() { // the instant that is played, exact
-  const { run, picture, phase } = view;
+  const { run, picture, place } = view;
   if (!run) return;
   const t = Math.min(run.end, view.start + view.time * view.span), now = sample(view.solver, run, Float64Array.of(t));
   $("scrub").value = Math.round(1000 * view.time);
@@ -174,10 +182,8 @@ function showFrame() { // the instant that is played, exact
     const [c, width, height] = fit($("mechanism"));
     picture.draw(c, width, height, picture.scene, picture.row(now, 0));
   }
-  if (phase) {
-    const { c, width, height, place, path } = phase, first = run.structure.states[0];
-    c.clearRect(0, 0, width, height);
-    c.drawImage(path, 0, 0, width, height);
+  if (place && $("instant").clientWidth) {
+    const [c] = fit($("instant")), first = run.structure.states[0];
     c.beginPath();
     c.arc(...place({ [first]: now.column(first)[0], rate: now.column(first + "'")[0] }), 6, 0, 7);
     Object.assign(c, { fillStyle: run.structure.colours[now.modes[0]], strokeStyle: theme().ink, lineWidth: 1.5 });
@@ -226,6 +232,8 @@ async function begin() {
   showControls();
   compute(false);
   document.body.dataset.ready = "yes";
+  addEventListener("message", ({ data }) => { if (["light", "dark"].includes(data?.theme)) setTheme(data.theme); }); // of the page around
+  if (parent !== window) parent.postMessage("frictionlab page", "*");
 }
 
 begin();

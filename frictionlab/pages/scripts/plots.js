@@ -24,7 +24,7 @@ function showPlot(id, data, names, [xLabel, yLabel], options = {}) {
   if (plots[id]?.key !== key) {
     plots[id]?.chart.destroy();
     const points = options.points, width = host.clientWidth || 300, height = host.clientHeight - (points ? 0 : LEGEND);
-    const series = names.map((label, i) => ({ label, stroke: seriesColours()[i % 6], width: 1.2, ...(points ? { paths: () => null, points: { show: true, size: 8, fill: seriesColours()[i % 6] } } : { points: { show: false } }) }));
+    const series = names.map((label, i) => ({ label, stroke: seriesColours()[i % 6], width: 1, ...(points ? { paths: () => null, points: { show: true, size: 8, fill: seriesColours()[i % 6] } } : { points: { show: false } }) }));
     const y = options.log ? { distr: 3 } : {};
     plots[id] = { key, chart: new uPlot({ width, height, series: [{ label: xLabel }, ...series], scales: { x: { time: false }, y }, axes: [{ ...axisOptions(xLabel), size: 32 }, { ...axisOptions(yLabel, options.log), size: 52 }], legend: { show: !points, live: false }, cursor: { drag: { x: true, y: false } } }, data, host) };
   } else plots[id].chart.setData(data);

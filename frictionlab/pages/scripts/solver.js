@@ -102,6 +102,12 @@ class Solver {
     for (const a of structure.arrays) if (a.data) this.write(a);
     for (let i = 0; i < n; i++) this.arrays.unit.view[i * n + i] = 1;
     this.structure = structure;
+    this.useJets(structure);
+  }
+
+  async useJets(structure) { // machine code of its modes as soon as there is; until then they are interpreted
+    structure.jets ??= await compileJets(this, structure);
+    if (this.structure === structure) this.arrays["code.native"].view.set(structure.jets);
   }
 
   write(a) {
