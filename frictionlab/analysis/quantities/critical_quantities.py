@@ -133,7 +133,7 @@ def _critical_slopes(
     place = [symbol.name for symbol in problem.flow.parameters].index(parameter)
     if change.kind == "fold":
         raise ValueError(
-            "stability must be lost by flutter or divergence for the critical value to have derivatives here, "
+            "stability must be lost by flutter or divergence for the critical value to have derivatives, "
             f"got a fold at {parameter} = {change.value:.6g}, where the equilibrium ends: take another range"
         )
     at = derivatives_at(problem, **{parameter: change.value})
