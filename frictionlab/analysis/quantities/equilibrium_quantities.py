@@ -36,8 +36,8 @@ class EquilibriumCoordinate(Quantity):
     Examples
     --------
     >>> import frictionlab as fl
-    >>> fl.EquilibriumCoordinate("y1")(fl.SliderOnBelt()) == fl.equilibrium(fl.SliderOnBelt())["y1"]
-    True
+    >>> fl.EquilibriumCoordinate("x")(fl.MassOnBelt(mu_k=0.5, mu_s=1.0))  # mu_k N / k
+    0.5
     """
 
     name: str

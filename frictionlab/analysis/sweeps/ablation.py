@@ -183,7 +183,7 @@ class Ablation(Drawable):
         >>> import frictionlab as fl
         >>> def critical(model):
         ...     return fl.critical_value(model, "mu_k", (0, 4))
-        >>> found = fl.ablation(fl.SliderOnBelt(k_nl=1e7), critical, progress=False)
+        >>> found = fl.ablation(fl.SliderOnBelt(), critical, progress=False)
         >>> found.effects().strongest
         'geometry'
         """
