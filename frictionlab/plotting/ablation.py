@@ -1,4 +1,4 @@
-"""Small multiples of an ablation: the result of a study for each scene."""
+"""An ablation: small panels for each scene, bars of numbers, or the curves of all scenes in one frame."""
 
 from __future__ import annotations
 
@@ -11,24 +11,32 @@ from matplotlib.axes import Axes
 
 from frictionlab.analysis.spectrum import Spectrum
 from frictionlab.analysis.steady_state.result import SteadyState
-from frictionlab.analysis.sweeps.ablation import all_of
 from frictionlab.analysis.sweeps.bifurcation_result import Bifurcation
+from frictionlab.analysis.sweeps.switches import all_of
 from frictionlab.plotting.runs.spectrum import plot_amplitudes
 
 from .appearance import crowding, font_size, pen
 from .bifurcation import LOG_SCALE_RATIO, plot_bifurcation
-from .figure import RunAxes, axes_or_new, new_figure, wrap_label
+from .figure import RunAxes, axes_or_new, legend_beside, new_figure, wrap_label
 from .motions import plot_steady_state
-from .style import BLUE, GREY
+from .style import BLUE, GREY, line_style, parameter_label
 
 RUN_AXES = {"axes_class": RunAxes}
 COLUMNS = 4  # panels side by side
 LABEL_LENGTH = 34  # letters of a line below a small panel
+NEGATIVE_MARGIN = 0.3  # beside bars to the left, whose numbers must not reach the names
+THICKEST = 3.0  # width of the first curve, in widths of a line
+THINNER = 0.8  # width of a curve as a share of the one below it: of equal ones both are seen
 PANEL_SHARE = 0.7  # of its cell that a panel takes, the rest for labels and title
 
 
-def plot_ablation(ablation: Any, ax: Axes | None = None, *, name: str | None = None) -> list[Axes]:
-    """Draw what a study gave for each scene: a small panel for each, or bars of numbers.
+def plot_ablation(
+    ablation: Any, ax: Axes | None = None, *, name: str | None = None, quantity: str | None = None
+) -> list[Axes]:
+    """Draw what a study gave for each scene: a small panel for each, bars, or curves over a parameter.
+
+    Over one parameter the curves of all scenes are in one frame, as in Figs. 13 to 18 of the paper; from
+    several initial states bars and curves are means.
 
     Parameters
     ----------
@@ -39,33 +47,38 @@ def plot_ablation(ablation: Any, ax: Axes | None = None, *, name: str | None = N
         Where bars, or all panels side by side, stand; None draws into a new figure.
     name : str or None
         The coordinate to draw; None takes the first.
+    quantity : str or None
+        The one of ``ablation.quantities`` that bars and curves show; None where there is one only.
 
     Returns
     -------
     list of Axes
-        One for each scene, of its own scale, or one of bars; the figure is ``axes[0].figure``.
+        One for each scene, of its own scale, or one of bars or curves; the figure is ``axes[0].figure``.
 
     Raises
     ------
     TypeError
         For results that are none of these.
+    ValueError
+        For an unknown quantity, none of several, or several parameters.
     """
+    if ablation.conditions is not None or quantity is not None or len(ablation.studies) > 1:
+        return [_draw_quantity(ablation, axes_or_new(ax), quantity)]
     known = [result for result in ablation.results if result is not None]
     if all(isinstance(result, Real) for result in known):
-        return [_bars(ablation, axes_or_new(ax))]
+        values = np.array([np.nan if result is None else result for result in ablation.results], dtype=float)
+        return [_bars(ablation, values, axes_or_new(ax))]
     draw = _panel_for(known)
     count = len(ablation.results)
     columns = min(COLUMNS, count)
     rows = -(-count // columns)
     panels = _panels(rows, columns, ax)
-    for ax, (without, result) in zip(panels, ablation, strict=True):
+    for ax, title, result in zip(panels, _scene_titles(ablation), ablation.results, strict=False):
         if result is None:
             ax.text(0.5, 0.5, "not done", ha="center", va="center", transform=ax.transAxes)
         else:
             draw(result, ax, name)
-        ax.set_title(
-            _scene_title(without, ablation.switches) + _motion_title(result), fontsize=font_size(9.0)
-        )
+        ax.set_title(title + _motion_title(result), fontsize=font_size(9.0))
     _share_labels(panels)
     return panels
 
@@ -120,6 +133,37 @@ def _spectrum(result: Any, ax: Axes, name: str | None) -> None:
     plot_amplitudes(result, ax)
 
 
+def _draw_quantity(ablation: Any, ax: Axes, quantity: str | None) -> Axes:
+    """Means over the initial states: curves over the parameter, or bars where there is none."""
+    means = ablation.numbers(quantity).mean(axis=-1)
+    over = {} if ablation.conditions is None else ablation.conditions.over
+    if len(over) > 1:
+        raise ValueError(
+            f"an ablation must be over one parameter to be drawn, got {', '.join(over)}: draw parts of "
+            "numbers(quantity)"
+        )
+    label = quantity or ablation.quantities[0]
+    for name, values in over.items():
+        for i, (title, curve) in enumerate(zip(_scene_titles(ablation), means, strict=True)):
+            style: dict[str, Any] = {"marker": "."} | line_style(i, "", ax)
+            style["linewidth"] *= THICKEST * THINNER**i
+            ax.plot(values, curve, label=title, **style)
+        ax.set_xlabel(parameter_label(ablation.models[0], name))
+        ax.set_ylabel(label)
+        legend_beside(ax)
+        return ax
+    _bars(ablation, means[:, 0], ax)
+    ax.set_xlabel(label)
+    return ax
+
+
+def _scene_titles(ablation: Any) -> list[str]:
+    """A short title for each scene."""
+    if any(switch.changes is not None for switch in ablation.factors):
+        return list(ablation.names)
+    return [_scene_title(without, ablation.switches) for without in ablation.without]
+
+
 def _scene_title(without: tuple[str, ...], switches: tuple[str, ...]) -> str:
     if not without:
         return all_of(len(switches)).replace("it", switches[0]) if switches else "all"
@@ -132,17 +176,16 @@ def _motion_title(result: Any) -> str:
     return f"\n{kind}" if isinstance(kind, str) and kind else ""
 
 
-def _bars(ablation: Any, ax: Axes) -> Axes:
-    values = np.array([np.nan if result is None else result for _, result in ablation], dtype=float)
+def _bars(ablation: Any, values: np.ndarray, ax: Axes) -> Axes:
     bars = ax.barh(range(len(values)), np.nan_to_num(values), color=BLUE)
     ax.bar_label(bars, ["" if np.isnan(v) else f"{v:.5g}" for v in values], padding=4)
     for i in np.flatnonzero(np.isnan(values)):
         ax.text(0.01, float(i), "none", va="center", transform=ax.get_yaxis_transform())
-    ax.set_yticks(range(len(values)), [_scene_title(without, ablation.switches) for without, _ in ablation])
+    ax.set_yticks(range(len(values)), _scene_titles(ablation))
     ax.invert_yaxis()
     known = values[~np.isnan(values)]
     if len(known) and known.min() > 0 and known.max() > LOG_SCALE_RATIO * known.min():
         ax.set_xscale("log")
     ax.axvline(0.0, **pen(GREY, 0.8, ax))
-    ax.margins(x=0.15 * crowding())
+    ax.margins(x=(NEGATIVE_MARGIN if len(known) and known.min() < 0 else 0.15) * crowding())
     return ax

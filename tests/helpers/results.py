@@ -2,6 +2,8 @@
 
 from functools import cache
 
+from scipy import stats
+
 import frictionlab as fl
 
 from .known_motions import logistic
@@ -14,6 +16,7 @@ RESTING = fl.ModeCoupling(c=0.5)
 SLIDER = fl.SliderOnBelt()
 FLAT_SLIDER = fl.SliderOnBelt(mu_k=1.4).without("geometry")
 TURNING = SLIDER.automaton().states[5]  # the rate of x1
+DISTRIBUTIONS = {"F": stats.uniform(150.0, 100.0), "mu_k": stats.norm(1.5, 0.1)}
 SPEEDS = ("x1'", [0.0, 0.25, 0.5]), ("y1'", [0.0, 0.1])
 
 
@@ -80,6 +83,11 @@ BUILDERS = {
     "from two states": lambda: fl.sweep(
         SLIDER, preload_from, {"F": [100.0, 200.0]}, x0=["rest", "near"], **QUIET
     ),
+    "sensitivity": lambda: fl.sensitivity(SLIDER, fl.GrowthRate()),
+    "uncertainty": lambda: fl.uncertainty(SLIDER, fl.GrowthRate(), DISTRIBUTIONS, n=16, **QUIET),
+    "Sobol indices": lambda: fl.sobol_indices(SLIDER, fl.GrowthRate(), DISTRIBUTIONS, n=16, **QUIET),
+    "effects": lambda: result("ablation").effects(),
+    "ablation over a parameter": lambda: fl.ablation(SLIDER, lambda m: m.F, over={"F": [1.0, 2.0]}, **QUIET),
     "ablation": lambda: fl.ablation(SLIDER, lambda m: m.k1, **QUIET),
     "ablation of motions": lambda: fl.ablation(COUPLED, short_motion, **QUIET),
     "ablation of bifurcations": lambda: fl.ablation(STICK_SLIP, short_bifurcation, **QUIET),

@@ -48,6 +48,9 @@ ANALYSES = {
     "sweep": lambda x0: np.array(
         list(fl.sweep(BELT, final_state, {"v": [0.3]}, x0=[x0], **QUIET).results.ravel())
     ),
+    "ablation": lambda x0: np.array(
+        [found.results[0] for found in fl.ablation(BELT, final_state, x0=[x0], **QUIET).results]
+    ),
 }
 
 

@@ -9,6 +9,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from scipy.stats import uniform
 
 import frictionlab as fl
 from tests.helpers.own_models import Chain, Fitted
@@ -79,6 +80,17 @@ BUILDERS = {
     "boundary": lambda: fl.stability_map(SLIDER, ("F", [100, 500, 1000]), ("mu_k", [0.5, 1.5])).boundary[0],
     "bifurcation": lambda: fl.bifurcation(MODEL, "v", [0.5, 0.6], **QUIET),
     "sweep": lambda: fl.sweep(MODEL, speed, {"v": [1.0, 2.0]}, **QUIET),
+    "sensitivity": lambda: fl.sensitivity(SLIDER, fl.GrowthRate()),
+    "uncertainty": lambda: fl.uncertainty(SLIDER, fl.GrowthRate(), {"F": uniform(150.0, 9.0)}, n=16, **QUIET),
+    "estimate": lambda: result("uncertainty").mean,
+    "indices": lambda: fl.sobol_indices(SLIDER, fl.GrowthRate(), {"F": uniform(150.0, 9.0)}, n=16, **QUIET),
+    "quantity": lambda: fl.CriticalValue("mu_k", (0.0, 4.0)),
+    "growth rate": fl.GrowthRate,
+    "frequency": fl.ModeFrequency,
+    "coordinate": lambda: fl.EquilibriumCoordinate("x1"),
+    "critical frequency": lambda: fl.CriticalFrequency("mu_k", (0.0, 4.0)),
+    "effects": lambda: result("ablation").effects(),
+    "switch": lambda: result("ablation").factors[0],
     "ablation": lambda: fl.ablation(MODEL, speed, **QUIET),
     "basins": plane,
     "attractor": lambda: result("basins").attractors[0],

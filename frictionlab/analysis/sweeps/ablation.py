@@ -1,97 +1,261 @@
-"""`fl.ablation`: one study of a model with every combination of its nonlinearities on and off."""
+"""`fl.ablation`: studies of a model with every combination of its nonlinearities or other alternatives."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import compress, product
+from functools import cached_property
+from itertools import product
 from typing import Any, Unpack
 
+import numpy as np
+from numpy.typing import NDArray
+
 from frictionlab.analysis.options import Execution, ExecutionKeywords, merge_keywords
+from frictionlab.analysis.simulate import initial_state_of, named_state
 from frictionlab.drawable import Drawable
 from frictionlab.models.coercion import require_model
-from frictionlab.presentation import text_table
+from frictionlab.presentation import import_optional, text_table
+from frictionlab.validation import did_you_mean
 
+from .factorial_effects import Effects, effects_of
 from .journal import Journal
+from .result_numbers import numbers_of, table_of_numbers
+from .sweep import Sweep, grid_axes, own_name
+from .switches import Scene, Switch, all_scenes, left_out, model_of_scene, scene_name, switches_of
 from .task_runner import check_function, function_name, run_tasks
+
+Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
 class Ablation(Drawable):
-    """The results of a study for each combination of nonlinearities: eight scenes for three of them.
+    """What studies gave for each scene: each combination of the levels of all switches.
 
     Parameters
     ----------
-    without : tuple of tuples of str
-        The nonlinearities that each scene lacks; the first lacks none, the last all.
+    factors : tuple of Switch
+        The switches with their levels.
+    scenes : tuple of tuples of int
+        The level of each switch; the first scene has all nonlinearities, the last none.
     models : tuple
+        The model of each scene.
     results : tuple
-        The results that the study returned.
+        For each scene what the study returned; of several studies a mapping of their names to that; over
+        parameters or initial states a :class:`Sweep` of these.
+    studies : tuple of str
+        Names of the studies.
     """
 
     drawn_by = "plot_ablation"
     several_axes = True
 
-    without: tuple[tuple[str, ...], ...]
+    factors: tuple[Switch, ...]
+    scenes: tuple[Scene, ...]
     models: tuple[Any, ...]
     results: tuple[Any, ...]
+    studies: tuple[str, ...]
 
-    def __getitem__(self, without: str | tuple[str, ...]) -> Any:
-        """The result without these nonlinearities: ``found["geometry"]``, ``found["cubic", "geometry"]``."""
-        names = {without} if isinstance(without, str) else set(without)
-        for left_out, result in zip(self.without, self.results, strict=True):
-            if set(left_out) == names:
+    def __getitem__(self, scene: str | tuple[str, ...] | Mapping[str, str]) -> Any:
+        """The result of a scene: ``found["geometry"]`` without geometry, ``found[()]`` with all
+        nonlinearities, ``found[{"contact": "HertzContact"}]`` by the levels that are not the first.
+        """
+        asked = self._levels(scene)
+        for levels, result in zip(self.scenes, self.results):
+            if levels == asked:
                 return result
-        raise KeyError(f"no scene lacks {sorted(names)}: name some of {', '.join(self.switches)}")
+        raise KeyError(f"no scene {scene!r}")
+
+    def _levels(self, scene: str | tuple[str, ...] | Mapping[str, str]) -> Scene:
+        names = (scene,) if isinstance(scene, str) else scene
+        chosen = dict(names) if isinstance(names, Mapping) else dict.fromkeys(names, "without")
+        levels = []
+        for switch in self.factors:
+            level = chosen.pop(switch.name, switch.levels[0])
+            if level not in switch.levels:
+                raise KeyError(
+                    f"{switch.name} has no level {level!r}: name one of {', '.join(switch.levels)}"
+                )
+            levels.append(switch.levels.index(level))
+        if chosen:
+            raise KeyError(f"no scene lacks {sorted(chosen)}: name some of {', '.join(self.switches)}")
+        return tuple(levels)
 
     @property
     def switches(self) -> tuple[str, ...]:
-        """Names of the nonlinearities."""
-        return self.without[-1]
+        """Names of the switches."""
+        return tuple(switch.name for switch in self.factors)
+
+    @property
+    def without(self) -> tuple[tuple[str, ...], ...]:
+        """The nonlinearities that each scene lacks."""
+        return tuple(left_out(self.factors, scene) for scene in self.scenes)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Words for each scene."""
+        return tuple(scene_name(self.factors, scene) for scene in self.scenes)
 
     def __iter__(self) -> Iterator[tuple[tuple[str, ...], Any]]:
         return iter(zip(self.without, self.results, strict=True))
 
     def __str__(self) -> str:
-        rows = [(_scene(names, len(self.switches)), str(r)) for names, r in self]
-        width = max(len(name) for name, _ in rows)
+        rows = list(zip(self.names, map(_result_text, self.results)))
+        width = max((len(name) for name, _ in rows), default=0)
         return text_table(f"{name:{width}}  {result}" for name, result in rows)
 
     __repr__ = __str__
 
+    @property
+    def conditions(self) -> Sweep | None:
+        """A Sweep over the same parameters and initial states as every scene's; None where there are none."""
+        return next((result for result in self.results if isinstance(result, Sweep)), None)
 
-def _scene(without: tuple[str, ...], count: int) -> str:
-    """Words for a scene of a model that has so many nonlinearities."""
-    return f"without {', '.join(without)}" if without else f"with {all_of(count)}"
+    @property
+    def quantities(self) -> tuple[str, ...]:
+        """Names of all numbers in the results: a study that returns one has its name, texts are questions
+        ("kind = periodic") that 1 or 0 answers.
+        """
+        return tuple(self._numbers)
+
+    @cached_property
+    def _numbers(self) -> dict[str, Array]:
+        cells = [cell for result in self.results for cell in _cells(result)]
+        return table_of_numbers([self._cell_numbers(cell) for cell in cells])
+
+    def _cell_numbers(self, cell: Any) -> dict[str, float]:
+        if cell is None:
+            return {}
+        if len(self.studies) == 1:
+            return numbers_of(cell, self.studies[0])
+        found: dict[str, float] = {}
+        for study, result in cell.items():
+            found |= numbers_of(result, study, f"{study}.")
+        return found
+
+    def numbers(self, quantity: str | None = None) -> Array:
+        """A quantity in all scenes, as (scenes, conditions, initial states).
+
+        Parameters
+        ----------
+        quantity : str or None
+            One of `quantities`; None where there is one only.
+
+        Raises
+        ------
+        ValueError
+            For another name, or none where there are several.
+        """
+        name = self._quantity(quantity)
+        sweep = self.conditions
+        starts = 1 if sweep is None else len(sweep.x0) or 1
+        return self._numbers[name].reshape(len(self.scenes), -1, starts)
+
+    def _quantity(self, quantity: str | None) -> str:
+        known = self.quantities
+        if quantity is None and len(known) == 1:
+            return known[0]
+        if quantity not in known:
+            hint = did_you_mean(quantity, known) if isinstance(quantity, str) else ": name one"
+            raise ValueError(
+                f"quantity must be one of {', '.join(map(repr, known)) or 'none: no result holds a number'}, "
+                f"got {quantity!r}{hint}"
+            )
+        return quantity
+
+    def effects(self, quantity: str | None = None) -> Effects:
+        """Main effects, interactions, Shapley values and shares of the variance.
+
+        Averaged over the initial states, from which the standard errors come; a column for each value of the
+        parameters.
+
+        Parameters
+        ----------
+        quantity : str or None
+            As for :meth:`numbers`.
+
+        Returns
+        -------
+        Effects
+
+        Examples
+        --------
+        >>> import frictionlab as fl
+        >>> def critical(model):
+        ...     return fl.critical_value(model, "mu_k", (0, 4))
+        >>> found = fl.ablation(fl.SliderOnBelt(), critical, progress=False)
+        >>> found.effects().strongest
+        'geometry'
+        """
+        name, numbers = self._quantity(quantity), self.numbers(quantity)
+        levels = [len(switch.levels) for switch in self.factors]
+        return effects_of(name, numbers.reshape(*levels, *numbers.shape[1:]), self.factors)
+
+    def to_dataframe(self) -> Any:
+        """One row for each scene and condition, a column for each switch and quantity (needs ``data``)."""
+        pd = import_optional("pandas", "to_dataframe")
+        sweep = self.conditions
+        axes = {} if sweep is None else {**sweep.over, **({"x0": sweep.labels()} if sweep.x0 else {})}
+        points = list(product(*axes.values()))
+        rows = [(*self._level_names(scene), *point) for scene in self.scenes for point in points]
+        index = pd.MultiIndex.from_tuples(rows, names=[*self.switches, *axes])
+        return pd.DataFrame(self._numbers, index=index)
+
+    def _level_names(self, scene: Scene) -> tuple[str, ...]:
+        return tuple(switch.levels[level] for switch, level in zip(self.factors, scene))
 
 
-def all_of(count: int) -> str:
-    """Words for all of so many nonlinearities."""
-    return {1: "it", 2: "both", 3: "all three"}.get(count, "all")
+def _cells(result: Any) -> list[Any]:
+    """What the studies returned for a scene, one for each condition."""
+    return list(result.results.ravel()) if isinstance(result, Sweep) else [result]
+
+
+def _result_text(result: Any) -> str:
+    if isinstance(result, Mapping):
+        return ", ".join(f"{name} {value}" for name, value in result.items())
+    return str(result)
 
 
 def ablation(
     model: Any,
-    study: Callable[[Any], Any],
+    studies: Callable[..., Any] | Mapping[str, Callable[..., Any]],
+    switches: Any = None,
     *,
+    over: Mapping[str, Any] | None = None,
+    x0: Sequence[Any] = (),
     execution: Execution | None = None,
     **keywords: Unpack[ExecutionKeywords],
 ) -> Ablation:
-    """Put all scenes with a model's :attr:`~Model.nonlinearities` on or off through a study.
+    """Put all combinations of a model's nonlinearities, or of other alternatives, through one study or more.
 
-    Of a SliderOnBelt these are eight: with the cubic contact, the non-smooth behaviours and the moving load
-    on or off.
+    A full factorial study: of a SliderOnBelt the eight scenes with the cubic contact, the non-smooth
+    behaviours and the moving load on or off.  :meth:`Ablation.effects` says what each does, alone and
+    together with others.
+
+    Where a system has several attractors, two scenes that differ in their fates from one initial state tell
+    nothing of a nonlinearity.  Give an ensemble of initial states: effects are then means, with errors.
 
     Parameters
     ----------
     model : Model
         With all of its nonlinearities.
-    study : callable
-        Called as ``study(model)``: ``fl.steady_state``, or a function of your own.
+    studies : callable, or mapping of str to callable
+        Called as ``study(model)``, or ``study(model, start)`` where `x0` is given: ``fl.steady_state``, or
+        functions of your own.  Effects are those on numbers, texts, mappings of these and steady states.
+    switches : None, sequence of str, or mapping
+        None: all :attr:`~Model.nonlinearities`; a sequence names some of them.  A mapping gives each switch
+        its alternatives, the first being the reference: components or numbers for the field of that name, or
+        mappings of what ``replace`` takes; a mapping of labels to alternatives names them.  None in their
+        place stands for a nonlinearity, on and off.
+    over : mapping of str to array_like
+        Parameters and values; each scene is studied at all of them.
+    x0 : sequence
+        Initial states: names, mappings, or arrays (2n,) for the full model.  Coordinates that a scene lacks
+        are left out.
     execution : Execution or None
         Workers, executor, file and progress bar; None takes the usual ones.  Results that the file of
-        `resume` keeps have to be numbers, texts, or lists and mappings of such.  Of the study the file knows
-        only the name, as for :func:`sweep`.
+        `resume` keeps have to be numbers, texts, or lists and mappings of such.  Of studies the file knows
+        only the names, as for :func:`sweep`.
     **keywords
         Fields of :class:`Execution`, in the place of those of `execution`: ``workers=2``.
 
@@ -104,7 +268,8 @@ def ablation(
     TypeError
         For what is no model, or no function, or an unknown keyword.
     ValueError
-        For a model that cannot be without one of them, or a file of another ablation.
+        For a model that cannot be without one of them, unknown switches, a bad value or initial state, or a
+        file of another ablation.
     OSError
         Where the file cannot be written, or another ablation is using it.
     RuntimeError
@@ -118,31 +283,122 @@ def ablation(
     >>> found = fl.ablation(fl.SliderOnBelt(), lambda m: fl.critical_value(m, "mu_k", (0, 4)))
     >>> found["geometry"] > found[()]
     True
+    >>> laws = {"contact": [fl.LinearContact(), fl.CubicContact(), fl.HertzContact()], "geometry": None}
+    >>> forces = fl.ablation(fl.SliderOnBelt(), lambda m: fl.equilibrium(m).normal_force, laws)
+    >>> len(forces.results)
+    6
     """
     require_model(model, cure="write ablation(model, study), the model made, such as fl.SliderOnBelt()")
-    check_function("study", study, "give one such as fl.steady_state")
+    named = _studies(studies)
     (how,) = merge_keywords("ablation", keywords, execution=(Execution, execution))
-    switches = tuple(model.nonlinearities)
-    left_out = tuple(tuple(compress(switches, choice)) for choice in product((0, 1), repeat=len(switches)))
-    models = tuple(model.without(*names) for names in left_out)
-    specification = {} if how.resume is None else _specification(model, study, left_out)
+    factors = switches_of(model, switches)
+    plan = _Plan(model, factors, {} if over is None else grid_axes(over), tuple(x0))
+    specification = {} if how.resume is None else plan.specification(named)
+    tasks, names = plan.tasks(named)
     with Journal(specification, how.resume) as journal:
         complete = run_tasks(
-            study,
-            [(m,) for m in models],
+            _call_study,
+            tasks,
             keep=journal.keep,
-            names=[f"the scene {_scene(names, len(switches))}" for names in left_out],
+            names=names,
             done=frozenset(journal.results),
             execution=how,
             title="ablation",
         )
         journal.put_in_order()
-    found = Ablation(left_out, models, tuple(journal.results.get(i) for i in range(len(models))))
+    results = [journal.results.get(i) for i in range(len(tasks))]
+    found = plan.ablation(results, tuple(named))
     if not complete:
-        raise journal.interruption(found, len(models))
+        raise journal.interruption(found, len(tasks))
     return found
 
 
-def _specification(model: Any, study: Callable[[Any], Any], left_out: tuple[Any, ...]) -> dict[str, Any]:
-    """What a file tells ablations apart by."""
-    return {"ablation": function_name(study), "model": model.to_dict(), "without": left_out}
+def _call_study(study: Callable[..., Any], *arguments: Any) -> Any:
+    return study(*arguments)
+
+
+def _studies(studies: Any) -> dict[str, Callable[..., Any]]:
+    """The studies by name."""
+    named = dict(studies) if isinstance(studies, Mapping) else {own_name(studies): studies}
+    if not named:
+        raise ValueError('studies must be one at least, got none: give {"onset": a function of a model}')
+    for study in named.values():
+        check_function(
+            "studies" if isinstance(studies, Mapping) else "study", study, "give one such as fl.steady_state"
+        )
+    return {str(name): study for name, study in named.items()}
+
+
+@dataclass(frozen=True)
+class _Plan:
+    """Which models are studied from which initial states."""
+
+    model: Any
+    factors: tuple[Switch, ...]
+    axes: Mapping[str, Array]
+    x0: tuple[Any, ...]
+
+    @cached_property
+    def scenes(self) -> tuple[Scene, ...]:
+        return all_scenes(self.factors)
+
+    @cached_property
+    def models(self) -> tuple[Any, ...]:
+        return tuple(model_of_scene(self.model, self.factors, scene) for scene in self.scenes)
+
+    def tasks(self, studies: Mapping[str, Any]) -> tuple[list[tuple[Any, ...]], list[str]]:
+        """Study, model and initial state of each, and its name; studies vary first, then initial states."""
+        tasks, names = [], []
+        for scene, model in zip(self.scenes, self.models):
+            starts = [(_state_for(model, self.model, start),) for start in self.x0] or [()]
+            for point in product(*self.axes.values()):
+                changes = dict(zip(self.axes, map(float, point)))
+                here = model.replace(**changes) if changes else model
+                at = "".join(f", {name} = {value:g}" for name, value in changes.items())
+                for start, study in product(starts, studies.values()):
+                    tasks.append((study, here, *start))
+                    names.append(f"the scene {scene_name(self.factors, scene)}{at}")
+        return tasks, names
+
+    def specification(self, studies: Mapping[str, Any]) -> dict[str, Any]:
+        """What a file tells ablations apart by."""
+        return {
+            "ablation": {name: function_name(study) for name, study in studies.items()},
+            "model": self.model.to_dict(),
+            "scenes": [model.to_dict() for model in self.models],
+            "over": {name: values.tolist() for name, values in self.axes.items()},
+            "x0": [named_state(start) for start in self.x0],
+        }
+
+    def ablation(self, results: list[Any], studies: tuple[str, ...]) -> Ablation:
+        """The results of all tasks by scene."""
+        count = len(studies)
+        cells = [
+            dict(zip(studies, results[i : i + count])) if count > 1 else results[i]
+            for i in range(0, len(results), count)
+        ]
+        per_scene = len(cells) // len(self.scenes)
+        groups = [cells[i : i + per_scene] for i in range(0, len(cells), per_scene)]
+        function = ", ".join(studies)
+        found = tuple(self._sweep(model, group, function) for model, group in zip(self.models, groups))
+        return Ablation(self.factors, self.scenes, self.models, found, studies)
+
+    def _sweep(self, model: Any, cells: list[Any], function: str) -> Any:
+        if not self.axes and not self.x0:
+            return cells[0]
+        results = np.empty(len(cells), dtype=object)
+        for i, cell in enumerate(cells):
+            results[i] = cell
+        shape = [*map(len, self.axes.values()), *([len(self.x0)] if self.x0 else [])]
+        return Sweep(self.axes, self.x0, results.reshape(shape), model, function)
+
+
+def _state_for(model: Any, full: Any, start: Any) -> Any:
+    """An initial state of the full model, for a scene that may lack some of its coordinates."""
+    whole = initial_state_of(full, start)
+    if isinstance(start, str):
+        return start
+    names = [state.name for state in full.automaton().states]
+    given = start if isinstance(start, Mapping) else dict(zip(names, whole.tolist()))
+    known = {state.name for state in model.automaton().states}
+    return {name: value for name, value in given.items() if name in known}

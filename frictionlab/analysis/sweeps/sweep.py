@@ -142,7 +142,7 @@ def sweep(
     require_model(model, cure="write sweep(model, function, over), the model made, such as fl.SliderOnBelt()")
     check_function("function", function, "write sweep(model, function, over)")
     (how,) = merge_keywords("sweep", keywords, execution=(Execution, execution))
-    axes = _axes(over)
+    axes = grid_axes(over)
     points = list(product(*axes.values()))
     models = [model.replace(**dict(zip(axes, map(float, point)))) for point in points]
     if isinstance(x0, (str, Mapping)):
@@ -168,13 +168,14 @@ def sweep(
     for i, result in journal.results.items():
         results[i] = result
     shape = [len(values) for values in axes.values()] + ([len(starts)] if starts else [])
-    found = Sweep(axes, tuple(x0), results.reshape(shape), model, _own_name(function))
+    found = Sweep(axes, tuple(x0), results.reshape(shape), model, own_name(function))
     if not complete:
         raise journal.interruption(found, len(tasks))
     return found
 
 
-def _axes(over: Mapping[str, Any]) -> dict[str, NDArray[np.float64]]:
+def grid_axes(over: Mapping[str, Any]) -> dict[str, NDArray[np.float64]]:
+    """Parameters and their values (N,), one axis of a grid each."""
     cure = 'give each its values, such as {"mu_k": [0.5, 1.0]}'
     check_mapping("over", over, cure)
     axes = {name: float_array(f"over[{name!r}]", values, cure).ravel() for name, values in over.items()}
@@ -190,7 +191,8 @@ def _point(axes: Mapping[str, Any], point: tuple[float, ...]) -> str:
     return ", ".join(f"{name} = {value:g}" for name, value in zip(axes, point))
 
 
-def _own_name(function: Callable[..., Any]) -> str:
+def own_name(function: Callable[..., Any]) -> str:
+    """The name of a function; "result" of one that has none."""
     name = getattr(function, "__name__", "<lambda>")
     return "result" if name == "<lambda>" else name
 

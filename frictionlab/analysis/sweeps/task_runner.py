@@ -109,7 +109,8 @@ def check_function(name: str, function: Any, cure: str) -> None:
 
 def function_name(function: Callable[..., Any]) -> str:
     """What files tell functions apart by."""
-    return getattr(function, "__qualname__", type(function).__name__)
+    name = getattr(function, "__name__", type(function).__name__)
+    return getattr(function, "__qualname__", name)
 
 
 def _collect_results(

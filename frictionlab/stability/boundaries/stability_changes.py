@@ -190,7 +190,13 @@ def critical_curve(model: Any, parameter: str, bounds: Any, *, over: tuple[str, 
 
 def first_loss(changes: tuple[StabilityChange, ...]) -> float | None:
     """The value at which no growing mode becomes one."""
-    return next((c.value for c in changes if c.unstable[0] == 0 and c.direction == "loss"), None)
+    change = first_loss_change(changes)
+    return None if change is None else change.value
+
+
+def first_loss_change(changes: tuple[StabilityChange, ...]) -> StabilityChange | None:
+    """The change at which no growing mode becomes one."""
+    return next((c for c in changes if c.unstable[0] == 0 and c.direction == "loss"), None)
 
 
 def changes_on_lines(

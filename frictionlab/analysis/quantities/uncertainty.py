@@ -1,0 +1,360 @@
+"""`fl.uncertainty` and `fl.sobol_indices`: a quantity of a model whose parameters are not known exactly."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, NamedTuple, Unpack
+
+import numpy as np
+from numpy.typing import NDArray
+
+from frictionlab.analysis.options import Execution, ExecutionKeywords, merge_keywords
+from frictionlab.analysis.sweeps.journal import Journal
+from frictionlab.analysis.sweeps.sweep import own_name
+from frictionlab.analysis.sweeps.task_runner import check_function, function_name, run_tasks
+from frictionlab.drawable import Drawable
+from frictionlab.models.coercion import require_model
+from frictionlab.presentation import dataframe, text_table
+from frictionlab.validation import check_number
+
+from .quantity import Quantity
+from .sampling import GROUPS, check_distributions, evaluate, evaluation_tasks, quantiles, sobol_points
+
+Array = NDArray[np.float64]
+
+
+class Estimate(NamedTuple):
+    """A number with its standard error."""
+
+    value: float
+    error: float
+
+    def __str__(self) -> str:
+        return f"{self.value:.4g} ± {self.error:.2g}"
+
+
+@dataclass(frozen=True, eq=False)
+class Uncertainty(Drawable):
+    """The distribution of a quantity.
+
+    Parameters
+    ----------
+    model : Model
+    quantity : str
+    parameters : tuple of str
+    points : array (N, d)
+        Values of the parameters.
+    values : array (N,)
+        The quantity; NaN where there is none, as where stability is never lost.
+    groups : int
+        Into how many independent groups the points fall, one after the other, from which errors come.
+    """
+
+    drawn_by = "plot_uncertainty"
+
+    model: Any
+    quantity: str
+    parameters: tuple[str, ...]
+    points: Array
+    values: Array
+    groups: int
+
+    def __repr__(self) -> str:
+        low, middle, high = (self.quantile(q) for q in (0.025, 0.5, 0.975))
+        none = int(np.isnan(self.values).sum())
+        lines = [
+            f"Uncertainty({self.quantity}, {len(self.values)} points of {len(self.parameters)} parameters"
+            f"{f', {none} without' if none else ''}):",
+            f"  mean {self.mean}, median {middle:.4g}, 95 % from {low:.4g} to {high:.4g}",
+        ]
+        return text_table(lines)
+
+    @property
+    def mean(self) -> Estimate:
+        """Mean of the values that there are."""
+        return self._estimate(np.nanmean)
+
+    @property
+    def standard_deviation(self) -> Estimate:
+        """Standard deviation of the values that there are."""
+        return self._estimate(lambda values: float(np.nanstd(values)))
+
+    def probability(self, *, below: float | None = None, above: float | None = None) -> Estimate:
+        """Probability that the quantity is below or above a number; where there is none it is neither.
+
+        The probability of instability is that of a positive growth rate, ``probability(above=0)``, or that of
+        a critical value below the present one, ``probability(below=mu_k)``.
+
+        Parameters
+        ----------
+        below, above : float or None
+            One of them at least; with both that of values in between.
+        """
+        if below is None and above is None:
+            raise ValueError("below or above must be given, got neither: write probability(above=0.0)")
+        low, high = -np.inf if above is None else above, np.inf if below is None else below
+        return self._estimate(lambda values: float(((values > low) & (values < high)).mean()))
+
+    def quantile(self, share: float) -> float:
+        """The number below which the quantity is with this probability; inf where it does not exist so often.
+
+        Of a critical value the robust one: at ``quantile(0.05)`` 95 percent of the systems are stable.
+
+        Parameters
+        ----------
+        share : float
+            From 0 to 1.
+        """
+        check_number("share", share, least=0.0, most=1.0, cure="0.05 is the lowest of twenty")
+        return float(np.quantile(np.where(np.isnan(self.values), np.inf, self.values), share, method="lower"))
+
+    def to_dataframe(self) -> Any:
+        """One row for each point, with the parameters and the quantity (needs the extra ``data``)."""
+        columns = {**dict(zip(self.parameters, self.points.T)), self.quantity: self.values}
+        return dataframe(columns, {"point": np.arange(len(self.values))}, {})
+
+    def _estimate(self, statistic: Callable[[Array], Any]) -> Estimate:
+        if np.isnan(self.values).all():
+            return Estimate(float(statistic(np.nan_to_num(self.values, nan=np.nan))), float("nan"))
+        parts = [part for part in self.values.reshape(self.groups, -1) if not np.isnan(part).all()]
+        each = np.array([statistic(part) for part in parts])
+        error = each.std(ddof=1) / np.sqrt(len(each)) if len(each) > 1 else np.nan
+        return Estimate(float(statistic(self.values)), float(error))
+
+
+def uncertainty(
+    model: Any,
+    quantity: Quantity | Callable[[Any], Any],
+    distributions: Mapping[str, Any],
+    *,
+    n: int = 1024,
+    seed: int = 0,
+    execution: Execution | None = None,
+    **keywords: Unpack[ExecutionKeywords],
+) -> Uncertainty:
+    """The distribution of a quantity when parameters have distributions.
+
+    At scrambled Sobol points, in eight groups that are independent of each other, from which the errors come.
+    Quantities of linear stability take all points at once: ten thousand critical values in seconds.
+
+    Parameters
+    ----------
+    model : Model
+    quantity : Quantity or callable
+        Such as :class:`CriticalValue`; or a function of a model that returns a number, None where there is
+        none.
+    distributions : mapping of str to distribution
+        Of independent parameters: frozen distributions of ``scipy.stats``.
+    n : int
+        Number of points, a power of two, 16 at least.
+    seed : int
+    execution : Execution or None
+        Workers, executor, file and progress bar; see :func:`sweep`.
+    **keywords
+        Fields of :class:`Execution`, in the place of those of `execution`.
+
+    Returns
+    -------
+    Uncertainty
+
+    Raises
+    ------
+    TypeError
+        For what is no model, no function, no distribution, or an unknown keyword.
+    ValueError
+        For an unknown parameter, values that break its rule, or another number of points.
+    OSError, RuntimeError, KeyboardInterrupt
+        As :func:`sweep`.
+
+    Examples
+    --------
+    >>> import frictionlab as fl
+    >>> from scipy import stats
+    >>> friction = {"mu_k": stats.norm(1.5, 0.1), "F": stats.uniform(150, 100)}
+    >>> found = fl.uncertainty(fl.SliderOnBelt(), fl.GrowthRate(), friction, n=256, progress=False)
+    >>> 0 < found.probability(above=0).value < 1
+    True
+    """
+    task = _check_task(model, quantity, distributions, n, seed, least=2 * GROUPS)
+    seeds = range(seed * GROUPS, (seed + 1) * GROUPS)
+    points = np.concatenate([sobol_points(len(task.distributions), n // GROUPS, s) for s in seeds])
+    (how,) = merge_keywords("uncertainty", keywords, execution=(Execution, execution))
+    values = quantiles(model, task.distributions, points)
+
+    def result(found: Array) -> Uncertainty:
+        return Uncertainty(model, task.label, tuple(task.distributions), values, found, GROUPS)
+
+    return _evaluated(task, values, how, "uncertainty", result)
+
+
+@dataclass(frozen=True, eq=False)
+class SobolIndices(Drawable):
+    """Shares of the variance of a quantity that are due to each parameter.
+
+    Parameters
+    ----------
+    model : Model
+    quantity : str
+    parameters : tuple of str
+    first_order : array (d,)
+        By the parameter alone.
+    total_order : array (d,)
+        With all its interactions.
+    first_errors, total_errors : array (d,)
+        Standard errors, by bootstrap.
+    """
+
+    drawn_by = "plot_sobol_indices"
+
+    model: Any
+    quantity: str
+    parameters: tuple[str, ...]
+    first_order: Array
+    total_order: Array
+    first_errors: Array
+    total_errors: Array
+
+    def __repr__(self) -> str:
+        order = np.argsort(-np.nan_to_num(self.total_order), kind="stable")
+        rows = [
+            f"  {self.parameters[i]}: {self.first_order[i]:.3f} ± {self.first_errors[i]:.2g} alone, "
+            f"{self.total_order[i]:.3f} ± {self.total_errors[i]:.2g} in all"
+            for i in order
+        ]
+        return text_table([f"SobolIndices({self.quantity}):", *rows], most=6)
+
+    def to_dataframe(self) -> Any:
+        """One row for each parameter (needs the extra ``data``)."""
+        names = ("first_order", "first_errors", "total_order", "total_errors")
+        columns = {name: getattr(self, name) for name in names}
+        return dataframe(columns, {"parameter": list(self.parameters)}, {})
+
+
+def sobol_indices(
+    model: Any,
+    quantity: Quantity | Callable[[Any], Any],
+    distributions: Mapping[str, Any],
+    *,
+    n: int = 1024,
+    seed: int = 0,
+    execution: Execution | None = None,
+    **keywords: Unpack[ExecutionKeywords],
+) -> SobolIndices:
+    """Which parameter's uncertainty matters: variance-based sensitivity indices.
+
+    .. math:: S_i = \\frac{V[E[Q | p_i]]}{V[Q]}, \\qquad S_{Ti} = 1 - \\frac{V[E[Q | p_{\\sim i}]]}{V[Q]}
+
+    by the estimators of Saltelli et al., Computer Physics Communications 181, 2010, of
+    :func:`scipy.stats.sobol_indices`.
+
+    Parameters
+    ----------
+    model, quantity, distributions, seed, execution, **keywords
+        As for :func:`uncertainty`.
+    n : int
+        A power of two; the quantity is computed n (d + 2) times for d parameters.
+
+    Returns
+    -------
+    SobolIndices
+
+    Raises
+    ------
+    ValueError
+        Where the quantity does not exist at some points; and as :func:`uncertainty`.
+    TypeError, OSError, RuntimeError, KeyboardInterrupt
+        As :func:`uncertainty`.
+
+    Examples
+    --------
+    >>> import frictionlab as fl
+    >>> from scipy import stats
+    >>> loads = {"F": stats.uniform(150, 100), "k2": stats.uniform(4e3, 2e3)}
+    >>> height = fl.EquilibriumCoordinate("y1")
+    >>> found = fl.sobol_indices(fl.SliderOnBelt(), height, loads, n=64, progress=False)
+    >>> found.parameters[found.total_order.argmax()]
+    'F'
+    """
+    task = _check_task(model, quantity, distributions, n, seed, least=8)
+    (how,) = merge_keywords("sobol_indices", keywords, execution=(Execution, execution))
+    d = len(task.distributions)
+    both = sobol_points(2 * d, n, seed)
+    a, b = both[:, :d], both[:, d:]
+    mixed = [np.where(np.arange(d) == i, b, a) for i in range(d)]
+    values = quantiles(model, task.distributions, np.concatenate([a, b, *mixed]))
+
+    def result(found: Array) -> SobolIndices:
+        if np.isnan(found).any():
+            none = np.isnan(found).mean()
+            raise ValueError(
+                f"{task.label} must exist at all points to have indices, got none at {none:.1%} of them: "
+                "narrow the distributions, or ask for another quantity"
+            )
+        first, total, first_errors, total_errors = _indices(found.reshape(d + 2, n), seed)
+        names = tuple(task.distributions)
+        return SobolIndices(model, task.label, names, first, total, first_errors, total_errors)
+
+    return _evaluated(task, values, how, "Sobol indices", result)
+
+
+def _indices(found: Array, seed: int) -> tuple[Array, Array, Array, Array]:
+    """First and total order, and their errors, of values (d + 2, n) at A, B and the mixed points."""
+    from scipy.stats import sobol_indices as indices_of
+
+    d, n = len(found) - 2, found.shape[1]
+    mixed = found[2:] if d > 1 else found[[2, 2]]  # scipy 1.15 to 1.17 fail with a single parameter
+    parts: Any = {"f_A": found[:1], "f_B": found[1:2], "f_AB": mixed[:, None, :]}
+    result = indices_of(func=parts, n=n, rng=np.random.default_rng(seed))
+    spread = result.bootstrap(n_resamples=200)
+    found_parts = (
+        result.first_order,
+        result.total_order,
+        spread.first_order.standard_error,
+        spread.total_order.standard_error,
+    )
+    first, total, first_errors, total_errors = (np.asarray(x, dtype=float).ravel()[:d] for x in found_parts)
+    return first, total, first_errors, total_errors
+
+
+class _Task(NamedTuple):
+    """What is computed, checked."""
+
+    model: Any
+    quantity: Any
+    distributions: dict[str, Any]
+    label: str
+
+
+def _check_task(model: Any, quantity: Any, distributions: Any, n: Any, seed: Any, least: int) -> _Task:
+    require_model(model, cure="write uncertainty(model, quantity, distributions), the model made")
+    check_function("quantity", quantity, 'give one such as fl.CriticalValue("mu_k", (0, 4))')
+    check_number("n", n, integer=True, least=least, cure="give a power of two such as 1024")
+    check_number("seed", seed, integer=True, least=0, cure="give another seed for other points")
+    if n & (n - 1):
+        raise ValueError(f"n must be a power of two, got {n}: give {1 << (n.bit_length() - 1)} or its double")
+    label = quantity.label if isinstance(quantity, Quantity) else own_name(quantity)
+    return _Task(model, quantity, check_distributions(model, distributions), label)
+
+
+def _evaluated(task: _Task, values: Array, how: Execution, title: str, result: Callable[[Array], Any]) -> Any:
+    """The result of the quantity at values (N, d), in tasks that a file keeps."""
+    tasks, names = evaluation_tasks(task.model, task.quantity, tuple(task.distributions), values)
+    specification = {"quantity": function_name(task.quantity), "model": task.model.to_dict()}
+    specification |= {"parameters": list(task.distributions), "points": values.tolist()}
+    with Journal({} if how.resume is None else specification, how.resume) as journal:
+        complete = run_tasks(
+            evaluate,
+            tasks,
+            keep=journal.keep,
+            names=names,
+            done=frozenset(journal.results),
+            execution=how,
+            title=title,
+        )
+        journal.put_in_order()
+    numbers = [journal.results.get(i, [None] * len(block[3])) for i, block in enumerate(tasks)]
+    found = np.array([np.nan if v is None else v for block in numbers for v in block], dtype=float)
+    if not complete:
+        raise journal.interruption(found, len(tasks))
+    return result(found)

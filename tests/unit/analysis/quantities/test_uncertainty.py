@@ -1,0 +1,128 @@
+"""Distributions of quantities, against closed forms."""
+
+import numpy as np
+import pytest
+from scipy import stats
+
+import frictionlab as fl
+from frictionlab import plotting
+
+QUIET = {"progress": False}
+SLIDER = fl.SliderOnBelt(mu_k=1.4)
+COUPLED = fl.ModeCoupling(c=0.0)
+A, B = 7.0, 0.1  # of Ishigami's function
+AROUND_TEN = stats.uniform(10.0 - np.pi, 2 * np.pi)  # parameters are positive
+
+
+def ishigami(model):
+    x, y, z = model.M - 10.0, model.m - 10.0, model.J - 10.0
+    return np.sin(x) + A * np.sin(y) ** 2 + B * z**4 * np.sin(x)
+
+
+def test_ishigamis_indices():
+    ranges = dict.fromkeys(("M", "m", "J"), AROUND_TEN)
+    found = fl.sobol_indices(SLIDER, ishigami, ranges, n=2048, **QUIET)
+    first = (1 + B * np.pi**4 / 5) ** 2 / 2
+    second = A**2 / 8
+    both = B**2 * np.pi**8 * (1 / 18 - 1 / 50)
+    variance = first + second + both
+    assert found.first_order == pytest.approx(np.array([first, second, 0.0]) / variance, abs=0.03)
+    assert found.total_order == pytest.approx(np.array([first + both, second, both]) / variance, abs=0.03)
+    assert (found.total_errors < 0.05).all()
+
+
+def test_ishigamis_mean_and_variance_are_within_their_errors():
+    found = fl.uncertainty(SLIDER, ishigami, dict.fromkeys(("M", "m", "J"), AROUND_TEN), n=1024, **QUIET)
+    variance = A**2 / 8 + B * np.pi**4 / 5 + B**2 * np.pi**8 / 18 + 0.5
+    assert abs(found.mean.value - A / 2) < 4 * found.mean.error < 0.2
+    spread = found.standard_deviation
+    assert abs(spread.value - np.sqrt(variance)) < 4 * spread.error < 0.2
+
+
+def test_onsets_of_mode_coupling_have_the_distribution_of_their_closed_form():
+    """mu_c falls with k1 in this range: P(mu_c < t) = P(k1 > k1(t))."""
+    stiffness = stats.uniform(0.9, 0.2)
+    onset = fl.CriticalValue("mu_k", (0.0, 4.0))
+    found = fl.uncertainty(COUPLED, onset, {"k1": stiffness}, n=256, **QUIET)
+    exact = [COUPLED.replace(k1=k1).critical_friction for k1 in found.points[:, 0]]
+    assert found.values == pytest.approx(exact, rel=1e-9)
+    at = COUPLED.replace(k1=1.03).critical_friction
+    estimate = found.probability(below=at)
+    assert abs(estimate.value - stiffness.sf(1.03)) < 4 * estimate.error + 1 / 256
+    assert found.quantile(0.05) == pytest.approx(COUPLED.replace(k1=1.09).critical_friction, rel=2e-3)
+
+
+def test_the_error_of_a_probability_covers_a_run_ten_times_as_large():
+    ranges = {"F": stats.uniform(150.0, 100.0), "mu_k": stats.norm(1.5, 0.1)}
+    few = fl.uncertainty(SLIDER, fl.GrowthRate(), ranges, n=256, **QUIET).probability(above=0.0)
+    many = fl.uncertainty(SLIDER, fl.GrowthRate(), ranges, n=4096, seed=7, **QUIET).probability(above=0.0)
+    assert 0.3 < many.value < 0.6
+    assert abs(few.value - many.value) < 4 * np.hypot(few.error, many.error)
+    assert many.error < few.error
+
+
+def test_where_stability_is_never_lost_there_is_no_value():
+    onset = fl.CriticalValue("mu_k", (0.0, 1.5))
+    found = fl.uncertainty(SLIDER, onset, {"F": stats.uniform(150.0, 100.0)}, n=16, **QUIET)
+    never = np.isnan(found.values)
+    assert 0 < never.sum() < 16
+    assert found.probability(below=1.5).value == pytest.approx(1 - never.mean())
+    assert found.quantile(1.0) == np.inf
+    assert f"{never.sum()} without" in repr(found)
+    with pytest.raises(ValueError, match="must exist at all points to have indices"):
+        fl.sobol_indices(SLIDER, onset, {"F": stats.uniform(150.0, 100.0)}, n=16, **QUIET)
+
+
+def test_what_was_done_is_kept_in_a_file(tmp_path):
+    path, calls = tmp_path / "points.jsonl", []
+
+    def load(model):
+        calls.append(model.F)
+        return model.F
+
+    keywords = {"n": 16, "resume": path, "workers": 2, **QUIET}
+    first = fl.uncertainty(SLIDER, load, {"F": stats.uniform(1.0, 9.0)}, **keywords)
+    path.write_bytes(b"".join(path.read_bytes().splitlines(keepends=True)[:7]))
+    again = fl.uncertainty(SLIDER, load, {"F": stats.uniform(1.0, 9.0)}, **keywords)
+    assert len(calls) == 16 + 10
+    assert np.array_equal(first.values, again.values)
+    with pytest.raises(ValueError, match=r"differs in .*points"):
+        fl.uncertainty(SLIDER, load, {"F": stats.uniform(1.0, 9.0)}, seed=1, **keywords)
+
+
+@pytest.mark.parametrize(
+    ("changes", "kind", "message"),
+    [
+        ({"n": 100}, ValueError, "n must be a power of two, got 100: give 64"),
+        ({"n": 8}, ValueError, "n must be"),
+        ({"seed": -1}, ValueError, "seed must be"),
+        ({"quantity": "F"}, TypeError, "quantity must be a function"),
+        ({"distributions": {"F": 3.0}}, TypeError, "must have a quantile function"),
+        ({"distributions": {}}, ValueError, "one parameter at least"),
+        ({"distributions": {"G": stats.norm(1, 1)}}, TypeError, "'G'"),
+        ({"distributions": {"M": stats.norm(0.1, 1.0)}}, ValueError, "cut the distribution off"),
+    ],
+)
+def test_bad_arguments_are_refused(changes, kind, message):
+    given = {"quantity": fl.GrowthRate(), "distributions": {"F": stats.uniform(100.0, 1.0)}, "n": 16}
+    given |= changes
+    with pytest.raises(kind, match=message):
+        fl.uncertainty(
+            SLIDER,
+            given["quantity"],
+            given["distributions"],
+            **QUIET,
+            **{k: v for k, v in given.items() if k in ("n", "seed")},
+        )
+
+
+def test_pictures_show_the_numbers():
+    ranges = {"F": stats.uniform(150.0, 100.0), "mu_k": stats.norm(1.5, 0.1)}
+    found = fl.uncertainty(SLIDER, fl.GrowthRate(), ranges, n=64, **QUIET)
+    curve, *lines = plotting.plot_uncertainty(found)
+    assert curve.get_ydata()[-1] == 1.0
+    assert lines[0].get_xdata()[0] == found.quantile(0.5)
+    assert len(found.to_dataframe()) == 64
+    indices = fl.sobol_indices(SLIDER, fl.GrowthRate(), ranges, n=64, **QUIET)
+    alone, _ = plotting.plot_sobol_indices(indices)
+    assert sorted(bar.get_width() for bar in alone) == pytest.approx(sorted(indices.first_order))
