@@ -7,6 +7,7 @@ as the README's second command makes.  What follows ``--`` goes to the command:
 
 import re
 import shlex
+import shutil
 import zipfile
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -28,6 +29,12 @@ NOT_PYTHON = (  # in the wheel
     *("__init__.pyi", "py.typed", "pages/scripts/page.html", "pages/scripts/page.js"),
     *("plotting/animation/drawing.js", "widgets/canvas.js", "widgets/rendering/clickable.js"),
 )
+MOST_BYTES_OF_OBJECTS = 1_000_000  # machine code of the solver in a wheel
+WITHOUT_COMPILER = """
+import importlib.util
+from frictionlab.hybrid import compilation
+assert importlib.util.find_spec("numba") is None and compilation.LOADED is not None
+"""
 CPU_FLAGS = Path("/proc/cpuinfo")
 
 
@@ -77,6 +84,15 @@ def pages(session: nox.Session) -> None:
     install(session, "test,pages")
     session.run("python", "-m", "frictionlab.hybrid.ahead_of_time", "--web", external=True)
     run(session, "pytest", "-n", "auto", "-m", "browser", "tests/browser/test_page.py")
+    if shutil.which("node"):
+        session.run("python", "-m", "tests.digests.web", external=True)
+
+
+@nox.session
+def numba(session: nox.Session) -> None:
+    """Runs of all models with kernels compiled by numba, to the last bit as those compiled ahead of time."""
+    install(session)
+    run(session, "python", "-m", "tests.digests", env={"FRICTIONLAB_COMPILE_KERNELS": "1"})
 
 
 @nox.session
@@ -120,18 +136,28 @@ def site(session: nox.Session) -> None:
 
 @nox.session
 def package(session: nox.Session) -> None:
-    """Wheel and source as they go to PyPI; the wheel alone runs the scene of the README."""
+    """Wheel and source as they go to PyPI; the wheel alone runs the scene of the README, without numba.
+
+    A folder that follows ``--`` keeps both.
+    """
     session.install("build", "twine")
     with TemporaryDirectory() as folder:
-        session.run("python", "-m", "build", "--outdir", folder)
+        session.run("python", "-m", "build", "--sdist", "--wheel", "--outdir", folder)
         (wheel,), (source,) = Path(folder).glob("*.whl"), Path(folder).glob("*.tar.gz")
         session.run("twine", "check", "--strict", str(wheel), str(source))
-        names = zipfile.ZipFile(wheel).namelist()
+        with zipfile.ZipFile(wheel) as content:
+            names = content.namelist()
+            objects = [one.compress_size for one in content.infolist() if "/objects/" in one.filename]
+        if not 0 < sum(objects) <= MOST_BYTES_OF_OBJECTS:
+            session.error(f"the wheel's objects have {sum(objects)} bytes")
         if lacking := [name for name in NOT_PYTHON if f"frictionlab/{name}" not in names]:
             session.error(f"the wheel lacks {', '.join(lacking)}")
+        for kept in session.posargs:
+            shutil.copytree(folder, kept, dirs_exist_ok=True)
         session.install(str(wheel))
         with session.chdir(folder):
             session.run("frictionlab", "run", "-o", "first-run.png")
+            session.run("python", "-c", WITHOUT_COMPILER)
 
 
 @nox.session

@@ -87,8 +87,8 @@ def markdown_table(head: str, lines: Iterable[str]) -> str:
     return "\n".join([f"| {head} |", f"|{rule}|", *(f"| {line} |" for line in lines)])
 
 
-def import_optional(package: str, what: str) -> Any:
-    """The package of the extra ``data``.
+def import_optional(package: str, what: str, extra: str = "data") -> Any:
+    """The package of an extra.
 
     Raises
     ------
@@ -98,7 +98,7 @@ def import_optional(package: str, what: str) -> Any:
     try:
         return import_module(package)
     except ImportError as error:
-        raise ImportError(f"{what} needs {package}: pip install 'frictionlab[data]'") from error
+        raise ImportError(f"{what} needs {package}: pip install 'frictionlab[{extra}]'") from error
 
 
 def dataframe(columns: Mapping[str, Any], index: Mapping[str, Any], units: Mapping[str, str]) -> Any:

@@ -17,11 +17,11 @@ import sympy as sp
 from frictionlab.analysis.basins.basins import BasinStability, basin_stability
 from frictionlab.analysis.steady_state.classification import MotionKind
 from frictionlab.automaton import Event, HybridAutomaton, Mode, Reset
-from frictionlab.hybrid.compilation import NUMBA
 from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.presentation import markdown_table
 
 from .harness import warm_up, warm_up_lanes
+from .peers.external import compile_peer
 
 BELT_SPEED, EQUILIBRIUM_SHARE = (
     1.5,
@@ -103,7 +103,7 @@ def smooth_flow(width: float) -> Callable[..., Any]:
         v_r = v - BELT_SPEED
         return v, -0.1 * v - x - np.tanh(v_r / width) * (0.5 + 0.5 * np.exp(-2.0 * np.abs(v_r)))
 
-    compiled = kernel if NUMBA is None else NUMBA.njit(kernel)
+    compiled = compile_peer(kernel)
     return lambda t, z: compiled(z[0], z[1])
 
 

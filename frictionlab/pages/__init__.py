@@ -4,6 +4,8 @@
     Expressions of sympy as JavaScript, to the last bit what Python computes of parameters.
 ``structure``
     One structure of a model as data: the tape's arrays, its numbers, outputs and equilibria.
+``parameter_rules``
+    What a model checks when parameters are set, for the page to check in the same words.
 ``controls``
     The sliders, switches and presets of a page, checked.
 ``solver_file``

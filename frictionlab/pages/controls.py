@@ -77,8 +77,6 @@ def _slider(name: str, about: Parameter, value: float, bounds: Any) -> dict[str,
         "low": low,
         "high": high,
         "log": bool(about.log and low > 0),
-        "least": about.minimum if about.minimum is not None else about.exclusive_minimum,
-        "exclusive": about.minimum is None and about.exclusive_minimum is not None,
     }
 
 

@@ -12,6 +12,7 @@ from typing import Any
 from frictionlab._version import __version__
 from frictionlab.analysis.motion_scales import oscillation_period, round_down_1_2_5
 from frictionlab.file_writing import write_text
+from frictionlab.hybrid.elementary.parameter_functions import KERNELS as ELEMENTARY
 from frictionlab.hybrid.kernels.event_location import COEFFICIENT_ROUNDING
 from frictionlab.hybrid.methods.taylor import MIN_STEP_SHARE, Taylor
 from frictionlab.hybrid.tape.functions import FUNCTIONS
@@ -110,9 +111,10 @@ def export_page(
         "mechanism": _mechanism(model),
         "method": _method(),
     }
-    solver = solver_data()
+    script = _script()
+    solver = solver_data(script)
     found = {key: structure_data(each) for key, each in structures(model, names).items()}
-    return write_text(Path(path), _html(scene, found, solver))
+    return write_text(Path(path), _html(scene, found, solver, script))
 
 
 def _call(model: Model) -> str:
@@ -130,6 +132,7 @@ def _method() -> dict[str, Any]:
         "min_step_share": MIN_STEP_SHARE,
         "dwell": method.limits[0],
         "chatter": method.limits[1],
+        "elementary": [function.__name__ for function in ELEMENTARY],
         "kinds": {function.name: function.kind for function in FUNCTIONS},
     }
 
@@ -158,24 +161,28 @@ def _field(value: Any) -> Any:
     return dict(vars(value)) if hasattr(value, "right") else value
 
 
-def _html(scene: dict[str, Any], found: dict[str, dict[str, Any]], solver: dict[str, Any]) -> str:
-    folder = resources.files("frictionlab.pages").joinpath("scripts")
+def _script() -> str:
     drawing = resources.files("frictionlab.plotting.animation").joinpath("drawing.js")
+    return drawing.read_text(encoding="utf-8") + "".join(_text(f"{name}.js") for name in SCRIPTS)
 
-    def text(name: str) -> str:
-        return folder.joinpath(name).read_text(encoding="utf-8")
 
-    licence = "/*! uPlot\n" + text("uplot/licence.txt").replace("*/", "") + "*/\n"
-    script = drawing.read_text(encoding="utf-8") + "".join(text(f"{name}.js") for name in SCRIPTS)
+def _text(name: str) -> str:
+    return (resources.files("frictionlab.pages") / "scripts" / name).read_text(encoding="utf-8")
+
+
+def _html(
+    scene: dict[str, Any], found: dict[str, dict[str, Any]], solver: dict[str, Any], script: str
+) -> str:
+    licence = "/*! uPlot\n" + _text("uplot/licence.txt").replace("*/", "") + "*/\n"
     constants = {"SCENE": _json(scene), "SOLVER": _json(solver), "STRUCTURES": _structures(found)}
     data = "".join(f"const {name} = {value};\n" for name, value in constants.items())
     parts = {
         "TITLE": html.escape(scene["title"]),
-        "STYLE": text("uplot/uplot.css") + text("page.css"),
-        "UPLOT": licence + text("uplot/uplot.js"),
+        "STYLE": _text("uplot/uplot.css") + _text("page.css"),
+        "UPLOT": licence + _text("uplot/uplot.js"),
         "SCRIPT": data + script,
     }
-    page = text("page.html")
+    page = _text("page.html")
     for name, part in parts.items():
         page = page.replace(f"<!--{name}-->", part)
     return page
@@ -191,13 +198,15 @@ def _structures(found: dict[str, dict[str, Any]]) -> str:
 
 
 def _structure(data: dict[str, Any]) -> str:
-    of_functions = ("numbers", "release", "outputs", "sliding")
+    of_functions = ("numbers", "release", "outputs", "sliding", "rules")
     plain = {name: value for name, value in data.items() if name not in of_functions}
     named, functions = data["outputs"]["names"], ", ".join(data["outputs"]["functions"])
     outputs = f"{{names: {_json(named)}, functions: [{functions}]}}"
     modes = (", ".join(f"{name}: {value}" for name, value in mode.items()) for mode in data["sliding"])
     sliding = ", ".join(f"{{{mode}}}" for mode in modes)
+    rules = f"{{numbers: {data['rules']['numbers']}, words: {_json(data['rules']['words'])}}}"
     texts = (
-        f"numbers: {data['numbers']}, release: {data['release']}, outputs: {outputs}, sliding: [{sliding}]"
+        f"numbers: {data['numbers']}, release: {data['release']}, outputs: {outputs}, sliding: [{sliding}], "
+        f"rules: {rules}"
     )
     return f"{{...{_json(plain)}, {texts}}}"

@@ -10,27 +10,15 @@ from collections.abc import Sequence
 from typing import Any, cast
 
 import sympy as sp
-from sympy.printing.pycode import PythonCodePrinter
 
+from frictionlab.hybrid.elementary.parameter_functions import KERNELS, ParameterPrinter
 from frictionlab.hybrid.tape.functions import FUNCTIONS
 
 
-class JavaScriptPrinter(PythonCodePrinter):
+class JavaScriptPrinter(ParameterPrinter):
     """Arithmetic reads the same in both languages; what does not is printed here."""
 
-    def __init__(self) -> None:
-        settings = {"fully_qualified_modules": False, "inline": True, "allow_unknown_functions": True}
-        super().__init__(settings)
-
-    def _print_Pow(self, expr: Any, rational: bool = False) -> str:
-        base, exponent = self._print(expr.base), expr.exp
-        if exponent == sp.S.Half:
-            return f"Math.sqrt({base})"
-        if exponent == -sp.S.Half:
-            return f"(1/Math.sqrt({base}))"
-        if exponent.is_Integer:
-            return f"F.integer_power({base}, {exponent})"
-        return f"F.real_power({base}, {self._print(exponent)})"
+    root, prefix = "Math.sqrt", "F."
 
     def _print_Function(self, expr: Any) -> str:
         return f"F.{type(expr).__name__}({', '.join(map(self._print, expr.args))})"
@@ -71,7 +59,7 @@ def _named_function(name: str) -> Any:
 
 
 # Python's printer knows these by methods of their own, which would write math.exp.
-for _name in (*(function.name for function in FUNCTIONS), "asin", "acos", "acosh", "atanh"):
+for _name in {function.name for function in FUNCTIONS} | {function.__name__ for function in KERNELS}:
     setattr(JavaScriptPrinter, f"_print_{_name}", _named_function(_name))
 
 

@@ -15,23 +15,14 @@ from frictionlab.hybrid.ahead_of_time.targets import WEB
 
 BUILD_COMMAND = "python -m frictionlab.hybrid.ahead_of_time --web"
 CURE = f'in a clone, run `pip install -e ".[pages]"` and `{BUILD_COMMAND}` once'
-# Those that solver.js and sampling.js call.
-FUNCTIONS = (
-    "select_mode",
-    "advance_taylor",
-    "advance_affine",
-    "longest_common_step",
-    "affine_map_columns",
-    "sample_states",
-)
 
 
 class SolverNotBuiltError(FileNotFoundError):
     """The WebAssembly of these kernels has not been built."""
 
 
-def solver_data() -> dict[str, Any]:
-    """The compressed module as text, and the tables of its functions.
+def solver_data(script: str) -> dict[str, Any]:
+    """The compressed module as text, and the tables of those of its functions that a script calls by name.
 
     Raises
     ------
@@ -44,7 +35,7 @@ def solver_data() -> dict[str, Any]:
         raise SolverNotBuiltError(f"export_page needs the solver as WebAssembly, which is not there: {CURE}")
     if changed := changed_sources(manifest):
         raise SolverNotBuiltError(f"{changed[0]} has changed since it was compiled to WebAssembly: {CURE}")
-    functions = {name: manifest.functions[name] for name in FUNCTIONS}
+    functions = {name: each for name, each in manifest.functions.items() if f'"{name}"' in script}
     tables = {
         name: {"results": each.results, "arguments": each.arguments} for name, each in functions.items()
     }

@@ -26,6 +26,7 @@ from frictionlab.hybrid.tape.program import Program
 from frictionlab.models import Model
 from frictionlab.models.symbols import structure_of_component, symbolic_copy
 from frictionlab.pages.javascript import javascript_function, javascript_function_apart
+from frictionlab.pages.parameter_rules import rule_data
 from frictionlab.plotting.style import mode_colours
 from frictionlab.stability import equilibrium
 
@@ -69,6 +70,7 @@ def structure_data(model: Model) -> dict[str, Any]:
         "sliding": [
             _sliding(mode, i, automaton, parameters) for i, mode in enumerate(modes) if _may_rest(mode)
         ],
+        "rules": rule_data(model, parameters),
         "near": _known_equilibrium(model, automaton),
     }
 

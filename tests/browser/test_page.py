@@ -216,6 +216,61 @@ def test_dark_and_light(page):
     page.keyboard.press("d")
 
 
+BROKEN = [
+    {"mu_k": 2.0, "mu_s": 1.5},
+    {"mu_k": 1e-5, "mu_s": 0.0},
+    {"mu_k": -1.0},
+    {"M": 0.0},
+    {"k2": -2e16},
+    {"F": -1.0, "mu_s": 0.1},
+]
+
+
+def words_of(model, values):
+    with pytest.raises(ValueError, match="must be") as error:
+        model.replace(**values)
+    return str(error.value)
+
+
+@pytest.mark.parametrize("values", BROKEN, ids=str)
+def test_a_broken_rule_is_said_in_the_words_of_the_model(page, values):
+    before = page.evaluate(RUN, [{}, [], "rest", SECONDS])["state"]
+    found = page.evaluate(RUN, [values, [], "rest", SECONDS])
+    assert found["status"] == words_of(fl.SliderOnBelt(mu_k=1.4), values)
+    assert found["state"] == before
+
+
+def test_typed_values_are_checked_too(page):
+    page.evaluate(RUN, [{}, [], "rest", SECONDS])
+    page.fill("#number-mu_s", "1")
+    page.keyboard.press("Tab")
+    page.wait_for_selector("#status.bad")
+    assert page.inner_text("#status") == words_of(fl.SliderOnBelt(mu_k=1.4), {"mu_s": 1.0})
+    page.fill("#number-mu_s", "2")
+    page.keyboard.press("Tab")
+    page.wait_for_selector("#status:not(.bad)")
+
+
+@pytest.mark.parametrize("end", ["low", "high"])
+def test_the_ends_of_every_slider_give_a_run_or_say_why_not(page, end):
+    at_ends = """(end) => SCENE.sliders.map((about) => {
+      resetSettings();
+      settings.end = 0.05;
+      settings.values[about.name] = about[end];
+      compute(false);
+      const status = document.getElementById("status").textContent, { values, structure } = view.run;
+      return [about.name, about[end], status, values[structure.parameters.indexOf(about.name)]];
+    })"""
+    found = page.evaluate(at_ends, end)
+    model = fl.SliderOnBelt(mu_k=1.4)
+    assert len(found) == len(model.parameters)
+    for name, value, status, computed in found:
+        if status.startswith("the end was reached"):
+            assert computed == value == model.replace(**{name: value}).parameters[name]
+        else:
+            assert status == words_of(model, {name: value})
+
+
 @pytest.mark.parametrize("width", [1280, 390])
 def test_nothing_is_wider_than_the_screen(browser, slider, width):
     page = opened(browser, slider, width)
@@ -229,7 +284,12 @@ class Softening(fl.FrictionLaw):
 
     mu_k: float = fl.parameter(0.5, symbol="mu_k", meaning="friction coefficient", minimum=0.0)
     mu_s: float = fl.parameter(1.0, symbol="mu_s", meaning="static friction coefficient", minimum=0.0)
-    rate: float = fl.parameter(2.0, symbol="a", meaning="rate of the decay", minimum=0.0, unit="s/m")
+    rate: float = fl.parameter(2.0, symbol="a", meaning="rate of the decay", maximum=50.0, unit="s/m")
+
+    def check(self):
+        if self.rate <= 0 or not 2 * self.mu_k < 3 + abs(self.mu_s):
+            least = f"{(3 + self.mu_s) / 2:g}"
+            raise ValueError(f"mu_k must be below {least} and rate above 0, got {self.mu_k}, {self.rate!r}")
 
     def kinetic(self, normal_force, speed):
         return (self.mu_k + (self.mu_s - self.mu_k) * fl.functions.exp(-self.rate * speed)) * normal_force
@@ -267,5 +327,9 @@ def test_a_law_of_ones_own_is_exported(browser, tmp_path):
     page = opened(browser, exported(model, tmp_path / "page.html", t_end=5.0), fragment="#rate=3.5")
     run = fl.simulate(model.replace(rate=3.5), 5.0)
     assert page.evaluate("view.run.state") == run.final_state.tolist()
+    for values in ({"rate": -1.0}, {"mu_k": 2.5}, {"mu_k": 1234567.0, "mu_s": 2e6}, {"rate": 51.0}):
+        page.evaluate("(values) => { Object.assign(settings.values, values); compute(false); }", values)
+        assert page.inner_text("#status") == words_of(model, {"rate": 3.5} | values)
+        page.evaluate("readLink('#rate=3.5')")
     assert not page.problems
     page.context.close()

@@ -45,6 +45,7 @@ def main() -> int:
 def _run(suite: str, scratch: Path, chosen: argparse.Namespace) -> int:
     if suite == "code":  # before the package is imported, which chooses the folder then
         os.environ["FRICTIONLAB_CACHE_DIR"] = str(scratch / "cache")
+        os.environ["FRICTIONLAB_COMPILE_KERNELS"] = "1"  # by numba, into that folder
     module = import_module(f"tests.faults.{SUITES[suite]}")
     if suite == "kills":
         return module.main(scratch, chosen.kills, chosen.seed)

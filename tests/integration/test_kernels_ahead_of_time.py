@@ -1,11 +1,17 @@
 """Kernels that were compiled ahead of time: numba is not imported."""
 
+import json
+import os
+import re
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
 from frictionlab.hybrid import compilation
+
+ROOT = Path(__file__).parents[2]
 
 SCRIPT = """
 import sys
@@ -14,6 +20,12 @@ model = fl.SliderOnBelt(mu_k=1.4)
 fl.simulate(model, 0.1, progress=False).defect
 fl.simulate(model, 0.01, method="rk4", progress=False)
 fl.eigenvalues(model)
+fl.energy_audit(fl.simulate(model, 0.1, progress=False))
+fl.ensemble([model, model.replace(mu_k=1.2)], 0.05, progress=False)
+fl.steady_state(fl.MassOnBelt(), transient=20.0, window=20.0, progress=False)
+fl.basins(fl.MassOnBelt(), ("x", [0.0, 1.0]), ("x'", [0.0]), transient=20.0, window=20.0, progress=False)
+fl.bifurcation(fl.MassOnBelt(), "v", [0.1, 0.2], section="x'", transient=20.0, window=20.0, progress=False)
+fl.explore(fl.MassOnBelt())
 print("numba" in sys.modules)
 """
 
@@ -22,3 +34,55 @@ print("numba" in sys.modules)
 def test_numba_is_not_imported():
     done = subprocess.run([sys.executable, "-c", SCRIPT], capture_output=True, text=True, check=True)
     assert done.stdout == "False\n"
+
+
+HOOK = """
+import json, sys
+sys.path.insert(0, "frictionlab/hybrid/ahead_of_time")
+from build_hook import KernelBuildHook
+
+class App:
+    def display_info(self, text): print("info:", text)
+    def display_warning(self, text): print("warning:", text)
+
+hook = KernelBuildHook(sys.argv[1], {}, None, None, sys.argv[1], "wheel", App())
+data = {"pure_python": True, "artifacts": []}
+hook.initialize(sys.argv[2], data)
+print(json.dumps(data))
+"""
+
+
+def hooked(version, root=ROOT, **environment):
+    """What the build step prints, and what it tells hatchling."""
+    pytest.importorskip("hatchling")
+    done = subprocess.run(
+        [sys.executable, "-c", HOOK, str(root), version],
+        cwd=ROOT,
+        env={**os.environ, **environment},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    *said, data = done.stdout.splitlines()
+    return "\n".join(said), json.loads(data)
+
+
+@pytest.mark.skipif(compilation.LOADED is None, reason="no kernels compiled ahead of time")
+def test_objects_that_are_there_go_into_the_wheel():
+    _, data = hooked("standard")
+    assert data["pure_python"] is False
+    assert re.fullmatch(r"py3-none-(manylinux|macosx|win|linux)_?\w+", data["tag"])
+    assert data["artifacts"] == ["/frictionlab/hybrid/ahead_of_time/objects/"]
+
+
+def test_a_wheel_of_python_only_can_be_asked_for():
+    said, data = hooked("standard", FRICTIONLAB_BUILD_KERNELS="0")
+    assert (said, data) == ("", {"pure_python": True, "artifacts": []})
+
+
+def test_a_build_that_fails_makes_a_wheel_of_python_only_and_says_so(tmp_path):
+    (tmp_path / "frictionlab.py").write_text("raise RuntimeError('no compiler')")
+    said, data = hooked("standard", root=tmp_path)
+    assert data == {"pure_python": True, "artifacts": []}
+    assert "warning: the solver could not be compiled" in said
+    assert "no compiler" in said

@@ -15,7 +15,7 @@ import pytest
 
 import frictionlab as fl
 from frictionlab.hybrid import kernel_cache
-from frictionlab.hybrid.compilation import NUMBA
+from tests.helpers.compilers import HAS_NUMBA
 
 ROOT = Path(__file__).parents[2]
 OTHER = 54321
@@ -23,7 +23,7 @@ RUN = "import sys; from tests.helpers.cached_run import final_states; sys.stdout
 pytestmark = [
     pytest.mark.slow,
     pytest.mark.skipif(getattr(os, "getuid", lambda: 1)() != 0, reason="only root can be two users"),
-    pytest.mark.skipif(NUMBA is None, reason="needs compiled code"),
+    pytest.mark.skipif(not HAS_NUMBA, reason="needs numba, whose code is planted"),
 ]
 
 
@@ -64,7 +64,7 @@ def run(environment):
     return subprocess.run(
         [sys.executable, "-c", RUN],
         cwd=ROOT,
-        env={**os.environ, "PYTHONPATH": str(ROOT), **environment},
+        env={**os.environ, "PYTHONPATH": str(ROOT), "FRICTIONLAB_COMPILE_KERNELS": "1", **environment},
         capture_output=True,
         check=False,
     )

@@ -16,12 +16,13 @@ import numpy as np
 import sympy
 
 from frictionlab.automaton import HybridAutomaton, Mode
-from frictionlab.hybrid.compilation import NUMBA
+from frictionlab.hybrid.compilation import HAS_MACHINE_CODE
 from frictionlab.hybrid.kernels import event_handling, run_state
 from frictionlab.hybrid.kernels.event_location import GuardZero
 from frictionlab.hybrid.methods.base import ActiveRun, Method
 from frictionlab.hybrid.methods.scipy_methods import CHATTER_DWELL
 from frictionlab.hybrid.problem import Problem, RecordList, Status
+from frictionlab.presentation import import_optional
 
 Array = Any
 
@@ -63,7 +64,14 @@ def _compile_function(states: tuple[Any, ...], expressions: list[Any]) -> Callab
     lines += [f"    out[{i}] = {sympy.pycode(value)}" for i, value in enumerate(results)] or ["    pass"]
     space: dict[str, Any] = {"math": np}
     exec("\n".join(lines), space)
-    return NUMBA.njit(space["function"]) if NUMBA else space["function"]
+    return compile_peer(space["function"])
+
+
+def compile_peer(function: Callable[..., Any]) -> Callable[..., Any]:
+    """A function of another method, compiled by numba; plain Python where our kernels are that too."""
+    if not HAS_MACHINE_CODE:
+        return function
+    return import_optional("numba", "the benchmark", "compile").njit(function)
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,6 @@ import numpy as np
 import sympy
 
 from frictionlab.automaton import HybridAutomaton
-from frictionlab.hybrid.compilation import NUMBA
 from frictionlab.hybrid.kernels import run_state, taylor_steps
 from frictionlab.hybrid.methods.base import ActiveRun, Method
 from frictionlab.hybrid.methods.one_step import RK4
@@ -27,6 +26,7 @@ from frictionlab.models.symbols import structure_of_component, symbol
 
 from .callback_adapters import Cvode, PathSim, SolveIvp
 from .compiled_adapters import Diffrax, Heyoka
+from .external import compile_peer
 
 REGULARISATION_WIDTH = 1e-3  # m/s, width over which friction reverses
 RTOL = 1e-9
@@ -62,8 +62,7 @@ def run(model: Any, t_end: float) -> tuple[np.ndarray, float, int]:
 
 
 def _compile_flow(z: tuple[Any, ...], rates: tuple[Any, ...]) -> Any:
-    kernel = sympy.lambdify([*z], list(rates), modules="math", cse=True)
-    kernel = kernel if NUMBA is None else NUMBA.njit(kernel)
+    kernel = compile_peer(sympy.lambdify([*z], list(rates), modules="math", cse=True))
 
     def flow(t: float, y: np.ndarray) -> np.ndarray:
         return np.array(kernel(*y))

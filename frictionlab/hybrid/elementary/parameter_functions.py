@@ -56,17 +56,25 @@ _NAMESPACE: dict[str, Any] = {function.__name__: _checked(function) for function
 _NAMESPACE |= {"integer_power": integer_power, "real_power": real_power}
 
 
-class _Printer(PythonCodePrinter):
+class ParameterPrinter(PythonCodePrinter):
+    """Prints expressions with powers as calls of the functions here; also for a language that names them
+    otherwise."""
+
+    root, prefix = "sqrt", ""  # the square root, and what stands before the other functions
+
+    def __init__(self) -> None:
+        settings = {"fully_qualified_modules": False, "inline": True, "allow_unknown_functions": True}
+        super().__init__(settings)
+
     def _print_Pow(self, expr: Any, rational: bool = False) -> str:
-        base, exponent = expr.base, expr.exp
-        text = self._print(base)
+        base, exponent = self._print(expr.base), expr.exp
         if exponent == sp.S.Half:
-            return f"sqrt({text})"
+            return f"{self.root}({base})"
         if exponent == -sp.S.Half:
-            return f"(1/sqrt({text}))"
+            return f"(1/{self.root}({base}))"
         if exponent.is_Integer:
-            return f"integer_power({text}, {exponent})"
-        return f"real_power({text}, {self._print(exponent)})"
+            return f"{self.prefix}integer_power({base}, {exponent})"
+        return f"{self.prefix}real_power({base}, {self._print(exponent)})"
 
 
 def function_of_parameters(parameters: Sequence[Any], expressions: Any) -> Callable[..., Any]:
@@ -89,6 +97,5 @@ def function_of_parameters(parameters: Sequence[Any], expressions: Any) -> Calla
     >>> function_of_parameters([k, m], [sympy.sqrt(k / m), m**3])(8.0, 2.0)
     [2.0, 8.0]
     """
-    settings = {"fully_qualified_modules": False, "inline": True, "allow_unknown_functions": True}
     several = isinstance(expressions, (list, tuple))
-    return sp.lambdify(parameters, expressions, [_NAMESPACE, "math"], _Printer(settings), cse=several)
+    return sp.lambdify(parameters, expressions, [_NAMESPACE, "math"], ParameterPrinter(), cse=several)

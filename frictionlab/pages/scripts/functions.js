@@ -18,5 +18,5 @@ F.integer_power = (x, n) => { // by squares, multiplied from low to high
 function bindFunctions(solver) {
   F.real_power = (x, y) => Number.isInteger(y) ? F.integer_power(x, y) : finite(solver.exports.frictionlab_power(x, y));
   for (const [name, kind] of Object.entries(SCENE.method.kinds)) F[name] = (x) => finite(solver.exports.frictionlab_function_value(BigInt(kind), x));
-  for (const name of ["asin", "acos", "acosh", "atanh"]) F[name] = (x) => finite(Math[name](x));
+  for (const name of SCENE.method.elementary) F[name] = (x) => finite(solver.exports[`frictionlab_${name}`](x));
 }

@@ -17,12 +17,10 @@ function control(about) { // a slider with its number
     [html("label", { htmlFor: range.id }, [html("i", { textContent: letter }), ...(rest.length ? [html("sub", { textContent: rest.join("") })] : [])]), range, number]);
   range.oninput = () => { settings.values[name] = from(range.value); number.value = settings.values[name]; ask(true); };
   range.onchange = () => ask(false);
-  number.onchange = () => { if (allowed(about, Number(number.value)) && number.value !== "") { settings.values[name] = Number(number.value); range.value = to(settings.values[name]); ask(false); } else number.value = settings.values[name]; };
+  number.onchange = () => { if (number.value !== "" && Number.isFinite(Number(number.value))) { settings.values[name] = Number(number.value); range.value = to(settings.values[name]); ask(false); } else number.value = settings.values[name]; };
   row.show = () => { range.value = to(settings.values[name]); number.value = settings.values[name]; };
   return row;
 }
-
-const allowed = ({ least, exclusive }, value) => Number.isFinite(value) && (least === null || (exclusive ? value > least : value >= least));
 
 function build() {
   for (const about of SCENE.sliders) (about.open ? $("sliders") : $("others")).append(control(about));
@@ -101,6 +99,8 @@ function startState(structure, values) {
 function compute(dragging) {
   const began = performance.now(), structure = structureNow(), values = parametersOf(structure);
   try {
+    const broken = brokenRule(structure, values);
+    if (broken) throw new RangeError(broken);
     const [known, start] = startState(structure, values);
     view.run = view.solver.run(structure, values, start, settings.end, dragging ? DRAG_PATIENCE : PATIENCE);
     view.known = known;

@@ -30,8 +30,31 @@ function readLink(text) {
   }
 }
 
+function brokenRule({ rules }, values) { // the words of the first rule that the parameters break, as the model has them; or null
+  let found, at = 0;
+  try { found = rules.numbers(values); } catch { return null; } // a formula without a value here
+  for (const { relations, values: count, message } of rules.words) {
+    const broken = found.slice(at, at + relations).every(Boolean), shown = found.slice(at + relations, at + relations + count);
+    at += relations + count;
+    if (broken) return message.map((part, i) => i % 2 ? formatted(shown[(i - 1) / 2], part) : part).join("");
+  }
+  return null;
+}
+
+function withExponent(v, digits) { // as Python writes it
+  const [number, power] = v.toExponential(digits).split("e");
+  return `${digits === undefined ? number : +number}e${power[0]}${power.slice(1).padStart(2, "0")}`;
+}
+
+function formatted(v, format) { // by Python's format "g", or all digits
+  const size = Math.abs(v);
+  if (format !== "g") return size && (size < 1e-4 || size >= 1e16) ? withExponent(v) : Number.isInteger(v) ? `${v}.0` : String(v);
+  const rounded = Number(v.toPrecision(6));
+  return size && (Math.abs(rounded) < 1e-4 || Math.abs(rounded) >= 1e6) ? withExponent(v, 5) : String(rounded);
+}
+
 function pythonText() {
-  const present = structureNow().parameters, number = (v) => Number.isInteger(v) && Math.abs(v) < 1e15 ? `${v}.0` : String(v).replace("e+", "e");
+  const present = structureNow().parameters, number = formatted;
   const values = SCENE.sliders.filter(({ name }) => present.includes(name)).map(({ name }) => `${name}=${number(settings.values[name])}`);
   const off = settings.off.length ? `.without(${settings.off.map((name) => `"${name}"`).join(", ")})` : "";
   const replaced = off ? `${SCENE.call}()${off}.replace(${values.join(", ")})` : `${SCENE.call}(${values.join(", ")})`;

@@ -301,7 +301,7 @@ class RunAnimation(FuncAnimation):
             if options.get("writer", "html") != "html":  # whose frames may be in a folder beside it
                 with name_written_file(filename):
                     return self._save(filename, **options)
-            fps = options.pop("fps", None) or self.fps
+            fps: Any = options.pop("fps", None) or self.fps
             writer = HTMLWriter(fps=fps, embed_frames=True, embed_limit=float("inf"))
             options["writer"] = writer
         with write_file(filename) as beside:

@@ -58,7 +58,7 @@ class LowRankNewton:
             change = self.flow.nonlinear_columns(x, self.values) - self.columns
             effect = self.inverse @ change  # (N, m, k)
             small = np.eye(len(nonlinear)) + effect[:, nonlinear, :]
-            usable = np.isfinite(small).all(axis=(1, 2)) & np.isfinite(plain).all(axis=0)
+            usable: Any = np.isfinite(small).all(axis=(1, 2)) & np.isfinite(plain).all(axis=0)
             usable[usable] = np.linalg.det(small[usable]) != 0
             step = np.full_like(x, np.nan)
             parts = np.linalg.solve(small[usable], plain.T[usable][:, nonlinear, None])
@@ -75,7 +75,8 @@ def low_rank_newton(flow: Flow, values: Sequence[float], x: Array) -> LowRankNew
         with np.errstate(all="ignore"):
             matrix = flow.jacobian(point, values)
         if np.isfinite(matrix).all() and _is_regular(matrix):
-            return LowRankNewton(flow, values, np.linalg.inv(matrix), matrix[:, flow.nonlinear])
+            inverse: Any = np.linalg.inv(matrix)
+            return LowRankNewton(flow, values, inverse, matrix[:, flow.nonlinear])
     return None
 
 

@@ -80,7 +80,8 @@ def test_numba_without_compilation_is_no_numba():
 @pytest.mark.parametrize("error", ["OSError('no libllvmlite.so')", "ImportError('needs NumPy 2.4 or less')"])
 def test_numba_that_cannot_be_imported_is_told(error, tmp_path):
     (tmp_path / "numba.py").write_text(f"raise {error}\n")
-    status, out, err = ended(["-c", SHORT_RUN], path=f"{tmp_path}{os.pathsep}{ROOT}")
+    variables = {"path": f"{tmp_path}{os.pathsep}{ROOT}", "FRICTIONLAB_COMPILE_KERNELS": "1"}
+    status, out, err = ended(["-c", SHORT_RUN], **variables)
     assert (status, out) == (0, "FINISHED\n")
     assert "RuntimeWarning: numba cannot be imported" in err
     assert "install numba and llvmlite again" in err

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from frictionlab.hybrid import kernel_cache
-from frictionlab.hybrid.compilation import NUMBA
+from tests.helpers.compilers import HAS_NUMBA
 
 ROOT = Path(__file__).parents[3]
 NOBODY, DAY = 65534, 86400.0
@@ -242,7 +242,7 @@ def test_a_use_is_noted_once_a_day(kept):
 # --- runs
 
 
-@pytest.mark.skipif(NUMBA is None or not hasattr(os, "fork"), reason="needs compiled code and fork")
+@pytest.mark.skipif(not HAS_NUMBA or not hasattr(os, "fork"), reason="needs numba and fork")
 def test_runs_withstand_every_fault_of_the_cache():
     """The short form of the suite: `python -m tests.faults code` is the long one."""
     command = [sys.executable, "-m", "tests.faults", "code", "--truncations", "2", "--flips", "2"]

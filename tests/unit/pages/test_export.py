@@ -57,6 +57,6 @@ def test_without_the_solver_the_error_says_how_to_build_it(monkeypatch, tmp_path
 def test_a_solver_older_than_the_kernels_is_refused(monkeypatch, tmp_path):
     old = manifest.Manifest({"hybrid/solve.py": ""}, objects={"kernels.wasm": manifest.digest(b"")})
     monkeypatch.setattr(solver_file, "read_manifest", lambda: old)
-    monkeypatch.setattr(solver_file, "_module", bytes)
+    monkeypatch.setattr(solver_file, "read_object", lambda manifest, name: b"")
     with pytest.raises(solver_file.SolverNotBuiltError, match=r"solve\.py has changed since .* --web` once"):
         fl.export_page(fl.MassOnBelt(), tmp_path / "page.html")
