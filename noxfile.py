@@ -80,12 +80,14 @@ def lowest(session: nox.Session) -> None:
 
 @nox.session
 def pages(session: nox.Session) -> None:
-    """Exported pages in a Chromium, with the solver compiled for browsers, which takes four minutes."""
-    install(session, "test,pages")
+    """Exported pages in a Chromium, with the solver compiled for browsers (four minutes); the site with such
+    pages."""
+    install(session, "test,pages,docs")
     session.run("python", "-m", "frictionlab.hybrid.ahead_of_time", "--web", external=True)
     run(session, "pytest", "-n", "auto", "-m", "browser", "tests/browser/test_page.py")
     if shutil.which("node"):
         session.run("python", "-m", "tests.digests.web", external=True)
+    build_site(session)
 
 
 @nox.session
@@ -127,11 +129,16 @@ def imports(session: nox.Session) -> None:
 
 @nox.session
 def site(session: nox.Session) -> None:
-    """The documentation, by the README's third command."""
+    """The documentation; with live pages where the solver has been compiled for browsers."""
     install(session, "docs")
+    build_site(session, *session.posargs)
+
+
+def build_site(session: nox.Session, *more: str) -> None:
+    """By the README's third command."""
     third = re.findall(r"^```sh\n(.*?)^```$", README.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)[2]
     program, *arguments = shlex.split(third.rpartition("&&")[2])
-    run(session, Path(program).name, *arguments, env=EXECUTED)
+    session.run(Path(program).name, *arguments, *more, env=EXECUTED, external=True)
 
 
 @nox.session

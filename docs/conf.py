@@ -28,6 +28,7 @@ extensions = [
     "numpydoc",
     "borrowed_pages",
     "gallery_pages",
+    "live_pages",
     "mathml",
     "reference_pages",
 ]
@@ -60,6 +61,7 @@ html_title = "frictionlab"
 html_context = {"default_mode": "auto"}
 html_static_path = ["_static"]
 html_css_files = ["site.css"]
+html_js_files = ["live_pages.js"]
 html_show_sourcelink = False
 html_copy_source = False
 ALONE = ("index", "getting-started", "extending/index", "architecture", "changelog")

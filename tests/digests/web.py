@@ -72,7 +72,7 @@ def data_of(case: Case, run: Any) -> dict[str, Any]:
 
 def expected(raw: Any) -> dict[str, Any]:
     """What node has to find."""
-    # Not the codes of guards and modes, whose numbers are others where modes are derived as runs come to them.
+    # Not the codes of guards and modes, which are other numbers where modes are derived as runs come to them.
     numbers = {"state": raw.state, "times": raw.event_times}
     lists = {
         name: np.ravel(value).tolist() for name, value in (numbers | {"states": raw.event_states}).items()

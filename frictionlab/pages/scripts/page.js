@@ -50,7 +50,7 @@ function build() {
     const does = { " ": "play", c: "copy", l: "link", d: "theme", f: "full", s: "sound" }[event.key];
     if (does && !(event.key === " " && event.target.tagName === "BUTTON")) { event.preventDefault(); $(does).click(); }
   };
-  new ResizeObserver(() => { resizePlots(); drawPhase(); showFrame(); }).observe($("pictures"));
+  new ResizeObserver(() => { resizePlots(); drawPhase(); showFrame(); }).observe(document.querySelector("main"));
 }
 
 function showControls() {
@@ -232,6 +232,8 @@ async function begin() {
   showControls();
   compute(false);
   document.body.dataset.ready = "yes";
+  addEventListener("message", ({ data }) => { if (["light", "dark"].includes(data?.theme)) setTheme(data.theme); }); // of the page around
+  if (parent !== window) parent.postMessage("frictionlab page", "*");
 }
 
 begin();
