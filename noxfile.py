@@ -85,6 +85,8 @@ def pages(session: nox.Session) -> None:
     install(session, "test,pages,docs")
     session.run("python", "-m", "frictionlab.hybrid.ahead_of_time", "--web", external=True)
     run(session, "pytest", "-n", "auto", "-m", "browser", "tests/browser/test_page.py")
+    if shutil.which("node"):
+        session.run("python", "-m", "tests.digests.web", external=True)
     build_site(session)
 
 

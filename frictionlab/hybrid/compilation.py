@@ -3,8 +3,8 @@
 Where there is an object that was compiled from these very sources for this processor and system
 (:mod:`frictionlab.hybrid.ahead_of_time`), its functions take the place of the kernels that Python calls, and
 numba is not imported.  Otherwise numba compiles; what it made is kept in a folder of the user, named by a
-digest of all sources of the solver and the versions, because a kernel's code holds that of functions
-*called* by it, in other files.
+digest of the versions and of all sources that kernels depend on, because a kernel's code holds that of
+functions *called* by it, in other files.
 """
 
 from __future__ import annotations
@@ -14,12 +14,13 @@ import logging
 import os
 import sys
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from functools import cache
-from importlib import import_module, resources
+from importlib import import_module
 from typing import Any
 
 from frictionlab.hybrid.ahead_of_time.loaded_kernels import LoadedKernels, load_kernels
+from frictionlab.hybrid.ahead_of_time.sources import kernel_sources
 from frictionlab.hybrid.kernel_cache import DIGEST_LENGTH, KernelCache, digest_folder, has_kernel
 
 LOGGER = logging.getLogger(__name__)
@@ -82,18 +83,9 @@ def _machine_code() -> tuple[LoadedKernels | None, Any]:
 
 
 def _digest(numba: Any) -> str:
-    text = b"".join(_python_sources(resources.files("frictionlab.hybrid")))
+    text = b"".join(path.encode() + content for path, content in kernel_sources().items())
     versions = f"{numba.__version__} {sys.version}".encode()
     return hashlib.sha256(text + versions).hexdigest()[:DIGEST_LENGTH]
-
-
-def _python_sources(folder: Any) -> Iterator[bytes]:
-    """The sources in a folder and those in it, in their order; it may be in a zip file."""
-    for entry in sorted(folder.iterdir(), key=lambda entry: entry.name):
-        if entry.is_dir():
-            yield from _python_sources(entry)
-        elif entry.name.endswith(".py"):
-            yield entry.read_bytes()
 
 
 def cache_folder(numba: Any) -> str:

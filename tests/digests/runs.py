@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import hashlib
 import struct
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import combinations
 from typing import Any
@@ -61,8 +61,16 @@ class Case:
     """A run by its name."""
 
     name: str
-    run: Callable[[], Any]
+    model: Any
+    x0: Any
+    t_end: float
+    method: Any
     brief: bool
+
+    def run(self) -> Any:
+        """Its trajectory."""
+        solver = fl.simulate if isinstance(self.model, fl.Model) else fl.solve
+        return solver(self.model, self.t_end, x0=self.x0, method=self.method, progress=False)
 
 
 def every_function() -> Any:
@@ -98,12 +106,7 @@ def cases() -> Iterator[Case]:
 
 
 def _case(name: str, how: str, model: Any, x0: Any, t_end: float, method: Any) -> Case:
-    solver = fl.simulate if isinstance(model, fl.Model) else fl.solve
-
-    def run() -> Any:
-        return solver(model, t_end, x0=x0, method=method, progress=False)
-
-    return Case(f"{name}, {how}", run, name in BRIEF)
+    return Case(f"{name}, {how}", model, x0, t_end, method, name in BRIEF)
 
 
 def digest_of(run: Any) -> str:

@@ -19,10 +19,14 @@ from frictionlab.hybrid.ahead_of_time import capture, emit
 from frictionlab.hybrid.ahead_of_time.entry_points import entry_points, symbols
 from frictionlab.hybrid.ahead_of_time.flat_functions import flat_function, scalar_function
 from frictionlab.hybrid.ahead_of_time.manifest import FILE, Function, Manifest, digest, objects_folder
-from frictionlab.hybrid.ahead_of_time.sources import source_files
+from frictionlab.hybrid.ahead_of_time.sources import kernel_sources, source_files
 from frictionlab.hybrid.ahead_of_time.targets import WEB, Target
 
-PACKAGE = Path(__file__).parents[2]
+# How the instructions and the tables are made.
+BUILDERS = tuple(
+    f"frictionlab.hybrid.ahead_of_time.{name}"
+    for name in ("capture", "emit", "entry_points", "flat_functions", "targets")
+)
 # With more targets it pays to optimise once what holds for all processors; that takes as long as one.
 MOST_WITHOUT_SIMPLIFICATION = 2
 
@@ -76,8 +80,6 @@ def _capture() -> tuple[str, dict[str, Function], list[str]]:
 
 
 def _sources() -> dict[str, str]:
-    """Digests of the files that the kernels depend on."""
-    kernels = [getattr(entry.kernel, "py_func", entry.kernel) for entry in entry_points()]
-    functions = [*kernels, *(getattr(each.function, "py_func", each.function) for each in symbols())]
-    files = source_files([(each.__module__, each.__name__) for each in functions])
-    return {file.relative_to(PACKAGE).as_posix(): digest(file.read_bytes()) for file in files}
+    """Digests of the files that the kernels and their objects depend on."""
+    files = kernel_sources() | source_files(BUILDERS)
+    return {path: digest(content) for path, content in sorted(files.items())}

@@ -1,0 +1,92 @@
+"""Which files compiled code depends on, by which compiled code is known to be old."""
+
+import inspect
+from pathlib import Path
+
+import pytest
+
+import frictionlab
+from frictionlab.hybrid import compilation
+from frictionlab.hybrid.ahead_of_time.entry_points import entry_points, symbols
+from frictionlab.hybrid.ahead_of_time.sources import kernel_sources
+
+pytestmark = pytest.mark.plain_python
+
+PACKAGE = Path(frictionlab.__file__).parent
+
+
+def python_function(found):
+    """The Python function of what numba has compiled, or what an object has taken the place of."""
+    found = getattr(found, "py_func", found)
+    return inspect.unwrap(getattr(found, "_defn", found))
+
+
+def names_in(code):
+    inner = [each for each in code.co_consts if inspect.iscode(each)]
+    return {*code.co_names}.union(*(names_in(each) for each in inner))
+
+
+def used_by(function):
+    """What a function finds in its module by name, as Python itself would."""
+    names, space = names_in(function.__code__), function.__globals__
+    for found in (space[name] for name in names if name in space):
+        if inspect.ismodule(found):
+            yield from (getattr(found, name) for name in names if hasattr(found, name))
+        else:
+            yield found
+
+
+def files_of_what_kernels_call():
+    left = [each.kernel for each in entry_points()] + [each.function for each in symbols()]
+    files, seen = set(), set()
+    while left:
+        found = python_function(left.pop())
+        module = getattr(found, "__module__", None) or ""
+        if not callable(found) or id(found) in seen or not module.startswith("frictionlab."):
+            continue
+        seen.add(id(found))
+        files.add(Path(inspect.getfile(found)).relative_to(PACKAGE).as_posix())
+        if inspect.isfunction(found) and module != compilation.__name__:
+            left += used_by(found)
+    return files
+
+
+def test_every_file_that_a_kernel_calls_is_a_source():
+    files = files_of_what_kernels_call()
+    assert {"hybrid/kernels/jets.py", "hybrid/elementary/exponentials.py", "hybrid/tape/program.py"} <= files
+    assert files - {"hybrid/compilation.py"} <= set(kernel_sources())
+
+
+def test_what_no_kernel_uses_is_no_source():
+    sources = kernel_sources()
+    assert not [path for path in sources if not path.startswith("hybrid/")]
+    others = "solve storage trajectory outputs kernel_cache ensemble/ensemble tape/packing"
+    assert not {f"hybrid/{name}.py" for name in others.split()} & set(sources)
+
+
+def test_an_edit_of_a_source_names_another_folder(monkeypatch):
+    class Numba:
+        __version__ = "0"
+
+    def folder(sources):
+        monkeypatch.setattr(compilation, "kernel_sources", lambda: sources)
+        return compilation.cache_folder(Numba)
+
+    sources = kernel_sources()
+    edited = {**sources, "hybrid/tape/program.py": sources["hybrid/tape/program.py"] + b"# an edit\n"}
+    assert folder(sources) == folder(dict(sources)) != folder(edited)
+
+
+def test_names_under_a_condition_are_followed(monkeypatch):
+    from frictionlab.hybrid.ahead_of_time import sources
+
+    text = (
+        b"from frictionlab.hybrid.tape.program import system_of\n"
+        b"if True:\n    def one():\n        return system_of\n"
+    )
+    read = {"frictionlab.hybrid.made_up": text}
+    monkeypatch.setattr(sources, "_read", lambda module: read[module])
+    sources._contents.cache_clear()
+    found = sources._needed("frictionlab.hybrid.made_up", "one")
+    sources._contents.cache_clear()
+    assert found == [("frictionlab.hybrid.tape.program", "system_of")]
