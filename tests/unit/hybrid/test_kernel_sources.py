@@ -7,7 +7,7 @@ import pytest
 
 import frictionlab
 from frictionlab.hybrid import compilation
-from frictionlab.hybrid.ahead_of_time.entry_points import entry_points, symbols
+from frictionlab.hybrid.ahead_of_time.entry_points import _KERNELS, symbols
 from frictionlab.hybrid.ahead_of_time.sources import kernel_sources
 
 pytestmark = pytest.mark.plain_python
@@ -37,7 +37,7 @@ def used_by(function):
 
 
 def files_of_what_kernels_call():
-    left = [each.kernel for each in entry_points()] + [each.function for each in symbols()]
+    left = [*_KERNELS] + [each.function for each in symbols()]
     files, seen = set(), set()
     while left:
         found = python_function(left.pop())
