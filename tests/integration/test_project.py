@@ -135,7 +135,14 @@ def test_every_package_that_is_imported_is_declared():
     project = PROJECT["project"]
     extras = project["optional-dependencies"]
     build = PROJECT["build-system"]["requires"]  # of the step that compiles the kernels
-    asked = [*project["dependencies"], *extras["compile"], *extras["data"], *extras["lab"], *build]
+    asked = [
+        *project["dependencies"],
+        *extras["bench"],
+        *extras["compile"],
+        *extras["data"],
+        *extras["lab"],
+        *build,
+    ]
     declared = {re.split(r"[^\w-]", line)[0] for line in asked}
     imported = {DISTRIBUTIONS.get(name, name) for name in imported_packages(ROOT / "frictionlab")}
     assert "numpy" in imported
