@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 import sympy
 from numpy.typing import NDArray
-from scipy.sparse import csr_array
 
 from frictionlab.automaton.combinations import combinations_of
 from frictionlab.models.gradients import derivatives
@@ -99,6 +98,8 @@ class Flow:
         arguments = [*self.states, *self.parameters]
         if sum(len(sympy.Add.make_args(one)) for one in expressions) < MANY_TERMS:
             return sympy.lambdify(arguments, list(expressions), modules="numpy", cse=True)
+        from scipy.sparse import csr_array  # not in every run's start
+
         sums = combinations_of(expressions, self.states)
         of = sympy.lambdify(arguments, list(sums.expressions), modules="numpy", cse=True)
         matrix = csr_array((sums.numbers, tuple(sums.places.T)), (sums.sums, len(sums.expressions)))
