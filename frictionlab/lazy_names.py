@@ -39,7 +39,7 @@ def loader_of_names(package: str, homes: dict[str, str], into: dict[str, Any]) -
 
 
 def _load(package: str, home: str, name: str) -> Any:
-    """What a name stands for; where a package of others is missing, as ipywidgets may be on a cluster, which."""
+    """What a name stands for; where a package of others is missing, as ipywidgets on a cluster, which."""
     if not home:
         return import_module(f"{package}.{name}")
     try:

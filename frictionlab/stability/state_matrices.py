@@ -99,7 +99,8 @@ def _cosines(right: ComplexArray) -> Array:
         left = np.linalg.inv(right)
     except np.linalg.LinAlgError:
         return np.zeros(len(right))
-    return 1.0 / np.linalg.norm(left, axis=1)
+    with np.errstate(over="ignore", invalid="ignore"):  # next to no basis
+        return np.nan_to_num(1.0 / np.linalg.norm(left, axis=1))
 
 
 def balanced(matrix: Array) -> Array:

@@ -42,7 +42,7 @@ def _brent(
     """The root between two points (x, value) of different signs, by Brent's method.
 
     R. P. Brent, Algorithms for Minimization without Derivatives (1973), chapter 4, with the choices of
-    scipy.optimize.brentq, to the last bit.  scipy's optimisation takes longer to import than a run to compute.
+    scipy.optimize.brentq, to the last bit: its package takes longer to import than a run to compute.
     """
     opposite = before  # of the other sign than `latest`
     step = step_before = 0.0
