@@ -32,7 +32,7 @@ def _survives(function: sp.Expr, reset: Reset) -> bool:
     """Whether a function that was zero before the reset is zero after it."""
     if function.free_symbols.isdisjoint(reset.jump):
         return True
-    after: Any = sp.sympify(function.xreplace(dict(reset.jump)))  # a reset may give plain numbers
+    after: Any = sp.sympify(function.xreplace(dict(reset.jump)), strict=True)  # it may give numbers
     somewhere = after.xreplace(_integers(after.free_symbols))
     if somewhere.is_Rational and somewhere != 0:  # exact, and found sooner than all products are
         return False
