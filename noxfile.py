@@ -109,8 +109,10 @@ def numba(session: nox.Session) -> None:
 
 @nox.session
 def aarch64(session: nox.Session) -> None:
-    """Runs of all models on an ARM processor, to the last bit as on this one: emulated, with Debian's Python for
-    it and the object compiled for it."""
+    """Runs of all models on an emulated ARM processor, to the last bit as on this one.
+
+    By Debian's Python for it, and the object compiled for it.
+    """
     emulator = shutil.which("qemu-aarch64-static")
     if emulator is None or shutil.which("dpkg-deb") is None:
         session.skip("it needs Debian's qemu-user-static and Debian's packages")
@@ -135,7 +137,7 @@ def aarch64(session: nox.Session) -> None:
 
 
 def unpack_arm_python(session: nox.Session, folder: Path, root: Path) -> None:
-    """Debian's Python for ARM with its libraries, in a folder; the system's list of packages stays as it is."""
+    """Debian's Python for ARM with its libraries, in a folder; the system's packages stay as they are."""
     shutil.rmtree(folder)
     for part in ("state/lists/partial", "cache/archives/partial", "root"):
         (folder / part).mkdir(parents=True)
