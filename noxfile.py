@@ -35,6 +35,16 @@ import importlib.util
 from frictionlab.hybrid import compilation
 assert importlib.util.find_spec("numba") is None and compilation.LOADED is not None
 """
+PYTHON_VERSION = "import sys; print(*sys.version_info[:2], sep='.')"
+APT_FOR_ARM = """
+APT::Architecture "arm64";
+APT::Architectures {{ "arm64"; }};
+APT::Sandbox::User "root";
+Debug::NoLocking "1";
+Dir::State "{folder}/state";
+Dir::State::status "{folder}/state/status";
+Dir::Cache "{folder}/cache";
+"""
 CPU_FLAGS = Path("/proc/cpuinfo")
 
 
@@ -95,6 +105,49 @@ def numba(session: nox.Session) -> None:
     """Runs of all models with kernels compiled by numba, to the last bit as those compiled ahead of time."""
     install(session)
     run(session, "python", "-m", "tests.digests", env={"FRICTIONLAB_COMPILE_KERNELS": "1"})
+
+
+@nox.session
+def aarch64(session: nox.Session) -> None:
+    """Runs of all models on an emulated ARM processor, to the last bit as on this one.
+
+    By Debian's Python for it, and the object compiled for it.
+    """
+    emulator = shutil.which("qemu-aarch64-static")
+    if emulator is None or shutil.which("dpkg-deb") is None:
+        session.skip("it needs Debian's qemu-user-static and Debian's packages")
+    install(session)
+    folder = Path(session.create_tmp()).absolute()
+    root, wheels, clone = folder / "root", folder / "wheels", folder / "clone"
+    unpack_arm_python(session, folder, root)
+    python = emulator, "-L", str(root), str(root / "usr/bin/python3")
+    version = session.run(*python, "-c", PYTHON_VERSION, silent=True, external=True)
+    platforms = [f"--platform=manylinux{name}_aarch64" for name in ("_2_28", "_2_27", "_2_17", "2014")]
+    fitting = "--only-binary=:all:", f"--python-version={str(version).strip()}", *platforms
+    packages = "numpy", "scipy", "sympy", "llvmlite"
+    session.run("python", "-m", "pip", "install", "--quiet", *fitting, "--target", str(wheels), *packages)
+    for part in ("frictionlab", "tests"):
+        shutil.copytree(part, clone / part, ignore=shutil.ignore_patterns("__pycache__", "objects"))
+    with session.chdir(clone):
+        compiling = "frictionlab.hybrid.ahead_of_time", "--target", "linux-aarch64"
+        session.run("python", "-m", *compiling, env={"PYTHONPATH": str(clone)}, external=True)
+        paths = {"PYTHONPATH": f"{clone}:{wheels}", "FRICTIONLAB_CACHE_DIR": str(folder / "cache")}
+        session.run(*python, "-c", WITHOUT_COMPILER, env=paths, external=True)
+        session.run(*python, "-m", "tests.digests", env=paths, external=True)
+
+
+def unpack_arm_python(session: nox.Session, folder: Path, root: Path) -> None:
+    """Debian's Python for ARM with its libraries, in a folder; the system's packages stay as they are."""
+    shutil.rmtree(folder)
+    for part in ("state/lists/partial", "cache/archives/partial", "root"):
+        (folder / part).mkdir(parents=True)
+    (folder / "state/status").touch()
+    settings = folder / "apt.conf"
+    settings.write_text(APT_FOR_ARM.format(folder=folder), encoding="utf-8")
+    for command in ("update", "--yes --no-install-recommends --download-only install python3 libstdc++6"):
+        session.run("apt-get", "-q", *command.split(), env={"APT_CONFIG": str(settings)}, external=True)
+    for archive in sorted((folder / "cache/archives").glob("*.deb")):
+        session.run("dpkg-deb", "-x", str(archive), str(root), external=True, silent=True)
 
 
 @nox.session

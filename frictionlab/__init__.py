@@ -11,52 +11,15 @@ stub beside this file, ``__init__.pyi``.
 from __future__ import annotations
 
 import logging
-import os
-from importlib import import_module
-from typing import Any
 
-
-def _names_in_stub() -> dict[str, str]:
-    """Public name -> module that holds it; a package of frictionlab has none.
-
-    A line of the stub is ``from .analysis.ensemble import ensemble as ensemble``.
-    """
-    # by the loader, as the package may be in a zip file
-    stub = __loader__.get_data(f"{__path__[0]}{os.sep}__init__.pyi").decode()
-    imports = [line.split() for line in stub.splitlines() if line.startswith("from .")]
-    return {words[3]: words[1].lstrip(".") for words in imports}
-
+from frictionlab.lazy_names import homes_in_stub, loader_of_names
 
 logging.getLogger(__name__).addHandler(logging.NullHandler())  # what is logged is the user's to show
 
-_HOME = _names_in_stub()
+_HOME = homes_in_stub(__loader__, __path__[0])
 # a type checker reads the stub, and need not follow how this list is made
 __all__ = list(_HOME)  # pyright: ignore[reportUnsupportedDunderAll]
-
-
-def __getattr__(name: str) -> Any:
-    if name in _HOME:
-        if not _HOME[name]:
-            return import_module(f"frictionlab.{name}")
-        value = getattr(_import_home(name), name)
-        globals()[name] = value
-        return value
-    from frictionlab.validation import did_you_mean
-
-    raise AttributeError(f"module 'frictionlab' has no attribute {name!r}{did_you_mean(name, __all__)}")
-
-
-def _import_home(name: str) -> Any:
-    """The module of a public name; where a package is missing, as ipywidgets may be on a cluster, which."""
-    try:
-        return import_module(f"frictionlab.{_HOME[name]}")
-    except ModuleNotFoundError as error:
-        missing = str(error.name).partition(".")[0]
-        if missing == "frictionlab":
-            raise
-        cure = f"pip install {'pillow' if missing == 'PIL' else missing.lower()}"
-        message = f"fl.{name} needs {missing}, which is not installed: {cure}"
-        raise ImportError(message, name=missing) from error
+__getattr__ = loader_of_names(__name__, _HOME, globals())
 
 
 def __dir__() -> list[str]:

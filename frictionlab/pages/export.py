@@ -14,6 +14,8 @@ from frictionlab.analysis.motion_scales import oscillation_period, round_down_1_
 from frictionlab.file_writing import write_text
 from frictionlab.hybrid.elementary.parameter_functions import KERNELS as ELEMENTARY
 from frictionlab.hybrid.kernels.event_location import COEFFICIENT_ROUNDING
+from frictionlab.hybrid.kernels.jets import LOG2_LEAST_RATIO
+from frictionlab.hybrid.llvm_instructions import EXP2_COEFFICIENTS
 from frictionlab.hybrid.methods.taylor import MIN_STEP_SHARE, Taylor
 from frictionlab.hybrid.tape.functions import FUNCTIONS
 from frictionlab.models import Model
@@ -133,6 +135,8 @@ def _method() -> dict[str, Any]:
         "dwell": method.limits[0],
         "chatter": method.limits[1],
         "elementary": [function.__name__ for function in ELEMENTARY],
+        "least_ratio": LOG2_LEAST_RATIO,
+        "exp2": EXP2_COEFFICIENTS,
         "kinds": {function.name: function.kind for function in FUNCTIONS},
     }
 

@@ -9,37 +9,12 @@ changes along one parameter or in a plane of two, and the vibration that begins 
 
 from __future__ import annotations
 
-from .boundaries.boundary_curves import Boundary
-from .boundaries.hopf import HopfPoint, hopf
-from .boundaries.stability_changes import (
-    CriticalCurve,
-    StabilityChange,
-    critical_curve,
-    critical_value,
-    stability_changes,
-)
-from .boundaries.stability_map import StabilityMap, stability_map
-from .eigenproblems.eigenvalues import Eigenvalues, eigenvalues, jacobian
-from .eigenproblems.root_locus import RootLocus, root_locus
-from .equilibrium_points.equilibria import Equilibrium, equilibria, equilibrium
+from frictionlab.lazy_names import homes_in_stub, loader_of_names
 
-__all__ = [
-    "Boundary",
-    "CriticalCurve",
-    "Eigenvalues",
-    "Equilibrium",
-    "HopfPoint",
-    "RootLocus",
-    "StabilityChange",
-    "StabilityMap",
-    "critical_curve",
-    "critical_value",
-    "eigenvalues",
-    "equilibria",
-    "equilibrium",
-    "hopf",
-    "jacobian",
-    "root_locus",
-    "stability_changes",
-    "stability_map",
-]
+_HOME = homes_in_stub(__loader__, __path__[0])
+__all__ = list(_HOME)  # pyright: ignore[reportUnsupportedDunderAll]
+__getattr__ = loader_of_names(__name__, _HOME, globals())
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 import sympy
 from numpy.typing import NDArray
-from scipy.sparse import csr_array
 
 from frictionlab.automaton.combinations import combinations_of
+from frictionlab.hybrid.outputs import numpy_function
 from frictionlab.models.gradients import derivatives
 
 Array = NDArray[np.float64]
@@ -98,9 +98,11 @@ class Flow:
         """A numpy function of all states, then all parameters."""
         arguments = [*self.states, *self.parameters]
         if sum(len(sympy.Add.make_args(one)) for one in expressions) < MANY_TERMS:
-            return sympy.lambdify(arguments, list(expressions), modules="numpy", cse=True)
+            return numpy_function(arguments, list(expressions))
+        from scipy.sparse import csr_array  # not in every run's start
+
         sums = combinations_of(expressions, self.states)
-        of = sympy.lambdify(arguments, list(sums.expressions), modules="numpy", cse=True)
+        of = numpy_function(arguments, list(sums.expressions))
         matrix = csr_array((sums.numbers, tuple(sums.places.T)), (sums.sums, len(sums.expressions)))
         return lambda *values: matrix @ np.stack(np.broadcast_arrays(*of(*values)))
 

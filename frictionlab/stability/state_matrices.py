@@ -13,7 +13,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import eig, matrix_balance
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complexfloating[Any, Any]]
@@ -22,6 +21,7 @@ SMALLEST_EIGENVALUE = 1e-280  # where all eigenvalues are zero
 # Growth rates below this share of the largest eigenvalue count as zero: no damping at all.
 NEUTRAL_RTOL = 1e-10
 MACHINE_EPSILON = float(np.finfo(float).eps)  # spacing of floats at 1
+BALANCING_GAIN = 0.95  # factors that leave a larger share of the norm of a row and a column are left out
 BACKWARD_ERROR = 4.0 * MACHINE_EPSILON  # of both, with a factor of two to spare
 
 
@@ -76,16 +76,50 @@ def is_neutral(matrix: Array, values: NDArray[np.complex128]) -> NDArray[np.bool
     is infinite and tells nothing, as at critical damping: an E is required as well that puts an eigenvalue on
     the imaginary axis at this frequency.  Both are evaluated for the balanced matrix.
     """
-    balanced: Any = matrix_balance(matrix, permute=False)[0]
-    error = len(matrix) * BACKWARD_ERROR * np.linalg.norm(balanced, 2)
-    system: Any = eig(balanced, left=True)
-    known, left, right = system
+    scaled = balanced(matrix)
+    error = len(matrix) * BACKWARD_ERROR * np.linalg.norm(scaled, 2)
+    pairs: Any = np.linalg.eig(scaled)
+    known, right = pairs.eigenvalues, pairs.eigenvectors
     nearest = np.abs(values[:, None] - known).argmin(axis=1)
-    product = np.abs((left.conj() * right).sum(axis=0))[nearest]
-    neutral = np.abs(values.real) * product <= error
+    neutral = np.abs(values.real) * _cosines(right)[nearest] <= error
     for i in np.flatnonzero(neutral):  # one by one: matrices of many states are large
-        on_axis = balanced - 1j * values.imag[i] * np.eye(len(matrix))
+        on_axis = scaled - 1j * values.imag[i] * np.eye(len(matrix))
         # The least singular value is below what is left of any vector of length 1, which takes less time.
         left_over = np.linalg.norm(on_axis @ right[:, nearest[i]])
         neutral[i] = left_over <= error or np.linalg.svd(on_axis, compute_uv=False)[-1] <= error
     return neutral
+
+
+def _cosines(right: ComplexArray) -> Array:
+    """|w v| (m,) of the left and right vectors w, v of length 1: inverse condition numbers of eigenvalues.
+
+    `right` holds those as columns; where eigenvalues coalesce there is no basis, and w v = 0.
+    """
+    try:
+        left = np.linalg.inv(right)
+    except np.linalg.LinAlgError:
+        return np.zeros(len(right))
+    with np.errstate(over="ignore", invalid="ignore"):  # next to no basis
+        return np.nan_to_num(1.0 / np.linalg.norm(left, axis=1))
+
+
+def balanced(matrix: Array) -> Array:
+    """D^-1 A D with powers of two in the diagonal D that make norms of rows and columns alike.
+
+    That changes no eigenvalue and no digit.  R. James, J. Langou, B. R. Lowery, "On matrix balancing and
+    eigenvector computation", arXiv:1401.5766 (2014), algorithm 3, which LAPACK's gebal is.
+    """
+    found = np.array(matrix, dtype=float)
+    unchanged = False
+    while not unchanged:
+        unchanged = True
+        for i in range(len(found)):
+            column, row = np.linalg.norm(found[:, i]), np.linalg.norm(found[i])
+            if not (column and row and np.isfinite(column + row)):
+                continue
+            power = 2.0 ** np.round(0.5 * np.log2(row / column))
+            if np.hypot(column * power, row / power) < BALANCING_GAIN * np.hypot(column, row):
+                unchanged = False
+                found[:, i] *= power
+                found[i] /= power
+    return found

@@ -128,6 +128,20 @@ def test_machine_code_of_functions_and_quotients_has_the_bits_of_the_interpreter
     page.context.close()
 
 
+@pytest.mark.parametrize("law", [fl.HertzContact(), fl.PressureDependent(n=0.9)], ids=str)
+def test_machine_code_of_powers_has_the_bits_of_the_interpreter_and_of_simulate(browser, tmp_path, law):
+    """Fractional powers, whose series end early where the contact begins and ends."""
+    role = {"contact": law} if isinstance(law, fl.ContactLaw) else {"friction": law}
+    model = fl.SliderOnBelt(**role).replace(mu_k=1.4)
+    page = opened(browser, exported(model, tmp_path / "page.html", t_end=SECONDS))
+    native, interpreted, all_modes = page.evaluate(BOTH_WAYS, ["", 1.4])
+    assert all_modes
+    assert native == interpreted
+    assert native[2] > 20
+    check_same_bits(page, model, {})
+    page.context.close()
+
+
 def test_the_file_is_below_a_megabyte(slider):
     assert 1e5 < Path(slider).stat().st_size < 1e6
 

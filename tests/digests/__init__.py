@@ -4,6 +4,5 @@
 ``digests.json``; the exit code is how many do.  Whoever has another processor, another compiler or no numba
 (``FRICTIONLAB_DISABLE_NUMBA=1``, some minutes) runs it to check that promise.  ``--write`` writes the file
 anew, after a change that is meant to change results.  ``python -m tests.digests.web`` compares with the
-module for browsers, in node.  An ARM processor can be emulated: qemu-user-static runs an arm64 Python with
-the wheels of numpy, scipy and llvmlite for it and the object that ``ahead_of_time --all`` makes.
+module for browsers, in node.  ``nox -s aarch64`` runs it on an emulated ARM processor.
 """

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 import frictionlab as fl
+from frictionlab import plotting, stability
 
 HEAVY = [
     "anywidget",
@@ -40,6 +41,24 @@ def test_import_loads_nothing_heavy(statement):
     assert heavy_modules_after(statement) == []
 
 
+def test_a_run_from_the_command_line_loads_what_it_needs(tmp_path):
+    """Neither scipy nor a compiler, no window, of the plots those of a run: each costs part of a second."""
+    drawn, picture = "frictionlab.plotting.stability.root_locus", str(tmp_path / "run.png")
+    never = ["scipy", "numba", "matplotlib.pyplot", "numpy.f2py", "numpy.testing", "pandas", drawn]
+    code = f"""
+import json, sys
+from frictionlab.cli.command import main
+main(["run", "--quiet", "--t-end", "1", "-o", {picture!r}])
+print(json.dumps([[m for m in {never!r} if m in sys.modules], "sympy" in sys.modules]))
+"""
+    answer = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert json.loads(answer.stdout.splitlines()[-1]) == [
+        [],
+        True,
+    ]  # that sympy is seen shows that all would be
+    assert Path(picture).stat().st_size > 10_000
+
+
 def test_the_probe_sees_what_is_loaded():
     assert heavy_modules_after("import sympy") == ["sympy"]
 
@@ -59,17 +78,19 @@ def test_everything_listed_resolves():
 
 
 @pytest.mark.plain_python
-def test_the_stub_lists_each_name_once_and_nothing_else():
-    """What the package reads of its stub is what Python's own parser reads, and so type checkers."""
-    stub = Path(fl.__file__).with_suffix(".pyi")
-    assert stub.with_name("py.typed").exists()
+@pytest.mark.parametrize("package", [fl, plotting, stability], ids=lambda package: package.__name__)
+def test_the_stub_lists_each_name_once_and_nothing_else(package):
+    """What a package reads of its stub is what Python's own parser reads, and so type checkers."""
+    stub = Path(package.__file__).with_suffix(".pyi")
+    assert Path(fl.__file__).with_name("py.typed").exists()
     *imports, listed = ast.parse(stub.read_text()).body
     assert ast.unparse(listed) == "__all__: list[str]"
     assert all(isinstance(node, ast.ImportFrom) and node.level == 1 for node in imports)
     names = [(alias.name, alias.asname) for node in imports for alias in node.names]
     assert all(name == alias for name, alias in names)
-    assert [name for name, _ in names] == fl.__all__
+    assert [name for name, _ in names] == package.__all__
     assert len(set(names)) == len(names)
+    assert all(getattr(package, name) is not None for name in package.__all__)
 
 
 @pytest.mark.plain_python

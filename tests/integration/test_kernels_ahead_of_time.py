@@ -12,6 +12,7 @@ import pytest
 
 import frictionlab as fl
 from frictionlab.hybrid import compilation
+from frictionlab.hybrid.ahead_of_time.entry_points import entry_points
 from frictionlab.hybrid.ahead_of_time.loaded_kernels import prepared_call
 from frictionlab.hybrid.kernels.jets import state_rates
 from frictionlab.hybrid.tape.packing import program_of
@@ -39,6 +40,17 @@ print("numba" in sys.modules)
 def test_numba_is_not_imported():
     done = subprocess.run([sys.executable, "-c", SCRIPT], capture_output=True, text=True, check=True)
     assert done.stdout == "False\n"
+
+
+@pytest.mark.skipif(compilation.LOADED is None, reason="no kernels compiled ahead of time")
+def test_the_list_of_what_is_compiled_can_be_made_where_kernels_are_loaded():
+    """It needs the Python functions behind the loaded ones, for the names of their arguments."""
+    assert compilation.LOADED is not None
+    entries = entry_points()
+    assert {each.name for each in entries} == set(compilation.LOADED.manifest.functions)
+    for each in entries:
+        code = each.kernel.py_func.__code__
+        assert list(each.arguments) == list(code.co_varnames[: code.co_argcount])
 
 
 HOOK = """

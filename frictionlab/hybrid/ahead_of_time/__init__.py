@@ -3,7 +3,7 @@
 A build step compiles the entry points of the kernels once; the package carries what it made in the folder
 ``objects``, and neither numba nor a compiler is needed to run it.  ``python -m
 frictionlab.hybrid.ahead_of_time`` compiles for this machine, with ``--all`` for every target, with
-``--web`` for browsers.
+``--target`` for one, with ``--web`` for browsers.
 
 ``targets``
     Processors and systems, and which of them this machine is.

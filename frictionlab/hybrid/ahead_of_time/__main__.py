@@ -12,9 +12,14 @@ def main() -> None:
     parser = argparse.ArgumentParser(description="Compile the kernels ahead of time; this needs numba.")
     parser.add_argument("--all", action="store_true", help="for every processor and system, and for browsers")
     parser.add_argument("--web", action="store_true", help="for browsers too (needs ziglang)")
+    parser.add_argument(
+        "--target", choices=[target.name for target in TARGETS], help="for this processor and system only"
+    )
     parser.add_argument("--if-changed", action="store_true", help="not where the objects fit the sources")
     arguments = parser.parse_args()
     chosen = [*(TARGETS if arguments.all else targets_of_machine())]
+    if arguments.target:
+        chosen = [target for target in TARGETS if target.name == arguments.target]
     if arguments.web or arguments.all:
         chosen.append(WEB)
     if arguments.if_changed and not lacking_objects(target.file for target in chosen):

@@ -107,6 +107,11 @@ class CompiledKernel:
         self._results = tuple(kind for _, kind, _ in table.results)
         self._returns = _named_tuple(kernel, table.returns)
 
+    @property
+    def py_func(self) -> Callable:
+        """The Python function that was compiled, as numba's functions have it."""
+        return self.__wrapped__  # pyright: ignore[reportAttributeAccessIssue]
+
     def __call__(self, *arguments: Any) -> Any:
         words, kinds, copies = [0] * len(self._results), [], []
         _append(arguments, words, kinds)

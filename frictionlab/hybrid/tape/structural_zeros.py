@@ -32,8 +32,16 @@ def _survives(function: sp.Expr, reset: Reset) -> bool:
     """Whether a function that was zero before the reset is zero after it."""
     if function.free_symbols.isdisjoint(reset.jump):
         return True
-    after: Any = function.xreplace(dict(reset.jump))
+    after: Any = sp.sympify(function.xreplace(dict(reset.jump)), strict=True)  # it may give numbers
+    somewhere = after.xreplace(_integers(after.free_symbols))
+    if somewhere.is_Rational and somewhere != 0:  # exact, and found sooner than all products are
+        return False
     return multiply_out(after) in (0, 0.0)  # to sympy these are two numbers
+
+
+def _integers(symbols: set[sp.Basic]) -> dict[sp.Basic, sp.Integer]:
+    """A different integer for each symbol."""
+    return {name: sp.Integer(i) for i, name in enumerate(sorted(symbols, key=str), start=3)}
 
 
 @lru_cache(maxsize=4096)

@@ -3,9 +3,10 @@
 // that a run may change over at any step and no bit depends on it.  Kernels call a mode's code by its place in their table.
 const [AFFINE, PRODUCT, SQUARE, QUOTIENT, RATE, POWER] = [0, 1, 2, 3, 4, 5];
 const { i32, i64, f64, v128 } = KIND;
-const [VALUE, SUM] = [0, 1]; // functions: that of the kernels, which is imported, and what is written here
-const JET_TYPES = [[[i64, f64], [f64]], [[i32, i32, i32], [f64]], [[i32, i32, i32, i32, i64], []]];
-const MODE_TYPE = 2;
+const [VALUE, POWER_VALUE, SUM, LEAST_RATIO] = [0, 1, 2, 3]; // functions: those of the kernels, which are imported, and what is written here
+const JET_TYPES = [[[i64, f64], [f64]], [[i32, i32, i32], [f64]], [[i32, i32, i32, i32, i64], []], [[f64, f64], [f64]], [[f64], [f64]]];
+const MODE_TYPE = 2, POWER_TYPE = 3, RATIO_TYPE = 4;
+const TO_INTEGER = 1.5 * 2 ** 52; // added to a number it rounds it to an integer, which is then in the last bits
 
 function writeSum() { // of a[j] b[-j] over j < n, in four parts that do not wait for each other
   const code = new Assembler(), [a, b, n, first, second, one, two, three] = [0, 1, 2, 3, 4, 5, 6, 7];
@@ -21,10 +22,21 @@ function writeSum() { // of a[j] b[-j] over j < n, in four parts that do not wai
   return { type: 1, locals: [[2, v128], [3, f64]], code };
 }
 
+function writeLeastRatio() { // of the base of a power to its rate, for which it has a series of this order: 2^(least ratio/order)
+  const code = new Assembler(), { least_ratio, exp2 } = SCENE.method, [x, shifted, part, sum] = [0, 1, 2, 3];
+  code.number(least_ratio).get(x).divide().keep(x).number(0.5).subtract().number(TO_INTEGER).add().keep(shifted);
+  code.number(TO_INTEGER).subtract().set(part).get(x).get(part).subtract().set(part);
+  code.number(exp2.at(-1)).set(sum);
+  exp2.slice(0, -1).reverse().forEach((c) => code.get(sum).get(part).multiply().number(c).add().set(sum));
+  code.get(part).number(1).add().get(part).number(1).get(part).subtract().multiply().get(sum).multiply().add().bits();
+  code.get(shifted).bits().long(52).shiftLongLeft().addLong().fromBits();
+  return { type: RATIO_TYPE, locals: [[3, f64]], code };
+}
+
 class ModeWriter { // function (z, constants, terms, J, order)
   constructor(tape) { // {inputs, row, first, ops: [kind, a, b], terms: slots, flow}
     Object.assign(this, tape, { code: new Assembler() });
-    [this.z, this.constants, this.terms, this.J, this.order, this.last, this.k, this.column, this.kNumber, this.share, this.total, this.values] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11];
+    [this.z, this.constants, this.terms, this.J, this.order, this.last, this.k, this.column, this.kNumber, this.share, this.total, this.leastRatio, this.values] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12];
   }
 
   write() {
@@ -32,13 +44,14 @@ class ModeWriter { // function (z, constants, terms, J, order)
     for (let i = 0; i < inputs; i++) this.put(J, i, () => code.get(z).load(NUMBER * i));
     this.ops.forEach((op, i) => this.put(J, inputs + i, () => this.value(i, ...op)));
     code.get(order).wrap().keep(last).isZero().if().return().end();
+    if (this.ops.some(([kind]) => kind === POWER)) code.get(last).asNumber().call(LEAST_RATIO).set(this.leastRatio);
     code.whole(1).set(k).number(1).set(kNumber).get(J).whole(NUMBER).plus().set(column).loop();
     code.number(1).get(kNumber).divide().set(share);
     for (let i = 0; i < inputs; i++) this.put(column, i, () => this.behind(flow[i]).load(0).get(share).multiply());
     this.ops.forEach((op, i) => this.put(column, inputs + i, () => this.coefficient(i, ...op)));
     code.get(k).get(last).equal().if().return().end();
     code.move(k, 1).move(column, NUMBER).get(kNumber).number(1).add().set(kNumber).branch(0).end();
-    return { type: MODE_TYPE, locals: [[3, i32], [3 + inputs + this.ops.length, f64]], code };
+    return { type: MODE_TYPE, locals: [[3, i32], [4 + inputs + this.ops.length, f64]], code };
   }
 
   put(at, slot, write) { // a value into its local and its row
@@ -67,6 +80,7 @@ class ModeWriter { // function (z, constants, terms, J, order)
   value(i, kind, a, b) { // coefficient 0
     if (kind === AFFINE) return this.affine(a, b, this.first + i);
     if (kind === RATE) return this.code.number(0);
+    if (kind === POWER) return this.powerValue(a, this.first + i);
     if (kind > POWER) { this.code.long(kind); return this.of(a).call(VALUE); }
     this.of(a);
     return this.of(kind === SQUARE ? a : b)[kind === QUOTIENT ? "divide" : "multiply"]();
@@ -76,6 +90,7 @@ class ModeWriter { // function (z, constants, terms, J, order)
     const { code, k, kNumber } = this, out = this.inputs + i, all = () => code.get(k);
     if (kind === AFFINE) return this.affine(a, b, null);
     if (kind === RATE) { code.get(kNumber); return this.of(a).multiply(); }
+    if (kind === POWER) return this.powerCoefficient(a, out, this.first + i, all);
     if (kind > POWER) return this.sum(out - 1, b, all).get(kNumber).divide();
     if (kind === QUOTIENT) { this.of(a); this.sum(b, out, all).subtract(); return this.start(b).divide(); }
     if (kind === SQUARE) return this.square(a);
@@ -84,6 +99,32 @@ class ModeWriter { // function (z, constants, terms, J, order)
     this.of(b).multiply().add();
     this.of(a);
     return this.start(b).multiply().add();
+  }
+
+  exponent(constant) { return this.code.get(this.constants).load(NUMBER * constant); }
+  positive(a) { return this.start(a).number(0).above(); }
+
+  limit(constant) { // of a power where its base goes to zero
+    this.code.number(Infinity).number(0);
+    return this.exponent(constant).number(0).below().choose();
+  }
+
+  powerValue(a, constant) {
+    this.of(a).number(1).get(this.values + a).number(0).above().choose();
+    this.exponent(constant).call(POWER_VALUE);
+    this.limit(constant).get(this.values + a).number(0).above();
+    return this.code.choose();
+  }
+
+  powerCoefficient(a, out, constant, all) { // constant where there is no series, see hybrid/kernels/powers.py
+    const { code, kNumber } = this;
+    this.exponent(constant).number(1).add();
+    this.sum(out - 1, out, all).multiply().get(kNumber);
+    this.sum(a, out, all).multiply().subtract().get(kNumber);
+    this.start(a).multiply().divide().number(0);
+    this.start(a).get(this.leastRatio).get(this.J).load(this.row * a + NUMBER).absolute().multiply().above().choose();
+    this.limit(constant);
+    return this.positive(a).choose();
   }
 
   square(a) { // each pair once
@@ -110,13 +151,14 @@ function tapesOf(structure) { // one for each mode
   });
 }
 
-async function compileJets({ exports }, structure) { // the place of each mode's code in the kernels' table, 0 where there is none
-  const tapes = tapesOf(structure), interpreted = (tape) => tape.ops.some(([kind]) => kind === POWER); // whose series end near zero
-  const written = [...tapes.keys()].filter((mode) => !interpreted(tapes[mode])), names = written.map((mode) => `mode${mode}`);
-  const functions = [writeSum(), ...written.map((mode) => new ModeWriter(tapes[mode]).write())];
-  const code = wasmModule({ types: JET_TYPES, imports: [{ name: "memory" }, { name: "value", type: 0 }], functions, exported: names });
-  const { instance } = await WebAssembly.instantiate(code, { kernels: { memory: exports.memory, value: exports.frictionlab_function_value } });
-  const table = exports.__indirect_function_table, places = new BigInt64Array(tapes.length), first = table.grow(written.length);
-  written.forEach((mode, i) => { table.set(first + i, instance.exports[names[i]]); places[mode] = BigInt(first + i); });
-  return places;
+async function compileJets({ exports }, structure) { // the place of each mode's code in the kernels' table
+  const tapes = tapesOf(structure), names = tapes.map((_, mode) => `mode${mode}`);
+  const functions = [writeSum(), writeLeastRatio(), ...tapes.map((tape) => new ModeWriter(tape).write())];
+  const imports = [{ name: "memory" }, { name: "value", type: 0 }, { name: "power", type: POWER_TYPE }];
+  const code = wasmModule({ types: JET_TYPES, imports, functions, exported: names });
+  const { memory, frictionlab_function_value: value, frictionlab_power: power } = exports;
+  const { instance } = await WebAssembly.instantiate(code, { kernels: { memory, value, power } });
+  const table = exports.__indirect_function_table, first = table.grow(names.length);
+  names.forEach((name, i) => table.set(first + i, instance.exports[name]));
+  return BigInt64Array.from(names, (_, i) => BigInt(first + i));
 }

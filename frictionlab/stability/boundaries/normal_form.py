@@ -18,6 +18,7 @@ import numpy as np
 import sympy
 from numpy.typing import NDArray
 
+from frictionlab.hybrid.outputs import numpy_function
 from frictionlab.stability.flow import Flow
 
 Vector = NDArray[Any]
@@ -59,7 +60,7 @@ def _multilinear_form(flow: Flow, functions: tuple[Any, ...], order: int) -> Cal
     directions = [u for level in range(order) for u in _direction(level, len(flow.states))]
     expressions = list(_differentiate(functions, flow.states, order))
     arguments = [*flow.states, *flow.parameters, *directions]
-    return sympy.lambdify(arguments, expressions, modules="numpy", cse=True)
+    return numpy_function(arguments, expressions)
 
 
 @lru_cache(maxsize=256)

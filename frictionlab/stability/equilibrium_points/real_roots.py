@@ -17,7 +17,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import brentq
 
 # Full relative precision however small the root: only ROOT_RTOL ends the search.
 ROOT_XTOL, ROOT_RTOL, MAX_ROOT_STEPS = 1e-300, 8.9e-16, 5000
@@ -34,9 +33,52 @@ def bracketed_root(function: Callable[[float], float], low: float, high: float) 
         return low if at_low == 0.0 else high
     if np.sign(at_low) == np.sign(at_high):
         return None
-    solver: Any = brentq  # its stub asks for numpy's floats
-    root = solver(function, low, high, xtol=ROOT_XTOL, rtol=ROOT_RTOL, maxiter=MAX_ROOT_STEPS)
-    return float(root)
+    return _brent(function, (low, float(at_low)), (high, float(at_high)))
+
+
+def _brent(
+    function: Callable[[float], float], before: tuple[float, float], latest: tuple[float, float]
+) -> float:
+    """The root between two points (x, value) of different signs, by Brent's method.
+
+    R. P. Brent, Algorithms for Minimization without Derivatives (1973), chapter 4, with the choices of
+    scipy.optimize.brentq, to the last bit: its package takes longer to import than a run to compute.
+    """
+    opposite = before  # of the other sign than `latest`
+    step = step_before = 0.0
+    for _ in range(MAX_ROOT_STEPS):
+        if (before[1] < 0.0) != (latest[1] < 0.0):
+            opposite = before
+            step = step_before = latest[0] - before[0]
+        if abs(opposite[1]) < abs(latest[1]):
+            before, latest = latest, opposite
+            opposite = before
+        finest = (ROOT_XTOL + ROOT_RTOL * abs(latest[0])) / 2
+        half = (opposite[0] - latest[0]) / 2
+        if latest[1] == 0.0 or abs(half) < finest:
+            break
+        tried = _interpolated_step(before, latest, opposite) if abs(step_before) > finest else half
+        if 2 * abs(tried) < min(abs(step_before), 3 * abs(half) - finest):
+            step_before, step = step, tried
+        else:
+            step_before = step = half
+        x = latest[0] + (step if abs(step) > finest else finest if half > 0 else -finest)
+        before, latest = latest, (x, float(function(x)))
+    return float(latest[0])
+
+
+def _interpolated_step(
+    before: tuple[float, float], latest: tuple[float, float], opposite: tuple[float, float]
+) -> float:
+    """A step by the secant, or by inverse quadratic interpolation; infinite where it does not reduce."""
+    (x0, f0), (x1, f1), (x2, f2) = before, latest, opposite
+    if abs(f1) >= abs(f0):
+        return np.inf
+    if x0 == x2:
+        return -f1 * (x1 - x0) / (f1 - f0)
+    slope0, slope2 = (f0 - f1) / (x0 - x1), (f2 - f1) / (x2 - x1)
+    divisor = slope2 * slope0 * (f2 - f0)
+    return -f1 * (f2 * slope2 - f0 * slope0) / divisor if divisor else np.inf
 
 
 def roots_on_grid(function: Callable[[Any], Any], reach: float, points: int = 4001) -> list[float]:

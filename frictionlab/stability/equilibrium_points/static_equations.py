@@ -15,6 +15,7 @@ import numpy as np
 import sympy
 from numpy.typing import NDArray
 
+from frictionlab.hybrid.outputs import numpy_function
 from frictionlab.models import Model
 from frictionlab.models.mechanical.equations_of_motion import LagrangeSystem, lagrange_system
 from frictionlab.models.symbols import Structure, check_laws, structure_of_component, symbol, symbolic_copy
@@ -82,7 +83,9 @@ class SlidingEquations:
     @cached_property
     def belt_speed(self) -> Callable[..., Any]:
         """The relative velocity at rest, m/s, of the parameters."""
-        return _lambdify(list(self.parameters), self.system.at_rest(self.system.rubbing.relative_velocity))
+        return numpy_function(
+            list(self.parameters), self.system.at_rest(self.system.rubbing.relative_velocity)
+        )
 
     def rests(self, values: Sequence[Any]) -> Any:
         """Where the belt rests and the contact can stick: there friction has no derivative."""
@@ -91,7 +94,7 @@ class SlidingEquations:
     @cached_property
     def stiffness_entries(self) -> Callable[..., Any]:
         """The stiffness matrix as rows, of the parameters."""
-        return _lambdify(list(self.parameters), self.system.stiffness.tolist())
+        return numpy_function(list(self.parameters), self.system.stiffness.tolist())
 
     def stiffness(self, values: Sequence[Any]) -> Array:
         """K (n, n), or (N, n, n) where a parameter in it is an array."""
@@ -140,11 +143,11 @@ def derive_statics(equations: SlidingEquations, held_by_contact: bool) -> Static
         excess = _loads(found, q, normal, friction)[height]
     arguments = [PENETRATION, *p]
     return Statics(
-        _lambdify(arguments, q),
-        _lambdify(arguments, excess),
-        _lambdify(arguments, sympy.diff(excess, PENETRATION)),
-        _lambdify(arguments, [normal, friction]),
-        _lambdify([*found.q, *p], _balance(found)),
+        numpy_function(arguments, q),
+        numpy_function(arguments, excess),
+        numpy_function(arguments, sympy.diff(excess, PENETRATION)),
+        numpy_function(arguments, [normal, friction]),
+        numpy_function([*found.q, *p], _balance(found)),
     )
 
 
@@ -196,10 +199,6 @@ def _balance(found: LagrangeSystem) -> list[Any]:
     normal, friction = _forces(found, found.rubbing.penetration)
     rows = zip(_loads(found, found.q, normal, friction), elastic, strict=True)
     return [*(load - held for load, held in rows), *elastic, *found.dead_loads, normal]
-
-
-def _lambdify(arguments: list[Any], expression: Any) -> Callable[..., Any]:
-    return sympy.lambdify(arguments, expression, modules="numpy", cse=True)
 
 
 def static_residual(statics: Statics, q: Sequence[Any], values: Sequence[Any]) -> Array:
