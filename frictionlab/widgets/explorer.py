@@ -14,7 +14,7 @@ from frictionlab.models import SliderOnBelt
 from frictionlab.models.coercion import check_parameter_name, require_model
 from frictionlab.widgets.controls.model_controls import ComponentControls, ParameterControls
 from frictionlab.widgets.controls.run_controls import RunControls
-from frictionlab.widgets.controls.sliders import equal_within_rounding, refine_step
+from frictionlab.widgets.controls.sliders import equal_within_rounding
 from frictionlab.widgets.panels.bifurcation import BifurcationPanel
 from frictionlab.widgets.panels.standard import (
     CriticalValuePanel,
@@ -106,7 +106,6 @@ class Explorer:
         """Do what a click at these data coordinates of a panel does."""
         with self.scheduler.batch():
             for name, value in self.picture.panels[panel].pick(x, y).items():
-                refine_step(self.controls[name], value)
                 self.controls[name].value = value
 
     def close(self) -> None:

@@ -54,6 +54,31 @@ display(plane, diagram)
 """
 
 
+# Every model with all its controls, and of each how often a value changed and whether the model is still that
+# of the start.
+EVERY_MODEL = """\
+import frictionlab as fl
+import ipywidgets
+
+def made(i, model):
+    explorer = fl.explore(model, panels=("eigenvalues",))
+    explorer.widget.add_class(f"model-{i}")
+    told, times = ipywidgets.Label("0 same").add_class(f"told-{i}"), []
+    def tell(change):
+        times.append(change["name"])
+        kept = explorer.parameters.values(model) == dict(model.parameters)
+        told.value = f"{len(times)} {'same' if kept else 'other'}"
+    for control in explorer.controls.values():
+        if hasattr(control, "value"):
+            control.observe(tell, names="value")
+    explorer.parameters.widget.children[1].selected_index = 0
+    display(told, explorer)
+
+for i, row in enumerate(fl.list_models()):
+    made(i, eval(f"fl.{row.call}", {"fl": fl}))
+"""
+
+
 def write_notebook(folder, source=CELL):
     """A notebook of one cell; returns its path."""
     cell = {"cell_type": "code", "execution_count": None, "metadata": {}, "outputs": [], "source": source}

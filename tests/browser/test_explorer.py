@@ -237,7 +237,7 @@ def test_a_click_into_the_plane_moves_the_point_there(shown):
     shown.page.wait_for_function(
         "document.querySelector('.plane .fl-equilibrium').innerText.includes('unstable')", timeout=PATIENCE
     )
-    force = float(shown.page.locator(".plane .fl-F .widget-readout").first.inner_text())
+    force = float(shown.page.locator(".plane .fl-F .widget-readout").input_value())
     low, high = fl.explore_stability().picture.tiles["critical"].ax.get_xlim()
     across = (0.5 - AXES_RECTANGLE[0]) / AXES_RECTANGLE[2]
     assert force == pytest.approx(low + across * (high - low), abs=0.01 * (high - low))
@@ -248,17 +248,17 @@ def test_a_click_into_the_diagram_selects_the_value_there(shown):
     page = shown.page
     page.wait_for_selector(".diagram img.fl-panel", timeout=PATIENCE)
     settled(page, ".diagram")
-    readout = page.locator(".diagram .fl-mu_k .widget-readout").first
+    readout = page.locator(".diagram .fl-mu_k .widget-readout")
     low, high = map(float, page.locator(".diagram .fl-range .widget-readout").inner_text().split("–"))
-    across, before = 0.75, readout.inner_text()
+    across, before = 0.75, readout.input_value()
     click(page, ".diagram .fl-panel-bifurcation img", AXES_RECTANGLE[0] + across * AXES_RECTANGLE[2], 0.5)
     page.wait_for_function(
-        "(before) => document.querySelector('.diagram .fl-mu_k .widget-readout').innerText !== before",
+        "(before) => document.querySelector('.diagram .fl-mu_k .widget-readout').value !== before",
         arg=before,
         timeout=PATIENCE,
     )
     expected = low + across * (high - low)
-    assert float(readout.inner_text()) == pytest.approx(expected, abs=0.01 * (high - low))
+    assert float(readout.input_value()) == pytest.approx(expected, abs=0.01 * (high - low))
 
 
 def click(page, selector, x, y):

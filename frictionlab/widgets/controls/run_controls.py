@@ -5,14 +5,14 @@ from __future__ import annotations
 from typing import Any
 
 import ipywidgets
-import numpy as np
 
 from frictionlab.analysis.motion_scales import rounded_period
+from frictionlab.components.component import Parameter
 from frictionlab.hybrid.methods.one_step import RK4
 from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.widgets.settings import QUICK_METHOD, Settings
 
-from .sliders import END_MARGIN, LOG_READOUT_FORMAT, READOUT_FORMAT, label_control, remove_browser_rounding
+from .sliders import label_control, remove_browser_rounding, slider
 
 OWN_STATE, FIXED_STEP = "own", "rk4"
 INITIAL_STATES = (("rest", "rest"), ("near the equilibrium", "near"), ("own numbers", OWN_STATE))
@@ -20,6 +20,7 @@ METHODS = (("quick (Taylor)", QUICK_METHOD), ("exact (Taylor)", Taylor()), ("pap
 SHOWN_PERIODS = 5, 10, 20, 50  # periods
 CONTROL_NAMES = "start", "own", "duration", "method", "step", "window", "coordinate"
 DEFAULT_STEP, MIN_STEP, MAX_STEP = 2e-4, 2e-5, 1e-2  # s; the paper's step
+STEP_TEXT = "fixed step of the paper's algorithm; its own is 2e-4 s"
 
 
 class RunControls:
@@ -90,17 +91,19 @@ def _window_options(model: Any) -> list[tuple[str, float | None]]:
 def _duration_slider(settings: Settings) -> Any:
     """From ten periods of the model to a thousand."""
     period, seconds = rounded_period(settings.model), settings.t_end
-    low, high = 10 * period, max(1000 * period, seconds)
-    made = ipywidgets.FloatSlider(seconds, min=low, max=high, step=low, readout_format=READOUT_FORMAT)
-    return label_control(made, "duration", "duration (s)", "seconds that are simulated")
+    ends = 10 * period, max(1000 * period, seconds)
+    about = Parameter("", "s", "seconds that are simulated", exclusive_minimum=0.0, range=ends)
+    return _described(slider("duration", about, seconds), "duration (s)")
 
 
 def _step_slider() -> Any:
-    low, high = np.log10([MIN_STEP, MAX_STEP])
-    made = ipywidgets.FloatLogSlider(
-        DEFAULT_STEP, min=low - END_MARGIN, max=high, step=0.05, readout_format=LOG_READOUT_FORMAT
-    )
-    return label_control(made, "step", "step (s)", "fixed step of the paper's algorithm; its own is 2e-4 s")
+    about = Parameter("", "s", STEP_TEXT, exclusive_minimum=0.0, range=(MIN_STEP, MAX_STEP), log=True)
+    return _described(slider("step", about, DEFAULT_STEP), "step (s)")
+
+
+def _described(control: Any, text: str) -> Any:
+    control.description = text
+    return control
 
 
 def _parse_state(text: str) -> tuple[float, ...]:
