@@ -160,7 +160,7 @@ def explore(model: Any = None, panels: Iterable[Any] = DEFAULT_PANELS) -> Explor
     """Change a model with sliders and watch its motion.
 
     Every parameter has a slider, made from its symbol, unit, meaning and range: those of your own laws too.
-    The nonlinearities can be switched off and on, and the present curves kept in grey for comparison.
+    The nonlinearities can be switched off and on, and the present curves kept, dotted, for comparison.
     The model and its run are ``explorer.model`` and ``explorer.run``; Python and JSON that give them are
     shown to copy. The initial method is quick: to a tolerance of 1e-7, and flights too short to be seen are
     replaced by their limit.

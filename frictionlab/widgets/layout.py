@@ -50,7 +50,7 @@ class Layout:
         self.message, self.equilibrium = _message_widget("error"), _message_widget("equilibrium")
         self.message.style.text_color = "#B00020"
         self.python, self.json = _code_area("python"), _code_area("json")
-        text = "keep the curves as they are now in grey"
+        text = "keep the curves as they are now, dotted"
         self.compare = ipywidgets.ToggleButton(description="compare", tooltip=text)
         text = "all controls back to the values of the start"
         self.reset = ipywidgets.Button(description="reset", tooltip=text)

@@ -10,7 +10,7 @@ from frictionlab.analysis.motion_scales import rounded_period
 from frictionlab.components.component import Parameter
 from frictionlab.hybrid.methods.one_step import RK4
 from frictionlab.hybrid.methods.taylor import Taylor
-from frictionlab.widgets.settings import QUICK_METHOD, Settings
+from frictionlab.widgets.settings import QUICK_METHOD, WHAT_MOVES, Settings
 
 from .sliders import label_control, remove_browser_rounding, slider
 
@@ -39,7 +39,7 @@ class RunControls:
         text = "quick: tolerance 1e-7, flights below 0.4 ms replaced by their limit; exact: to rounding"
         self.method = label_control(drop(options=METHODS, value=settings.method), "method", "method", text)
         self.step = _step_slider()
-        text = "part of the run that the panels show; the spectrum is of its second half"
+        text = "part of the run that the panels show; the spectrum is of the run's second half"
         self.window = label_control(
             drop(options=_window_options(settings.model), value=settings.window), "window", "shown", text
         )
@@ -83,9 +83,9 @@ def _zero_state_text(names: tuple[str, ...]) -> str:
     return ", ".join(["0"] * 2 * len(names))
 
 
-def _window_options(model: Any) -> list[tuple[str, float | None]]:
+def _window_options(model: Any) -> list[tuple[str, float | str | None]]:
     lengths = [round(count * rounded_period(model), 12) for count in SHOWN_PERIODS]
-    return [*((f"last {s:g} s", s) for s in lengths), ("whole run", None)]
+    return [("what moves", WHAT_MOVES), *((f"last {s:g} s", s) for s in lengths), ("whole run", None)]
 
 
 def _duration_slider(settings: Settings) -> Any:
