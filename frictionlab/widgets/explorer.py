@@ -10,6 +10,7 @@ from collections.abc import Iterable
 from functools import partial
 from typing import Any
 
+from frictionlab.hybrid.compilation import needs_compilation
 from frictionlab.models import SliderOnBelt
 from frictionlab.models.coercion import check_parameter_name, require_model
 from frictionlab.widgets.controls.model_controls import ComponentControls, ParameterControls
@@ -130,6 +131,7 @@ class Explorer:
         with self.busy.show_while_busy():
             try:
                 settings = self._read()
+                self.busy.announce_compilation(needs_compilation(settings.method.entry))
                 result = self.result if settings == self.settings else Result(settings)
                 self.busy.left = self.picture.draw(result)
                 self.layout.describe(result)

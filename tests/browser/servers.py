@@ -43,6 +43,13 @@ fl.watch(fl.simulate(fl.SliderOnBelt(mu_k=1.4), 1.0, progress=False), speed=0.2)
 """
 
 
+# A film, which takes long enough for a bar of progress to appear and to vanish.
+ANIMATED = """\
+import frictionlab as fl
+
+fl.animate(fl.simulate(fl.SliderOnBelt(mu_k=1.4), 1.5), fps=5)
+"""
+
 # A plane and a diagram to click into.
 CLICKED = """\
 import frictionlab as fl
