@@ -26,10 +26,12 @@ from frictionlab.widgets.panels.standard import (
 )
 from frictionlab.widgets.rendering.picture import Picture
 
+from .keeping import Keeping
 from .layout import Layout
 from .messages import error_text
 from .result import Result
 from .settings import Settings, default_settings
+from .state import History, State, check_names, control_data, set_control, state_from_text
 from .update_scheduler import BusyIndicator, UpdateScheduler
 
 DEFAULT_PANELS = ("response", "phase", "forces", "spectrum", "eigenvalues")
@@ -55,6 +57,7 @@ class Explorer:
 
     def __init__(self, settings: Settings, panels: dict[str, Any]) -> None:
         self.settings, self.result, self.error = settings, Result(settings), None
+        self.start_model, self.history = settings.model, History()
         self.updates = 0  # computed so far
         self.scheduler = UpdateScheduler(self._update)
         self.components, self.running = ComponentControls(settings.model), RunControls(settings)
@@ -66,12 +69,15 @@ class Explorer:
             control.observe(self._changed, names="value")
         self.layout.compare.observe(self._compare, names="value")
         self.layout.reset.on_click(self.reset)
+        self.layout.undo.on_click(lambda _: self.undo())
+        self.layout.redo.on_click(lambda _: self.redo())
+        self.keeping = Keeping(self, self._failed, self.load)
         for name, panel in panels.items():
             if hasattr(panel, "pick"):
                 self.picture.images[name].on_click(partial(self._clicked, name))
         shown = *self.extra.values(), *self.components.controls.values()
         shown = *shown, self.parameters.widget, self.running.widget
-        self.widget = self.layout.arrange(self.busy.widget, shown, self.picture.widget)
+        self.widget = self.layout.arrange(self.busy.widget, shown, self.picture.widget, self.keeping.widget)
         self.scheduler.request()
 
     @property
@@ -87,7 +93,7 @@ class Explorer:
     @property
     def controls(self) -> dict[str, Any]:
         """Every control by its name."""
-        buttons = {"compare": self.layout.compare, "reset": self.layout.reset}
+        buttons = {name: getattr(self.layout, name) for name in ("compare", "reset", "undo", "redo")}
         return {**self.parameters.sliders, **self._others, **buttons}
 
     @property
@@ -103,6 +109,54 @@ class Explorer:
                 control.value = self._first[name]
             self.layout.compare.value = False
 
+    def values(self) -> State:
+        """What the controls are set to, as data; those of components that the model lacks are left out."""
+        names = self.components.model().parameters
+        sliders = {name: self.parameters.sliders[name] for name in names if name in self.parameters.sliders}
+        return {name: control_data(control) for name, control in {**self._others, **sliders}.items()}
+
+    def changed(self) -> State:
+        """Those of them that differ from the values at the start."""
+        return {name: value for name, value in self.values().items() if self.initial.get(name) != value}
+
+    def set_values(self, values: State) -> None:
+        """Set controls to values as :meth:`values` gives them, all at once.
+
+        Raises
+        ------
+        ValueError
+            For a name that no control has, or a value that a control cannot have; then nothing is changed.
+        """
+        before = self.values()
+        with self.scheduler.batch():
+            try:
+                self._set(values)
+            except ValueError:
+                self._set(before)
+                raise
+
+    def undo(self) -> None:
+        """Back to what was set before; nothing where that is the start."""
+        self._step(-1)
+
+    def redo(self) -> None:
+        """Forth to what was undone last."""
+        self._step(1)
+
+    def load(self, content: str | bytes) -> None:
+        """Set the controls to a state that was saved.
+
+        Raises
+        ------
+        ValueError
+            If it is none, or that of another model.
+        """
+        model, changed = state_from_text(content)
+        if model != self.start_model:
+            what = f"got that of {model!r}: open it by fl.explore(fl.{model!r})"
+            raise ValueError(f"the state must be that of {self.start_model!r}, {what}")
+        self.set_values({**self.initial, **changed})
+
     def click(self, panel: str, x: float, y: float) -> None:
         """Do what a click at these data coordinates of a panel does."""
         with self.scheduler.batch():
@@ -117,6 +171,36 @@ class Explorer:
 
     def _repr_mimebundle_(self, **options: Any) -> Any:
         return self.widget._repr_mimebundle_(**options)
+
+    def _set(self, values: State) -> None:
+        """Lists and switches first, as they bring sliders."""
+        others = self._others
+        for name in values.keys() & others.keys():
+            set_control(name, others[name], values[name])
+        self.parameters.show(self.components.model())
+        check_names(values, {**others, **self.parameters.sliders})
+        for name in values.keys() - others.keys():
+            set_control(name, self.parameters.sliders[name], values[name])
+
+    def _step(self, by: int) -> None:
+        present = self.history.present
+        # Values that gave no picture are not in the history: from them the last ones that did come first.
+        state = present if by < 0 and self.values() != present else self.history.step(by)
+        if state is not None:
+            self.set_values(state)
+
+    def _record(self) -> None:
+        """Note the state that has been shown."""
+        self.history.record(self.values())
+        self.layout.mark(self.history.place > 0, self.history.place + 1 < len(self.history.states))
+
+    @property
+    def initial(self) -> State:
+        """What the controls were set to at the start."""
+        return self.history.initial
+
+    def _failed(self, error: Exception) -> None:
+        self.layout.show_message(error_text(error))
 
     def _clicked(self, panel: str, x: float, y: float) -> None:
         data_coordinates = self.picture.tiles[panel].data_coordinates(x, y)
@@ -142,6 +226,7 @@ class Explorer:
             self.settings, self.result, self.error = settings, result, None
             self.running.widget.layout.display = "" if result.has_run else "none"
             self.updates += 1
+            self._record()
         if self.busy.left:
             self.scheduler.request_later()
 

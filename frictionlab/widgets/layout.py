@@ -43,7 +43,7 @@ class Layout:
     python, json : Textarea
         The state to copy.
     compare : ToggleButton
-    reset : Button
+    reset, undo, redo : Button
     """
 
     def __init__(self) -> None:
@@ -54,8 +54,11 @@ class Layout:
         self.compare = ipywidgets.ToggleButton(description="compare", tooltip=text)
         text = "all controls back to the values of the start"
         self.reset = ipywidgets.Button(description="reset", tooltip=text)
-        for button in (self.compare, self.reset):
-            button.layout.width = "90px"
+        self.undo = ipywidgets.Button(description="undo", tooltip="back to what was set before")
+        self.redo = ipywidgets.Button(description="redo", tooltip="forth to what was undone")
+        self.mark(False, False)
+        for button in (self.compare, self.reset, self.undo, self.redo):
+            button.layout.width = "75px"
             button.add_class(f"fl-{button.description}")
 
     def describe(self, result: Any) -> None:
@@ -69,12 +72,25 @@ class Layout:
         self.message.value = text
         self.message.layout.display = "" if text else "none"
 
-    def arrange(self, busy: Any, controls: Iterable[Any], picture: Any) -> Any:
+    def mark(self, before: bool, after: bool) -> None:
+        """Enable undo and redo where there is a state before and after."""
+        self.undo.disabled, self.redo.disabled = not before, not after
+
+    def arrange(self, busy: Any, controls: Iterable[Any], picture: Any, kept: Any) -> Any:
         """Controls and picture side by side where there is room."""
-        code = ipywidgets.Accordion([self.python, self.json], titles=("as Python", "as JSON"))
+        titles = "as Python", "as JSON", "figure, data, state"
+        code = ipywidgets.Accordion([self.python, self.json, kept], titles=titles)
         code.add_class("fl-code")
-        buttons = ipywidgets.HBox([self.compare, self.reset, busy])
-        column = [buttons, self.message, self.equilibrium, *controls, code, ipywidgets.HTML(STYLE_SHEET)]
+        buttons = ipywidgets.HBox([self.compare, self.reset, self.undo, self.redo])
+        column = [
+            buttons,
+            busy,
+            self.message,
+            self.equilibrium,
+            *controls,
+            code,
+            ipywidgets.HTML(STYLE_SHEET),
+        ]
         layout = ipywidgets.Layout(flex=f"0 0 {CONTROLS_WIDTH}", max_width="100%")
         left = ipywidgets.VBox(column, layout=layout).add_class("fl-controls")
         wrap = ipywidgets.Layout(flex_flow="row nowrap", align_items="flex-start", width="100%")

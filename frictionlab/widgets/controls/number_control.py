@@ -194,10 +194,14 @@ class NumberControl(ipywidgets.HBox):
         self.field.message = ""
         self.value = number
 
+    def check(self, number: float) -> None:
+        """Raise ValueError for a number that breaks the rule of this control, whatever the slider's ends."""
+        self._rule(number)
+
     def _check_inside(self, number: float) -> None:
         ends = f"The slider goes from {self.min:.7g} to {self.max:.7g}"
         try:
-            self._rule(number)
+            self.check(number)
         except ValueError as error:
             raise ValueError(f"{error}. {ends}") from error
         if not self.min <= number <= self.max:

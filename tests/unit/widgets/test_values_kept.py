@@ -31,7 +31,7 @@ def test_showing_an_explorer_changes_nothing(model):
     explorer = fl.explore(model, panels=("eigenvalues",))
     settings, updates = explorer.settings, explorer.updates
     for name, control in explorer.controls.items():
-        if name == "reset":
+        if not hasattr(control, "value"):
             continue
         told = told_by_browser(control)
         assert told == control.value, name
