@@ -72,8 +72,8 @@ def run_text(result: Any) -> str:
     what = _motion(result)
     if not what and result.decays:
         return ""
-    known = result.has_spectrum and result.spectrum is not None  # computed where a panel shows it
-    strongest = result.spectrum.strongest if known else 0.0
+    spectrum = result.spectrum if result.has_spectrum else None  # computed where a panel shows it
+    strongest = 0.0 if spectrum is None else spectrum.strongest
     pitch = f" at {strongest:.3g} Hz" if strongest > 0 else ""
     return f"{start} this run {what or 'vibrates'}{pitch}"
 

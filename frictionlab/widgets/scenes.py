@@ -13,8 +13,7 @@ from urllib.parse import parse_qsl, urlencode
 
 import ipywidgets
 
-import frictionlab
-from frictionlab.models.library.catalogue import PRESETS, list_models
+from frictionlab.models.library.catalogue import PRESETS, ROW_MODELS, list_models
 from frictionlab.validation import did_you_mean_or_known
 
 from .controls.file_button import FileButton
@@ -29,8 +28,7 @@ LINK_VARIABLE = "QUERY_STRING"  # of the environment of a kernel that Voila star
 def scene_models() -> dict[str, tuple[Any, str]]:
     """The model and the sentence of every scene by its name: those worth seeing, then all models."""
     scenes = {preset.name: (preset.model, preset.about) for preset in PRESETS}
-    names = {"fl": frictionlab}
-    models = {row.call: (eval(f"fl.{row.call}", names), row.about) for row in list_models()}
+    models = {row.call: (model, row.about) for row, model in zip(list_models(), ROW_MODELS, strict=True)}
     return scenes | models
 
 
@@ -63,7 +61,7 @@ class Scenes:
             "copy link", "an address that opens this scene as it is", self.link, print
         )
         self.widget = ipywidgets.VBox().add_class("fl-scenes")
-        self.explorer: Explorer = self._open(self.menu.value)
+        self.explorer: Explorer = self._open(PRESETS[0].name)
         self.menu.observe(lambda change: self._open(change["new"]), names="value")
         if link:
             self._follow(link)

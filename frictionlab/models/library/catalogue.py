@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from html import escape
 from typing import NamedTuple
 
-from frictionlab.components.friction import Stribeck
+from frictionlab.components.friction import Stribeck, WeakeningStrengthening
 from frictionlab.models.model import Model
 
 from .bouncing_ball import BouncingBall
@@ -118,8 +118,24 @@ PRESETS = (
     Preset(
         "grazing",
         ImpactOscillator(c=2.0, Omega=1.2, d=0.41),
-        "The mass just fails to touch its stop: move it from d = 0.41 m to 0.4 m, and every swing strikes it.",
+        "The mass just fails to touch its stop: move d from 0.41 m to 0.4 m, and every swing strikes it.",
     ),
+)
+
+
+# The models that the calls of the rows make, which texts alone must not.
+ROW_MODELS: tuple[Model, ...] = (
+    SliderOnBelt(),
+    MassOnBelt(),
+    MassOnBelt(friction=Stribeck(mu_k=0.5, mu_s=1.0), c=0.1),
+    MassOnBelt(friction=WeakeningStrengthening(mu_k=0.5, mu_s=1.0), c=0.1, v=1.0),
+    ModeCoupling(),
+    SliderOnRigidBelt(),
+    DenHartog(),
+    FreeCoulomb(),
+    BouncingBall(),
+    ImpactOscillator(),
+    TwoBlocks(),
 )
 
 

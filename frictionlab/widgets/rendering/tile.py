@@ -268,7 +268,9 @@ class Tile:
         """A legend in as few rows as the tile's width allows."""
         renderer = self.ax.figure.canvas.get_renderer()  # pyright: ignore[reportAttributeAccessIssue]
         for rows in range(1, len(handles) + 1):
-            style = LEGEND_STYLE if rows <= LEGEND_ROWS else LEGEND_STYLE | {"fontsize": SMALL_LEGEND}
+            style: dict[str, Any] = (
+                LEGEND_STYLE if rows <= LEGEND_ROWS else LEGEND_STYLE | {"fontsize": SMALL_LEGEND}
+            )
             legend = self.ax.legend(handles=handles, ncols=-(-len(handles) // rows), **style)
             box = legend.get_window_extent(renderer)
             if box.x0 >= self.box.x0 and box.x1 <= self.box.x1:

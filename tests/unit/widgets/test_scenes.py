@@ -50,7 +50,7 @@ def test_grazing_by_its_closed_form():
     model = MODEL["grazing"]
     amplitude = model.F / np.hypot(model.k - model.m * model.Omega**2, model.c * model.Omega)
     assert amplitude < model.d < 1.001 * amplitude
-    assert 0.4 < amplitude
+    assert amplitude > 0.4
     for d, strikes in ((model.d, False), (0.4, True)):
         run = fl.simulate(model.replace(d=d), 400.0, progress=False)
         assert bool(np.any((run.events.guard == "impact") & (run.events.t > 350.0))) is strikes

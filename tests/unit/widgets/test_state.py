@@ -2,6 +2,7 @@
 
 import io
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -146,6 +147,6 @@ def test_a_button_sends_a_file_and_tells_what_fails(short, monkeypatch):
     (about, (content,)) = sent[0]
     assert about == {"name": "SliderOnBelt.json", "type": "application/json"}
     assert json.loads(content)["changed"] == {"duration": 2.0}
-    monkeypatch.setattr(button, "_make", lambda: open("/no/such/file"))
+    monkeypatch.setattr(button, "_make", lambda: Path("/no/such/file").read_text())
     button._handle_custom_msg({"asked": True}, [])
     assert "FileNotFoundError" in short.layout.message.value
