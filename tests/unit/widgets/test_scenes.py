@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import frictionlab as fl
-from frictionlab.models.library.catalogue import PRESETS
+from frictionlab.models.library.catalogue import PRESETS, ROW_MODELS
 from frictionlab.widgets.scenes import Scenes, scene_models
 from tests.helpers.explorers import MODELS
 
@@ -16,6 +16,10 @@ def test_the_menu_has_the_scenes_worth_seeing_and_all_models():
     assert list(found) == [*MODEL, *MODELS]
     assert all(found[name][0] == model for name, model in {**MODEL, **MODELS}.items())
     assert all(about for _, about in found.values())
+
+
+def test_the_menus_models_are_those_that_the_calls_make():
+    assert dict(zip(MODELS, ROW_MODELS, strict=True)) == MODELS
 
 
 def test_two_fates():
