@@ -14,7 +14,7 @@ from .settings import python_snippet, to_json
 # on a narrow screen below it, its panels side by side, of the second one an edge as a hint.  A sticky box
 # keeps to the nearest ancestor that could scroll; notebooks let every output do so, but not this one.
 STYLE_SHEET = """<style>
-.jupyter-widgets.fl-explorer { overflow: visible; }
+.jupyter-widgets:is(.fl-explorer, .fl-scenes) { overflow: visible; }
 :is(.jp-OutputArea, .jp-OutputArea-child, .jp-OutputArea-output):has(.fl-explorer) {
   overflow: visible; min-width: 0; }
 .fl-explorer .fl-picture { position: sticky; top: 0; z-index: 2; background: white; max-height: 90vh; }
