@@ -9,8 +9,6 @@ from statistics import median
 from types import MappingProxyType
 from typing import Any
 
-import ipywidgets
-
 from frictionlab.models import SliderOnBelt
 from frictionlab.presentation import markdown_table
 from frictionlab.widgets.controls.model_controls import main_parameters
@@ -75,11 +73,10 @@ def latencies(
 
 def _slider_values(slider: Any, count: int) -> list[float]:
     """Values at the next steps of a slider: up, or down where it would come to its end."""
-    logarithmic = isinstance(slider, ipywidgets.FloatLogSlider)
-    at = [float(i + 1) * slider.step for i in range(count)]
-    up = [slider.value * slider.base**d for d in at] if logarithmic else [slider.value + d for d in at]
-    down = [slider.value * slider.base**-d for d in at] if logarithmic else [slider.value - d for d in at]
-    return up if up[-1] <= (slider.base**slider.max if logarithmic else slider.max) else down
+    positions = slider.positions
+    here = min(range(len(positions)), key=lambda i: abs(positions[i] - slider.value))
+    up = positions[here + 1 : here + 1 + count]
+    return list(up if len(up) == count else positions[here - count : here][::-1])
 
 
 def _time_step(explorer: Explorer, name: str, value: float) -> SliderStep:

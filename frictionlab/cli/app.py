@@ -19,13 +19,14 @@ if TYPE_CHECKING:
 
 EXIT_FAILED = 1
 DEFAULT_PORT = 8866
-NOTEBOOK_CELL = "import frictionlab as fl\n\nfl.explore()"
+NOTEBOOK_CELL = "from frictionlab.widgets.scenes import open_scenes\n\nopen_scenes()"
 
 DESCRIPTION = """\
-Show the explorer (fl.explore) in the browser: sliders, switches and pictures,
-no notebook. Everything is served by this machine, to this machine, for
-whoever has the link that is printed; no network is needed. At most four pages
-at once. ctrl-C ends it. Needs Voila: pip install "frictionlab[lab]"."""
+Show the explorer (fl.explore) in the browser: scenes worth seeing and all
+models from a menu, sliders, switches and pictures, no notebook. Everything is
+served by this machine, to this machine, for whoever has the link that is
+printed; no network is needed. At most four pages at once. ctrl-C ends it.
+Needs Voila: pip install "frictionlab[lab]"."""
 
 EPILOG = """\
 examples:

@@ -15,6 +15,7 @@ import threading
 import webbrowser
 from pathlib import Path
 from typing import Any
+from urllib.parse import urlencode
 
 from jupyter_server.auth.identity import IdentityProvider
 from jupyter_server.base.call_context import CallContext
@@ -135,7 +136,8 @@ class ExplorerPage(TornadoVoilaHandler):
         if not self.check_origin():
             raise web.HTTPError(403)
         if not path and self.get_query_arguments("token"):
-            self.redirect(self.base_url)
+            others = {k: v for k, v in self.request.query_arguments.items() if k != "token"}
+            self.redirect(self.base_url + (f"?{urlencode(others, doseq=True)}" if others else ""))
             return
         self.xsrf_token  # noqa: B018  # asked for, it becomes the cookie by which a page that closes ends its kernel
         sent: Any = super().get(path=path)

@@ -24,6 +24,8 @@ PROGRESS_DELAY = 1.0  # seconds before a bar is shown
 URGENT_PRESS = 2  # the press of ctrl-C that interrupts a run at once, wherever it is
 PROGRESS_VARIABLE = "FRICTIONLAB_PROGRESS"  # of the environment: 0, off, no or false shows no bars
 
+VOILA = "voila/"  # what Voila says of itself in the environment of its kernels
+
 _switch = {"shown": os.environ.get(PROGRESS_VARIABLE, "1").strip().lower() not in ("0", "off", "no", "false")}
 
 
@@ -128,9 +130,13 @@ def _bar_class() -> Any:
 
 
 def progress_bar(*arguments: Any, shown: bool = True, delay: float = PROGRESS_DELAY, **options: Any) -> Any:
-    """tqdm's bar, which vanishes when it is done; `options` are tqdm's."""
+    """tqdm's bar, which vanishes when it is done; `options` are tqdm's.
+
+    None on a page of Voila, which shows outputs when all is computed, and in place of a bar that vanished
+    "Error displaying widget: model not found".
+    """
     bar = _bar_class()
-    if sys.stderr is None:
+    if sys.stderr is None or os.environ.get("SERVER_SOFTWARE", "").startswith(VOILA):
         return bar(*arguments, disable=True)
     shown = shown and _switch["shown"]
     options |= {"leave": False, "delay": delay, "file": _ForgivingStream(sys.stderr)}

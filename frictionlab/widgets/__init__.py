@@ -5,6 +5,8 @@
     controls/           sliders, switches and lists, made from a model's metadata; they give Settings
     panels/             functions of a Result that return a `Drawing` (frictionlab.plotting.drawing)
     rendering/          from Drawings to PNGs: axes kept, curves drawn over them
+    scenes              a menu of all models and scenes above the explorer, and links that set it
+    state, keeping      what the controls are set to, undo and redo; figures, data and states as files
     layout, messages    the arrangement of all widgets, and the texts beside the picture
     update_scheduler    updates of which only the latest is computed; the busy indicator
     canvas, sound       `fl.watch` and `fl.listen`

@@ -10,11 +10,12 @@ from collections.abc import Iterable
 from functools import partial
 from typing import Any
 
+from frictionlab.hybrid.compilation import needs_compilation
 from frictionlab.models import SliderOnBelt
 from frictionlab.models.coercion import check_parameter_name, require_model
 from frictionlab.widgets.controls.model_controls import ComponentControls, ParameterControls
 from frictionlab.widgets.controls.run_controls import RunControls
-from frictionlab.widgets.controls.sliders import equal_within_rounding, refine_step
+from frictionlab.widgets.controls.sliders import equal_within_rounding
 from frictionlab.widgets.panels.bifurcation import BifurcationPanel
 from frictionlab.widgets.panels.standard import (
     CriticalValuePanel,
@@ -25,10 +26,12 @@ from frictionlab.widgets.panels.standard import (
 )
 from frictionlab.widgets.rendering.picture import Picture
 
+from .keeping import Keeping
 from .layout import Layout
 from .messages import error_text
 from .result import Result
 from .settings import Settings, default_settings
+from .state import History, State, check_names, control_data, set_control, state_from_text
 from .update_scheduler import BusyIndicator, UpdateScheduler
 
 DEFAULT_PANELS = ("response", "phase", "forces", "spectrum", "eigenvalues")
@@ -54,6 +57,7 @@ class Explorer:
 
     def __init__(self, settings: Settings, panels: dict[str, Any]) -> None:
         self.settings, self.result, self.error = settings, Result(settings), None
+        self.start_model, self.history = settings.model, History()
         self.updates = 0  # computed so far
         self.scheduler = UpdateScheduler(self._update)
         self.components, self.running = ComponentControls(settings.model), RunControls(settings)
@@ -65,12 +69,15 @@ class Explorer:
             control.observe(self._changed, names="value")
         self.layout.compare.observe(self._compare, names="value")
         self.layout.reset.on_click(self.reset)
+        self.layout.undo.on_click(lambda _: self.undo())
+        self.layout.redo.on_click(lambda _: self.redo())
+        self.keeping = Keeping(self, self._failed, self.load)
         for name, panel in panels.items():
             if hasattr(panel, "pick"):
                 self.picture.images[name].on_click(partial(self._clicked, name))
         shown = *self.extra.values(), *self.components.controls.values()
         shown = *shown, self.parameters.widget, self.running.widget
-        self.widget = self.layout.arrange(self.busy.widget, shown, self.picture.widget)
+        self.widget = self.layout.arrange(self.busy.widget, shown, self.picture.widget, self.keeping.widget)
         self.scheduler.request()
 
     @property
@@ -86,7 +93,7 @@ class Explorer:
     @property
     def controls(self) -> dict[str, Any]:
         """Every control by its name."""
-        buttons = {"compare": self.layout.compare, "reset": self.layout.reset}
+        buttons = {name: getattr(self.layout, name) for name in ("compare", "reset", "undo", "redo")}
         return {**self.parameters.sliders, **self._others, **buttons}
 
     @property
@@ -102,11 +109,58 @@ class Explorer:
                 control.value = self._first[name]
             self.layout.compare.value = False
 
+    def values(self) -> State:
+        """What the controls are set to, as data; those of components that the model lacks are left out."""
+        names = self.components.model().parameters
+        sliders = {name: self.parameters.sliders[name] for name in names if name in self.parameters.sliders}
+        return {name: control_data(control) for name, control in {**self._others, **sliders}.items()}
+
+    def changed(self) -> State:
+        """Those of them that differ from the values at the start."""
+        return {name: value for name, value in self.values().items() if self.initial.get(name) != value}
+
+    def set_values(self, values: State) -> None:
+        """Set controls to values as :meth:`values` gives them, all at once.
+
+        Raises
+        ------
+        ValueError
+            For a name that no control has, or a value that a control cannot have; then nothing is changed.
+        """
+        before = self.values()
+        with self.scheduler.batch():
+            try:
+                self._set(values)
+            except ValueError:
+                self._set(before)
+                raise
+
+    def undo(self) -> None:
+        """Back to what was set before; nothing where that is the start."""
+        self._step(-1)
+
+    def redo(self) -> None:
+        """Forth to what was undone last."""
+        self._step(1)
+
+    def load(self, content: str | bytes) -> None:
+        """Set the controls to a state that was saved.
+
+        Raises
+        ------
+        ValueError
+            If it is none, or that of another model.
+        """
+        model, changed = state_from_text(content)
+        if model != self.start_model:
+            what = f"got that of {model!r}: open it by fl.explore(fl.{model!r})"
+            raise ValueError(f"the state must be that of {self.start_model!r}, {what}")
+        self.set_values({**self.initial, **changed})
+
     def click(self, panel: str, x: float, y: float) -> None:
         """Do what a click at these data coordinates of a panel does."""
         with self.scheduler.batch():
             for name, value in self.picture.panels[panel].pick(x, y).items():
-                refine_step(self.controls[name], value)
                 self.controls[name].value = value
 
     def close(self) -> None:
@@ -117,6 +171,36 @@ class Explorer:
 
     def _repr_mimebundle_(self, **options: Any) -> Any:
         return self.widget._repr_mimebundle_(**options)
+
+    def _set(self, values: State) -> None:
+        """Lists and switches first, as they bring sliders."""
+        others = self._others
+        for name in values.keys() & others.keys():
+            set_control(name, others[name], values[name])
+        self.parameters.show(self.components.model())
+        check_names(values, {**others, **self.parameters.sliders})
+        for name in values.keys() - others.keys():
+            set_control(name, self.parameters.sliders[name], values[name])
+
+    def _step(self, by: int) -> None:
+        present = self.history.present
+        # Values that gave no picture are not in the history: from them the last ones that did come first.
+        state = present if by < 0 and self.values() != present else self.history.step(by)
+        if state is not None:
+            self.set_values(state)
+
+    def _record(self) -> None:
+        """Note the state that has been shown."""
+        self.history.record(self.values())
+        self.layout.mark(self.history.place > 0, self.history.place + 1 < len(self.history.states))
+
+    @property
+    def initial(self) -> State:
+        """What the controls were set to at the start."""
+        return self.history.initial
+
+    def _failed(self, error: Exception) -> None:
+        self.layout.show_message(error_text(error))
 
     def _clicked(self, panel: str, x: float, y: float) -> None:
         data_coordinates = self.picture.tiles[panel].data_coordinates(x, y)
@@ -131,6 +215,7 @@ class Explorer:
         with self.busy.show_while_busy():
             try:
                 settings = self._read()
+                self.busy.announce_compilation(needs_compilation(settings.method.entry))
                 result = self.result if settings == self.settings else Result(settings)
                 self.busy.left = self.picture.draw(result)
                 self.layout.describe(result)
@@ -141,6 +226,7 @@ class Explorer:
             self.settings, self.result, self.error = settings, result, None
             self.running.widget.layout.display = "" if result.has_run else "none"
             self.updates += 1
+            self._record()
         if self.busy.left:
             self.scheduler.request_later()
 
@@ -161,7 +247,7 @@ def explore(model: Any = None, panels: Iterable[Any] = DEFAULT_PANELS) -> Explor
     """Change a model with sliders and watch its motion.
 
     Every parameter has a slider, made from its symbol, unit, meaning and range: those of your own laws too.
-    The nonlinearities can be switched off and on, and the present curves kept in grey for comparison.
+    The nonlinearities can be switched off and on, and the present curves kept, dotted, for comparison.
     The model and its run are ``explorer.model`` and ``explorer.run``; Python and JSON that give them are
     shown to copy. The initial method is quick: to a tolerance of 1e-7, and flights too short to be seen are
     replaced by their limit.

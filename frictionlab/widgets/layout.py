@@ -14,7 +14,7 @@ from .settings import python_snippet, to_json
 # on a narrow screen below it, its panels side by side, of the second one an edge as a hint.  A sticky box
 # keeps to the nearest ancestor that could scroll; notebooks let every output do so, but not this one.
 STYLE_SHEET = """<style>
-.jupyter-widgets.fl-explorer { overflow: visible; }
+.jupyter-widgets:is(.fl-explorer, .fl-scenes) { overflow: visible; }
 :is(.jp-OutputArea, .jp-OutputArea-child, .jp-OutputArea-output):has(.fl-explorer) {
   overflow: visible; min-width: 0; }
 .fl-explorer .fl-picture { position: sticky; top: 0; z-index: 2; background: white; max-height: 90vh; }
@@ -43,19 +43,22 @@ class Layout:
     python, json : Textarea
         The state to copy.
     compare : ToggleButton
-    reset : Button
+    reset, undo, redo : Button
     """
 
     def __init__(self) -> None:
         self.message, self.equilibrium = _message_widget("error"), _message_widget("equilibrium")
         self.message.style.text_color = "#B00020"
         self.python, self.json = _code_area("python"), _code_area("json")
-        text = "keep the curves as they are now in grey"
+        text = "keep the curves as they are now, dotted"
         self.compare = ipywidgets.ToggleButton(description="compare", tooltip=text)
         text = "all controls back to the values of the start"
         self.reset = ipywidgets.Button(description="reset", tooltip=text)
-        for button in (self.compare, self.reset):
-            button.layout.width = "90px"
+        self.undo = ipywidgets.Button(description="undo", tooltip="back to what was set before")
+        self.redo = ipywidgets.Button(description="redo", tooltip="forth to what was undone")
+        self.mark(False, False)
+        for button in (self.compare, self.reset, self.undo, self.redo):
+            button.layout.width = "75px"
             button.add_class(f"fl-{button.description}")
 
     def describe(self, result: Any) -> None:
@@ -69,12 +72,25 @@ class Layout:
         self.message.value = text
         self.message.layout.display = "" if text else "none"
 
-    def arrange(self, busy: Any, controls: Iterable[Any], picture: Any) -> Any:
+    def mark(self, before: bool, after: bool) -> None:
+        """Enable undo and redo where there is a state before and after."""
+        self.undo.disabled, self.redo.disabled = not before, not after
+
+    def arrange(self, busy: Any, controls: Iterable[Any], picture: Any, kept: Any) -> Any:
         """Controls and picture side by side where there is room."""
-        code = ipywidgets.Accordion([self.python, self.json], titles=("as Python", "as JSON"))
+        titles = "as Python", "as JSON", "figure, data, state"
+        code = ipywidgets.Accordion([self.python, self.json, kept], titles=titles)
         code.add_class("fl-code")
-        buttons = ipywidgets.HBox([self.compare, self.reset, busy])
-        column = [buttons, self.message, self.equilibrium, *controls, code, ipywidgets.HTML(STYLE_SHEET)]
+        buttons = ipywidgets.HBox([self.compare, self.reset, self.undo, self.redo])
+        column = [
+            buttons,
+            busy,
+            self.message,
+            self.equilibrium,
+            *controls,
+            code,
+            ipywidgets.HTML(STYLE_SHEET),
+        ]
         layout = ipywidgets.Layout(flex=f"0 0 {CONTROLS_WIDTH}", max_width="100%")
         left = ipywidgets.VBox(column, layout=layout).add_class("fl-controls")
         wrap = ipywidgets.Layout(flex_flow="row nowrap", align_items="flex-start", width="100%")

@@ -10,12 +10,23 @@ import numpy as np
 from frictionlab.analysis.verification.defect_warning import defect_warning
 from frictionlab.presentation import state_unit
 
+from .result import time_of_rest
+
+STEADY = (
+    0.98  # of the size of a motion: one that keeps less of it from one half of the window to the next decays
+)
+NOTHING_SLIDES = (
+    "Steady sliding and its stability are not of this model: nothing in it slides on something that moves."
+)
+STARTS = {"rest": "from rest", "near": "from near the equilibrium"}
+VERBS = {"stick": "sticks", "slip+": "slips", "slip-": "slips", "slip": "slips", "separation": "separates"}
+
 
 def equilibrium_text(result: Any) -> str:
-    """Whether steady sliding is stable, and where it is."""
+    """Whether steady sliding is stable, where it is, and what the run at hand does."""
     found = result.eigenvalues
     if found is None:
-        return f"<b>No steady sliding.</b> {escape(result.no_equilibrium_reason, quote=False)}"
+        return no_sliding_text(result)
     point = found.equilibrium
     rows = [(name, x, state_unit(name)) for name, x in zip(result.model.coordinates, point.q)]
     rows += [
@@ -25,7 +36,59 @@ def equilibrium_text(result: Any) -> str:
     ]
     rows = [row for row in rows if not np.isnan(row[1])]
     numbers = " ".join(f"<span>{escape(n)} = {x:.5g} {u}</span>" for n, x, u in rows)
-    return f"<b>Steady sliding is {stability_text(found)}</b><br>{numbers}"
+    happens = run_text(result)
+    joint = "but" if found.stable else "and"
+    run = f", {joint} {happens}" if happens else ""
+    return f"<b>Steady sliding is {stability_text(found)}{escape(run, quote=False)}.</b><br>{numbers}"
+
+
+def no_sliding_text(result: Any) -> str:
+    """That there is no steady sliding, why, and what the run does; the cure where something can slide."""
+    happens = run_text(result)
+    run = f" {happens[0].upper()}{happens[1:]}." if happens else ""
+    if not can_slide_steadily(result.model):
+        text = f"<b>{escape(NOTHING_SLIDES + run, quote=False)}</b>"
+    else:
+        reason = escape(result.no_equilibrium_reason + run, quote=False)
+        text = f"<b>No steady sliding</b>: {reason}"
+    return text
+
+
+def can_slide_steadily(model: Any) -> bool:
+    """Whether something in a model slides while all coordinates are at rest: on a belt, say."""
+    mode = next(iter(model.automaton().modes))
+    found = [e for name, e in mode.outputs.items() if name.startswith("relative_velocity")]
+    return any(e.subs({s: 0 for s in e.free_symbols if s.name.endswith("'")}) != 0 for e in found)
+
+
+def run_text(result: Any) -> str:
+    """What the run at hand does at its end, in a clause; empty where it settles to the equilibrium."""
+    if not result.has_run or not result.run.status.ok:
+        return ""
+    start = STARTS.get(result.settings.x0, "from your own state")
+    if not result.is_moving:
+        stops = "slip" not in result.run.mode[-1]  # in slip it is the equilibrium that it came to
+        return f"{start} this run is over after {time_of_rest(result.run):.3g} s" if stops else ""
+    what = _motion(result)
+    if not what and result.decays:
+        return ""
+    spectrum = result.spectrum if result.has_spectrum else None  # computed where a panel shows it
+    strongest = 0.0 if spectrum is None else spectrum.strongest
+    pitch = f" at {strongest:.3g} Hz" if strongest > 0 else ""
+    return f"{start} this run {what or 'vibrates'}{pitch}"
+
+
+def _motion(result: Any) -> str:
+    """What the modes of the part that is shown say; empty where there is one only."""
+    modes, times = set(result.modes), result.times()
+    regimes = {regime for mode in modes for regime in mode.split(" | ")}
+    struck = bool(np.any(result.run.events.t > times[0]))
+    if regimes == {"flight"}:
+        return "hits its stop" if struck else ""
+    verbs = list(dict.fromkeys(verb for regime, verb in VERBS.items() if regime in regimes))
+    if len(verbs) > 1:
+        return f"{', '.join(verbs[:-1])} and {verbs[-1]}"
+    return "slips to and fro" if {"slip+", "slip-"} <= regimes else ""
 
 
 def stability_text(found: Any) -> str:

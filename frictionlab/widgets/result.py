@@ -14,10 +14,36 @@ from frictionlab.analysis.spectrum import Spectrum, amplitude_spectrum
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.stability import Eigenvalues, eigenvalues
 
-from .settings import Settings, limit_steps
+from .settings import SHOWN_PERIODS, WHAT_MOVES, Settings, limit_steps
 
 Array = NDArray[np.float64]
 SAMPLES_PER_PERIOD, MIN_SAMPLES, MAX_SAMPLES = 40, 800, 20_000  # samples of what is shown
+
+
+AT_REST = 1e-9  # share of the range of a motion: what varies less has come to rest
+SEEN = 1e-3  # the same: what varies less is not seen in a picture
+AFTER_REST = 1.15  # how far beyond the end of a motion it is shown
+SAMPLES_AT_REST = 65
+STEADY = 0.95  # share of its size that a motion keeps over half a run at least, unless it decays
+
+
+def is_at_rest(run: Trajectory, span: tuple[float, float]) -> bool:
+    """Whether no coordinate changes in a part of a run, measured by how far it is from where it began."""
+    states = run(np.linspace(*span, SAMPLES_AT_REST))[:, : run.automaton.coordinates]
+    began = run(np.zeros(1))[:, : run.automaton.coordinates]
+    size = max(float(np.abs(states - began).max()), float(np.abs(states).max()))
+    return bool(np.ptp(states, axis=0).max() <= AT_REST * size)
+
+
+def time_of_rest(run: Trajectory) -> float:
+    """When a run came to rest (s): from then on no coordinate is seen to leave its last value."""
+    q = run.states[:, : run.automaton.coordinates]
+    away = np.abs(q - q[-1]).max(axis=1)
+    moved = np.flatnonzero(away > SEEN * away.max())
+    after = min(int(moved[-1]) + 1, len(q) - 1) if len(moved) else len(q) - 1
+    # The last event may come long after what is seen, as the impacts of a ball do.
+    events = run.events.t
+    return max(float(run.t[after]), float(events[-1]) if len(events) else 0.0)
 
 
 class Result:
@@ -48,6 +74,11 @@ class Result:
         """Whether the run has been computed."""
         return "run" in self.__dict__
 
+    @property
+    def has_spectrum(self) -> bool:
+        """Whether the spectrum has been computed."""
+        return "spectrum" in self.__dict__
+
     @cached_property
     def _linear(self) -> tuple[Eigenvalues | None, str]:
         try:
@@ -71,7 +102,30 @@ class Result:
     @cached_property
     def _span(self) -> tuple[float, float]:
         end, window = float(self.run.raw.t), self.settings.window
-        return (0.0 if window is None else max(0.0, end - window)), end
+        if window is None:
+            return 0.0, end
+        moving = window == WHAT_MOVES
+        seconds = SHOWN_PERIODS * rounded_period(self.model) if moving else float(window)
+        span = max(0.0, end - seconds), end
+        if not moving or span[0] == 0.0 or not is_at_rest(self.run, span):
+            return span
+        return 0.0, min(end, AFTER_REST * time_of_rest(self.run))
+
+    @property
+    def is_moving(self) -> bool:
+        """Whether the coordinates change in the last periods of the run."""
+        end = float(self.run.raw.t)
+        return not is_at_rest(self.run, (max(0.0, end - SHOWN_PERIODS * rounded_period(self.model)), end))
+
+    @cached_property
+    def decays(self) -> bool:
+        """Whether the motion is smaller in the last periods of the run than in as many in its middle."""
+        end, seconds = float(self.run.raw.t), SHOWN_PERIODS * rounded_period(self.model)
+        late, early = (
+            self.run(np.linspace(max(0.0, t - seconds), t, MIN_SAMPLES))[:, : len(self.model.coordinates)]
+            for t in (end, end / 2)
+        )
+        return bool(np.ptp(late, axis=0).max() < STEADY * np.ptp(early, axis=0).max())
 
     def times(self) -> Array:
         """Times (s) of the part of the run that is shown, at equal distances."""

@@ -26,6 +26,8 @@ SIMULATED_PERIODS, SHOWN_PERIODS = (
 QUICK_METHOD = Taylor(tol=1e-7, chatter=4e-4)
 PERIODICITY_TOLERANCE = 1e-10  # tolerance where it is told whether a motion repeats
 
+WHAT_MOVES = "moving"  # shown: the last periods, or of a motion that has come to rest the whole of it
+
 MAX_STEPS = 300_000  # 100 s of the paper's system with all its chatter have 200 000
 
 
@@ -41,8 +43,9 @@ class Settings:
     x0 : str or tuple of float
         As :func:`frictionlab.simulate` takes it.
     method : Method
-    window : float or None
-        Seconds at the end that are shown; None shows the whole run.
+    window : float, "moving" or None
+        Seconds at the end that are shown; None shows the whole run, "moving" the last ten periods, or, where
+        nothing moves in them, the run from its start until a bit after it came to rest.
     coordinate : str
         The coordinate of phase plane and spectrum.
     """
@@ -51,16 +54,14 @@ class Settings:
     t_end: float
     x0: str | tuple[float, ...]
     method: Method
-    window: float | None
+    window: float | str | None
     coordinate: str
 
 
 def default_settings(model: Any, method: Method = QUICK_METHOD) -> Settings:
     """The initial settings of an explorer; the length of a run follows from the model's own time scale."""
     period = rounded_period(model)
-    return Settings(
-        model, SIMULATED_PERIODS * period, "rest", method, SHOWN_PERIODS * period, model.coordinates[0]
-    )
+    return Settings(model, SIMULATED_PERIODS * period, "rest", method, WHAT_MOVES, model.coordinates[0])
 
 
 def limit_steps(method: Method) -> Method:

@@ -19,6 +19,7 @@ EVENT_LOOP_PAUSE = 0.01  # seconds in which messages from the browser are handle
 
 INDICATOR_DELAY = 0.3  # seconds
 INDICATOR_TEXT = "computing …"
+COMPILING_TEXT = "compiling the solver, once on this machine: some 30 s …"
 PROGRESS_BAR = '<progress value="{0}" max="{1}" style="width: 70px"></progress> {0} of {1}'
 
 
@@ -113,6 +114,12 @@ class BusyIndicator:
             timer.join()
             self.widget.value = PROGRESS_BAR.format(*self.left) if self.left else INDICATOR_TEXT
             self.widget.layout.visibility = "visible" if self.left else "hidden"
+
+    def announce_compilation(self, compiling: bool) -> None:
+        """Say that the solver is compiled first, where it is, and at once: it takes half a minute."""
+        self.widget.value = COMPILING_TEXT if compiling else INDICATOR_TEXT
+        if compiling:
+            self._show()
 
     def _show(self) -> None:
         self.shown += 1

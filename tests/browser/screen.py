@@ -7,12 +7,13 @@ SEEN = """async (root) => {
   const explorer = document.querySelector(root);
   const bytes = async (image) => new Uint8Array(await (await fetch(image.src)).arrayBuffer()).join();
   const pictures = await Promise.all([...explorer.querySelectorAll("img.fl-panel")].map(bytes));
-  return { pictures, words: explorer.querySelector(".fl-equilibrium").innerText };
+  const numbers = [...explorer.querySelectorAll(".fl-equilibrium span")].map((e) => e.innerText);
+  return { pictures, words: numbers.join(" ") };
 }"""
 
 
 def seen(page, root):
-    """What the explorer shows now: bytes of its pictures, and the words about the equilibrium."""
+    """What the explorer shows now: bytes of its pictures, and the numbers of the equilibrium."""
     return page.evaluate(SEEN, root)
 
 

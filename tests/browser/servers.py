@@ -43,6 +43,13 @@ fl.watch(fl.simulate(fl.SliderOnBelt(mu_k=1.4), 1.0, progress=False), speed=0.2)
 """
 
 
+# A film, which takes long enough for a bar of progress to appear and to vanish.
+ANIMATED = """\
+import frictionlab as fl
+
+fl.animate(fl.simulate(fl.SliderOnBelt(mu_k=1.4), 1.5), fps=5)
+"""
+
 # A plane and a diagram to click into.
 CLICKED = """\
 import frictionlab as fl
@@ -51,6 +58,31 @@ plane, diagram = fl.explore_stability(), fl.explore_bifurcation(fl.SliderOnBelt(
 plane.widget.add_class("plane")
 diagram.widget.add_class("diagram")
 display(plane, diagram)
+"""
+
+
+# Every model with all its controls, and of each how often a value changed and whether the model is still that
+# of the start.
+EVERY_MODEL = """\
+import frictionlab as fl
+import ipywidgets
+
+def made(i, model):
+    explorer = fl.explore(model, panels=("eigenvalues",))
+    explorer.widget.add_class(f"model-{i}")
+    told, times = ipywidgets.Label("0 same").add_class(f"told-{i}"), []
+    def tell(change):
+        times.append(change["name"])
+        kept = explorer.parameters.values(model) == dict(model.parameters)
+        told.value = f"{len(times)} {'same' if kept else 'other'}"
+    for control in explorer.controls.values():
+        if hasattr(control, "value"):
+            control.observe(tell, names="value")
+    explorer.parameters.widget.children[1].selected_index = 0
+    display(told, explorer)
+
+for i, row in enumerate(fl.list_models()):
+    made(i, eval(f"fl.{row.call}", {"fl": fl}))
 """
 
 

@@ -115,7 +115,7 @@ def test_a_key_on_a_slider_changes_pictures_and_equilibrium(shown):
     press(shown.page, shown.root, "F")
     after = changed(shown.page, shown.root, before, pictures=2)
     assert all(a != b for a, b in zip(before["pictures"][:2], after["pictures"][:2], strict=True))
-    point = fl.equilibrium(fl.SliderOnBelt(F=205.0, mu_k=0.3 if shown.name == "app" else 1.4))
+    point = fl.equilibrium(fl.SliderOnBelt(F=205.0, mu_k=1.4))
     assert f"x1 = {point.q[0]:.5g} m" in after["words"]
     assert f"F_N = {point.normal_force:.5g} N" in after["words"]
     press(shown.page, shown.root, "F", "ArrowLeft")
@@ -163,12 +163,50 @@ def test_labels_are_typeset_and_have_units(shown):
 
 
 @COMMAND
+def test_the_app_opens_with_a_scene_that_moves_and_has_a_menu_of_all_models(shown):
+    menu = shown.page.locator(".fl-scene select")
+    options = [text.replace("\xa0", " ") for text in menu.locator("option").all_inner_texts()]
+    assert options[0] == "two fates"
+    assert [f"model: {row.call}" for row in fl.list_models()] == options[-len(fl.list_models()) :]
+    said = shown.page.locator(".fl-equilibrium").inner_text()
+    assert "is stable, but from rest this run sticks, slips and separates at 10.7 Hz" in said
+
+
+@COMMAND
+def test_undo_and_redo_of_a_slider(shown):
+    page, field = shown.page, shown.page.locator(".fl-mu_k .widget-readout")
+    reads = "(v) => document.querySelector('.fl-mu_k .widget-readout').value === v"
+    press(page, shown.root, "mu_k")
+    page.wait_for_function(reads, arg="1.41")
+    settled(page, shown.root)
+    for button, value in (("undo", "1.4"), ("redo", "1.41"), ("undo", "1.4")):
+        page.get_by_role("button", name=button, exact=True).click()
+        page.wait_for_function(reads, arg=value)
+        settled(page, shown.root)
+    assert field.input_value() == "1.4"
+
+
+@COMMAND
+def test_a_state_is_downloaded(shown):
+    page = shown.page
+    page.locator(".fl-code").get_by_text("figure, data, state").click()
+    for button, name in (("save state", "SliderOnBelt.json"), ("figure svg", "SliderOnBelt.svg")):
+        with page.expect_download() as waiting:
+            page.get_by_role("button", name=button, exact=True).click()
+        assert waiting.value.suggested_filename == name
+    page.locator(".fl-code").get_by_text("figure, data, state").click()
+
+
+@COMMAND
 def test_showing_the_sliders_changes_nothing(shown):
     """A browser tells the values of sliders as it shows them, with its rounding."""
     shown.page.locator(f"{shown.root} .fl-structure").get_by_text("structure").click()
     shown.page.locator(f"{shown.root} .fl-code").get_by_text("as Python").click()
     text = shown.page.locator(f"{shown.root} .fl-python textarea").input_value()
-    assert "model = fl.SliderOnBelt()\nrun = fl.simulate(model, 20.0, x0='rest', method=fl.Taylor(" in text
+    assert (
+        "model = fl.SliderOnBelt(mu_k=1.4)\nrun = fl.simulate(model, 20.0, x0='rest', method=fl.Taylor("
+        in text
+    )
     shown.page.locator(f"{shown.root} .fl-structure").get_by_text("structure").click()
     shown.page.locator(f"{shown.root} .fl-code").get_by_text("as Python").click()
 
@@ -193,6 +231,20 @@ def test_nothing_overlaps_and_the_picture_stays_in_sight(shown, width, height):
     visible = min(below["y"] + below["height"], height) - max(below["y"], 0)
     assert visible > 0.75 * min(picture["height"], height)
     page.set_viewport_size({"width": 1280, "height": 720})
+
+
+def test_a_link_opens_its_scene_with_what_was_changed(browser, tmp_path):
+    if find_spec("voila") is None:
+        pytest.skip("voila shows the explorer; it is not installed")
+    port = free_port()
+    with serving(app(tmp_path, port), port, tmp_path) as address:
+        page = browser.new_page()
+        page.goto(address + printed_path(tmp_path) + "&scene=stick-slip&mu_k=0.55", wait_until="commit")
+        page.wait_for_selector(".fl-explorer img.fl-panel", timeout=3 * PATIENCE)
+        assert "token" not in page.url
+        assert page.locator(".fl-scene select").input_value().replace("\xa0", " ") == "stick-slip"
+        assert page.locator(".fl-mu_k .widget-readout").input_value() == "0.55"
+        page.close()
 
 
 def test_a_page_has_one_kernel_as_long_as_it_is_open(browser, tmp_path):
@@ -237,7 +289,7 @@ def test_a_click_into_the_plane_moves_the_point_there(shown):
     shown.page.wait_for_function(
         "document.querySelector('.plane .fl-equilibrium').innerText.includes('unstable')", timeout=PATIENCE
     )
-    force = float(shown.page.locator(".plane .fl-F .widget-readout").first.inner_text())
+    force = float(shown.page.locator(".plane .fl-F .widget-readout").input_value())
     low, high = fl.explore_stability().picture.tiles["critical"].ax.get_xlim()
     across = (0.5 - AXES_RECTANGLE[0]) / AXES_RECTANGLE[2]
     assert force == pytest.approx(low + across * (high - low), abs=0.01 * (high - low))
@@ -248,17 +300,17 @@ def test_a_click_into_the_diagram_selects_the_value_there(shown):
     page = shown.page
     page.wait_for_selector(".diagram img.fl-panel", timeout=PATIENCE)
     settled(page, ".diagram")
-    readout = page.locator(".diagram .fl-mu_k .widget-readout").first
+    readout = page.locator(".diagram .fl-mu_k .widget-readout")
     low, high = map(float, page.locator(".diagram .fl-range .widget-readout").inner_text().split("–"))
-    across, before = 0.75, readout.inner_text()
+    across, before = 0.75, readout.input_value()
     click(page, ".diagram .fl-panel-bifurcation img", AXES_RECTANGLE[0] + across * AXES_RECTANGLE[2], 0.5)
     page.wait_for_function(
-        "(before) => document.querySelector('.diagram .fl-mu_k .widget-readout').innerText !== before",
+        "(before) => document.querySelector('.diagram .fl-mu_k .widget-readout').value !== before",
         arg=before,
         timeout=PATIENCE,
     )
     expected = low + across * (high - low)
-    assert float(readout.inner_text()) == pytest.approx(expected, abs=0.01 * (high - low))
+    assert float(readout.input_value()) == pytest.approx(expected, abs=0.01 * (high - low))
 
 
 def click(page, selector, x, y):

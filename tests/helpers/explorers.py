@@ -23,3 +23,7 @@ def lines(explorer, panel):
 
 def pixels(explorer, panel):
     return np.asarray(Image.open(BytesIO(explorer.picture.images[panel].value)).convert("RGB"))
+
+
+# Every model of the package, by the call that makes it.
+MODELS = {row.call: eval(f"fl.{row.call}", {"fl": fl}) for row in fl.list_models()}

@@ -7,6 +7,9 @@ from dataclasses import dataclass
 from html import escape
 from typing import NamedTuple
 
+from frictionlab.components.friction import Stribeck, WeakeningStrengthening
+from frictionlab.models.model import Model
+
 from .bouncing_ball import BouncingBall
 from .den_hartog import DenHartog
 from .free_coulomb import FreeCoulomb
@@ -77,6 +80,62 @@ MODEL_ROWS = (
     ModelRow("BouncingBall()", "infinitely many impacts in a finite time", BouncingBall.reference),
     ModelRow("ImpactOscillator()", "a driven mass before a stop", ImpactOscillator.reference),
     ModelRow("TwoBlocks()", "two blocks on a belt that stick and slip by turns", TwoBlocks.reference),
+)
+
+
+class Preset(NamedTuple):
+    """A scene worth seeing: its name, the model, a sentence that says what to look at."""
+
+    name: str
+    model: Model
+    about: str
+
+
+# Explorers and pages offer these; the first is what the app opens with.
+PRESETS = (
+    Preset(
+        "two fates",
+        SliderOnBelt(mu_k=1.4),
+        "Steady sliding is stable, and yet from rest the slider vibrates for ever: where it starts decides. "
+        "Choose the start near the equilibrium to see the other fate.",
+    ),
+    Preset(
+        "flutter",
+        SliderOnRigidBelt(),
+        "Friction couples two modes until one of them grows: the slider vibrates, and leaves the belt.",
+    ),
+    Preset(
+        "stick-slip",
+        MassOnBelt(friction=Stribeck(mu_k=0.5, mu_s=1.0), c=0.1),
+        "Friction that falls with speed feeds the vibration: the mass sticks to the belt and is torn off, "
+        "again and again.",
+    ),
+    Preset(
+        "chaos",
+        ImpactOscillator(Omega=2.8, e=0.8, d=0.0),
+        "A driven mass hits a stop and never repeats itself: two starts that differ by a hair part for good.",
+    ),
+    Preset(
+        "grazing",
+        ImpactOscillator(c=2.0, Omega=1.2, d=0.41),
+        "The mass just fails to touch its stop: move d from 0.41 m to 0.4 m, and every swing strikes it.",
+    ),
+)
+
+
+# The models that the calls of the rows make, which texts alone must not.
+ROW_MODELS: tuple[Model, ...] = (
+    SliderOnBelt(),
+    MassOnBelt(),
+    MassOnBelt(friction=Stribeck(mu_k=0.5, mu_s=1.0), c=0.1),
+    MassOnBelt(friction=WeakeningStrengthening(mu_k=0.5, mu_s=1.0), c=0.1, v=1.0),
+    ModeCoupling(),
+    SliderOnRigidBelt(),
+    DenHartog(),
+    FreeCoulomb(),
+    BouncingBall(),
+    ImpactOscillator(),
+    TwoBlocks(),
 )
 
 

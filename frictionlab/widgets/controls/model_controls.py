@@ -37,7 +37,7 @@ class ParameterControls:
 
     Attributes
     ----------
-    sliders : dict of str to FloatSlider or FloatLogSlider
+    sliders : dict of str to NumberControl
         By the parameter's name.
     main : Box
         Those that are in sight.

@@ -5,14 +5,14 @@ from __future__ import annotations
 from typing import Any
 
 import ipywidgets
-import numpy as np
 
 from frictionlab.analysis.motion_scales import rounded_period
+from frictionlab.components.component import Parameter
 from frictionlab.hybrid.methods.one_step import RK4
 from frictionlab.hybrid.methods.taylor import Taylor
-from frictionlab.widgets.settings import QUICK_METHOD, Settings
+from frictionlab.widgets.settings import QUICK_METHOD, WHAT_MOVES, Settings
 
-from .sliders import END_MARGIN, LOG_READOUT_FORMAT, READOUT_FORMAT, label_control, remove_browser_rounding
+from .sliders import label_control, remove_browser_rounding, slider
 
 OWN_STATE, FIXED_STEP = "own", "rk4"
 INITIAL_STATES = (("rest", "rest"), ("near the equilibrium", "near"), ("own numbers", OWN_STATE))
@@ -20,6 +20,7 @@ METHODS = (("quick (Taylor)", QUICK_METHOD), ("exact (Taylor)", Taylor()), ("pap
 SHOWN_PERIODS = 5, 10, 20, 50  # periods
 CONTROL_NAMES = "start", "own", "duration", "method", "step", "window", "coordinate"
 DEFAULT_STEP, MIN_STEP, MAX_STEP = 2e-4, 2e-5, 1e-2  # s; the paper's step
+STEP_TEXT = "fixed step of the paper's algorithm; its own is 2e-4 s"
 
 
 class RunControls:
@@ -38,7 +39,7 @@ class RunControls:
         text = "quick: tolerance 1e-7, flights below 0.4 ms replaced by their limit; exact: to rounding"
         self.method = label_control(drop(options=METHODS, value=settings.method), "method", "method", text)
         self.step = _step_slider()
-        text = "part of the run that the panels show; the spectrum is of its second half"
+        text = "part of the run that the panels show; the spectrum is of the run's second half"
         self.window = label_control(
             drop(options=_window_options(settings.model), value=settings.window), "window", "shown", text
         )
@@ -82,25 +83,27 @@ def _zero_state_text(names: tuple[str, ...]) -> str:
     return ", ".join(["0"] * 2 * len(names))
 
 
-def _window_options(model: Any) -> list[tuple[str, float | None]]:
+def _window_options(model: Any) -> list[tuple[str, float | str | None]]:
     lengths = [round(count * rounded_period(model), 12) for count in SHOWN_PERIODS]
-    return [*((f"last {s:g} s", s) for s in lengths), ("whole run", None)]
+    return [("what moves", WHAT_MOVES), *((f"last {s:g} s", s) for s in lengths), ("whole run", None)]
 
 
 def _duration_slider(settings: Settings) -> Any:
     """From ten periods of the model to a thousand."""
     period, seconds = rounded_period(settings.model), settings.t_end
-    low, high = 10 * period, max(1000 * period, seconds)
-    made = ipywidgets.FloatSlider(seconds, min=low, max=high, step=low, readout_format=READOUT_FORMAT)
-    return label_control(made, "duration", "duration (s)", "seconds that are simulated")
+    ends = 10 * period, max(1000 * period, seconds)
+    about = Parameter("", "s", "seconds that are simulated", exclusive_minimum=0.0, range=ends)
+    return _described(slider("duration", about, seconds), "duration (s)")
 
 
 def _step_slider() -> Any:
-    low, high = np.log10([MIN_STEP, MAX_STEP])
-    made = ipywidgets.FloatLogSlider(
-        DEFAULT_STEP, min=low - END_MARGIN, max=high, step=0.05, readout_format=LOG_READOUT_FORMAT
-    )
-    return label_control(made, "step", "step (s)", "fixed step of the paper's algorithm; its own is 2e-4 s")
+    about = Parameter("", "s", STEP_TEXT, exclusive_minimum=0.0, range=(MIN_STEP, MAX_STEP), log=True)
+    return _described(slider("step", about, DEFAULT_STEP), "step (s)")
+
+
+def _described(control: Any, text: str) -> Any:
+    control.description = text
+    return control
 
 
 def _parse_state(text: str) -> tuple[float, ...]:

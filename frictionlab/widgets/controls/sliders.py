@@ -1,7 +1,7 @@
-"""Sliders from what is known about a parameter: symbol, unit, meaning, range, scale.
+"""Controls of numbers from what is known about a parameter: symbol, unit, meaning, range, scale.
 
-A browser computes a slider's value from its position and so rounds it; `remove_browser_rounding` restores the
-intended value.
+A slider has positions, ascending values among which the parameter's own is one, to the last bit.
+`remove_browser_rounding` restores what a browser rounds where it computes a value itself.
 """
 
 from __future__ import annotations
@@ -9,43 +9,47 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import ipywidgets
-
 from frictionlab.analysis.motion_scales import ROUND_NUMBER_RTOL
 from frictionlab.components.component import Parameter
 
+from .number_control import CONTROL_WIDTH, LABEL_WIDTH, NumberControl
+
 MAX_SLIDER_STEPS = 300  # most steps of a slider from one end to the other
-STEPS_PER_DECADE = 50
-CONTROL_WIDTH = "310px"
-# Plain notation without commas, as typed numbers must not contain commas.
-READOUT_FORMAT = ".7"
-LOG_READOUT_FORMAT = ".4r"  # four digits: these values are not round
-# A browser computes a slider's value from its position, 20.000000000000004 for 20, a logarithmic one's from
-# its exponent, 0.9999999999977 for 1, and sends it unasked when it first shows the slider.
+STEPS_PER_DECADE, LOG_DIGITS = 50, 3
+# A browser computes the ends of a range from their places, 20.000000000000004 for 20, and sends them unasked
+# when it first shows them.
 BROWSER_ROUNDING = 1e-11
-END_MARGIN = 1e-12  # decades by which a slider goes beyond its ends, whose logarithms are rounded
-STEP_MISS = 1e-6  # of a step: a value so near to a whole number of them is one
 
 
-def slider(name: str, about: Parameter, value: float) -> Any:
-    """A slider for a parameter, its CSS class ``fl-<name>``; logarithmic where that fits.
+def slider(name: str, about: Parameter, value: float) -> NumberControl:
+    """A control for a parameter, its CSS class ``fl-<name>``; logarithmic where that fits.
 
     The range is that of the parameter, made wide enough for the value; without one it goes up to twice the
     value, within the parameter's bounds.
     """
     low, high = slider_range(about, value)
     logarithmic = about.log and low > 0
-    made = _logarithmic_slider(low, high, value) if logarithmic else _linear_slider(low, high, value)
+    made = NumberControl(name, about, value, slider_positions(low, high, value, logarithmic))
     rule = "logarithmic" if logarithmic else "linear"
-    text = f"{about.meaning or name}{about.unit and f', {about.unit}'} ({name}, {low:g} to {high:g}, {rule})"
-    return label_control(made, name, parameter_description(about), text)
+    made.tooltip = (
+        f"{about.meaning or name}{about.unit and f', {about.unit}'} ({name}, {low:g} to {high:g}, {rule})"
+    )
+    made.description = parameter_description(about)
+    return made
+
+
+def slider_positions(low: float, high: float, value: float, logarithmic: bool) -> list[float]:
+    """The values of a slider: both ends, round numbers between them, and the value itself to the last bit."""
+    between = _logarithmic_values(low, high) if logarithmic else _linear_values(low, high)
+    kept = [x for x in between if low < x < high and not equal_within_rounding(x, value)]
+    return sorted({low, *kept, value, high})
 
 
 def label_control(control: Any, name: str, text: str, tooltip: str) -> Any:
     """A control with its label, its tooltip and its CSS class ``fl-<name>``."""
     control.description, control.tooltip = text, tooltip
-    control.style.description_width = "92px"
-    control.layout = ipywidgets.Layout(width=CONTROL_WIDTH, max_width="100%")
+    control.style.description_width = LABEL_WIDTH
+    control.layout.width, control.layout.max_width = CONTROL_WIDTH, "100%"
     control.add_class(f"fl-{name}").add_class("fl-control")
     return control
 
@@ -75,25 +79,20 @@ def _default_range(about: Parameter, value: float) -> tuple[float, float]:
     return low, min(max(twice, low + twice), math.inf if about.maximum is None else about.maximum)
 
 
-def _linear_slider(low: float, high: float, value: float) -> Any:
-    step = _step_to_value(round_step(high - low), value - low)
-    return ipywidgets.FloatSlider(
-        value, min=low, max=high, step=step, readout_format=READOUT_FORMAT, continuous_update=True
-    )
+def _linear_values(low: float, high: float) -> list[float]:
+    """Multiples of a round step."""
+    step = round_step(high - low)
+    first, last = math.ceil(low / step), math.floor(high / step)
+    return [float(f"{i * step:.9g}") for i in range(first, last + 1)]
 
 
-def _logarithmic_slider(low: float, high: float, value: float) -> Any:
-    exponent, least = math.log10(value), math.log10(low)
-    steps = max(1, round((exponent - least) * STEPS_PER_DECADE))
-    return ipywidgets.FloatLogSlider(
-        value,
-        base=10.0,
-        min=math.log10(low) - END_MARGIN,
-        max=math.log10(high) + END_MARGIN,
-        step=(exponent - least) / steps if exponent > least else 1 / STEPS_PER_DECADE,
-        readout_format=LOG_READOUT_FORMAT,
-        continuous_update=True,
+def _logarithmic_values(low: float, high: float) -> list[float]:
+    """Fifty a decade, to three digits, so that powers of ten are among them."""
+    first, last = (
+        round_end(math.log10(end) * STEPS_PER_DECADE)
+        for round_end, end in ((math.ceil, low), (math.floor, high))
     )
+    return [float(f"{10.0 ** (i / STEPS_PER_DECADE):.{LOG_DIGITS}g}") for i in range(first, last + 1)]
 
 
 def round_step(span: float) -> float:
@@ -109,21 +108,6 @@ def round_to_step(value: float, bounds: tuple[float, float]) -> float:
     """A position between two bounds as a round number, in steps of at least a three-hundredth."""
     step = round_step(bounds[1] - bounds[0])
     return min(max(float(f"{step * round(value / step):.9g}"), bounds[0]), bounds[1])
-
-
-def refine_step(control: Any, value: float) -> None:
-    """Make the steps of a slider so fine that it can show a value: a browser would round it."""
-    if isinstance(control, ipywidgets.FloatSlider):
-        step = control.step or round_step(control.max - control.min)
-        control.step = _step_to_value(step, value - control.min)
-
-
-def _step_to_value(step: float, distance: float) -> float:
-    """The step, or a finer one that leads to the value: else the browser would show another one."""
-    for finer in (step / n for n in (1, 2, 5, 10, 20, 50, 100)):
-        if abs(distance / finer - round(distance / finer)) < STEP_MISS:
-            return finer
-    return step
 
 
 def equal_within_rounding(a: Any, b: Any) -> bool:

@@ -22,6 +22,7 @@ from frictionlab.analysis.options import SteadyStateOptions
 from frictionlab.analysis.steady_state.classification import MotionKind
 from frictionlab.analysis.sweeps.bifurcation import bifurcation, steady_state_task
 from frictionlab.analysis.sweeps.task_runner import run_tasks
+from frictionlab.components.component import Parameter
 from frictionlab.models.coercion import check_parameter_name
 from frictionlab.models.parameter_namespace import parameter_metadata
 from frictionlab.models.symbols import structure_of_component
@@ -29,8 +30,8 @@ from frictionlab.plotting.bifurcation import EARLY_END_HEIGHT, MOTION_STYLES
 from frictionlab.plotting.drawing import Curve, Drawing
 from frictionlab.plotting.style import GREY, parameter_label, state_label
 from frictionlab.presentation import state_unit
+from frictionlab.widgets.controls.number_control import NumberControl
 from frictionlab.widgets.controls.sliders import (
-    READOUT_FORMAT,
     label_control,
     parameter_description,
     round_to_step,
@@ -182,16 +183,15 @@ class BifurcationPanel:
         first, most, step = (
             n * rounded_period(model) for n in (DEFAULT_TRANSIENT, MAX_TRANSIENT, TRANSIENT_STEP)
         )
-        seconds = ipywidgets.FloatSlider(
-            first, max=most, step=step, readout_format=READOUT_FORMAT, continuous_update=False
-        )
+        positions = [step * i for i in range(round(most / step) + 1)]
+        rule = Parameter("", "s", "seconds that are thrown away", minimum=0.0)
+        seconds = NumberControl("transient", rule, first, positions)
+        seconds.description, seconds.continuous_update = "transient (s)", False
         text = f"values of {parameter} that are shown; a narrow range is computed more finely"
         self.controls: Mapping[str, Any] = MappingProxyType(
             {
                 "range": label_control(span, "range", f"{parameter_description(about)} from, to", text),
-                "transient": label_control(
-                    seconds, "transient", "transient (s)", "seconds that are thrown away"
-                ),
+                "transient": seconds,
             }
         )
         self.parameter = parameter

@@ -45,6 +45,8 @@ STRIP_HEIGHT = 0.02
 EIGENVALUE_MARKER: dict[str, Any] = {"linestyle": "none", "marker": "o", "markersize": 5.0, "zorder": 2.5}
 ZERO_GROWTH_LINE: dict[str, Any] = {"color": GREY, "linewidth": 0.8, "zorder": 1.0}
 
+NEUTRAL = 1e-12  # share of an eigenvalue below which its real part is rounding
+
 CURVE_POINTS = 21
 MAX_CACHED_CURVES = 16  # curves
 OPERATING_POINT: dict[str, Any] = {"linestyle": "none", "markersize": 8.0, "zorder": 3.0}
@@ -171,7 +173,10 @@ def eigenvalues(result: Any) -> Drawing:
         ),
     }
     note = "no equilibrium" if found is None else ""
-    return Drawing("growth rate (1/s)", "frequency (Hz)", curves, note=note)
+    # Rates that are rounding would stretch the axis to 1e-13.
+    neutral = np.all(np.abs(values.real) <= NEUTRAL * np.abs(values))
+    xlim = (-1.0, 1.0) if neutral else None
+    return Drawing("growth rate (1/s)", "frequency (Hz)", curves, note=note, xlim=xlim)
 
 
 class CriticalValuePanel:

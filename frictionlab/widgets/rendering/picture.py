@@ -205,12 +205,12 @@ class Picture:
         return next((drawing.progress for drawing in drawings if drawing.progress), None)
 
     def freeze(self) -> None:
-        """Keep the present curves in grey."""
+        """Keep the present curves, dotted."""
         for tile in self.tiles.values():
             tile.freeze()
 
     def unfreeze(self) -> None:
-        """Remove the grey curves, and show the picture without them."""
+        """Remove the curves that were kept, and show the picture without them."""
         for tile in self.tiles.values():
             tile.unfreeze()
 

@@ -7,7 +7,7 @@ only where they change the axes are drawn anew.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -20,7 +20,7 @@ from matplotlib.transforms import Bbox
 from frictionlab.analysis.motion_scales import ROUND_NUMBER_RTOL
 from frictionlab.plotting.appearance import background, legible
 from frictionlab.plotting.drawing import Curve, Drawing
-from frictionlab.plotting.style import GREY
+from frictionlab.plotting.style import BLACK, GREY
 
 Limits = tuple[float, float]
 MIN_FILL = 0.35  # share of the axis that the data have to fill, else it shrinks
@@ -32,7 +32,9 @@ TICK_COUNT = 5
 DECADES = 5.0
 
 FONT_SIZE, NOTE_SIZE = 8.0, 8.0
-FROZEN_STYLE: dict[str, Any] = {"color": GREY, "linewidth": 1.0, "alpha": 0.5, "zorder": 1.5}
+# Dotted in the colour of the text: grey is that of slip, and colours are those of coordinates and modes.
+FROZEN_STYLE: dict[str, Any] = {"linewidth": 1.3, "alpha": 0.75, "zorder": 3.2}
+FROZEN_DOTS = (0, (1.0, 1.6))
 LEGEND_STYLE: dict[str, Any] = {
     "loc": "lower center",
     "bbox_to_anchor": (0.5, 0.985),
@@ -43,6 +45,10 @@ LEGEND_STYLE: dict[str, Any] = {
     "handletextpad": 0.4,
     "borderaxespad": 0.2,
 }
+LEGEND_ROWS, SMALL_LEGEND = (
+    2,
+    5.5,
+)  # rows that fit above the axes in the usual size; points where there are more
 AXES_RECTANGLE = 0.185, 0.165, 0.645, 0.70  # left, bottom, width, height, as shares of the tile
 
 
@@ -165,14 +171,14 @@ class Tile:
         return float(across), float(up)
 
     def freeze(self) -> None:
-        """Keep the present curves in grey."""
+        """Keep the present curves, dotted."""
         for label, line in self.lines.items():
             if label not in self.strips:
-                self._grey(label, line).set_data(*line.get_data())
+                self._dotted(label, line).set_data(*line.get_data())
         self.background = None
 
     def unfreeze(self) -> None:
-        """Remove the grey curves."""
+        """Remove the curves that were kept."""
         for line in self.frozen.values():
             line.set_data([], [])
         self.background = None
@@ -182,12 +188,13 @@ class Tile:
         """All colours that lines are drawn in."""
         return [GREY, *(line.get_color() for line in self.lines.values())]
 
-    def _grey(self, label: str, line: Line2D) -> Line2D:
+    def _dotted(self, label: str, line: Line2D) -> Line2D:
         if label not in self.frozen:
             ax = self.right if self.right is not None and line.axes is self.right else self.ax
             style = {"marker": line.get_marker(), "markersize": line.get_markersize()}
-            solid = "none" if line.get_linestyle() == "None" else "-"
-            options: dict[str, Any] = {**FROZEN_STYLE, **style, "linestyle": solid}
+            dots = "none" if line.get_linestyle() == "None" else FROZEN_DOTS
+            ink = {"color": legible(BLACK, ax), "markerfacecolor": "none"}
+            options: dict[str, Any] = {**FROZEN_STYLE, **ink, **style, "linestyle": dots}
             self.frozen[label] = ax.plot([], [], **options)[0]
         return self.frozen[label]
 
@@ -252,10 +259,23 @@ class Tile:
         if legend is not None:
             legend.remove()
         if handles:
-            legend = self.ax.legend(handles=handles, ncols=len(handles), **LEGEND_STYLE)
+            legend = self._fitting_legend(handles)
             legend.set_animated(True)
             for handle in filter(None, legend.legend_handles):
                 handle.set_animated(False)  # else matplotlib leaves it out where it draws the background
+
+    def _fitting_legend(self, handles: Sequence[Line2D]) -> Any:
+        """A legend in as few rows as the tile's width allows."""
+        renderer = self.ax.figure.canvas.get_renderer()  # pyright: ignore[reportAttributeAccessIssue]
+        for rows in range(1, len(handles) + 1):
+            style: dict[str, Any] = (
+                LEGEND_STYLE if rows <= LEGEND_ROWS else LEGEND_STYLE | {"fontsize": SMALL_LEGEND}
+            )
+            legend = self.ax.legend(handles=handles, ncols=-(-len(handles) // rows), **style)
+            box = legend.get_window_extent(renderer)
+            if box.x0 >= self.box.x0 and box.x1 <= self.box.x1:
+                break
+        return legend
 
 
 def _style_axes(ax: Axes) -> None:

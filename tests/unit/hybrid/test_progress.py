@@ -30,6 +30,14 @@ def test_bars_are_shown_unless_they_are_switched_off():
     assert is_shown()
 
 
+def test_a_page_of_voila_has_no_bars(monkeypatch):
+    """It would show in place of one that has vanished that a widget cannot be displayed."""
+    monkeypatch.setenv("SERVER_SOFTWARE", "voila/0.5.8")
+    assert not is_shown()
+    monkeypatch.setenv("SERVER_SOFTWARE", "another/1.0")
+    assert is_shown()
+
+
 def test_without_a_block_the_switch_stays():
     before = fl.progress(False)
     assert not is_shown()

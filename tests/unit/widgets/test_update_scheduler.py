@@ -4,6 +4,8 @@ import threading
 
 import pytest
 
+import frictionlab as fl
+from frictionlab.plotting.drawing import Drawing
 from frictionlab.widgets.update_scheduler import UpdateScheduler
 
 pytestmark = pytest.mark.plain_python
@@ -65,3 +67,22 @@ def test_changes_that_are_held_count_as_one():
         scheduler.request()
         assert calls == []
     assert len(calls) == 1
+
+
+def test_that_the_solver_is_compiled_first_is_said_while_it_is(monkeypatch):
+    seen = []
+
+    def own(result):
+        indicator = explorers[0].busy.widget if explorers else None
+        seen.append(indicator and (indicator.layout.visibility, indicator.value))
+        return Drawing("x (m)", "y (m)")
+
+    explorers = []
+    explorers.append(fl.explore(panels=(own,)))
+    monkeypatch.setattr("frictionlab.widgets.explorer.needs_compilation", lambda function: True)
+    explorers[0].controls["mu_k"].value = 0.5
+    monkeypatch.setattr("frictionlab.widgets.explorer.needs_compilation", lambda function: False)
+    explorers[0].controls["mu_k"].value = 0.6
+    said = "compiling the solver, once on this machine: some 30 s …"
+    assert seen == [None, ("visible", said), ("hidden", "computing …")]
+    assert explorers[0].busy.widget.layout.visibility == "hidden"

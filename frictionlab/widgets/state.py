@@ -1,0 +1,138 @@
+"""The state of an explorer as data: what its controls are set to, and earlier ones, for undo and redo."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Mapping
+from typing import Any
+
+import ipywidgets
+
+from frictionlab.models import Model
+from frictionlab.validation import did_you_mean
+
+from .controls.number_control import NumberControl, number_from_text
+
+SAME_MOVE = 0.7  # s: steps of one control that follow each other as fast are undone together
+MAX_STATES = 200  # states that are kept
+FORMAT = "frictionlab explorer"
+State = dict[str, Any]
+
+
+class History:
+    """The states an explorer has been in, and where in them it is.
+
+    Attributes
+    ----------
+    states : list of dict
+    place : int
+        Of the present one.
+    initial : dict
+        The first one.
+    """
+
+    def __init__(self) -> None:
+        self.states: list[State] = []
+        self.initial: State = {}
+        self.place = -1
+        self._moved, self._since = "", 0.0
+
+    @property
+    def present(self) -> State | None:
+        """The state that was shown last."""
+        return self.states[self.place] if self.states else None
+
+    def record(self, state: State) -> None:
+        """Note the present state; what had been undone is forgotten where it is a new one."""
+        now, before = time.monotonic(), self.present
+        if state == before:
+            return
+        self.initial = self.initial or state
+        changed = _only_change(before, state)
+        together = changed and changed == self._moved and now - self._since < SAME_MOVE
+        del self.states[self.place + (0 if together else 1) :]
+        self.states = [*self.states, state][-MAX_STATES:]
+        self.place, self._moved, self._since = len(self.states) - 1, changed, now
+
+    def step(self, by: int) -> State | None:
+        """The state before (-1) or after (1) the present one, which it becomes; None where there is none."""
+        if not 0 <= self.place + by < len(self.states):
+            return None
+        self.place, self._moved = self.place + by, ""
+        return self.states[self.place]
+
+
+def _only_change(before: State | None, state: State) -> str:
+    """The name of the only control that differs; empty where there are others."""
+    if before is None or before.keys() != state.keys():
+        return ""
+    changed = [name for name in state if state[name] != before[name]]
+    return changed[0] if len(changed) == 1 else ""
+
+
+def control_data(control: Any) -> Any:
+    """What a control is set to, as data that JSON can hold: of a list the label."""
+    if isinstance(control, ipywidgets.Dropdown):
+        return control.label
+    return list(control.value) if isinstance(control.value, tuple) else control.value
+
+
+def set_control(name: str, control: Any, data: Any) -> None:
+    """Set a control to what :func:`control_data` gave, or to the text of a link.
+
+    Raises
+    ------
+    ValueError
+        If it cannot be set to that.
+    """
+    if isinstance(control, NumberControl):
+        number = number_from_text(name, data) if isinstance(data, str) else float(data)
+        control.check(number)
+        control.value = number
+        return
+    try:
+        if isinstance(control, ipywidgets.Dropdown):
+            control.label = str(data)
+        elif isinstance(control.value, bool):
+            control.value = {"true": True, "false": False}[str(data).lower()]
+        elif isinstance(control.value, tuple):
+            control.value = tuple(float(each) for each in data)
+        else:
+            control.value = type(control.value)(data)
+    except Exception as error:  # the widgets raise errors of several kinds
+        raise ValueError(
+            f"{name} must be a value of its control, got {data!r}: take one that the explorer shows"
+        ) from error
+
+
+def check_names(given: Mapping[str, Any], known: Mapping[str, Any]) -> None:
+    """Raise ValueError for a name that no control has."""
+    for name in given:
+        if name not in known:
+            hint = did_you_mean(name, list(known))
+            raise ValueError(f"the explorer must have the control {name!r}, got none of that name{hint}")
+
+
+def state_text(model: Any, changed: State) -> str:
+    """A file of the model at the start and what was changed since."""
+    return json.dumps({"format": FORMAT, "model": model.to_dict(), "changed": changed}, indent=1)
+
+
+def state_from_text(text: str | bytes) -> tuple[Any, State]:
+    """The model and the changes that :func:`state_text` wrote.
+
+    Raises
+    ------
+    ValueError
+        If it is no such file.
+    """
+    try:
+        data = json.loads(text)
+        found = data["format"] == FORMAT and isinstance(data["changed"], dict)
+        model = data["model"]
+    except (ValueError, KeyError, TypeError) as error:
+        raise ValueError(f"the file must be one that an explorer saved, got {text[:40]!r}") from error
+    if not found:
+        raise ValueError(f"the file must be one that an explorer saved, got the format {data['format']!r}")
+    return Model.from_dict(model), data["changed"]

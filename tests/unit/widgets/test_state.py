@@ -1,0 +1,152 @@
+"""Undo and redo, saved states, and what an explorer gives away as files."""
+
+import io
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import frictionlab as fl
+from frictionlab.widgets.state import History
+from tests.helpers.explorers import made
+
+
+@pytest.fixture
+def short():
+    return made(fl.SliderOnBelt(mu_k=1.4), ("phase",), 2.0)
+
+
+def test_undo_and_redo_go_through_all_states(short):
+    models = [short.model]
+    for name, value in {"mu_k": 0.5, "switch-cubic": False, "F": 300.0}.items():
+        short.controls[name].value = value
+        models.append(short.model)
+    for expected in (*models[-2::-1],):
+        short.layout.undo.click()
+        assert short.model == expected
+    for expected in models[1:]:
+        short.layout.redo.click()
+        assert short.model == expected
+    assert short.layout.redo.disabled
+    short.layout.undo.click()
+    short.controls["F"].value = 250.0
+    assert short.layout.redo.disabled  # what had been undone is forgotten
+
+
+def test_at_the_start_there_is_nothing_to_undo():
+    explorer = fl.explore(panels=("eigenvalues",))
+    assert (explorer.layout.undo.disabled, explorer.layout.redo.disabled) == (True, True)
+    explorer.undo()
+    assert explorer.model == fl.SliderOnBelt()
+
+
+def test_after_an_error_undo_gives_the_last_values_that_worked(short):
+    short.controls["mu_s"].value = 1.0
+    assert short.error is not None
+    short.layout.undo.click()
+    assert short.error is None
+    assert short.model == fl.SliderOnBelt(mu_k=1.4)
+
+
+def test_the_steps_of_one_drag_are_undone_together(monkeypatch):
+    clock = [0.0]
+    monkeypatch.setattr("frictionlab.widgets.state.time.monotonic", lambda: clock[0])
+    history = History()
+    for seconds, state in ((0.0, {"a": 0, "b": 0}), (5.0, {"a": 1, "b": 0}), (5.1, {"a": 2, "b": 0})):
+        clock[0] = seconds
+        history.record(state)
+    clock[0] = 9.0
+    history.record({"a": 3, "b": 0})
+    assert [state["a"] for state in history.states] == [0, 2, 3]
+    assert history.initial == {"a": 0, "b": 0}
+
+
+def test_a_state_that_was_saved_is_loaded_again(short):
+    short.controls["impact"].label = "restitution"
+    for name, value in {"e": 0.35, "mu_k": 1.27, "switch-geometry": False, "start": "near"}.items():
+        short.controls[name].value = value
+    content = short.keeping.buttons["save state"]._make().content
+    other = fl.explore(fl.SliderOnBelt(mu_k=1.4), panels=("eigenvalues",))
+    other.load(content)
+    assert other.settings == short.settings
+    assert other.model == fl.SliderOnBelt(mu_k=1.27, impact=fl.RestitutionImpact(e=0.35)).without("geometry")
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        (b"no json", "must be one that an explorer saved"),
+        (b"{}", "must be one that an explorer saved"),
+        (b'{"format": "other", "model": {}, "changed": {}}', "got the format 'other'"),
+    ],
+)
+def test_what_is_no_state_is_refused_in_words(short, content, words):
+    before = short.values()
+    short.keeping._loaded({"new": ({"content": content},)})
+    assert words in short.layout.message.value
+    assert short.values() == before
+
+
+def test_the_state_of_another_model_is_refused_in_words(short):
+    other = fl.explore(fl.ModeCoupling(), panels=("eigenvalues",))
+    short.keeping._loaded({"new": ({"content": other.keeping.buttons["copy state"]._make().encode()},)})
+    assert "must be that of SliderOnBelt(mu_k=1.4), got that of ModeCoupling()" in short.layout.message.value
+
+
+@pytest.mark.parametrize(
+    ("values", "words"),
+    [
+        ({"mu_kk": 1.0}, "control 'mu_kk', got none of that name: did you mean 'mu_k'"),
+        ({"mu_k": 0.7, "F": "abc"}, "F must be one number, got 'abc'"),
+        ({"mu_k": -1.0}, "mu_k must be at least 0, got -1.0"),
+        ({"mu_k": float("nan")}, "mu_k must be a finite number"),
+        ({"start": "sideways"}, "start must be a value of its control, got 'sideways'"),
+        ({"switch-cubic": "perhaps"}, "switch-cubic must be a value of its control"),
+    ],
+)
+def test_values_that_cannot_be_set_change_nothing(short, values, words):
+    before, model = short.values(), short.model
+    with pytest.raises(ValueError, match=words):
+        short.set_values(values)
+    assert (short.values(), short.model) == (before, model)
+
+
+def test_the_figure_is_saved_with_its_curves(short):
+    svg = short.keeping.buttons["figure svg"]._make()
+    assert (svg.name, svg.type) == ("SliderOnBelt.svg", "image/svg+xml")
+    assert svg.content.startswith(b"<?xml")
+    colour = short.picture.tiles["phase"].lines["stick"].get_color()
+    assert colour.lower().encode() in svg.content.lower()
+    assert short.keeping.buttons["figure pdf"]._make().content.startswith(b"%PDF")
+
+
+def test_data_are_saved_with_all_digits(short):
+    content = short.keeping.buttons["data csv"]._make().content.decode()
+    head, *rows = content.splitlines()
+    names = head.split(",")
+    t = np.array([float(row.split(",")[0]) for row in rows])
+    x = np.array([float(row.split(",")[names.index("phi'")]) for row in rows])
+    assert np.array_equal(t, short.result.times())
+    assert np.array_equal(x, short.run(t)[:, short.run.names.index("phi'")])
+    assert [row.split(",")[-1] for row in rows] == list(short.result.modes)
+
+
+def test_parquet_holds_the_same(short):
+    pandas = pytest.importorskip("pandas", reason="pandas reads parquet; it is not installed")
+    pytest.importorskip("pyarrow", reason="pyarrow reads parquet; it is not installed")
+    table = pandas.read_parquet(io.BytesIO(short.keeping.buttons["data parquet"]._make().content))
+    assert np.array_equal(table["x1"], short.result.state("x1"))
+    assert list(table["mode"]) == list(short.result.modes)
+
+
+def test_a_button_sends_a_file_and_tells_what_fails(short, monkeypatch):
+    sent, button = [], short.keeping.buttons["save state"]
+    monkeypatch.setattr(button, "send", lambda *message: sent.append(message))
+    button._handle_custom_msg({"asked": True}, [])
+    (about, (content,)) = sent[0]
+    assert about == {"name": "SliderOnBelt.json", "type": "application/json"}
+    assert json.loads(content)["changed"] == {"duration": 2.0}
+    monkeypatch.setattr(button, "_make", lambda: Path("/no/such/file").read_text())
+    button._handle_custom_msg({"asked": True}, [])
+    assert "FileNotFoundError" in short.layout.message.value
