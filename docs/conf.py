@@ -12,8 +12,9 @@ from pathlib import Path
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE / "_extensions"))
 os.environ["MPLBACKEND"] = "Agg"
+os.environ["FRICTIONLAB_PROGRESS"] = "0"  # bars would stay on the pages as widgets without a kernel
 
-import frictionlab  # noqa: E402  matplotlib reads the variable when it is loaded
+import frictionlab  # noqa: E402  both read their variable when they are loaded
 
 project = "frictionlab"
 author = "frictionlab developers"

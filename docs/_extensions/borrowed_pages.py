@@ -11,6 +11,7 @@ import os
 import re
 from pathlib import Path
 
+from course_cells import fold_solutions, put_live_page
 from docutils import nodes
 from myst_nb.core.render import NbElementRenderer
 
@@ -25,13 +26,6 @@ FILES = ("LICENSE", "CITATION.cff")
 FOLDERS = {"tutorials/": "course/", "docs/": ""}
 TITLES = {"# frictionlab\n": "# Getting started\n"}
 NOTE = "Interactive: open this notebook in Jupyter to use it."
-# After the explorers of the course, which are nothing without a kernel: the same as exported pages.
-FULL_GAP_RATE = 'SliderOnBelt(mu_k=1.4, impact=PlasticImpact(penetration_rate="full"))'
-LIVE = {
-    "01-first-run": ("SliderOnBelt(mu_k=1.4)", "without=geometry&t_end=5"),
-    "04-ablation": (FULL_GAP_RATE, "t_end=5"),
-    "07-limit-cycles": (FULL_GAP_RATE, "t_end=5"),
-}
 STYLES = re.compile(r"<link[^>]*href=\"https?://[^>]*>")
 LINK = re.compile(r"\]\((\.\./)?([\w/.-]+)(#[\w-]+)?\)")
 
@@ -62,22 +56,13 @@ def notebook(path: Path, course: list[Path]) -> str:
     if executed:
         content = executed
         content["metadata"]["mystnb"] = {"execution_mode": "off"}
+    content["cells"] = fold_solutions(content["cells"])
+    put_live_page(path.stem, content["cells"], f"*{NOTE}*")
     if path == course[0]:
         names = "\n".join(other.stem for other in course[1:])
         source = f"```{{toctree}}\n:hidden:\n:maxdepth: 1\n\n{names}\n```"
         content["cells"].append({"cell_type": "markdown", "id": "contents", "metadata": {}, "source": source})
-    add_live_page(path.stem, content["cells"])
     return json.dumps(content, ensure_ascii=False)
-
-
-def add_live_page(name: str, cells: list[dict]) -> None:
-    """Put an exported page behind a notebook's explorer."""
-    if name not in LIVE:
-        return
-    (place,) = [i for i, cell in enumerate(cells) if cell["id"] == "explore"]
-    model, setting = LIVE[name]
-    source = f"```{{live-page}}\n:model: {model}\n:set: {setting}\n```"
-    cells.insert(place + 1, {"cell_type": "markdown", "id": "live", "metadata": {}, "source": source})
 
 
 def executed_copy(path: Path, content: dict) -> dict | None:
