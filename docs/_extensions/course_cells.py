@@ -1,7 +1,8 @@
-"""What the site makes of the course's cells: solutions that stay closed, and pages to play with for explorers.
+"""What the site makes of the course's cells: solutions that stay closed, pages to play with for explorers.
 
-A notebook marks the cells of a solution by their names: `solution-3-text`, `solution-3`.  All of one solution,
-its words, its code and what the code shows, goes into one block that opens on a click and needs no script.
+A notebook marks the cells of a solution by their names: `solution-3-text`, `solution-3`.  All of one
+solution, its words, its code and what the code shows, goes into one block that opens on a click and needs no
+script.
 """
 
 import re
@@ -10,7 +11,7 @@ SOLUTION = re.compile(r"solution-(\d+)")
 IN_WORDS = re.compile(r"\A<details>\s*<summary>.*?</summary>\s*(.*?)\s*</details>\s*\Z", re.DOTALL)
 OPENING = '<details class="solution">\n<summary>Solution {number}</summary>'
 CLOSING = "</details>"
-# Explorers are nothing without a kernel.  In their place: the same model as an exported page, which begins so.
+# Explorers are nothing without a kernel.  In their place: the model as an exported page, which begins so.
 FULL_GAP_RATE = 'SliderOnBelt(mu_k=1.4, impact=PlasticImpact(penetration_rate="full"))'
 LIVE = {
     "01-first-run": ("SliderOnBelt(mu_k=1.4)", "without=geometry&t_end=5"),
@@ -45,7 +46,7 @@ def unfolded(cell: dict) -> dict:
 
 
 def put_live_page(name: str, cells: list[dict], note: str) -> None:
-    """Put an exported page in the place of what an explorer would show; without a solver the note stands there."""
+    """Put an exported page where an explorer would be; without a solver the note stands there."""
     if name not in LIVE:
         return
     (place,) = [i for i, cell in enumerate(cells) if cell["id"] == "explore"]

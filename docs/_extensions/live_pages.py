@@ -8,7 +8,8 @@
     ```
 
 exports that model while the site is built, and embeds the page. Where the solver has not been compiled for
-browsers the picture stands there, or without one the text, and the build says so in a line, which is no warning.
+browsers the picture stands there, or without one the text, and the build says so in a line, which is no
+warning.
 """
 
 import ast

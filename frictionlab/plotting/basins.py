@@ -20,7 +20,7 @@ from .appearance import add_halo, background, ink, legible, pen
 from .figure import axes_or_new, legend_beside
 from .style import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILLION, YELLOW, state_label
 
-# Of attractors, in turn: rest has the same colour in all pictures, whatever the order in which motions were found
+# Of attractors, in turn: rest has one colour in all pictures, whatever motion was found first
 COLOURS_OF_REST = (SKY, BLUE, GREEN)
 COLOURS_OF_MOTION = (ORANGE, YELLOW, PURPLE, VERMILLION, GREEN)
 UNCLASSIFIED_COLOURS = {MotionKind.NOT_SETTLED: GREY, MotionKind.ENDED_EARLY: "#444444"}
