@@ -1,4 +1,4 @@
-"""Pages that are kept elsewhere in the repository: README, changelog, how to contribute, and the course.
+"""Pages that are kept elsewhere in the repository: changelog, how to contribute, and the course.
 
 They are copied next to the site's own before these are read. A notebook is taken from the folder that
 the environment variable FRICTIONLAB_EXECUTED names, where the tests have left it executed
@@ -18,13 +18,11 @@ from myst_nb.core.render import NbElementRenderer
 DOCS = Path(__file__).parents[1]
 ROOT = DOCS.parent
 PAGES = {
-    "README.md": "getting-started.md",
     "CHANGELOG.md": "changelog.md",
     "CONTRIBUTING.md": "contributing.md",
 }
 FILES = ("LICENSE", "CITATION.cff")
 FOLDERS = {"tutorials/": "course/", "docs/": ""}
-TITLES = {"# frictionlab\n": "# Getting started\n"}
 NOTE = "Interactive: open this notebook in Jupyter to use it."
 STYLES = re.compile(r"<link[^>]*href=\"https?://[^>]*>")
 LINK = re.compile(r"\]\((\.\./)?([\w/.-]+)(#[\w-]+)?\)")
@@ -33,10 +31,7 @@ LINK = re.compile(r"\]\((\.\./)?([\w/.-]+)(#[\w-]+)?\)")
 def copy_pages(app, config) -> None:
     """Bring all of them to where they are read."""
     for source, target in PAGES.items():
-        text = (ROOT / source).read_text(encoding="utf-8")
-        for before, after in TITLES.items():
-            text = text.replace(before, after)
-        write(DOCS / target, text)
+        write(DOCS / target, (ROOT / source).read_text(encoding="utf-8"))
     notebooks = sorted(ROOT.glob("tutorials/*.ipynb"))
     for path in notebooks:
         write(DOCS / "course" / path.name, notebook(path, notebooks))
@@ -89,6 +84,8 @@ def moved(link: re.Match, up: str) -> str:
     target, anchor = link[2], link[3] or ""
     if target in PAGES:
         return f"]({up}{PAGES[target]}{anchor})"
+    if target == "README.md":
+        return f"]({up}getting-started.md{anchor})"
     if target in FILES:
         return f"]({up}../{target})"
     for folder, place in FOLDERS.items():

@@ -1,4 +1,4 @@
-"""`frictionlab eig` and `frictionlab critical`: eigenvalues of steady sliding, and where it loses stability."""
+"""`frictionlab eig` and `frictionlab critical`: steady sliding, and where it loses stability."""
 
 from __future__ import annotations
 
