@@ -27,11 +27,15 @@ extensions = [
     "sphinx.ext.autosummary",
     "sphinx.ext.viewcode",
     "numpydoc",
+    "sphinx_copybutton",
+    "sphinx_design",
+    "sphinxcontrib.bibtex",
     "borrowed_pages",
     "gallery_pages",
     "live_pages",
     "mathml",
     "reference_pages",
+    "schematics",
 ]
 exclude_patterns = ["_build", "_extensions", "_templates"]
 templates_path = ["_templates"]
@@ -61,11 +65,15 @@ html_theme = "pydata_sphinx_theme"
 html_title = "frictionlab"
 html_context = {"default_mode": "auto"}
 html_static_path = ["_static"]
+html_favicon = "_static/favicon.svg"
+bibtex_bibfiles = ["references.bib"]
+copybutton_prompt_text = r">>> |\.\.\. |\$ "  # copied without
+copybutton_prompt_is_regexp = True
 html_css_files = ["site.css"]
 html_js_files = ["live_pages.js"]
 html_show_sourcelink = False
 html_copy_source = False
-ALONE = ("index", "getting-started", "extending/index", "architecture", "changelog")
+ALONE = ("index", "getting-started", "bibliography", "extending/index", "architecture", "changelog")
 html_sidebars = {page: [] for page in ALONE}  # nothing beside them in their section
 html_theme_options = {
     "logo": {"text": "frictionlab"},
