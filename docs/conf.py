@@ -73,7 +73,15 @@ html_css_files = ["site.css"]
 html_js_files = ["live_pages.js"]
 html_show_sourcelink = False
 html_copy_source = False
-ALONE = ("index", "getting-started", "bibliography", "extending/index", "architecture", "changelog")
+ALONE = (
+    "index",
+    "getting-started",
+    "bibliography",
+    "lecturer",
+    "extending/index",
+    "architecture",
+    "changelog",
+)
 html_sidebars = {page: [] for page in ALONE}  # nothing beside them in their section
 html_theme_options = {
     "logo": {"text": "frictionlab"},

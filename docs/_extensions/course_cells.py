@@ -14,6 +14,7 @@ CLOSING = "</details>"
 # Explorers are nothing without a kernel.  In their place: the model as an exported page, which begins so.
 FULL_GAP_RATE = 'SliderOnBelt(mu_k=1.4, impact=PlasticImpact(penetration_rate="full"))'
 LIVE = {
+    "00-one-mass": ("MassOnBelt()", "t_end=60"),
     "01-first-run": ("SliderOnBelt(mu_k=1.4)", "without=geometry&t_end=5"),
     "02-why-brakes-squeal": ("SliderOnBelt(mu_k=1.4)", "x0=near&t_end=5"),
     "04-ablation": (FULL_GAP_RATE, "t_end=5"),

@@ -55,6 +55,8 @@ def draw(text: str, path: Path) -> None:
     picture.move(picture.draw(ax), 0, BODY)
     ax.set_axis_off()
     handles = [*picture.handles()]
+    for handle in handles:  # without how large they get in that run
+        handle.set_label(handle.get_label().partition(",")[0])
     if handles:
         figure.legend(handles=handles, loc="outside lower center", ncols=len(handles), frameon=False)
     figure.savefig(path, bbox_inches="tight")

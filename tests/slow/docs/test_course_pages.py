@@ -1,4 +1,4 @@
-"""What the site makes of the course: solutions stay closed, and nothing speaks of widgets that are not there."""
+"""What the site makes of the course: solutions stay closed, pages stand where explorers would be."""
 
 import json
 import re
@@ -12,7 +12,8 @@ import pytest
 pytestmark = pytest.mark.slow
 
 ROOT = Path(__file__).parents[3]
-NOTEBOOKS = sorted(ROOT.glob("tutorials/0[1-9]-*.ipynb"))
+INDEX, *NOTEBOOKS = sorted(ROOT.glob("tutorials/*.ipynb"))
+WORDS, LINES = 140, 20  # that a reader takes in a minute
 CONF = "import sys\nsys.path.insert(0, {path!r})\nextensions = ['myst_nb']\nnb_execution_mode = 'off'\n"
 OPEN, CLOSED = '<details class="solution">', "</details>"
 
@@ -61,6 +62,32 @@ def test_in_jupyter_code_and_output_of_a_solution_are_hidden(path):
     code = [c for c in cells_of(path) if c["cell_type"] == "code" and c["id"].startswith("solution")]
     assert code
     assert all(c["metadata"]["jupyter"] == {"source_hidden": True, "outputs_hidden": True} for c in code)
+
+
+def minutes_to_read(path):
+    """Of all but exercises and solutions, by the words and the lines of code."""
+    cells = [c for c in cells_of(path) if not c["id"].startswith(("exercise", "solution"))]
+    words = sum(len(source(c).split()) for c in cells if c["cell_type"] == "markdown")
+    lines = sum(len(source(c).splitlines()) for c in cells if c["cell_type"] == "code")
+    return words / WORDS + lines / LINES
+
+
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+def test_the_time_that_a_notebook_and_the_index_say_is_that_of_its_length(path):
+    (title,) = [source(c) for c in cells_of(path) if c["id"] == "title"]
+    said = int(re.search(r"\*\*Time:\*\* (\d+) minutes to read", title)[1])
+    assert said - 5 < minutes_to_read(path) <= said
+    (row,) = [line for line in source(cells_of(INDEX)[0]).splitlines() if f"({path.name})" in line]
+    assert f"| {said} min |" in row
+    exercises = next(source(c) for c in cells_of(path) if c["id"] == "exercises")
+    count = len(re.findall(r"^\d+\. ", exercises, flags=re.MULTILINE))
+    assert row.endswith(f"| {count} |")
+
+
+def test_goals_stand_at_the_top_of_every_notebook():
+    for path in NOTEBOOKS:
+        title = source(cells_of(path)[0])
+        assert "After this notebook you can\n\n* " in title
 
 
 class Seen(HTMLParser):
