@@ -6,7 +6,7 @@ import argparse
 from typing import Any
 
 from .parsing import OneLineParser, complain
-from .scenes import add_model_options, model_from_options
+from .scenes import add_json, add_model_options, model_data, model_from_options, print_json
 
 EXIT_FAILED = 1
 
@@ -36,6 +36,7 @@ def add_page(commands: Any) -> OneLineParser:
     add_model_options(parser)
     parser.add_argument("--slider", nargs="+", metavar="NAME", help="sliders shown at first")
     parser.add_argument("--t-end", type=float, metavar="S", help="end time (default: some 300 periods)")
+    add_json(parser)
     return parser
 
 
@@ -52,5 +53,5 @@ def page_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
         return EXIT_FAILED
     except (ValueError, TypeError) as error:
         parser.error(str(error))
-    print(f"wrote {path}")
+    print_json({**model_data(model), "file": path}) if chosen.json else print(f"wrote {path}")
     return 0
