@@ -12,8 +12,9 @@ from pathlib import Path
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE / "_extensions"))
 os.environ["MPLBACKEND"] = "Agg"
+os.environ["FRICTIONLAB_PROGRESS"] = "0"  # bars would stay on the pages as widgets without a kernel
 
-import frictionlab  # noqa: E402  matplotlib reads the variable when it is loaded
+import frictionlab  # noqa: E402  both read their variable when they are loaded
 
 project = "frictionlab"
 author = "frictionlab developers"
@@ -26,11 +27,15 @@ extensions = [
     "sphinx.ext.autosummary",
     "sphinx.ext.viewcode",
     "numpydoc",
+    "sphinx_copybutton",
+    "sphinx_design",
+    "sphinxcontrib.bibtex",
     "borrowed_pages",
     "gallery_pages",
     "live_pages",
     "mathml",
     "reference_pages",
+    "schematics",
 ]
 exclude_patterns = ["_build", "_extensions", "_templates"]
 templates_path = ["_templates"]
@@ -60,11 +65,23 @@ html_theme = "pydata_sphinx_theme"
 html_title = "frictionlab"
 html_context = {"default_mode": "auto"}
 html_static_path = ["_static"]
+html_favicon = "_static/favicon.svg"
+bibtex_bibfiles = ["references.bib"]
+copybutton_prompt_text = r">>> |\.\.\. |\$ "  # copied without
+copybutton_prompt_is_regexp = True
 html_css_files = ["site.css"]
 html_js_files = ["live_pages.js"]
 html_show_sourcelink = False
 html_copy_source = False
-ALONE = ("index", "getting-started", "extending/index", "architecture", "changelog")
+ALONE = (
+    "index",
+    "getting-started",
+    "bibliography",
+    "lecturer",
+    "extending/index",
+    "architecture",
+    "changelog",
+)
 html_sidebars = {page: [] for page in ALONE}  # nothing beside them in their section
 html_theme_options = {
     "logo": {"text": "frictionlab"},

@@ -1,4 +1,4 @@
-"""Pages that are kept elsewhere in the repository: README, changelog, how to contribute, and the course.
+"""Pages that are kept elsewhere in the repository: changelog, how to contribute, and the course.
 
 They are copied next to the site's own before these are read. A notebook is taken from the folder that
 the environment variable FRICTIONLAB_EXECUTED names, where the tests have left it executed
@@ -11,27 +11,19 @@ import os
 import re
 from pathlib import Path
 
+from course_cells import fold_solutions, put_live_page
 from docutils import nodes
 from myst_nb.core.render import NbElementRenderer
 
 DOCS = Path(__file__).parents[1]
 ROOT = DOCS.parent
 PAGES = {
-    "README.md": "getting-started.md",
     "CHANGELOG.md": "changelog.md",
     "CONTRIBUTING.md": "contributing.md",
 }
 FILES = ("LICENSE", "CITATION.cff")
 FOLDERS = {"tutorials/": "course/", "docs/": ""}
-TITLES = {"# frictionlab\n": "# Getting started\n"}
 NOTE = "Interactive: open this notebook in Jupyter to use it."
-# After the explorers of the course, which are nothing without a kernel: the same as exported pages.
-FULL_GAP_RATE = 'SliderOnBelt(mu_k=1.4, impact=PlasticImpact(penetration_rate="full"))'
-LIVE = {
-    "01-first-run": ("SliderOnBelt(mu_k=1.4)", "without=geometry&t_end=5"),
-    "04-ablation": (FULL_GAP_RATE, "t_end=5"),
-    "07-limit-cycles": (FULL_GAP_RATE, "t_end=5"),
-}
 STYLES = re.compile(r"<link[^>]*href=\"https?://[^>]*>")
 LINK = re.compile(r"\]\((\.\./)?([\w/.-]+)(#[\w-]+)?\)")
 
@@ -39,10 +31,7 @@ LINK = re.compile(r"\]\((\.\./)?([\w/.-]+)(#[\w-]+)?\)")
 def copy_pages(app, config) -> None:
     """Bring all of them to where they are read."""
     for source, target in PAGES.items():
-        text = (ROOT / source).read_text(encoding="utf-8")
-        for before, after in TITLES.items():
-            text = text.replace(before, after)
-        write(DOCS / target, text)
+        write(DOCS / target, (ROOT / source).read_text(encoding="utf-8"))
     notebooks = sorted(ROOT.glob("tutorials/*.ipynb"))
     for path in notebooks:
         write(DOCS / "course" / path.name, notebook(path, notebooks))
@@ -62,22 +51,13 @@ def notebook(path: Path, course: list[Path]) -> str:
     if executed:
         content = executed
         content["metadata"]["mystnb"] = {"execution_mode": "off"}
+    content["cells"] = fold_solutions(content["cells"])
+    put_live_page(path.stem, content["cells"], f"*{NOTE}*")
     if path == course[0]:
         names = "\n".join(other.stem for other in course[1:])
         source = f"```{{toctree}}\n:hidden:\n:maxdepth: 1\n\n{names}\n```"
         content["cells"].append({"cell_type": "markdown", "id": "contents", "metadata": {}, "source": source})
-    add_live_page(path.stem, content["cells"])
     return json.dumps(content, ensure_ascii=False)
-
-
-def add_live_page(name: str, cells: list[dict]) -> None:
-    """Put an exported page behind a notebook's explorer."""
-    if name not in LIVE:
-        return
-    (place,) = [i for i, cell in enumerate(cells) if cell["id"] == "explore"]
-    model, setting = LIVE[name]
-    source = f"```{{live-page}}\n:model: {model}\n:set: {setting}\n```"
-    cells.insert(place + 1, {"cell_type": "markdown", "id": "live", "metadata": {}, "source": source})
 
 
 def executed_copy(path: Path, content: dict) -> dict | None:
@@ -104,6 +84,8 @@ def moved(link: re.Match, up: str) -> str:
     target, anchor = link[2], link[3] or ""
     if target in PAGES:
         return f"]({up}{PAGES[target]}{anchor})"
+    if target == "README.md":
+        return f"]({up}getting-started.md{anchor})"
     if target in FILES:
         return f"]({up}../{target})"
     for folder, place in FOLDERS.items():

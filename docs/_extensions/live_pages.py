@@ -8,7 +8,8 @@
     ```
 
 exports that model while the site is built, and embeds the page. Where the solver has not been compiled for
-browsers the picture stands there, if one is given, and the build says so in a line, which is no warning.
+browsers the picture stands there, or without one the text, and the build says so in a line, which is no
+warning.
 """
 
 import ast
@@ -75,9 +76,9 @@ class LivePage(SphinxDirective):
         )
 
     def picture(self) -> list[nodes.Node]:
-        """The picture, with the content as its description."""
+        """The picture, with the content as its description; without a picture the content."""
         if "picture" not in self.options:
-            return []
+            return self.parse_content_to_nodes()
         return [nodes.image(uri=self.options["picture"], alt=" ".join(self.content))]
 
 

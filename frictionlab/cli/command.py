@@ -10,6 +10,9 @@ from frictionlab._version import __version__
 
 from .app import add_app
 from .bench import add_bench
+from .catalogue import add_models
+from .course import add_course, add_warmup
+from .media import add_animate, add_sound
 from .page import add_page
 from .paper import add_figure, add_reproduce
 from .parsing import (
@@ -22,6 +25,7 @@ from .parsing import (
     unknown_option_text,
 )
 from .run import add_run
+from .stability import add_critical, add_eig
 
 PROGRAM = "frictionlab"
 EXIT_FAILED, EXIT_INTERRUPTED = 1, 130  # the latter 128 + SIGINT, as shells have it
@@ -84,23 +88,32 @@ def _build_parsers() -> tuple[OneLineParser, dict[str, OneLineParser]]:
     parser = OneLineParser(
         prog=PROGRAM,
         description="Friction-induced vibration with sticking, slipping, lifting off and impacts.",
-        epilog="`frictionlab run --help` lists every option of a run, and so on for the others.",
+        epilog="`frictionlab run --help` lists every option of a run, and so on for the others. "
+        "With --json those that compute print one JSON object.",
         allow_abbrev=False,
     )
     parser.add_argument("--version", action="version", version=f"frictionlab {__version__}")
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", title="commands")
-    added = {"run": add_run, "app": add_app, "page": add_page, "figure": add_figure}
-    added |= {"reproduce": add_reproduce, "bench": add_bench}
+    added = {"models": add_models, "run": add_run, "eig": add_eig, "critical": add_critical}
+    added |= {"animate": add_animate, "sound": add_sound, "app": add_app, "page": add_page}
+    added |= {"course": add_course, "warmup": add_warmup}
+    added |= {"figure": add_figure, "reproduce": add_reproduce, "bench": add_bench}
     return parser, {name: add(commands) for name, add in added.items()}
 
 
 def _run_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
     from .app import app_command
     from .bench import bench_command
+    from .catalogue import models_command
+    from .course import course_command, warmup_command
+    from .media import animate_command, sound_command
     from .page import page_command
     from .paper import figure_command, reproduce_command
     from .run import run_command
+    from .stability import critical_command, eig_command
 
-    does = {"run": run_command, "app": app_command, "page": page_command, "figure": figure_command}
-    does |= {"reproduce": reproduce_command, "bench": bench_command}
+    does = {"models": models_command, "run": run_command, "eig": eig_command, "critical": critical_command}
+    does |= {"animate": animate_command, "sound": sound_command, "app": app_command, "page": page_command}
+    does |= {"course": course_command, "warmup": warmup_command}
+    does |= {"figure": figure_command, "reproduce": reproduce_command, "bench": bench_command}
     return does[chosen.command](chosen, parser)

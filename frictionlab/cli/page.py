@@ -6,6 +6,7 @@ import argparse
 from typing import Any
 
 from .parsing import OneLineParser, complain
+from .scenes import add_json, add_model_options, model_data, model_from_options, print_json
 
 EXIT_FAILED = 1
 
@@ -32,9 +33,10 @@ def add_page(commands: Any) -> OneLineParser:
         allow_abbrev=False,
     )
     parser.add_argument("-o", "--output", metavar="FILE", default="slider.html", help="default: slider.html")
-    parser.add_argument("--model", metavar="NAME", default="SliderOnBelt", help="default: SliderOnBelt")
+    add_model_options(parser)
     parser.add_argument("--slider", nargs="+", metavar="NAME", help="sliders shown at first")
     parser.add_argument("--t-end", type=float, metavar="S", help="end time (default: some 300 periods)")
+    add_json(parser)
     return parser
 
 
@@ -43,17 +45,13 @@ def page_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
     import frictionlab as fl
     from frictionlab.pages.solver_file import SolverNotBuiltError
 
-    known = [row.call.split("(")[0] for row in fl.list_models()]
-    if chosen.model not in known:
-        listed = ", ".join(dict.fromkeys(known))
-        parser.error(f"--model must be one of {listed}, got {chosen.model!r}: take one of these")
-    model = getattr(fl, chosen.model)()
     try:
+        model = model_from_options(chosen)
         path = fl.export_page(model, chosen.output, sliders=chosen.slider, t_end=chosen.t_end)
     except SolverNotBuiltError as error:
         complain(parser.prog, f"error: {error}")
         return EXIT_FAILED
-    except ValueError as error:
+    except (ValueError, TypeError) as error:
         parser.error(str(error))
-    print(f"wrote {path}")
+    print_json({**model_data(model), "file": path}) if chosen.json else print(f"wrote {path}")
     return 0

@@ -8,6 +8,7 @@ from typing import Any
 
 from . import parsing
 from .parsing import OneLineParser, add_sweep_options, check_workers, complain
+from .scenes import add_json, print_json
 
 EXIT_FAILED = 1
 
@@ -59,6 +60,7 @@ def add_figure(commands: Any) -> OneLineParser:
     _add_figure_options(
         parser.add_argument_group("figures 7 to 18, which are of steady states and take minutes")
     )
+    add_json(parser)
     parser.set_defaults(save=None)
     return parser
 
@@ -98,8 +100,9 @@ def figure_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
     except ValueError as error:  # a file in --resume that is damaged, or of another sweep
         complain(parser.prog, f"error: {error}")
         return EXIT_FAILED
-    print(result, flush=True)
-    return _write_picture(result, chosen.output, parser)
+    if not chosen.json:
+        print(result, flush=True)
+    return _write_picture(result, chosen, parser)
 
 
 def _figure_options(chosen: argparse.Namespace) -> dict[str, Any]:
@@ -108,13 +111,18 @@ def _figure_options(chosen: argparse.Namespace) -> dict[str, Any]:
     return {name: getattr(chosen, name) for name in names} | {"impact": impact}
 
 
-def _write_picture(result: Any, path: str, parser: OneLineParser) -> int:
+def _write_picture(result: Any, chosen: argparse.Namespace, parser: OneLineParser) -> int:
+    path = chosen.output
     try:
         result.plot().savefig(path)
     except OSError as error:  # a full disk, or a folder that has gone since the check
         complain(parser.prog, f"error: {error}")
         return EXIT_FAILED
-    print(f"Picture in {path}")
+    if chosen.json:
+        about = {name: getattr(result, name) for name in ("number", "how", "caption", "summary")}
+        print_json({**about, "file": path})
+    else:
+        print(f"Picture in {path}")
     return 0
 
 
@@ -137,6 +145,7 @@ def add_reproduce(commands: Any) -> OneLineParser:
     )
     parser.add_argument("--quick", action="store_true", help="coarser grids: a quarter of the time")
     parser.add_argument("-q", "--quiet", action="store_true", help="no progress bar")
+    add_json(parser)
     add_sweep_options(parser)
     return parser
 
@@ -159,7 +168,7 @@ def reproduce_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
     except (OSError, ValueError) as error:  # ValueError: a file in --resume that is damaged
         complain(parser.prog, f"error: {error}")
         return EXIT_FAILED
-    print(f"Page in {page}")
+    print_json({"page": page}) if chosen.json else print(f"Page in {page}")
     return 0
 
 

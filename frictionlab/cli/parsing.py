@@ -108,10 +108,10 @@ def check_files(chosen: argparse.Namespace) -> None:
     """Refuse files that could not be written after the run."""
     if chosen.output is not None:
         _check_picture(Path(chosen.output))
-        _check_writable(Path(chosen.output), "-o")
+        check_writable(Path(chosen.output), "-o")
     if chosen.save is not None:
         path = Path(chosen.save)
-        _check_writable(path if path.suffix == ".npz" else path.with_name(path.name + ".npz"), "--save")
+        check_writable(path if path.suffix == ".npz" else path.with_name(path.name + ".npz"), "--save")
 
 
 def _check_picture(path: Path) -> None:
@@ -119,7 +119,8 @@ def _check_picture(path: Path) -> None:
         raise ValueError(f"-o must end in one of {', '.join(PICTURE_FORMATS)}, got {str(path)!r}: take .png")
 
 
-def _check_writable(path: Path, option: str) -> None:
+def check_writable(path: Path, option: str) -> None:
+    """Raise where a file could not be written after the run."""
     folder = path.parent
     if not folder.is_dir():
         raise ValueError(f"{option} needs an existing folder, there is no {str(folder)!r}: make it first")

@@ -17,11 +17,13 @@ from typing import Any
 
 from . import parsing
 from .parsing import OneLineParser, complain
+from .scenes import DEFAULT_MODEL, add_json, add_model_options, model_data, model_of, print_json, values_of
 
 RUN_DESCRIPTION = """\
-Simulate the 5-degree-of-freedom slider on a moving belt of Liu & Ouyang (2020)
-and print a summary: sliding equilibrium, eigenvalues, events, share of time in
-each mode. With -o a picture of the run is drawn as well.
+Simulate the 5-degree-of-freedom slider on a moving belt of Liu & Ouyang (2020),
+or another --model, and print a summary: sliding equilibrium, eigenvalues,
+events, share of time in each mode. With -o a picture of the run is drawn as
+well.
 
 Without options: mu_k = 1.4 and the paper's other values, 20 s from rest. There
 the sliding equilibrium is stable, yet from rest the system settles on a
@@ -34,6 +36,8 @@ examples:
   frictionlab run --without geometry nonsmooth --x0 near
   frictionlab run --impact full --save run.npz
   frictionlab run --method rk4 --step 1e-4        (the paper's algorithm)
+  frictionlab run --model DenHartog --set F=1.2 -o den-hartog.png
+  frictionlab run --json --set mu_k=2.5
 
 Units are SI, angles are in radians.
 A saved run is read in Python with frictionlab.load("run.npz").
@@ -60,6 +64,7 @@ def add_run(commands: Any) -> OneLineParser:
         allow_abbrev=False,
     )
     _add_output(parser.add_argument_group("output"))
+    add_json(parser)
     _add_run(parser.add_argument_group("run"))
     _add_laws(parser.add_argument_group("laws"))
     _add_parameters(parser)
@@ -88,17 +93,9 @@ def _add_run(group: Any) -> None:
 
 
 def _add_laws(group: Any) -> None:
-    group.add_argument(
-        "--without",
-        nargs="+",
-        action="extend",
-        default=[],
-        metavar="NAME",
-        help="leave nonlinearities out: any of cubic, nonsmooth, geometry",
-    )
+    add_model_options(group)
     group.add_argument(
         "--impact",
-        default="material",
         metavar="LAW",
         help="what a re-contact brings to zero: material (the approach to the belt's material point, Eq. 13) "
         "or full (the gap's full rate); restitution reverses it (default: material)",
@@ -137,11 +134,20 @@ def model_from_options(chosen: argparse.Namespace) -> Any:
     from frictionlab.models import SliderOnBelt
     from frictionlab.validation import check_choice
 
-    check_choice("--impact", chosen.impact, IMPACT_LAWS)
-    impact = RestitutionImpact() if chosen.impact == "restitution" else PlasticImpact(chosen.impact)
+    given = _given_parameters(chosen) | values_of(chosen.values)
+    if chosen.model != DEFAULT_MODEL:
+        if chosen.impact is not None:
+            raise ValueError(
+                f"--impact is an option of {DEFAULT_MODEL}, got --model {chosen.model}: leave it out"
+            )
+        model = model_of(chosen.model)
+        return (model.without(*chosen.without) if chosen.without else model).replace(**given)
+    law = "material" if chosen.impact is None else chosen.impact
+    check_choice("--impact", law, IMPACT_LAWS)
+    impact = RestitutionImpact() if law == "restitution" else PlasticImpact(law)
     # First the laws, then the numbers: one that belongs to a law left out is refused, not ignored.
     laws = SliderOnBelt(impact=impact).without(*chosen.without)
-    values = {"mu_k": DEFAULT_MU_K, **_given_parameters(chosen)}
+    values = {"mu_k": DEFAULT_MU_K, **given}
     usual = replace(parameters_of(type(laws.friction))["mu_k"], default=DEFAULT_MU_K)
     # checked here, as the model's own message names another default
     check_value("mu_k", values["mu_k"], usual)
@@ -193,7 +199,7 @@ def initial_state_from_options(chosen: argparse.Namespace, model: Any) -> Any:
 
 def before(model: Any, method: Any, chosen: argparse.Namespace) -> str:
     """The lines printed before the run: what is run, and what is known without running it."""
-    return "\n".join([_job_line(model, method, chosen), *_equilibrium_lines(model)])
+    return "\n".join([_job_line(model, method, chosen), *equilibrium_lines(model)])
 
 
 def after(run: Any) -> str:
@@ -212,7 +218,7 @@ def _method_line(method: Any) -> str:
     return f"method {name}, " + ", ".join(f"{k} {about[k]:g}" for k in ("tol", "step", "rtol") if k in about)
 
 
-def _equilibrium_lines(model: Any) -> Iterator[str]:
+def equilibrium_lines(model: Any) -> Iterator[str]:
     """Equilibrium and eigenvalues, or one line that says why there are none."""
     from frictionlab.stability import equilibrium
 
@@ -221,8 +227,9 @@ def _equilibrium_lines(model: Any) -> Iterator[str]:
         yield "\nSliding equilibrium"
         for name, value in zip(model.coordinates, point.q, strict=True):
             yield f"  {name:4} {value:+.6f} {'rad' if name == 'phi' else 'm'}"
-        forces = f"F_N {point.normal_force:.4f} N, F_T {point.friction_force:.4f} N"
-        yield f"  penetration  {point.penetration:+.6f} m, {forces}"
+        if math.isfinite(point.normal_force):  # of a model with one contact
+            forces = f"F_N {point.normal_force:.4f} N, F_T {point.friction_force:.4f} N"
+            yield f"  penetration  {point.penetration:+.6f} m, {forces}"
         yield from _eigenvalue_lines(model)
     except ValueError as error:
         yield f"\nNo sliding equilibrium: {error}"
@@ -274,11 +281,12 @@ def run_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
             model, options = _check_options(chosen)
         except (ValueError, TypeError) as error:
             parser.error(str(error))
+    if not chosen.json:
         print(before(model, options["method"], chosen), flush=True)
     run, stopped = _simulate(model, chosen, options, parser)
     if run is None:
         raise stopped or KeyboardInterrupt
-    print(after(run), flush=True)
+    print_json(run_data(run, chosen)) if chosen.json else print(after(run), flush=True)
     with _without_collection():
         written = _write_files(run, chosen, parser)
     if stopped:
@@ -316,22 +324,51 @@ def _simulate(
     from frictionlab.interruption import partial_result
 
     try:
-        return simulate(model, chosen.t_end, progress=not chosen.quiet, **options), None
+        return simulate(model, chosen.t_end, progress=not (chosen.quiet or chosen.json), **options), None
     except KeyboardInterrupt as stopped:
         return partial_result(), stopped
     except ValueError as error:
         parser.error(str(error))
 
 
+def _say(text: str, chosen: argparse.Namespace) -> None:
+    """A line, unless there is JSON on standard output."""
+    if not chosen.json:
+        print(text)
+
+
+def run_data(run: Any, chosen: argparse.Namespace) -> dict[str, Any]:
+    """The summary of a run as JSON says it; `sliding` is null where there is no steady sliding."""
+    from .stability import stability_data
+
+    try:
+        sliding = stability_data(run.source)
+    except ValueError:
+        sliding = None
+    return {
+        **model_data(run.source),
+        "x0": chosen.x0,
+        "t": run.raw.t,
+        "status": str(run.status),
+        "finished": run.status.ok,
+        "sliding": sliding,
+        "events": run.events.counts(),
+        "time_in_mode": run.time_in_mode,
+        "final_state": dict(zip(run.names, run.final_state, strict=True)),
+        "stats": run.stats,
+    }
+
+
 def _write_files(run: Any, chosen: argparse.Namespace, parser: OneLineParser) -> int:
     try:
         if chosen.save is not None:
-            print(f"Saved as {run.save(chosen.save)}")
+            saved = run.save(chosen.save)
+            _say(f"Saved as {saved}", chosen)
         if chosen.output is not None:
             from frictionlab.plotting import plot_run
 
             plot_run(run).savefig(chosen.output)
-            print(f"Picture in {chosen.output}")
+            _say(f"Picture in {chosen.output}", chosen)
     except OSError as error:  # a full disk, or a folder that has gone since the check
         complain(parser.prog, f"error: {error}")
         return EXIT_FAILED

@@ -1,13 +1,12 @@
 """All claims and figures, written as pages with pictures: what `frictionlab reproduce` does.
 
-reproduction.md has a table of the claims and every figure in each way that makes a difference to it,
+reproduction.md has a block for each claim and every figure in each way that makes a difference to it,
 step-size.md the study of fixed steps.
 """
 
 from __future__ import annotations
 
 import time
-from collections import Counter
 from collections.abc import Iterator
 from io import BytesIO
 from pathlib import Path
@@ -20,6 +19,7 @@ from frictionlab.file_writing import write_file, write_text
 from frictionlab.hybrid.progress import progress_bar
 from frictionlab.paper.checks.claim import Claims
 
+from .claim_blocks import claim_blocks, claim_summary
 from .registry import EVERY_CLAIM, FIGURES, WITHOUT_GEOMETRY, check, figure
 from .scenes import CHATTER_LIMIT, IMPACTS, PAPER_STEP, RETURN_TOLERANCES, Setting
 from .step_sizes import IMPACT_LAW_NAMES, StepStudy, step_study_with
@@ -215,9 +215,7 @@ def _head_text(setting: Setting, minutes: float) -> str:
 
 
 def _claims_text(table: Claims) -> str:
-    counts = Counter(row.verdict for row in table)
-    words = ", ".join(f"{verdict} {count}" for verdict, count in counts.items())
-    return f"## Claims\n\n{len(table)} claims: {words}.\n\n{table.to_markdown()}\n\n## Figures\n"
+    return f"## Claims\n\n{claim_summary(table)}\n\n{claim_blocks(table)}\n## Figures\n"
 
 
 def _figures_text(drawn: list[tuple[Any, Path]]) -> str:

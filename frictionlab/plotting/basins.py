@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import cycle
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,7 +20,9 @@ from .appearance import add_halo, background, ink, legible, pen
 from .figure import axes_or_new, legend_beside
 from .style import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILLION, YELLOW, state_label
 
-COLOURS = (SKY, ORANGE, GREEN, YELLOW, PURPLE, BLUE, VERMILLION)  # of attractors, in turn
+# Of attractors, in turn: rest has one colour in all pictures, whatever motion was found first
+COLOURS_OF_REST = (SKY, BLUE, GREEN)
+COLOURS_OF_MOTION = (ORANGE, YELLOW, PURPLE, VERMILLION, GREEN)
 UNCLASSIFIED_COLOURS = {MotionKind.NOT_SETTLED: GREY, MotionKind.ENDED_EARLY: "#444444"}
 HATCH = "////"
 
@@ -110,9 +113,11 @@ def plot_basin_stability(found: Any, ax: Axes | None = None) -> BarContainer:
 
 
 def _colours(found: Any, ax: Axes) -> list[str]:
-    settled = [a.name for a in found.attractors if a.settled]
+    rest, motion = cycle(COLOURS_OF_REST), cycle(COLOURS_OF_MOTION)
     colours = [
-        COLOURS[settled.index(a.name) % len(COLOURS)] if a.settled else UNCLASSIFIED_COLOURS[a.kind]
+        UNCLASSIFIED_COLOURS[a.kind]
+        if not a.settled
+        else next(rest if a.kind == MotionKind.EQUILIBRIUM else motion)
         for a in found.attractors
     ]
     return [legible(colour, ax) for colour in colours]

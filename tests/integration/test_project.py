@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 from matplotlib import pyplot
+from PIL import Image
 
 import frictionlab as fl
 
@@ -18,6 +19,7 @@ ROOT = Path(__file__).parents[2]
 # Where a package is not called as what it imports.
 DISTRIBUTIONS = {"PIL": "pillow", "IPython": "ipython", "jupyter_server": "jupyter-server"}
 README = (ROOT / "README.md").read_text(encoding="utf-8")
+STARTING = (ROOT / "docs" / "getting-started.md").read_text(encoding="utf-8")
 CONTRIBUTING = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
 AT_THE_TOP = """
@@ -27,8 +29,12 @@ AT_THE_TOP = """
 NOTEBOOKS = sorted(ROOT.glob("tutorials/*.ipynb"))
 
 
+def blocks(page: str, language: str) -> list[str]:
+    return re.findall(rf"^```{language}\n(.*?)^```$", page, flags=re.MULTILINE | re.DOTALL)
+
+
 def readme_blocks(language: str) -> list[str]:
-    return re.findall(rf"^```{language}\n(.*?)^```$", README, flags=re.MULTILINE | re.DOTALL)
+    return blocks(README, language)
 
 
 def test_readme_starts_with_two_commands_of_one_line_each():
@@ -106,9 +112,24 @@ def test_the_projects_address_is_in_one_file_and_one_everywhere():
     assert [path.name for path in texts if address in path.read_bytes()] == ["pyproject.toml"]
 
 
-def test_readme_python_runs(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)  # it saves a picture
-    exec("\n".join(readme_blocks("python")), {})
+def test_three_lines_of_the_readme_are_a_script_that_leaves_a_picture(tmp_path):
+    (lines,) = readme_blocks("python")
+    assert len([line for line in lines.splitlines() if line]) == 3
+    (tmp_path / "three.py").write_text(lines)
+    subprocess.run([sys.executable, "three.py"], cwd=tmp_path, check=True, timeout=300)
+    (picture,) = tmp_path.glob("*.png")
+    with Image.open(picture) as image:
+        assert min(image.size) > 300
+        assert len(image.convert("RGB").getcolors(1_000_000)) > 50  # something is drawn
+
+
+def test_the_readme_is_read_in_two_minutes():
+    assert len(README.split()) <= 400
+
+
+def test_python_of_the_first_steps_runs(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)  # it saves pictures
+    exec("\n".join(blocks(STARTING, "python")), {})
     pyplot.close("all")
 
 

@@ -1,5 +1,7 @@
 """Basins of attraction against published shares and closed forms."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import sympy as sp
@@ -195,6 +197,16 @@ def test_the_picture_has_a_colour_for_each_attractor():
     assert [bar.get_height() for bar in bars] == [*shares.fractions.values()]
     lengths = [np.ptp(segment[:, 1]) for segment in bars.errorbar[2][0].get_segments()]
     assert lengths == pytest.approx([2 * error for error in shares.errors.values()])
+
+
+def test_rest_has_one_colour_whatever_is_found_first():
+    grid = np.linspace(-1.2, 1.2, 9)
+    found = fl.basins(rings(), ("x", grid), ("v", grid), **QUIET)
+    kinds = [attractor.kind for attractor in found.attractors]
+    assert sorted(kinds) == ["equilibrium", "periodic"]
+    turned = replace(found, attractors=found.attractors[::-1], labels=1 - found.labels)
+    meshes = [plotting.plot_basins(one).mesh for one in (found, turned)]
+    assert np.array_equal(*(mesh.cmap(mesh.norm(mesh.get_array())) for mesh in meshes))
 
 
 @pytest.mark.parametrize(

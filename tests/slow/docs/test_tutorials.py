@@ -16,7 +16,8 @@ EXECUTED = os.environ.get("FRICTIONLAB_EXECUTED")
 
 
 @pytest.mark.parametrize("path", sorted(TUTORIALS.glob("*.ipynb")), ids=lambda path: path.name)
-def test_notebook_runs(path):
+def test_notebook_runs(path, monkeypatch):
+    monkeypatch.setenv("FRICTIONLAB_PROGRESS", "0")  # bars would stay on the site's pages as widgets
     notebook = nbformat.read(path, as_version=4)
     resources = {"metadata": {"path": str(TUTORIALS)}}
     NotebookClient(notebook, timeout=600, kernel_name="python3", resources=resources).execute()

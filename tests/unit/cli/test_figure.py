@@ -1,5 +1,7 @@
 """`frictionlab figure`: what it prints, writes and returns."""
 
+import json
+
 import frictionlab as fl
 from frictionlab.cli import command, parsing
 
@@ -27,3 +29,12 @@ def test_a_file_that_cannot_be_written_after_all_does_not_lose_the_numbers(tmp_p
     assert captured.out.startswith("Fig. 6")
     assert captured.err.startswith("frictionlab figure: error: ")
     assert captured.err.count("\n") == 1
+
+
+def test_its_numbers_as_json(tmp_path, capsys):
+    path = tmp_path / "six.png"
+    assert command.main(["figure", "6", "-o", str(path), "--json"]) == 0
+    said = json.loads(capsys.readouterr().out)
+    assert said["summary"] == list(fl.paper.figure(6).summary)
+    assert (said["number"], said["file"]) == (6, str(path))
+    assert path.exists()

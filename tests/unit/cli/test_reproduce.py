@@ -32,10 +32,10 @@ def test_a_page_with_claims_and_pictures(tmp_path, capsys, small):
     page, image = tmp_path / "docs" / "reproduction.md", "images/reproduction/fig06.png"
     assert out == f"Page in {page}\n"
     assert err == ""
-    text = page.read_text()
+    text = page.read_text(encoding="utf-8")
     assert "frictionlab reproduce` --quick" in text.replace("\n", " ")
     assert "2 claims: reproduced 2." in text
-    assert "| C8 | Fig. 6 | " in text
+    assert '<summary><b>C8</b> <span class="verdict verdict-reproduced">✔ reproduced</span> Fig. 6: ' in text
     assert f"![Fig. 6]({image})" in text
     picture = page.parent / image
     assert picture.read_bytes()[:4] == b"\x89PNG"

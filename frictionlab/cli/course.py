@@ -1,0 +1,122 @@
+"""`frictionlab course` and `frictionlab warmup`: what comes before a lesson."""
+
+from __future__ import annotations
+
+import argparse
+import time
+from pathlib import Path
+from typing import Any
+
+from .parsing import OneLineParser, complain
+from .scenes import add_json, print_json
+
+EXIT_FAILED = 1
+NOTEBOOKS = "*.ipynb"
+
+COURSE_DESCRIPTION = """\
+Copy the course, notebooks with exercises and solutions, into a folder. What
+is there already and differs is left as it is, and the command says so."""
+
+COURSE_EPILOG = """\
+examples:
+  frictionlab course lessons
+  jupyter lab lessons/00-index.ipynb        (pip install "frictionlab[lab]")
+
+exit status: 0 copied; 1 files there are other ones, or nothing can be
+written; 2 bad arguments."""
+
+WARMUP_DESCRIPTION = """\
+Compile what has to be compiled once on a machine, and run a second of the
+slider, so that the first run of a lesson starts at once."""
+
+
+def add_course(commands: Any) -> OneLineParser:
+    """Add the command `course`; returns its parser."""
+    parser = _parser(commands, "course", "copy the course's notebooks", COURSE_DESCRIPTION, COURSE_EPILOG)
+    parser.add_argument("folder", metavar="FOLDER", help="is made if it is not there")
+    add_json(parser)
+    return parser
+
+
+def add_warmup(commands: Any) -> OneLineParser:
+    """Add the command `warmup`; returns its parser."""
+    epilog = "exit status: 0 ready; 1 the run ended early; 2 bad arguments."
+    parser = _parser(commands, "warmup", "compile the solver before the lesson", WARMUP_DESCRIPTION, epilog)
+    add_json(parser)
+    return parser
+
+
+def _parser(commands: Any, name: str, about: str, description: str, epilog: str) -> OneLineParser:
+    return commands.add_parser(
+        name,
+        help=about,
+        description=description,
+        epilog=epilog,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        allow_abbrev=False,
+    )
+
+
+def notebooks() -> list[Path]:
+    """The notebooks of the course: within an installed package, beside it in a clone."""
+    package = Path(__file__).parents[1]
+    folders = (package / "tutorials", package.parent / "tutorials")
+    return next((found for each in folders if (found := sorted(each.glob(NOTEBOOKS)))), [])
+
+
+def course_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
+    """Copy the notebooks; returns the exit status."""
+    folder, found = Path(chosen.folder), notebooks()
+    if not found:
+        cure = "take the folder tutorials/ of the source, which PyPI has as well"
+        complain(parser.prog, f"error: this installation has no notebooks: {cure}")
+        return EXIT_FAILED
+    if folder.exists() and not folder.is_dir():
+        parser.error(f"FOLDER must be a folder, {str(folder)!r} is a file: choose another name")
+    others = [path.name for path in found if _is_another(folder / path.name, path)]
+    if others:
+        text = f"{folder} has other versions of {', '.join(others)}: take a new folder, your work stays there"
+        complain(parser.prog, f"error: {text}")
+        return EXIT_FAILED
+    _copy(found, folder)
+    if chosen.json:
+        print_json({"folder": str(folder), "notebooks": [path.name for path in found]})
+    else:
+        print(f"{len(found)} notebooks in {folder}\nBegin: jupyter lab {folder / found[0].name}")
+    return 0
+
+
+def _is_another(there: Path, ours: Path) -> bool:
+    return there.exists() and there.read_bytes() != ours.read_bytes()
+
+
+def _copy(found: list[Path], folder: Path) -> None:
+    from frictionlab.file_writing import write_file
+
+    folder.mkdir(parents=True, exist_ok=True)
+    for path in found:
+        with write_file(folder / path.name) as beside:
+            Path(beside).write_bytes(path.read_bytes())
+
+
+def warmup_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
+    """Compile, and run a second of the slider twice; returns the exit status."""
+    import frictionlab as fl
+    from frictionlab.hybrid import compilation
+
+    with fl.progress(not chosen.json):
+        seconds = []
+        for _ in range(2):
+            begin = time.perf_counter()
+            run = fl.simulate(fl.SliderOnBelt(mu_k=1.4), 1.0)
+            seconds.append(time.perf_counter() - begin)
+    if compilation.LOADED is not None:
+        kind = "compiled ahead of time"
+    else:
+        kind = "compiled by numba" if compilation.NUMBA is not None else "plain Python"
+    if chosen.json:
+        print_json({"solver": kind, "first_run": seconds[0], "second_run": seconds[1]})
+    else:
+        first, second = seconds
+        print(f"Ready. The solver is {kind}; the first run took {first:.3g} s, the next {second:.3g} s.")
+    return 0 if run.status.ok else EXIT_FAILED

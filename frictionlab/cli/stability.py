@@ -1,0 +1,134 @@
+"""`frictionlab eig` and `frictionlab critical`: steady sliding, and where it loses stability."""
+
+from __future__ import annotations
+
+import argparse
+from typing import Any
+
+from .parsing import OneLineParser
+from .scenes import add_json, add_model_options, model_data, model_from_options, print_json
+
+EIG_DESCRIPTION = """\
+Print the equilibrium of steady sliding and its eigenvalues: frequencies,
+growth rates, and whether it is stable."""
+
+EIG_EPILOG = """\
+examples:
+  frictionlab eig
+  frictionlab eig --set mu_k=2.5
+  frictionlab eig --model ModeCoupling --json
+
+exit status: 0 computed; 2 bad arguments, or there is no steady sliding."""
+
+CRITICAL_DESCRIPTION = """\
+Print every value of a parameter between LOW and HIGH at which steady sliding
+loses or regains stability, with the frequency there and the kind."""
+
+CRITICAL_EPILOG = """\
+examples:
+  frictionlab critical mu_k 0 4
+  frictionlab critical mu_k 0 4 --without geometry
+  frictionlab critical v 0.05 3 --model "MassOnBelt(friction=WeakeningStrengthening(), c=0.1)"
+
+exit status: 0 computed; 2 bad arguments, or there is no steady sliding."""
+
+
+def add_eig(commands: Any) -> OneLineParser:
+    """Add the command `eig`; returns its parser."""
+    parser = _parser(commands, "eig", "eigenvalues of steady sliding", EIG_DESCRIPTION, EIG_EPILOG)
+    add_model_options(parser)
+    add_json(parser)
+    return parser
+
+
+def add_critical(commands: Any) -> OneLineParser:
+    """Add the command `critical`; returns its parser."""
+    about = "where a parameter makes steady sliding unstable"
+    parser = _parser(commands, "critical", about, CRITICAL_DESCRIPTION, CRITICAL_EPILOG)
+    parser.add_argument("parameter", metavar="PARAMETER", help="such as mu_k")
+    parser.add_argument("low", type=float, metavar="LOW", help="from this value")
+    parser.add_argument("high", type=float, metavar="HIGH", help="to this one")
+    add_model_options(parser)
+    add_json(parser)
+    return parser
+
+
+def _parser(commands: Any, name: str, about: str, description: str, epilog: str) -> OneLineParser:
+    return commands.add_parser(
+        name,
+        help=about,
+        description=description,
+        epilog=epilog,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        allow_abbrev=False,
+    )
+
+
+def eig_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
+    """Print equilibrium and eigenvalues; returns the exit status."""
+    from frictionlab.stability import eigenvalues
+
+    from .run import equilibrium_lines
+
+    try:
+        model = model_from_options(chosen)
+        eigenvalues(model)  # what is wrong is said before anything is printed
+    except (ValueError, TypeError) as error:
+        parser.error(str(error))
+    if chosen.json:
+        print_json({**model_data(model), **stability_data(model)})
+    else:
+        print(f"{model!r}\n" + "\n".join(equilibrium_lines(model)))
+    return 0
+
+
+def stability_data(model: Any) -> dict[str, Any]:
+    """Equilibrium and eigenvalues as JSON says them; ValueError where there are none."""
+    from frictionlab.stability import eigenvalues
+
+    found = eigenvalues(model)
+    point = found.equilibrium
+    forces = {"normal_force": point.normal_force, "friction_force": point.friction_force}
+    q = dict(zip(model.coordinates, point.q.tolist(), strict=True))
+    return {
+        "equilibrium": {**q, "penetration": point.penetration, **forces},
+        "eigenvalues": found.values.tolist(),
+        "stable": found.stable,
+        "marginal": found.marginal,
+    }
+
+
+def critical_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
+    """Print the changes of stability; returns the exit status."""
+    from frictionlab.stability import stability_changes
+
+    try:
+        model = model_from_options(chosen)
+        changes = stability_changes(model, chosen.parameter, (chosen.low, chosen.high))
+    except (ValueError, TypeError) as error:
+        parser.error(str(error))
+    rows = [_change_data(change) for change in changes]
+    if chosen.json:
+        asked = {"parameter": chosen.parameter, "bounds": [chosen.low, chosen.high]}
+        print_json({**model_data(model), **asked, "changes": rows})
+    else:
+        print("\n".join([f"{model!r}", *map(_change_line, rows)] if rows else _no_change(chosen, model)))
+    return 0
+
+
+def _change_data(change: Any) -> dict[str, Any]:
+    names = ("value", "kind", "direction", "frequency", "unstable")
+    return {name: getattr(change, name) for name in names}
+
+
+def _change_line(row: dict[str, Any]) -> str:
+    before, after = row["unstable"]
+    at = f" at {row['frequency']:.4f} Hz" if row["kind"] == "flutter" else ""
+    return (
+        f"  {row['value']:.8f}  {row['direction']} by {row['kind']}{at}, unstable pairs {before} -> {after}"
+    )
+
+
+def _no_change(chosen: argparse.Namespace, model: Any) -> list[str]:
+    between = f"{chosen.parameter} from {chosen.low:g} to {chosen.high:g}"
+    return [f"{model!r}", f"  no change of stability with {between}: `frictionlab eig` says which it is"]

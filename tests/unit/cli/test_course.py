@@ -1,0 +1,55 @@
+"""`frictionlab course` copies the notebooks and spares what is there; `frictionlab warmup` says what runs."""
+
+import json
+import tomllib
+from pathlib import Path
+
+from frictionlab.cli import course
+from frictionlab.cli.command import main
+
+ROOT = Path(__file__).parents[3]
+NOTEBOOKS = sorted(path.name for path in ROOT.glob("tutorials/*.ipynb"))
+
+
+def test_all_notebooks_are_copied_as_they_are(tmp_path, capsys):
+    folder = tmp_path / "new" / "lessons"
+    assert main(["course", str(folder), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["notebooks"] == NOTEBOOKS
+    assert sorted(path.name for path in folder.iterdir()) == NOTEBOOKS
+    for name in NOTEBOOKS:
+        assert (folder / name).read_bytes() == (ROOT / "tutorials" / name).read_bytes()
+
+
+def test_work_in_the_folder_is_not_lost(tmp_path, capsys):
+    assert main(["course", str(tmp_path)]) == 0
+    (tmp_path / NOTEBOOKS[1]).write_text("my answers")
+    (tmp_path / NOTEBOOKS[2]).unlink()
+    capsys.readouterr()
+    assert main(["course", str(tmp_path)]) == 1
+    captured = capsys.readouterr()
+    assert (captured.out, captured.err.count("\n")) == ("", 1)
+    assert f"has other versions of {NOTEBOOKS[1]}: take a new folder" in captured.err
+    assert (tmp_path / NOTEBOOKS[1]).read_text() == "my answers"
+
+
+def test_the_wheel_carries_the_notebooks_where_the_command_looks_for_them():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    placed = project["tool"]["hatch"]["build"]["targets"]["wheel"]["force-include"]
+    assert placed == {"tutorials": "frictionlab/tutorials"}
+    assert [path.name for path in course.notebooks()] == NOTEBOOKS
+
+
+def test_without_notebooks_it_says_how_to_get_them(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(course, "NOTEBOOKS", "*.nothing")
+    assert main(["course", str(tmp_path / "a")]) == 1
+    assert "take the folder tutorials/ of the source" in capsys.readouterr().err
+    assert not (tmp_path / "a").exists()
+
+
+def test_warmup_says_what_runs(capsys):
+    assert main(["warmup", "--json"]) == 0
+    said = json.loads(capsys.readouterr().out)
+    assert said["solver"] in ("compiled ahead of time", "compiled by numba", "plain Python")
+    assert said["second_run"] > 0
+    assert main(["warmup"]) == 0
+    assert capsys.readouterr().out.startswith("Ready.")
