@@ -25,9 +25,13 @@ from .analysis.orbits.periodic_orbit import PeriodicOrbit as PeriodicOrbit
 from .analysis.orbits.periodic_orbit import periodic_orbit as periodic_orbit
 from .analysis.quantities.critical_quantities import CriticalFrequency as CriticalFrequency
 from .analysis.quantities.critical_quantities import CriticalValue as CriticalValue
+from .analysis.quantities.critical_quantities import FoldValue as FoldValue
 from .analysis.quantities.equilibrium_quantities import EquilibriumCoordinate as EquilibriumCoordinate
 from .analysis.quantities.equilibrium_quantities import GrowthRate as GrowthRate
 from .analysis.quantities.equilibrium_quantities import ModeFrequency as ModeFrequency
+from .analysis.quantities.orbit_quantities import OrbitAmplitude as OrbitAmplitude
+from .analysis.quantities.orbit_quantities import OrbitIntensity as OrbitIntensity
+from .analysis.quantities.orbit_quantities import OrbitPeriod as OrbitPeriod
 from .analysis.quantities.quantity import Quantity as Quantity
 from .analysis.quantities.sensitivity import Sensitivity as Sensitivity
 from .analysis.quantities.sensitivity import sensitivity as sensitivity

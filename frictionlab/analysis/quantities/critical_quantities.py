@@ -15,6 +15,7 @@ from frictionlab.stability.boundaries.stability_changes import (
 )
 from frictionlab.stability.equilibrium_points.equilibria import equilibrium_problem
 from frictionlab.stability.equilibrium_problem import EquilibriumProblem, check_bounds
+from frictionlab.stability.boundaries.fold_points import fold_point
 from frictionlab.stability.parameter_derivatives import EquilibriumDerivatives, null_vectors
 
 from .equilibrium_quantities import DEFECTIVE_PRODUCT, derivatives_at, gradient_of
@@ -124,6 +125,58 @@ class CriticalFrequency(_AtFirstLoss):
                 f"got {change.kind} at {self.parameter} = {change.value:.6g}: ask for CriticalValue"
             )
         return gradient_of(problem, change.frequency, slopes)
+
+
+@dataclass(frozen=True)
+class FoldValue(Quantity):
+    """The first value of a parameter at which an equilibrium ends in a fold, or begins in one.
+
+    At a fold the state matrix A is singular, l A = 0; the equilibrium stays on it where l f_p dp = 0, so that
+    d(fold)/dp = -l f_p / l f_q with q the parameter.
+
+    Parameters
+    ----------
+    parameter : str
+    bounds : (float, float)
+        Where it is looked for.
+
+    Examples
+    --------
+    >>> import frictionlab as fl, sympy as sp
+    >>> x, p, a = sp.symbols("x p a")
+    >>> ends = fl.HybridAutomaton((x,), (fl.Mode("flow", (p - a + x**2,)),), {p: 0.5, a: 1.0})
+    >>> round(fl.FoldValue("p", (0.5, 2.0))(ends), 9)  # at p = a
+    1.0
+    """
+
+    parameter: str
+    bounds: tuple[float, float]
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "bounds", tuple(map(float, self.bounds)))
+
+    @property
+    def label(self) -> str:
+        return f"{self.parameter} at the fold"
+
+    def values(self, model: Any, changes: Mapping[str, Array]) -> Array:
+        problem = equilibrium_problem(model)
+        low, high = check_bounds(problem.model, self.parameter, self.bounds)
+        count = max((np.size(column) for column in changes.values()), default=1)
+        rows = [{name: np.ravel(column)[i] for name, column in changes.items()} for i in range(count)]
+        found = (fold_point(problem, self.parameter, (low, high), row) for row in rows)
+        return np.array([np.nan if point is None else point.value for point in found])
+
+    def gradient(self, model: Any) -> Gradient:
+        problem = equilibrium_problem(model)
+        limits = check_bounds(problem.model, self.parameter, self.bounds)
+        point = fold_point(problem, self.parameter, limits, {})
+        if point is None:
+            raise ValueError(
+                f"the equilibrium must end in a fold within the bounds {self.bounds} of {self.parameter}, got "
+                "no fold: widen them, or see equilibria"
+            )
+        return gradient_of(problem, point.value, point.slopes)
 
 
 def _critical_slopes(
