@@ -99,8 +99,9 @@ def extreme(at: OrbitDerivatives, name: str, sign: int) -> Extreme:
         run.automaton, at.orbit.period, x0=at.orbit.state, sections={"turn": velocity}, progress=False
     )
     turns, jumps = again.sections["turn"], again.raw.event_states[:, 0, place]
-    smooth = sign * turns.state[:, place] if len(turns.t) else np.array([-np.inf])
-    if len(jumps) and (sign * jumps).max() > smooth.max():
+    # A velocity that jumps through zero is recorded as a turn too.
+    smooth = np.where(np.isin(turns.t, again.raw.event_times), -np.inf, sign * turns.state[:, place])
+    if len(jumps) and (sign * jumps).max() > smooth.max(initial=-np.inf):
         i = int(np.argmax(sign * jumps))
         return Extreme(float(jumps[i]), _at_event(at, again, i)[place])
     i = int(np.argmax(smooth))
