@@ -17,6 +17,11 @@ from .analysis.energy_audit import EnergyAudit as EnergyAudit
 from .analysis.energy_audit import energy_audit as energy_audit
 from .analysis.ensemble import BatchResult as BatchResult
 from .analysis.ensemble import ensemble as ensemble
+from .analysis.fitting.data import EventTimes as EventTimes
+from .analysis.fitting.data import Frequencies as Frequencies
+from .analysis.fitting.data import TimeRecord as TimeRecord
+from .analysis.fitting.fit import fit as fit
+from .analysis.fitting.result import Fit as Fit
 from .analysis.lyapunov import LyapunovSpectrum as LyapunovSpectrum
 from .analysis.lyapunov import lyapunov as lyapunov
 from .analysis.options import Execution as Execution

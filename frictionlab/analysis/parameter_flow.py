@@ -21,7 +21,13 @@ from frictionlab.hybrid.problem import Problem
 from frictionlab.hybrid.tape.packing import program_of
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.hybrid.variational.saltation import constraint_gradients, linearise_mode
-from frictionlab.hybrid.variational.tangent_flow import carry_frame, check_taylor_run
+from frictionlab.hybrid.variational.tangent_flow import (
+    carry_frame,
+    carry_rows,
+    check_taylor_run,
+    event_saltation,
+)
+from frictionlab.hybrid.variational.tangent_jets import carry_steps
 from frictionlab.models.gradients import derivatives
 
 Array = NDArray[np.float64]
@@ -78,6 +84,96 @@ def parameter_flow(
     return ParameterFlow(end[:n, :n], by_parameters[:n], end[n : n + q, :n], by_parameters[n:])
 
 
+class SampledFlow(NamedTuple):
+    """States of a run at some times and the times of its events, with derivatives.
+
+    Directions are the n states at the start, then the P parameters.
+    """
+
+    states: Array  # (m, n)
+    slopes: Array  # (m, n, n + P)
+    events: Array  # (E,)
+    event_slopes: Array  # (E, n + P)
+    end: Array  # (n, n + P)
+
+
+def sampled_flow(run: Trajectory, names: Sequence[str], times: Array) -> SampledFlow:
+    """Derivatives of a run's states at ascending times, of the times of its events, and of its end.
+
+    Raises
+    ------
+    ValueError
+        As :func:`parameter_flow`.
+    """
+    n, count = len(run.names), len(names)
+    varied, unknown = _varied_run(run, tuple(names), ())
+    frame = np.zeros((n + count, n + count))
+    frame[:n, :n], frame[n:, n:] = np.eye(n), np.eye(count)
+    if len(run.raw.step_modes):
+        _keep_constraints(varied, frame, n)
+    scales = np.concatenate([np.ones(n), _scales(run.automaton, names)])
+    states = run(np.asarray(times, dtype=float)) if len(times) else np.zeros((0, n))
+    found = _sample(_split_steps(varied, times, states), frame, times)
+    samples, moved, end = (part / scales for part in found)
+    for part in (samples, moved, end):
+        part[..., n:][..., unknown] = np.nan
+    return SampledFlow(states, samples[:, :n], run.raw.event_times, moved, end[:n])
+
+
+def _split_steps(run: Trajectory, times: Array, states: Array) -> Trajectory:
+    """The run with a step that begins at each of some times, so that tangent vectors can be seen there."""
+    raw = run.raw
+    starts, lengths = raw.step_times.T
+    places = np.searchsorted(starts, times, side="right") - 1
+    ends = starts + lengths
+    inside = (places >= 0) & (times > starts[places]) & (times < ends[places]) if len(starts) else places > 0
+    at, cut = places[inside], times[inside]
+    wide = _with_zeros(states[inside], raw.step_states.shape[1] - states.shape[1])
+    order = np.argsort(np.concatenate([starts, cut]), kind="stable")
+    begin = np.concatenate([starts, cut])[order]
+    until = np.concatenate([ends, ends[at]])[order]
+    until[:-1] = np.minimum(until[:-1], begin[1:])
+    split = raw._replace(
+        step_times=np.column_stack([begin, until - begin]),
+        step_modes=np.concatenate([raw.step_modes, raw.step_modes[at]])[order],
+        step_states=np.concatenate([raw.step_states, wide])[order],
+    )
+    return Trajectory(run.automaton, run.problem, split, run.samples, description=run.description)
+
+
+def _sample(run: Trajectory, frame: Array, times: Array) -> tuple[Array, Array, Array]:
+    """Tangent vectors at times, derivatives of the events' times, and tangent vectors at the end."""
+    raw, width = run.raw, frame.shape[1]
+    rows = np.ascontiguousarray(frame.T)
+    starts = raw.step_times[:, 0]
+    samples, moved = np.zeros((len(times), *frame.shape)), np.zeros((len(raw.event_times), width))
+    marks = sorted(
+        [*((t, 1, i) for i, t in enumerate(times)), *((t, 0, i) for i, t in enumerate(raw.event_times))]
+    )
+    first = 0
+    for t, is_sample, i in marks:
+        last = int(np.searchsorted(starts, t))
+        if last > first:
+            carry_rows(carry_steps, run, slice(first, last), rows)
+            first = last
+        if is_sample:
+            samples[i] = rows.T
+        else:
+            moved[i] = _event_time_slopes(run, i, rows)
+            rows = np.ascontiguousarray(rows @ event_saltation(run, i).T)
+    if len(starts) > first:
+        carry_rows(carry_steps, run, slice(first, len(starts)), rows)
+    return samples, moved, rows.T.copy()
+
+
+def _event_time_slopes(run: Trajectory, i: int, rows: Array) -> Array:
+    """How the time of an event moves: the guard stays zero."""
+    program, guard = run.problem.program, int(run.raw.event_codes[i, 0])
+    mode, before = int(program.guard_modes[guard]), run.raw.event_states[i, 0]
+    at, slot = linearise_mode(program, run.problem.numbers, mode, before), program.code.function_slots[guard]
+    return -(rows @ at.gradients[slot]) / at.jets[slot, 1]
+
+
 def _keep_constraints(run: Trajectory, frame: Array, n: int) -> None:
     """Move the states of each direction by the least that keeps the constraints of the first mode."""
     program, mode, z = run.problem.program, int(run.raw.step_modes[0]), run.raw.step_states[0]
@@ -102,9 +198,7 @@ def _varied_run(
     varied = _varied_modes(automaton.states, modes, chosen, integrands)
     numbers = dict(zip(map(_scale, chosen), _scales(automaton, names)))
     states = (*automaton.states, *varied.integrals, *map(_change, chosen))
-    wider = HybridAutomaton(
-        states, varied.modes, {**automaton.parameters, **numbers}, automaton.coordinates
-    )
+    wider = HybridAutomaton(states, varied.modes, {**automaton.parameters, **numbers}, automaton.coordinates)
     more = len(states) - len(automaton.states)
     problem = Problem(*program_of(wider), np.append(run.problem.x0, np.zeros(more)), run.problem.t_end)
     raw = run.raw._replace(

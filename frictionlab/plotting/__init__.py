@@ -9,7 +9,7 @@ None of them uses pyplot, so a figure is freed with its last reference and no wi
     runs/                   panels of one run, and `plot_run`, which is four of them
     stability/              equilibria, eigenvalues, critical values, Hopf points
     bifurcation, basins, energy, ablation, factorial_effects, sweep, motions,
-    sensitivity, uncertainty, verification                                     what analyses found
+    fitting, sensitivity, uncertainty, verification                            what analyses found
     animation/              the slider on its belt, frame by frame
 
 A result of an analysis comes in, artists go out; nothing is computed here but samples of a run.
@@ -24,6 +24,7 @@ from .bifurcation import plot_bifurcation, plot_intensity, plot_orbit_branch
 from .energy import plot_energies, plot_works
 from .factorial_effects import plot_effects, plot_scene_lattice
 from .figure import RunFigure, axes_or_new
+from .fitting import plot_fit
 from .motions import plot_ends, plot_lyapunov, plot_orbit, plot_steady_state, plot_tangent_flow
 from .runs.overview import plot_run
 from .runs.phase_plane import plot_phase_plane
@@ -58,6 +59,7 @@ __all__ = [
     "plot_ends",
     "plot_energies",
     "plot_equilibrium",
+    "plot_fit",
     "plot_frequencies",
     "plot_growth_rates",
     "plot_hopf",

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from frictionlab.stability.boundaries.fold_points import fold_point
 from frictionlab.stability.boundaries.stability_changes import (
     StabilityChange,
     changes_on_lines,
@@ -15,7 +16,6 @@ from frictionlab.stability.boundaries.stability_changes import (
 )
 from frictionlab.stability.equilibrium_points.equilibria import equilibrium_problem
 from frictionlab.stability.equilibrium_problem import EquilibriumProblem, check_bounds
-from frictionlab.stability.boundaries.fold_points import fold_point
 from frictionlab.stability.parameter_derivatives import EquilibriumDerivatives, null_vectors
 
 from .equilibrium_quantities import DEFECTIVE_PRODUCT, derivatives_at, gradient_of

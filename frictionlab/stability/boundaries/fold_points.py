@@ -92,7 +92,9 @@ def _ends(
             known = np.isnan(z).any() == np.isnan(x).any() if np.isnan(first) else before <= after
             low, high, x, y = (middle, high, z, y) if known else (low, middle, x, z)
         if np.isnan(first) or np.abs(y - x).max() > JUMP_SHARE * first:
-            yield from (_End(float(v), state) for v, state in ((low, x), (high, y)) if np.isfinite(state).all())
+            yield from (
+                _End(float(v), state) for v, state in ((low, x), (high, y)) if np.isfinite(state).all()
+            )
 
 
 def _newton(
@@ -120,8 +122,6 @@ def _newton(
         except np.linalg.LinAlgError:
             return None
         x, right, numbers[place] = x + step[:m], right + step[m:-1], numbers[place] + step[-1]
-        if np.abs(step[:m]).max() <= STEP_RTOL * size and abs(step[-1]) <= STEP_RTOL * abs(
-            numbers[place]
-        ):
+        if np.abs(step[:m]).max() <= STEP_RTOL * size and abs(step[-1]) <= STEP_RTOL * abs(numbers[place]):
             break
     return (x, float(numbers[place])) if np.isfinite(x).all() else None

@@ -95,7 +95,11 @@ def test_a_fold_has_its_closed_form():
     automaton = fl.HybridAutomaton((x,), modes, {p: 0.5, a: 1.5, b: 2.0})
     found = fl.sensitivity(automaton, fl.FoldValue("p", (0.5, 4.0)))
     assert found.value == pytest.approx(2.25, rel=1e-9)
-    assert (found["a"], found["b"], found["p"]) == (pytest.approx(3.0, rel=1e-6), pytest.approx(0, abs=1e-6), 0)
+    assert (found["a"], found["b"], found["p"]) == (
+        pytest.approx(3.0, rel=1e-6),
+        pytest.approx(0, abs=1e-6),
+        0,
+    )
 
 
 def test_the_sliders_fold_is_where_equilibria_appear():
@@ -112,7 +116,9 @@ def test_the_sliders_fold_is_where_equilibria_appear():
 
 def test_what_has_no_derivative_is_refused():
     with pytest.raises(ValueError, match="must settle to a periodic orbit"):
-        fl.sensitivity(fl.SliderOnBelt(mu_k=0.3), fl.OrbitPeriod(options=fl.SteadyStateOptions(transient=5.0)))
+        fl.sensitivity(
+            fl.SliderOnBelt(mu_k=0.3), fl.OrbitPeriod(options=fl.SteadyStateOptions(transient=5.0))
+        )
     with pytest.raises(ValueError, match="name must be one of"):
         fl.sensitivity(STICK_SLIP, fl.OrbitAmplitude("y"))
     with pytest.raises(ValueError, match="one of a family"):
