@@ -1,9 +1,9 @@
 """How a run depends on the parameters: its tangent flow with a small change of each parameter as a state.
 
 A parameter p becomes p + s e with a state e that is zero and stays so, s its size.  Only first order matters:
-every coefficient N(p) of the equations is replaced by N + sum of s_k e_k dN/dp_k, so that flows, guards, resets
-and constraints keep their form, and the saltation matrices hold what an event owes to the parameters.  The run
-is that of the model itself, to the last bit; nothing is integrated again but the tangent vectors.
+every coefficient N(p) of the equations is replaced by N + sum of s_k e_k dN/dp_k, so that flows, guards,
+resets and constraints keep their form, and the saltation matrices hold what an event owes to the parameters.
+The run is that of the model itself, to the last bit; nothing is integrated again but the tangent vectors.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ INNER = "chatter"  # a number of the solver, no parameter of the motion
 
 
 class ParameterFlow(NamedTuple):
-    """Derivatives of a run's end: by the state (n,) at its start, and by P parameters with that state held."""
+    """Derivatives of a run's end: by the state (n,) at its start, and by P parameters for a given start."""
 
     state: Array  # (n, n)
     parameters: Array  # (n, P); NaN where an exponent depends on the parameter
@@ -190,7 +190,7 @@ def _scales(automaton: HybridAutomaton, names: Sequence[str]) -> Array:
 def _varied_run(
     run: Trajectory, names: tuple[str, ...], integrands: tuple[Any, ...]
 ) -> tuple[Trajectory, list[bool]]:
-    """The run as one of the automaton with changes of parameters as states; which of these are in exponents."""
+    """The run of the automaton with changes of parameters as states; which of these are in exponents."""
     automaton = run.automaton
     modes = tuple(automaton.mode(name) for name in run.mode_names)
     symbols = {symbol.name: symbol for symbol in automaton.parameters}

@@ -41,8 +41,8 @@ def fit(
 
     The time of the measurements is cut into segments that start at states of their own, which are unknowns as
     well (multiple shooting): a wrong parameter then shifts no later onset of stick or impact, as it does in a
-    single run, whose squared error has many minima.  What the segments miss of each other is weighted more and
-    more, and at the end one run has to fit all.  Derivatives are those of the tangent flow with saltation
+    single run, whose squared error has many minima.  What the segments miss of each other is weighted more
+    and more, and at the end one run has to fit all.  Derivatives are those of the tangent flow with saltation
     matrices, not differences.
 
     Parameters
@@ -208,8 +208,8 @@ def _solve(task: _Task, pieces: Pieces | None, first: Array, what: str) -> _Solu
     begin = evaluate(first)
     if not np.isfinite(begin.values).all():
         raise ValueError(
-            f"{what} must reach the end of the data where the search begins, got a run that ends early: change "
-            "the model's values or x0"
+            f"{what} must reach the end of the data where the search begins, got a run that ends early: "
+            "change the model's values or x0"
         )
     low, high = np.full(len(first), -np.inf), np.full(len(first), np.inf)
     for i, name in enumerate(task.names):
@@ -230,7 +230,7 @@ def _solve(task: _Task, pieces: Pieces | None, first: Array, what: str) -> _Solu
 
 
 def _misfit_function(task: _Task, pieces: Pieces | None) -> Callable[[Array], Misfit]:
-    """Residuals and derivatives at unknowns (u,); the last ones are remembered, as the solver asks for each."""
+    """Residuals and derivatives at unknowns (u,); the last are remembered, as the solver asks for each."""
     known: list[tuple[bytes, Misfit]] = []
 
     def evaluate(x: Array) -> Misfit:

@@ -65,8 +65,8 @@ def motion_misfit(
 ) -> Misfit:
     """Residuals of time records and event times, in their errors, then what the pieces miss of each other.
 
-    Unknowns are the P parameters, the unknown states at the time 0, then the states (S - 1, n) at the start of
-    the other pieces, `starts` (S, n) being all of them.
+    Unknowns are the P parameters, the unknown states at the time 0, then the states (S - 1, n) at the start
+    of the other pieces, `starts` (S, n) being all of them.
 
     Raises
     ------

@@ -113,10 +113,8 @@ class Fit(Drawable):
 
     def summary(self) -> str:
         """The fit in words: values, intervals, and what the data do not tell."""
-        rows = [
-            f"{name} = {self[name]:.6g}, 95 % from {self.interval(name)[0]:.6g} to {self.interval(name)[1]:.6g}"
-            for name in self.parameters
-        ]
+        ends = {name: self.interval(name) for name in self.parameters}
+        rows = [f"{name} = {self[name]:.6g}, 95 % from {a:.6g} to {b:.6g}" for name, (a, b) in ends.items()]
         rows += [f"not determined: a combination of {', '.join(names)}" for names in self.undetermined]
         rows += [f"hard to tell apart: {a} and {b}, correlation {r:+.4f}" for a, b, r in self.correlated]
         freedom = f"{self.degrees_of_freedom} degrees of freedom"

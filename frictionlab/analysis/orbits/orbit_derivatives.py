@@ -1,13 +1,13 @@
 """Derivatives of a periodic orbit by all parameters: its start, its period, extremes and integrals along it.
 
-The orbit closes, z(T; z0, p) = z0.  To first order, with the monodromy matrix M, the flow f at the end and the
-derivative B of the end by the parameters,
+The orbit closes, z(T; z0, p) = z0.  To first order, with the monodromy matrix M, the flow f at the end and
+the derivative B of the end by the parameters,
 
     [ M - 1   f ] [ dz0/dp ]     [ -B ]
     [  f^T    0 ] [ dT/dp  ]  =  [  0 ],
 
-a bordered system: the start moves on a Poincare section normal to the flow.  It is regular where the multiplier 1
-is simple, of an unstable orbit too.
+a bordered system: the start moves on a Poincare section normal to the flow.  It is regular where the
+multiplier 1 is simple, of an unstable orbit too.
 """
 
 from __future__ import annotations
@@ -89,8 +89,8 @@ def orbit_derivatives(orbit: PeriodicOrbit) -> OrbitDerivatives:
 def extreme(at: OrbitDerivatives, name: str, sign: int) -> Extreme:
     """The largest (`sign` 1) or least (-1) value of a coordinate along an orbit.
 
-    Where the coordinate turns smoothly its rate is zero, and the value moves as the state does; where it turns
-    at an event, as at a stop, the time of the event moves too.
+    Where the coordinate turns smoothly its rate is zero, and the value moves as the state does; where it
+    turns at an event, as at a stop, the time of the event moves too.
     """
     run = at.orbit.trajectory
     place = run.names.index(name)
@@ -149,7 +149,7 @@ def _guard_slopes(run: Trajectory, mode: int, guard: int, z: Array, names: tuple
 
 
 def mean_square(at: OrbitDerivatives, point: Any, point_slopes: Any) -> Extreme:
-    """L_s, Eq. (20), and its derivatives; `point` (c,) is the equilibrium, `point_slopes` (c, P) how it moves."""
+    """L_s, Eq. (20), and its derivatives; the equilibrium is `point` (c,) and moves by `point_slopes` (c, P)."""
     run, period = at.orbit.trajectory, at.orbit.period
     chosen = run.automaton.states[: len(point)]
     rest = [sympy.Symbol(f"{x.name} at rest") for x in chosen]

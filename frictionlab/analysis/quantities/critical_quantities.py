@@ -173,8 +173,8 @@ class FoldValue(Quantity):
         point = fold_point(problem, self.parameter, limits, {})
         if point is None:
             raise ValueError(
-                f"the equilibrium must end in a fold within the bounds {self.bounds} of {self.parameter}, got "
-                "no fold: widen them, or see equilibria"
+                f"the equilibrium must end in a fold within the bounds {self.bounds} of {self.parameter}, "
+                "got no fold: widen them, or see equilibria"
             )
         return gradient_of(problem, point.value, point.slopes)
 

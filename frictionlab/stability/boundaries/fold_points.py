@@ -1,8 +1,8 @@
 """Folds: where an equilibrium meets another one and both end, solved as a bordered system.
 
-At a fold f(x, q) = 0 and A r = 0 for a vector r, with c r = 1 for a fixed row c: 2 m + 1 equations for x, r and
-the parameter q, regular at a quadratic fold.  The start is the last equilibrium that halving finds before it ends
-or gives way to another.
+At a fold f(x, q) = 0 and A r = 0 for a vector r, with c r = 1 for a fixed row c: 2 m + 1 equations for x, r
+and the parameter q, regular at a quadratic fold.  The start is the last equilibrium that halving finds before
+it ends or gives way to another.
 """
 
 from __future__ import annotations

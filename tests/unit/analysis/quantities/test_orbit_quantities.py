@@ -1,4 +1,4 @@
-"""Derivatives of periodic orbits and folds by all parameters, against closed forms and Richardson differences."""
+"""Derivatives of orbits and folds by all parameters, against closed forms and Richardson differences."""
 
 from functools import cache
 from itertools import pairwise
@@ -63,7 +63,7 @@ def test_every_derivative_is_that_of_differences(model, make):
 
 
 def test_stick_slip_has_its_closed_form():
-    """T = 2 a/v + (2 pi - 2 atan(a w/v))/w and X = sqrt(a^2 + v^2/w^2), a = (mu_s - mu_k) N/k, w = sqrt(k/m)."""
+    """T = 2 a/v + (2 pi - 2 atan(a w/v))/w, X = sqrt(a^2 + v^2/w^2); a = (mu_s - mu_k) N/k, w^2 = k/m."""
     m, k, N, v, mu_k, mu_s = symbols = sympy.symbols("m k N v mu_k mu_s")
     a, w = (mu_s - mu_k) * N / k, sympy.sqrt(k / m)
     forms = {
@@ -121,9 +121,9 @@ def test_what_has_no_derivative_is_refused():
         )
     with pytest.raises(ValueError, match="name must be one of"):
         fl.sensitivity(STICK_SLIP, fl.OrbitAmplitude("y"))
+    undamped = fl.MassOnBelt()  # inside the cycle lie oscillations without stick
+    inner = fl.periodic_orbit(undamped, [0.55, 0.0], period=2 * np.pi)
     with pytest.raises(ValueError, match="one of a family"):
-        undamped = fl.MassOnBelt()  # inside the cycle lie oscillations without stick
-        inner = fl.periodic_orbit(undamped, [0.55, 0.0], period=2 * np.pi)
         fl.sensitivity(undamped, fl.OrbitPeriod(near=inner))
     with pytest.raises(ValueError, match="must end in a fold"):
         fl.sensitivity(STICK_SLIP, fl.FoldValue("mu_k", (0.1, 0.9)))
