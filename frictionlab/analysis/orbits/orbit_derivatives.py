@@ -149,7 +149,7 @@ def _guard_slopes(run: Trajectory, mode: int, guard: int, z: Array, names: tuple
 
 
 def mean_square(at: OrbitDerivatives, point: Any, point_slopes: Any) -> Extreme:
-    """L_s, Eq. (20), and its derivatives; the equilibrium is `point` (c,) and moves by `point_slopes` (c, P)."""
+    """L_s, Eq. (20), and its derivatives; `point` (c,) is the equilibrium, (c, P) its derivatives."""
     run, period = at.orbit.trajectory, at.orbit.period
     chosen = run.automaton.states[: len(point)]
     rest = [sympy.Symbol(f"{x.name} at rest") for x in chosen]

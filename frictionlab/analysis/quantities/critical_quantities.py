@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from frictionlab.stability.boundaries.first_losses import FirstLosses, first_losses
 from frictionlab.stability.boundaries.fold_points import fold_point
 from frictionlab.stability.boundaries.stability_changes import (
     StabilityChange,
@@ -44,7 +45,7 @@ class _AtFirstLoss(Quantity):
             )
         return change
 
-    def _changes(self, model: Any, changes: Mapping[str, Array]) -> list[StabilityChange | None]:
+    def _losses(self, model: Any, changes: Mapping[str, Array]) -> FirstLosses:
         problem = equilibrium_problem(model)
         limits = check_bounds(problem.model, self.parameter, self.bounds)
         if self.parameter in changes:
@@ -52,9 +53,7 @@ class _AtFirstLoss(Quantity):
                 f"{self.parameter} must be left out, got values of it: its critical value is asked for"
             )
         fixed = {name: np.asarray(column, dtype=float) for name, column in changes.items()}
-        return [
-            first_loss_change(found) for found in changes_on_lines(problem, self.parameter, limits, fixed)
-        ]
+        return first_losses(problem, self.parameter, limits, fixed)
 
 
 @dataclass(frozen=True)
@@ -81,8 +80,7 @@ class CriticalValue(_AtFirstLoss):
         return f"critical {self.parameter}"
 
     def values(self, model: Any, changes: Mapping[str, Array]) -> Array:
-        found = self._changes(model, changes)
-        return np.array([np.nan if change is None else change.value for change in found])
+        return self._losses(model, changes).values
 
     def gradient(self, model: Any) -> Gradient:
         problem = equilibrium_problem(model)
@@ -112,8 +110,7 @@ class CriticalFrequency(_AtFirstLoss):
         return f"frequency at the critical {self.parameter} (Hz)"
 
     def values(self, model: Any, changes: Mapping[str, Array]) -> Array:
-        found = self._changes(model, changes)
-        return np.array([np.nan if change is None else change.frequency for change in found])
+        return self._losses(model, changes).frequencies
 
     def gradient(self, model: Any) -> Gradient:
         problem = equilibrium_problem(model)
