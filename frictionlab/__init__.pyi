@@ -34,6 +34,9 @@ from .analysis.quantities.critical_quantities import FoldValue as FoldValue
 from .analysis.quantities.equilibrium_quantities import EquilibriumCoordinate as EquilibriumCoordinate
 from .analysis.quantities.equilibrium_quantities import GrowthRate as GrowthRate
 from .analysis.quantities.equilibrium_quantities import ModeFrequency as ModeFrequency
+from .analysis.quantities.optimum import Optimum as Optimum
+from .analysis.quantities.optimum import ParameterValue as ParameterValue
+from .analysis.quantities.optimum import optimum as optimum
 from .analysis.quantities.orbit_quantities import OrbitAmplitude as OrbitAmplitude
 from .analysis.quantities.orbit_quantities import OrbitIntensity as OrbitIntensity
 from .analysis.quantities.orbit_quantities import OrbitPeriod as OrbitPeriod

@@ -137,7 +137,7 @@ def _predict(
 ) -> tuple[Array, Array]:
     """Values on lines by a polynomial through those scanned, and its error there when each is left out.
 
-    Quadratic where there are enough of them, else linear; corrected by what it misses at the nearest of them.
+    Quadratic where there are enough of them, else linear.
     """
     columns = [np.asarray(column, dtype=float) for column in fixed.values()]
     centred = [(c - c[pilots].mean()) / (np.ptp(c[pilots]) or 1.0) for c in columns if np.ptp(c) > 0]
