@@ -14,6 +14,7 @@ from .factorial_effects import plot_effects as plot_effects
 from .factorial_effects import plot_scene_lattice as plot_scene_lattice
 from .figure import RunFigure as RunFigure
 from .figure import axes_or_new as axes_or_new
+from .fitting import plot_fit as plot_fit
 from .motions import plot_ends as plot_ends
 from .motions import plot_lyapunov as plot_lyapunov
 from .motions import plot_orbit as plot_orbit

@@ -8,6 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from frictionlab.stability.boundaries.first_losses import FirstLosses, first_losses
+from frictionlab.stability.boundaries.fold_points import fold_point
 from frictionlab.stability.boundaries.stability_changes import (
     StabilityChange,
     changes_on_lines,
@@ -43,7 +45,7 @@ class _AtFirstLoss(Quantity):
             )
         return change
 
-    def _changes(self, model: Any, changes: Mapping[str, Array]) -> list[StabilityChange | None]:
+    def _losses(self, model: Any, changes: Mapping[str, Array]) -> FirstLosses:
         problem = equilibrium_problem(model)
         limits = check_bounds(problem.model, self.parameter, self.bounds)
         if self.parameter in changes:
@@ -51,9 +53,7 @@ class _AtFirstLoss(Quantity):
                 f"{self.parameter} must be left out, got values of it: its critical value is asked for"
             )
         fixed = {name: np.asarray(column, dtype=float) for name, column in changes.items()}
-        return [
-            first_loss_change(found) for found in changes_on_lines(problem, self.parameter, limits, fixed)
-        ]
+        return first_losses(problem, self.parameter, limits, fixed)
 
 
 @dataclass(frozen=True)
@@ -80,8 +80,7 @@ class CriticalValue(_AtFirstLoss):
         return f"critical {self.parameter}"
 
     def values(self, model: Any, changes: Mapping[str, Array]) -> Array:
-        found = self._changes(model, changes)
-        return np.array([np.nan if change is None else change.value for change in found])
+        return self._losses(model, changes).values
 
     def gradient(self, model: Any) -> Gradient:
         problem = equilibrium_problem(model)
@@ -111,8 +110,7 @@ class CriticalFrequency(_AtFirstLoss):
         return f"frequency at the critical {self.parameter} (Hz)"
 
     def values(self, model: Any, changes: Mapping[str, Array]) -> Array:
-        found = self._changes(model, changes)
-        return np.array([np.nan if change is None else change.frequency for change in found])
+        return self._losses(model, changes).frequencies
 
     def gradient(self, model: Any) -> Gradient:
         problem = equilibrium_problem(model)
@@ -124,6 +122,58 @@ class CriticalFrequency(_AtFirstLoss):
                 f"got {change.kind} at {self.parameter} = {change.value:.6g}: ask for CriticalValue"
             )
         return gradient_of(problem, change.frequency, slopes)
+
+
+@dataclass(frozen=True)
+class FoldValue(Quantity):
+    """The first value of a parameter at which an equilibrium ends in a fold, or begins in one.
+
+    At a fold the state matrix A is singular, l A = 0; the equilibrium stays on it where l f_p dp = 0, so that
+    d(fold)/dp = -l f_p / l f_q with q the parameter.
+
+    Parameters
+    ----------
+    parameter : str
+    bounds : (float, float)
+        Where it is looked for.
+
+    Examples
+    --------
+    >>> import frictionlab as fl, sympy as sp
+    >>> x, p, a = sp.symbols("x p a")
+    >>> ends = fl.HybridAutomaton((x,), (fl.Mode("flow", (p - a + x**2,)),), {p: 0.5, a: 1.0})
+    >>> round(fl.FoldValue("p", (0.5, 2.0))(ends), 9)  # at p = a
+    1.0
+    """
+
+    parameter: str
+    bounds: tuple[float, float]
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "bounds", tuple(map(float, self.bounds)))
+
+    @property
+    def label(self) -> str:
+        return f"{self.parameter} at the fold"
+
+    def values(self, model: Any, changes: Mapping[str, Array]) -> Array:
+        problem = equilibrium_problem(model)
+        low, high = check_bounds(problem.model, self.parameter, self.bounds)
+        count = max((np.size(column) for column in changes.values()), default=1)
+        rows = [{name: np.ravel(column)[i] for name, column in changes.items()} for i in range(count)]
+        found = (fold_point(problem, self.parameter, (low, high), row) for row in rows)
+        return np.array([np.nan if point is None else point.value for point in found])
+
+    def gradient(self, model: Any) -> Gradient:
+        problem = equilibrium_problem(model)
+        limits = check_bounds(problem.model, self.parameter, self.bounds)
+        point = fold_point(problem, self.parameter, limits, {})
+        if point is None:
+            raise ValueError(
+                f"the equilibrium must end in a fold within the bounds {self.bounds} of {self.parameter}, "
+                "got no fold: widen them, or see equilibria"
+            )
+        return gradient_of(problem, point.value, point.slopes)
 
 
 def _critical_slopes(

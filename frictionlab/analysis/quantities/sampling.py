@@ -19,7 +19,7 @@ from frictionlab.validation import check_mapping
 from .quantity import Quantity
 
 Array = NDArray[np.float64]
-BLOCK = 500  # points that one task takes at once
+BLOCK = 2500  # points that one task takes at once
 GROUPS = 8
 
 

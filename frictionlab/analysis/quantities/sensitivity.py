@@ -88,8 +88,9 @@ def sensitivity(model: Any, quantity: Quantity) -> Sensitivity:
     ----------
     model : Model or HybridAutomaton
     quantity : Quantity
-        :class:`CriticalValue`, :class:`CriticalFrequency`, :class:`GrowthRate`, :class:`ModeFrequency` or
-        :class:`EquilibriumCoordinate`.
+        :class:`CriticalValue`, :class:`CriticalFrequency`, :class:`FoldValue`, :class:`GrowthRate`,
+        :class:`ModeFrequency` or :class:`EquilibriumCoordinate`; of a periodic orbit :class:`OrbitPeriod`,
+        :class:`OrbitAmplitude` or :class:`OrbitIntensity`.
 
     Returns
     -------

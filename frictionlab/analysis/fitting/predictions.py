@@ -1,0 +1,187 @@
+"""What a model predicts of measurements, piece by piece, with exact derivatives through events."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from frictionlab.analysis.parameter_flow import SampledFlow, sampled_flow
+from frictionlab.analysis.quantities.equilibrium_quantities import ModeFrequency
+from frictionlab.hybrid.solve import solve
+from frictionlab.hybrid.trajectory import Trajectory
+from frictionlab.models.coercion import automaton_of
+
+from .data import EventTimes, Frequencies, TimeRecord
+
+Array = NDArray[np.float64]
+DIFFERENCE_SHARE = 1e-6  # of a state or parameter: where a motion grazes, differences stand in
+END_MARGIN = 1e-6  # share of the last measured time that runs are longer, so that it lies inside
+PHASE = "phase"
+
+
+class Misfit(NamedTuple):
+    """Numbers that should be zero, and their derivatives by the unknowns."""
+
+    values: Array  # (m,)
+    slopes: Array  # (m, u)
+
+
+@dataclass(frozen=True)
+class Pieces:
+    """How the time of the measurements is cut.
+
+    Parameters
+    ----------
+    edges : array (S + 1,)
+        Ends of the pieces, s; the first is 0.
+    unknown : tuple of int
+        The states whose values at the time 0 are not known.
+    start : array (n,)
+        The state at the time 0; of unknown ones a guess.
+    size : array (n,)
+        Size of the motion in each state.
+    weight : float
+        Of what the pieces miss of each other, in units of `size`.
+    """
+
+    edges: Array
+    unknown: tuple[int, ...]
+    start: Array
+    size: Array
+    weight: float
+
+    @property
+    def count(self) -> int:
+        """Number of pieces."""
+        return len(self.edges) - 1
+
+
+def motion_misfit(
+    model: Any, names: tuple[str, ...], data: Sequence[Any], pieces: Pieces, starts: Array
+) -> Misfit:
+    """Residuals of time records and event times, in their errors, then what the pieces miss of each other.
+
+    Unknowns are the P parameters, the unknown states at the time 0, then the states (S - 1, n) at the start
+    of the other pieces, `starts` (S, n) being all of them.
+
+    Raises
+    ------
+    ValueError
+        Where a run ends early.
+    """
+    n, count, first = len(pieces.size), len(names), len(pieces.unknown)
+    unknowns = count + first + n * (pieces.count - 1)
+    rows: list[Array] = []
+    slopes: list[Array] = []
+
+    def add(values: Array, by_state: Array, by_parameters: Array, piece: int) -> None:
+        block = np.zeros((len(values), unknowns))
+        block[:, :count] = by_parameters
+        place = count if piece == 0 else count + first + n * (piece - 1)
+        chosen = by_state[:, list(pieces.unknown)] if piece == 0 else by_state
+        block[:, place : place + chosen.shape[1]] = chosen
+        rows.append(values)
+        slopes.append(block)
+
+    moments = []
+    for piece in range(pieces.count):
+        low, high = pieces.edges[piece : piece + 2]
+        times = _times_within(data, low, high, piece == pieces.count - 1)
+        run = _run(model, starts[piece], high - low)
+        flow = _flow(model, run, names, times - low)
+        moments += [(low, run, flow, piece)]
+        for record in (one for one in data if isinstance(one, TimeRecord)):
+            here = np.flatnonzero(np.isin(times, record.t))
+            there = np.searchsorted(record.t, times[here])
+            for name, column in record.values.items():
+                i, error = run.names.index(name), record.error[name]
+                block = flow.slopes[here, i] / error
+                add((flow.states[here, i] - column[there]) / error, block[:, :n], block[:, n:], piece)
+        if piece < pieces.count - 1:
+            missed = _wrapped(run, run.final_state - starts[piece + 1]) / pieces.size * pieces.weight
+            block = flow.end / pieces.size[:, None] * pieces.weight
+            add(missed, block[:, :n], block[:, n:], piece)
+            place = count + first + n * piece
+            slopes[-1][np.arange(n), place + np.arange(n)] -= pieces.weight / pieces.size
+    for one in (one for one in data if isinstance(one, EventTimes)):
+        _add_event_times(one, moments, n, add)
+    return Misfit(np.concatenate(rows), np.concatenate(slopes))
+
+
+def _add_event_times(one: EventTimes, moments: Sequence[Any], n: int, add: Any) -> None:
+    """Residuals of the first events that enter a mode; those that do not happen are taken to, at the end."""
+    k = 0
+    for low, run, flow, piece in moments:
+        for i in np.flatnonzero(run.events.target == one.target)[: len(one.t) - k]:
+            block = flow.event_slopes[i : i + 1] / one.error
+            value = np.array([(low + flow.events[i] - one.t[k]) / one.error])
+            add(value, block[:, :n], block[:, n:], piece)
+            k += 1
+    low, run, flow, piece = moments[-1]
+    missing = (low + run.raw.t - one.t[k:]) / one.error
+    add(missing, np.zeros((len(missing), n)), np.zeros((len(missing), flow.end.shape[1] - n)), piece)
+
+
+def frequency_misfit(model: Any, names: tuple[str, ...], data: Sequence[Any], unknowns: int) -> Misfit:
+    """Residuals of eigenfrequencies, in their errors."""
+    rows, slopes = [], []
+    for one in (one for one in data if isinstance(one, Frequencies)):
+        for mode, measured in one.values.items():
+            found = ModeFrequency(mode).gradient(model)
+            rows.append((found.value - measured) / one.error)
+            own = [found.derivatives.get(name, 0.0) / one.error for name in names]
+            slopes.append(own + [0.0] * (unknowns - len(names)))
+    return Misfit(np.array(rows), np.array(slopes).reshape(len(rows), unknowns))
+
+
+def _times_within(data: Sequence[Any], low: float, high: float, last: bool) -> Array:
+    every = [one.t for one in data if isinstance(one, TimeRecord)]
+    times = np.unique(np.concatenate(every)) if every else np.zeros(0)
+    return times[(times >= low) & ((times <= high) if last else (times < high))]
+
+
+def _run(model: Any, start: Array, length: float) -> Trajectory:
+    run = solve(automaton_of(model), length, x0=start, progress=False, source=model)
+    if not run.status.ok:
+        raise ValueError(f"a run of the fit ends early: {run.status}")
+    return run
+
+
+def _flow(model: Any, run: Trajectory, names: tuple[str, ...], times: Array) -> SampledFlow:
+    try:
+        return sampled_flow(run, names, np.minimum(times, run.raw.t))
+    except ValueError:  # grazing, two events at one instant: no derivative exists
+        return _differences(model, run, names, times)
+
+
+def _differences(model: Any, run: Trajectory, names: tuple[str, ...], times: Array) -> SampledFlow:
+    """The same by differences, for motions at which it has no derivative."""
+    n, start = len(run.names), run.problem.x0
+    times = np.minimum(times, run.raw.t)
+    states, width = run(times) if len(times) else np.zeros((0, n)), n + len(names)
+    slopes, end = np.zeros((len(times), n, width)), np.zeros((n, width))
+    moved = np.zeros((len(run.raw.event_times), width))
+    size = np.maximum(np.abs(run.states).max(axis=0), np.finfo(float).tiny)
+    for d in range(width):
+        step = DIFFERENCE_SHARE * (size[d] if d < n else abs(model.parameters[names[d - n]]) or 1.0)
+        shift = step * (np.arange(n) == d)
+        changed = model if d < n else model.replace(**{names[d - n]: model.parameters[names[d - n]] + step})
+        other = _run(changed, start + shift, run.raw.t)
+        if len(times):
+            slopes[:, :, d] = (other(times) - states) / step
+        end[:, d] = (other.final_state - run.final_state) / step
+        if len(other.raw.event_times) == len(moved):
+            moved[:, d] = (other.raw.event_times - run.raw.event_times) / step
+    return SampledFlow(states, slopes, run.raw.event_times, moved, end)
+
+
+def _wrapped(run: Trajectory, missed: Array) -> Array:
+    """The phase of a force is the same after a turn."""
+    if PHASE in run.names:
+        i = run.names.index(PHASE)
+        missed[i] = (missed[i] + np.pi) % (2 * np.pi) - np.pi
+    return missed

@@ -1,0 +1,262 @@
+"""`fl.optimum`: the least or largest of a quantity within bounds and constraints, by exact gradients."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize
+
+from frictionlab.models.coercion import require_model
+from frictionlab.presentation import text_table
+from frictionlab.stability.equilibrium_problem import check_bounds
+from frictionlab.validation import check_choice, check_mapping, check_number
+
+from .quantity import Gradient, Quantity
+
+Array = NDArray[np.float64]
+MAX_STEPS = 200
+STEP_TOL = 1e-12
+ACTIVE_RTOL = 1e-6  # share of its size within which a constraint or bound holds with equality
+
+
+@dataclass(frozen=True)
+class ParameterValue(Quantity):
+    """A parameter itself, as what is to be least or largest, or kept within limits.
+
+    Parameters
+    ----------
+    name : str
+
+    Examples
+    --------
+    >>> import frictionlab as fl
+    >>> fl.ParameterValue("k1")(fl.SliderOnBelt())
+    10000.0
+    """
+
+    name: str
+
+    @property
+    def label(self) -> str:
+        return self.name
+
+    def values(self, model: Any, changes: Mapping[str, Any]) -> Array:
+        return np.atleast_1d(np.asarray(changes.get(self.name, model.parameters[self.name]), dtype=float))
+
+    def gradient(self, model: Any) -> Gradient:
+        return Gradient(float(model.parameters[self.name]), {self.name: 1.0})
+
+
+class Limit(NamedTuple):
+    """A constraint: a quantity between two numbers."""
+
+    quantity: Quantity
+    low: float = -np.inf
+    high: float = np.inf
+
+
+@dataclass(frozen=True, eq=False)
+class Optimum:
+    """The least or largest of a quantity.
+
+    Parameters
+    ----------
+    model : Model
+        With the best values.
+    quantity : str
+    value : float
+    parameters : tuple of str
+    at : array (P,)
+        Their values.
+    active : tuple of str
+        Bounds and constraints that hold with equality: what keeps it from being better.
+    evaluations : int
+        Of the quantity and its gradient.
+    message : str
+    """
+
+    model: Any
+    quantity: str
+    value: float
+    parameters: tuple[str, ...]
+    at: Array
+    active: tuple[str, ...]
+    evaluations: int
+    message: str
+
+    def __getitem__(self, parameter: str) -> float:
+        """The best value of a parameter."""
+        if parameter not in self.parameters:
+            raise KeyError(f"no parameter {parameter!r}: name one of {', '.join(self.parameters)}")
+        return float(self.at[self.parameters.index(parameter)])
+
+    def __repr__(self) -> str:
+        rows = [f"  {name} = {value:.6g}" for name, value in zip(self.parameters, self.at)]
+        held = f"  held by {', '.join(self.active)}" if self.active else "  no bound or constraint is active"
+        return text_table([f"Optimum({self.quantity} = {self.value:.6g}):", *rows, held])
+
+
+def optimum(
+    model: Any,
+    quantity: Quantity,
+    bounds: Mapping[str, tuple[float, float]],
+    constraints: Sequence[tuple[Any, ...]] = (),
+    *,
+    goal: str = "least",
+) -> Optimum:
+    """The least or largest of a quantity by parameters within bounds, near the model's values.
+
+    Sequential quadratic programming (SLSQP) with the exact gradients of :func:`sensitivity`, in parameters
+    scaled by their bounds.  What is found is a local optimum: begin at other values to look for better ones.
+
+    Parameters
+    ----------
+    model : Model
+        Where the search begins.
+    quantity : Quantity
+        With derivatives, such as :class:`GrowthRate`, :class:`CriticalValue`, :class:`OrbitAmplitude`, or
+        :class:`ParameterValue`.
+    bounds : mapping of str to (float, float)
+        The parameters that may change.
+    constraints : sequence of (Quantity, low, high)
+        Quantities that have to stay between two numbers; -inf or inf leaves a side open.
+    goal : "least" or "largest"
+
+    Returns
+    -------
+    Optimum
+
+    Raises
+    ------
+    TypeError
+        For what is no model or no quantity.
+    ValueError
+        For bad bounds, where a quantity does not exist or has no derivative where the search begins, or where
+        no values keep to the constraints.
+
+    Examples
+    --------
+    The least damping that keeps coupled modes quiet:
+
+    >>> import frictionlab as fl
+    >>> quiet, damping = (fl.GrowthRate(), -float("inf"), 0.0), fl.ParameterValue("c")
+    >>> found = fl.optimum(fl.ModeCoupling(mu_k=0.53, c=0.4), damping, {"c": (0.01, 1.0)}, [quiet])
+    >>> found.active
+    ('largest growth rate (1/s)',)
+    """
+    task = _check(model, quantity, bounds, constraints, goal)
+    sign = 1.0 if goal == "least" else -1.0
+    size = abs(task.gradient(quantity, task.first)[0]) or 1.0
+    sizes = [_size(task, limit) for limit in task.limits]
+    rows = [
+        {"type": "ineq", "fun": task.margin(limit, side, s), "jac": task.margin_slopes(limit, side, s)}
+        for limit, s in zip(task.limits, sizes)
+        for side in (-1.0, 1.0)
+        if np.isfinite(limit.low if side < 0 else limit.high)
+    ]
+    found: Any = minimize(
+        lambda u: sign * task.gradient(quantity, u)[0] / size,
+        task.first,
+        jac=lambda u: sign * task.gradient(quantity, u)[1] / size,
+        bounds=[(0.0, 1.0)] * len(task.names),
+        constraints=rows,
+        method="SLSQP",
+        options={"maxiter": MAX_STEPS, "ftol": STEP_TOL},
+    )
+    u = np.clip(found.x, 0.0, 1.0)
+    if rows and min(row["fun"](u) for row in rows) < -ACTIVE_RTOL:
+        raise ValueError(
+            f"the constraints must be met somewhere within the bounds, got none near by ({found.message}): "
+            "begin at values that keep to them, or widen the bounds"
+        )
+    return Optimum(
+        model=task.at(u),
+        quantity=quantity.label,
+        value=float(task.gradient(quantity, u)[0]),
+        parameters=task.names,
+        at=task.values(u),
+        active=_active(task, u, sizes),
+        evaluations=int(found.nfev),
+        message=str(found.message),
+    )
+
+
+class _Task:
+    """What is optimised, in parameters u (P,) from 0 to 1 between their bounds."""
+
+    def __init__(self, model: Any, bounds: Mapping[str, Any], limits: Sequence[Limit]) -> None:
+        self.model, self.names, self.limits = model, tuple(bounds), tuple(limits)
+        self.low, self.high = np.array([*bounds.values()], dtype=float).T
+        here = np.array([model.parameters[name] for name in self.names], dtype=float)
+        self.first = np.clip((here - self.low) / (self.high - self.low), 0.0, 1.0)
+        self._known: dict[Any, tuple[float, Array]] = {}
+
+    def values(self, u: Array) -> Array:
+        """The parameters."""
+        return self.low + u * (self.high - self.low)
+
+    def at(self, u: Array) -> Any:
+        """The model with these."""
+        return self.model.replace(**dict(zip(self.names, map(float, self.values(u)))))
+
+    def gradient(self, quantity: Quantity, u: Array) -> tuple[float, Array]:
+        """A quantity and its derivatives (P,) by u; the search asks for each several times."""
+        key = (id(quantity), np.clip(u, 0.0, 1.0).tobytes())
+        if key not in self._known:
+            found = quantity.gradient(self.at(np.clip(u, 0.0, 1.0)))
+            slopes = np.array([found.derivatives.get(name, 0.0) for name in self.names])
+            self._known[key] = found.value, slopes * (self.high - self.low)
+        return self._known[key]
+
+    def margin(self, limit: Limit, side: float, size: float) -> Any:
+        """How far a quantity is within one of its limits, by its size."""
+        end = limit.low if side < 0 else limit.high
+        return lambda u: side * (end - self.gradient(limit.quantity, u)[0]) / size
+
+    def margin_slopes(self, limit: Limit, side: float, size: float) -> Any:
+        """Its derivatives (P,)."""
+        return lambda u: -side * self.gradient(limit.quantity, u)[1] / size
+
+
+def _check(model: Any, quantity: Any, bounds: Any, constraints: Any, goal: Any) -> _Task:
+    require_model(model, cure="write optimum(model, quantity, bounds), the model made")
+    check_choice("goal", goal, ("least", "largest"), "say which")
+    check_mapping("bounds", bounds, 'give limits by parameter, such as {"c1": (0.0, 10.0)}')
+    if not bounds:
+        raise ValueError("bounds must hold one parameter at least, got none: name those that may change")
+    kept = {name: check_bounds(model, name, ends) for name, ends in bounds.items()}
+    limits = [Limit(*one) for one in constraints]
+    for one in (quantity, *(limit.quantity for limit in limits)):
+        if not isinstance(one, Quantity):
+            raise TypeError(
+                f"quantity must be one such as fl.GrowthRate(), got {one!r}: its derivatives have to be known"
+            )
+    for limit in limits:
+        for end in (limit.low, limit.high):
+            if not np.isinf(end):
+                check_number("a limit of a constraint", end, cure="give (quantity, low, high)")
+    return _Task(model, kept, limits)
+
+
+def _size(task: _Task, limit: Limit) -> float:
+    """By what a constraint is measured: the largest of its limits, its value and its slopes at the start."""
+    value, slopes = task.gradient(limit.quantity, task.first)
+    ends = [abs(end) for end in (limit.low, limit.high) if np.isfinite(end)]
+    return max(abs(value), np.abs(slopes).max(), *ends) or 1.0
+
+
+def _active(task: _Task, u: Array, sizes: Sequence[float]) -> tuple[str, ...]:
+    found = [
+        f"{name} {'at least' if v < 0.5 else 'at most'} {end:g}"
+        for name, v, end in zip(task.names, u, np.where(u < 0.5, task.low, task.high))
+        if min(v, 1.0 - v) < ACTIVE_RTOL
+    ]
+    for limit, size in zip(task.limits, sizes):
+        value = task.gradient(limit.quantity, u)[0]
+        if min(abs(value - limit.low), abs(value - limit.high)) < ACTIVE_RTOL * size:
+            found.append(limit.quantity.label)
+    return tuple(found)

@@ -1,0 +1,152 @@
+"""First losses of stability on thousands of lines: some are scanned, the others solved from their neighbours.
+
+A scan takes some 250 spectra for a line, as it looks for every change, however narrow its window.  Where all
+lines scanned lose stability once and by flutter, that of the others is near what these predict: a bracket of
+the predicted value, a root in it, and stability at a dozen values before it take some 25.  A line on which
+anything of this fails is scanned as well, so that the way taken shows in the time only: to be missed, a
+window of instability has to lie between two checked values and on none of the lines that were scanned.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize.elementwise import find_root
+
+from frictionlab.stability.equilibrium_problem import EquilibriumProblem
+from frictionlab.stability.state_matrices import growth_rates
+
+from .stability_changes import changes_on_lines, first_loss_change
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.intp]
+PILOTS = 48  # lines that are scanned
+MIN_LINES = 4 * PILOTS  # below, all are: there is little to save
+CHECKED_SHARES = np.linspace(0.0, 0.98, 12)  # of the way from the lower bound to the loss: stable there
+ERROR_FACTOR = (
+    3.0  # a bracket is that many times as wide as the prediction's error on lines that were scanned
+)
+MIN_WIDTH = 1e-6  # of the bounds
+ROOT_STEPS = 60
+SIDE_RTOL = 1e-7  # share of the bounds by which growth is looked for on either side of the root
+ROOT_RATE_RTOL = 1e-9  # of the largest eigenvalue: a growth rate that is larger at a root has jumped
+
+
+class FirstLosses(NamedTuple):
+    """First losses on L lines: the parameter's value, and the frequency there in Hz; NaN for none."""
+
+    values: Array
+    frequencies: Array
+
+
+def first_losses(
+    problem: EquilibriumProblem, parameter: str, bounds: tuple[float, float], fixed: Mapping[str, Array]
+) -> FirstLosses:
+    """The first loss on each of L lines, along which `parameter` varies and `fixed` (L,) do not."""
+    count = max((len(column) for column in fixed.values()), default=1)
+    found = FirstLosses(np.full(count, np.nan), np.full(count, np.nan))
+    left = np.arange(count)
+    if count >= MIN_LINES:
+        pilots = np.unique(np.linspace(0, count - 1, PILOTS).astype(int))
+        alike = _scan(problem, parameter, bounds, fixed, pilots, found)
+        left = np.setdiff1d(left, pilots)
+        if alike:
+            left = left[~_solve(problem, parameter, bounds, fixed, (pilots, left), found)]
+    if len(left):
+        _scan(problem, parameter, bounds, fixed, left, found)
+    return found
+
+
+def _scan(
+    problem: EquilibriumProblem,
+    parameter: str,
+    bounds: tuple[float, float],
+    fixed: Mapping[str, Array],
+    lines: Indices,
+    found: FirstLosses,
+) -> bool:
+    """Scan some lines; whether each loses stability by flutter, once up to there."""
+    some = {name: column[lines] for name, column in fixed.items()}
+    alike = True
+    for line, changes in zip(lines, changes_on_lines(problem, parameter, bounds, some), strict=True):
+        change = first_loss_change(changes)
+        alike = alike and change is not None and change is changes[0] and change.kind == "flutter"
+        if change is not None:
+            found.values[line], found.frequencies[line] = change.value, change.frequency
+    return alike
+
+
+def _solve(
+    problem: EquilibriumProblem,
+    parameter: str,
+    bounds: tuple[float, float],
+    fixed: Mapping[str, Array],
+    lines: tuple[Indices, Indices],
+    found: FirstLosses,
+) -> Any:
+    """Solve lines by what others, scanned before, predict; which of them are known now."""
+    pilots, others = lines
+    guess, error = _predict(fixed, pilots, others, found.values[pilots])
+    width = np.maximum(ERROR_FACTOR * error, MIN_WIDTH * (bounds[1] - bounds[0]))
+    low, high = (np.clip(guess + side * width, *bounds) for side in (-1.0, 1.0))
+
+    def spectra(line: Any, at: Array) -> Any:
+        chosen = others[np.asarray(line, dtype=int)]
+        return problem.spectra({**{n: column[chosen] for n, column in fixed.items()}, parameter: at})
+
+    def rate(at: Array, line: Any) -> Array:
+        return spectra(line, at)[:, 0].real
+
+    every = np.arange(len(others))
+    good = (rate(low, every) < 0.0) & (rate(high, every) > 0.0)
+    if not good.any():
+        return good
+    held = np.flatnonzero(good)
+    solved = find_root(rate, (low[held], high[held]), args=(held.astype(float),), maxiter=ROOT_STEPS)
+    good[held] = np.isfinite(solved.x)
+    roots = np.where(good, 0.0, np.nan)
+    roots[held] = solved.x
+    critical = np.full((len(others), 1), complex(np.nan))
+    held = np.flatnonzero(good)
+    critical[held, 0] = _critical(spectra, held, roots[held], SIDE_RTOL * (bounds[1] - bounds[0]))
+    good &= np.isfinite(critical[:, 0])
+    for share in CHECKED_SHARES:
+        held = np.flatnonzero(good)
+        at = bounds[0] + share * (roots[held] - bounds[0])
+        good[held] = (growth_rates(spectra(held, at)) <= 0.0).all(axis=1)
+    found.values[others[good]] = roots[good]
+    found.frequencies[others[good]] = np.abs(critical[good, 0].imag) / (2 * np.pi)
+    return good
+
+
+def _critical(spectra: Any, lines: Indices, roots: Array, side: float) -> Any:
+    """The eigenvalue on the imaginary axis at each root; NaN where none passes it there, or one jumps."""
+    at, before, after = (spectra(lines, roots + shift) for shift in (0.0, -side, side))
+    largest = np.abs(at).max(axis=1)
+    pair = (growth_rates(before) > 0).sum(axis=1), (growth_rates(after) > 0).sum(axis=1)
+    passes = (pair[0] == 0) & (pair[1] == 2) & (at[:, 0].imag != 0.0)
+    smooth = np.abs(at[:, 0].real) <= ROOT_RATE_RTOL * largest
+    return np.where(passes & smooth, at[:, 0], complex(np.nan))
+
+
+def _predict(
+    fixed: Mapping[str, Array], pilots: Indices, others: Indices, values: Array
+) -> tuple[Array, Array]:
+    """Values on lines by a polynomial through those scanned, and its error there when each is left out.
+
+    Quadratic where there are enough of them, else linear.
+    """
+    columns = [np.asarray(column, dtype=float) for column in fixed.values()]
+    centred = [(c - c[pilots].mean()) / (np.ptp(c[pilots]) or 1.0) for c in columns if np.ptp(c) > 0]
+    at = np.column_stack([np.ones(len(columns[0])), *centred])
+    squares = [a * b for i, a in enumerate(centred) for b in centred[i:]]
+    if 2 * (len(squares) + at.shape[1]) <= len(pilots):
+        at = np.column_stack([at, *squares])
+    inverse = np.linalg.pinv(at[pilots])
+    fitted = inverse @ values
+    leverage = np.clip((at[pilots] * inverse.T).sum(axis=1), 0.0, 0.9)
+    missed = (values - at[pilots] @ fitted) / (1.0 - leverage)
+    return at[others] @ fitted, np.full(len(others), np.abs(missed).max())

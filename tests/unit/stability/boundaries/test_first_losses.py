@@ -1,0 +1,57 @@
+"""First losses on many lines, solved from their neighbours, are those that scans of each find."""
+
+import numpy as np
+import pytest
+from scipy.stats import qmc
+
+import frictionlab as fl
+from frictionlab.stability.boundaries.first_losses import MIN_LINES, first_losses
+from frictionlab.stability.boundaries.stability_changes import changes_on_lines, first_loss_change
+from frictionlab.stability.equilibrium_points.equilibria import equilibrium_problem
+
+CASES = {
+    "near": (fl.ModeCoupling(c=0.1), (0.0, 4.0), {"k1": (0.9, 1.1), "k3": (0.9, 1.1), "c": (0.5, 1.5)}),
+    "some without a loss": (fl.ModeCoupling(c=0.1), (0.0, 1.5), {"k1": (0.6, 1.5), "k3": (0.8, 1.3)}),
+    "undamped": (fl.ModeCoupling(c=0.0), (0.0, 4.0), {"k1": (0.9, 1.1), "k3": (0.9, 1.1)}),
+    "slider": (fl.SliderOnBelt(), (0.0, 4.0), {"F": (0.75, 1.25), "k2": (0.8, 1.2), "c1": (0.5, 1.5)}),
+}
+
+
+def lines_of(model, shares, count):
+    points = qmc.Sobol(len(shares), rng=np.random.default_rng(3)).random(count)
+    columns = zip(shares.items(), points.T)
+    return {n: model.parameters[n] * (a + (b - a) * column) for (n, (a, b)), column in columns}
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_they_are_those_of_scans(name):
+    model, bounds, shares = CASES[name]
+    count = 256
+    assert count >= MIN_LINES
+    fixed, problem = lines_of(model, shares, count), equilibrium_problem(model)
+    found = first_losses(problem, "mu_k", bounds, fixed)
+    scanned = [first_loss_change(c) for c in changes_on_lines(problem, "mu_k", bounds, fixed)]
+    values = np.array([np.nan if c is None else c.value for c in scanned])
+    frequencies = np.array([np.nan if c is None else c.frequency for c in scanned])
+    assert np.isfinite(values).sum() > count / 4
+    assert np.isnan(values).any() == (name == "some without a loss")
+    assert found.values == pytest.approx(values, rel=1e-9, nan_ok=True)
+    assert found.frequencies == pytest.approx(frequencies, rel=1e-7, nan_ok=True)
+
+
+def test_fewer_spectra_are_computed(monkeypatch):
+    model, bounds, shares = CASES["near"]
+    problem, asked = equilibrium_problem(model), []
+    plain = type(problem).spectra
+
+    def counted(self, changes):
+        asked.append(max(np.size(column) for column in changes.values()))
+        return plain(self, changes)
+
+    monkeypatch.setattr(type(problem), "spectra", counted)
+    totals = []
+    for count in (512, 1024):
+        asked.clear()
+        first_losses(problem, "mu_k", bounds, lines_of(model, shares, count))
+        totals.append(sum(asked))
+    assert totals[1] - totals[0] < 512 * 40
