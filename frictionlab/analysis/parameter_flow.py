@@ -270,7 +270,7 @@ class _Variation:
         self.exponents: set[Any] = set()  # parameters on which an exponent depends
 
     def __call__(self, expression: Any) -> Any:
-        expr = sympy.sympify(expression)
+        expr = sympy.sympify(expression, strict=True)
         if expr not in self._known:
             self._known[expr] = self._varied(expr)
         return self._known[expr]
