@@ -22,10 +22,10 @@ from frictionlab.hybrid.outputs import array_function, evaluate_output
 from frictionlab.hybrid.progress import progress_bar
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models import MechanicalModel
-from frictionlab.models.mechanical.chatter import CHATTER_MODE
 from frictionlab.models.mechanical.equations_of_motion import LagrangeSystem, system_of
 from frictionlab.models.mechanical.mechanics import Friction
 from frictionlab.models.mechanical.modes import contact_suffix
+from frictionlab.models.mechanical.resets import CHATTER_MODE
 from frictionlab.models.symbols import Structure, parameter_symbols, structure_of_component, structure_values
 from frictionlab.presentation import shorten
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
 from frictionlab.automaton.combinations import combinations_of
-from frictionlab.models.gradients import derivatives
+from frictionlab.models.symbols import derivatives
 
 Array = NDArray[np.float64]
 # Terms from which on to write each as Python code takes seconds; they are then sums of a few expressions.

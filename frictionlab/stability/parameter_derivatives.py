@@ -19,7 +19,7 @@ import numpy as np
 import sympy
 from numpy.typing import NDArray
 
-from frictionlab.models.gradients import derivatives
+from frictionlab.models.symbols import derivatives
 
 from .flow import Flow
 

@@ -10,7 +10,7 @@ import pytest
 
 import frictionlab as fl
 from frictionlab.hybrid.progress import PROGRESS_VARIABLE, Progress, progress_bar, tell
-from frictionlab.models.assembly import automaton_of_structure
+from frictionlab.models.symbols import automaton_of_structure
 
 
 def is_shown():
