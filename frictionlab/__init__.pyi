@@ -40,7 +40,7 @@ from .analysis.simulate import load as load
 from .analysis.simulate import simulate as simulate
 from .analysis.spectrum import Spectrum as Spectrum
 from .analysis.spectrum import amplitude_spectrum as amplitude_spectrum
-from .analysis.steady_state.result import SteadyState as SteadyState
+from .analysis.steady_state.steady_state import SteadyState as SteadyState
 from .analysis.steady_state.steady_state import steady_state as steady_state
 from .analysis.sweeps.ablation import Ablation as Ablation
 from .analysis.sweeps.ablation import ablation as ablation

@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from frictionlab.analysis.spectrum import Spectrum
-from frictionlab.analysis.steady_state.result import SteadyState
+from frictionlab.analysis.steady_state.steady_state import SteadyState
 from frictionlab.analysis.sweeps.bifurcation_result import Bifurcation
 from frictionlab.analysis.sweeps.switches import all_of
 from frictionlab.plotting.runs.spectrum import plot_amplitudes

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
-from frictionlab.analysis.verification.defect_warning import largest_sound_defect
+from frictionlab.analysis.verification.run_comparison import largest_sound_defect
 from frictionlab.analysis.verification.verify import TRUSTED_DEVIATION
 from frictionlab.hybrid.kernels.jets import MACHINE_EPSILON
 

@@ -19,9 +19,8 @@ from frictionlab.models.coercion import automaton_of, check_parameter_name
 from frictionlab.presentation import shorten
 from frictionlab.validation import check_number
 
-from .driver import INTERRUPTED, MAX_POINTS, BranchHalf, follow_branch
+from .driver import INTERRUPTED, MAX_POINTS, BranchHalf, SpecialPoint, follow_branch
 from .pseudo_arclength import BranchPoint, first_point, reversed_point, with_parameter_as_state
-from .special_points import SpecialPoint
 
 
 @dataclass(frozen=True, eq=False)

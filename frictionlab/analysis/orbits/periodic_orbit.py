@@ -10,7 +10,7 @@ import numpy as np
 from frictionlab.analysis.motion_scales import Array, state_scales
 from frictionlab.analysis.orbits.shooting import OrbitGuess, state_and_period
 from frictionlab.analysis.simulate import resolve_initial_state
-from frictionlab.analysis.steady_state.result import SteadyState
+from frictionlab.analysis.steady_state.steady_state import SteadyState
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.drawable import Drawable
 from frictionlab.hybrid.solve import solve

@@ -14,7 +14,7 @@ from scipy.optimize import minimize_scalar
 
 from frictionlab.analysis.motion_scales import AT_REST_RTOL, Array, state_groups, state_ranges
 from frictionlab.analysis.steady_state.classification import MotionKind
-from frictionlab.analysis.steady_state.result import SteadyState
+from frictionlab.analysis.steady_state.steady_state import SteadyState
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.hybrid.solve import solve
 from frictionlab.hybrid.trajectory import Trajectory

@@ -201,3 +201,15 @@ def _row(result: Any) -> Mapping[str, Any]:
     if result is None:
         return {}
     return result if isinstance(result, Mapping) else {"result": result}
+
+
+def studies_by_name(studies: Any) -> dict[str, Callable[..., Any]]:
+    """The studies by name."""
+    named = dict(studies) if isinstance(studies, Mapping) else {own_name(studies): studies}
+    if not named:
+        raise ValueError('studies must be one at least, got none: give {"onset": a function of a model}')
+    for study in named.values():
+        check_function(
+            "studies" if isinstance(studies, Mapping) else "study", study, "give one such as fl.steady_state"
+        )
+    return {str(name): study for name, study in named.items()}

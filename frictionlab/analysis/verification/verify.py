@@ -23,12 +23,12 @@ from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models.coercion import automaton_of
 from frictionlab.validation import check_number
 
-from .defect_warning import defect_message
 from .run_comparison import (
     SIMULTANEOUS_SHARE,
     RunComparison,
     accumulation_time,
     compare_runs,
+    defect_message,
     longest_stay,
     mode_stays,
 )

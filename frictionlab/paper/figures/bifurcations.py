@@ -15,7 +15,7 @@ from matplotlib.axes import Axes
 
 from frictionlab.analysis.simulate import simulate
 from frictionlab.analysis.steady_state.classification import MotionKind
-from frictionlab.analysis.steady_state.result import SteadyState
+from frictionlab.analysis.steady_state.steady_state import SteadyState
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.paper import scenes, steady_states
 from frictionlab.paper.scenes import Setting

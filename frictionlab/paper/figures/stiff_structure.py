@@ -16,8 +16,7 @@ from matplotlib.colors import LogNorm
 from numpy.typing import NDArray
 
 from frictionlab.analysis.steady_state.classification import MotionKind
-from frictionlab.analysis.steady_state.result import SteadyState
-from frictionlab.analysis.steady_state.steady_state import steady_state
+from frictionlab.analysis.steady_state.steady_state import SteadyState, steady_state
 from frictionlab.hybrid.methods.base import Method
 from frictionlab.paper import scenes, steady_states
 from frictionlab.paper.scenes import Setting
