@@ -116,8 +116,8 @@ from .pages.export import export_page as export_page
 from .plotting import animate as animate
 from .plotting import plot_run as plot_run
 from .plotting.appearance import style as style
-from .plotting.drawing import Curve as Curve
-from .plotting.drawing import Drawing as Drawing
+from .plotting.figure import Curve as Curve
+from .plotting.figure import Drawing as Drawing
 from .stability import Boundary as Boundary
 from .stability import CriticalCurve as CriticalCurve
 from .stability import Eigenvalues as Eigenvalues

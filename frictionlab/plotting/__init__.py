@@ -2,14 +2,14 @@
 
 None of them uses pyplot, so a figure is freed with its last reference and no window opens.
 
-    figure                  figures that show themselves in a notebook, the axes to draw into, legends
+    figure                  figures that show themselves in a notebook, the axes to draw into, legends; a
+                            panel as data: curves, labels, limits (the explorers' panels give these)
     appearance              `fl.style`, the user's settings of matplotlib, colours on dark backgrounds
     style                   lines and colours of coordinates and modes, symbols of states and parameters
-    drawing                 a panel as data: curves, labels, limits (the explorers' panels give these)
     runs/                   panels of one run, and `plot_run`, which is four of them
     stability/              equilibria, eigenvalues, critical values, Hopf points
-    bifurcation, basins, energy, ablation, factorial_effects, sweep, motions,
-    sensitivity, uncertainty, verification                                     what analyses found
+    studies/                what analyses found: sweeps and bifurcations, ablations, motions and basins in
+                            state space, sensitivities and uncertainties of quantities
     animation/              the slider on its belt, frame by frame
 
 A result of an analysis comes in, artists go out; nothing is computed here but samples of a run.
@@ -17,27 +17,38 @@ A result of an analysis comes in, artists go out; nothing is computed here but s
 
 from __future__ import annotations
 
-from .ablation import plot_ablation
 from .animation.animate import animate
-from .basins import plot_basin_stability, plot_basins
-from .bifurcation import plot_bifurcation, plot_intensity, plot_orbit_branch
-from .energy import plot_energies, plot_works
-from .factorial_effects import plot_effects, plot_scene_lattice
 from .figure import RunFigure, axes_or_new
-from .motions import plot_ends, plot_lyapunov, plot_orbit, plot_steady_state, plot_tangent_flow
-from .runs.overview import plot_run
-from .runs.phase_plane import plot_phase_plane
-from .runs.spectrum import Spectrum, amplitude_spectrum, plot_amplitudes, plot_spectrum
-from .runs.time_histories import plot_contact_forces, plot_displacements, plot_rates
-from .runs.time_window import shade_modes
-from .sensitivity import plot_sensitivity
-from .stability.equilibrium import plot_equilibrium
-from .stability.hopf import plot_hopf
-from .stability.root_locus import plot_eigenvalues, plot_frequencies, plot_growth_rates, plot_root_locus
-from .stability.stability_boundaries import plot_critical, plot_stability_map
-from .sweep import plot_sweep
-from .uncertainty import plot_sobol_indices, plot_uncertainty
-from .verification import plot_verification
+from .runs.overview import (
+    Spectrum,
+    amplitude_spectrum,
+    plot_amplitudes,
+    plot_phase_plane,
+    plot_run,
+    plot_spectrum,
+)
+from .runs.run_checks import plot_energies, plot_verification, plot_works
+from .runs.time_histories import plot_contact_forces, plot_displacements, plot_rates, shade_modes
+from .stability.root_locus import (
+    plot_eigenvalues,
+    plot_equilibrium,
+    plot_frequencies,
+    plot_growth_rates,
+    plot_root_locus,
+)
+from .stability.stability_boundaries import plot_critical, plot_hopf, plot_stability_map
+from .studies.ablation import plot_ablation, plot_effects, plot_scene_lattice
+from .studies.quantities import plot_sensitivity, plot_sobol_indices, plot_uncertainty
+from .studies.state_space import (
+    plot_basin_stability,
+    plot_basins,
+    plot_ends,
+    plot_lyapunov,
+    plot_orbit,
+    plot_steady_state,
+    plot_tangent_flow,
+)
+from .studies.sweeps import plot_bifurcation, plot_intensity, plot_orbit_branch, plot_sweep
 
 __all__ = [
     "RunFigure",

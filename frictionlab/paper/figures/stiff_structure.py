@@ -19,6 +19,7 @@ from frictionlab.analysis.steady_state.classification import MotionKind
 from frictionlab.analysis.steady_state.steady_state import SteadyState, steady_state
 from frictionlab.hybrid.methods.base import Method
 from frictionlab.paper import scenes, steady_states
+from frictionlab.paper.registry import PaperFigure
 from frictionlab.paper.scenes import Setting
 from frictionlab.paper.steady_states import intervals_text, sweep_results
 from frictionlab.plotting import RunFigure, plot_bifurcation, plot_intensity
@@ -26,8 +27,6 @@ from frictionlab.plotting.figure import new_figure
 from frictionlab.plotting.style import BLUE, DASHED, VERMILLION, parameter_label, state_label
 from frictionlab.presentation import state_unit
 from frictionlab.stability import critical_value, root_locus
-
-from .paper_figure import PaperFigure
 
 MU_K = 2.5  # of Fig. 16
 COMPARISON_SHOWN = 0.4  # seconds

@@ -20,8 +20,8 @@ from frictionlab.models import Model
 from frictionlab.models.mechanism import Mechanism, TiltingBelt
 from frictionlab.plotting.appearance import background, figure_size, font_size, ink, marker_size
 from frictionlab.plotting.figure import AnimatedFigure
-from frictionlab.plotting.runs.phase_plane import plot_phase_plane
-from frictionlab.plotting.runs.time_window import (
+from frictionlab.plotting.runs.overview import plot_phase_plane
+from frictionlab.plotting.runs.time_histories import (
     SAMPLING_RTOL,
     Array,
     Periods,

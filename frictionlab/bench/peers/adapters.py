@@ -1,21 +1,21 @@
-"""Tools that call functions back: scipy's solve_ivp, CVODE, PathSim.
-
-scipy as users call it: compiled right-hand side, a call for each mode, terminal events.  CVODE
-(Hindmarsh et al. 2005) with its root finding, through scikit-sundae.  PathSim: block diagrams in
-Python; each mode is an ODE block with its zero crossings.
+"""Other tools: those that call functions back, scipy's solve_ivp, CVODE and PathSim, and those that compile
+each mode, heyoka and diffrax.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from importlib import import_module
+from math import prod
 from typing import Any, ClassVar
 
 import numpy as np
+import sympy
 
-from .external import CompiledMode, ExternalMethod, RestartedMethod
+from frictionlab.automaton import Mode
+from frictionlab.bench.peers.external import SAME_INSTANT, CompiledMode, ExternalMethod, RestartedMethod
 
 IMPLICIT = ("Radau", "BDF", "LSODA")
 
@@ -209,3 +209,166 @@ class _Diagram:
             self.simulation.stop()
 
         return stop
+
+
+EVENT_TOLERANCE = 1e-12  # of time (s) and of a guard: smaller ones take all iterations it has
+
+
+@dataclass(frozen=True)
+class Heyoka(ExternalMethod):
+    """heyoka's adaptive Taylor integrator.
+
+    Parameters
+    ----------
+    tol : float
+    """
+
+    name: ClassVar[str] = "heyoka"
+
+    tol: float = 1e-15
+
+    @cached_property
+    def integrators(self) -> list[Any]:
+        """One for each mode, with a cell that holds the time at which it began."""
+        automaton, values = self.automaton, self.values
+        return [_integrator(mode, automaton.states, values, self.tol) for mode in automaton.modes]
+
+    def to_event(
+        self, mode: int, z: np.ndarray, t: float, t_end: float
+    ) -> tuple[float, np.ndarray, int, int]:
+        integrator, began = self.integrators[mode]
+        began[0] = t
+        if self.automaton.modes[mode].events:
+            integrator.reset_cooldowns()
+        integrator.time, integrator.state[:] = t, z
+        if self.automaton.modes[mode].events:
+            # Where an event function is zero at the start of a step, heyoka does not find its next zero.
+            integrator.step(min(SAME_INSTANT, t_end - t))
+        outcome, _, _, steps, *_ = integrator.propagate_until(t_end)
+        code = int(outcome)
+        # A terminal event i that stops ends with the outcome -i - 1.
+        guard = -code - 1 if -1000 < code < 0 else -1
+        return integrator.time, integrator.state.copy(), guard, steps
+
+
+def _heyoka_expression(expression: Any, hy: Any) -> Any:
+    """heyoka's expression; whole powers as products, since its pow() is not a number at a base of zero."""
+    if expression.is_Number:
+        return hy.expression(float(expression))
+    if expression.is_Symbol:
+        return hy.expression(expression.name)
+    if expression.is_Pow and expression.exp.is_Integer and expression.exp > 0:
+        return prod(
+            [_heyoka_expression(expression.base, hy)] * (int(expression.exp) - 1),
+            start=_heyoka_expression(expression.base, hy),
+        )
+    parts = [_heyoka_expression(part, hy) for part in expression.args]
+    if expression.is_Add:
+        return hy.sum(parts)
+    return prod(parts[1:], start=parts[0]) if expression.is_Mul else hy.from_sympy(expression)
+
+
+@lru_cache(maxsize=64)
+def _integrator(mode: Mode, states: tuple[Any, ...], values: tuple[Any, ...], tol: float) -> Any:
+    hy: Any = import_module("heyoka")
+
+    names = [sympy.Symbol(f"z{i}") for i in range(len(states))]
+    renamed, numbers = dict(zip(states, names, strict=True)), dict(values)
+
+    def of(expression: Any) -> Any:
+        return _heyoka_expression(sympy.sympify(expression, strict=True).subs(numbers).xreplace(renamed), hy)
+
+    system = [(hy.expression(str(name)), of(rate)) for name, rate in zip(names, mode.flow, strict=True)]
+    # A guard is positive while its mode lasts: without a direction the zero at the start is an event too.
+    # With one, rounding can still make it fall through zero just after the start; that is passed over.
+    began = [0.0]
+
+    def goes_on(integrator: Any, sign: int) -> bool:
+        return integrator.time - began[0] < SAME_INSTANT
+
+    options = {"direction": hy.event_direction.negative, "callback": goes_on}
+    events = [hy.t_event(of(event.function), **options) for event in mode.events]
+    return hy.taylor_adaptive(system, [0.0] * len(states), tol=tol, t_events=events), began
+
+
+@dataclass(frozen=True)
+class Diffrax(RestartedMethod):
+    """diffeqsolve with Dopri8, a PID controller and events located by bisection.
+
+    Parameters
+    ----------
+    rtol, atol : float
+    """
+
+    name: ClassVar[str] = "diffrax"
+
+    rtol: float = 1e-10
+    atol: float = 1e-13
+
+    @cached_property
+    def solutions(self) -> list[Callable[..., Any]]:
+        """Compiled integrations, one for each mode."""
+        automaton, values = self.automaton, self.values
+        return [_compile_solution(mode, automaton.states, values, self.max_steps) for mode in automaton.modes]
+
+    def flow(self, mode: int, z: np.ndarray, length: float) -> tuple[float, np.ndarray, int, int]:
+        # Double precision here only: other users of JAX in the process may want single precision.
+        with import_module("jax").enable_x64(True):
+            t, y, guard, steps = self.solutions[mode](z, length, self.rtol, self.atol)
+        return float(t), np.array(y), int(guard), int(steps)
+
+
+@lru_cache(maxsize=64)
+def _compile_solution(
+    mode: Mode, states: tuple[Any, ...], values: tuple[Any, ...], max_steps: int
+) -> Callable[..., Any]:
+    """Time, state, guard, steps of a start and a length; the tolerances are arguments, to compile once."""
+    jax, dx = import_module("jax"), import_module("diffrax")
+    rates = _jax_function(states, mode.flow, values)
+    guards = _jax_function(states, [event.function for event in mode.events], values) if mode.events else None
+    term = dx.ODETerm(lambda t, y, args: rates(y))
+
+    def solution(z: Any, length: Any, rtol: Any, atol: Any) -> Any:
+        found = dx.diffeqsolve(
+            term,
+            dx.Dopri8(),
+            t0=0.0,
+            t1=length,
+            dt0=None,
+            y0=z,
+            args=guards(z) <= 0.0 if guards else None,
+            stepsize_controller=dx.PIDController(rtol=rtol, atol=atol),
+            event=_diffrax_event(guards) if guards else None,
+            max_steps=max_steps,
+            throw=False,
+        )
+        y = found.ys[-1]
+        guard = jax.numpy.where(found.event_mask, guards(y).argmin(), -1) if guards else -1
+        capped = found.result == dx.RESULTS.max_steps_reached  # counts rejected steps too
+        steps = jax.numpy.where(capped, max_steps, found.stats["num_accepted_steps"])
+        return found.ts[-1], y, guard, steps
+
+    return jax.jit(solution)
+
+
+def _diffrax_event(guards: Callable[[Any], Any]) -> Any:
+    """The smallest guard falls through zero; those that were zero at the start count from then on.
+
+    One function, since of several in a step diffrax takes the first in the list, not in time, and since
+    the root finder that cannot miss, bisection, wants one.
+    """
+    where: Any = import_module("jax.numpy").where
+
+    def smallest(t: Any, y: Any, args: Any, **_: Any) -> Any:
+        return where(args & (t <= 0.0), 1.0, guards(y)).min()
+
+    bisection = import_module("optimistix").Bisection(rtol=0.0, atol=EVENT_TOLERANCE, flip=True)
+    return import_module("diffrax").Event(smallest, bisection, direction=False)
+
+
+def _jax_function(states: tuple[Any, ...], expressions: Sequence[Any], values: tuple[Any, ...]) -> Any:
+    """Expressions as a function of an array, which returns one."""
+    stack, numbers = import_module("jax.numpy").stack, dict(values)
+    with_numbers = [sympy.sympify(e, strict=True).subs(numbers) for e in expressions]
+    function = sympy.lambdify(states, with_numbers, modules="jax", cse=True)
+    return lambda y: stack(function(*y))

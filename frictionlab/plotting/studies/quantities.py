@@ -1,4 +1,6 @@
-"""Distributions of quantities, and the shares of parameters in their variance."""
+"""Sensitivities of quantities as a tornado plot, their distributions, and the shares of parameters in their
+variance.
+"""
 
 from __future__ import annotations
 
@@ -8,9 +10,37 @@ import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 
-from .appearance import ink, legible, pen
-from .figure import axes_or_new
-from .style import BLUE, ORANGE, VERMILLION, parameter_symbol
+from frictionlab.plotting.appearance import ink, legible, pen
+from frictionlab.plotting.figure import axes_or_new
+from frictionlab.plotting.style import BLUE, GREY, ORANGE, VERMILLION, parameter_symbol
+
+
+def plot_sensitivity(found: Any, ax: Axes | None = None, *, most: int = 12) -> list[Artist]:
+    """Draw the normalised derivatives of a quantity, the largest at the top (a tornado plot).
+
+    Parameters
+    ----------
+    found : Sensitivity
+    ax : Axes or None
+        None draws into a new figure.
+    most : int
+        Parameters that are drawn.
+
+    Returns
+    -------
+    list of Artist
+        The bars.
+    """
+    ax = axes_or_new(ax)
+    shares = np.nan_to_num(found.normalised)
+    order = np.argsort(-np.abs(shares), kind="stable")[:most]
+    colours = [legible(BLUE if shares[i] >= 0 else VERMILLION, ax) for i in order]
+    bars = ax.barh(range(len(order)), shares[order], color=colours)
+    ax.set_yticks(range(len(order)), [parameter_symbol(found.model, found.parameters[i]) for i in order])
+    ax.invert_yaxis()
+    ax.axvline(0.0, **pen(GREY, 0.8, ax))
+    ax.set_xlabel(f"{found.quantity.partition(' (')[0]}: percent for a percent of the parameter")
+    return list(bars)
 
 
 def plot_uncertainty(found: Any, ax: Axes | None = None) -> list[Artist]:
