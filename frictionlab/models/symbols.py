@@ -21,9 +21,7 @@ from typing import Any, NamedTuple
 import sympy
 
 from frictionlab.automaton import HybridAutomaton
-from frictionlab.automaton.combinations import unsorted_product
-from frictionlab.automaton.expansion import multiply_out
-from frictionlab.automaton.undefined_numbers import undefined_part
+from frictionlab.automaton.expressions import multiply_out, undefined_part, unsorted_product
 from frictionlab.components import ContactLaw, FrictionLaw, ImpactLaw
 from frictionlab.components.component import Component, parameters_of, structure_of
 

@@ -17,7 +17,7 @@ import numpy as np
 
 from frictionlab._version import __version__
 from frictionlab.file_writing import write_file, write_text
-from frictionlab.hybrid.progress import progress_bar
+from frictionlab.interruption import progress_bar
 from frictionlab.paper.checks.claim import Claims
 
 from .registry import EVERY_CLAIM, FIGURES, WITHOUT_GEOMETRY, check, figure

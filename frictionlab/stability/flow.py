@@ -22,7 +22,7 @@ import sympy
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
-from frictionlab.automaton.combinations import combinations_of
+from frictionlab.automaton.expressions import combinations_of
 from frictionlab.models.symbols import derivatives
 
 Array = NDArray[np.float64]

@@ -17,8 +17,8 @@ from frictionlab.analysis.continuation.pseudo_arclength import BranchPoint, cont
 from frictionlab.analysis.motion_scales import Array
 from frictionlab.analysis.orbits.shooting import floquet_multipliers
 from frictionlab.automaton import HybridAutomaton
-from frictionlab.hybrid.outputs import array_function
-from frictionlab.hybrid.tape.structural_zeros import sign_normal_form
+from frictionlab.hybrid.problem import array_function
+from frictionlab.hybrid.tape.automaton_checks import sign_normal_form
 
 LOCATION_XTOL = 1e-12  # share of the step to which a special point is located
 UNIT_CIRCLE_ATOL = (

@@ -27,7 +27,7 @@ from frictionlab.analysis.steady_state.poincare_sections import (
     stick_onsets,
     turning_section,
 )
-from frictionlab.hybrid.events import SectionPoints
+from frictionlab.hybrid.problem import SectionPoints
 from frictionlab.hybrid.trajectory import Trajectory
 
 MIN_PERIODS_SEEN = 3  # periods that the window has to contain at least

@@ -22,11 +22,11 @@ from frictionlab.analysis.steady_state.classification import MotionKind, classif
 from frictionlab.analysis.steady_state.poincare_sections import Section, section_function, sections_to_record
 from frictionlab.analysis.verification.run_comparison import defect_warning
 from frictionlab.automaton import HybridAutomaton
-from frictionlab.drawable import Drawable
-from frictionlab.hybrid.events import SectionPoints
+from frictionlab.hybrid.problem import SectionPoints
 from frictionlab.hybrid.solve import solve
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models.coercion import automaton_of
+from frictionlab.presentation import Drawable
 from frictionlab.stability import equilibrium
 
 Array = NDArray[np.float64]

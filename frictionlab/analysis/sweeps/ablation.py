@@ -13,9 +13,8 @@ from numpy.typing import NDArray
 
 from frictionlab.analysis.options import Execution, ExecutionKeywords, merge_keywords
 from frictionlab.analysis.simulate import named_state
-from frictionlab.drawable import Drawable
 from frictionlab.models.coercion import require_model
-from frictionlab.presentation import import_optional, text_table
+from frictionlab.presentation import Drawable, import_optional, text_table
 from frictionlab.validation import did_you_mean
 
 from .factorial_effects import Effects, effects_of, numbers_of, table_of_numbers

@@ -19,8 +19,7 @@ from numpy.typing import NDArray
 
 from frictionlab.analysis.steady_state.steady_state import SteadyState
 from frictionlab.analysis.sweeps.switches import Switch
-from frictionlab.drawable import Drawable
-from frictionlab.presentation import dataframe, text_table
+from frictionlab.presentation import Drawable, dataframe, text_table
 
 OF_STEADY_STATE = ("kind", "intensity", "period")
 

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 import sympy
 
 from frictionlab.automaton import Event, Mode, Reset
-from frictionlab.automaton.combinations import exact_number
+from frictionlab.automaton.expressions import exact_number
 from frictionlab.components.impact import ImpactLaw, PlasticImpact
 from frictionlab.models.mechanical.contact_regimes import AFTER_FLIGHT
 from frictionlab.models.mechanical.coupled_masses import numbers_of, pivot_of, solved_for

@@ -18,7 +18,7 @@ import numpy as np
 import sympy
 from numpy.typing import NDArray
 
-from frictionlab.drawable import Drawable
+from frictionlab.presentation import Drawable
 from frictionlab.stability.boundaries.stability_changes import StabilityChange, changes_on_lines
 from frictionlab.stability.equilibrium_points.equilibria import (
     Equilibrium,

@@ -12,8 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize.elementwise import find_root
 
-from frictionlab.drawable import Drawable
-from frictionlab.presentation import count, span
+from frictionlab.presentation import Drawable, count, span
 from frictionlab.stability.equilibrium_points.equilibria import Equilibrium, equilibrium_problem
 from frictionlab.stability.equilibrium_problem import (
     NEUTRAL_RTOL,

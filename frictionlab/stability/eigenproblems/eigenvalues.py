@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionlab.drawable import Drawable
-from frictionlab.presentation import dataframe, dataset, shorten
+from frictionlab.presentation import Drawable, dataframe, dataset, shorten
 from frictionlab.stability.equilibrium_points.equilibria import Equilibrium, equilibrium, equilibrium_problem
 from frictionlab.stability.equilibrium_points.static_equations import by_penetration, sliding_equations
 from frictionlab.stability.equilibrium_problem import is_neutral

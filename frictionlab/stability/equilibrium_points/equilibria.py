@@ -12,10 +12,9 @@ import numpy as np
 import sympy
 from numpy.typing import NDArray
 
-from frictionlab.drawable import Drawable
 from frictionlab.models import Model
 from frictionlab.models.coercion import automaton_of
-from frictionlab.presentation import shorten, state_unit
+from frictionlab.presentation import Drawable, shorten, state_unit
 from frictionlab.stability.equilibrium_points.followed_equilibria import (
     FINEST_SHARE,
     excess_polynomial,

@@ -9,7 +9,7 @@ import sys
 import pytest
 
 import frictionlab as fl
-from frictionlab.hybrid.progress import PROGRESS_VARIABLE, Progress, progress_bar, tell
+from frictionlab.interruption import PROGRESS_VARIABLE, Progress, progress_bar, tell
 from frictionlab.models.symbols import automaton_of_structure
 
 
@@ -52,7 +52,7 @@ def test_what_is_no_truth_value_is_refused():
 
 @pytest.mark.parametrize(("value", "shown"), [("0", False), ("off", False), ("False", False), ("1", True)])
 def test_the_environment_switches_bars_off(value, shown):
-    code = "from frictionlab.hybrid.progress import progress_bar; print(not progress_bar([1]).disable)"
+    code = "from frictionlab.interruption import progress_bar; print(not progress_bar([1]).disable)"
     environment = os.environ | {PROGRESS_VARIABLE: value}
     answer = subprocess.run(
         [sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True
@@ -65,7 +65,7 @@ def test_every_bar_goes_through_the_switch():
 
     package = Path(fl.__file__).parent
     users = [path.name for path in package.rglob("*.py") if "tqdm" in path.read_text(encoding="utf-8")]
-    assert users == ["progress.py"]
+    assert users == ["interruption.py"]
 
 
 def test_models_modes_and_runs_are_logged(caplog):
