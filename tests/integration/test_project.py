@@ -13,6 +13,7 @@ import pytest
 from matplotlib import pyplot
 
 import frictionlab as fl
+from tests.helpers import layout
 
 ROOT = Path(__file__).parents[2]
 # Where a package is not called as what it imports.
@@ -147,6 +148,16 @@ def test_every_package_that_is_imported_is_declared():
     imported = {DISTRIBUTIONS.get(name, name) for name in imported_packages(ROOT / "frictionlab")}
     assert "numpy" in imported
     assert imported <= declared
+
+
+def test_no_folder_is_crowded_and_no_import_goes_in_circles():
+    folders = [path.parent for path in layout.files()]
+    assert len(folders) > 100
+    assert {folder.name for folder in folders if folders.count(folder) > layout.MOST_FILES} == set()
+    graph = layout.imports()
+    assert "frictionlab.hybrid.solve" in graph["frictionlab.analysis.simulate"]
+    assert layout.cycles(graph) == []
+    assert layout.cycles({"a": {"b"}, "b": {"c"}, "c": {"b"}}) == [["b", "c"]]
 
 
 def test_no_text_is_run_as_python():
