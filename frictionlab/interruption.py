@@ -23,8 +23,10 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import Future, wait
 from contextlib import ExitStack, contextmanager, suppress
 from contextvars import ContextVar, copy_context
+from functools import cache
 from types import TracebackType
-from typing import Any
+from typing import Any, ClassVar
+from weakref import WeakSet
 
 POLL_TIME = 0.1  # seconds between two looks at ctrl-C while something else computes
 
@@ -223,16 +225,37 @@ def tell(text: str) -> None:
         stream.flush()
 
 
-def progress_bar(*arguments: Any, shown: bool = True, delay: float = PROGRESS_DELAY, **options: Any) -> Any:
-    """tqdm's bar, which vanishes when it is done; `options` are tqdm's."""
+@cache
+def _bar_class() -> Any:
+    """tqdm's class of bars, with a lock of this process alone and no thread that watches over them.
+
+    tqdm's own lock is shared with all processes that are forked: one of them that is killed while it writes
+    its bar, as a worker without memory, would leave the lock taken, and every later bar would wait for ever.
+    """
     from tqdm.auto import tqdm
 
+    class Bar(tqdm):
+        monitor_interval = 0
+        _instances: ClassVar[WeakSet[Any]] = WeakSet()
+
+    def take_new_lock() -> None:
+        Bar.set_lock(threading.RLock())
+
+    take_new_lock()
+    if hasattr(os, "register_at_fork"):  # where another thread held it, nobody gives it back in the child
+        os.register_at_fork(after_in_child=take_new_lock)
+    return Bar
+
+
+def progress_bar(*arguments: Any, shown: bool = True, delay: float = PROGRESS_DELAY, **options: Any) -> Any:
+    """tqdm's bar, which vanishes when it is done; `options` are tqdm's."""
+    bar = _bar_class()
     if sys.stderr is None:
-        return tqdm(*arguments, disable=True)
-    stream: Any = _ForgivingStream(sys.stderr)
-    return tqdm(
-        *arguments, disable=not (shown and _switch["shown"]), leave=False, delay=delay, file=stream, **options
-    )
+        return bar(*arguments, disable=True)
+    shown = shown and _switch["shown"]
+    options |= {"leave": False, "delay": delay, "file": _ForgivingStream(sys.stderr)}
+    options |= {"miniters": 0}  # the time since the last picture decides, as nothing else looks at it
+    return bar(*arguments, disable=not shown, **options)
 
 
 class Progress:

@@ -7,9 +7,14 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+import frictionlab as fl
 from frictionlab.hybrid import compilation
+from frictionlab.hybrid.ahead_of_time.loaded_kernels import prepared_call
+from frictionlab.hybrid.kernels.jets import state_rates
+from frictionlab.hybrid.tape.packing import program_of
 
 ROOT = Path(__file__).parents[2]
 
@@ -86,3 +91,20 @@ def test_a_build_that_fails_makes_a_wheel_of_python_only_and_says_so(tmp_path):
     assert data == {"pure_python": True, "artifacts": []}
     assert "warning: the solver could not be compiled" in said
     assert "no compiler" in said
+
+
+@pytest.mark.parametrize("kernel", [state_rates, getattr(state_rates, "__wrapped__", state_rates)])
+def test_a_prepared_call_takes_what_its_arrays_hold_now(kernel):
+    """Compiled or not: the rates of every mode at states that are written into one array."""
+    automaton = fl.SliderOnBelt(mu_k=1.4).automaton()
+    program, numbers = program_of(automaton)
+    count, random = len(automaton.states), np.random.default_rng(3)
+    z, out, jets = np.zeros(count), np.zeros(count), np.zeros((program.slots, 2))
+    write_rates = prepared_call(kernel, (program.code, numbers, 0, z, jets, out), 2)
+    for mode in range(len(automaton.modes)):
+        z[:] = 1e-3 * random.normal(size=count)
+        expected = np.zeros(count)
+        write_rates(mode)
+        kernel(program.code, numbers, mode, z, np.zeros_like(jets), expected)
+        assert out.tobytes() == expected.tobytes()
+        assert out.any()

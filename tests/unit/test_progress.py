@@ -5,6 +5,8 @@ import logging
 import os
 import subprocess
 import sys
+import textwrap
+import time
 
 import pytest
 
@@ -110,3 +112,48 @@ def test_another_stream_than_the_interpreters_own_is_written_through_itself(monk
     monkeypatch.setattr(sys, "stderr", stream)
     tell("a line")
     assert stream.buffer.getvalue() == b"a line\n"
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="processes are not forked here")
+@pytest.mark.parametrize("holder", ["child", "parent"])
+def test_a_bar_does_not_wait_for_another_process(holder):
+    """One that is killed while it holds the lock of its bars, or is forked while another thread holds it."""
+    script = f"""
+    import os, signal, threading
+    from frictionlab.interruption import progress_bar
+    list(progress_bar(range(3)))
+    lock = type(progress_bar([1])).get_lock()
+    if {holder == "child"}:
+        child = os.fork()
+        if not child:
+            lock.acquire()
+            os.kill(os.getpid(), signal.SIGKILL)
+    else:
+        thread = threading.Thread(target=lock.acquire)
+        thread.start()
+        thread.join()
+        child = os.fork()
+        if not child:
+            list(progress_bar(range(3)))
+            os._exit(0)
+    status = os.waitpid(child, 0)[1]
+    if {holder == "child"}:
+        list(progress_bar(range(3)))
+    print(status, threading.active_count())
+    """
+    done = subprocess.run(
+        [sys.executable, "-W", "ignore", "-c", textwrap.dedent(script)],
+        capture_output=True,
+        text=True,
+        timeout=60,
+    )
+    assert done.stdout == ("9 1\n" if holder == "child" else "0 1\n"), done.stderr
+
+
+def test_a_bar_of_slow_tasks_is_shown_at_each(capsys):
+    """After fast ones too: nothing else looks at the time."""
+    for i in progress_bar(range(2003), delay=0.0, mininterval=0.01):
+        if i >= 2000:
+            time.sleep(0.05)
+    shown = capsys.readouterr().err
+    assert "2002/2003" in shown

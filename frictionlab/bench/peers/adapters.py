@@ -9,16 +9,17 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from importlib import import_module
 from math import prod
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 import sympy
 
 from frictionlab.automaton import Mode
-from frictionlab.bench.peers.external import SAME_INSTANT, CompiledMode, ExternalMethod, RestartedMethod
+from frictionlab.bench.peers.external import CompiledMode, ExternalMethod, RestartedMethod
 
 IMPLICIT = ("Radau", "BDF", "LSODA")
 
+BITE = 1e-7  # s: the first step of heyoka in a mode; a tenth of the shortest stay that is no chatter
 EVALUATIONS_PER_STEP = 13  # evaluations of a step of RKDP87, for the cap
 
 
@@ -228,27 +229,40 @@ class Heyoka(ExternalMethod):
     tol: float = 1e-15
 
     @cached_property
-    def integrators(self) -> list[Any]:
-        """One for each mode, with a cell that holds the time at which it began."""
+    def flows(self) -> list[_HeyokaFlow]:
+        """One for each mode."""
         automaton, values = self.automaton, self.values
-        return [_integrator(mode, automaton.states, values, self.tol) for mode in automaton.modes]
+        return [_heyoka_flow(mode, automaton.states, values, self.tol) for mode in automaton.modes]
 
     def to_event(
         self, mode: int, z: np.ndarray, t: float, t_end: float
     ) -> tuple[float, np.ndarray, int, int]:
-        integrator, began = self.integrators[mode]
-        began[0] = t
-        if self.automaton.modes[mode].events:
+        flow = self.flows[mode]
+        integrator, steps = flow.integrator, 0
+        if flow.start is not None:
+            # Where an event function is zero at the start of a step, heyoka does not find its next zero: so
+            # a first short step is taken without events.
+            start = flow.start
+            start.time, flow.start_state[:] = t, z
+            start.step(min(BITE, t_end - t))
+            t, z, steps = start.time, flow.start_state, 1
             integrator.reset_cooldowns()
-        integrator.time, integrator.state[:] = t, z
-        if self.automaton.modes[mode].events:
-            # Where an event function is zero at the start of a step, heyoka does not find its next zero.
-            integrator.step(min(SAME_INSTANT, t_end - t))
-        outcome, _, _, steps, *_ = integrator.propagate_until(t_end)
+        integrator.time, flow.state[:] = t, z
+        outcome, _, _, more, *_ = integrator.propagate_until(t_end)
         code = int(outcome)
         # A terminal event i that stops ends with the outcome -i - 1.
         guard = -code - 1 if -1000 < code < 0 else -1
-        return integrator.time, integrator.state.copy(), guard, steps
+        return integrator.time, flow.state, guard, steps + more
+
+
+class _HeyokaFlow(NamedTuple):
+    """A mode's integrator, and one without events for the start, None where there are none; views of their
+    states."""
+
+    integrator: Any
+    state: np.ndarray
+    start: Any
+    start_state: np.ndarray
 
 
 def _heyoka_expression(expression: Any, hy: Any) -> Any:
@@ -269,7 +283,8 @@ def _heyoka_expression(expression: Any, hy: Any) -> Any:
 
 
 @lru_cache(maxsize=64)
-def _integrator(mode: Mode, states: tuple[Any, ...], values: tuple[Any, ...], tol: float) -> Any:
+def _heyoka_flow(mode: Mode, states: tuple[Any, ...], values: tuple[Any, ...], tol: float) -> _HeyokaFlow:
+    """The numbers of the parameters are constants of the equations, which are compiled for them."""
     hy: Any = import_module("heyoka")
 
     names = [sympy.Symbol(f"z{i}") for i in range(len(states))]
@@ -279,16 +294,13 @@ def _integrator(mode: Mode, states: tuple[Any, ...], values: tuple[Any, ...], to
         return _heyoka_expression(sympy.sympify(expression, strict=True).subs(numbers).xreplace(renamed), hy)
 
     system = [(hy.expression(str(name)), of(rate)) for name, rate in zip(names, mode.flow, strict=True)]
-    # A guard is positive while its mode lasts: without a direction the zero at the start is an event too.
-    # With one, rounding can still make it fall through zero just after the start; that is passed over.
-    began = [0.0]
-
-    def goes_on(integrator: Any, sign: int) -> bool:
-        return integrator.time - began[0] < SAME_INSTANT
-
-    options = {"direction": hy.event_direction.negative, "callback": goes_on}
-    events = [hy.t_event(of(event.function), **options) for event in mode.events]
-    return hy.taylor_adaptive(system, [0.0] * len(states), tol=tol, t_events=events), began
+    # A guard is positive while its mode lasts.
+    falls = hy.event_direction.negative
+    events = [hy.t_event(of(event.function), direction=falls) for event in mode.events]
+    options: dict[str, Any] = {"tol": tol, "compact_mode": False}
+    whole = hy.taylor_adaptive(system, [0.0] * len(states), t_events=events, **options)
+    start = hy.taylor_adaptive(system, [0.0] * len(states), **options) if events else whole
+    return _HeyokaFlow(whole, whole.state, start if events else None, start.state)
 
 
 @dataclass(frozen=True)

@@ -16,6 +16,7 @@ import numpy as np
 import sympy
 
 from frictionlab.automaton import HybridAutomaton, Mode
+from frictionlab.hybrid.ahead_of_time.loaded_kernels import prepared_call
 from frictionlab.hybrid.compilation import HAS_MACHINE_CODE
 from frictionlab.hybrid.kernels import event_handling, run_state
 from frictionlab.hybrid.kernels.event_location import GuardZero
@@ -114,7 +115,10 @@ class ExternalMethod(Method):
     def to_event(
         self, mode: int, z: np.ndarray, t: float, t_end: float
     ) -> tuple[float, np.ndarray, int, int]:
-        """Integrate in a mode up to its first event or the end: time, state, its guard or -1, steps."""
+        """Integrate in a mode up to its first event or the end: time, state, its guard or -1, steps.
+
+        `z` is the run's own: it is not to be changed, and what is returned may be an array of the tool.
+        """
 
     @cached_property
     def values(self) -> tuple[tuple[Any, float], ...]:
@@ -138,28 +142,36 @@ class ExternalMethod(Method):
         """Flows up to their events, each entered as one step, until a buffer is full or the run ends."""
         counts, status = run.cursor.counts, run_state.RUNNING
         room = min(len(record.step_modes), len(record.event_times))
+        switch = self._switch(run, record)
         while status == run_state.RUNNING and counts[run_state.STEPS] < room and self.steps < self.max_steps:
-            status = self._flow(run, record)
+            status = self._flow(run, record, switch)
         return status
 
-    def _flow(self, run: ActiveRun, record: run_state.Record) -> int:
+    def _switch(self, run: ActiveRun, record: run_state.Record) -> Callable[[GuardZero], int]:
+        """What an event does, compiled: reset and next mode; returns how the run goes on."""
+        if run.queue is not None:  # modes are derived on demand
+            return lambda event: self.handle_event(run, event, record)
+        truncation, example = run_state.Truncation(self.degree, 0.0), GuardZero(0.0, 0, 1)
+        arguments = (run.system, truncation, example, run.cursor, record, run.scratch)
+        return prepared_call(event_handling.handle_event, arguments, arguments.index(example))
+
+    def _flow(self, run: ActiveRun, record: run_state.Record, switch: Callable[[GuardZero], int]) -> int:
         cursor, code = run.cursor, run.problem.program.code
         times, counts = cursor.times, cursor.counts
         mode = int(counts[run_state.MODE])
         now, end = float(times[run_state.NOW]), float(times[run_state.END])
-        t, z, guard, steps = self.to_event(mode, cursor.state.copy(), now, end)
-        self.count[0] += steps
         row = counts[run_state.STEPS]
+        record.step_states[row] = cursor.state
+        t, z, guard, steps = self.to_event(mode, cursor.state, now, end)
+        self.count[0] += steps
         record.step_times[row] = now, t - now
         record.step_modes[row] = mode
-        record.step_states[row] = cursor.state
         counts[run_state.STEPS] += 1
         times[run_state.NOW], cursor.state[:] = t, z
         if guard < 0:
             failed = run_state.RUNNING if self.steps >= self.max_steps else run_state.NOT_FINITE
             return run_state.FINISHED if t >= end else failed
-        guard += int(code.mode_guards[mode])
-        return self.handle_event(run, GuardZero(t - now, guard, 1), record)
+        return switch(GuardZero(t - now, guard + int(code.mode_guards[mode]), 1))
 
     def _begin(self, problem: Problem) -> ActiveRun:
         self.count[0] = 0

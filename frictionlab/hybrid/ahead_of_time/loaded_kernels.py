@@ -112,15 +112,37 @@ class CompiledKernel:
         _append(arguments, words, kinds)
         if kinds != self._kinds:
             words, copies = self._converted(arguments)
-        table = array("q", words)
-        if status := self._call(table.buffer_info()[0]):
-            raise RuntimeError(f"the kernel {self._name} ended with status {status}")
+        found = self._called(array("q", words))
         for given, used in copies:
             given[...] = used
+        return found
+
+    def _called(self, table: array[int]) -> Any:
+        """What the code returns for the arguments in a table."""
+        if status := self._call(table.buffer_info()[0]):
+            raise RuntimeError(f"the kernel {self._name} ended with status {status}")
         found = [_number(kind, word) for kind, word in zip(self._results, table)]
         if self._returns is not None:
             return self._returns(*found)
         return found[0] if found else None
+
+    def prepared(self, arguments: tuple[Any, ...], place: int) -> Callable[[Any], Any]:
+        """See :func:`prepared_call`."""
+        words, kinds = [0] * len(self._results), []
+        _append(arguments[:place], words, kinds)
+        begin = len(words)
+        _append(arguments[place:], words, kinds)
+        if kinds != self._kinds:  # some would have to be copied at each call
+            return _partial(self, arguments, place)
+        table = array("q", words)
+
+        def call(value: Any, _kept: tuple[Any, ...] = arguments) -> Any:  # their memory is in the table
+            changed: list[int] = []
+            _append((value,), changed, [])
+            table[begin : begin + len(changed)] = array("q", changed)
+            return self._called(table)
+
+        return call
 
     def _converted(self, arguments: Any) -> tuple[list[int], list[tuple[np.ndarray, np.ndarray]]]:
         """Words where whole numbers stand for others, or arrays have gaps; these, with copies without."""
@@ -141,6 +163,31 @@ class CompiledKernel:
             copies.append((leaf, whole))
             _append([whole], words, [])
         return words, [(given, used) for given, used in copies if used is not given and given.flags.writeable]
+
+
+def prepared_call(function: Callable, arguments: tuple[Any, ...], place: int) -> Callable[[Any], Any]:
+    """A kernel as a function of one of its arguments, a number or a tuple of numbers, the others as they are.
+
+    Where it is called again and again with the same arrays, what they hold having changed, the table of its
+    arguments is made once.
+
+    Parameters
+    ----------
+    function : callable
+        A kernel, compiled or not.
+    arguments : tuple
+        All of them; that at `place` is an example.
+    place : int
+        Of the one that changes.
+    """
+    if isinstance(function, CompiledKernel):
+        return function.prepared(arguments, place)
+    return _partial(function, arguments, place)
+
+
+def _partial(function: Callable, arguments: tuple[Any, ...], place: int) -> Callable[[Any], Any]:
+    before, after = arguments[:place], arguments[place + 1 :]
+    return lambda value: function(*before, value, *after)
 
 
 def _suits(leaf: np.ndarray, kind: str) -> bool:

@@ -7,6 +7,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from frictionlab.hybrid.ahead_of_time.loaded_kernels import prepared_call
 from frictionlab.hybrid.kernels import event_handling, run_state
 from frictionlab.hybrid.kernels.event_location import GuardZero
 from frictionlab.hybrid.kernels.jets import slot_gradients, state_rates
@@ -104,10 +105,14 @@ class Scipy(Method):
         problem, cursor = run.problem, run.cursor
         code, mode = run.natives.code, int(cursor.counts[run_state.MODE])
 
+        at, rate = np.empty_like(cursor.state), np.empty_like(cursor.state)
+        arguments = (code, problem.numbers, mode, at, run.scratch.jets, rate)
+        write_rates = prepared_call(state_rates, arguments, place=2)
+
         def rates(t: float, z: np.ndarray) -> np.ndarray:
-            out = np.empty_like(z)
-            state_rates(code, problem.numbers, mode, z, run.scratch.jets, out)
-            return out
+            at[:] = z
+            write_rates(mode)
+            return rate.copy()
 
         def jacobian(t: float, z: np.ndarray) -> np.ndarray:
             tangents = np.empty((problem.program.slots, len(z)))

@@ -103,6 +103,7 @@ def merge_candidates(x: Array) -> Array:
 
 MAX_UNCERTAINTY = 1e-6  # share of a state: what may be unknown of it
 LAST_STEP_RTOL = 1e-9  # share of a state: a step so short is the last
+TINY = np.finfo(float).tiny  # for the size of a state that is zero
 SCALE_ROUNDING = 1e-14  # of a state's usual size: what is smaller is rounding
 MAX_POLISH_STEPS = 64
 POLISH_CONTRACTION = 0.9  # a step that shrinks less than to this share of the last is rounding alone
@@ -298,8 +299,11 @@ def follow_zero(flow: Flow, x: Array, base: Sequence[float], values: Sequence[An
     with np.errstate(all="ignore"):
         first = newton_step(flow, found, values)
         second = newton_step(flow, found + first, values)
-        # Steps that shrink fast are safe (Newton-Kantorovich); otherwise the change of parameters is divided.
-        safe = np.abs(second).max(axis=0) <= SAFE_CONTRACTION * np.abs(first).max(axis=0)
+        # Steps that shrink fast are safe (Newton-Kantorovich), and so are steps of rounding; otherwise the
+        # change of parameters is divided.
+        last = np.abs(second).max(axis=0)
+        safe = last <= SAFE_CONTRACTION * np.abs(first).max(axis=0)
+        safe |= last <= LAST_STEP_RTOL * np.abs(found).max(axis=0)
         steps = 1 if safe.all() else HOMOTOPY_STEPS
         for s in np.linspace(0, 1, steps + 1)[1:]:
             between = [b if np.ndim(v) == 0 and v == b else b + s * (v - b) for b, v in zip(base, values)]
@@ -342,12 +346,20 @@ def _replace_unknown(sizes: Array) -> Array:
 
 
 def _newton(flow: Flow, x: Array, values: Sequence[Any]) -> Array:
-    """Newton's method for each column until it has converged."""
+    """Newton's method for each column until it has converged: until steps are less than rounding, or short
+    and no longer shrinking, as the rounding of a large system's elimination is more than a state's own.
+    """
+    before = np.inf
     for _ in range(CORRECTOR_STEPS):
         step = newton_step(flow, x, values)
         x = x + step
         if not (np.abs(step) > MACHINE_EPSILON * np.abs(x)).any():
             break
+        relative = (np.abs(step) / np.fmax(np.abs(x), TINY)).max(axis=0)
+        short = np.abs(step).max(axis=0) <= LAST_STEP_RTOL * np.abs(x).max(axis=0)
+        if not (~short | (relative < POLISH_CONTRACTION * before)).any():
+            break
+        before = relative
     return x
 
 

@@ -5,6 +5,9 @@ from scipy.integrate import solve_ivp
 
 import frictionlab as fl
 from frictionlab.bench.many_contacts import rod, rod_matrices
+from frictionlab.stability.equilibrium_points import newton
+from frictionlab.stability.equilibrium_points.equilibria import equilibrium_problem
+from frictionlab.stability.equilibrium_points.newton import newton_step
 
 
 def test_natural_frequencies_are_those_of_the_elements_in_closed_form():
@@ -57,3 +60,24 @@ def rates_of(model, mode):
         return np.hstack([state[n:], (matrix @ np.append(forces, 0.0))[:n]])
 
     return rates
+
+
+def test_an_equilibrium_of_200_states_is_followed_in_a_few_steps(monkeypatch):
+    """The rounding of such an elimination is more than that of a state: steps that no longer shrink are the
+    last.
+    """
+    model = rod(200)
+    problem = equilibrium_problem(model)
+    steps = []
+
+    def counted(flow, x, values):
+        steps.append(x.shape)
+        return newton_step(flow, x, values)
+
+    monkeypatch.setattr(newton, "newton_step", counted)
+    loads = np.array([0.5, 1.0, 2.0]) * model.N
+    found = problem.linearised({"N": loads})[0]
+    at = np.arange(1, model.elements + 1) / model.elements
+    stretched = model.friction.mu_k * loads * model.length / (model.E * model.area)
+    np.testing.assert_allclose(found[: model.elements], stretched * at[:, None], rtol=1e-10)
+    assert 0 < len(steps) <= 8

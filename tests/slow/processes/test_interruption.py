@@ -1,7 +1,6 @@
 """Ctrl-C, as a real signal in a process of its own: it always ends a computation, and nothing is lost."""
 
 import os
-import shutil
 import signal
 import subprocess
 import sys
@@ -11,8 +10,7 @@ from pathlib import Path
 
 import pytest
 
-import frictionlab as fl
-from frictionlab.hybrid.compilation import CACHE_FOLDER
+from tests.helpers.compilers import HAS_NUMBA
 
 ROOT = Path(__file__).parents[3]
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="sends POSIX signals")
@@ -39,7 +37,7 @@ def pressed(script, presses=1, wait=1.0, sign="ready", **variables):
         for _ in range(presses):
             time.sleep(wait)
             process.send_signal(signal.SIGINT)
-        out, err = process.communicate(timeout=300)
+        out, err = process.communicate(timeout=900)
     return out, err, process.returncode
 
 
@@ -114,21 +112,16 @@ def test_a_computation_that_was_stopped_keeps_what_it_has(call, presses, kept):
     assert (out, status) == ("kept\n", 0), err
 
 
-COMPILING = {"sign": "compiling the solver", "wait": 1.0}
-
-
 @pytest.fixture
-def incomplete_cache(tmp_path):
-    """All that the solver needs but the kernel that takes longest to compile: seconds instead of a minute."""
-    fl.simulate(fl.SliderOnBelt(mu_k=1.4), 0.02, progress=False)
-    if not CACHE_FOLDER:
-        pytest.skip("compiled code is kept nowhere, or there is none")
-    whole, missing = Path(CACHE_FOLDER), f"{fl.Taylor().entry.__name__}-*"
-    shutil.copytree(whole, tmp_path / whole.name, ignore=shutil.ignore_patterns(missing, "*.o"))
-    return {"FRICTIONLAB_CACHE_DIR": str(tmp_path)}
+def compiling(tmp_path):
+    """With an empty cache, where numba compiles all kernels."""
+    if not HAS_NUMBA:
+        pytest.skip("numba is not installed")
+    cache = {"FRICTIONLAB_CACHE_DIR": str(tmp_path), "FRICTIONLAB_COMPILE_KERNELS": "1"}
+    return {"sign": "compiling the solver", "wait": 1.0, **cache}
 
 
-def test_ctrl_c_is_answered_while_the_solver_is_compiled(incomplete_cache):
+def test_ctrl_c_is_answered_while_the_solver_is_compiled(compiling):
     script = """
     import threading
     sys.stderr = sys.stdout
@@ -139,12 +132,12 @@ def test_ctrl_c_is_answered_while_the_solver_is_compiled(incomplete_cache):
         # The compiler has not been waited for: it is still at work.
         print(any(thread.name == "frictionlab-compiler" for thread in threading.enumerate()), stopped)
     """
-    out, err, status = pressed(script, **COMPILING, **incomplete_cache)
+    out, err, status = pressed(script, **compiling)
     assert out == "True the compilation of the solver was left by ctrl-C; nothing was computed yet\n", err
     assert status == 0
 
 
-def test_what_was_compiled_in_the_background_serves_the_next_run(incomplete_cache):
+def test_what_was_compiled_in_the_background_serves_the_next_run(compiling):
     script = """
     sys.stderr = sys.stdout
     try:
@@ -152,5 +145,5 @@ def test_what_was_compiled_in_the_background_serves_the_next_run(incomplete_cach
     except KeyboardInterrupt:
         print(fl.simulate(model, 0.02, progress=False).status.name)
     """
-    out, err, status = pressed(script, **COMPILING, **incomplete_cache)
+    out, err, status = pressed(script, **compiling)
     assert (out, status) == ("FINISHED\n", 0), err
