@@ -1,4 +1,8 @@
-"""Work against precision: scenes x methods, timed in turns, errors against reference states."""
+"""Work against precision: scenes x methods, timed in turns, errors against reference states.
+
+Whatever is compiled is compiled before anything is timed: kernels, and native code of all modes, as a
+long run has it. Times are medians of runs that are interleaved, so that a slow moment affects all.
+"""
 
 from __future__ import annotations
 

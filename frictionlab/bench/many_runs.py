@@ -1,5 +1,9 @@
 """Many runs: side by side in lanes against one after another, Fig. 9's sweep by one worker and by two, and
 basin stability, each run until it is on an attractor, against a regularised model.
+
+Of basins: the bistable oscillator x'' + 0.1 x' + x = -sgn(v_r) (1 + exp(-2 |v_r|))/2 with v_r = x' - v_d
+sticks up to 1; regularised it has tanh(v_r/width) for the sign.  Random initial states in -2 < x < 2,
+0 < x' < 2.
 """
 
 from __future__ import annotations

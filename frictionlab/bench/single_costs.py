@@ -1,5 +1,8 @@
 """The cost of each nonlinearity, and the costs that arise once; many eigenvalue problems against a loop;
 Floquet multipliers against finite differences.
+
+The eight scenes with and without nonlinearities: size of the tape and wall time; their first call in a
+fresh process; native code for each mode, compiled and loaded.
 """
 
 from __future__ import annotations

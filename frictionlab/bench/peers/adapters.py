@@ -1,5 +1,12 @@
 """Other tools: those that call functions back, scipy's solve_ivp, CVODE and PathSim, and those that compile
 each mode, heyoka and diffrax.
+
+scipy as users call it: compiled right-hand side, a call for each mode, terminal events.  CVODE
+(Hindmarsh et al. 2005) with its root finding, through scikit-sundae.  PathSim: block diagrams in
+Python; each mode is an ODE block with its zero crossings.
+
+heyoka (Biscani & Izzo 2021): Taylor series of high order, with event detection.  diffrax (Kidger 2021):
+each mode's integration up to its first event is compiled once, by JAX.
 """
 
 from __future__ import annotations
