@@ -1,9 +1,8 @@
 """`fl.hopf`: how vibration begins where a flutter instability sets in, by the normal form of the Hopf point.
 
-It is w' = (i omega + slope (p - p0)) w + cubic w |w|^2, x = x0 + 2 Re(w q).  Derivatives along directions are
-made by sympy once: f(x + s u + t v + ...) is differentiated once by each of s, t, ... at zero.  That is
-linear in each direction, so it takes complex vectors.  Yu. A. Kuznetsov, "Elements of Applied Bifurcation
-Theory", 3rd ed., Springer, 2004; also his "Andronov-Hopf bifurcation", Scholarpedia 1(10) (2006) 1858.
+It is w' = (i omega + slope (p - p0)) w + cubic w |w|^2, x = x0 + 2 Re(w q).  Derivatives along directions:
+f(x + s u + t v + ...) is differentiated once by each of s, t, ... at zero, by sympy once.  Yu. A. Kuznetsov,
+"Elements of Applied Bifurcation Theory", 3rd ed., Springer, 2004; also Scholarpedia 1(10) (2006) 1858.
 """
 
 from __future__ import annotations
