@@ -1,15 +1,44 @@
-"""How results present themselves: as a line or two of text, as tables of pandas and xarray, in Markdown.
+"""How results present themselves: what they hold by name, as a line or two of text, as tables of pandas and
+xarray, in Markdown, and as pictures, by their method `plot`.
 
 pandas and xarray come with the extra ``data`` and are imported when a table is asked for.  Tables carry
 units: a DataFrame in ``attrs["units"]``, a Dataset in ``attrs["units"]`` of each variable.  All attributes
-are what Parquet and netCDF files can hold.
+are what Parquet and netCDF files can hold.  Results lie below `frictionlab.plotting`, which draws them, so
+that plotting is imported when it is asked for, here alone.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from importlib import import_module
-from typing import Any
+from typing import Any, ClassVar, Generic, TypeVar
+
+Value = TypeVar("Value")
+
+
+class FrozenMapping(Mapping[str, Value], Generic[Value]):
+    """What results hold by name; equal to a dictionary of the same items."""
+
+    __slots__ = ("_items",)
+
+    def __init__(self, items: Mapping[str, Value]) -> None:
+        self._items = dict(items)
+
+    def __getitem__(self, name: str) -> Value:
+        return self._items[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._items)
+
+    def __len__(self) -> int:
+        return len(self._items)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return FrozenMapping, (self._items,)
+
+    def __repr__(self) -> str:
+        return repr(self._items)
+
 
 MAX_LISTED = 8  # items that a summary names before it says how many more there are
 MAX_ROWS = 10  # rows of a table in text
@@ -140,3 +169,34 @@ def dataset(
         if units.get(str(name)):
             table[name].attrs["units"] = units[str(name)]
     return table
+
+
+class Drawable:
+    """A result that a function of ``frictionlab.plotting`` draws."""
+
+    drawn_by: ClassVar[str]  # the name of that function
+    several_axes: ClassVar[bool] = False  # whether it may make several, and returns them
+
+    def plot(self, ax: Any = None, **options: Any) -> Any:
+        """Draw the result by the function of ``frictionlab.plotting`` that `drawn_by` names.
+
+        Parameters
+        ----------
+        ax : Axes or None
+            None draws into a new figure.
+        **options
+            Further keywords of that function.
+
+        Returns
+        -------
+        Axes
+            Those drawn into, the first where there are several; a notebook shows the picture.
+        """
+        from frictionlab import plotting
+
+        draw = getattr(plotting, self.drawn_by)
+        if self.several_axes:
+            return draw(self, ax, **options)[0]
+        ax = plotting.axes_or_new(ax)
+        draw(self, ax, **options)
+        return ax

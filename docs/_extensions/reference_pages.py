@@ -31,9 +31,9 @@ GROUPS = {
     "stability": ("Stability of steady sliding", "Equilibria, eigenvalues and how parameters change them."),
     "analysis": ("Runs and their analysis", "From one run to steady states, sweeps and periodic orbits."),
     "interruption": (
-        "Ctrl-C",
+        "Ctrl-C and progress bars",
         "Every computation raises KeyboardInterrupt, and what it had computed is kept, see "
-        "[stop it](../how-to/sweeps.md#stop-it).",
+        "[stop it](../how-to/sweeps.md#stop-it). Bars are shown after a second, or not at all.",
     ),
     "plotting": (
         "Figures",

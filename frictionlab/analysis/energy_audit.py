@@ -16,18 +16,16 @@ import sympy as sp
 from frictionlab.analysis.motion_scales import Array
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.automaton.modes_on_demand import JOINT
-from frictionlab.drawable import Drawable
-from frictionlab.frozen_mapping import FrozenMapping
-from frictionlab.hybrid.outputs import array_function, evaluate_output
-from frictionlab.hybrid.progress import progress_bar
+from frictionlab.hybrid.problem import array_function, evaluate_output
 from frictionlab.hybrid.trajectory import Trajectory
+from frictionlab.interruption import progress_bar
 from frictionlab.models import MechanicalModel
-from frictionlab.models.mechanical.chatter import CHATTER_MODE
 from frictionlab.models.mechanical.equations_of_motion import LagrangeSystem, system_of
 from frictionlab.models.mechanical.mechanics import Friction
 from frictionlab.models.mechanical.modes import contact_suffix
+from frictionlab.models.mechanical.resets import CHATTER_MODE
 from frictionlab.models.symbols import Structure, parameter_symbols, structure_of_component, structure_values
-from frictionlab.presentation import shorten
+from frictionlab.presentation import Drawable, FrozenMapping, shorten
 
 # Exact for contact laws that are polynomials in sqrt(penetration).
 CONTACT_NODES, CONTACT_WEIGHTS = np.polynomial.legendre.leggauss(12)

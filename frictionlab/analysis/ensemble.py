@@ -13,16 +13,13 @@ from frictionlab.automaton import HybridAutomaton
 from frictionlab.automaton.modes_on_demand import ModeNames
 from frictionlab.hybrid.compilation import needs_compilation
 from frictionlab.hybrid.ensemble.batch import BatchResult, advance_batch, integrate_batch
-from frictionlab.hybrid.ensemble.batch_state import Batch, new_batch
-from frictionlab.hybrid.ensemble.lanes import advance_batch_kernel
-from frictionlab.hybrid.methods.method_registry import method_of
+from frictionlab.hybrid.ensemble.lanes import Batch, advance_batch_kernel, new_batch
 from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.hybrid.problem import Problem
-from frictionlab.hybrid.progress import Progress
-from frictionlab.hybrid.solve import problem_of, with_chatter_limit
+from frictionlab.hybrid.solve import method_of, problem_of, with_chatter_limit
 from frictionlab.hybrid.tape.automaton_checks import check_automaton
 from frictionlab.hybrid.tape.packing import program_of
-from frictionlab.interruption import interruption
+from frictionlab.interruption import Progress, interruption
 from frictionlab.models.coercion import automaton_of
 from frictionlab.validation import check_number
 

@@ -9,13 +9,11 @@ import numpy as np
 
 from frictionlab.analysis.simulate import validate_initial_state
 from frictionlab.automaton import HybridAutomaton
-from frictionlab.drawable import Drawable
-from frictionlab.hybrid.progress import progress_bar
 from frictionlab.hybrid.solve import solve
 from frictionlab.hybrid.variational.tangent_flow import tangent_growth
-from frictionlab.interruption import interruption
+from frictionlab.interruption import interruption, progress_bar
 from frictionlab.models.coercion import automaton_of
-from frictionlab.presentation import shorten
+from frictionlab.presentation import Drawable, shorten
 from frictionlab.validation import check_number
 
 from .motion_scales import Array, state_scales

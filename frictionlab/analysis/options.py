@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any, TypedDict
 
 from frictionlab.hybrid.methods.base import Method
-from frictionlab.hybrid.methods.method_registry import method_of
+from frictionlab.hybrid.solve import method_of
 from frictionlab.validation import abbreviate, check_number, did_you_mean, store_plain_numbers
 
 from .steady_state.poincare_sections import Section

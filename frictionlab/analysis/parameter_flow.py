@@ -20,15 +20,14 @@ from frictionlab.automaton import Event, HybridAutomaton, Mode, Reset
 from frictionlab.hybrid.problem import Problem
 from frictionlab.hybrid.tape.packing import program_of
 from frictionlab.hybrid.trajectory import Trajectory
-from frictionlab.hybrid.variational.saltation import constraint_gradients, linearise_mode
 from frictionlab.hybrid.variational.tangent_flow import (
     carry_frame,
     carry_rows,
     check_taylor_run,
     event_saltation,
 )
-from frictionlab.hybrid.variational.tangent_jets import carry_steps
-from frictionlab.models.gradients import derivatives
+from frictionlab.hybrid.variational.tangent_jets import carry_steps, constraint_gradients, linearise_mode
+from frictionlab.models.symbols import derivatives
 
 Array = NDArray[np.float64]
 INNER = "chatter"  # a number of the solver, no parameter of the motion

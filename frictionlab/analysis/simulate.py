@@ -10,9 +10,8 @@ import numpy as np
 
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.hybrid.methods.base import Method
-from frictionlab.hybrid.methods.method_registry import method_of
 from frictionlab.hybrid.run_file import automaton_in_file, trajectory_from_file
-from frictionlab.hybrid.solve import solve, state_from_mapping
+from frictionlab.hybrid.solve import method_of, solve, state_from_mapping
 from frictionlab.hybrid.storage import StoredRun, read_run_file
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models import Model

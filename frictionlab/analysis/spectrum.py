@@ -7,8 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionlab.drawable import Drawable
-from frictionlab.presentation import count
+from frictionlab.presentation import Drawable, count
 from frictionlab.validation import check_choice
 
 from .motion_scales import oscillation_period, rounded_period

@@ -4,15 +4,14 @@ The common language of the models, which write automata, and of the solver, whic
 of friction and computes nothing: expressions are sympy expressions in the symbols of states and parameters,
 which :mod:`frictionlab.hybrid` turns into numbers.
 
-``combinations``
-    `Combinations`: many sums of few expressions, as numbers times these; what finite elements need.
 ``mode``
     `Mode`, `Event`, `Reset`: one smooth regime, what ends it, what jumps then.
 ``modes_on_demand``
     `ModesOnDemand`: modes that are derived when a run first tries to enter them, and `Sketch`, what is known
     of a mode before.
-``expansion``
-    Expressions multiplied out, so far as that is short.
+``expressions``
+    `Combinations`: many sums of few expressions, as numbers times these; what finite elements need.
+    Expressions multiplied out, so far as that is short; parts of them that have no value.
 ``hybrid_automaton``
     `HybridAutomaton`: the modes over one state space, with the values of the parameters.
 """

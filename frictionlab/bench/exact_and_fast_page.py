@@ -12,7 +12,7 @@ from frictionlab.hybrid.methods.taylor import Taylor
 
 from . import missed_event, page_figures
 from .harness import WorkPrecisionRow
-from .nonlinearity_cost import NonlinearityCost
+from .single_costs import NonlinearityCost
 
 TEXT = """\
 # Exact and fast, in three pictures

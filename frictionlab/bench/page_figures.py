@@ -26,10 +26,9 @@ from frictionlab.plotting.style import (
     YELLOW,
 )
 
-from .harness import WorkPrecisionRow
+from .harness import WorkPrecisionRow, scenes
 from .missed_event import COMPARED_METHODS, TIMES_NEAR_LANDING, TIMES_OF_ERRORS, MethodResult, MissedEvent
-from .nonlinearity_cost import NONLINEARITIES, NonlinearityCost
-from .scenes import scenes
+from .single_costs import NONLINEARITIES, NonlinearityCost
 
 FAMILY_STYLES = {
     "frictionlab": (VERMILLION, "o"),

@@ -9,9 +9,8 @@ from pathlib import Path
 from frictionlab.file_writing import write_text
 
 from . import harness, page_figures
-from .basins import EQUILIBRIUM_SHARE
-from .harness import WorkPrecisionRow
-from .scenes import scenes
+from .harness import WorkPrecisionRow, scenes
+from .many_runs import EQUILIBRIUM_SHARE
 
 PAGE, PICTURE = "performance.md", Path("images", "performance.png")
 

@@ -49,7 +49,7 @@ def add_bench(commands: Any) -> OneLineParser:
 
 def bench_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
     """Measure and print; returns the exit status."""
-    from frictionlab.bench.scenes import scenes
+    from frictionlab.bench.harness import scenes
 
     known = scenes()
     if chosen.scene and chosen.output:
@@ -67,17 +67,12 @@ def bench_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
 
 
 def _measure_and_write(chosen: argparse.Namespace, measured: Sequence[Any]) -> None:
-    from frictionlab.bench import (
-        exact_and_fast_page,
-        nonlinearity_cost,
-        page_figures,
-        performance_page,
-    )
+    from frictionlab.bench import exact_and_fast_page, page_figures, performance_page, single_costs
 
     loads = [performance_page.load_average()]
     rows = _measure_scenes(chosen, measured)
     loads.append(performance_page.load_average())
-    switched = [] if chosen.scene else nonlinearity_cost.nonlinearity_costs(repeats=3 if chosen.quick else 15)
+    switched = [] if chosen.scene else single_costs.nonlinearity_costs(repeats=3 if chosen.quick else 15)
     tables = [] if chosen.scene else _measure_others(chosen.quick, switched)
     if chosen.output:
         folder = Path(chosen.output)
@@ -107,27 +102,23 @@ def _measure_scenes(chosen: argparse.Namespace, measured: Sequence[Any]) -> list
 
 
 def _measure_others(quick: bool, switched: list[Any]) -> list[str]:
-    from frictionlab.bench import basins, nonlinearity_cost, parallel_runs, stability_cost
+    from frictionlab.bench import many_runs, single_costs
 
     def costs() -> str:
-        starts = nonlinearity_cost.starts(repeats)
-        return nonlinearity_cost.nonlinearity_table(switched, starts.first, starts.imported)
+        starts = single_costs.starts(repeats)
+        return single_costs.nonlinearity_table(switched, starts.first, starts.imported)
 
     repeats = 1 if quick else 3
     measured = {
         "What each nonlinearity costs": costs,
-        "Native code": lambda: nonlinearity_cost.native_table(nonlinearity_cost.native_code_times(repeats)),
-        "Many runs": lambda: parallel_runs.ensemble_table(parallel_runs.ensemble_times(repeats=repeats)),
-        "Fig. 9's sweep": lambda: parallel_runs.sweep_table(
-            parallel_runs.sweep_times(30.0 if quick else 300.0, 1)
+        "Native code": lambda: single_costs.native_table(single_costs.native_code_times(repeats)),
+        "Many runs": lambda: many_runs.ensemble_table(many_runs.ensemble_times(repeats=repeats)),
+        "Fig. 9's sweep": lambda: many_runs.sweep_table(many_runs.sweep_times(30.0 if quick else 300.0, 1)),
+        "Linear stability": lambda: single_costs.eigenproblem_table(
+            single_costs.eigenproblem_times(10_000, repeats)
         ),
-        "Linear stability": lambda: stability_cost.eigenproblem_table(
-            stability_cost.eigenproblem_times(10_000, repeats)
-        ),
-        "Floquet multipliers": lambda: stability_cost.multiplier_table(
-            stability_cost.multiplier_times(repeats)
-        ),
-        "Basins": lambda: basins.basin_table(basins.basin_times(10_000, 20 if quick else 200)),
+        "Floquet multipliers": lambda: single_costs.multiplier_table(single_costs.multiplier_times(repeats)),
+        "Basins": lambda: many_runs.basin_table(many_runs.basin_times(10_000, 20 if quick else 200)),
         "A step of an explorer's slider": lambda: _explorer_table(3 if quick else 10),
         "A slider of an exported page": lambda: _page_table(20 if quick else 100),
     }
@@ -147,17 +138,14 @@ def _table_or_reason(measure: Callable[[], str]) -> str:
 
 
 def _page_table(count: int) -> str:
-    from frictionlab.bench import page_frames
+    from frictionlab.bench import response_times
 
-    return page_frames.page_table(page_frames.page_frames(count))
+    return response_times.page_table(response_times.page_frames(count))
 
 
 def _explorer_table(count: int) -> str:
-    from frictionlab.bench import explorer_latency
+    from frictionlab.bench import response_times
 
-    return explorer_latency.latency_table(
-        {
-            name: explorer_latency.latencies(m, count=count)
-            for name, m in explorer_latency.LATENCY_SCENES.items()
-        }
+    return response_times.latency_table(
+        {name: response_times.latencies(m, count=count) for name, m in response_times.LATENCY_SCENES.items()}
     )

@@ -83,7 +83,7 @@ def _parser(commands: Any, name: str, about: str, description: str, epilog: str)
 
 def animate_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
     """Write the film; returns the exit status."""
-    from frictionlab.hybrid.progress import progress
+    from frictionlab.interruption import progress
     from frictionlab.plotting import animate
     from frictionlab.plotting.animation.animate import DEFAULT_WINDOW
 
@@ -99,7 +99,7 @@ def animate_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
 
 def sound_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
     """Write the sound; returns the exit status."""
-    from frictionlab.hybrid.progress import progress
+    from frictionlab.interruption import progress
     from frictionlab.widgets.sound import listen
 
     with progress(not (chosen.quiet or chosen.json)):

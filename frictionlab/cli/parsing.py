@@ -36,7 +36,7 @@ def flush_output() -> None:
 
 def complain(program: str, text: str) -> None:
     """Write a line to standard error, if that can be done."""
-    from frictionlab.hybrid.progress import tell
+    from frictionlab.interruption import tell
 
     tell(f"{program}: {text}")
 

@@ -161,11 +161,11 @@ def _given_parameters(chosen: argparse.Namespace) -> dict[str, float]:
 
 def method_from_options(chosen: argparse.Namespace) -> Any:
     """The method with its settings."""
-    from frictionlab.hybrid.methods import method_registry
+    from frictionlab.hybrid import solve
     from frictionlab.hybrid.methods.one_step import RK4
 
     by_lower = {name.lower(): name for name in METHOD_NAMES}
-    method = method_registry.method_of(by_lower.get(chosen.method.lower(), chosen.method))
+    method = solve.method_of(by_lower.get(chosen.method.lower(), chosen.method))
     fixed = isinstance(method, RK4)
     if chosen.step is not None and not fixed:
         raise ValueError(f"--step is an option of --method rk4, got --method {chosen.method}: leave it out")

@@ -20,16 +20,17 @@ Data pass in this order, and each part imports only from those before it:
     Machine code for the jets and steps of a mode that is used for long, with the same results to the last
     bit.
 ``problem``
-    `Problem`, what a method is given; `RunData`, the arrays that it gives back; `Status`, how a run ended.
+    `Problem`, what a method is given; `RunData`, the arrays that it gives back; `Status`, how a run ended;
+    its events and its named outputs.
 ``methods``
-    `Taylor`, `RK4`, `Scipy`: classes that fill records of steps and events, and the registry of their names.
-``trajectory``, ``outputs``, ``storage``, ``accuracy``
-    `Trajectory`, the result of a run with samples, events, dense output; its named outputs; runs on disk;
-    the defect of its steps and the violation of its modes' conditions.
+    `Taylor`, `RK4`, `Scipy`: classes that fill records of steps and events.
+``trajectory``, ``storage``, ``run_file``, ``accuracy``
+    `Trajectory`, the result of a run with samples, events, dense output; runs on disk, and whether what a
+    file holds is a run; the defect of its steps and the violation of its modes' conditions.
 ``ensemble``
     Many runs of one structure side by side.
 ``variational``
     How a run depends on its initial state: tangent flow, saltation matrices, growth of perturbations.
 ``solve``
-    `fl.solve`, which checks the arguments and passes an automaton through all of this.
+    `fl.solve`, which checks the arguments and passes an automaton through all of this; methods by name.
 """

@@ -15,7 +15,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from frictionlab.frozen_mapping import FrozenMapping
 from frictionlab.hybrid.codegen.native_cache import native_code
 from frictionlab.hybrid.compilation import inlined, kernel
 from frictionlab.hybrid.elementary.trigonometry import cos
@@ -32,6 +31,7 @@ from frictionlab.hybrid.kernels.run_state import jet_columns
 from frictionlab.hybrid.kernels.taylor_steps import step_series
 from frictionlab.hybrid.problem import Problem, RunData
 from frictionlab.hybrid.tape.program import system_of
+from frictionlab.presentation import FrozenMapping
 
 CHECK_POINTS = 8  # in a step, the zeros of a Chebyshev polynomial: dense towards its ends
 # Share of the terms of a sum that may be rounding, which is no defect.

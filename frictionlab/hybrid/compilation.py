@@ -20,7 +20,7 @@ from importlib import import_module
 from typing import Any
 
 from frictionlab.hybrid.ahead_of_time.loaded_kernels import LoadedKernels, load_kernels
-from frictionlab.hybrid.ahead_of_time.sources import kernel_sources
+from frictionlab.hybrid.ahead_of_time.manifest import kernel_sources
 from frictionlab.hybrid.kernel_cache import DIGEST_LENGTH, KernelCache, digest_folder, has_kernel
 
 LOGGER = logging.getLogger(__name__)

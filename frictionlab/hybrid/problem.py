@@ -1,21 +1,39 @@
-"""The problem that a method integrates, and the data that it returns.
+"""The problem that a method integrates, and what it returns: arrays, events, named quantities.
 
 A `Problem` is a program with its numbers, an initial state and an end.  Kernels fill records of fixed
 capacity; `RecordList` joins these to `RunData`, the arrays that a
 :class:`~frictionlab.hybrid.trajectory.Trajectory` wraps, and `Status` says in a sentence how the run ended.
+`Events` and `SectionPoints` are what happened, and when.  Named quantities are formulas of each mode as
+functions of arrays of states; powers in them are those of the tape: a base that is below zero by rounding
+counts as zero.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
-from typing import NamedTuple
+from functools import lru_cache
+from typing import Any, NamedTuple
 
 import numpy as np
+import sympy as sp
+from sympy.printing.numpy import NumPyPrinter
 
+from frictionlab.automaton import HybridAutomaton, Mode
 from frictionlab.hybrid.kernels.run_state import Record, new_record
 from frictionlab.hybrid.tape.program import Code, Numbers, Program
+from frictionlab.presentation import MAX_ROWS, count, dataframe, shorten, span, state_unit
+
+# What sympy takes for "numpy" is all of it: test tools and f2py too, a tenth of a second of every start.
+_NUMPY = {name: value for name, value in vars(np).items() if not name.startswith("_")}
+_SETTINGS = {"fully_qualified_modules": False, "inline": True, "allow_unknown_functions": True}
+
+
+def numpy_function(arguments: Sequence[Any], expressions: Any) -> Callable[..., Any]:
+    """Function of numbers or arrays, in the order of the `arguments`: the values of the expressions."""
+    return sp.lambdify(arguments, expressions, modules=[_NUMPY], printer=NumPyPrinter(_SETTINGS), cse=True)
 
 
 @dataclass(frozen=True)
@@ -38,6 +56,16 @@ class Problem:
         assert self.derive is not None
         program, numbers = self.derive(tuple(combination.tolist()))
         return replace(self, program=program, numbers=numbers)
+
+
+class Sampling(NamedTuple):
+    """How a run is sampled: order of the dense output, parts of a step, or the times asked for; the sections
+    whose crossings were recorded."""
+
+    order: int
+    parts: int
+    t_eval: np.ndarray | None = None
+    sections: tuple[str, ...] = ()
 
 
 class RunData(NamedTuple):
@@ -129,3 +157,143 @@ class RecordList:
         arrays = parts[0] if len(parts) == 1 else map(np.concatenate, zip(*parts, strict=True))
         joined = dict(zip(Record._fields, arrays))
         return RunData(**joined, t=float(t), state=state, mode=mode, status=status)
+
+
+MAX_KINDS = 6  # kinds of events that a summary counts
+
+
+class RunEvent(NamedTuple):
+    """One event of a run: a row of `Events`."""
+
+    t: float
+    source: str
+    target: str
+    guard: str
+    state: np.ndarray
+    before: np.ndarray
+    closed: bool
+
+
+@dataclass(frozen=True)
+class Events:
+    """Every event of a run, one row each; ``print(run.events)`` shows the first as a table.
+
+    ``run.events[0]`` is an event, ``run.events[run.events.target == "stick"]`` are some of them.
+
+    Attributes
+    ----------
+    t : (E,) times, in seconds
+    source, target : (E,) names of the modes left and entered ("" where none could be entered)
+    guard : (E,) names of the event functions that reached zero
+    state, before : (E, states) state after and before the reset
+    closed : (E,) whether the event closed a Zeno accumulation
+    names : names of the states
+    """
+
+    t: np.ndarray
+    source: np.ndarray
+    target: np.ndarray
+    guard: np.ndarray
+    state: np.ndarray
+    before: np.ndarray
+    closed: np.ndarray
+    names: tuple[str, ...] = ()
+
+    def __len__(self) -> int:
+        return len(self.t)
+
+    def __getitem__(self, index: Any) -> Any:
+        """The event of a number; of a slice or an array of numbers or truth values the events."""
+        if isinstance(index, (int, np.integer)):
+            t, source, target, guard, state, before, closed = (column[index] for column in self._columns())
+            return RunEvent(float(t), str(source), str(target), str(guard), state, before, bool(closed))
+        chosen = dict(zip(RunEvent._fields, (column[index] for column in self._columns()), strict=True))
+        return replace(self, **chosen)
+
+    def __iter__(self) -> Iterator[RunEvent]:
+        return (self[i] for i in range(len(self)))
+
+    def _columns(self) -> list[np.ndarray]:
+        return [getattr(self, name) for name in RunEvent._fields]
+
+    def counts(self) -> dict[str, int]:
+        """Number of events by kind, e.g. ``{"slip+ -> stick": 10}``, the most frequent first."""
+        kinds = Counter(f"{a} -> {b}" for a, b in zip(self.source, self.target, strict=True))
+        return dict(kinds.most_common())
+
+    def to_dataframe(self) -> Any:
+        """One row for each event, as a pandas DataFrame indexed by time (needs the extra ``data``).
+
+        Columns: modes left and entered, event function, whether an accumulation was closed; then the states
+        after the event, and those before it, as "x1 before".
+        """
+        about = {name: getattr(self, name) for name in ("source", "target", "guard", "closed")}
+        after = dict(zip(self.names, self.state.T, strict=True))
+        before = {f"{name} before": column for name, column in zip(self.names, self.before.T, strict=True)}
+        units = {name: state_unit(name.removesuffix(" before")) for name in (*after, *before)}
+        return dataframe(about | after | before, {"t": self.t}, {"t": "s"} | units)
+
+    def __repr__(self) -> str:
+        kinds = shorten((f"{kind}: {n}" for kind, n in self.counts().items()), MAX_KINDS)
+        return f"Events({len(self)}: {kinds})" if kinds else "Events(0)"
+
+    def __str__(self) -> str:
+        rows = [("t (s)", "from", "to", "event function")]
+        rows += [(f"{e.t:.6g}", e.source, e.target or "no mode", e.guard) for e in self[:MAX_ROWS]]
+        widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+        lines = ["  ".join(f"{text:{width}}" for text, width in zip(row, widths)).rstrip() for row in rows]
+        lines += [f"... and {len(self) - MAX_ROWS} more"] if len(self) > MAX_ROWS else []
+        return "\n".join([repr(self), *(lines if len(self) else [])])
+
+
+class SectionPoints(NamedTuple):
+    """Crossings of a section: times (P,) and states (P, states)."""
+
+    t: np.ndarray
+    state: np.ndarray
+
+    def __repr__(self) -> str:
+        when = f", {span(self.t)} s" if len(self.t) else ""
+        return f"SectionPoints({count(len(self.t), 'crossing')}{when})"
+
+
+def nonnegative_power(base: Any, exponent: Any) -> Any:
+    """A power whose base counts as zero where it is negative, as penetration^1.5 at a penetration of -1e-18 m
+    by rounding."""
+    with np.errstate(divide="ignore"):
+        return np.maximum(base, 0.0) ** exponent
+
+
+def array_function(arguments: Sequence[Any], expressions: Any) -> Callable[..., Any]:
+    """Function of arrays, in the order of the `arguments`, that gives the values of the expressions."""
+    names = _NUMPY | {"power": nonnegative_power}
+    return sp.lambdify(arguments, expressions, modules=[names], printer=_Printer(_SETTINGS), cse=True)
+
+
+class _Printer(NumPyPrinter):
+    def _print_Pow(self, expr: Any, rational: bool = False) -> str:
+        if expr.exp.is_integer:
+            return super()._print_Pow(expr, rational=rational)
+        return f"power({self._print(expr.base)}, {self._print(expr.exp)})"
+
+
+@lru_cache(maxsize=1024)
+def _output_function(mode: Mode, name: str, states: tuple, parameters: tuple) -> Callable[..., np.ndarray]:
+    return array_function([*states, *parameters], mode.outputs[name])
+
+
+def evaluate_output(
+    automaton: HybridAutomaton, name: str, states: np.ndarray, modes: np.ndarray, mode_names: Sequence[str]
+) -> np.ndarray:
+    """Values (N,) of output `name` at `states` (N, n), each by the formula of its mode.
+
+    The modes are numbers in `mode_names`.
+    """
+    values = np.empty(len(states))
+    parameters = tuple(automaton.parameters)
+    for i in np.unique(modes):
+        chosen = modes == i
+        mode = automaton.mode(mode_names[int(i)])
+        function = _output_function(mode, name, automaton.states, parameters)
+        values[chosen] = function(*states[chosen].T, *automaton.parameters.values())
+    return values

@@ -10,12 +10,12 @@ import numpy as np
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.automaton.modes_on_demand import ModesOnDemand
 from frictionlab.hybrid.kernels.jets import MAX_ORDER
-from frictionlab.hybrid.problem import Problem, RunData, Status
+from frictionlab.hybrid.problem import Problem, RunData, Sampling, Status
 from frictionlab.hybrid.solve import with_chatter_limit
 from frictionlab.hybrid.storage import STORED_ARRAYS, StoredRun, rates_by_mode
 from frictionlab.hybrid.tape.automaton_data import DERIVED_FROM, automaton_from_data
 from frictionlab.hybrid.tape.packing import program_of, program_of_modes
-from frictionlab.hybrid.trajectory import Sampling, Trajectory
+from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.validation import abbreviate
 
 MAX_PARTS = 1000  # of a step, in samples: methods take eight at most

@@ -1,4 +1,4 @@
-"""`fl.solve`: run any hybrid automaton."""
+"""`fl.solve`: run any hybrid automaton, by a method or the name of one."""
 
 from __future__ import annotations
 
@@ -14,22 +14,47 @@ from frictionlab.automaton import HybridAutomaton
 from frictionlab.automaton.modes_on_demand import ModesOnDemand, check_mode_name
 from frictionlab.hybrid.compilation import needs_compilation
 from frictionlab.hybrid.methods.base import Method
-from frictionlab.hybrid.methods.method_registry import method_of
-from frictionlab.hybrid.problem import Problem
-from frictionlab.hybrid.progress import Progress
+from frictionlab.hybrid.methods.one_step import RK4
+from frictionlab.hybrid.methods.scipy_methods import INTEGRATORS, Scipy
+from frictionlab.hybrid.methods.taylor import Taylor
+from frictionlab.hybrid.problem import Problem, Sampling
 from frictionlab.hybrid.tape.automaton_checks import check_automaton, check_section_or_quadrature
 from frictionlab.hybrid.tape.expression_text import read_expression
 from frictionlab.hybrid.tape.packing import program_of
 from frictionlab.hybrid.tape.program import Numbers, Program, Section
-from frictionlab.hybrid.trajectory import Sampling, Trajectory
-from frictionlab.interruption import interruption
+from frictionlab.hybrid.trajectory import Trajectory
+from frictionlab.interruption import Progress, interruption
 from frictionlab.validation import (
     abbreviate,
     check_mapping,
     check_number,
+    did_you_mean,
     did_you_mean_or_known,
     float_array,
 )
+
+
+def method_of(method: Any) -> Method:
+    """The method itself, or the one of that name, in small letters or large ones, with its default settings.
+
+    Raises
+    ------
+    ValueError
+        Where there is no such method.
+    """
+    if isinstance(method, Method):
+        return method
+    named = {"taylor": Taylor, "rk4": RK4}
+    known = [*named, *INTEGRATORS]
+    spelt = {name.lower(): name for name in known}
+    name = spelt.get(method.lower(), "") if isinstance(method, str) else ""
+    if name:
+        return named[name]() if name in named else Scipy(name)
+    names = ", ".join(map(repr, known))
+    raise ValueError(
+        f"method must be a frictionlab method or one of {names}, got {method!r}{did_you_mean(method, known)}"
+    )
+
 
 LOGGER = logging.getLogger(__name__)
 

@@ -10,38 +10,32 @@ import math
 from collections.abc import Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.automaton.modes_on_demand import ModeNames, ModesOnDemand
-from frictionlab.drawable import Drawable
-from frictionlab.frozen_mapping import FrozenMapping
 from frictionlab.hybrid.accuracy import condition_violation, defects
 from frictionlab.hybrid.codegen.native_cache import native_code
-from frictionlab.hybrid.events import Events, SectionPoints
 from frictionlab.hybrid.kernels.run_state import StepData, jet_columns
 from frictionlab.hybrid.kernels.taylor_steps import sample_states, subdivide_steps
-from frictionlab.hybrid.outputs import evaluate_output
-from frictionlab.hybrid.problem import Problem, RunData
+from frictionlab.hybrid.problem import Events, Problem, RunData, Sampling, SectionPoints, evaluate_output
 from frictionlab.hybrid.storage import STORED_ARRAYS, rates_by_mode, write_run_file
 from frictionlab.hybrid.tape.automaton_data import storable_automaton
 from frictionlab.hybrid.tape.packing import program_of, program_of_modes
-from frictionlab.presentation import count, dataframe, dataset, output_unit, state_unit
+from frictionlab.presentation import (
+    Drawable,
+    FrozenMapping,
+    count,
+    dataframe,
+    dataset,
+    output_unit,
+    state_unit,
+)
 from frictionlab.validation import did_you_mean
 
 PICKLED = "automaton", "source", "raw", "status", "samples", "quadratures", "description", "_wall_time"
-
-
-class Sampling(NamedTuple):
-    """How a run is sampled: order of the dense output, parts of a step, or the times asked for; the sections
-    whose crossings were recorded."""
-
-    order: int
-    parts: int
-    t_eval: np.ndarray | None = None
-    sections: tuple[str, ...] = ()
 
 
 class Trajectory(Drawable):

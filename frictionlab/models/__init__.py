@@ -2,8 +2,8 @@
 
 `model` is the base of all models: one namespace of parameters (`parameter_namespace`), copies with changes,
 files (`serialisation`, `structure_data`), switches (`nonlinearities`).  A model is derived once for its
-structure, on a copy whose parameters are sympy symbols (`symbols`), with derivatives of long sums
-(`gradients`); `assembly` puts the numbers back and gives the `HybridAutomaton` that the solver runs.
+structure, on a copy whose parameters are sympy symbols, with derivatives of long sums; the numbers are put
+back, which gives the `HybridAutomaton` that the solver runs (all in `symbols`).
 `mechanical` derives automata from energies and contacts, `library` holds the nine models, `description`
 shows a model as equations.  `coercion` tells models and automata from anything else.
 """

@@ -220,7 +220,7 @@ class Model(Component):
 
     def automaton(self) -> HybridAutomaton:
         """The hybrid automaton; models that differ in numbers only share its `modes` object."""
-        from .assembly import automaton_of_model
+        from .symbols import automaton_of_model
 
         return automaton_of_model(self)
 

@@ -11,10 +11,9 @@ from typing import Any
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.components.component import structure_of
 
-from .assembly import automaton_of_structure
 from .model import Model
 from .serialisation import class_path, loaded_class, value_from_data, value_to_data
-from .symbols import Structure, parameter_symbols, symbol
+from .symbols import Structure, automaton_of_structure, parameter_symbols, symbol
 
 # What deriving may raise where the values of a structure are others than any model's.
 NO_STRUCTURE = ValueError, TypeError, AttributeError, LookupError, ArithmeticError, RecursionError

@@ -1,22 +1,27 @@
-"""Symbols, and the copy of a model that has them for values.
+"""Symbols, the copy of a model that has them for values, and the automaton that is derived from it.
 
 A model is derived once for its *structure*: the classes of its components and those of their fields that are
 no parameters.  The copy made here runs no checks of values, as symbols have none.  Where the methods of its
-laws cannot take symbols they raise an error that says so.
+laws cannot take symbols they raise an error that says so.  `automaton_of_model` puts the numbers back.
+
+Sympy's `diff` asks every term about every symbol: n^2 questions for a chain of n springs.  Here each term is
+asked for the symbols that are in it (`gradient`).  The derivatives are the same expressions.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import logging
+import time
+from collections.abc import Callable, Iterable, Sequence, Set
 from contextlib import suppress
-from functools import cache, wraps
+from functools import cache, lru_cache, wraps
 from inspect import signature
 from typing import Any, NamedTuple
 
 import sympy
 
-from frictionlab.automaton.expansion import multiply_out
-from frictionlab.automaton.undefined_numbers import undefined_part
+from frictionlab.automaton import HybridAutomaton
+from frictionlab.automaton.expressions import multiply_out, undefined_part, unsorted_product
 from frictionlab.components import ContactLaw, FrictionLaw, ImpactLaw
 from frictionlab.components.component import Component, parameters_of, structure_of
 
@@ -135,3 +140,84 @@ def _with_explanation(method: Callable[..., Any], law: str) -> Callable[..., Any
         return value
 
     return explained
+
+
+LOGGER = logging.getLogger(__name__)
+
+
+def state_symbols(coordinates: tuple[str, ...]) -> tuple[Any, ...]:
+    """Symbols of the coordinates, then of their velocities."""
+    return tuple(symbol(name) for name in (*coordinates, *(name + "'" for name in coordinates)))
+
+
+@lru_cache(maxsize=256)
+def automaton_of_structure(key: Structure) -> HybridAutomaton:
+    """States and modes of a structure, without the numbers."""
+    begin = time.perf_counter()
+    model = symbolic_copy(key)
+    derived = model.derive()
+    seconds = time.perf_counter() - begin
+    LOGGER.info("derived the automaton of %s in %.2g s", type(model).__name__, seconds)
+    return derived
+
+
+def automaton_of_model(model: Any) -> HybridAutomaton:
+    """The automaton of a model; models of one structure share their `modes` object.
+
+    Raises
+    ------
+    ValueError
+        Where a law has no real value at the values of the parameters.
+    """
+    check_laws(model)
+    derived = automaton_of_structure(structure_of_component(model))
+    numbers = {symbol(name): value for name, value in model.parameters.items()}
+    numbers |= dict(derived.parameters)
+    return HybridAutomaton(derived.states, derived.modes, numbers, derived.coordinates)
+
+
+Derivatives = dict[Any, Any]  # by the symbol; those that are zero are left out
+
+
+def derivatives(expression: Any, symbols: Set[Any]) -> Derivatives:
+    """The derivatives of an expression by those of the symbols that are in it."""
+    expr = sympy.sympify(expression, strict=True)
+    if expr.is_Symbol:
+        return {expr: sympy.S.One} if expr in symbols else {}
+    if expr.is_Add:
+        return _sums(_terms(expr.args, symbols, lambda _, slope: slope))
+    if expr.is_Mul:
+        return _sums(_terms(expr.args, symbols, _product_rule(expr.args)))
+    there = sorted(expr.free_symbols & symbols, key=str)
+    return {x: slope for x in there if (slope := sympy.diff(expr, x)) != 0}
+
+
+def gradient(expression: Any, x: Sequence[Any]) -> list[Any]:
+    """The derivatives by each of `x`."""
+    found = derivatives(expression, {*x})
+    return [found.get(one, sympy.S.Zero) for one in x]
+
+
+def _terms(
+    arguments: Sequence[Any], symbols: Set[Any], term: Callable[[int, Any], Any]
+) -> Iterable[tuple[Any, Any]]:
+    for i, argument in enumerate(arguments):
+        for x, slope in derivatives(argument, symbols).items():
+            yield x, term(i, slope)
+
+
+def _product_rule(factors: tuple[Any, ...]) -> Callable[[int, Any], Any]:
+    def term(i: int, slope: Any) -> Any:
+        if slope == 1:
+            return unsorted_product([*factors[:i], *factors[i + 1 :]])
+        return sympy.Mul(*factors[:i], slope, *factors[i + 1 :])
+
+    return term
+
+
+def _sums(terms: Iterable[tuple[Any, Any]]) -> Derivatives:
+    parts: dict[Any, list[Any]] = {}
+    for x, term in terms:
+        parts.setdefault(x, []).append(term)
+    sums = ((x, sympy.Add(*some)) for x, some in parts.items())
+    return {x: total for x, total in sums if total != 0}

@@ -9,7 +9,7 @@ Fig. 6: eigenvalues with and without the geometrical nonlinearity, F = 1000 N, l
 with GN: 0 -> 1 at mu_k 0.6897 (12.88 Hz), 1 -> 2 at 1.1943 (17.66 Hz), 2 -> 1 at 2.0890 (13.44 Hz)
 without GN: 0 -> 1 at mu_k 1.8717 (16.48 Hz)
 
-    registry         `figure` and `claims`: which there are, and the modules that compute them
+    registry         `figure` and `claims`: which there are, and the modules that compute them; `PaperFigure`
     scenes           solver settings, models and grids of parameters that the paper's computations use
     steady_states    steady states that figures and claims share, computed once; results in words
     figures/         the figures as results: data, summary, picture
@@ -24,8 +24,7 @@ make results of them.
 from __future__ import annotations
 
 from .checks.claim import Claim, Claims, Verdict
-from .figures.paper_figure import PaperFigure
-from .registry import claims, figure
+from .registry import PaperFigure, claims, figure
 from .step_sizes import StepStudy, step_study
 
 __all__ = ["Claim", "Claims", "PaperFigure", "StepStudy", "Verdict", "claims", "figure", "step_study"]

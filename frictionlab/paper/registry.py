@@ -1,15 +1,62 @@
-"""Which figures and claims there are, and the modules that compute them, imported when asked."""
+"""Which figures and claims there are, and the modules that compute them, imported when asked; a figure as a
+result, numbers first, the picture on demand.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import dataclass, field
 from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from frictionlab.paper.checks.claim import Claim, Claims, compare
-from frictionlab.paper.figures.paper_figure import PaperFigure
+from matplotlib.figure import Figure
 
-from .scenes import Setting
+from frictionlab.paper.checks.claim import Claim, Claims, compare
+from frictionlab.paper.scenes import Setting
+
+
+@dataclass(frozen=True, eq=False)
+class PaperFigure:
+    """A figure of the paper, computed; a notebook shows the picture, print() the summary.
+
+    Parameters
+    ----------
+    number : int
+    caption : str
+    data : object
+        The models, and what was computed from them.
+    summary : tuple of str
+        The numbers that matter, a line each.
+    draw : callable
+        Figure from this result.
+    how : str
+        The solver and the impact law, where it takes a choice of them.
+    """
+
+    number: int
+    caption: str
+    data: Any = field(repr=False)
+    summary: tuple[str, ...] = field(repr=False)
+    draw: Callable[[PaperFigure], Figure] = field(repr=False)
+    how: str = field(default="", repr=False)
+
+    def plot(self) -> Figure:
+        """Draw it into a new figure, which belongs to no window."""
+        return self.draw(self)
+
+    def heading(self, text: str) -> str:
+        """A title for the picture: number, text and how it was computed."""
+        return f"Fig. {self.number}: {text}" + (f"\n{self.how}" if self.how else "")
+
+    def __str__(self) -> str:
+        how = f" ({self.how})" if self.how else ""
+        return "\n".join([f"Fig. {self.number}: {self.caption}{how}", *self.summary])
+
+    def _repr_png_(self) -> bytes:
+        # what draws gives a RunFigure, which has it; matplotlib's own class does not
+        return self.plot()._repr_png_()  # type: ignore[attr-defined]
+
 
 # Number -> module and function of the number: linear stability, which no algorithm and no impact law changes.
 FIGURES = {
@@ -33,9 +80,7 @@ WITHOUT_GEOMETRY = (13, 14)  # where both impact laws are the same
 CLAIMS: dict[str, str] = {f"C{i}": "checks.linear_stability" for i in range(1, 9)}
 # Claim -> module with `CHECKS`, name -> Question.
 STEADY_CLAIMS = {
-    **dict.fromkeys(("C9", "C10"), "checks.all_nonlinearities"),
-    **dict.fromkeys((f"C{i}" for i in range(11, 16)), "checks.all_nonlinearities"),
-    **dict.fromkeys((f"C{i}" for i in range(16, 21)), "checks.without_geometry"),
+    **dict.fromkeys((f"C{i}" for i in range(9, 21)), "checks.bifurcations"),
     **dict.fromkeys((f"C{i}" for i in range(21, 26)), "checks.nonsmooth"),
 }
 EVERY_CLAIM = CLAIMS | STEADY_CLAIMS

@@ -16,7 +16,7 @@ import numpy as np
 
 from frictionlab._version import __version__
 from frictionlab.file_writing import write_file, write_text
-from frictionlab.hybrid.progress import progress_bar
+from frictionlab.interruption import progress_bar
 from frictionlab.paper.checks.claim import Claims
 
 from .claim_blocks import claim_blocks, claim_summary

@@ -19,8 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionlab.analysis.steady_state.classification import MotionKind
-from frictionlab.analysis.steady_state.result import SteadyState
-from frictionlab.analysis.steady_state.steady_state import steady_state
+from frictionlab.analysis.steady_state.steady_state import SteadyState, steady_state
 from frictionlab.analysis.sweeps.bifurcation import bifurcation
 from frictionlab.analysis.sweeps.sweep import sweep
 from frictionlab.hybrid.methods.base import Method

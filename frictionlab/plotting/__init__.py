@@ -2,14 +2,14 @@
 
 None of them uses pyplot, so a figure is freed with its last reference and no window opens.
 
-    figure                  figures that show themselves in a notebook, the axes to draw into, legends
+    figure                  figures that show themselves in a notebook, the axes to draw into, legends; a
+                            panel as data: curves, labels, limits (the explorers' panels give these)
     appearance              `fl.style`, the user's settings of matplotlib, colours on dark backgrounds
     style                   lines and colours of coordinates and modes, symbols of states and parameters
-    drawing                 a panel as data: curves, labels, limits (the explorers' panels give these)
     runs/                   panels of one run, and `plot_run`, which is four of them
     stability/              equilibria, eigenvalues, critical values, Hopf points
-    bifurcation, basins, energy, ablation, factorial_effects, sweep, motions,
-    sensitivity, uncertainty, verification                                     what analyses found
+    studies/                what analyses found: sweeps and bifurcations, ablations, motions and basins in
+                            state space, sensitivities and uncertainties of quantities
     animation/              the slider on its belt, frame by frame
 
 A result of an analysis comes in, artists go out; nothing is computed here but samples of a run.

@@ -1,19 +1,29 @@
-"""The flow of one mode and its derivative as functions of arrays, derived by sympy once."""
+"""The flow of one mode as functions of arrays, with its derivatives by the state and by all parameters at
+once.
+
+With x' = f(x, p) and its Jacobian A = f_x at the equilibrium f = 0,
+
+    dx/dp = -A^-1 f_p,    d(lambda)/dp = l (f_xp + f_xx dx/dp) r,
+
+for the right vector r and the left vector l of a simple eigenvalue, l r = 1.  The second term needs one
+solution of A^T w = l f_xx r, however many parameters there are (the adjoint equation).  sympy derives the
+entries of f_p, f_xp and f_xx that are not zero, once for a flow.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
-from typing import Any
+from functools import cached_property, lru_cache
+from typing import Any, NamedTuple
 
 import numpy as np
 import sympy
 from numpy.typing import NDArray
 
-from frictionlab.automaton.combinations import combinations_of
-from frictionlab.hybrid.outputs import numpy_function
-from frictionlab.models.gradients import derivatives
+from frictionlab.automaton.expressions import combinations_of
+from frictionlab.hybrid.problem import numpy_function
+from frictionlab.models.symbols import derivatives
 
 Array = NDArray[np.float64]
 # Terms from which on to write each as Python code takes seconds; they are then sums of a few expressions.
@@ -143,3 +153,162 @@ def _stacked(parts: Sequence[Any], shape: tuple[int, ...]) -> Array:
     for i, part in enumerate(parts):
         found[i, ...] = part
     return found
+
+
+ComplexArray = NDArray[np.complex128]
+Places = NDArray[np.intp]
+SINGULAR_RTOL = (
+    1e-13  # of the largest singular value: an equilibrium is no function of the parameters below it
+)
+
+
+class Entries(NamedTuple):
+    """The entries of an array of derivatives that are not zero: where they are, and their values."""
+
+    places: Places
+    values: Callable[..., Array]
+
+    def at(self, x: Array, parameters: Sequence[float]) -> Array:
+        """Their values (k,) at a state and values of the parameters."""
+        if not len(self.places):
+            return np.zeros(0)
+        return np.array([float(v) for v in self.values(*x, *parameters)])
+
+
+class FlowDerivatives(NamedTuple):
+    """f_p, f_xp and f_xx of a flow: places are (i, k), (i, j, k) and (i, j, l)."""
+
+    by_parameter: Entries
+    mixed: Entries
+    second: Entries
+
+
+@lru_cache(maxsize=64)
+def flow_derivatives(flow: Flow) -> FlowDerivatives:
+    """The derivatives of a flow, derived by sympy."""
+    states = {x: j for j, x in enumerate(flow.states)}
+    parameters = {p: k for k, p in enumerate(flow.parameters)}
+    by_parameter, mixed, second = {}, {}, {}
+    for i, rate in enumerate(flow.expressions):
+        for symbol, slope in _derivatives(rate, {*states, *parameters}).items():
+            if symbol in parameters:
+                by_parameter[i, parameters[symbol]] = slope
+                continue
+            for other, curvature in _derivatives(slope, {*states, *parameters}).items():
+                table, places = (mixed, parameters) if other in parameters else (second, states)
+                table[i, states[symbol], places[other]] = curvature
+    return FlowDerivatives(
+        _entries(flow, by_parameter, 2), _entries(flow, mixed, 3), _entries(flow, second, 3)
+    )
+
+
+def _derivatives(expression: Any, symbols: set[Any]) -> dict[Any, Any]:
+    # No equilibrium lies at a kink, such as that of |v_r|; elsewhere the delta function there is zero.
+    found = derivatives(expression, symbols).items()
+    return {x: d.replace(sympy.DiracDelta, lambda *_: 0) if d.has(sympy.DiracDelta) else d for x, d in found}
+
+
+def _entries(flow: Flow, table: dict[tuple[int, ...], Any], dimensions: int) -> Entries:
+    known = {place: entry for place, entry in table.items() if entry != 0}
+    places = np.array(list(known), dtype=np.intp).reshape(-1, dimensions)
+    return Entries(places, flow.compiled(tuple(known.values())) if known else lambda *_: np.zeros(0))
+
+
+class EquilibriumDerivatives(NamedTuple):
+    """An equilibrium with the derivatives of its flow by the state and by all parameters.
+
+    Parameters
+    ----------
+    flow : Flow
+    x : array (m,)
+    values : sequence of float
+        The parameters.
+    matrix : array (m, m)
+        The Jacobian A.
+    by_parameter : array (m, P)
+        f_p.
+    """
+
+    flow: Flow
+    x: Array
+    values: Sequence[float]
+    matrix: Array
+    by_parameter: Array
+
+    def state(self) -> Array:
+        """dx/dp (m, P).
+
+        Raises
+        ------
+        ValueError
+            Where A is singular: the equilibrium ends there, or is one of a line of equilibria.
+        """
+        return -solve_regular(self.matrix, self.by_parameter)
+
+    def bilinear(self, left: Any, right: Any) -> ComplexArray:
+        """l (dA/dp) r (P,), with the equilibrium as it moves."""
+        found = flow_derivatives(self.flow)
+        mixed, second = found.mixed, found.second
+        total: Any = np.zeros(len(self.flow.parameters), dtype=complex)
+        i, j, k = mixed.places.T
+        np.add.at(total, k, left[i] * mixed.at(self.x, self.values) * right[j])
+        if len(second.places):
+            force: Any = np.zeros(len(self.x), dtype=complex)
+            i, j, k = second.places.T
+            np.add.at(force, k, left[i] * second.at(self.x, self.values) * right[j])
+            total = total - solve_regular(self.matrix.T, force) @ self.by_parameter
+        return total
+
+
+def equilibrium_derivatives(flow: Flow, x: Array, values: Sequence[float]) -> EquilibriumDerivatives:
+    """The derivatives at an equilibrium (m,)."""
+    entries = flow_derivatives(flow).by_parameter
+    by_parameter = np.zeros((len(x), len(flow.parameters)))
+    by_parameter[tuple(entries.places.T)] = entries.at(x, values)
+    return EquilibriumDerivatives(flow, x, values, flow.jacobian(x, values), by_parameter)
+
+
+def solve_regular(matrix: Any, right: Any) -> Any:
+    """The solution of a linear system with a state matrix.
+
+    Raises
+    ------
+    ValueError
+        Where the matrix is singular, to rounding.
+    """
+    # Rows and columns by their size, as stiffnesses stand beside ones in state matrices.
+    rows = 1.0 / np.maximum(np.abs(matrix).max(axis=1), np.finfo(float).tiny)
+    columns = 1.0 / np.maximum(np.abs(rows[:, None] * matrix).max(axis=0), np.finfo(float).tiny)
+    scaled = rows[:, None] * matrix * columns
+    sizes = np.linalg.svd(scaled, compute_uv=False)
+    if sizes[-1] < SINGULAR_RTOL * sizes[0]:
+        raise ValueError(
+            "the equilibrium must depend smoothly on the parameters to have derivatives, got one where the "
+            "state matrix is singular: take another value"
+        )
+    return columns.reshape(-1, *[1] * (np.ndim(right) - 1)) * np.linalg.solve(
+        scaled, rows.reshape(-1, *[1] * (np.ndim(right) - 1)) * right
+    )
+
+
+class NullVectors(NamedTuple):
+    """Left and right vectors (m,) of an eigenvalue, of length 1 after scaling; `product` is l r."""
+
+    left: Any
+    right: Any
+    product: complex
+
+
+def null_vectors(matrix: Array, value: complex) -> NullVectors:
+    """The vectors of the eigenvalue nearest to a value, also where two coalesce and l r = 0.
+
+    The last singular vectors of A - lambda 1, in units in which velocities have the size of coordinates.
+    """
+    n, odd = divmod(len(matrix), 2)
+    size = float(np.sqrt(np.linalg.norm(matrix, 2))) or 1.0
+    units = np.ones(len(matrix)) if odd else np.repeat([1.0, size], n)
+    scaled = matrix * units / units[:, None]
+    shifted = scaled - value * np.eye(len(matrix))
+    u, _, vh = np.linalg.svd(shifted)
+    left, right = u[:, -1].conj(), vh[-1].conj()
+    return NullVectors(left / units, right * units, complex(left @ right))

@@ -7,7 +7,6 @@
 
 from __future__ import annotations
 
-from .law_checks import check_law
-from .model_checks import check_model
+from .checks import check_law, check_model
 
 __all__ = ["check_law", "check_model"]

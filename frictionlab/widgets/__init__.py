@@ -3,7 +3,7 @@
     explorer            `Explorer` and the three functions that make one
     settings, result    what an explorer is set to; run, eigenvalues, spectrum, computed when asked for
     controls/           sliders, switches and lists, made from a model's metadata; they give Settings
-    panels/             functions of a Result that return a `Drawing` (frictionlab.plotting.drawing)
+    panels/             functions of a Result that return a `Drawing` (frictionlab.plotting.figure)
     rendering/          from Drawings to PNGs: axes kept, curves drawn over them
     scenes              a menu of all models and scenes above the explorer, and links that set it
     state, keeping      what the controls are set to, undo and redo; figures, data and states as files

@@ -15,7 +15,7 @@ from frictionlab.plotting.animation.artists import FORCE_COLOURS, SPRING_LABELS,
 from frictionlab.plotting.animation.parts import MARKS, WIDTH, Parts
 from frictionlab.plotting.animation.tilting_belt import COLUMNS
 from frictionlab.plotting.appearance import background, ink, legible
-from frictionlab.plotting.runs.time_window import Periods, Window, window_limits
+from frictionlab.plotting.runs.time_histories import Periods, Window, window_limits
 from frictionlab.plotting.style import GREY, mode_colours
 from frictionlab.presentation import state_unit
 from frictionlab.validation import check_number

@@ -259,7 +259,7 @@ def explore(model: Any = None, panels: Iterable[Any] = DEFAULT_PANELS) -> Explor
     panels : iterable of str or callable
         "response", "phase", "forces", "spectrum", "eigenvalues", "mechanism", or functions that take a
         :class:`~frictionlab.widgets.result.Result` and return a
-        :class:`~frictionlab.plotting.drawing.Drawing`.  What no panel asks for is not computed.
+        :class:`~frictionlab.plotting.figure.Drawing`.  What no panel asks for is not computed.
 
     Returns
     -------

@@ -10,9 +10,9 @@ import numpy as np
 
 from frictionlab.analysis.motion_scales import oscillation_period
 from frictionlab.file_writing import write_file
-from frictionlab.hybrid.progress import progress_bar
+from frictionlab.interruption import progress_bar
 from frictionlab.models.model import PITCH, Model, Tone
-from frictionlab.plotting.runs.time_window import SAMPLING_RTOL, Array, Window, check_run, window_limits
+from frictionlab.plotting.runs.time_histories import SAMPLING_RTOL, Array, Window, check_run, window_limits
 from frictionlab.validation import check_choice, check_number
 
 PEAK_LEVEL = 0.9  # of full scale: no player clips it

@@ -2,7 +2,7 @@
 
 import pytest
 
-from frictionlab.bench.page_frames import PAGE_SCENES, page_frames, page_table
+from frictionlab.bench.response_times import PAGE_SCENES, page_frames, page_table
 from frictionlab.pages.solver_file import SolverNotBuiltError
 
 pytestmark = pytest.mark.browser

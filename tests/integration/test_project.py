@@ -14,6 +14,7 @@ from matplotlib import pyplot
 from PIL import Image
 
 import frictionlab as fl
+from tests.helpers import layout
 
 ROOT = Path(__file__).parents[2]
 # Where a package is not called as what it imports.
@@ -170,6 +171,16 @@ def test_every_package_that_is_imported_is_declared():
     assert imported <= declared
 
 
+def test_no_folder_is_crowded_and_no_import_goes_in_circles():
+    folders = [path.parent for path in layout.files()]
+    assert len(folders) > 100
+    assert {folder.name for folder in folders if folders.count(folder) > layout.MOST_FILES} == set()
+    graph = layout.imports()
+    assert "frictionlab.hybrid.solve" in graph["frictionlab.analysis.simulate"]
+    assert layout.cycles(graph) == []
+    assert layout.cycles({"a": {"b"}, "b": {"c"}, "c": {"b"}}) == [["b", "c"]]
+
+
 def test_no_text_is_run_as_python():
     """sympy does so: texts of users go to the parser of `expression_text`, and expressions are no texts."""
     sources = {path: path.read_text(encoding="utf-8") for path in (ROOT / "frictionlab").rglob("*.py")}
@@ -186,7 +197,7 @@ def test_no_text_is_run_as_python():
     runs = {(name, function) for name, function, _ in named if function in ("eval", "exec")}
     # A law's own repr in its check; source that sympy prints for other tools in benchmarks; the call of a
     # kernel with the names of its own arguments, where kernels are compiled ahead of time.
-    assert runs == {("law_checks.py", "eval"), ("external.py", "exec"), ("flat_functions.py", "exec")}
+    assert runs == {("checks.py", "eval"), ("external.py", "exec"), ("flat_functions.py", "exec")}
 
 
 def test_there_is_a_notebook():

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import frictionlab as fl
-from frictionlab.drawable import Drawable
+from frictionlab.presentation import Drawable
 from tests.helpers.assertions import assert_all
 from tests.helpers.results import BUILDERS, result
 

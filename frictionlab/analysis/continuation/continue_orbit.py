@@ -11,17 +11,14 @@ import numpy as np
 from frictionlab.analysis.motion_scales import Array
 from frictionlab.analysis.orbits.periodic_orbit import PeriodicOrbit, mode_sequence
 from frictionlab.analysis.orbits.shooting import floquet_multipliers
-from frictionlab.drawable import Drawable
-from frictionlab.hybrid.progress import progress_bar
 from frictionlab.hybrid.solve import solve
-from frictionlab.interruption import interruption
+from frictionlab.interruption import interruption, progress_bar
 from frictionlab.models.coercion import automaton_of, check_parameter_name
-from frictionlab.presentation import shorten
+from frictionlab.presentation import Drawable, shorten
 from frictionlab.validation import check_number
 
-from .driver import INTERRUPTED, MAX_POINTS, BranchHalf, follow_branch
+from .driver import INTERRUPTED, MAX_POINTS, BranchHalf, SpecialPoint, follow_branch
 from .pseudo_arclength import BranchPoint, first_point, reversed_point, with_parameter_as_state
-from .special_points import SpecialPoint
 
 
 @dataclass(frozen=True, eq=False)

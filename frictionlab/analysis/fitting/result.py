@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionlab.drawable import Drawable
-from frictionlab.presentation import dataframe, text_table
+from frictionlab.presentation import Drawable, dataframe, text_table
 from frictionlab.validation import check_number
 
 Array = NDArray[np.float64]

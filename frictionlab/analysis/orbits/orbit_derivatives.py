@@ -22,8 +22,8 @@ from frictionlab.analysis.motion_scales import state_scales
 from frictionlab.analysis.parameter_flow import parameter_flow, varied_names
 from frictionlab.hybrid.solve import solve
 from frictionlab.hybrid.trajectory import Trajectory
-from frictionlab.hybrid.variational.saltation import linearise_mode
 from frictionlab.hybrid.variational.tangent_flow import end_rates
+from frictionlab.hybrid.variational.tangent_jets import linearise_mode
 
 from .periodic_orbit import PeriodicOrbit
 

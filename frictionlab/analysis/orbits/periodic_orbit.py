@@ -10,13 +10,12 @@ import numpy as np
 from frictionlab.analysis.motion_scales import Array, state_scales
 from frictionlab.analysis.orbits.shooting import OrbitGuess, state_and_period
 from frictionlab.analysis.simulate import resolve_initial_state
-from frictionlab.analysis.steady_state.result import SteadyState
+from frictionlab.analysis.steady_state.steady_state import SteadyState
 from frictionlab.automaton import HybridAutomaton
-from frictionlab.drawable import Drawable
 from frictionlab.hybrid.solve import solve
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models.coercion import automaton_of
-from frictionlab.presentation import shorten
+from frictionlab.presentation import Drawable, shorten
 from frictionlab.validation import check_number
 
 from .shooting import ShootingResult, check_motion, check_orbit, floquet_multipliers, shoot

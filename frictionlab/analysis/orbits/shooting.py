@@ -14,12 +14,12 @@ from scipy.optimize import minimize_scalar
 
 from frictionlab.analysis.motion_scales import AT_REST_RTOL, Array, state_groups, state_ranges
 from frictionlab.analysis.steady_state.classification import MotionKind
-from frictionlab.analysis.steady_state.result import SteadyState
+from frictionlab.analysis.steady_state.steady_state import SteadyState
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.hybrid.solve import solve
 from frictionlab.hybrid.trajectory import Trajectory
-from frictionlab.hybrid.variational.saltation import SaltationError
 from frictionlab.hybrid.variational.tangent_flow import end_rates, tangent_flow
+from frictionlab.hybrid.variational.tangent_jets import SaltationError
 
 RETURN_RTOL = 0.1  # share of the largest distance so far within which a state has returned
 

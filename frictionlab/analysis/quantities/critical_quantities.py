@@ -17,7 +17,7 @@ from frictionlab.stability.boundaries.stability_changes import (
 )
 from frictionlab.stability.equilibrium_points.equilibria import equilibrium_problem
 from frictionlab.stability.equilibrium_problem import EquilibriumProblem, check_bounds
-from frictionlab.stability.parameter_derivatives import EquilibriumDerivatives, null_vectors
+from frictionlab.stability.flow import EquilibriumDerivatives, null_vectors
 
 from .equilibrium_quantities import DEFECTIVE_PRODUCT, derivatives_at, gradient_of
 from .quantity import Array, Gradient, Quantity

@@ -10,13 +10,12 @@ import numpy as np
 
 from frictionlab.presentation import state_unit
 from frictionlab.stability.equilibrium_points.equilibria import equilibrium_problem
-from frictionlab.stability.equilibrium_problem import EquilibriumProblem
-from frictionlab.stability.parameter_derivatives import (
+from frictionlab.stability.equilibrium_problem import ComplexArray, EquilibriumProblem
+from frictionlab.stability.flow import (
     EquilibriumDerivatives,
     equilibrium_derivatives,
     null_vectors,
 )
-from frictionlab.stability.state_matrices import ComplexArray
 from frictionlab.validation import check_choice, check_number
 
 from .quantity import Array, Gradient, Quantity

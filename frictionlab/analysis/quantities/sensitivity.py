@@ -8,9 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionlab.drawable import Drawable
 from frictionlab.models.coercion import automaton_of
-from frictionlab.presentation import dataframe, text_table
+from frictionlab.presentation import Drawable, dataframe, text_table
 
 from .quantity import Quantity
 

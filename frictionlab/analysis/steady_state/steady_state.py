@@ -1,22 +1,180 @@
-"""`fl.steady_state`: run a model until transients have died away, and classify the motion that is left."""
+"""`fl.steady_state`: run a model until transients have died away, and classify the motion that is left.
+
+`SteadyState` has kind, period, intensity, section and time in each mode of the motion in a window.  The
+intensity L_s, Eq. (20), is the mean squared distance from the sliding equilibrium.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any, Unpack
+
+import numpy as np
+import sympy
+from numpy.typing import NDArray
 
 from frictionlab.analysis.options import SteadyStateKeywords, SteadyStateOptions, merge_keywords
 from frictionlab.analysis.simulate import initial_state_of
-from frictionlab.analysis.steady_state.result import (
-    equilibrium_coordinates,
-    squared_distance,
-    with_equilibrium_parameters,
-)
+from frictionlab.analysis.spectrum import Spectrum, amplitude_spectrum
+from frictionlab.analysis.steady_state.classification import MotionKind, classify_run, onsets_per_period
+from frictionlab.analysis.steady_state.poincare_sections import Section, section_function, sections_to_record
+from frictionlab.analysis.verification.run_comparison import defect_warning
+from frictionlab.automaton import HybridAutomaton
+from frictionlab.hybrid.problem import SectionPoints
 from frictionlab.hybrid.solve import solve
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models.coercion import automaton_of
+from frictionlab.presentation import Drawable
+from frictionlab.stability import equilibrium
 
-from .poincare_sections import Section, section_function, sections_to_record
-from .result import SteadyState, steady_state_of_window
+Array = NDArray[np.float64]
+SQUARED_DISTANCE = "square"
+INTENSITY_SAMPLES = 100_001  # samples of a run whose method integrates no quadratures
+
+
+def equilibrium_coordinates(model: Any) -> Array | None:
+    """Coordinates (n,) of the sliding equilibrium; None where there is none."""
+    try:
+        return equilibrium(model).q
+    except ValueError:
+        return None
+
+
+def with_equilibrium_parameters(automaton: HybridAutomaton, point: Array) -> HybridAutomaton:
+    """The automaton with the equilibrium (n,) as additional parameters.
+
+    As numbers in the integrand they would need a new program for every value of a parameter.
+    """
+    resting = {_equilibrium_symbol(x): float(e) for x, e in zip(automaton.states, point)}
+    return replace(automaton, parameters={**automaton.parameters, **resting})
+
+
+def squared_distance(automaton: HybridAutomaton) -> dict[str, Any]:
+    """The integrand of Eq. (20), sum of (x_i - x_e,i)^2 over the coordinates, as a quadrature."""
+    pairs = [
+        (x, _equilibrium_symbol(x))
+        for x in automaton.states
+        if _equilibrium_symbol(x) in automaton.parameters
+    ]
+    return {SQUARED_DISTANCE: sum(((x - e) ** 2 for x, e in pairs), sympy.S.Zero)}
+
+
+def _equilibrium_symbol(state: sympy.Symbol) -> sympy.Symbol:
+    return sympy.Symbol(f"{state.name} at rest")
+
+
+def intensity(run: Trajectory, period: float) -> float:
+    """L_s, Eq. (20): the mean over the last period of a run, or over all of it where `period` is NaN.
+
+    Runs of the Taylor method carry the integral as the quadrature `SQUARED_DISTANCE`.  NaN where there is no
+    equilibrium.
+    """
+    point = equilibrium_coordinates(run.source)
+    if point is None:
+        return float("nan")
+    if SQUARED_DISTANCE not in run.quadratures:
+        return _intensity_of_samples(run, point, period)
+    if np.isnan(period):
+        return run.quadratures[SQUARED_DISTANCE] / run.raw.t
+    start, square = run(run.raw.t - period), squared_distance(run.automaton)
+    again = solve(run.automaton, period, x0=start, quadratures=square, progress=False)
+    return again.quadratures[SQUARED_DISTANCE] / period
+
+
+def _intensity_of_samples(run: Trajectory, point: Array, period: float) -> float:
+    span = run.raw.t if np.isnan(period) else run.raw.t // period * period
+    states = run(np.linspace(run.raw.t - span, run.raw.t, INTENSITY_SAMPLES))[:, : len(point)]
+    return float(((states - point) ** 2).mean(axis=0).sum())
+
+
+@dataclass(frozen=True, eq=False)
+class SteadyState(Drawable):
+    """What a motion settles to.
+
+    Parameters
+    ----------
+    model : Model or HybridAutomaton
+    kind : MotionKind
+        One of "equilibrium", "periodic", "non-periodic", "not settled yet" and "ended early", the last where
+        the solver did not reach the end of the run: ``trajectory.status`` says why.
+    period : float
+        s; NaN where the motion is not periodic.
+    onsets_per_period : int
+        Transitions from slip to stick in a period; 0 where the motion is not periodic.
+    intensity : float
+        L_s, Eq. (20): mean of the squared distance from the sliding equilibrium, the coordinates summed (m^2
+        and rad^2).  Taken over the last period where there is one, else over the window.  NaN without an
+        equilibrium, or where the run ended early.
+    section : SectionPoints
+        Crossings of the section in the window: times (K,), states (K, 2n).  Of a run that ended early the
+        place where it ended.
+    deviation : float
+        How far the state is from that one period before, as a share of the motion's size.
+    time_in_mode : mapping
+        Share of the window spent in each mode.
+    trajectory : Trajectory
+        The run over the window; its time starts at zero.
+    transient : float
+        Seconds before the window.
+    """
+
+    drawn_by = "plot_steady_state"
+
+    model: Any
+    kind: MotionKind
+    period: float
+    onsets_per_period: int
+    intensity: float
+    section: SectionPoints
+    deviation: float
+    time_in_mode: Mapping[str, float]
+    trajectory: Trajectory
+    transient: float
+
+    @cached_property
+    def warning(self) -> str | None:
+        """A sentence where steps of the window are far less exact than asked; else None."""
+        return defect_warning(self.trajectory)
+
+    @property
+    def settled(self) -> bool:
+        """Whether the transient was long enough to tell."""
+        return self.kind in (MotionKind.EQUILIBRIUM, MotionKind.PERIODIC, MotionKind.NON_PERIODIC)
+
+    def spectrum(self, name: str | None = None, *, f_max: float | None = None) -> Spectrum | None:
+        """Amplitude spectrum (the state's unit, over Hz) of the whole window, Hann-weighted; see
+        :func:`frictionlab.analysis.spectrum.amplitude_spectrum`.
+        """
+        return amplitude_spectrum(self.trajectory, name, f_max=f_max, start=0.0)
+
+    def __repr__(self) -> str:
+        if self.kind == MotionKind.ENDED_EARLY:
+            return f"SteadyState({MotionKind.ENDED_EARLY}: {self.trajectory.status})"
+        onsets = "onset" if self.onsets_per_period == 1 else "onsets"
+        period = f", period {self.period:.6g} s, {self.onsets_per_period} {onsets} of stick in it"
+        period = period if self.kind == MotionKind.PERIODIC else ""
+        return f"SteadyState({self.kind}{period}, L_s {self.intensity:.5g})"
+
+
+def steady_state_of_window(
+    model: Any, run: Trajectory, section: Section | None, tolerance: float, *, passed: float
+) -> SteadyState:
+    """The kind of motion in a run, its period, intensity and so on; arguments as of `steady_state`."""
+    found = classify_run(run, section, tolerance)
+    return SteadyState(
+        model=model,
+        kind=found.kind,
+        period=found.period,
+        onsets_per_period=onsets_per_period(run, found.period) if found.kind == MotionKind.PERIODIC else 0,
+        intensity=np.nan if found.kind == MotionKind.ENDED_EARLY else intensity(run, found.period),
+        section=found.section,
+        deviation=found.returns.deviation,
+        time_in_mode={name: seconds / (run.raw.t or 1.0) for name, seconds in run.time_in_mode.items()},
+        trajectory=run,
+        transient=passed,
+    )
 
 
 def steady_state(

@@ -12,18 +12,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionlab.analysis.options import Execution, ExecutionKeywords, merge_keywords
-from frictionlab.analysis.simulate import initial_state_of, named_state
-from frictionlab.drawable import Drawable
+from frictionlab.analysis.simulate import named_state
 from frictionlab.models.coercion import require_model
-from frictionlab.presentation import import_optional, text_table
+from frictionlab.presentation import Drawable, import_optional, text_table
 from frictionlab.validation import did_you_mean
 
-from .factorial_effects import Effects, effects_of
+from .factorial_effects import Effects, effects_of, numbers_of, table_of_numbers
 from .journal import Journal
-from .result_numbers import numbers_of, table_of_numbers
-from .sweep import Sweep, grid_axes, own_name
-from .switches import Scene, Switch, all_scenes, left_out, model_of_scene, scene_name, switches_of
-from .task_runner import check_function, function_name, run_tasks
+from .sweep import Sweep, grid_axes, studies_by_name
+from .switches import (
+    Scene,
+    Switch,
+    all_scenes,
+    left_out,
+    model_of_scene,
+    scene_name,
+    state_of_scene,
+    switches_of,
+)
+from .task_runner import function_name, run_tasks
 
 Array = NDArray[np.float64]
 
@@ -289,7 +296,7 @@ def ablation(
     6
     """
     require_model(model, cure="write ablation(model, study), the model made, such as fl.SliderOnBelt()")
-    named = _studies(studies)
+    named = studies_by_name(studies)
     (how,) = merge_keywords("ablation", keywords, execution=(Execution, execution))
     factors = switches_of(model, switches)
     plan = _Plan(model, factors, {} if over is None else grid_axes(over), tuple(x0))
@@ -317,18 +324,6 @@ def _call_study(study: Callable[..., Any], *arguments: Any) -> Any:
     return study(*arguments)
 
 
-def _studies(studies: Any) -> dict[str, Callable[..., Any]]:
-    """The studies by name."""
-    named = dict(studies) if isinstance(studies, Mapping) else {own_name(studies): studies}
-    if not named:
-        raise ValueError('studies must be one at least, got none: give {"onset": a function of a model}')
-    for study in named.values():
-        check_function(
-            "studies" if isinstance(studies, Mapping) else "study", study, "give one such as fl.steady_state"
-        )
-    return {str(name): study for name, study in named.items()}
-
-
 @dataclass(frozen=True)
 class _Plan:
     """Which models are studied from which initial states."""
@@ -350,7 +345,7 @@ class _Plan:
         """Study, model and initial state of each, and its name; studies vary first, then initial states."""
         tasks, names = [], []
         for scene, model in zip(self.scenes, self.models):
-            starts = [(_state_for(model, self.model, start),) for start in self.x0] or [()]
+            starts = [(state_of_scene(model, self.model, start),) for start in self.x0] or [()]
             for point in product(*self.axes.values()):
                 changes = dict(zip(self.axes, map(float, point)))
                 here = model.replace(**changes) if changes else model
@@ -391,14 +386,3 @@ class _Plan:
             results[i] = cell
         shape = [*map(len, self.axes.values()), *([len(self.x0)] if self.x0 else [])]
         return Sweep(self.axes, self.x0, results.reshape(shape), model, function)
-
-
-def _state_for(model: Any, full: Any, start: Any) -> Any:
-    """An initial state of the full model, for a scene that may lack some of its coordinates."""
-    whole = initial_state_of(full, start)
-    if isinstance(start, str):
-        return start
-    names = [state.name for state in full.automaton().states]
-    given = start if isinstance(start, Mapping) else dict(zip(names, whole.tolist()))
-    known = {state.name for state in model.automaton().states}
-    return {name: value for name, value in given.items() if name in known}

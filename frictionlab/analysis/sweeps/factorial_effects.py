@@ -1,25 +1,70 @@
 """Effects, interactions and Shapley values of a full factorial study, with their standard errors.
 
-A study is an array of one axis for each switch, then conditions and repetitions.  Everything here is a
-function of its mean over repetitions.  Errors come from leaving out one repetition after the other
-(jackknife), which for means is the usual standard error.
+A study is an array of one axis for each switch, then conditions and repetitions, of one of the numbers in
+what the study returns.  Everything here is a function of its mean over repetitions.  Errors come from leaving
+out one repetition after the other (jackknife), which for means is the usual standard error.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import chain, combinations, product
 from math import factorial
+from numbers import Real
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionlab.drawable import Drawable
-from frictionlab.presentation import dataframe, text_table
+from frictionlab.analysis.steady_state.steady_state import SteadyState
+from frictionlab.analysis.sweeps.switches import Switch
+from frictionlab.presentation import Drawable, dataframe, text_table
 
-from .switches import Switch
+OF_STEADY_STATE = ("kind", "intensity", "period")
+
+
+def numbers_of(result: Any, name: str, within: str = "") -> dict[str, float]:
+    """Quantity -> number: a text is the quantity "name = text", which is 1 where it is that text.
+
+    Parameters
+    ----------
+    result : number, str, None, SteadyState, or mapping of these
+        None is a number that is not there.  Of anything else there are none.
+    name : str
+        The study's.
+    within : str
+        What the names of a mapping's entries begin with.
+    """
+    if result is None:
+        return {name: float("nan")}
+    if isinstance(result, str):
+        return {f"{name} = {result!s}": 1.0}
+    if isinstance(result, (Real, np.bool_)):
+        return {name: float(result)}
+    if isinstance(result, SteadyState):
+        result = {key: getattr(result, key) for key in OF_STEADY_STATE}
+    if not isinstance(result, Mapping):
+        return {}
+    entries = (numbers_of(entry, f"{within}{key}", f"{within}{key}.") for key, entry in result.items())
+    return {name: number for numbers in entries for name, number in numbers.items()}
+
+
+def table_of_numbers(results: Sequence[Mapping[str, float]]) -> dict[str, NDArray[np.float64]]:
+    """Quantity -> numbers of all results (N,); NaN where one lacks it, 0 where it has another text."""
+    names = dict.fromkeys(name for result in results for name in result)
+    return {name: np.array([_entry(result, name) for result in results]) for name in names}
+
+
+def _entry(result: Mapping[str, float], name: str) -> float:
+    question, is_text, _ = name.partition(" = ")
+    another = 0.0 if is_text and _has_text(result, question) else float("nan")
+    return result.get(name, another)
+
+
+def _has_text(result: Iterable[str], question: str) -> bool:
+    return any(name.startswith(f"{question} = ") for name in result)
+
 
 Array = NDArray[np.float64]
 Term = tuple[tuple[int, int], ...]  # pairs of a switch and one of its levels

@@ -12,10 +12,9 @@ from numpy.typing import NDArray
 
 from frictionlab.analysis.options import Execution, ExecutionKeywords, merge_keywords
 from frictionlab.analysis.simulate import initial_state_of, named_state
-from frictionlab.drawable import Drawable
 from frictionlab.models.coercion import require_model
 from frictionlab.models.parameter_namespace import parameter_unit
-from frictionlab.presentation import count, import_optional, shorten, span
+from frictionlab.presentation import Drawable, count, import_optional, shorten, span
 from frictionlab.validation import check_mapping, float_array
 
 from .journal import Journal
@@ -201,3 +200,15 @@ def _row(result: Any) -> Mapping[str, Any]:
     if result is None:
         return {}
     return result if isinstance(result, Mapping) else {"result": result}
+
+
+def studies_by_name(studies: Any) -> dict[str, Callable[..., Any]]:
+    """The studies by name."""
+    named = dict(studies) if isinstance(studies, Mapping) else {own_name(studies): studies}
+    if not named:
+        raise ValueError('studies must be one at least, got none: give {"onset": a function of a model}')
+    for study in named.values():
+        check_function(
+            "studies" if isinstance(studies, Mapping) else "study", study, "give one such as fl.steady_state"
+        )
+    return {str(name): study for name, study in named.items()}

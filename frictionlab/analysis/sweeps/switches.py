@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from itertools import product
 from typing import Any
 
+from frictionlab.analysis.simulate import initial_state_of
 from frictionlab.components.component import Component
 from frictionlab.validation import did_you_mean
 
@@ -152,3 +153,14 @@ def scene_name(switches: Sequence[Switch], scene: Scene) -> str:
 def all_of(count: int) -> str:
     """Words for all of so many nonlinearities."""
     return {1: "it", 2: "both", 3: "all three"}.get(count, "all")
+
+
+def state_of_scene(model: Any, full: Any, start: Any) -> Any:
+    """An initial state of the full model, for a scene that may lack some of its coordinates."""
+    whole = initial_state_of(full, start)
+    if isinstance(start, str):
+        return start
+    names = [state.name for state in full.automaton().states]
+    given = start if isinstance(start, Mapping) else dict(zip(names, whole.tolist()))
+    known = {state.name for state in model.automaton().states}
+    return {name: value for name, value in given.items() if name in known}

@@ -17,8 +17,7 @@ from time import monotonic
 from typing import Any
 
 from frictionlab.analysis.options import Execution
-from frictionlab.hybrid.progress import progress_bar, tell
-from frictionlab.interruption import POLL_TIME, STOP_SIGN, Presses, deferred_interrupts
+from frictionlab.interruption import POLL_TIME, STOP_SIGN, Presses, deferred_interrupts, progress_bar, tell
 
 TASKS_PER_WORKER = (
     2  # tasks handed to each worker at a time, so that ctrl-C does not have to wait for all of them

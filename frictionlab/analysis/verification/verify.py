@@ -11,24 +11,23 @@ import numpy as np
 
 from frictionlab.analysis.motion_scales import Array, motion_size
 from frictionlab.analysis.simulate import validate_initial_state
-from frictionlab.drawable import Drawable
 from frictionlab.hybrid.kernels.jets import MACHINE_EPSILON, MAX_ORDER
 from frictionlab.hybrid.methods.base import Method
-from frictionlab.hybrid.methods.method_registry import method_of
 from frictionlab.hybrid.methods.scipy_methods import Scipy
 from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.hybrid.problem import Status
-from frictionlab.hybrid.solve import solve
+from frictionlab.hybrid.solve import method_of, solve
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models.coercion import automaton_of
+from frictionlab.presentation import Drawable
 from frictionlab.validation import check_number
 
-from .defect_warning import defect_message
 from .run_comparison import (
     SIMULTANEOUS_SHARE,
     RunComparison,
     accumulation_time,
     compare_runs,
+    defect_message,
     longest_stay,
     mode_stays,
 )

@@ -24,8 +24,7 @@ from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.models.mechanical.equations_of_motion import system_of
 from frictionlab.models.symbols import structure_of_component, symbol
 
-from .callback_adapters import Cvode, PathSim, SolveIvp
-from .compiled_adapters import Diffrax, Heyoka
+from .adapters import Cvode, Diffrax, Heyoka, PathSim, SolveIvp
 from .external import compile_peer
 
 REGULARISATION_WIDTH = 1e-3  # m/s, width over which friction reverses

@@ -8,12 +8,12 @@ frictionlab.hybrid.ahead_of_time`` compiles for this machine, with ``--all`` for
 ``targets``
     Processors and systems, and which of them this machine is.
 ``manifest``
-    What has been compiled, from which sources: the file beside the objects.
+    What has been compiled, the file beside the objects, and the sources that it depends on.
 ``loaded_kernels``
     The object that fits this machine, its functions as Python calls them.  It needs llvmlite only.
-``entry_points``, ``sources``
-    The list of what is compiled, and the files that it depends on.
-``capture``, ``flat_functions``, ``emit``
+``entry_points``
+    The list of what is compiled.
+``flat_functions``, ``emit``
     numba's instructions of the kernels before any optimisation; functions of one table of numbers and
     addresses around them; machine code of each target.
 ``build``, ``build_hook``

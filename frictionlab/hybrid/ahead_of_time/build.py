@@ -15,17 +15,24 @@ from pathlib import Path
 
 import llvmlite.binding as llvm
 
-from frictionlab.hybrid.ahead_of_time import capture, emit
+from frictionlab.hybrid.ahead_of_time import emit, flat_functions
 from frictionlab.hybrid.ahead_of_time.entry_points import entry_points, symbols
 from frictionlab.hybrid.ahead_of_time.flat_functions import flat_function, scalar_function
-from frictionlab.hybrid.ahead_of_time.manifest import FILE, Function, Manifest, digest, objects_folder
-from frictionlab.hybrid.ahead_of_time.sources import kernel_sources, source_files
+from frictionlab.hybrid.ahead_of_time.manifest import (
+    FILE,
+    Function,
+    Manifest,
+    digest,
+    kernel_sources,
+    objects_folder,
+    source_files,
+)
 from frictionlab.hybrid.ahead_of_time.targets import WEB, Target
 
 # How the instructions and the tables are made.
 BUILDERS = tuple(
     f"frictionlab.hybrid.ahead_of_time.{name}"
-    for name in ("capture", "emit", "entry_points", "flat_functions", "targets")
+    for name in ("emit", "entry_points", "flat_functions", "targets")
 )
 # With more targets it pays to optimise once what holds for all processors; that takes as long as one.
 MOST_WITHOUT_SIMPLIFICATION = 2
@@ -67,10 +74,10 @@ def _machine_code(instructions: str, exports: list[str], targets: Sequence[Targe
 def _capture() -> tuple[str, dict[str, Function], list[str]]:
     """The instructions, the tables of the entry points, the names of the functions of numbers."""
     entries, called = entry_points(), symbols()  # before, as to make specimens runs compiled code
-    with capture.captured_libraries() as libraries:
+    with flat_functions.captured_libraries() as libraries:
         flat = [flat_function(entry) for entry in entries]
         scalar = [(each, scalar_function(each)) for each in called]
-        module = capture.linked(libraries)
+        module = flat_functions.linked(libraries)
     for function in flat:
         module.link_in(llvm.parse_assembly(emit.shim(function.name, function.symbol)))
     for symbol, function in scalar:

@@ -16,14 +16,14 @@ import sympy as sp
 
 from frictionlab.automaton import Event, HybridAutomaton, Mode
 from frictionlab.hybrid.accuracy import StoredSteps, measure_defects, new_defect_scratch
-from frictionlab.hybrid.codegen.kernel_symbols import KERNELS
+from frictionlab.hybrid.codegen.jet_codegen import KERNELS
 from frictionlab.hybrid.elementary.parameter_functions import KERNELS as ELEMENTARY
 from frictionlab.hybrid.ensemble import lanes
-from frictionlab.hybrid.ensemble.batch_state import new_batch
+from frictionlab.hybrid.ensemble.lanes import new_batch
 from frictionlab.hybrid.kernels import jets, mode_selection, taylor_steps
-from frictionlab.hybrid.kernels.combination_selection import select_combination
 from frictionlab.hybrid.kernels.event_handling import handle_event, handle_event_on_demand
 from frictionlab.hybrid.kernels.event_location import GuardZero
+from frictionlab.hybrid.kernels.mode_selection import select_combination
 from frictionlab.hybrid.kernels.run_state import (
     StepData,
     Truncation,
@@ -32,7 +32,7 @@ from frictionlab.hybrid.kernels.run_state import (
     new_run_state,
     new_scratch,
 )
-from frictionlab.hybrid.methods import runge_kutta, step_events, taylor
+from frictionlab.hybrid.methods import runge_kutta, taylor
 from frictionlab.hybrid.problem import Problem
 from frictionlab.hybrid.tape.packing import program_of
 from frictionlab.hybrid.tape.program import Demand, system_of
@@ -85,9 +85,9 @@ _KERNELS = (
     handle_event,
     handle_event_on_demand,
     runge_kutta.advance_runge_kutta,
-    step_events.enter_next_mode,
-    step_events.enter_next_mode_on_demand,
-    step_events.failed_guard,
+    runge_kutta.enter_next_mode,
+    runge_kutta.enter_next_mode_on_demand,
+    runge_kutta.failed_guard,
     jets.run_tape,
     jets.majorant,
     jets.state_rates,

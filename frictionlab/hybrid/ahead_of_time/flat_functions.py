@@ -1,4 +1,8 @@
-"""A function of one table of words for each entry point, which calls the kernel.
+"""Kernels as LLVM's intermediate representation, before any optimisation, and for each entry point a function
+of one table of words, which calls the kernel.
+
+numba makes the types and the instructions; it neither optimises nor emits machine code, as both depend on the
+processor.  (Optimised instructions have the sizes of pointers of this machine built in.)
 
 Word by word a table has the results, then the arguments in their order, fields of named tuples one after the
 other: a number is one word (of a float its bits), an array its address and its length along each axis.  A
@@ -7,22 +11,84 @@ table is the same on every processor, and all that a caller has to know of numba
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from itertools import count
 from typing import Any
+from unittest.mock import patch
 
+import llvmlite.binding as llvm
 import numpy as np
 from llvmlite import ir
 from numba import njit, types
 from numba.core import sigutils
+from numba.core.codegen import CPUCodeLibrary, JITCodeLibrary, JITCPUCodegen
+from numba.core.lowering import BaseLower
 from numba.extending import intrinsic
 from numba.np.arrayobj import populate_array
 from numba.np.numpy_support import from_dtype
 
-from frictionlab.hybrid.ahead_of_time.capture import compiled
 from frictionlab.hybrid.ahead_of_time.entry_points import EntryPoint, Symbol
 from frictionlab.hybrid.ahead_of_time.manifest import Function, Word
 from frictionlab.hybrid.compilation import jit_options
+from frictionlab.hybrid.kernel_cache import KernelCache
+
+NO_CODE = 1  # stands for an address that nothing calls
+
+
+@contextmanager
+def captured_libraries() -> Iterator[list[Any]]:
+    """Context in which numba compiles to instructions that are not optimised, and to nothing else.
+
+    The list that it gives is filled with the libraries of all functions compiled meanwhile, without those
+    that they call.
+    """
+    libraries: list[Any] = []
+
+    def keep_layout(library: Any, module: Any) -> None:
+        module.data_layout = library._codegen._data_layout
+
+    def finalize(library: Any) -> None:
+        library._finalized = True
+        libraries.append(library)
+
+    def nothing(*arguments: Any) -> None:
+        return None
+
+    replaced = {
+        CPUCodeLibrary: {"_optimize_functions": keep_layout, "finalize": finalize},
+        JITCodeLibrary: {"get_pointer_to_function": lambda library, name: NO_CODE},
+        JITCPUCodegen: {"set_env": nothing},
+        KernelCache: {"load_overload": nothing, "save_overload": nothing},
+        BaseLower: {"create_cpython_wrapper": nothing, "create_cfunc_wrapper": nothing},
+    }
+    with ExitStack() as stack:
+        for owner, methods in replaced.items():
+            for name, method in methods.items():
+                stack.enter_context(patch.object(owner, name, method))
+        yield libraries
+
+
+def compiled(dispatcher: Any, types: tuple[Any, ...]) -> Any:
+    """numba's result of compiling a function for these types."""
+    dispatcher.compile(types)
+    result = dispatcher.overloads[types]
+    result.library._ensure_finalized()  # of what nothing else calls, numba has not finalized the library yet
+    return result
+
+
+def linked(libraries: list[Any]) -> Any:
+    """One module with the functions of all libraries, each once."""
+    whole = llvm.parse_assembly("")
+    for library in libraries:
+        module = library._final_module
+        for function in module.functions:
+            if not function.is_declaration and function.linkage == llvm.Linkage.external:
+                function.linkage = "weak_odr"
+        whole.link_in(module, preserve=True)
+    return whole
+
 
 WORD = ir.IntType(64)
 KINDS = {types.int64: "i8", types.float64: "f8", types.boolean: "b1"}

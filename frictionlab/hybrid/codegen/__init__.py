@@ -2,13 +2,11 @@
 
 ``jet_codegen``
     The jets of a mode (:mod:`frictionlab.hybrid.kernels.jets`), for one run, and for several side by side
-    (lanes).
+    (lanes); kernels that native code calls by name, values and ranges of functions.
 ``remainder_codegen``
     The ranges and bounds of :mod:`frictionlab.hybrid.kernels.remainder`, for lanes.
 ``step_codegen``
     A whole step without an event, for lanes.
-``kernel_symbols``
-    Kernels that native code calls by name: values and ranges of functions.
 ``native_cache``
     When a mode's code is compiled (in the background, once it has been used for long), and where it is kept.
 

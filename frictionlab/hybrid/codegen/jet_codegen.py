@@ -4,14 +4,19 @@ It does the same operations in the same sequence as :func:`frictionlab.hybrid.ke
 results are those of the interpreter to the last bit, and a run may change from one to the other at any step.
 It leaves out the rows of slots that are not used; of the rates it keeps the values.  `LaneWriter` writes the
 same for several runs side by side: every value has one number for each run (lane).
+
+Kernels of functions and of powers are called, by a name that is made known to LLVM when code that holds it is
+loaded, so that what they compute is stated once; it takes longer than a call.
 """
 
 from __future__ import annotations
 
-from functools import partial
+from collections.abc import Callable
+from functools import cache, partial
 from typing import Any, NamedTuple
 
-from frictionlab.hybrid.codegen.kernel_symbols import POWER_SYMBOL, VALUE_SYMBOL
+from frictionlab.hybrid.compilation import c_address
+from frictionlab.hybrid.elementary.exponentials import power
 from frictionlab.hybrid.kernels.arithmetic import PARTS
 from frictionlab.hybrid.kernels.jets import JET_COLUMNS, LOG2_LEAST_RATIO
 from frictionlab.hybrid.llvm_instructions import (
@@ -22,8 +27,61 @@ from frictionlab.hybrid.llvm_instructions import (
     write_exp2,
     write_loop,
 )
-from frictionlab.hybrid.tape.operations import AFFINE, POWER, PRODUCT, QUOTIENT, RATE, SQUARE
+from frictionlab.hybrid.tape.functions import (
+    AFFINE,
+    POWER,
+    PRODUCT,
+    QUOTIENT,
+    RATE,
+    SQUARE,
+    function_range,
+    function_value,
+)
 from frictionlab.hybrid.tape.tape import Tape
+
+VALUE_SYMBOL, RANGE_SYMBOL = "frictionlab_function_value", "frictionlab_function_range"
+POWER_SYMBOL = "frictionlab_power"
+
+
+class KernelSymbol(NamedTuple):
+    """A call of a kernel, and its types."""
+
+    function: Callable[..., float]
+    signature: str
+
+
+def _value(kind, x):
+    return function_value(kind, x)
+
+
+def _range(kind, a, y, slope, d):
+    return function_range(kind, a, y, slope, d)
+
+
+def _power(x, y):
+    return power(x, y)
+
+
+KERNELS = {
+    VALUE_SYMBOL: KernelSymbol(_value, "float64(int64, float64)"),
+    RANGE_SYMBOL: KernelSymbol(_range, "float64(int64, float64, float64, float64, float64)"),
+    POWER_SYMBOL: KernelSymbol(_power, "float64(float64, float64)"),
+}
+
+
+def register_used(code: bytes) -> None:
+    """Make known to LLVM the kernels whose names stand in machine code."""
+    for name in KERNELS:
+        if name.encode() in code:
+            _registered(name)
+
+
+@cache  # once a process
+def _registered(name: str) -> None:
+    import llvmlite.binding as llvm
+
+    llvm.add_symbol(name, c_address(name, *KERNELS[name]))
+
 
 LANE_COUNT = 4
 LEFT, LENGTH, REGULAR, TOL, LOG_TOL, GUARD_TOL = range(6)  # rows of `control`, all of LANE_COUNT numbers

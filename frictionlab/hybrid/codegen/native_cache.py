@@ -21,7 +21,7 @@ from weakref import WeakKeyDictionary, ref
 import numpy as np
 
 from frictionlab.hybrid import compilation, kernel_cache, llvm_instructions
-from frictionlab.hybrid.codegen import jet_codegen, kernel_symbols, remainder_codegen, step_codegen
+from frictionlab.hybrid.codegen import jet_codegen, remainder_codegen, step_codegen
 from frictionlab.hybrid.codegen.jet_codegen import ModeTape, jets_module
 from frictionlab.hybrid.codegen.remainder_codegen import StepStructure
 from frictionlab.hybrid.codegen.step_codegen import lane_step_module
@@ -187,7 +187,7 @@ def _host() -> str:
 
     llvm = _llvm()
     writers: Any = (jet_codegen, step_codegen, remainder_codegen)
-    writers = (*writers, kernel_symbols, arithmetic, llvm_instructions, tape, functions)
+    writers = (*writers, arithmetic, llvm_instructions, tape, functions)
     writer = "".join(module.__loader__.get_data(module.__file__).decode() for module in writers)
     cpu = llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten()
     return "\n".join([writer, llvmlite.__version__, llvm.get_default_triple(), *cpu])
@@ -229,7 +229,7 @@ def _emit_object(module: Any) -> bytes:
 
 def _load_object(code: bytes) -> int:
     llvm = _llvm()
-    kernel_symbols.register_used(code)
+    jet_codegen.register_used(code)
     engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), _machine_of_engine())
     engine.add_object_file(llvm.ObjectFileRef.from_data(code))
     engine.finalize_object()

@@ -13,10 +13,16 @@ import math
 from itertools import pairwise
 from typing import Any, NamedTuple
 
-from frictionlab.hybrid.codegen.jet_codegen import LANE_COUNT, LEFT, TOL, LaneWriter, ModeTape
-from frictionlab.hybrid.codegen.kernel_symbols import POWER_SYMBOL, RANGE_SYMBOL
+from frictionlab.hybrid.codegen.jet_codegen import (
+    LANE_COUNT,
+    LEFT,
+    POWER_SYMBOL,
+    RANGE_SYMBOL,
+    TOL,
+    LaneWriter,
+    ModeTape,
+)
 from frictionlab.hybrid.kernels.arithmetic import PARTS
-from frictionlab.hybrid.kernels.powers import INSTANT
 from frictionlab.hybrid.kernels.remainder import (
     BOUND_EXCESS,
     FIRST_RADIUS,
@@ -25,9 +31,9 @@ from frictionlab.hybrid.kernels.remainder import (
     RADIUS_TRIES,
     SUFFICIENT_SHARE,
 )
-from frictionlab.hybrid.kernels.step_length import LOG2_FUNCTION_TOL_FACTOR, MIN_FUNCTION_STEP_SHARE
+from frictionlab.hybrid.kernels.step_length import INSTANT, LOG2_FUNCTION_TOL_FACTOR, MIN_FUNCTION_STEP_SHARE
 from frictionlab.hybrid.llvm_instructions import Values, write_exp2, write_log2, write_loop, write_while_loop
-from frictionlab.hybrid.tape.operations import AFFINE, POWER, PRODUCT, QUOTIENT, RATE, SQUARE
+from frictionlab.hybrid.tape.functions import AFFINE, POWER, PRODUCT, QUOTIENT, RATE, SQUARE
 from frictionlab.hybrid.tape.program import NOT_POLYNOMIAL
 from frictionlab.hybrid.tape.tape import Range
 

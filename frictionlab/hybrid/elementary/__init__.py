@@ -5,18 +5,13 @@ functions add, multiply, divide, take square roots and look at the bits of numbe
 fixes; so compiled code for any processor and plain Python agree to the last bit.  Each result is within 0.6
 ulp of the exact one, as intermediate results have twice the digits of a number where it matters.
 
-``float_bits``
-    The bits of a number as an integer, and powers of two.
 ``double_double``
-    Arithmetic on pairs of numbers, unevaluated sums of twice the digits.
+    Arithmetic on pairs of numbers, unevaluated sums of twice the digits; the bits of a number as an integer,
+    and powers of two.
 ``exponentials``
-    exp, expm1, sinh, cosh, tanh, 1/cosh^2.
-``logarithms``
-    log, log1p, asinh, acosh, atanh, and powers.
+    exp, expm1, sinh, cosh, tanh, 1/cosh^2; log, log1p, asinh, acosh, atanh, and powers.
 ``trigonometry``
-    sin, cos, tan.
-``arcs``
-    atan, asin, acos.
+    sin, cos, tan, and atan, asin, acos.
 ``parameter_functions``
     All of these where sympy prints expressions of parameters as Python.
 

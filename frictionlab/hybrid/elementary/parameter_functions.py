@@ -13,13 +13,13 @@ from typing import Any
 import sympy as sp
 from sympy.printing.pycode import PythonCodePrinter
 
-from frictionlab.hybrid.elementary import arcs, exponentials, logarithms, trigonometry
+from frictionlab.hybrid.elementary import exponentials, trigonometry
 
 KERNELS = (
     *(exponentials.exp, exponentials.sinh, exponentials.cosh, exponentials.tanh),
-    *(logarithms.log, logarithms.asinh, logarithms.acosh, logarithms.atanh),
+    *(exponentials.log, exponentials.asinh, exponentials.acosh, exponentials.atanh),
     *(trigonometry.sin, trigonometry.cos, trigonometry.tan),
-    *(arcs.atan, arcs.asin, arcs.acos),
+    *(trigonometry.atan, trigonometry.asin, trigonometry.acos),
 )
 
 
@@ -36,7 +36,7 @@ def integer_power(x: float, n: int) -> float:
 
 def real_power(x: float, y: float) -> float:
     """x^y; a product where y is an integer."""
-    return integer_power(x, int(y)) if float(y).is_integer() else _finite(logarithms.power(x, y))
+    return integer_power(x, int(y)) if float(y).is_integer() else _finite(exponentials.power(x, y))
 
 
 def _finite(value: float) -> float:

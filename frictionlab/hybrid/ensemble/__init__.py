@@ -1,11 +1,9 @@
 """Many runs of one structure at once, each with the numbers that it would have alone.
 
-``batch_state``
-    `Batch`: the arrays of all runs, a row for each, and of the lanes, in which runs of one mode step side by
-    side.
 ``lanes``
-    The kernels: queues of runs for each mode, steps of a full set of lanes, and what a single run needs
-    besides.
+    `Batch`: the arrays of all runs, a row for each, and of the lanes, in which runs of one mode step side by
+    side.  The kernels: queues of runs for each mode, steps of a full set of lanes, and what a single run
+    needs besides.
 ``batch``
     `integrate_batch`, `advance_batch`: from problems to the ends of their runs (`BatchResult`).
 """

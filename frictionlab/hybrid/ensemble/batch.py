@@ -7,17 +7,16 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from frictionlab.drawable import Drawable
 from frictionlab.hybrid.codegen.native_cache import COMPILE_AFTER
-from frictionlab.hybrid.ensemble import batch_state, lanes
-from frictionlab.hybrid.ensemble.batch_state import Batch, new_batch
+from frictionlab.hybrid.ensemble import lanes
+from frictionlab.hybrid.ensemble.lanes import Batch, new_batch
 from frictionlab.hybrid.kernels import run_state
 from frictionlab.hybrid.methods.base import STATUS_OF_CODE
 from frictionlab.hybrid.methods.taylor import Taylor, is_affine
 from frictionlab.hybrid.problem import Problem, Status
-from frictionlab.hybrid.progress import Progress
 from frictionlab.hybrid.tape.program import Numbers
-from frictionlab.presentation import count, span, tally
+from frictionlab.interruption import Progress
+from frictionlab.presentation import Drawable, count, span, tally
 
 STEPS_PER_ROUND = 100_000  # steps between two updates of the progress bar, which check for ctrl-C
 CODE_OF_STATUS = {
@@ -119,7 +118,7 @@ def _advance_side_by_side(group: Batch, goes_on: np.ndarray, progress: Progress)
         interrupted = progress.update(float(share.mean()))
 
 
-def _fill_queues(runs: batch_state.BatchRuns, which: np.ndarray) -> None:
+def _fill_queues(runs: lanes.BatchRuns, which: np.ndarray) -> None:
     """Fill the queues of the modes with some runs, and no others."""
     modes = runs.counts[:, run_state.MODE]
     for mode in range(len(runs.queued)):

@@ -7,26 +7,22 @@ In the order of their imports:
 ``jets``
     Taylor coefficients of a mode's slots at a state, and majorants of their rounding errors.
 ``step_length``
-    How long a step may be, from the last terms of the series.
-``powers``
-    Series and steps where the base of a power is nearly zero.
+    How long a step may be, from the last terms of the series; steps where the base of a power is nearly zero.
 ``remainder``
     A bound of what the series leaves out, by ranges on a complex disc.
-``roots``
-    All roots of a polynomial on an interval.
 ``run_state``
     The arrays that a run carries along: where it stands, its clock, scratch arrays, the record of steps and
     events.
 ``event_location``
-    The first zero of a mode's guards within a step.
+    The first zero of a mode's guards within a step; all roots of a polynomial on an interval.
 ``mode_selection``
-    Resets, and the first admissible mode at a state.
+    Resets, and the first admissible mode at a state; of combinations of regimes, which are derived on demand.
 ``event_handling``
     What is done at an event: record, reset, next mode, Zeno points.
 ``taylor_steps``
     One step, its section events, the loop of steps, and the dense output from the steps that were stored.
 
-A step: ``jets`` at the state, ``step_length`` (with ``powers`` and ``remainder`` where these are at stake),
+A step: ``jets`` at the state, ``step_length`` (with ``remainder`` where that is at stake),
 ``event_location`` within it, section events, the state at its end; if there is an event,
 ``event_handling``, which resets the state and asks ``mode_selection`` for the next mode.
 """

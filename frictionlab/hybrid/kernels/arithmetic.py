@@ -12,7 +12,7 @@ import numpy as np
 
 from frictionlab.hybrid import llvm_instructions
 from frictionlab.hybrid.compilation import NUMBA
-from frictionlab.hybrid.elementary.float_bits import (
+from frictionlab.hybrid.elementary.double_double import (
     BITS_OF_ONE,
     EXPONENT_BIAS,
     FRACTION_BITS,

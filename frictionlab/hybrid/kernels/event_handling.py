@@ -9,13 +9,13 @@ entered if it has one that is admissible.
 from __future__ import annotations
 
 from frictionlab.hybrid.compilation import inlined, kernel
-from frictionlab.hybrid.kernels.combination_selection import select_combination
 from frictionlab.hybrid.kernels.event_location import COEFFICIENT_ROUNDING
 from frictionlab.hybrid.kernels.jets import copy_vector
 from frictionlab.hybrid.kernels.mode_selection import (
     NO_MODE,
     Rounding,
     apply_reset,
+    select_combination,
     select_mode,
     set_zeros_by_construction,
 )

@@ -11,10 +11,9 @@ from __future__ import annotations
 import math
 
 from frictionlab.hybrid.compilation import inlined, kernel
-from frictionlab.hybrid.elementary.logarithms import power
+from frictionlab.hybrid.elementary.exponentials import power
 from frictionlab.hybrid.kernels.arithmetic import call_jets, exp2
-from frictionlab.hybrid.tape.functions import function_value
-from frictionlab.hybrid.tape.operations import AFFINE, POWER, PRODUCT, RATE, SQUARE
+from frictionlab.hybrid.tape.functions import AFFINE, POWER, PRODUCT, RATE, SQUARE, function_value
 
 MAX_ORDER = 60  # order that may be asked for
 JET_COLUMNS = MAX_ORDER + 1  # no power of two, for which rows would lie on few sets of the cache
@@ -85,8 +84,8 @@ def power_coefficient(exponent, a, out, k, order, sign, values, J):
     """Coefficient k of a power of slot a, which is not below zero.
 
     Where a is zero or nearly so, as at the onset of contact with a force penetration^1.5, there is no series:
-    then the power counts as constant, and :mod:`frictionlab.hybrid.kernels.powers` finds a step in which it
-    may.
+    then the power counts as constant, and :mod:`frictionlab.hybrid.kernels.step_length` finds a step in which
+    it may.
     """
     base = values[a, 0]
     if not base > 0.0:

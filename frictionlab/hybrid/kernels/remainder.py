@@ -22,17 +22,16 @@ from __future__ import annotations
 import math
 
 from frictionlab.hybrid.compilation import inlined, kernel
-from frictionlab.hybrid.elementary.logarithms import power
+from frictionlab.hybrid.elementary.exponentials import power
 from frictionlab.hybrid.kernels.arithmetic import PARTS, exp2, log2, sum_of_series
-from frictionlab.hybrid.kernels.powers import INSTANT
 from frictionlab.hybrid.kernels.step_length import (
+    INSTANT,
     LOG2_FUNCTION_TOL_FACTOR,
     MIN_FUNCTION_STEP_SHARE,
     largest_coefficient,
     log2_step_from_later_terms,
 )
-from frictionlab.hybrid.tape.functions import function_range
-from frictionlab.hybrid.tape.operations import AFFINE, POWER, PRODUCT, QUOTIENT, RATE, SQUARE
+from frictionlab.hybrid.tape.functions import AFFINE, POWER, PRODUCT, QUOTIENT, RATE, SQUARE, function_range
 from frictionlab.hybrid.tape.tape import Range
 
 WHEN_BLIND, OPERATION, BOTH, SERIES = map(int, (Range.WHEN_BLIND, Range.OPERATION, Range.BOTH, Range.SERIES))

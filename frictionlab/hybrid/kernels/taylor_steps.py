@@ -19,22 +19,13 @@ from frictionlab.hybrid.kernels.event_location import (
     absolute_sum,
     first_event,
     is_guard_truncated,
+    isolate_roots,
     refine_event_time,
     rescale,
 )
 from frictionlab.hybrid.kernels.jets import copy_vector, mode_jets, polynomial_value, states_at
 from frictionlab.hybrid.kernels.mode_selection import has_modes_on_demand
-from frictionlab.hybrid.kernels.powers import (
-    MIN_USEFUL_ORDER,
-    has_base_near_zero,
-    lacks_series,
-    onset_step,
-    time_to_zero_base,
-    truncate_series_near_zero,
-    unresolved_time,
-)
 from frictionlab.hybrid.kernels.remainder import needs_remainder, polynomials_visible, remainder_step
-from frictionlab.hybrid.kernels.roots import isolate_roots
 from frictionlab.hybrid.kernels.run_state import (
     CLOCK_RESOLUTION,
     END,
@@ -51,7 +42,17 @@ from frictionlab.hybrid.kernels.run_state import (
     advance_clock,
     remaining_time,
 )
-from frictionlab.hybrid.kernels.step_length import function_step, step_length
+from frictionlab.hybrid.kernels.step_length import (
+    MIN_USEFUL_ORDER,
+    function_step,
+    has_base_near_zero,
+    lacks_series,
+    onset_step,
+    step_length,
+    time_to_zero_base,
+    truncate_series_near_zero,
+    unresolved_time,
+)
 
 SECTION_ROUNDING = 1e-14  # a value below this share of its terms has no sign
 

@@ -8,13 +8,10 @@
 ``one_step``
     `OneStepMethod`, a base for methods of fixed steps, and `RK4`, the algorithm of the paper's Fig. 19.
 ``runge_kutta``
-    `Tableau`, and the compiled steps of the method that it states.
-``step_events``
-    What these do at the end of a step: which condition fails, the record, the next mode.
+    `Tableau`, and the compiled steps of the method that it states; what is done at the end of a step: which
+    condition fails, the record, the next mode.
 ``scipy_methods``
     `Scipy`: scipy's integrators on the same automaton.
-``method_registry``
-    A method by its name.
 
 `Method.integrate` takes a `Problem` and gives `RunData`; in between it calls the method's `advance`, which
 fills a `Record` until that is full or the run ends.

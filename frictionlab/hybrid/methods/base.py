@@ -15,15 +15,21 @@ import numpy as np
 
 from frictionlab.hybrid.codegen.native_cache import NativeCode, native_code
 from frictionlab.hybrid.kernels import run_state
-from frictionlab.hybrid.kernels.combination_selection import select_combination
 from frictionlab.hybrid.kernels.event_handling import handle_event, handle_event_on_demand
 from frictionlab.hybrid.kernels.event_location import COEFFICIENT_ROUNDING, GuardZero
 from frictionlab.hybrid.kernels.jets import MACHINE_EPSILON
-from frictionlab.hybrid.kernels.mode_selection import NO_MODE, Rounding, Selection, forget_zeros, select_mode
+from frictionlab.hybrid.kernels.mode_selection import (
+    NO_MODE,
+    Rounding,
+    Selection,
+    forget_zeros,
+    select_combination,
+    select_mode,
+)
 from frictionlab.hybrid.kernels.run_state import CombinationQueue, new_queue, new_record, new_scratch
 from frictionlab.hybrid.problem import Problem, RecordList, RunData, Status
-from frictionlab.hybrid.progress import Progress
 from frictionlab.hybrid.tape.program import System, system_of
+from frictionlab.interruption import Progress
 from frictionlab.validation import check_number
 
 RECORD_CAPACITY = 2048  # steps between two updates of the progress bar, which check for ctrl-C

@@ -18,17 +18,19 @@ from frictionlab.hybrid.kernels.jets import state_rates
 from frictionlab.hybrid.kernels.mode_selection import BY_VALUES
 from frictionlab.hybrid.kernels.run_state import CELL, END, FINISHED, MODE, NOT_FINITE, NOW, RUNNING
 from frictionlab.hybrid.methods.base import ActiveRun, Method
-from frictionlab.hybrid.methods.runge_kutta import Tableau, advance_runge_kutta, new_scheme
-from frictionlab.hybrid.methods.step_events import (
+from frictionlab.hybrid.methods.runge_kutta import (
     BISECTIONS,
     NO_GUARD,
     NO_STATE,
     SIMPLE,
+    Tableau,
+    advance_runge_kutta,
     end_of_cell,
     enter_next_mode,
     enter_next_mode_on_demand,
     failed_guard,
     is_full,
+    new_scheme,
     record_step,
 )
 from frictionlab.validation import check_number, store_plain_numbers

@@ -1,4 +1,8 @@
-"""Explicit Runge-Kutta methods by their tableau: the loop of their steps, compiled."""
+"""Explicit Runge-Kutta methods by their tableau: the loop of their steps, compiled, and what is done at the
+end of a step by methods that look at the conditions of a mode there.
+
+Which condition fails, the time grid, the record of steps and events, the choice of the next mode.
+"""
 
 from __future__ import annotations
 
@@ -7,22 +11,143 @@ from typing import NamedTuple
 import numpy as np
 
 from frictionlab.hybrid.compilation import inlined, kernel
-from frictionlab.hybrid.kernels.event_handling import leave_event
-from frictionlab.hybrid.kernels.event_location import GuardZero
-from frictionlab.hybrid.kernels.jets import copy_vector, state_rates
-from frictionlab.hybrid.kernels.mode_selection import has_modes_on_demand
-from frictionlab.hybrid.kernels.run_state import CELL, END, FINISHED, MODE, NOT_FINITE, NOW, RUNNING
-from frictionlab.hybrid.methods.step_events import (
-    BISECTIONS,
-    NO_GUARD,
-    NO_STATE,
-    SIMPLE,
-    end_of_cell,
-    enter_next_mode,
-    failed_guard,
-    is_full,
-    record_step,
+from frictionlab.hybrid.kernels.event_handling import handle_event, handle_event_on_demand, leave_event
+from frictionlab.hybrid.kernels.event_location import COEFFICIENT_ROUNDING, GuardZero
+from frictionlab.hybrid.kernels.jets import copy_vector, mode_jets, state_rates
+from frictionlab.hybrid.kernels.mode_selection import (
+    ADMITTED,
+    BY_VALUES,
+    NO_MODE,
+    Rounding,
+    Selection,
+    apply_reset,
+    has_modes_on_demand,
+    select_combination,
+    set_zeros_by_construction,
+    try_mode_by_values,
 )
+from frictionlab.hybrid.kernels.run_state import (
+    CELL,
+    END,
+    ENTERED,
+    EVENTS,
+    FINISHED,
+    MODE,
+    MODE_NOT_DERIVED,
+    NO_ADMISSIBLE_MODE,
+    NOT_FINITE,
+    NOW,
+    RUNNING,
+    STEPS,
+    Truncation,
+)
+
+BISECTIONS = 50  # halvings of a step: its 2^-50th part is rounding
+LARGEST_STATE = 1e300  # beyond, a state counts as not finite
+SIMPLE = 1  # multiplicity of a zero that bisection finds: the guard's sign changes there
+NO_GUARD, NO_STATE = -1, -2  # no guard fails; there is no state to ask
+
+
+@inlined
+def failed_guard(code, numbers, mode, z, J):
+    """First guard of the mode that is negative at `z`; NO_GUARD, or NO_STATE where `z` is not finite."""
+    mode_jets(code, numbers, mode, 0, z, J)
+    for i in range(z.shape[0]):
+        if not abs(z[i]) < LARGEST_STATE:
+            return NO_STATE
+    for g in range(code.mode_guards[mode], code.mode_guards[mode + 1]):
+        if J[code.function_slots[g], 0] < 0.0:
+            return g
+    return NO_GUARD
+
+
+@kernel
+def select_mode_by_values(system, queue, guard, z, scratch):
+    """First target whose conditions hold by their values alone; what the event made zero holds.
+
+    So slip is entered after a re-contact whatever the penetration rate.
+    """
+    set_zeros_by_construction(system.code, guard, 0, scratch)
+    if queue is not None:
+        rounding = Rounding(z, COEFFICIENT_ROUNDING)
+        return select_combination(system, queue, guard, z, rounding, BY_VALUES, scratch)
+    for mode in system.code.targets[guard]:
+        if try_mode_by_values(system, mode, z, scratch) == ADMITTED:
+            return Selection(mode, NO_MODE)
+    return Selection(NO_MODE, NO_MODE)
+
+
+@kernel
+def change_mode(system, queue, event, run, record, scratch):
+    """Record the event, reset, enter the next mode by :func:`select_mode_by_values`."""
+    counts, guard = run.counts, event.guard
+    row = counts[EVENTS]
+    record.event_times[row] = run.times[NOW]
+    copy_vector(run.state, record.event_states[row, 0])
+    apply_reset(system, system.code.resets[guard, 0], run.state, scratch.jets)
+    mode, missing = select_mode_by_values(system, queue, guard, run.state, scratch)
+    if missing != NO_MODE:
+        copy_vector(record.event_states[row, 0], run.state)
+        leave_event(event, run)
+        return MODE_NOT_DERIVED
+    copy_vector(run.state, record.event_states[row, 1])
+    record.event_codes[row, 0] = guard
+    record.event_codes[row, 1] = mode
+    record.event_codes[row, 2] = 0
+    counts[EVENTS] += 1
+    run.times[ENTERED] = run.times[NOW]
+    if mode == NO_MODE:
+        return NO_ADMISSIBLE_MODE
+    counts[MODE] = mode
+    return RUNNING
+
+
+@kernel
+def enter_next_mode(system, event, order, run, record, scratch):
+    """What is done at an event; modes are chosen by series of an order, at 0 by the values of conditions."""
+    if order == BY_VALUES:
+        return change_mode(system, None, event, run, record, scratch)
+    return handle_event(system, exact(order), event, run, record, scratch)
+
+
+@kernel
+def enter_next_mode_on_demand(system, queue, event, order, run, record, scratch):
+    """The same where modes are derived on demand, and chosen among combinations of regimes."""
+    if order == BY_VALUES:
+        return change_mode(system, queue, event, run, record, scratch)
+    return handle_event_on_demand(system, queue, exact(order), event, run, record, scratch)
+
+
+@inlined
+def exact(order):
+    """Series up to an order, and steps that miss events by nothing."""
+    return Truncation(order, 0.0)
+
+
+@kernel
+def end_of_cell(step, run):
+    """Where the current cell of the time grid ends."""
+    return min((run.counts[CELL] + 1) * step, run.times[END])
+
+
+@kernel
+def record_step(h, goal, new, run, record):
+    """Put a step of length `h` on record, and go on to its end, `new` at the time `goal`."""
+    row = run.counts[STEPS]
+    record.step_times[row, 0] = run.times[NOW]
+    record.step_times[row, 1] = h
+    record.step_modes[row] = run.counts[MODE]
+    copy_vector(run.state, record.step_states[row])
+    run.counts[STEPS] += 1
+    copy_vector(new, run.state)
+    run.times[NOW] = goal
+
+
+@kernel
+def is_full(run, record):
+    """Whether there is no room for a step more, or for its event."""
+    counts = run.counts
+    return counts[STEPS] == record.step_modes.shape[0] or counts[EVENTS] == record.event_times.shape[0]
 
 
 class Tableau(NamedTuple):

@@ -31,7 +31,7 @@ from frictionlab.hybrid.kernels.run_state import (
 from frictionlab.hybrid.kernels.step_length import step_length
 from frictionlab.hybrid.kernels.taylor_steps import advance_taylor
 from frictionlab.hybrid.methods.base import ActiveRun, Method
-from frictionlab.hybrid.tape.operations import AFFINE
+from frictionlab.hybrid.tape.functions import AFFINE
 from frictionlab.hybrid.tape.program import Numbers, Program, System
 from frictionlab.validation import check_choice, check_number, store_plain_numbers
 

@@ -1,9 +1,8 @@
 """From sympy expressions to the arrays that the kernels run on.
 
-``operations``
-    The operations that a tape may hold, by their numbers.
 ``functions``
-    The functions among them: for each its derivative, its value, its range on a disc.
+    The operations that a tape may hold, by their numbers, and the functions among them: for each its
+    derivative, its value, its range on a disc.
 ``tape``
     `Tape`, operations on numbered slots, and `TapeBuilder`, which lowers expressions onto one; equal
     subexpressions share a slot.
@@ -12,16 +11,14 @@
     values.
 ``packing``
     `program_of`: packs the tapes of all modes and resets, and remembers the result by structure.
-``lowered_mode``
-    The tape of one mode, or of one reset, and what the kernels need to know of it.
-``structural_zeros``
-    Which functions are zero by construction after an event.
-``parameter_numbers``
-    The numbers in tapes as functions of the parameters.
+``lowering``
+    The tape of one mode, or of one reset, and what the kernels need to know of it; the numbers in tapes as
+    functions of the parameters.
 ``expression_text``
     Expressions that are given as text, such as "x1' - v", read without being evaluated as Python.
 ``automaton_checks``
-    One clear error for an automaton that is not well formed.
+    One clear error for an automaton that is not well formed; which functions are zero by construction after
+    an event.
 ``automaton_data``
     An automaton as data for the file of a run, and back to the same tape; nothing in the file is evaluated.
 

@@ -1,4 +1,5 @@
-"""The functions of a tape, each an entry of `FUNCTIONS`: all that the solver knows of tanh stands here.
+"""The operations of a tape by their numbers, and its functions, each an entry of `FUNCTIONS`: all that the
+solver knows of tanh stands here.
 
 All functions have one recurrence for Taylor coefficients, k y_k = sum of j a_j s_(k-j) for y = f(a), whose
 s = f'(a) is lowered to a tape of its own like any expression.  So interpreter, native code, lanes, gradients
@@ -24,8 +25,12 @@ import sympy as sp
 
 from frictionlab.automaton.mode import Expr
 from frictionlab.hybrid.compilation import inlined, kernel
-from frictionlab.hybrid.elementary import arcs, exponentials, logarithms, trigonometry
-from frictionlab.hybrid.tape.operations import FIRST_FUNCTION, NAMES_OF_OPERATIONS
+from frictionlab.hybrid.elementary import exponentials, trigonometry
+
+AFFINE, PRODUCT, SQUARE, QUOTIENT, RATE, POWER = range(6)
+FIRST_FUNCTION = 6  # the number of the first function; so an operation is a function where kind > POWER
+NAMES_OF_OPERATIONS = ("affine", "product", "square", "quotient", "rate", "power")
+
 
 EXP, LOG, SIN, COS, TAN, TANH, SINH, COSH, ATAN, ASINH, SECH2 = range(FIRST_FUNCTION, FIRST_FUNCTION + 11)
 
@@ -95,7 +100,7 @@ def function_value(kind, x):
     if kind == EXP:
         return exponentials.exp(x)
     if kind == LOG:
-        return logarithms.log(x)
+        return exponentials.log(x)
     if kind == SIN:
         return trigonometry.sin(x)
     if kind == COS:
@@ -109,9 +114,9 @@ def function_value(kind, x):
     if kind == COSH:
         return exponentials.cosh(x)
     if kind == ATAN:
-        return arcs.atan(x)
+        return trigonometry.atan(x)
     if kind == ASINH:
-        return logarithms.asinh(x)
+        return exponentials.asinh(x)
     if kind == SECH2:
         return exponentials.sech2(x)
     return math.nan
@@ -157,7 +162,7 @@ def function_range(kind, a, y, slope, d):
     if kind == EXP:  # `y` may be below the smallest number where `a` is far below zero
         return y * exponentials.expm1(d) if d < 1.0 else exponentials.exp(a + d)
     if kind == LOG:
-        return -logarithms.log1p(-d / a) if d < a else math.inf
+        return -exponentials.log1p(-d / a) if d < a else math.inf
     if kind == TANH:
         return tanh_range(a, y, slope, d)
     if kind == SECH2:
@@ -170,7 +175,7 @@ def function_range(kind, a, y, slope, d):
         return d / (room * room) if room > 0.0 else math.inf
     if kind == ASINH:  # |f'(z)| is at most 1/(room - |z - a|), as its branch points are at i and -i
         room = math.sqrt(1.0 + a * a)
-        return -logarithms.log1p(-d / room) if d < room else math.inf
+        return -exponentials.log1p(-d / room) if d < room else math.inf
     if kind in (SIN, COS, SINH, COSH) and d < SINH_LIMIT:
         half = exponentials.sinh(0.5 * d)
         return 2.0 * y * half * half + slope * exponentials.sinh(d)

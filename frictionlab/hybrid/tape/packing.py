@@ -21,20 +21,25 @@ import sympy as sp
 
 from frictionlab.automaton import Event, HybridAutomaton, Mode, Reset
 from frictionlab.automaton.modes_on_demand import Combination, KnownModes, ModesOnDemand
-from frictionlab.hybrid.tape.automaton_checks import check_mode, check_structure
-from frictionlab.hybrid.tape.lowered_mode import (
+from frictionlab.hybrid.tape.automaton_checks import (
+    check_mode,
+    check_structure,
+    sign_normal_form,
+    structural_zeros,
+)
+from frictionlab.hybrid.tape.functions import AFFINE
+from frictionlab.hybrid.tape.lowering import (
     LoweredMode,
     LoweredReset,
     LoweredTape,
+    fill_function,
     int_array,
     lower_mode,
     lower_reset,
     slot_array,
+    undefined_number,
 )
-from frictionlab.hybrid.tape.operations import AFFINE
-from frictionlab.hybrid.tape.parameter_numbers import fill_function, undefined_number
 from frictionlab.hybrid.tape.program import NO_RESET, Code, Demand, Numbers, Program, Section
-from frictionlab.hybrid.tape.structural_zeros import sign_normal_form, structural_zeros
 
 NO_MODE = -1  # "no mode" in the arrays
 _ONE_AT_A_TIME = Lock()

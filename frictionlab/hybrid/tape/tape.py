@@ -16,10 +16,19 @@ from typing import Any
 
 import sympy as sp
 
-from frictionlab.automaton.combinations import unsorted_product
+from frictionlab.automaton.expressions import unsorted_product
 from frictionlab.automaton.mode import Expr
-from frictionlab.hybrid.tape.functions import ALLOWED_OPERATIONS, FUNCTION_OF, OPERATION_NAMES
-from frictionlab.hybrid.tape.operations import AFFINE, POWER, PRODUCT, QUOTIENT, RATE, SQUARE
+from frictionlab.hybrid.tape.functions import (
+    AFFINE,
+    ALLOWED_OPERATIONS,
+    FUNCTION_OF,
+    OPERATION_NAMES,
+    POWER,
+    PRODUCT,
+    QUOTIENT,
+    RATE,
+    SQUARE,
+)
 
 CONSTANT_TERM = -1  # the key of the constant term in an affine combination {slot: coefficient}
 AffineTerms = dict[int, Expr]

@@ -2,9 +2,7 @@
 
 ``tangent_jets``
     Taylor series of the variational equation, and the kernel that carries tangent vectors over the steps of a
-    run.
-``saltation``
-    The saltation matrix of an event.
+    run; the saltation matrix of an event.
 ``tangent_flow``
     `fl.tangent_flow`, the fundamental matrix of a run, and the growth of orthonormal tangent vectors
     (Lyapunov exponents).

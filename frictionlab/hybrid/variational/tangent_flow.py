@@ -13,29 +13,26 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from frictionlab.drawable import Drawable
 from frictionlab.hybrid.compilation import kernel
-from frictionlab.hybrid.elementary.logarithms import log
-from frictionlab.hybrid.events import Events
+from frictionlab.hybrid.elementary.exponentials import log
 from frictionlab.hybrid.kernels.jets import copy_vector
 from frictionlab.hybrid.kernels.run_state import StepData, Truncation
 from frictionlab.hybrid.methods.base import RECORD_CAPACITY
-from frictionlab.hybrid.progress import progress_bar
+from frictionlab.hybrid.problem import Events
 from frictionlab.hybrid.trajectory import Trajectory
-from frictionlab.hybrid.variational.saltation import (
+from frictionlab.hybrid.variational.tangent_jets import (
+    MIN_TANGENT_STEP_SHARE,
     EventCrossing,
     SaltationError,
+    TangentScratch,
+    carry_step,
+    carry_steps,
     constraint_gradients,
     linearise_mode,
     saltation_matrix,
 )
-from frictionlab.hybrid.variational.tangent_jets import (
-    MIN_TANGENT_STEP_SHARE,
-    TangentScratch,
-    carry_step,
-    carry_steps,
-)
-from frictionlab.presentation import count
+from frictionlab.interruption import progress_bar
+from frictionlab.presentation import Drawable, count
 
 # share of a vector's length that remains by rounding alone where an event removes the vector
 LOST_SHARE = 1e-12

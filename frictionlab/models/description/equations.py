@@ -13,9 +13,8 @@ from sympy import Symbol
 from sympy.printing.latex import LatexPrinter
 
 from frictionlab.automaton.modes_on_demand import check_mode_name
-from frictionlab.models.assembly import automaton_of_structure
 from frictionlab.models.parameter_namespace import parameter_metadata
-from frictionlab.models.symbols import structure_of_component
+from frictionlab.models.symbols import automaton_of_structure, structure_of_component
 
 TIME = Symbol("t", real=True)
 TIME_DERIVATIVE_DOTS = {1: r"\dot", 2: r"\ddot"}

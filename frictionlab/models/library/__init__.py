@@ -1,4 +1,4 @@
 """The models of the package, one file each, and `catalogue`, the table of them (`fl.list_models`).
 
-`parameter_presets` makes the parameters that several models have.
+`parameters` makes the parameters that several models have, and lists the keywords of each.
 """

@@ -14,10 +14,10 @@ from frictionlab.models.mechanical.mechanics import Mechanics, Stop
 from frictionlab.models.mechanism import Block, Mechanism, Place, Wall
 from frictionlab.models.model import with_signature
 
-from .parameter_presets import mass_parameter
+from .parameters import mass_parameter
 
 if TYPE_CHECKING:
-    from .keywords import BouncingBallKeywords
+    from .parameters import BouncingBallKeywords
 
 
 @with_signature

@@ -15,7 +15,7 @@ from frictionlab.models.mechanical.mechanics import Friction, Mechanics
 from frictionlab.models.mechanism import Mechanism, Wall, held_block
 from frictionlab.models.model import with_signature
 
-from .parameter_presets import (
+from .parameters import (
     damper_parameter,
     frequency_parameter,
     load_parameter,
@@ -25,7 +25,7 @@ from .parameter_presets import (
 )
 
 if TYPE_CHECKING:
-    from .keywords import DenHartogKeywords
+    from .parameters import DenHartogKeywords
 
 
 @with_signature

@@ -14,10 +14,10 @@ from frictionlab.models.mechanical.mechanics import Friction, Mechanics
 from frictionlab.models.mechanism import Mechanism, Wall, held_block
 from frictionlab.models.model import with_signature
 
-from .parameter_presets import mass_parameter, natural_period, normal_force_parameter, stiffness_parameter
+from .parameters import mass_parameter, natural_period, normal_force_parameter, stiffness_parameter
 
 if TYPE_CHECKING:
-    from .keywords import FreeCoulombKeywords
+    from .parameters import FreeCoulombKeywords
 
 
 @with_signature

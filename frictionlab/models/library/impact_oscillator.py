@@ -16,7 +16,7 @@ from frictionlab.models.mechanical.mechanics import Mechanics, Stop
 from frictionlab.models.mechanism import Block, Mechanism, Place, Spring, Wall
 from frictionlab.models.model import with_signature
 
-from .parameter_presets import (
+from .parameters import (
     damper_parameter,
     frequency_parameter,
     load_parameter,
@@ -25,7 +25,7 @@ from .parameter_presets import (
 )
 
 if TYPE_CHECKING:
-    from .keywords import ImpactOscillatorKeywords
+    from .parameters import ImpactOscillatorKeywords
 
 
 @with_signature

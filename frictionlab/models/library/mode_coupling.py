@@ -15,7 +15,7 @@ from frictionlab.models.mechanical.mechanical_model import PlanarSlider, incline
 from frictionlab.models.mechanism import Mechanism, body_on_belt, inclined_end
 from frictionlab.models.model import with_signature
 
-from .parameter_presets import (
+from .parameters import (
     angle_parameter,
     damper_parameter,
     mass_parameter,
@@ -25,7 +25,7 @@ from .parameter_presets import (
 )
 
 if TYPE_CHECKING:
-    from .keywords import ModeCouplingKeywords
+    from .parameters import ModeCouplingKeywords
 
 
 @with_signature

@@ -18,7 +18,7 @@ from frictionlab.models.mechanism import TiltingBelt
 from frictionlab.models.model import with_signature
 
 if TYPE_CHECKING:
-    from .keywords import SliderOnBeltKeywords
+    from .parameters import SliderOnBeltKeywords
 
 
 def _mass(

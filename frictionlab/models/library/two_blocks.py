@@ -13,7 +13,7 @@ from frictionlab.models.mechanical.mechanics import Friction, Mechanics
 from frictionlab.models.mechanism import Belt, Mechanism, Place, Spring, held_block
 from frictionlab.models.model import with_signature
 
-from .parameter_presets import (
+from .parameters import (
     damper_parameter,
     mass_parameter,
     natural_period,
@@ -23,7 +23,7 @@ from .parameter_presets import (
 )
 
 if TYPE_CHECKING:
-    from .keywords import TwoBlocksKeywords
+    from .parameters import TwoBlocksKeywords
 
 
 @with_signature

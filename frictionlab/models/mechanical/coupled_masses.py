@@ -2,7 +2,7 @@
 
 Each row of M^-1 has as many entries as there are coordinates, so sympy would multiply and sort millions of
 terms.  Where M is a matrix of numbers, times one expression of the parameters, forces are written as numbers
-times expressions (:mod:`frictionlab.automaton.combinations`), and only the numbers are multiplied.
+times expressions (:mod:`frictionlab.automaton.expressions`), and only the numbers are multiplied.
 
 The arithmetic is that of single numbers, one after the other: the results are the same on every processor,
 which those of a library of linear algebra are not.
@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionlab.automaton.combinations import combinations_of, exact_number, expressions_of
+from frictionlab.automaton.expressions import combinations_of, exact_number, expressions_of
 
 Array = NDArray[np.float64]
 # A pivot with a smaller share of its mass is rounding: some motion has no kinetic energy.

@@ -14,8 +14,7 @@ from typing import Any, NamedTuple
 import sympy
 
 from frictionlab.automaton.modes_on_demand import Combination, ModeNames
-from frictionlab.models.gradients import gradient
-from frictionlab.models.symbols import Structure, symbol, symbolic_copy
+from frictionlab.models.symbols import Structure, gradient, symbol, symbolic_copy
 
 from .contact_regimes import PHASE, ContactRegime, regimes_of_contact
 from .coupled_masses import CoupledMasses, coupled_masses

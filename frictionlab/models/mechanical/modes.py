@@ -14,16 +14,19 @@ import sympy
 
 from frictionlab.automaton import Event, HybridAutomaton, Mode, Reset
 from frictionlab.automaton.modes_on_demand import Combination, ModesOnDemand, Regime
-from frictionlab.models.assembly import automaton_of_structure
 from frictionlab.models.structure_data import structure_to_data
-from frictionlab.models.symbols import Structure, expand_products, structure_of_component
+from frictionlab.models.symbols import (
+    Structure,
+    automaton_of_structure,
+    expand_products,
+    structure_of_component,
+)
 
-from .chatter import CHATTER_TIME, chatter_mode
 from .contact_regimes import ContactRegime, RegimeEnd
 from .coupled_masses import HeldVelocities, held_velocities
 from .equations_of_motion import LagrangeSystem, Pair, lagrange_system
 from .mechanics import Friction, Stop
-from .resets import impact_resets, stick_reset
+from .resets import CHATTER_TIME, chatter_mode, impact_resets, stick_reset
 
 
 def derive_automaton(model: Any) -> HybridAutomaton:

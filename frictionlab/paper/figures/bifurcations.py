@@ -15,9 +15,10 @@ from matplotlib.axes import Axes
 
 from frictionlab.analysis.simulate import simulate
 from frictionlab.analysis.steady_state.classification import MotionKind
-from frictionlab.analysis.steady_state.result import SteadyState
+from frictionlab.analysis.steady_state.steady_state import SteadyState
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.paper import scenes, steady_states
+from frictionlab.paper.registry import PaperFigure
 from frictionlab.paper.scenes import Setting
 from frictionlab.paper.steady_states import intervals_text, is_vibration, regime_changes
 from frictionlab.plotting import (
@@ -31,8 +32,6 @@ from frictionlab.plotting.appearance import ink
 from frictionlab.plotting.figure import legend_beside, new_figure
 from frictionlab.plotting.style import BLUE, parameter_value_text, state_label
 from frictionlab.presentation import state_unit
-
-from .paper_figure import PaperFigure
 
 RESPONSE_TIME = 60.0  # of Fig. 7
 SAMPLES = 20_001

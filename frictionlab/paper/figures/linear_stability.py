@@ -23,6 +23,7 @@ import numpy as np
 from matplotlib.lines import Line2D
 
 from frictionlab.models import SliderOnBelt
+from frictionlab.paper.registry import PaperFigure
 from frictionlab.plotting import RunFigure, plot_critical, plot_frequencies, plot_growth_rates
 from frictionlab.plotting.appearance import ink, legible
 from frictionlab.plotting.figure import legend_beside, new_figure
@@ -36,8 +37,6 @@ from frictionlab.stability import (
     root_locus,
     stability_changes,
 )
-
-from .paper_figure import PaperFigure
 
 COALESCENCE_PRELOADS = {2: 100.0, 3: 1000.0}
 STIFFNESSES = (0.0, 1e4, 1e7)

@@ -16,10 +16,10 @@ from matplotlib.colors import LogNorm
 from numpy.typing import NDArray
 
 from frictionlab.analysis.steady_state.classification import MotionKind
-from frictionlab.analysis.steady_state.result import SteadyState
-from frictionlab.analysis.steady_state.steady_state import steady_state
+from frictionlab.analysis.steady_state.steady_state import SteadyState, steady_state
 from frictionlab.hybrid.methods.base import Method
 from frictionlab.paper import scenes, steady_states
+from frictionlab.paper.registry import PaperFigure
 from frictionlab.paper.scenes import Setting
 from frictionlab.paper.steady_states import intervals_text, sweep_results
 from frictionlab.plotting import RunFigure, plot_bifurcation, plot_intensity
@@ -27,8 +27,6 @@ from frictionlab.plotting.figure import new_figure
 from frictionlab.plotting.style import BLUE, DASHED, VERMILLION, parameter_label, state_label
 from frictionlab.presentation import state_unit
 from frictionlab.stability import critical_value, root_locus
-
-from .paper_figure import PaperFigure
 
 MU_K = 2.5  # of Fig. 16
 COMPARISON_SHOWN = 0.4  # seconds

@@ -15,13 +15,13 @@ from matplotlib.patches import Patch
 
 from frictionlab.analysis.motion_scales import round_down_1_2_5
 from frictionlab.file_writing import name_written_file, write_file
-from frictionlab.hybrid.progress import progress_bar
+from frictionlab.interruption import progress_bar
 from frictionlab.models import Model
 from frictionlab.models.mechanism import Mechanism, TiltingBelt
 from frictionlab.plotting.appearance import background, figure_size, font_size, ink, marker_size
 from frictionlab.plotting.figure import AnimatedFigure
-from frictionlab.plotting.runs.phase_plane import plot_phase_plane
-from frictionlab.plotting.runs.time_window import (
+from frictionlab.plotting.runs.overview import plot_phase_plane
+from frictionlab.plotting.runs.time_histories import (
     SAMPLING_RTOL,
     Array,
     Periods,

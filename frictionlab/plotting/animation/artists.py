@@ -24,7 +24,7 @@ from frictionlab.plotting.appearance import (
     marker_size,
     pen,
 )
-from frictionlab.plotting.runs.time_window import Array
+from frictionlab.plotting.runs.time_histories import Array
 from frictionlab.plotting.style import BLACK, BLUE, GREY, VERMILLION
 
 from .tilting_belt import Frames, Mechanism

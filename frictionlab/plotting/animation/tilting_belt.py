@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from frictionlab.analysis.motion_scales import round_down_1_2_5
-from frictionlab.plotting.runs.time_window import Array, modes_at
+from frictionlab.plotting.runs.time_histories import Array, modes_at
 
 SLIDER_COORDINATES = ("x1", "y1", "x2", "y2")
 FORCE_OUTPUTS = ("normal_force", "friction_force")

@@ -1,10 +1,10 @@
 """Panels of one run (`Trajectory`).
 
-    time_window       which part of the run is shown, its samples and modes; labels of panels over time
-    time_histories    displacements, rates and contact forces against time
-    phase_plane       a coordinate against its rate, coloured by mode
-    spectrum          the amplitude spectrum of a state
-    overview          `plot_run`: four of these in one figure
+    time_histories    which part of the run is shown, its samples and modes; displacements, rates and contact
+                      forces against time
+    overview          a coordinate against its rate, coloured by mode; the amplitude spectrum of a state;
+                      `plot_run`: four of these in one figure
+    run_checks        energies and works, and what a verification found
 
 Each panel checks the run, takes dense samples of the window from it and draws them into its axes.
 """

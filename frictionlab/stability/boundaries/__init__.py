@@ -3,5 +3,5 @@
 Along one parameter: `sign_changes` brackets the changes of sign of the sorted growth rates,
 `stability_changes` solves for them and names them.  In a plane of two: `stability_map` evaluates a grid,
 `boundary_curves` finds the curves between its points and follows them.  `hopf` computes the
-normal form (`normal_form`) at a flutter point.
+normal form at a flutter point.
 """

@@ -18,8 +18,7 @@ from scipy.optimize.elementwise import find_root
 
 from frictionlab.presentation import count, span
 from frictionlab.stability.boundaries.stability_changes import FOLD_RATE_AT_ROOT
-from frictionlab.stability.equilibrium_problem import EquilibriumProblem
-from frictionlab.stability.state_matrices import growth_rates, unstable_pairs
+from frictionlab.stability.equilibrium_problem import EquilibriumProblem, growth_rates, unstable_pairs
 
 Array = NDArray[np.float64]
 

@@ -16,8 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize.elementwise import find_root
 
-from frictionlab.stability.equilibrium_problem import EquilibriumProblem
-from frictionlab.stability.state_matrices import growth_rates
+from frictionlab.stability.equilibrium_problem import EquilibriumProblem, growth_rates
 
 from .stability_changes import changes_on_lines, first_loss_change
 

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionlab.stability.equilibrium_problem import EquilibriumProblem
-from frictionlab.stability.parameter_derivatives import equilibrium_derivatives, flow_derivatives
+from frictionlab.stability.flow import equilibrium_derivatives, flow_derivatives
 
 Array = NDArray[np.float64]
 SCAN_POINTS = 257

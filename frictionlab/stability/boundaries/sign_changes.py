@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionlab.stability.state_matrices import Array, ComplexArray, growth_rates
+from frictionlab.stability.equilibrium_problem import Array, ComplexArray, growth_rates
 
 Flags = NDArray[np.bool_]
 Evaluate = Callable[[NDArray[np.intp], Array], ComplexArray]

@@ -12,11 +12,16 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize.elementwise import find_root
 
-from frictionlab.drawable import Drawable
-from frictionlab.presentation import count, span
+from frictionlab.presentation import Drawable, count, span
 from frictionlab.stability.equilibrium_points.equilibria import Equilibrium, equilibrium_problem
-from frictionlab.stability.equilibrium_problem import EquilibriumProblem, check_bounds, check_parameter
-from frictionlab.stability.state_matrices import NEUTRAL_RTOL, growth_rates, unstable_pairs
+from frictionlab.stability.equilibrium_problem import (
+    NEUTRAL_RTOL,
+    EquilibriumProblem,
+    check_bounds,
+    check_parameter,
+    growth_rates,
+    unstable_pairs,
+)
 
 from .sign_changes import Brackets, Evaluate, bracket_sign_changes
 

@@ -8,13 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionlab.drawable import Drawable
-from frictionlab.hybrid.progress import progress_bar
+from frictionlab.interruption import progress_bar
 from frictionlab.models.parameter_namespace import parameter_unit
-from frictionlab.presentation import count, dataframe, dataset, span
+from frictionlab.presentation import Drawable, count, dataframe, dataset, span
 from frictionlab.stability.equilibrium_points.equilibria import equilibrium_problem
-from frictionlab.stability.equilibrium_problem import EquilibriumProblem, check_parameter
-from frictionlab.stability.state_matrices import unstable_pairs
+from frictionlab.stability.equilibrium_problem import EquilibriumProblem, check_parameter, unstable_pairs
 
 from .boundary_curves import Boundary, boundary_curves
 

@@ -8,11 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionlab.drawable import Drawable
-from frictionlab.presentation import dataframe, dataset, shorten
+from frictionlab.presentation import Drawable, dataframe, dataset, shorten
 from frictionlab.stability.equilibrium_points.equilibria import Equilibrium, equilibrium, equilibrium_problem
 from frictionlab.stability.equilibrium_points.static_equations import by_penetration, sliding_equations
-from frictionlab.stability.state_matrices import is_neutral
+from frictionlab.stability.equilibrium_problem import is_neutral
 
 Array = NDArray[np.float64]
 UNITS = {"growth_rate": "1/s", "frequency": "Hz"}  # in tables

@@ -1,24 +1,250 @@
-"""`fl.root_locus`: the eigenvalues of every mode against a parameter."""
+"""`fl.root_locus`: the eigenvalues of every mode against a parameter, followed through crossings, veerings
+and coalescence.
+
+Two neighbours on the path are compared by the products of left vectors of one with right vectors of the
+other.  For equal matrices that is the unit matrix, however close their eigenvalues are, so it tells modes
+apart where the usual modal assurance criterion (right vectors with right vectors) finds two alike.  Where
+that is not clear a step is halved, so that the result does not depend on the values asked for.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import linear_sum_assignment
 
-from frictionlab.drawable import Drawable
 from frictionlab.models.parameter_namespace import parameter_unit
-from frictionlab.presentation import count, dataframe, dataset, span
+from frictionlab.presentation import Drawable, count, dataframe, dataset, span
+from frictionlab.stability.eigenproblems.eigenvalues import UNITS, mode_shapes, participation_factors
 from frictionlab.stability.equilibrium_points.equilibria import equilibrium_problem
-from frictionlab.stability.equilibrium_problem import EquilibriumProblem, check_path
-
-from .eigenvalues import UNITS, mode_shapes, participation_factors
-from .mode_tracking import Modes, modes_of_matrices, track_modes
+from frictionlab.stability.equilibrium_problem import (
+    EquilibriumProblem,
+    check_path,
+    eigenpairs_of_matrices,
+    unstable_pairs,
+)
 
 Array = NDArray[np.float64]
+ComplexMatrices = NDArray[np.complexfloating[Any, Any]]
 ComplexArray = NDArray[np.complex128]
+SAME_MODE, OTHER_MODE = 0.7, 0.4  # products of unit vectors that count as one mode, and as two
+UNMOVED_SHARE = 0.1  # of the distance to other eigenvalues
+EQUAL_RTOL = 1e-10  # share of the largest eigenvalue by which rounding may separate equal ones
+OFFSET_SHARE = 1e-3  # of a step: where vectors are taken from instead
+ENCOUNTER_SHARE = 0.5  # of the way two modes go past each other: nearer than that they may have met
+WEAK_COUPLING = 0.05  # of the distance at which they pass: a coupling below changes nothing
+UNCOUPLED_RTOL = 1e-12  # share of the largest eigenvalue
+RANK_WEIGHT, TINY_DISTANCE = 0.1, 1e-150
+NARROWEST_STEP_RTOL = 1e-12  # share of the largest parameter: steps are not halved below
+EXTRA_POINTS = 1000  # points that may be spent on halving steps
+SPLIT_SHARE = 0.47  # not a half: crossings tend to lie at round values
+NO_EIGENVALUE = complex(np.nan, np.nan)
+
+
+@dataclass(frozen=True, eq=False)
+class Modes:
+    """One eigenvalue of every mode at N points of the path: of a conjugate pair that with Im > 0.
+
+    Of an overdamped mode's two real eigenvalues it is the less stable one.
+
+    Parameters
+    ----------
+    at : array (N,)
+        The points.
+    values : complex array (N, k)
+    right : complex array (N, m, k)
+        Vectors of length 1.
+    left : complex array (N, k, m)
+        Left vectors, left @ right = 1.
+    unstable : int array (N,)
+        Number of growing pairs among all eigenvalues, those left out here too.
+    """
+
+    at: Array
+    values: ComplexMatrices
+    right: ComplexMatrices
+    left: ComplexMatrices
+    unstable: NDArray[np.int_]
+
+    def __getitem__(self, chosen: Any) -> Modes:
+        parts: Any = (self.at, self.values, self.right, self.left, self.unstable)
+        return Modes(*(part[chosen] for part in parts))
+
+    def permute(self, order: NDArray[np.intp]) -> Modes:
+        """With the modes of each point in another order (N, k)."""
+        return Modes(
+            self.at,
+            np.take_along_axis(self.values, order, axis=1),
+            np.take_along_axis(self.right, order[:, None, :], axis=2),
+            np.take_along_axis(self.left, order[:, :, None], axis=1),
+            self.unstable,
+        )
+
+
+def modes_of_matrices(at: Array, matrices: Array) -> Modes:
+    """The modes of state matrices (N, m, m), by ascending frequency; NaN where a matrix is not finite."""
+    known = np.isfinite(matrices).all(axis=(1, 2))
+    m, k = matrices.shape[1], (matrices.shape[1] + 1) // 2
+    empty: Any = (np.full((len(at), *shape), NO_EIGENVALUE) for shape in ((k,), (m, k), (k, m)))
+    found = Modes(at, *empty, unstable=np.zeros(len(at), dtype=int))
+    if known.any():
+        values, right = eigenpairs_of_matrices(matrices[known])
+        found.unstable[known] = unstable_pairs(values)
+        order = _upper_half(values, k)
+        found.values[known] = np.take_along_axis(values, order, axis=1)
+        found.right[known] = np.take_along_axis(right, order[:, None, :], axis=2)
+        found.left[known] = np.take_along_axis(_inverse(right), order[:, :, None], axis=1)
+    return found
+
+
+def _upper_half(values: ComplexMatrices, k: int) -> NDArray[np.intp]:
+    """Indices (N, k) of Im > 0, then of every other real one from the largest; by ascending frequency.
+
+    The two into which a pair splits are neighbours, so that one of them is taken and the other columns stay
+    the same.
+    """
+    kind = np.where(values.imag > 0, 0, np.where(values.imag == 0, 1, 3))
+    order = np.lexsort((-values.real, kind), axis=-1)
+    kind = np.take_along_axis(kind, order, axis=1)
+    kind[(kind == 1) & (np.cumsum(kind == 1, axis=1) % 2 == 0)] = 2
+    chosen = np.take_along_axis(order, np.argsort(kind, axis=1, kind="stable"), axis=1)[:, :k]
+    frequency = np.take_along_axis(values.imag, chosen, axis=1)
+    return np.take_along_axis(chosen, np.argsort(frequency, axis=1, kind="stable"), axis=1)
+
+
+def _inverse(vectors: ComplexMatrices) -> ComplexMatrices:
+    # At a defective matrix the vectors are dependent; the left ones are then large, or without meaning.
+    try:
+        return np.linalg.inv(vectors)
+    except np.linalg.LinAlgError:
+        return np.linalg.pinv(vectors)
+
+
+def track_modes(path: Modes, sample: Callable[[Array], Modes]) -> Modes:
+    """The same points with each mode in one column throughout; `sample` gives modes at further points."""
+    parted = _separate_equal(path, sample)
+    least = NARROWEST_STEP_RTOL * float(np.abs(path.at).max(initial=0.0))
+    steps = _match_modes(parted[:-1], parted[1:], sample, least, [len(path.at) + EXTRA_POINTS])
+    order = np.empty(path.values.shape, dtype=np.intp)
+    order[:1] = np.arange(path.values.shape[1])
+    for before, after, step in zip(order, order[1:], steps):
+        after[:] = step[before]
+    return parted.permute(order)
+
+
+def _separate_equal(path: Modes, sample: Callable[[Array], Modes]) -> Modes:
+    """Take vectors from nearby where modes have equal eigenvalues, as at a crossing: there they are not
+    unique."""
+    step = np.diff(path.at, prepend=path.at[1:2])
+    (alike,) = np.nonzero(_equal_eigenvalues(path.values).any(axis=(1, 2)) & (step != 0))
+    if not alike.size:
+        return path
+    nearby = sample(path.at[alike] - OFFSET_SHARE * step[alike])
+    alike_still: Any = _equal_eigenvalues(nearby.values).any(axis=(1, 2))
+    for i, j in enumerate(alike):
+        if np.isfinite(nearby.values[i]).all() and not alike_still[i]:
+            path.values[j] = path.values[j][_match_eigenvalues(nearby.values[i], path.values[j])]
+            path.right[j], path.left[j] = nearby.right[i], nearby.left[i]
+    return path
+
+
+def _equal_eigenvalues(values: ComplexMatrices) -> NDArray[np.bool_]:
+    """Which modes (N, k, k) have equal eigenvalues, but for rounding."""
+    apart = np.abs(values[:, :, None] - values[:, None, :])
+    alike = apart <= EQUAL_RTOL * np.abs(values).max(axis=1, initial=0.0)[:, None, None]
+    return alike & ~np.eye(values.shape[1], dtype=bool)
+
+
+def _match_modes(
+    a: Modes, b: Modes, sample: Callable[[Array], Modes], least: float, left: list[int]
+) -> NDArray[np.intp]:
+    """For each mode of `a` the index of the same mode of `b`, (N, k); the same where one has none.
+
+    Unclear steps are halved, down to a width of `least` and while any of the points `left` remain: modes with
+    equal eigenvalues throughout are unclear everywhere.
+    """
+    known = np.isfinite(a.values[:, 0]) & np.isfinite(b.values[:, 0])
+    if not known.all():
+        found = np.tile(np.arange(a.values.shape[1]), (len(known), 1))
+        found[known] = _match_modes(a[known], b[known], sample, least, left)
+        return found
+    found = _assign(_likeness(a, b))
+    clear, apart = _is_clear(a, b.permute(found))
+    wide = ~(clear & apart) & (np.abs(b.at - a.at) > least)
+    if wide.any() and wide.sum() <= left[0]:
+        left[0] -= int(wide.sum())
+        middle = sample(a.at[wide] + SPLIT_SHARE * (b.at[wide] - a.at[wide]))
+        first = _match_modes(a[wide], middle, sample, least, left)
+        second = _match_modes(middle, b[wide], sample, least, left)
+        found[wide] = np.take_along_axis(second, first, axis=1)
+        clear |= wide
+    for i in np.flatnonzero(~clear):  # an exact coalescence: match eigenvalues, since the vectors are equal
+        found[i] = _match_eigenvalues(a.values[i], b.values[i])
+    return found
+
+
+def _distance_to_next(values: ComplexMatrices) -> Array:
+    """Distance of each eigenvalue (N, k) to the next one."""
+    apart = np.abs(values[:, :, None] - values[:, None, :])
+    return np.where(np.eye(values.shape[1], dtype=bool), np.inf, apart).min(axis=2)
+
+
+def _likeness(a: Modes, b: Modes) -> Array:
+    """Similarity of the modes of `a` and `b` (N, k, k), whatever the lengths of their vectors."""
+    return np.sqrt(np.abs(a.left @ b.right) * np.abs(np.swapaxes(b.left @ a.right, 1, 2)))
+
+
+def _assign(likeness: Array) -> NDArray[np.intp]:
+    """For each mode the index of the one most similar, each used once."""
+    found, each = likeness.argmax(axis=2), np.arange(likeness.shape[1])
+    (twice,) = np.nonzero((np.sort(found, axis=1) != each).any(axis=1))
+    for i in twice:
+        found[i] = linear_sum_assignment(-likeness[i])[1]
+    return found
+
+
+def _is_clear(a: Modes, b: Modes) -> tuple[Any, Any]:
+    """Whether vectors tell that the columns of `a` and `b` are the same modes, and that none met between."""
+    either = _equal_eigenvalues(a.values) & _equal_eigenvalues(b.values)  # the order of these does not matter
+    likeness, own = _likeness(a, b), np.eye(a.values.shape[1], dtype=bool)
+    # A mode unlike all others that has hardly moved is accepted: the vectors of a rigid body's motion tell
+    # nothing.
+    still = np.abs(a.values - b.values) < UNMOVED_SHARE * np.minimum(
+        _distance_to_next(a.values), _distance_to_next(b.values)
+    )
+    same = (likeness > SAME_MODE) | either.any(axis=2, keepdims=True) | still[:, :, None]
+    clear = np.where(own, same, either | (likeness < OTHER_MODE)).all(axis=(1, 2))
+    return clear, ~(_may_have_met(a, b) & ~either).any(axis=(1, 2))
+
+
+def _may_have_met(a: Modes, b: Modes) -> Any:
+    """Which modes (N, k, k) may have come near each other between `a` and `b`, coupled so that it matters.
+
+    Coupled by c, the vectors of modes whose eigenvalues are d apart mix by c/d, so d and the mixing tell c.
+    """
+    start, end = (v[:, :, None] - v[:, None, :] for v in (a.values, b.values))
+    way = np.maximum(np.abs(end - start), TINY_DISTANCE)
+    share = np.clip(-((end - start).conj() / way * (start / way)).real, 0.0, 1.0)
+    nearest = np.abs(start + share * (end - start))
+    mixed = a.left @ b.right
+    own = np.einsum("...ii->...i", mixed)
+    mixing = np.abs(mixed * np.swapaxes(mixed, 1, 2) / (own[:, :, None] * own[:, None, :])) ** 0.5
+    coupling = mixing * np.abs(start) * np.abs(end) / way
+    largest = np.abs(a.values).max(axis=1, initial=0.0)[:, None, None]
+    return (nearest < ENCOUNTER_SHARE * way) & (
+        coupling > np.maximum(UNCOUPLED_RTOL * largest, WEAK_COUPLING * nearest)
+    )
+
+
+def _match_eigenvalues(a: ComplexMatrices, b: ComplexMatrices) -> NDArray[np.intp]:
+    """Where four distances are equal, as at a coalescence, the higher frequency is matched with the larger
+    growth."""
+    apart, rank = np.abs(a[:, None] - b[None, :]), np.subtract.outer(a.real + a.imag, b.real + b.imag)
+    return linear_sum_assignment(apart**2 + RANK_WEIGHT * rank**2)[1]
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,22 +12,19 @@ import numpy as np
 import sympy
 from numpy.typing import NDArray
 
-from frictionlab.drawable import Drawable
 from frictionlab.models import Model
 from frictionlab.models.coercion import automaton_of
-from frictionlab.presentation import shorten, state_unit
-from frictionlab.stability.equilibrium_points.automaton_equilibria import (
+from frictionlab.presentation import Drawable, shorten, state_unit
+from frictionlab.stability.equilibrium_points.followed_equilibria import (
+    FINEST_SHARE,
+    excess_polynomial,
     first_mode_equilibria,
     nearest_equilibrium_problem,
     newton_residual,
     no_equilibrium_error,
     parameter_values,
-    problem_from_equilibrium,
-)
-from frictionlab.stability.equilibrium_points.batch_equilibria import (
-    FINEST_SHARE,
-    excess_polynomial,
     polish_roots,
+    problem_from_equilibrium,
     search_range,
     sliding_problem,
 )

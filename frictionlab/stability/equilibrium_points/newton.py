@@ -1,23 +1,106 @@
-"""Zeros of equations with any functions: Newton's method from many starts, a homotopy to the last ones."""
+r"""Zeros of equations with any functions: Newton's method from many starts, a homotopy to the last ones.
+
+Of large systems, as those of finite elements, few states enter nonlinearly.  Of the Jacobian J(x) only their
+columns change from point to point: J(x) = J_0 + C(x) S with S the rows of the unit matrix that choose them.
+With the inverse of J_0, which is had once, a step costs a product of that matrix and a vector and the
+solution of one equation for each such state (Sherman, Morrison and Woodbury):
+
+.. math:: J^{-1} b = y - J_0^{-1} C (1 + S J_0^{-1} C)^{-1} S y, \qquad y = J_0^{-1} b
+
+instead of the elimination of a whole matrix at every point.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionlab.stability.equilibrium_points.low_rank_newton import (
-    LEAST_STATES,
-    LowRankNewton,
-    low_rank_newton,
-    merge_candidates,
-)
+from frictionlab.stability.equilibrium_problem import MACHINE_EPSILON
 from frictionlab.stability.flow import Flow
-from frictionlab.stability.state_matrices import MACHINE_EPSILON
 
 Array = NDArray[np.float64]
+LEAST_STATES = 32  # below, whole matrices at all points take less than a tenth of a second
+MOST_NONLINEAR_SHARE = 0.25  # of the states: with more, whole matrices cost about as much
+REFERENCES_TRIED = 8  # points at which J_0 may be taken
+# Share of a state: candidates so close are one.  Two zeros nearer to each other than the root of the machine
+# epsilon cannot be told apart: at each the Jacobian is so small that rounding moves it by more than that.
+SAME_CANDIDATE_RTOL = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class LowRankNewton:
+    """Newton's steps by one inverse.
+
+    Parameters
+    ----------
+    flow : Flow
+    values : sequence of float
+        Of the parameters.
+    inverse : (m, m) array
+        Of the Jacobian at a point of reference.
+    columns : (m, k) array
+        The columns of that Jacobian that change.
+    """
+
+    flow: Flow
+    values: Sequence[float]
+    inverse: Array
+    columns: Array
+
+    def step(self, x: Array) -> Array:
+        """The step (m, N) towards a zero; not finite where the flow is not."""
+        nonlinear = self.flow.nonlinear
+        with np.errstate(all="ignore"):
+            plain = self.inverse @ self.flow.rhs(x, self.values)
+            change = self.flow.nonlinear_columns(x, self.values) - self.columns
+            effect = self.inverse @ change  # (N, m, k)
+            small = np.eye(len(nonlinear)) + effect[:, nonlinear, :]
+            usable: Any = np.isfinite(small).all(axis=(1, 2)) & np.isfinite(plain).all(axis=0)
+            usable[usable] = np.linalg.det(small[usable]) != 0
+            step = np.full_like(x, np.nan)
+            parts = np.linalg.solve(small[usable], plain.T[usable][:, nonlinear, None])
+            step[:, usable] = -plain[:, usable] + (effect[usable] @ parts)[..., 0].T
+        return step
+
+
+def low_rank_newton(flow: Flow, values: Sequence[float], x: Array) -> LowRankNewton | None:
+    """Newton's steps by one inverse, at one of the points (m, N); None where that does not pay or serve."""
+    m = len(flow.states)
+    if m < LEAST_STATES or flow.linear or len(flow.nonlinear) > MOST_NONLINEAR_SHARE * m:
+        return None
+    for point in x.T[:REFERENCES_TRIED]:
+        with np.errstate(all="ignore"):
+            matrix = flow.jacobian(point, values)
+        if np.isfinite(matrix).all() and _is_regular(matrix):
+            inverse: Any = np.linalg.inv(matrix)
+            return LowRankNewton(flow, values, inverse, matrix[:, flow.nonlinear])
+    return None
+
+
+def _is_regular(matrix: Array) -> Any:
+    """Whether a matrix can be inverted, its rows and columns scaled to the same size."""
+    rows = np.abs(matrix).max(axis=1, keepdims=True)
+    if not rows.all():
+        return False
+    scaled = matrix / rows
+    columns = np.abs(scaled).max(axis=0)
+    return columns.all() and np.linalg.cond(scaled / columns) * np.finfo(float).eps < 1
+
+
+def merge_candidates(x: Array) -> Array:
+    """The points (m, K) among those given (m, N) that differ, in their order."""
+    kept: list[int] = []
+    for i in range(x.shape[1]):
+        apart = np.abs(x[:, kept] - x[:, [i]]) > SAME_CANDIDATE_RTOL * np.abs(x[:, [i]])
+        if apart.any(axis=0).all():
+            kept.append(i)
+    return x[:, kept]
+
+
 MAX_UNCERTAINTY = 1e-6  # share of a state: what may be unknown of it
 LAST_STEP_RTOL = 1e-9  # share of a state: a step so short is the last
 TINY = np.finfo(float).tiny  # for the size of a state that is zero

@@ -15,7 +15,7 @@ import numpy as np
 import sympy
 from numpy.typing import NDArray
 
-from frictionlab.hybrid.outputs import numpy_function
+from frictionlab.hybrid.problem import numpy_function
 from frictionlab.models import Model
 from frictionlab.models.mechanical.equations_of_motion import LagrangeSystem, lagrange_system
 from frictionlab.models.symbols import Structure, check_laws, structure_of_component, symbol, symbolic_copy

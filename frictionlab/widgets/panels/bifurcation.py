@@ -26,8 +26,8 @@ from frictionlab.components.component import Parameter
 from frictionlab.models.coercion import check_parameter_name
 from frictionlab.models.parameter_namespace import parameter_metadata
 from frictionlab.models.symbols import structure_of_component
-from frictionlab.plotting.bifurcation import EARLY_END_HEIGHT, MOTION_STYLES
-from frictionlab.plotting.drawing import Curve, Drawing
+from frictionlab.plotting.figure import Curve, Drawing
+from frictionlab.plotting.studies.sweeps import EARLY_END_HEIGHT, MOTION_STYLES
 from frictionlab.plotting.style import GREY, parameter_label, state_label
 from frictionlab.presentation import state_unit
 from frictionlab.widgets.controls.number_control import NumberControl

@@ -17,7 +17,7 @@ from frictionlab.models.coercion import check_parameter_name
 from frictionlab.models.parameter_namespace import parameter_metadata
 from frictionlab.models.symbols import structure_of_component
 from frictionlab.plotting.animation.animate import mechanism_of, picture_of
-from frictionlab.plotting.drawing import Curve, Drawing, envelope
+from frictionlab.plotting.figure import Curve, Drawing, envelope
 from frictionlab.plotting.runs.time_histories import force_outputs
 from frictionlab.plotting.style import (
     BLACK,

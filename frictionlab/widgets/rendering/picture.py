@@ -24,8 +24,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from frictionlab.plotting.appearance import WHITE, background, ink_on
-from frictionlab.plotting.drawing import Drawing
-from frictionlab.plotting.figure import RunFigure
+from frictionlab.plotting.figure import Drawing, RunFigure
 
 from .tile import Tile
 

@@ -19,7 +19,7 @@ from matplotlib.transforms import Bbox
 
 from frictionlab.analysis.motion_scales import ROUND_NUMBER_RTOL
 from frictionlab.plotting.appearance import background, legible
-from frictionlab.plotting.drawing import Curve, Drawing
+from frictionlab.plotting.figure import Curve, Drawing
 from frictionlab.plotting.style import BLACK, GREY
 
 Limits = tuple[float, float]

@@ -3,23 +3,23 @@
 import numpy as np
 import pytest
 
-from frictionlab.bench import basins, stability_cost
+from frictionlab.bench import many_runs, single_costs
 
 
 def test_the_smooth_model_agrees_where_it_is_narrow():
-    exact, wide, narrow = rows = basins.basin_times(samples=300, some=12, widths=(3.0, 0.1))
-    error = np.sqrt(basins.EQUILIBRIUM_SHARE * (1 - basins.EQUILIBRIUM_SHARE) / 300)
-    assert exact.share == pytest.approx(basins.EQUILIBRIUM_SHARE, abs=4 * error)
+    exact, wide, narrow = rows = many_runs.basin_times(samples=300, some=12, widths=(3.0, 0.1))
+    error = np.sqrt(many_runs.EQUILIBRIUM_SHARE * (1 - many_runs.EQUILIBRIUM_SHARE) / 300)
+    assert exact.share == pytest.approx(many_runs.EQUILIBRIUM_SHARE, abs=4 * error)
     assert (exact.wrong, narrow.wrong) == (0, 0)
     assert wide.wrong > 0
-    lines = basins.basin_table(rows).splitlines()
+    lines = many_runs.basin_table(rows).splitlines()
     assert len(lines) == 5
     assert all(line.count("|") == 8 for line in lines)
 
 
 def test_multipliers_of_all_ways_agree():
-    rows = stability_cost.multiplier_times(repeats=1)
+    rows = single_costs.multiplier_times(repeats=1)
     assert [row.runs for row in rows] == [1, 16, 16, 16, 1, 20, 20, 20]
     for row in rows:
         assert max(row.known, row.other) < (1e-9 if row.runs == 1 else 1e-5)
-    assert len(stability_cost.multiplier_table(rows).splitlines()) == 10
+    assert len(single_costs.multiplier_table(rows).splitlines()) == 10

@@ -5,8 +5,8 @@ import re
 import numpy as np
 import pytest
 
-from frictionlab.bench import exact_and_fast_page, harness, missed_event, nonlinearity_cost, page_figures
-from frictionlab.bench.scenes import BenchScene, scenes
+from frictionlab.bench import exact_and_fast_page, harness, missed_event, page_figures, single_costs
+from frictionlab.bench.harness import BenchScene, scenes
 from frictionlab.hybrid.compilation import HAS_MACHINE_CODE
 from frictionlab.hybrid.solve import solve
 
@@ -28,7 +28,7 @@ def rows():
 
 @pytest.fixture(scope="module")
 def switched():
-    return nonlinearity_cost.nonlinearity_costs(t_end=0.1, repeats=1)
+    return single_costs.nonlinearity_costs(t_end=0.1, repeats=1)
 
 
 def test_the_landing_is_missed(found):
@@ -90,15 +90,15 @@ def test_the_snippets_run(snippet, capsys):
 
 
 def test_a_fresh_process_is_timed(monkeypatch):
-    monkeypatch.setattr(nonlinearity_cost, "COMBINATIONS", (nonlinearity_cost.NONLINEARITIES,))
-    starts = nonlinearity_cost.starts(repeats=1)
+    monkeypatch.setattr(single_costs, "COMBINATIONS", (single_costs.NONLINEARITIES,))
+    starts = single_costs.starts(repeats=1)
     assert starts.imported > 0
     assert len(starts.first) == 1
 
 
 @pytest.mark.skipif(not HAS_MACHINE_CODE, reason="native code needs numba")
 def test_native_code_of_every_mode():
-    rows = nonlinearity_cost.native_code_times(repeats=1)
+    rows = single_costs.native_code_times(repeats=1)
     assert [row.mode for row in rows] == ["stick", "slip+", "slip-", "separation"]
     assert all(row.compiled > 0 and row.loaded > 0 for row in rows)
-    assert len(nonlinearity_cost.native_table(rows).splitlines()) == 6
+    assert len(single_costs.native_table(rows).splitlines()) == 6

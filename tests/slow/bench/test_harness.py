@@ -7,12 +7,10 @@ import numpy as np
 import pytest
 
 from frictionlab.bench import harness, page_figures, performance_page
-from frictionlab.bench.harness import WorkPrecisionRow
+from frictionlab.bench.harness import FULL_GAP_RATE_SLIDER, BenchScene, WorkPrecisionRow, scenes
 from frictionlab.bench.peers import methods
-from frictionlab.bench.peers.callback_adapters import Cvode, PathSim, SolveIvp
-from frictionlab.bench.peers.compiled_adapters import Diffrax, Heyoka
+from frictionlab.bench.peers.adapters import Cvode, Diffrax, Heyoka, PathSim, SolveIvp
 from frictionlab.bench.peers.methods import METHODS, BenchMethod, InterpretedTaylor
-from frictionlab.bench.scenes import FULL_GAP_RATE_SLIDER, BenchScene, scenes
 from frictionlab.cli import command
 from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.hybrid.problem import Status

@@ -10,7 +10,7 @@ from scipy.integrate import trapezoid
 
 import frictionlab as fl
 from frictionlab import plotting
-from frictionlab.bench.scenes import scenes
+from frictionlab.bench.harness import scenes
 from frictionlab.components import SlidingOnly, StickSlip
 
 USUAL = fl.SliderOnBelt(mu_k=1.4)

@@ -3,7 +3,7 @@
 import numpy as np
 import sympy
 
-from frictionlab.automaton.combinations import combinations_of, expressions_of, unsorted_product
+from frictionlab.automaton.expressions import combinations_of, expressions_of, unsorted_product
 from frictionlab.automaton.mode import Mode
 from frictionlab.stability import flow
 from frictionlab.stability.flow import Flow

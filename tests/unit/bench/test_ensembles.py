@@ -1,6 +1,6 @@
 """The table of many runs at once; times are not asserted."""
 
-from frictionlab.bench.parallel_runs import ENSEMBLE_SCENES, EnsembleRow, ensemble_table, ensemble_times
+from frictionlab.bench.many_runs import ENSEMBLE_SCENES, EnsembleRow, ensemble_table, ensemble_times
 
 
 def test_a_row_for_each_scene_and_number_of_runs():

@@ -1,18 +1,18 @@
 """The table of switches is complete; nothing here looks at a clock."""
 
-from frictionlab.bench import nonlinearity_cost
+from frictionlab.bench import single_costs
 
 
 def test_each_switch_pays():
-    found = {row.without: row for row in nonlinearity_cost.nonlinearity_costs(t_end=0.1, repeats=1)}
+    found = {row.without: row for row in single_costs.nonlinearity_costs(t_end=0.1, repeats=1)}
     full = found[()]
     assert len(found) == 8
     assert found[("geometry",)].states == 8 < full.states
     assert (found[("nonsmooth",)].modes, found[("nonsmooth",)].guards) == (1, 0)
     assert found[("cubic",)].products < full.products
-    assert found[nonlinearity_cost.NONLINEARITIES].products == 0
+    assert found[single_costs.NONLINEARITIES].products == 0
     assert all(row.operations < full.operations for names, row in found.items() if names)
-    lines = nonlinearity_cost.nonlinearity_table(list(found.values()), [0.5] * 8, 0.01).splitlines()
+    lines = single_costs.nonlinearity_table(list(found.values()), [0.5] * 8, 0.01).splitlines()
     assert len(lines) == 11
     assert all(line.count("|") == 9 for line in lines)
     assert lines[-1].endswith("| 0.010 s |")

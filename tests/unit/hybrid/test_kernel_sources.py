@@ -8,7 +8,7 @@ import pytest
 import frictionlab
 from frictionlab.hybrid import compilation
 from frictionlab.hybrid.ahead_of_time.entry_points import _KERNELS, symbols
-from frictionlab.hybrid.ahead_of_time.sources import kernel_sources
+from frictionlab.hybrid.ahead_of_time.manifest import kernel_sources
 
 pytestmark = pytest.mark.plain_python
 
@@ -78,15 +78,15 @@ def test_an_edit_of_a_source_names_another_folder(monkeypatch):
 
 
 def test_names_under_a_condition_are_followed(monkeypatch):
-    from frictionlab.hybrid.ahead_of_time import sources
+    from frictionlab.hybrid.ahead_of_time import manifest
 
     text = (
         b"from frictionlab.hybrid.tape.program import system_of\n"
         b"if True:\n    def one():\n        return system_of\n"
     )
     read = {"frictionlab.hybrid.made_up": text}
-    monkeypatch.setattr(sources, "_read", lambda module: read[module])
-    sources._contents.cache_clear()
-    found = sources._needed("frictionlab.hybrid.made_up", "one")
-    sources._contents.cache_clear()
+    monkeypatch.setattr(manifest, "_read", lambda module: read[module])
+    manifest._contents.cache_clear()
+    found = manifest._needed("frictionlab.hybrid.made_up", "one")
+    manifest._contents.cache_clear()
     assert found == [("frictionlab.hybrid.tape.program", "system_of")]

@@ -9,8 +9,8 @@ import sympy
 import frictionlab as fl
 from frictionlab.bench.many_contacts import rod, rod_matrices
 from frictionlab.models import Friction, Mechanics, quadratic_form, with_signature
-from frictionlab.models.gradients import gradient
 from frictionlab.models.mechanical.coupled_masses import inverse_of
+from frictionlab.models.symbols import gradient
 
 STATE = np.random.default_rng(3).normal(size=12) * 1e-6
 

@@ -4,7 +4,7 @@ import pytest
 
 import frictionlab as fl
 from frictionlab.components.component import is_decorated, parameters_of
-from frictionlab.models.library import keywords
+from frictionlab.models.library import parameters
 from frictionlab.models.model import Model
 
 
@@ -24,5 +24,5 @@ def taken(model):
 def test_they_are_all_and_no_others(row):
     model = getattr(fl, row.call.partition("(")[0])
     assert issubclass(model, Model)
-    hints = keywords.__dict__[f"{model.__name__}Keywords"].__annotations__
+    hints = parameters.__dict__[f"{model.__name__}Keywords"].__annotations__
     assert set(hints) == taken(model)

@@ -6,7 +6,7 @@ import pytest
 import sympy as sp
 
 import frictionlab as fl
-from frictionlab.automaton.undefined_numbers import undefined_part
+from frictionlab.automaton.expressions import undefined_part
 
 
 @dataclass(frozen=True)

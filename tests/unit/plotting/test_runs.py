@@ -89,7 +89,7 @@ def shaded_seconds(shade):
 
 def test_chatter_does_not_divide_the_shading():
     run = fl.simulate(SCENES["all"], 0.3, progress=False)
-    edges, names = plotting.runs.time_window.mode_intervals(run)
+    edges, names = plotting.runs.time_histories.mode_intervals(run)
     assert len(run.events) > 50 > len(names)
     assert len(edges) == len(names) + 1
     assert all(a != b for a, b in pairwise(names))

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 import frictionlab as fl
 from frictionlab import plotting
-from frictionlab.plotting.bifurcation import EARLY_END_HEIGHT, MOTION_STYLES
+from frictionlab.plotting.studies.sweeps import EARLY_END_HEIGHT, MOTION_STYLES
 
 MODEL = fl.SliderOnBelt()
 AXIS = r"coefficient of kinetic friction $\mu_{\mathrm{k}}$"

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.linalg import matrix_balance
 
-from frictionlab.stability.state_matrices import balanced, is_neutral
+from frictionlab.stability.equilibrium_problem import balanced, is_neutral
 
 MANTISSA_OF_POWERS_OF_TWO = 0.5  # the mantissa that frexp gives
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import frictionlab as fl
-from frictionlab.plotting.drawing import Curve, Drawing
+from frictionlab.plotting.figure import Curve, Drawing
 from frictionlab.widgets.settings import QUICK_METHOD
 from tests.helpers.explorers import lines, made, pixels
 

@@ -5,7 +5,7 @@ import threading
 import pytest
 
 import frictionlab as fl
-from frictionlab.plotting.drawing import Drawing
+from frictionlab.plotting.figure import Drawing
 from frictionlab.widgets.update_scheduler import UpdateScheduler
 
 pytestmark = pytest.mark.plain_python

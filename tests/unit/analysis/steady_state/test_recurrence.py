@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from frictionlab.analysis.steady_state.recurrence import (
+from frictionlab.analysis.steady_state.classification import (
     NO_RECURRENCE,
     all_parts_decay,
     amplitude_changes,

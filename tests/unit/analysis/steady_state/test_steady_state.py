@@ -5,7 +5,7 @@ import pytest
 import sympy as sp
 
 import frictionlab as fl
-from frictionlab.analysis.steady_state.result import steady_state_of_window
+from frictionlab.analysis.steady_state.steady_state import steady_state_of_window
 from tests.helpers.automata import V, X, automaton, ball, coulomb, oscillator
 from tests.helpers.known_motions import settled
 

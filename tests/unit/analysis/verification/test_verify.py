@@ -9,8 +9,7 @@ import pytest
 import sympy as sp
 
 import frictionlab as fl
-from frictionlab.analysis.verification.defect_warning import defect_warning
-from frictionlab.analysis.verification.run_comparison import ModeStays, first_event_difference
+from frictionlab.analysis.verification.run_comparison import ModeStays, defect_warning, first_event_difference
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.widgets.messages import run_end_text
 from tests.helpers.automata import V, X, automaton

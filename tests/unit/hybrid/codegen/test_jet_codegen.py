@@ -13,8 +13,7 @@ from frictionlab.automaton import HybridAutomaton, Mode
 from frictionlab.components import SlidingSeparation, StickSlip
 from frictionlab.hybrid import compilation
 from frictionlab.hybrid.codegen import native_cache
-from frictionlab.hybrid.codegen.jet_codegen import jets_module
-from frictionlab.hybrid.codegen.kernel_symbols import KERNELS
+from frictionlab.hybrid.codegen.jet_codegen import KERNELS, jets_module
 from frictionlab.hybrid.kernels.jets import (
     JET_COLUMNS,
     LOG2_LEAST_RATIO,

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from frictionlab.hybrid.kernels.roots import isolate_roots, new_root_scratch
+from frictionlab.hybrid.kernels.event_location import isolate_roots, new_root_scratch
 
 pytestmark = pytest.mark.plain_python
 

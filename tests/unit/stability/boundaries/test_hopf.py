@@ -10,13 +10,13 @@ import pytest
 import sympy as sp
 
 import frictionlab as fl
-from frictionlab.stability.boundaries.hopf import hopf
-from frictionlab.stability.boundaries.normal_form import (
+from frictionlab.stability.boundaries.hopf import (
     ExpansionPoint,
     directional_derivative,
+    hopf,
     parameter_derivative,
 )
-from frictionlab.stability.equilibrium_points.batch_equilibria import sliding_flow
+from frictionlab.stability.equilibrium_points.followed_equilibria import sliding_flow
 from frictionlab.stability.equilibrium_points.static_equations import sliding_equations
 from tests.helpers.lorenz import A, B, P, X, Y, Z, automaton, lorenz
 

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from frictionlab.plotting.drawing import ENVELOPE_BINS, envelope
+from frictionlab.plotting.figure import ENVELOPE_BINS, envelope
 from frictionlab.widgets.rendering.tile import MIN_FILL, data_range, linear_limits, logarithmic_limits
 
 pytestmark = pytest.mark.plain_python

@@ -9,8 +9,8 @@ import pytest
 from PIL import Image
 
 import frictionlab as fl
-from frictionlab.bench.explorer_latency import latencies, latency_table
-from frictionlab.plotting.drawing import Curve, Drawing
+from frictionlab.bench.response_times import latencies, latency_table
+from frictionlab.plotting.figure import Curve, Drawing
 from frictionlab.widgets.rendering.picture import DPI, PANEL_HEIGHT, PANEL_WIDTH, Picture, encode_png
 from frictionlab.widgets.rendering.tile import AXES_RECTANGLE
 

@@ -1,0 +1,200 @@
+"""What is done with expressions: long sums as numbers times few of them, products multiplied out, parts
+without a value.
+
+The equations of a structure of finite elements have some ten thousand terms such as -12.5 E w_3, made of some
+hundred expressions E w_i.  What is done with all terms, multiplied by a matrix, evaluated, differentiated, is
+done with the numbers (`Combinations`); sympy sees the few expressions only.  Products are multiplied out
+unless that would take for ever: a law may be a high power of a long sum.  A formula that holds the root of a
+negative number, or the inverse of zero, has no value in any state, so that it can be told by the parameters
+before a run.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from math import comb, inf, prod
+from typing import Any, NamedTuple
+
+import numpy as np
+import sympy
+import sympy as sp
+from numpy.typing import NDArray
+
+from frictionlab.automaton.mode import Expr, Symbol
+
+Array = NDArray[np.float64]
+
+
+def unsorted_product(factors: Sequence[Expr]) -> Expr:
+    """The product of factors in the order that sympy gives them, as those of a product less one of them.
+
+    Without the search for equal factors, which there are none of, it takes a tenth of the time.
+    """
+    if len(factors) < 2:
+        return factors[0] if factors else sympy.S.One
+    # a number is multiplied into a sum
+    return sympy.Mul(*factors, evaluate=any(factor.is_Add for factor in factors))
+
+
+@dataclass(frozen=True, eq=False)
+class Combinations:
+    """Sums of numbers times expressions.
+
+    Parameters
+    ----------
+    expressions : tuple of Expr
+    sums : int
+        How many sums there are.
+    places : array (terms, 2)
+        The sum that a term belongs to, and its expression.
+    numbers : array (terms,)
+        The number in front of each.
+    """
+
+    expressions: tuple[Expr, ...]
+    sums: int
+    places: NDArray[np.int64]
+    numbers: Array
+
+    @cached_property
+    def matrix(self) -> Array:
+        """The numbers as a matrix (sums, expressions)."""
+        found = np.zeros((self.sums, len(self.expressions)))
+        found[tuple(self.places.T)] = self.numbers
+        return found
+
+    def values(self, of_expressions: Array) -> Array:
+        """The sums (sums,) where the expressions have these values; each runs from its first term on."""
+        terms = self.numbers * of_expressions[self.places[:, 1]]
+        found: Array = np.bincount(self.places[:, 0], weights=terms, minlength=self.sums).astype(float)
+        return found
+
+
+def combinations_of(sums: Sequence[Any], states: Sequence[Any]) -> Combinations:
+    """Sums as combinations; a sum of states times what depends on none is multiplied out."""
+    entries: dict[tuple[int, Expr], float] = {}
+    moving = frozenset(states)
+    for i, total in enumerate(sums):
+        for expr, number in _terms(sympy.sympify(total, strict=True), moving):
+            entries[i, expr] = entries.get((i, expr), 0.0) + number
+    places = {expr: j for j, expr in enumerate(dict.fromkeys(expr for _, expr in entries))}
+    found = np.array([(i, places[expr]) for i, expr in entries], dtype=np.int64).reshape(-1, 2)
+    return Combinations(tuple(places), len(sums), found, np.array(list(entries.values()), dtype=float))
+
+
+def _terms(expr: Expr, moving: frozenset[Any]) -> list[tuple[Expr, float]]:
+    """The terms of a sum, each with the number in front of it."""
+    if expr.is_Add:
+        return [term for arg in expr.args for term in _terms(arg, moving)]
+    number, rest = expr.as_coeff_Mul()
+    if rest.is_Mul:
+        sums = [
+            factor for factor in rest.args if factor.is_Add and not moving.isdisjoint(factor.free_symbols)
+        ]
+        fixed = [factor for factor in rest.args if factor not in sums]
+        if len(sums) == 1 and all(moving.isdisjoint(factor.free_symbols) for factor in fixed):
+            terms = _terms(sums[0], moving)
+            return [(sympy.Mul(*fixed, one), float(number) * n) for one, n in terms]
+    elif rest.is_Add:
+        return [(one, float(number) * n) for one, n in _terms(rest, moving)]
+    return [(rest, float(number))] if number != 0 else []
+
+
+def expressions_of(matrix: Array, expressions: Sequence[Expr]) -> list[Expr]:
+    """The sums of a matrix (sums, expressions) of numbers times expressions."""
+    factors = [sympy.Mul.make_args(one) for one in expressions]
+    return [_sum(row, factors) for row in matrix]
+
+
+def _sum(row: Array, factors: Sequence[tuple[Expr, ...]]) -> Expr:
+    # Neither sorted nor searched for equal terms, of which there are none: that takes longest.
+    terms = [_multiple(float(row[i]), factors[i]) for i in np.flatnonzero(row).tolist()]
+    return sympy.Add(*terms, evaluate=False) if len(terms) > 1 else sum(terms, sympy.S.Zero)
+
+
+def _multiple(number: float, factors: tuple[Expr, ...]) -> Expr:
+    exact = exact_number(number)
+    if factors[0].is_Number or exact in (1, -1):
+        return sympy.Mul(exact, *factors)
+    return sympy.Mul(exact, *factors, evaluate=False)
+
+
+def exact_number(number: float) -> Expr:
+    """A number for sympy: 1 and -1 as integers, which leave no factor; others as they are."""
+    return sympy.Integer(int(number)) if number in (1.0, -1.0) else sympy.Float(number)
+
+
+# Terms, most, that a product or a power of sums may have: sympy takes a tenth of a second for so many.
+MOST_TERMS = 1000
+
+
+def multiply_out(expr: sp.Expr | float, **hints: bool) -> sp.Expr:
+    """The expression multiplied out; as it is where that has too many terms, as (x + y + 1)^50 with 1326.
+
+    `hints` are those of sympy's `expand`.
+    """
+    given: sp.Expr = sp.sympify(expr, strict=True)  # a reset may give plain numbers
+    return sp.expand(given, **hints) if _term_count(given) < inf else given
+
+
+def _term_count(expr: sp.Basic) -> float:
+    """Terms of an expression when it is multiplied out, at most; infinite where a part has too many."""
+    counts = [_term_count(part) for part in expr.args]
+    if inf in counts:
+        return inf
+    if expr.is_Add:
+        total = sum(counts)
+    elif expr.is_Mul:
+        total = prod(counts)
+    elif isinstance(expr, sp.Pow) and expr.exp.is_Rational and counts[0] > 1:
+        exponent = abs(int(expr.exp))
+        total = comb(int(counts[0]) + exponent - 1, exponent)
+    else:
+        total = 1
+    return total if expr.is_Add or total <= MOST_TERMS else inf  # a sum is as long as it is written
+
+
+class _Part(NamedTuple):
+    """A part of a formula that need not have a value, its parameters, and its value as their function."""
+
+    expression: Any
+    symbols: tuple[Symbol, ...]
+    value: Callable[..., Any]
+
+    def is_undefined(self, values: Mapping[Symbol, float]) -> bool:
+        """Whether it has no real value there."""
+        try:
+            found = self.value(*(values[symbol] for symbol in self.symbols))
+        except (ArithmeticError, ValueError):
+            return True
+        return isinstance(found, complex) or math.isnan(found)
+
+
+def undefined_part(expression: Any, values: Mapping[Symbol, float]) -> str:
+    """The innermost part of an expression that has no real value, and where; empty where there is none.
+
+    As text: "sqrt(a), which has no real value at a = -1".  Parts that hold a state are left out.
+    """
+    for part in _doubtful_parts(sympy.sympify(expression, strict=True), frozenset(values)):
+        if part.is_undefined(values):
+            at = ", ".join(f"{symbol} = {values[symbol]:g}" for symbol in part.symbols)
+            return f"{part.expression}, which has no real value at {at}"
+    return ""
+
+
+@lru_cache(maxsize=4096)
+def _doubtful_parts(expression: Any, symbols: frozenset[Symbol]) -> tuple[_Part, ...]:
+    """The parts that depend on parameters only and need not have a value, the innermost first."""
+    return tuple(_parts(expression, symbols))
+
+
+def _parts(expression: Any, symbols: frozenset[Symbol]) -> Iterator[_Part]:
+    part: Any
+    for part in dict.fromkeys(sympy.postorder_traversal(expression)):
+        power = part.is_Pow and not (part.exp.is_Integer and part.exp.is_nonnegative)
+        if (power or part.is_Function) and part.free_symbols and part.free_symbols <= symbols:
+            names = tuple(sorted(part.free_symbols, key=str))
+            yield _Part(part, names, sympy.lambdify(names, part, "math"))

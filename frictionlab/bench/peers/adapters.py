@@ -1,0 +1,393 @@
+"""Other tools: those that call functions back, scipy's solve_ivp, CVODE and PathSim, and those that compile
+each mode, heyoka and diffrax.
+
+scipy as users call it: compiled right-hand side, a call for each mode, terminal events.  CVODE
+(Hindmarsh et al. 2005) with its root finding, through scikit-sundae.  PathSim: block diagrams in
+Python; each mode is an ODE block with its zero crossings.
+
+heyoka (Biscani & Izzo 2021): Taylor series of high order, with event detection.  diffrax (Kidger 2021):
+each mode's integration up to its first event is compiled once, by JAX.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from importlib import import_module
+from math import prod
+from typing import Any, ClassVar, NamedTuple
+
+import numpy as np
+import sympy
+
+from frictionlab.automaton import Mode
+from frictionlab.bench.peers.external import CompiledMode, ExternalMethod, RestartedMethod
+
+IMPLICIT = ("Radau", "BDF", "LSODA")
+
+BITE = 1e-7  # s: the first step of heyoka in a mode; a tenth of the shortest stay that is no chatter
+EVALUATIONS_PER_STEP = 13  # evaluations of a step of RKDP87, for the cap
+
+
+@dataclass(frozen=True)
+class SolveIvp(ExternalMethod):
+    """scipy.integrate.solve_ivp; the implicit methods are given the exact Jacobian.
+
+    Parameters
+    ----------
+    integrator : str
+        RK45, DOP853, LSODA, Radau ...
+    rtol, atol : float
+    """
+
+    name: ClassVar[str] = "solve_ivp"
+
+    integrator: str = "DOP853"
+    rtol: float = 1e-10
+    atol: float = 1e-13
+
+    def prepare(self, z: np.ndarray) -> None:
+        super().prepare(z)
+        for functions in self.modes if self.integrator in IMPLICIT else ():
+            functions.jacobian(z, np.empty(z.size**2))  # LSODA asks for it only where it is stiff
+
+    def to_event(
+        self, mode: int, z: np.ndarray, t: float, t_end: float
+    ) -> tuple[float, np.ndarray, int, int]:
+        from scipy.integrate import solve_ivp
+
+        functions = self.modes[mode]
+        events = [_event(functions, i) for i in range(functions.count)]
+
+        def rates(time: float, y: np.ndarray) -> np.ndarray:
+            out = np.empty_like(y)
+            functions.rates(y, out)
+            return out
+
+        def jacobian(time: float, y: np.ndarray) -> np.ndarray:
+            out = np.empty(y.size**2)
+            functions.jacobian(np.ascontiguousarray(y), out)
+            return out.reshape(y.size, y.size)
+
+        options: dict[str, Any] = {"method": self.integrator, "rtol": self.rtol, "atol": self.atol}
+        if self.integrator in IMPLICIT:
+            options["jac"] = jacobian
+        found = solve_ivp(rates, (t, t_end), z, events=events, **options)
+        hit = [i for i in range(functions.count) if len(found.t_events[i])]
+        guard = hit[0] if hit else -1
+        return float(found.t[-1]), found.y[:, -1].copy(), guard, len(found.t) - 1
+
+
+def _event(functions: CompiledMode, i: int) -> Callable[[float, np.ndarray], float]:
+    values = np.empty(functions.count)
+
+    def event(time: float, y: np.ndarray) -> float:
+        functions.guards(np.ascontiguousarray(y), values)
+        return float(values[i])
+
+    # solve_ivp reads these two from the function itself; the type checker knows no attributes of functions
+    event.terminal, event.direction = True, -1  # type: ignore[attr-defined]
+    return event
+
+
+@dataclass(frozen=True)
+class Cvode(ExternalMethod):
+    """SUNDIALS' multistep methods.
+
+    Parameters
+    ----------
+    formula : "Adams" or "BDF"
+    rtol, atol : float
+    """
+
+    name: ClassVar[str] = "cvode"
+
+    formula: str = "Adams"
+    rtol: float = 1e-11
+    atol: float = 1e-14
+
+    def to_event(
+        self, mode: int, z: np.ndarray, t: float, t_end: float
+    ) -> tuple[float, np.ndarray, int, int]:
+        functions = self.modes[mode]
+        options: dict[str, Any] = {"method": self.formula, "rtol": self.rtol, "atol": self.atol}
+        if functions.count:
+            options |= {"eventsfn": _events(functions), "num_events": functions.count}
+        solver = import_module("sksundae.cvode").CVODE(
+            lambda time, y, out: functions.rates(y, out), max_num_steps=10**7, **options
+        )
+        found = solver.solve(np.array([t, t_end]), z)
+        steps = len(found.t) - 1  # between two times it returns its own steps
+        if found.i_events is None or not len(found.i_events):
+            return float(found.t[-1]), np.array(found.y[-1]), -1, steps
+        guard = int(np.flatnonzero(found.i_events[-1])[0])
+        return float(found.t_events[-1]), np.array(found.y_events[-1]), guard, steps
+
+
+def _events(functions: CompiledMode) -> Any:
+    def events(time: float, y: np.ndarray, out: np.ndarray) -> None:
+        functions.guards(y, out)
+
+    # sksundae reads these two from the function itself; the type checker knows no attributes of functions
+    both = [True] * functions.count, [-1] * functions.count
+    events.terminal, events.direction = both  # type: ignore[attr-defined]
+    return events
+
+
+@dataclass(frozen=True)
+class PathSim(RestartedMethod):
+    """A simulation for each mode, built once.
+
+    Parameters
+    ----------
+    solver : str
+        RKDP87, RKV65, RKDP54, ...
+    rtol, atol : float
+    located : float
+        An event is found where its guard is no larger than this.
+    """
+
+    name: ClassVar[str] = "pathsim"
+
+    solver: str = "RKDP87"
+    rtol: float = 1e-10
+    atol: float = 1e-13
+    located: float = 1e-10
+
+    @cached_property
+    def diagrams(self) -> list[_Diagram]:
+        """Those of all modes."""
+        return [_Diagram(self, functions) for functions in self.modes]
+
+    def flow(self, mode: int, z: np.ndarray, length: float) -> tuple[float, np.ndarray, int, int]:
+        return self.diagrams[mode].run(z, length, self.max_steps - self.steps)
+
+
+class _Diagram:
+    """One ODE block, and an event for each guard that stops the simulation; time starts at zero again."""
+
+    def __init__(self, settings: PathSim, functions: CompiledMode) -> None:
+        pathsim: Any = import_module("pathsim")
+        self.functions, self.values = functions, np.empty(functions.count)
+        self.halt: type[Exception] = pathsim.StopSimulation
+        self.block = pathsim.blocks.ODE(self._rates, np.zeros(len(settings.automaton.states)))
+        crossing = pathsim.events.ZeroCrossingDown
+        self.simulation = pathsim.Simulation(
+            [self.block],
+            events=[
+                crossing(self._guard(i), self._stop(i), settings.located) for i in range(functions.count)
+            ],
+            Solver=getattr(pathsim.solvers, settings.solver),
+            log=False,
+            tolerance_lte_rel=settings.rtol,
+            tolerance_lte_abs=settings.atol,
+        )
+
+    def run(self, z: np.ndarray, length: float, most: int) -> tuple[float, np.ndarray, int, int]:
+        """From `z` up to an event or the end: time that passed, state, guard or -1, steps."""
+        self.found: tuple[float, np.ndarray, int] | None = None
+        self.left = EVALUATIONS_PER_STEP * most
+        self.block.initial_value = z
+        self.simulation.dt = None  # it estimates the first step by itself
+        self.simulation.reset()
+        steps = self.simulation.run(length)["successful_steps"]
+        end = self.found or (float(self.simulation.time), self.block.engine.state.copy(), -1)
+        return *end, steps if self.left >= 0 else most
+
+    def _rates(self, z: np.ndarray, u: np.ndarray, t: float) -> np.ndarray:
+        self.left -= 1
+        if self.left < 0:
+            raise self.halt("step cap")
+        out = np.empty_like(z)
+        self.functions.rates(z, out)
+        return out
+
+    def _guard(self, i: int) -> Callable[[float], float]:
+        def value(t: float) -> float:
+            self.functions.guards(self.block.engine.state, self.values)
+            return float(self.values[i])
+
+        return value
+
+    def _stop(self, i: int) -> Callable[[float], None]:
+        def stop(t: float) -> None:
+            # Where a later event of the same step is still to be located the step is taken back.
+            self.found = self.found or (float(t), self.block.engine.state.copy(), i)
+            self.simulation.stop()
+
+        return stop
+
+
+EVENT_TOLERANCE = 1e-12  # of time (s) and of a guard: smaller ones take all iterations it has
+
+
+@dataclass(frozen=True)
+class Heyoka(ExternalMethod):
+    """heyoka's adaptive Taylor integrator.
+
+    Parameters
+    ----------
+    tol : float
+    """
+
+    name: ClassVar[str] = "heyoka"
+
+    tol: float = 1e-15
+
+    @cached_property
+    def flows(self) -> list[_HeyokaFlow]:
+        """One for each mode."""
+        automaton, values = self.automaton, self.values
+        return [_heyoka_flow(mode, automaton.states, values, self.tol) for mode in automaton.modes]
+
+    def to_event(
+        self, mode: int, z: np.ndarray, t: float, t_end: float
+    ) -> tuple[float, np.ndarray, int, int]:
+        flow = self.flows[mode]
+        integrator, steps = flow.integrator, 0
+        if flow.start is not None:
+            # Where an event function is zero at the start of a step, heyoka does not find its next zero: so
+            # a first short step is taken without events.
+            start = flow.start
+            start.time, flow.start_state[:] = t, z
+            start.step(min(BITE, t_end - t))
+            t, z, steps = start.time, flow.start_state, 1
+            integrator.reset_cooldowns()
+        integrator.time, flow.state[:] = t, z
+        outcome, _, _, more, *_ = integrator.propagate_until(t_end)
+        code = int(outcome)
+        # A terminal event i that stops ends with the outcome -i - 1.
+        guard = -code - 1 if -1000 < code < 0 else -1
+        return integrator.time, flow.state, guard, steps + more
+
+
+class _HeyokaFlow(NamedTuple):
+    """A mode's integrator, and one without events for the start, None where there are none; views of their
+    states."""
+
+    integrator: Any
+    state: np.ndarray
+    start: Any
+    start_state: np.ndarray
+
+
+def _heyoka_expression(expression: Any, hy: Any) -> Any:
+    """heyoka's expression; whole powers as products, since its pow() is not a number at a base of zero."""
+    if expression.is_Number:
+        return hy.expression(float(expression))
+    if expression.is_Symbol:
+        return hy.expression(expression.name)
+    if expression.is_Pow and expression.exp.is_Integer and expression.exp > 0:
+        return prod(
+            [_heyoka_expression(expression.base, hy)] * (int(expression.exp) - 1),
+            start=_heyoka_expression(expression.base, hy),
+        )
+    parts = [_heyoka_expression(part, hy) for part in expression.args]
+    if expression.is_Add:
+        return hy.sum(parts)
+    return prod(parts[1:], start=parts[0]) if expression.is_Mul else hy.from_sympy(expression)
+
+
+@lru_cache(maxsize=64)
+def _heyoka_flow(mode: Mode, states: tuple[Any, ...], values: tuple[Any, ...], tol: float) -> _HeyokaFlow:
+    """The numbers of the parameters are constants of the equations, which are compiled for them."""
+    hy: Any = import_module("heyoka")
+
+    names = [sympy.Symbol(f"z{i}") for i in range(len(states))]
+    renamed, numbers = dict(zip(states, names, strict=True)), dict(values)
+
+    def of(expression: Any) -> Any:
+        return _heyoka_expression(sympy.sympify(expression, strict=True).subs(numbers).xreplace(renamed), hy)
+
+    system = [(hy.expression(str(name)), of(rate)) for name, rate in zip(names, mode.flow, strict=True)]
+    # A guard is positive while its mode lasts.
+    falls = hy.event_direction.negative
+    events = [hy.t_event(of(event.function), direction=falls) for event in mode.events]
+    options: dict[str, Any] = {"tol": tol, "compact_mode": False}
+    whole = hy.taylor_adaptive(system, [0.0] * len(states), t_events=events, **options)
+    start = hy.taylor_adaptive(system, [0.0] * len(states), **options) if events else whole
+    return _HeyokaFlow(whole, whole.state, start if events else None, start.state)
+
+
+@dataclass(frozen=True)
+class Diffrax(RestartedMethod):
+    """diffeqsolve with Dopri8, a PID controller and events located by bisection.
+
+    Parameters
+    ----------
+    rtol, atol : float
+    """
+
+    name: ClassVar[str] = "diffrax"
+
+    rtol: float = 1e-10
+    atol: float = 1e-13
+
+    @cached_property
+    def solutions(self) -> list[Callable[..., Any]]:
+        """Compiled integrations, one for each mode."""
+        automaton, values = self.automaton, self.values
+        return [_compile_solution(mode, automaton.states, values, self.max_steps) for mode in automaton.modes]
+
+    def flow(self, mode: int, z: np.ndarray, length: float) -> tuple[float, np.ndarray, int, int]:
+        # Double precision here only: other users of JAX in the process may want single precision.
+        with import_module("jax").enable_x64(True):
+            t, y, guard, steps = self.solutions[mode](z, length, self.rtol, self.atol)
+        return float(t), np.array(y), int(guard), int(steps)
+
+
+@lru_cache(maxsize=64)
+def _compile_solution(
+    mode: Mode, states: tuple[Any, ...], values: tuple[Any, ...], max_steps: int
+) -> Callable[..., Any]:
+    """Time, state, guard, steps of a start and a length; the tolerances are arguments, to compile once."""
+    jax, dx = import_module("jax"), import_module("diffrax")
+    rates = _jax_function(states, mode.flow, values)
+    guards = _jax_function(states, [event.function for event in mode.events], values) if mode.events else None
+    term = dx.ODETerm(lambda t, y, args: rates(y))
+
+    def solution(z: Any, length: Any, rtol: Any, atol: Any) -> Any:
+        found = dx.diffeqsolve(
+            term,
+            dx.Dopri8(),
+            t0=0.0,
+            t1=length,
+            dt0=None,
+            y0=z,
+            args=guards(z) <= 0.0 if guards else None,
+            stepsize_controller=dx.PIDController(rtol=rtol, atol=atol),
+            event=_diffrax_event(guards) if guards else None,
+            max_steps=max_steps,
+            throw=False,
+        )
+        y = found.ys[-1]
+        guard = jax.numpy.where(found.event_mask, guards(y).argmin(), -1) if guards else -1
+        capped = found.result == dx.RESULTS.max_steps_reached  # counts rejected steps too
+        steps = jax.numpy.where(capped, max_steps, found.stats["num_accepted_steps"])
+        return found.ts[-1], y, guard, steps
+
+    return jax.jit(solution)
+
+
+def _diffrax_event(guards: Callable[[Any], Any]) -> Any:
+    """The smallest guard falls through zero; those that were zero at the start count from then on.
+
+    One function, since of several in a step diffrax takes the first in the list, not in time, and since
+    the root finder that cannot miss, bisection, wants one.
+    """
+    where: Any = import_module("jax.numpy").where
+
+    def smallest(t: Any, y: Any, args: Any, **_: Any) -> Any:
+        return where(args & (t <= 0.0), 1.0, guards(y)).min()
+
+    bisection = import_module("optimistix").Bisection(rtol=0.0, atol=EVENT_TOLERANCE, flip=True)
+    return import_module("diffrax").Event(smallest, bisection, direction=False)
+
+
+def _jax_function(states: tuple[Any, ...], expressions: Sequence[Any], values: tuple[Any, ...]) -> Any:
+    """Expressions as a function of an array, which returns one."""
+    stack, numbers = import_module("jax.numpy").stack, dict(values)
+    with_numbers = [sympy.sympify(e, strict=True).subs(numbers) for e in expressions]
+    function = sympy.lambdify(states, with_numbers, modules="jax", cse=True)
+    return lambda y: stack(function(*y))

@@ -1,0 +1,235 @@
+"""A mode and a reset lowered to their tapes, with what is asked of them as arrays; the numbers in tapes,
+constants and coefficients, as functions of the parameters.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from typing import Any
+from weakref import WeakKeyDictionary
+
+import numpy as np
+
+from frictionlab.automaton import Mode, Reset
+from frictionlab.automaton.expressions import combinations_of, undefined_part
+from frictionlab.hybrid.elementary.parameter_functions import function_of_parameters
+from frictionlab.hybrid.tape.functions import AFFINE, POWER
+from frictionlab.hybrid.tape.program import NOT_POLYNOMIAL, Section
+from frictionlab.hybrid.tape.tape import AffineTerms, ResetBuilder, Tape, TapeBuilder
+
+
+@dataclass(frozen=True, eq=False)
+class LoweredTape:
+    """A tape as arrays."""
+
+    tape: Tape
+
+    @cached_property
+    def ops(self) -> np.ndarray:
+        """(operations, 3): kind, a, b."""
+        return slot_array(self.tape.ops, columns=3)
+
+    @cached_property
+    def affine(self) -> np.ndarray:
+        """(operations,) whether a and b are a range of terms."""
+        return self.ops[:, 0] == AFFINE
+
+    @cached_property
+    def term_slots(self) -> np.ndarray:
+        """(terms,)"""
+        return slot_array([slot for slot, _ in self.tape.terms])
+
+
+@dataclass(frozen=True, eq=False)
+class LoweredMode(LoweredTape):
+    """A mode's tape, and the slots of what is asked of it."""
+
+    flow: list[int]
+    guards: list[int]
+    constraints: list[int]
+    sections: list[int]
+
+    @cached_property
+    def degrees(self) -> list[float]:
+        """Of each slot, as a polynomial of the states."""
+        return self.tape.degrees(self.guards)
+
+    @cached_property
+    def ranges(self) -> np.ndarray:
+        """(slots,) how the range of each is found."""
+        return int_array(self.tape.ranges((*self.flow, *self.guards, *self.sections), self.guards))
+
+    @cached_property
+    def degree(self) -> int:
+        """The highest degree, NOT_POLYNOMIAL where there are other functions."""
+        return _finite(max(self.degrees))
+
+    @cached_property
+    def polynomial(self) -> np.ndarray:
+        """(slots,) whether each is a polynomial of the states."""
+        return int_array([degree < math.inf for degree in self.degrees])
+
+    @cached_property
+    def polynomial_degree(self) -> int:
+        """The highest degree of those that are."""
+        return _finite(max(degree for degree in self.degrees if degree < math.inf))
+
+    @cached_property
+    def guard_degrees(self) -> np.ndarray:
+        """Degrees of the event functions."""
+        return int_array([_finite(self.degrees[slot]) for slot in self.guards])
+
+    @cached_property
+    def has_powers(self) -> bool:
+        """Whether there are powers, whose base may be zero."""
+        return any(op[0] == POWER for op in self.tape.ops)
+
+    @cached_property
+    def flow_slots(self) -> np.ndarray:
+        """(states,)"""
+        return slot_array(self.flow)
+
+    @cached_property
+    def guard_slots(self) -> np.ndarray:
+        """(guards,)"""
+        return slot_array(self.guards)
+
+    @cached_property
+    def constraint_slots(self) -> np.ndarray:
+        """(constraints,)"""
+        return slot_array(self.constraints)
+
+
+@dataclass(frozen=True, eq=False)
+class LoweredReset(LoweredTape):
+    """A reset's tape, and the slot of each state's new value."""
+
+    out: list[int]
+
+    @cached_property
+    def out_slots(self) -> np.ndarray:
+        """(states,)"""
+        return slot_array(self.out)
+
+
+@lru_cache(maxsize=4096)  # modes that are derived one by one are packed again and again
+def lower_mode(
+    mode: Mode, states: tuple[Any, ...], sections: tuple[Section, ...], integrands: tuple[Any, ...]
+) -> LoweredMode:
+    """Lower a mode with its sections; the integrands follow the flow."""
+    builder = TapeBuilder(states, _linear_terms(states))
+    return LoweredMode(
+        flow=[
+            builder.slot(expr) for expr in (*mode.flow, *(_section_expression(e, mode) for e in integrands))
+        ],
+        guards=[builder.slot(event.function) for event in mode.events],
+        constraints=[builder.slot(expr) for expr in mode.constraints],
+        sections=[builder.slot(_section_expression(section.function, mode)) for section in sections],
+        tape=builder.tape,
+    )
+
+
+@lru_cache(maxsize=64)
+def _linear_terms(states: tuple[Any, ...]) -> dict[Any, AffineTerms]:
+    """Terms of expressions that are affine in the states: they are the same on every tape."""
+    return {}
+
+
+@lru_cache(maxsize=4096)
+def lower_reset(reset: Reset, states: tuple[Any, ...]) -> LoweredReset:
+    """Lower a reset."""
+    builder = ResetBuilder(states, _linear_terms(states))
+    return LoweredReset(
+        out=[builder.slot(reset.jump.get(state, state)) for state in states], tape=builder.tape
+    )
+
+
+def _section_expression(function: Any | str, mode: Mode) -> Any:
+    return mode.outputs[function] if isinstance(function, str) else function
+
+
+def _finite(degree: float) -> int:
+    return int(min(degree, NOT_POLYNOMIAL))
+
+
+def int_array(rows: Any, columns: int | None = None, kind: type = np.int64) -> np.ndarray:
+    """An array of integers; of so many columns where `rows` may be empty."""
+    array = np.array(rows, dtype=kind)
+    return array if columns is None else array.reshape(len(rows), columns)
+
+
+def slot_array(rows: Sequence[Any], columns: int | None = None) -> np.ndarray:
+    """The same, unsigned, which spares the kernels the check for negative indices."""
+    return int_array(rows, columns, np.uint32)
+
+
+# Numbers from which on to write each as Python code takes seconds; they are then sums of a few expressions.
+MANY_NUMBERS = 1000
+
+
+def undefined_number(
+    parameters: tuple[Any, ...], every: Sequence[LoweredTape], values: Sequence[float]
+) -> str:
+    """The first number without a value, in words; empty where none is found."""
+    at = dict(zip(parameters, values, strict=True))
+    exprs = _numbers_of(every)
+    return next(filter(None, (undefined_part(expr, at) for expr in exprs)), "")
+
+
+def _numbers_of(every: Sequence[LoweredTape]) -> list[Any]:
+    """All constants, then the coefficients of all terms."""
+    return [c for one in every for c in one.tape.constants] + [c for one in every for _, c in one.tape.terms]
+
+
+def fill_function(
+    parameters: tuple[Any, ...], every: Sequence[LoweredTape], apart: bool
+) -> Callable[..., Any]:
+    """Function of the parameters that gives all constants, then the coefficients of all terms."""
+    if not apart:
+        exprs = _numbers_of(every)
+        if len(exprs) >= MANY_NUMBERS:
+            sums = combinations_of(exprs, ())
+            function = function_of_parameters(parameters, list(sums.expressions))
+            return lambda *values: sums.values(np.array(function(*values), dtype=float))
+        return function_of_parameters(parameters, exprs)
+    numbers = _number_list(parameters)
+    constants, terms = zip(*(numbers.places(one) for one in every))
+    used, where = np.unique(np.concatenate([*constants, *terms]), return_inverse=True)
+    functions = [numbers.functions[i] for i in used]
+    return lambda *values: np.array([function(*values) for function in functions], dtype=float)[where]
+
+
+class _NumberList:
+    """Functions of the parameters for the numbers in tapes.
+
+    Each has the same bits whatever the others are: they share no subexpressions.
+    """
+
+    def __init__(self, parameters: tuple[Any, ...]) -> None:
+        self._parameters = parameters
+        self._numbers: dict[Any, int] = {}
+        self._places: WeakKeyDictionary[LoweredTape, tuple[np.ndarray, np.ndarray]] = WeakKeyDictionary()
+        self.functions: list[Callable[..., float]] = []
+
+    def places(self, lowered: LoweredTape) -> tuple[np.ndarray, np.ndarray]:
+        """Numbers of the functions of a tape's constants and coefficients."""
+        if lowered not in self._places:
+            tape = lowered.tape
+            exprs = tape.constants, [coefficient for _, coefficient in tape.terms]
+            constants, terms = (int_array([self._number(expr) for expr in some]) for some in exprs)
+            self._places[lowered] = constants, terms
+        return self._places[lowered]
+
+    def _number(self, expr: Any) -> int:
+        if expr not in self._numbers:
+            self._numbers[expr] = len(self.functions)
+            self.functions.append(function_of_parameters(self._parameters, expr))
+        return self._numbers[expr]
+
+
+@lru_cache(maxsize=64)
+def _number_list(parameters: tuple[Any, ...]) -> _NumberList:
+    return _NumberList(parameters)

@@ -1,0 +1,239 @@
+"""Parameters that several models have, each with unit, symbol and range, and the keywords of the models'
+constructors.
+
+By the keywords type checkers and editors see a misspelt one.  They cannot follow how a model joins the
+parameters of its laws to its own; a test compares what is here with what the models take.  Parameters of a
+law of your own go to that law: ``MassOnBelt(friction=Mine(a=2))``.
+"""
+
+from __future__ import annotations
+
+from math import pi
+from typing import Any, TypedDict
+
+from frictionlab.components.component import parameter
+from frictionlab.components.contact import ContactLaw, Interface
+from frictionlab.components.friction import FrictionLaw
+from frictionlab.components.geometry import Geometry
+from frictionlab.components.impact import ImpactLaw
+
+
+def mass_parameter(default: float = 1.0, symbol: str = "m", meaning: str = "mass") -> Any:
+    """A mass, kg."""
+    return parameter(
+        default, unit="kg", symbol=symbol, meaning=meaning, exclusive_minimum=0.0, range=(0.1, 10.0), log=True
+    )
+
+
+def stiffness_parameter(
+    default: float = 1.0,
+    symbol: str = "k",
+    meaning: str = "stiffness of the spring",
+    range: tuple[float, float] = (0.1, 100.0),
+) -> Any:
+    """A stiffness, N/m."""
+    return parameter(default, unit="N/m", symbol=symbol, meaning=meaning, minimum=0.0, range=range, log=True)
+
+
+def damper_parameter(
+    default: float = 0.0,
+    symbol: str = "c",
+    meaning: str = "damping",
+    range: tuple[float, float] = (0.0, 2.0),
+) -> Any:
+    """A damper, N s/m."""
+    return parameter(default, unit="N s/m", symbol=symbol, meaning=meaning, minimum=0.0, range=range)
+
+
+def speed_parameter(default: float, symbol: str = "v") -> Any:
+    """The speed of a belt, m/s."""
+    return parameter(default, unit="m/s", symbol=symbol, meaning="speed of the belt", range=(-3.0, 3.0))
+
+
+def normal_force_parameter(default: float = 1.0, symbol: str = "N", meaning: str = "normal force") -> Any:
+    """A normal force that does not change, N."""
+    return parameter(default, unit="N", symbol=symbol, meaning=meaning, minimum=0.0, range=(0.0, 10.0))
+
+
+def load_parameter(default: float = 1.0) -> Any:
+    """The amplitude of a harmonic force, N."""
+    return parameter(
+        default, unit="N", symbol="F", meaning="amplitude of the force", minimum=0.0, range=(0.0, 10.0)
+    )
+
+
+def frequency_parameter(default: float) -> Any:
+    """The angular frequency of a harmonic force, rad/s."""
+    return parameter(
+        default,
+        unit="rad/s",
+        symbol=r"\Omega",
+        meaning="angular frequency of the force",
+        exclusive_minimum=0.0,
+        range=(0.1, 10.0),
+    )
+
+
+def angle_parameter(default: float, symbol: str, meaning: str) -> Any:
+    """An angle, rad."""
+    return parameter(default, unit="rad", symbol=symbol, meaning=meaning, range=(-pi, pi))
+
+
+def natural_period(k: float, m: float) -> float:
+    """2 pi sqrt(m/k), s; 2 pi without a spring."""
+    return 2 * pi * ((m / k) ** 0.5 if k > 0 else 1.0)
+
+
+class FrictionKeywords(TypedDict, total=False):
+    """A friction law, and the parameters that one of the package may have."""
+
+    friction: FrictionLaw
+    mu_k: float
+    mu_s: float
+    v_s: float
+    mu_v: float
+    n: float
+    F_ref: float
+
+
+class ImpactKeywords(TypedDict, total=False):
+    """An impact law, and the parameters that one of the package may have."""
+
+    impact: ImpactLaw
+    mu_i: float
+    e: float
+
+
+class ContactKeywords(TypedDict, total=False):
+    """A contact law, and the parameters that one of the package may have."""
+
+    contact: ContactLaw
+    k2: float
+    k_nl: float
+    k_h: float
+    a1: float
+    a2: float
+    a3: float
+    a4: float
+    a5: float
+
+
+class DenHartogKeywords(FrictionKeywords, total=False):
+    """Of `DenHartog`."""
+
+    m: float
+    c: float
+    k: float
+    N: float
+    F: float
+    Omega: float
+    interface: Interface
+
+
+class FreeCoulombKeywords(FrictionKeywords, total=False):
+    """Of `FreeCoulomb`."""
+
+    m: float
+    k: float
+    N: float
+    x_0: float
+    interface: Interface
+
+
+class ImpactOscillatorKeywords(ImpactKeywords, total=False):
+    """Of `ImpactOscillator`."""
+
+    m: float
+    c: float
+    k: float
+    d: float
+    F: float
+    Omega: float
+    interface: Interface
+
+
+class MassOnBeltKeywords(FrictionKeywords, total=False):
+    """Of `MassOnBelt`."""
+
+    m: float
+    c: float
+    k: float
+    N: float
+    v: float
+    interface: Interface
+
+
+class ModeCouplingKeywords(FrictionKeywords, total=False):
+    """Of `ModeCoupling`."""
+
+    m: float
+    c: float
+    k1: float
+    k2: float
+    k3: float
+    a1: float
+    a2: float
+    F: float
+    v: float
+    interface: Interface
+
+
+class SliderOnRigidBeltKeywords(ContactKeywords, FrictionKeywords, total=False):
+    """Of `SliderOnRigidBelt`."""
+
+    m: float
+    c: float
+    k1: float
+    k3: float
+    a: float
+    F: float
+    v: float
+    interface: Interface
+
+
+class BouncingBallKeywords(ImpactKeywords, total=False):
+    """Of `BouncingBall`."""
+
+    m: float
+    g: float
+    h: float
+    interface: Interface
+
+
+class SliderOnBeltKeywords(ContactKeywords, FrictionKeywords, ImpactKeywords, total=False):
+    """Of `SliderOnBelt`."""
+
+    M: float
+    m: float
+    J: float
+    c1: float
+    c2: float
+    c4: float
+    c5: float
+    c6: float
+    k1: float
+    k3: float
+    k4: float
+    k5: float
+    k6: float
+    l1: float
+    l2: float
+    v: float
+    F: float
+    interface: Interface
+    geometry: Geometry
+
+
+class TwoBlocksKeywords(FrictionKeywords, total=False):
+    """Of `TwoBlocks`."""
+
+    m1: float
+    m2: float
+    c: float
+    k1: float
+    k2: float
+    k12: float
+    N1: float
+    N2: float
+    v: float
+    interface: Interface

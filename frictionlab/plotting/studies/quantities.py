@@ -1,0 +1,106 @@
+"""Sensitivities of quantities as a tornado plot, their distributions, and the shares of parameters in their
+variance.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+
+from frictionlab.plotting.appearance import ink, legible, pen
+from frictionlab.plotting.figure import axes_or_new
+from frictionlab.plotting.style import BLUE, GREY, ORANGE, VERMILLION, parameter_symbol
+
+
+def plot_sensitivity(found: Any, ax: Axes | None = None, *, most: int = 12) -> list[Artist]:
+    """Draw the normalised derivatives of a quantity, the largest at the top (a tornado plot).
+
+    Parameters
+    ----------
+    found : Sensitivity
+    ax : Axes or None
+        None draws into a new figure.
+    most : int
+        Parameters that are drawn.
+
+    Returns
+    -------
+    list of Artist
+        The bars.
+    """
+    ax = axes_or_new(ax)
+    shares = np.nan_to_num(found.normalised)
+    order = np.argsort(-np.abs(shares), kind="stable")[:most]
+    colours = [legible(BLUE if shares[i] >= 0 else VERMILLION, ax) for i in order]
+    bars = ax.barh(range(len(order)), shares[order], color=colours)
+    ax.set_yticks(range(len(order)), [parameter_symbol(found.model, found.parameters[i]) for i in order])
+    ax.invert_yaxis()
+    ax.axvline(0.0, **pen(GREY, 0.8, ax))
+    ax.set_xlabel(f"{found.quantity.partition(' (')[0]}: percent for a percent of the parameter")
+    return list(bars)
+
+
+def plot_uncertainty(found: Any, ax: Axes | None = None) -> list[Artist]:
+    """Draw the distribution of a quantity: its cumulative probability, median and central 95 percent.
+
+    Parameters
+    ----------
+    found : Uncertainty
+    ax : Axes or None
+        None draws into a new figure.
+
+    Returns
+    -------
+    list of Artist
+        The curve, the line of the median, and those of the 2.5th and 97.5th percentiles.
+    """
+    ax = axes_or_new(ax)
+    known = np.sort(found.values[np.isfinite(found.values)])
+    share = np.arange(1, len(known) + 1) / len(found.values)
+    drawn: list[Artist] = [*ax.step(known, share, where="post", **pen(BLUE, 1.5, ax))]
+    for level, colour in ((0.5, ink(ax)), (0.025, VERMILLION), (0.975, VERMILLION)):
+        at = found.quantile(level)
+        if np.isfinite(at):
+            drawn.append(ax.axvline(at, linestyle=":", **pen(colour, 1.0, ax)))
+    ax.set_xlabel(found.quantity)
+    ax.set_ylabel("cumulative probability")
+    ax.set_ylim(0.0, 1.02)
+    return drawn
+
+
+def plot_sobol_indices(found: Any, ax: Axes | None = None) -> list[Artist]:
+    """Draw the first-order and total indices of each parameter with their errors.
+
+    Parameters
+    ----------
+    found : SobolIndices
+    ax : Axes or None
+        None draws into a new figure.
+
+    Returns
+    -------
+    list of Artist
+        Two containers of bars.
+    """
+    ax = axes_or_new(ax)
+    order = np.argsort(-np.nan_to_num(found.total_order), kind="stable")
+    places = np.arange(len(order))
+    groups = [
+        (found.first_order, found.first_errors, ORANGE, "alone", -0.2),
+        (found.total_order, found.total_errors, BLUE, "with interactions", 0.2),
+    ]
+    drawn: list[Any] = []
+    for values, errors, colour, label, shift in groups:
+        bars = ax.barh(places + shift, values[order], height=0.4, color=legible(colour, ax), label=label)
+        ax.errorbar(
+            values[order], places + shift, xerr=errors[order], fmt="none", capsize=3, **pen(ink(ax), 1.0, ax)
+        )
+        drawn.append(bars)
+    ax.set_yticks(places, [parameter_symbol(found.model, found.parameters[i]) for i in order])
+    ax.invert_yaxis()
+    ax.set_xlabel(f"share of the variance of {found.quantity}")
+    ax.legend(frameon=False)
+    return drawn

@@ -1,0 +1,317 @@
+"""Steady states, periodic orbits and ends of many runs in a phase plane, and how perturbations grow; basins
+of attraction in a plane of initial states, and their shares of random ones.
+"""
+
+from __future__ import annotations
+
+from itertools import cycle
+from typing import Any, NamedTuple
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import QuadMesh
+from matplotlib.colors import AsinhNorm, BoundaryNorm, LinearSegmentedColormap, ListedColormap
+from matplotlib.container import BarContainer, ErrorbarContainer
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+
+from frictionlab.analysis.steady_state.classification import MotionKind
+from frictionlab.plotting.appearance import (
+    add_halo,
+    background,
+    font_size,
+    ink,
+    ink_on,
+    legible,
+    marker_size,
+    pen,
+)
+from frictionlab.plotting.figure import axes_or_new, legend_beside
+from frictionlab.plotting.runs.overview import label_phase_plane, plot_phase_plane
+from frictionlab.plotting.style import (
+    BLACK,
+    BLUE,
+    GREEN,
+    GREY,
+    ORANGE,
+    PURPLE,
+    SKY,
+    VERMILLION,
+    YELLOW,
+    state_label,
+)
+from frictionlab.presentation import state_unit
+from frictionlab.validation import check_choice
+
+SHOWN_PERIODS = 3  # periods drawn of a periodic motion
+SHOWN_SECONDS = 2.0  # drawn of others
+LINEAR_SHARE = 1e-3  # of the largest derivative: colours of smaller ones are linear, of others logarithmic
+MAX_NUMBERED = 10  # states of a matrix whose entries are written in its cells
+
+
+def plot_steady_state(found: Any, ax: Axes | None = None, *, name: str | None = None) -> list[Line2D]:
+    """Draw what a motion settled to in a phase plane: some periods of it, or a cross at an equilibrium.
+
+    Parameters
+    ----------
+    found : SteadyState
+    ax : Axes or None
+        None draws into a new figure, ``lines[0].axes.figure``.
+    name : str or None
+        The coordinate; None takes the first.
+
+    Returns
+    -------
+    list of Line2D
+        One for every mode that occurs, or one cross.
+    """
+    run = found.trajectory
+    shown: str = run.names[0] if name is None else name
+    check_choice("name", shown, run.names[: run.automaton.coordinates])
+    alone, ax = ax is None, axes_or_new(ax)
+    if found.kind == MotionKind.EQUILIBRIUM:
+        column = run.names.index(shown)
+        x, rate = run.final_state[[column, column + run.automaton.coordinates]]
+        lines = ax.plot(x, rate, "+", color=ink(ax), markersize=marker_size(9.0), label="equilibrium")
+        ax.set(ylim=(-1.0, 1.0))
+    else:
+        seconds = SHOWN_PERIODS * found.period if found.kind == MotionKind.PERIODIC else SHOWN_SECONDS
+        lines = plot_phase_plane(run, ax, name=shown, window=min(seconds, float(run.raw.t)))
+    label_phase_plane(ax, shown, f"Steady state: {found.kind}")
+    if alone:
+        legend_beside(ax)
+    return lines
+
+
+def plot_orbit(orbit: Any, ax: Axes | None = None, *, name: str | None = None) -> list[Line2D]:
+    """Draw a periodic orbit in a phase plane, coloured by mode.
+
+    Parameters
+    ----------
+    orbit : PeriodicOrbit
+    ax : Axes or None
+        None draws into a new figure, ``lines[0].axes.figure``.
+    name : str or None
+        The coordinate; None takes the first.
+
+    Returns
+    -------
+    list of Line2D
+        One for every mode that occurs.
+    """
+    alone, ax = ax is None, axes_or_new(ax)
+    lines = plot_phase_plane(orbit.trajectory, ax, name=name, window=None)
+    kind = "Stable" if orbit.stable else "Unstable"
+    ax.set_title(f"{kind} orbit of period {orbit.period:.6g} s")
+    if alone:
+        legend_beside(ax)
+    return lines
+
+
+def plot_ends(ends: Any, ax: Axes | None = None, *, name: str | None = None) -> list[Line2D]:
+    """Draw where the runs of an ensemble ended, in a phase plane.
+
+    Parameters
+    ----------
+    ends : BatchResult
+    ax : Axes or None
+        None draws into a new figure, ``lines[0].axes.figure``.
+    name : str or None
+        The coordinate; None takes the first.
+
+    Returns
+    -------
+    list of Line2D
+        The points.
+    """
+    coordinates = [each for each in ends.names if f"{each}'" in ends.names]
+    shown = coordinates[0] if name is None else name
+    check_choice("name", shown, coordinates)
+    x, rate = (ends.states[:, ends.names.index(each)] for each in (shown, f"{shown}'"))
+    ax = axes_or_new(ax)
+    lines = ax.plot(x, rate, ".", color=legible(BLUE, ax))
+    label_phase_plane(ax, shown, f"Ends of {len(x)} runs")
+    return lines
+
+
+def plot_lyapunov(found: Any, ax: Axes | None = None) -> ErrorbarContainer:
+    """Draw Lyapunov exponents, the largest first, with their standard errors; infinite ones are left out.
+
+    Parameters
+    ----------
+    found : LyapunovSpectrum
+    ax : Axes or None
+        None draws into a new figure.
+
+    Returns
+    -------
+    ErrorbarContainer
+    """
+    ax = axes_or_new(ax)
+    finite = np.isfinite(found.exponents)
+    place = 1 + np.flatnonzero(finite)
+    errors = found.standard_errors[finite]
+    bars = ax.errorbar(place, found.exponents[finite], errors, fmt="o", color=legible(BLUE, ax))
+    ax.axhline(0.0, **pen(GREY, 0.8, ax))
+    ax.set(xlabel="direction", ylabel="Lyapunov exponent (1/s)", xticks=place)
+    return bars
+
+
+def plot_tangent_flow(flow: Any, ax: Axes | None = None) -> QuadMesh:
+    """Draw the fundamental matrix of a run in colours: what a small change of each initial state becomes.
+
+    Parameters
+    ----------
+    flow : TangentFlow
+    ax : Axes or None
+        None draws into a new figure.
+
+    Returns
+    -------
+    QuadMesh
+        A column for each initial state, a row for each final one; the colours are logarithmic for all but
+        small derivatives.
+    """
+    n, labels = len(flow.matrix), [state_label(name) for name in flow.names]
+    ax = axes_or_new(ax)
+    top = float(np.abs(flow.matrix).max()) or 1.0
+    colours = LinearSegmentedColormap.from_list("signs", [SKY, "white", ORANGE])
+    norm = AsinhNorm(linear_width=LINEAR_SHARE * top, vmin=-top, vmax=top)
+    mesh = ax.pcolormesh(flow.matrix, cmap=colours, norm=norm)
+    if n <= MAX_NUMBERED:
+        for (i, j), entry in np.ndenumerate(flow.matrix):
+            text = ax.text(j + 0.5, i + 0.5, f"{entry:.2g}", ha="center", va="center")
+            text.set(fontsize=font_size(7.0), color=ink_on(mesh.to_rgba(entry)))
+    ax.set_xticks(np.arange(n) + 0.5, labels)
+    ax.set_yticks(np.arange(n) + 0.5, labels)
+    ax.invert_yaxis()
+    ax.set(xlabel="initial state (SI units)", ylabel="final state (SI units)", title="Fundamental matrix")
+    ax.figure.colorbar(mesh, ax=ax, label="derivative (SI units)")
+    return mesh
+
+
+# Of attractors, in turn: rest has one colour in all pictures, whatever motion was found first
+COLOURS_OF_REST = (SKY, BLUE, GREEN)
+COLOURS_OF_MOTION = (ORANGE, YELLOW, PURPLE, VERMILLION, GREEN)
+UNCLASSIFIED_COLOURS = {MotionKind.NOT_SETTLED: GREY, MotionKind.ENDED_EARLY: "#444444"}
+HATCH = "////"
+
+
+class BasinArtists(NamedTuple):
+    """The colours of the basins, and the attractors drawn over them."""
+
+    mesh: QuadMesh
+    attractors: list[Line2D]
+
+
+def plot_basins(found: Any, ax: Axes | None = None, *, legend: bool = True) -> BasinArtists:
+    """Draw which attractor each initial state goes to, and those attractors that are within the axes.
+
+    Initial states that were not computed are hatched.
+
+    Parameters
+    ----------
+    found : Basins
+    ax : Axes or None
+        None draws into a new figure, ``artists.mesh.axes.figure``.
+    legend : bool
+        Whether to put a legend, with the shares, beside the panel.
+
+    Returns
+    -------
+    BasinArtists
+
+    Examples
+    --------
+    >>> import frictionlab as fl
+    >>> model = fl.SliderOnBelt(mu_k=1.4).without("geometry")
+    >>> speeds = ("x1'", [0.0, 0.5]), ("y1'", [0.0, 0.1])
+    >>> found = fl.basins(model, *speeds, "near", window=10.0, progress=False)
+    >>> plot_basins(found).mesh.get_array().tolist()
+    [[0, 1], [0, 1]]
+    """
+    ax = axes_or_new(ax)
+    ax.patch.set(facecolor=background(ax), edgecolor=GREY, hatch=HATCH)  # seen where the mesh has no colour
+    colours = _colours(found, ax)
+    norm = BoundaryNorm(np.arange(len(colours) + 1) - 0.5, max(1, len(colours)))
+    mesh = ax.pcolormesh(
+        found.x_values,
+        found.y_values,
+        np.ma.masked_less(found.labels, 0),
+        cmap=ListedColormap(colours or [GREY]),
+        norm=norm if colours else None,
+        shading="nearest",
+        rasterized=True,
+    )
+    limits = ax.get_xlim(), ax.get_ylim()
+    lines = [line for a in found.attractors if a.settled for line in _attractor(found, a, ax)]
+    ax.set(
+        xlim=limits[0],
+        ylim=limits[1],
+        xlabel=_initial_state_label(found.x),
+        ylabel=_initial_state_label(found.y),
+    )
+    if legend:
+        legend_beside(ax, _handles(found, colours, background(ax)))
+    return BasinArtists(mesh, lines)
+
+
+def plot_basin_stability(found: Any, ax: Axes | None = None) -> BarContainer:
+    """Draw the share of random initial states that goes to each attractor, with its standard error.
+
+    Parameters
+    ----------
+    found : BasinStability
+    ax : Axes or None
+        None draws into a new figure, ``bars.patches[0].axes.figure``.
+
+    Returns
+    -------
+    BarContainer
+    """
+    ax = axes_or_new(ax)
+    names, shares = list(found.fractions), list(found.fractions.values())
+    errors = [found.errors[name] for name in names]
+    colours: dict[str, Any] = {"color": _colours(found, ax), "edgecolor": ink(ax), "ecolor": ink(ax)}
+    bars = ax.bar(names, shares, yerr=errors, capsize=4.0, **colours)
+    if bars.errorbar is not None:
+        _, caps, spans = bars.errorbar.lines
+        for line in (*caps, *spans):
+            add_halo(line, ax)
+    ax.set(ylim=(0.0, 1.0), ylabel="share of the initial states")
+    return bars
+
+
+def _colours(found: Any, ax: Axes) -> list[str]:
+    rest, motion = cycle(COLOURS_OF_REST), cycle(COLOURS_OF_MOTION)
+    colours = [
+        UNCLASSIFIED_COLOURS[a.kind]
+        if not a.settled
+        else next(rest if a.kind == MotionKind.EQUILIBRIUM else motion)
+        for a in found.attractors
+    ]
+    return [legible(colour, ax) for colour in colours]
+
+
+def _attractor(found: Any, attractor: Any, ax: Axes) -> list[Line2D]:
+    columns = [found.names.index(name) for name in (found.x, found.y)]
+    x, y = attractor.path[:, columns].T
+    style = "o" if len(x) == 1 else "-" if attractor.period > 0 else ","
+    lines = ax.plot(x, y, style, label=attractor.name, **pen(BLACK, 1.4, ax))
+    add_halo(lines[0], ax)
+    return lines
+
+
+def _initial_state_label(name: str) -> str:
+    return f"initial {state_label(name)} ({state_unit(name)})"
+
+
+def _handles(found: Any, colours: list[str], empty: str) -> list[Any]:
+    shares = found.fractions
+    handles = [
+        Patch(facecolor=colour, edgecolor=GREY, label=f"{a.name}: {shares[a.name]:.1%}")
+        for a, colour in zip(found.attractors, colours)
+    ]
+    if (found.labels < 0).any():
+        handles.append(Patch(facecolor=empty, edgecolor=GREY, hatch=HATCH, label="not computed"))
+    return handles

@@ -1,0 +1,352 @@
+"""Equilibria for many parameter values at once: of an automaton, by Newton's method, the one that is
+followed; of a model steady sliding, the equilibrium with F_N > 0 and the smallest penetration.
+
+With polynomial laws the penetration is a root of a polynomial, found by eigenvalues and polished by Newton's
+method on the original equation; with other laws changes of sign are searched for on a geometric grid.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from functools import cache, lru_cache, partial
+from typing import Any
+
+import numpy as np
+import sympy
+from numpy.typing import NDArray
+
+from frictionlab.automaton import HybridAutomaton, Mode
+from frictionlab.automaton.modes_on_demand import ModesOnDemand, Regime
+from frictionlab.models import Model
+from frictionlab.models.coercion import automaton_of
+from frictionlab.models.mechanical.contact_regimes import regime
+from frictionlab.models.mechanical.modes import flow_and_forces
+from frictionlab.stability.equilibrium_points.newton import find_zeros, follow_zero, newton_step
+from frictionlab.stability.equilibrium_points.real_roots import UNKNOWN, Polynomial
+from frictionlab.stability.equilibrium_points.static_equations import (
+    SlidingEquations,
+    Statics,
+    sliding_equations,
+    static_residual,
+    statics_groups,
+)
+from frictionlab.stability.equilibrium_problem import EquilibriumProblem
+from frictionlab.stability.flow import Flow
+
+Array = NDArray[np.float64]
+CONSTRAINT_RTOL = 1e-9  # share of its terms to which a constraint has to hold at an equilibrium
+
+
+def nearest_equilibrium_problem(model: Any, closest_to: Array | None = None) -> EquilibriumProblem:
+    """The equilibrium, nearest to the origin, of the first mode that has one inside its guards.
+
+    Or the one nearest to the coordinates `closest_to` (n,), or to these states where there are no
+    coordinates.
+
+    Raises
+    ------
+    ValueError
+        If no mode has one.
+    """
+    automaton = automaton_of(model)
+    mode, flow, points = first_mode_equilibria(automaton, isinstance(model, Model))
+    if not points.size:
+        raise no_equilibrium_error(model)
+    i = (
+        0
+        if closest_to is None
+        else int(np.argmin(np.linalg.norm(points[: len(closest_to)] - closest_to[:, None], axis=0)))
+    )
+    return problem_from_equilibrium(model, automaton, mode, flow, points[:, i])
+
+
+def problem_from_equilibrium(
+    model: Any, automaton: HybridAutomaton, mode: Mode, flow: Flow, x: Array, **changes: float
+) -> EquilibriumProblem:
+    """The steady state of a mode followed from `x` (m,), where it is with some parameters changed."""
+    guards, values = tuple(event.function for event in mode.events), parameter_values(automaton)
+    start = parameter_values(automaton.replace(**changes)) if changes else values
+    return EquilibriumProblem(
+        model,
+        _state_names(automaton),
+        flow,
+        values,
+        continuation_solver(flow, x, start, partial(_is_admissible, mode, flow)),
+        guards,
+    )
+
+
+def no_equilibrium_error(model: Any) -> ValueError:
+    """The error for a model or an automaton that has none."""
+    modes = equilibrium_modes(automaton_of(model), not isinstance(model, HybridAutomaton))
+    what = "the automaton" if isinstance(model, HybridAutomaton) else type(model).__name__
+    return ValueError(
+        f"{what} must have a mode with an equilibrium inside its guards, "
+        f"got none in {', '.join(mode.name for mode in modes)}: change its parameters"
+    )
+
+
+def equilibrium_modes(automaton: HybridAutomaton, sliding: bool) -> Iterator[Mode]:
+    """The modes in which equilibria are searched for, derived one by one.
+
+    For a model those without constraints (`sliding`): in stick every position within the friction cone is an
+    equilibrium.
+    """
+    if isinstance(automaton.modes, ModesOnDemand):
+        return automaton.modes.select(
+            lambda regime: not (sliding and regime.holds) and _can_rest(automaton, regime)
+        )
+    return (mode for mode in automaton.modes if not (sliding and (mode.constraints or mode.limit)))
+
+
+def first_mode_equilibria(automaton: HybridAutomaton, sliding: bool) -> tuple[Mode, Flow, Array]:
+    """The first mode with equilibria inside its guards, its flow, and them (m, K); else K is 0."""
+    values = tuple(automaton.parameters.items())
+    return _mode_equilibria(automaton.modes, sliding, automaton.states, values, automaton.coordinates)
+
+
+@lru_cache(maxsize=64)
+def _mode_equilibria(
+    modes: tuple[Mode, ...] | ModesOnDemand, sliding: bool, states: Any, parameters: Any, coordinates: int
+) -> tuple[Mode, Flow, Array]:
+    """The same of these modes; remembered, as one question about a model leads to several."""
+    automaton = HybridAutomaton(states, modes, dict(parameters), coordinates)
+    mode = next(equilibrium_modes(automaton, sliding), None) or modes[0]
+    flow = _flow_in_automaton(automaton, mode)
+    for mode in (m for m in equilibrium_modes(automaton, sliding) if _allows_rest(automaton, m)):
+        flow = _flow_in_automaton(automaton, mode)
+        points = find_zeros(flow, parameter_values(automaton))
+        points = points[:, _is_admissible(mode, flow, points, parameter_values(automaton))]
+        if points.size:
+            return mode, flow, points
+    return mode, flow, np.zeros((len(automaton.states), 0))
+
+
+def _allows_rest(automaton: HybridAutomaton, mode: Mode) -> bool:
+    """Whether a mode's constraints can hold at zero velocities: not in stick on a running belt."""
+    return all(c == 0 for c in _constants_at_rest(automaton, mode.constraints))
+
+
+def _can_rest(automaton: HybridAutomaton, regime: Regime) -> bool:
+    """Whether a regime's conditions can hold at zero velocities: not in slip against a running belt."""
+    return not any(c < 0 for c in _constants_at_rest(automaton, regime.conditions))
+
+
+def _constants_at_rest(automaton: HybridAutomaton, functions: Sequence[Any]) -> list[Any]:
+    """The values at zero velocities of those functions that do not depend on other states."""
+    n = automaton.coordinates
+    at_rest = dict.fromkeys(automaton.states[n : 2 * n], 0)
+    held = [sympy.sympify(c, strict=True).subs(at_rest) for c in functions]
+    return [c.subs(automaton.parameters) for c in held if not c.free_symbols & set(automaton.states)]
+
+
+def parameter_values(automaton: HybridAutomaton) -> tuple[float, ...]:
+    """The parameters' values."""
+    return tuple(float(value) for value in automaton.parameters.values())
+
+
+def newton_residual(flow: Flow, x: Array, values: Sequence[float]) -> float:
+    """The step that Newton's method would still take, relative to the state."""
+    step = np.abs(newton_step(flow, x[:, None], values)).max()
+    return float(step / max(np.abs(x).max(), np.finfo(float).tiny)) if step else 0.0
+
+
+def continuation_solver(
+    flow: Flow, x: Array, base: tuple[float, ...], lasts: Callable[[Array, Sequence[Any]], Any]
+) -> Callable[[Sequence[Any], int], Array]:
+    """`solve` of an :class:`EquilibriumProblem` that follows a zero of the flow from `x` (m,) at `base`."""
+
+    def solve(values: Sequence[Any], count: int) -> Array:
+        found = follow_zero(flow, x, base, values, count)
+        found[:, ~lasts(found, values)] = np.nan
+        return found
+
+    return solve
+
+
+def _is_admissible(mode: Mode, flow: Flow, x: Array, values: Sequence[Any]) -> Any:
+    """Where a mode can last at states (m, N): inside its guards, with its constraints kept."""
+    with np.errstate(all="ignore"):
+        lasts = flow.margin(x, values) > 0
+        for held, size in zip(*(functions(*x, *values) for functions in _constraints(mode, flow))):
+            lasts = lasts & (np.abs(held) <= CONSTRAINT_RTOL * size)
+    return lasts
+
+
+@lru_cache(maxsize=256)
+def _constraints(mode: Mode, flow: Flow) -> tuple[Callable[..., Any], Callable[..., Any]]:
+    """The constraints of a mode, and the sizes of the terms that cancel in each."""
+    at_rest = dict.fromkeys(flow.states, 0)
+    held = [sympy.sympify(c, strict=True) for c in mode.constraints]
+    terms = [[c.subs(at_rest), *(sympy.diff(c, s) * s for s in flow.states)] for c in held]
+    sizes = [sum(abs(term) for term in some) for some in terms]
+    return flow.compiled(held), flow.compiled(sizes)
+
+
+def _flow_in_automaton(automaton: HybridAutomaton, mode: Mode) -> Flow:
+    return flow_of_mode(mode, automaton.states, tuple(automaton.parameters), automaton.coordinates)
+
+
+@lru_cache(maxsize=256)
+def flow_of_mode(mode: Mode, states: tuple[Any, ...], parameters: tuple[Any, ...], coordinates: int) -> Flow:
+    """The flow of a mode, with its margins, which have to stay positive: event functions and normal force."""
+    margins = [event.function for event in mode.events]
+    margins += [mode.outputs["normal_force"]] if "normal_force" in mode.outputs else []
+    return Flow(states, parameters, mode.flow, tuple(margins), coordinates)
+
+
+def _state_names(automaton: HybridAutomaton) -> tuple[str, ...]:
+    count = automaton.coordinates or len(automaton.states)
+    return tuple(symbol.name for symbol in automaton.states[:count])
+
+
+REAL_ROOT_RTOL = 1e-4  # a double root comes out of the eigenvalues as a pair, some 1e-8 off the real axis
+STATIC_RESIDUAL_RTOL = 1e-9  # share of the largest force: roots that leave more over are none
+NEWTON_STEPS = 4
+SEARCH_POINTS, FINEST_SHARE, SEARCH_FACTOR, BISECTIONS = 401, 1e-9, 3.0, 60
+
+
+def least_penetration(statics: Statics, values: Sequence[Any], count: int) -> Array:
+    """Penetrations (count,) in m; NaN where there is no equilibrium with F_N > 0."""
+    excess = excess_polynomial(statics, values)
+    with np.errstate(all="ignore"):
+        if excess is None:
+            penetrations = _search_sign_change(statics, values, count)
+        else:
+            penetrations = _polynomial_candidates(
+                statics, values, np.broadcast_to(excess, (len(excess), count))
+            )
+        solved = (
+            static_residual(statics, statics.coordinates(penetrations, *values), values)
+            < STATIC_RESIDUAL_RTOL
+        )
+    least = np.where(
+        solved & (penetrations > 0) & (statics.forces(penetrations, *values)[0] > 0), penetrations, np.inf
+    ).min(axis=0)
+    return np.where(np.isfinite(least), least, np.nan)
+
+
+def excess_polynomial(statics: Statics, values: Sequence[Any]) -> Array | None:
+    """Coefficients of the excess penetration(q(d)) - d as a polynomial in the penetration d, of degree 9 at
+    most for Eq. (2); None where a law is no polynomial."""
+    try:
+        excess = statics.excess(UNKNOWN, *values)
+    except (TypeError, ValueError, AttributeError):  # sqrt, a broken power, exp or a comparison in a law
+        return None
+    return excess.coefficients if isinstance(excess, Polynomial) else None
+
+
+def _polynomial_candidates(statics: Statics, values: Sequence[Any], excess: Array) -> Array:
+    """Nearly real roots (some, N), polished by Newton's method on the original equation."""
+    roots = _companion_roots(excess)
+    real = np.abs(roots.imag) <= REAL_ROOT_RTOL * np.abs(roots.real)
+    pressed = (roots.real > 0) & (statics.forces(roots.real, *values)[0] > 0)
+    penetrations = np.sort(np.where(real & pressed, roots.real, np.nan), axis=0)
+    penetrations = penetrations[: int(np.isfinite(penetrations).sum(axis=0).max(initial=1))]  # NaN comes last
+    return polish_roots(statics, values, penetrations)
+
+
+def polish_roots(statics: Statics, values: Sequence[Any], penetrations: Array) -> Array:
+    """Newton's method on the original equation, which does not suffer from cancellation as the polynomial
+    does."""
+    left = np.abs(statics.excess(penetrations, *values))
+    for _ in range(NEWTON_STEPS):
+        trial = penetrations - statics.excess(penetrations, *values) / statics.slope(penetrations, *values)
+        rest = np.abs(statics.excess(trial, *values))
+        penetrations, left = np.where(rest < left, trial, penetrations), np.fmin(rest, left)
+    return penetrations
+
+
+def _companion_roots(coefficients: Array) -> NDArray[np.complex128]:
+    """All roots (degree, N).  Their reciprocals are eigenvalues, so a leading coefficient may vanish."""
+    degree = len(coefficients) - 1
+    # Without a preload the penetration is a factor: divided out, the other roots are left.
+    coefficients = np.where(coefficients[0] == 0, np.roll(coefficients, -1, axis=0), coefficients)
+    companion = np.zeros((coefficients.shape[1], degree, degree))
+    companion[:, range(1, degree), range(degree - 1)] = 1.0
+    with np.errstate(all="ignore"):
+        # In units of the penetration without contact force, which is the constant term.
+        scale = np.abs(coefficients[0]) ** np.arange(1, degree + 1)[:, None]
+        companion[:, 0] = -(coefficients[1:] * scale / coefficients[0]).T
+        broken = ~np.isfinite(companion[:, 0]).all(axis=1)
+        companion[broken] = np.eye(degree)
+        found = np.abs(coefficients[0]) / np.linalg.eigvals(companion).astype(complex).T
+    found[:, broken] = np.nan
+    return found
+
+
+def _search_sign_change(statics: Statics, values: Sequence[Any], count: int) -> Array:
+    """First root (1, count) seen as a change of sign on a grid, for laws that are no polynomials."""
+    grid = np.geomspace(FINEST_SHARE, 1.0, SEARCH_POINTS)[:, None] * np.broadcast_to(
+        search_range(statics, values), (count,)
+    )
+    signs = np.sign(np.broadcast_to(statics.excess(grid, *values), grid.shape))
+    turns = (signs[:-1] * signs[1:] <= 0) & (statics.forces(grid[1:], *values)[0] > 0)
+    first, columns = np.argmax(turns, axis=0), np.arange(count)
+    low, high, sign = grid[first, columns], grid[first + 1, columns], signs[first, columns]
+    for _ in range(BISECTIONS):
+        middle = 0.5 * (low + high)
+        before = np.sign(statics.excess(middle, *values)) == sign
+        low, high = np.where(before, middle, low), np.where(before, high, middle)
+    return np.where(turns.any(axis=0), 0.5 * (low + high), np.nan)[None]
+
+
+def search_range(statics: Statics, values: Sequence[Any]) -> Any:
+    """Largest penetration searched (m): a multiple of that without contact force; 1 m without a preload."""
+    length = SEARCH_FACTOR * np.abs(statics.excess(0.0, *values))
+    return np.where(length == 0, 1.0, length)
+
+
+def sliding_problem(model: Any, start: Array | None = None) -> EquilibriumProblem:
+    """Steady sliding of a model at the equilibrium with F_N > 0 and the smallest penetration.
+
+    Or at that whose coordinates are `start` (n,), followed from there.
+    """
+    equations = sliding_equations(model)
+    values, flow = equations.values(model), sliding_flow(equations)
+
+    solve: Callable[[Sequence[Any], int], Array] = partial(_solve, equations)
+
+    def pressed(x: Array, values: Sequence[Any]) -> Any:
+        return (flow.margin(x, values) > 0) & ~equations.rests(values)
+
+    if start is not None:
+        solve = continuation_solver(flow, np.append(start, np.zeros(len(start))), values, pressed)
+    guards = sliding_guards(equations, bool(equations.belt_speed(*values) > 0))
+    return EquilibriumProblem(model, equations.coordinates, flow, values, solve, guards)
+
+
+@cache
+def sliding_flow(equations: SlidingEquations) -> Flow:
+    """Sliding whose friction force has the sign of the belt's speed, whatever else the model can do."""
+    found = equations.system
+    flow, _ = flow_and_forces(found, (regime(found.rubbing, "slip", found),))
+    return Flow(found.states, equations.parameters, flow, (found.rubbing.pressing,), len(found.q))
+
+
+@cache
+def sliding_guards(equations: SlidingEquations, forwards: bool) -> tuple[Any, ...]:
+    """The functions that stay positive while the model slides as in the flow: v_r, the gap."""
+    found = equations.system
+    contact = found.rubbing
+    name = "slip" if "slip" in contact.modes else "slip+" if forwards else "slip-"
+    sliding = regime(contact, name, found)
+    return tuple(end.function for end in sliding.ends(sliding.force))
+
+
+def _solve(equations: SlidingEquations, values: Sequence[Any], count: int) -> Array:
+    x = np.full((2 * len(equations.coordinates), count), np.nan)
+    for statics, chosen in statics_groups(equations, values, count):
+        some = [v if np.ndim(v) == 0 else np.broadcast_to(v, (count,))[chosen] for v in values]
+        x[:, chosen] = _states_in_contact(statics, some, len(x), int(chosen.sum()))
+    x[:, np.broadcast_to(equations.rests(values), (count,))] = np.nan
+    return x
+
+
+def _states_in_contact(statics: Statics, values: Sequence[Any], rows: int, count: int) -> Array:
+    penetrations = least_penetration(statics, values, count)
+    x = np.zeros((rows, count))
+    for row, q in zip(x, statics.coordinates(penetrations, *values)):
+        row[:] = q
+    x[:, np.isnan(penetrations)] = np.nan
+    return x

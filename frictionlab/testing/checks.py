@@ -1,0 +1,297 @@
+"""What any law and any model can be put through.
+
+A law by itself: signs of its forces, the same values for numbers, arrays and symbols, parameters with meaning
+and range, a repr and a dictionary that make the object again.  A model: its parameters, its equations, and a
+motion, which keeps the rules of friction and unilateral contact.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from enum import Enum
+from typing import Any
+
+import numpy as np
+import sympy as sp
+
+from frictionlab.analysis.simulate import simulate
+from frictionlab.components import ContactLaw, FrictionLaw, ImpactLaw
+from frictionlab.components.component import Component, Parameter, parameters_of, structure_of
+from frictionlab.hybrid.tape.packing import program_of
+from frictionlab.hybrid.trajectory import Trajectory
+from frictionlab.models.model import Model
+from frictionlab.models.parameter_namespace import parameter_metadata
+from frictionlab.models.serialisation import component_from_dict, component_to_dict
+from frictionlab.models.symbols import structure_of_component, symbol, symbolic_copy
+
+PENETRATIONS = np.linspace(1e-4, 0.1, 7)
+SPEEDS = np.linspace(0.0, 3.0, 7)
+FORCES = np.array([1.0, 50.0, 1e3])
+LAW_RTOL = 1e-12
+
+
+def fail(subject: Any, rule: str, got: Any) -> None:
+    """Raise AssertionError: what is checked, the rule, and what there is instead."""
+    raise AssertionError(f"{subject!r}: {rule}, got {got!r}")
+
+
+def check_parameters(subject: Component, known: Mapping[str, Parameter]) -> None:
+    """Every parameter has a symbol, a meaning and a range that holds its default."""
+    for name, about in known.items():
+        if not about.meaning:
+            fail(subject, f"parameter {name} must have a meaning: write parameter(..., meaning=...)", "")
+        if about.range is None:
+            fail(subject, f"parameter {name} must have a range for its slider", None)
+        low, high = about.range or (0.0, 0.0)
+        if about.default is not None and not low <= about.default <= high:
+            fail(subject, f"the range of {name} must hold its default", (about.range, about.default))
+
+
+def check_round_trip(subject: Component) -> None:
+    """The repr is an expression that makes the object again, and so does the dictionary."""
+    again = eval(repr(subject), _class_names(subject))
+    if again != subject:
+        fail(subject, "its repr must make it again", again)
+    again = component_from_dict(component_to_dict(subject), type(subject))
+    if again != subject or hash(again) != hash(subject):
+        fail(subject, "its dictionary must make it again", again)
+
+
+def _class_names(subject: Component) -> dict[str, type]:
+    """The classes that a repr may name."""
+    found: dict[str, type] = {type(subject).__name__: type(subject)}
+    waiting = [getattr(subject, name) for name in structure_of(type(subject))]
+    while waiting:
+        value = waiting.pop()
+        if isinstance(value, tuple):
+            waiting += value
+        elif isinstance(value, Component):
+            found |= _class_names(value)
+        elif isinstance(value, Enum):
+            found[type(value).__name__] = type(value)
+    return found
+
+
+def check_law(law: Component) -> None:
+    """Check a contact, friction or impact law.
+
+    Its parameters are described, its repr makes it again, its methods give for symbols what they give for
+    numbers and arrays, and the forces have the signs that the modes of contact rely on.
+
+    Parameters
+    ----------
+    law : ContactLaw, FrictionLaw or ImpactLaw
+
+    Raises
+    ------
+    AssertionError
+        With the rule that the law breaks, and what it gives instead.
+    TypeError
+        For anything else than such a law.
+    """
+    kind = next((kind for kind in LAW_CHECKS if isinstance(law, kind)), None)
+    if kind is None:
+        raise TypeError(f"law must be a ContactLaw, FrictionLaw or ImpactLaw, got {law!r}")
+    check_parameters(law, parameters_of(type(law)))
+    check_round_trip(law)
+    LAW_CHECKS[kind](law)
+
+
+def _check_contact(law: Any) -> None:
+    force = _consistent_values(law, "force", PENETRATIONS)
+    if not (force >= 0.0).all():
+        fail(law, "force(penetration) must not be negative where the bodies press on each other", force)
+
+
+def _check_friction(law: Any) -> None:
+    speed, normal = map(np.ravel, np.meshgrid(SPEEDS, FORCES))
+    kinetic, limit = (
+        _consistent_values(law, "kinetic", normal, speed),
+        _consistent_values(law, "static_limit", normal),
+    )
+    if not (kinetic >= 0.0).all():
+        fail(law, "kinetic(normal_force, speed) must not be negative, its direction is the mode's", kinetic)
+    slow = speed == 0.0
+    if not (kinetic[slow] <= limit[slow] * (1 + LAW_RTOL)).all():
+        fail(law, "kinetic(normal_force, 0) must not exceed static_limit(normal_force)", kinetic[slow])
+
+
+def _check_impact(law: Any) -> None:
+    rate, compliance = map(np.ravel, np.meshgrid(SPEEDS, [0.5, 2.0]))
+    impulse = _consistent_values(law, "impulse", rate, rate, compliance)
+    after = rate - compliance * impulse
+    if not (impulse >= 0.0).all():
+        fail(law, "impulse(...) must not be negative: bodies do not pull on each other", impulse)
+    if not ((after <= LAW_RTOL) & (after >= -rate - LAW_RTOL)).all():
+        fail(law, "the gap rate after an impact must be from -1 times that before to 0", after)
+
+
+def _consistent_values(law: Any, method: str, *arguments: Any) -> Any:
+    """A method's values at arrays of arguments, which must be those of its symbolic copy and of numbers."""
+    values = np.broadcast_to(getattr(law, method)(*arguments), arguments[0].shape)
+    symbols = [sp.Symbol(f"argument{i}", real=True) for i in range(len(arguments))]
+    reduced = law.reduced()
+    numbers = {symbol(name): getattr(reduced, name) for name in parameters_of(type(reduced))}
+    formula: Any = sp.sympify(
+        getattr(symbolic_copy(structure_of_component(law)), method)(*symbols), strict=True
+    ).subs(numbers)
+    for i, row in enumerate(zip(*arguments, strict=True)):
+        exact = float(formula.subs(dict(zip(symbols, map(float, row), strict=True))))
+        single = float(getattr(law, method)(*map(float, row)))
+        if not np.allclose([values[i], single], exact, rtol=LAW_RTOL, atol=0.0):
+            rule = f"{method} must give the same for symbols ({exact}), numbers and arrays at {row}"
+            fail(law, rule, (single, values[i]))
+    return values
+
+
+LAW_CHECKS: dict[type, Callable[[Any], None]] = {
+    ContactLaw: _check_contact,
+    FrictionLaw: _check_friction,
+    ImpactLaw: _check_impact,
+}
+
+
+COMPARISON_TIME = 0.02  # s, of the comparison with another integrator
+COMPARISON_METHOD, COMPARISON_RTOL = "DOP853", 1e-7
+PARAMETER_FACTOR = 1.0 + 2.0**-20  # of a parameter's value
+
+SAMPLE_COUNT = 400
+SLIP_SIGNS = {"slip+": 1.0, "slip-": -1.0}
+MAX_VIOLATION = 1e-9
+CONTACT_OUTPUTS = ("penetration", "normal_force", "friction_force", "relative_velocity")
+
+
+def check_model(model: Model, t_end: float = 1.0) -> Trajectory:
+    """Check a model, with the laws that it is made of.
+
+    Its parameters are described; its repr makes it again; every mode's equations print; a parameter's value
+    changes no structure, so that a slider compiles nothing; a motion from rest keeps the rules of contact and
+    friction, and agrees with that of another integrator.
+
+    Parameters
+    ----------
+    model : Model
+    t_end : float
+        Length of the motion, s.
+
+    Returns
+    -------
+    Trajectory
+        The motion.
+
+    Raises
+    ------
+    AssertionError
+        With the rule that the model breaks, and what there is instead.
+    """
+    check_parameters(model, parameter_metadata(type(model), model.components))
+    check_round_trip(model)
+    _check_equations(model)
+    _check_structure(model)
+    run = simulate(model, t_end, progress=False)
+    check_run(model, run)
+    _check_agreement(model, min(t_end, COMPARISON_TIME))
+    return run
+
+
+def check_run(model: Any, run: Trajectory) -> None:
+    """Raise AssertionError unless a run came to its end and kept the rules of contact and friction."""
+
+    if not run.status.ok:
+        fail(model, f"a motion of {run.t[-1]:g} s must come to its end", run.status)
+    if broken := rule_violations(run):
+        fail(model, "a motion must keep the rules of contact and friction", broken)
+
+
+def _check_equations(model: Any) -> None:
+    for mode in model.automaton().names:
+        try:
+            found = model.equations(mode)
+        except ValueError:  # the limit of many impacts is no mode of the model
+            continue
+        if not len(found) or "\\" not in found.latex() or not repr(found):
+            fail(model, f"equations({mode!r}) must print, also in LaTeX", found)
+
+
+def _check_structure(model: Any) -> None:
+    program = program_of(model.automaton())[0]
+    for name, value in model.parameters.items():
+        if not value or name not in {*parameters_of(type(model)), *_component_parameters(model)}:
+            continue
+        try:
+            other = model.replace(**{name: value * PARAMETER_FACTOR})
+        except ValueError:  # a rule forbids it, mu_k above mu_s
+            other = model.replace(**{name: value / PARAMETER_FACTOR})
+        if program_of(other.automaton())[0] is not program:
+            fail(model, f"the value of {name} must change numbers only", "another structure")
+
+
+def _component_parameters(model: Any) -> set[str]:
+    return {name for part in model.components.values() for name in parameters_of(type(part))}
+
+
+def _check_agreement(model: Any, t_end: float) -> None:
+    own = simulate(model, t_end, progress=False).final_state
+    other = simulate(model, t_end, method=COMPARISON_METHOD, progress=False).final_state
+    error = np.abs(own - other).max() / (np.abs(own).max() or 1.0)
+    if not error <= COMPARISON_RTOL:
+        fail(
+            model,
+            f"its motion must be that of {COMPARISON_METHOD} but for a share of {COMPARISON_RTOL:g}",
+            error,
+        )
+
+
+def rule_violations(run: Trajectory) -> dict[str, float]:
+    """Worst violation of each rule as a share of its scale, for those that are violated.
+
+    Checked on a grid, at the steps and just after every event.  Which rules there are depends on the
+    outputs and the names of the modes: v_r = 0 in stick, v_r of the mode's sign in slip, friction along it,
+    F_N >= 0 and penetration >= 0 in contact, penetration <= 0 and no force in flight (where there is a
+    flight).
+    """
+    t = np.unique(np.concatenate([np.linspace(0.0, run.t[-1], SAMPLE_COUNT), run.t, run.events.t]))
+    modes = run.modes_at(t)
+    if not np.isfinite(run(t)).all():
+        return {"every state is a number": np.inf}
+    some = [run.automaton.mode(name) for name in run.mode_names]
+    known = [name for name in CONTACT_OUTPUTS if all(name in mode.outputs for mode in some)]
+    values = {name: run.output(name, t) for name in known}
+    return {
+        rule: worst for rule, worst in _violation_of_rules(run, modes, values) if not worst <= MAX_VIOLATION
+    }
+
+
+def _violation_of_rules(run: Trajectory, modes: Any, values: dict[str, Any]) -> Any:
+    unilateral, flight = "separation" in run.mode_names, modes == "separation"
+    for name, value in values.items():
+        yield f"{name} is a number", 0.0 if np.isfinite(value).all() else np.inf
+    if "relative_velocity" in values:
+        # Where contact is bilateral, friction reverses with F_N.
+        friction = values.get("friction_force") if unilateral else None
+        yield from _friction_violations(modes, values["relative_velocity"], friction)
+    if unilateral and "penetration" in values:
+        penetration, scale = values["penetration"], _scale(values["penetration"])
+        yield "penetration <= 0 in flight", (penetration[flight] / scale).max(initial=0.0)
+        yield "penetration >= 0 in contact", (-penetration[~flight] / scale).max(initial=0.0)
+    if unilateral and "normal_force" in values:
+        force, scale = values["normal_force"], _scale(values["normal_force"])
+        yield "no normal force in flight", np.abs(force[flight]).max(initial=0.0)
+        yield "F_N >= 0 in contact", (-force[~flight] / scale).max(initial=0.0)
+
+
+def _friction_violations(modes: Any, v_r: Any, friction: Any) -> Any:
+    scale, stick = _scale(v_r), modes == "stick"
+    yield "v_r = 0 in stick", np.abs(v_r[stick] / scale).max(initial=0.0)
+    for name, sign in SLIP_SIGNS.items():
+        slip = modes == name
+        yield f"v_r has the sign of {name}", (-sign * v_r[slip] / scale).max(initial=0.0)
+        if friction is not None:
+            yield (
+                f"friction has the sign of {name}",
+                (-sign * friction[slip] / _scale(friction)).max(initial=0.0),
+            )
+
+
+def _scale(values: Any) -> float:
+    return float(np.abs(values).max(initial=0.0)) or 1.0

@@ -1,0 +1,158 @@
+"""The layout of the package in numbers, for docs/architecture.md: `python -m tests.helpers.layout`."""
+
+import ast
+import inspect
+import statistics
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from types import FrameType
+
+PACKAGE = Path(__file__).parents[2] / "frictionlab"
+MOST_FILES, MOST_PARAMETERS = 12, 8
+Graph = dict[str, set[str]]
+
+
+def files() -> list[Path]:
+    """The Python files of the package, without `__init__.py`."""
+    return sorted(path for path in PACKAGE.rglob("*.py") if path.name != "__init__.py")
+
+
+def module_name(path: Path) -> str:
+    """The dotted name of a file; of an `__init__.py` that of its package."""
+    parts = path.relative_to(PACKAGE.parent).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+def parameter_counts() -> list[tuple[int, str]]:
+    """The number of parameters of every `def`, with its name; `self` and `cls` are none."""
+    found = []
+    for path in files():
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)):
+                given = node.args
+                names = [each.arg for each in (*given.posonlyargs, *given.args, *given.kwonlyargs)]
+                names += [each.arg for each in (given.vararg, given.kwarg) if each is not None]
+                found.append((len([name for name in names if name not in ("self", "cls")]), node.name))
+    return found
+
+
+def imports() -> Graph:
+    """The files that each file imports, within functions too; what a package passes on counts at its home."""
+    paths = {module_name(path): path for path in PACKAGE.rglob("*.py")}
+    statements = {module: list(_imports(module, path)) for module, path in paths.items()}
+    homes = {
+        f"{module}.{name}": f"{origin}.{name}"
+        for module, path in paths.items()
+        if path.name == "__init__.py"
+        for origin, name in statements[module]
+    }
+
+    def home(name: str) -> str:
+        while name in homes and name not in paths:
+            name = homes[name]
+        return name if name in paths else name.rpartition(".")[0]
+
+    graph: Graph = {}
+    for module, path in paths.items():
+        if path.name != "__init__.py":
+            reached = {home(f"{origin}.{name}") for origin, name in statements[module]}
+            graph[module] = {one for one in reached if one in paths and paths[one].name != "__init__.py"} - {
+                module
+            }
+    return graph
+
+
+def _imports(module: str, path: Path) -> Iterator[tuple[str, str]]:
+    package = module if path.name == "__init__.py" else module.rpartition(".")[0]
+    for node in _without_type_checking(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.ImportFrom):
+            above = package.split(".")[: package.count(".") + 2 - node.level] if node.level else []
+            origin = ".".join([*above, *([node.module] if node.module else [])])
+            yield from ((origin, alias.name) for alias in node.names)
+
+
+def _without_type_checking(node: ast.AST) -> Iterator[ast.AST]:
+    for child in ast.iter_child_nodes(node):
+        if not (isinstance(child, ast.If) and ast.unparse(child.test) == "TYPE_CHECKING"):
+            yield child
+            yield from _without_type_checking(child)
+
+
+def cycles(graph: Graph) -> list[list[str]]:
+    """The sets of files each of which leads to every other."""
+    reach = {module: _reachable(graph, module) for module in graph}
+    sets = {frozenset(other for other in reach[one] if one in reach[other]) for one in graph}
+    return [sorted(each) for each in sets if len(each) > 1]
+
+
+def _reachable(graph: Graph, start: str) -> set[str]:
+    seen: set[str] = set()
+    left = [start]
+    while left:
+        new = graph[left.pop()] - seen
+        seen |= new
+        left += new
+    return seen
+
+
+def touched(call: Callable[[], object]) -> tuple[int, int]:
+    """Files whose functions a call goes through, and these functions; a kernel counts once.
+
+    Bodies of modules and classes, lambdas and comprehensions are none.
+    """
+    seen: set[tuple[str, str, int]] = set()
+
+    def note(frame: FrameType, event: str, _: object) -> None:
+        code = frame.f_code
+        is_function = code.co_flags & inspect.CO_OPTIMIZED and not code.co_name.startswith("<")
+        if event == "call" and is_function and code.co_filename.startswith(str(PACKAGE)):
+            seen.add((code.co_filename, code.co_name, code.co_firstlineno))
+
+    sys.setprofile(note)
+    try:
+        call()
+    finally:
+        sys.setprofile(None)
+    return len({file for file, *_ in seen if not file.endswith("__init__.py")}), len(seen)
+
+
+def _calls() -> dict[str, Callable[[], object]]:
+    """What the table follows through the package, each the first time after those before it."""
+    import frictionlab as fl
+
+    model = fl.SliderOnBelt(mu_k=1.4)
+    return {
+        "simulate": lambda: fl.simulate(model, 1.0),
+        "explore": lambda: fl.explore(model),
+        "bifurcation": lambda: fl.bifurcation(
+            model, "mu_k", [0.5, 1.0], transient=5.0, window=5.0, workers=1, progress=False
+        ),
+        "critical_value": lambda: fl.critical_value(model, "mu_k", bounds=(0, 4)),
+    }
+
+
+def main() -> None:
+    """Print the rows of the table."""
+    lines = {path: len(path.read_text(encoding="utf-8").splitlines()) for path in files()}
+    largest = max(lines, key=lambda path: lines[path])
+    counts = parameter_counts()
+    many = sorted({name for count, name in counts if count > MOST_PARAMETERS})
+    folders: dict[Path, int] = {}
+    for path in lines:
+        folders[path.parent] = folders.get(path.parent, 0) + 1
+    found = cycles(imports())
+    print(f"files: {len(lines)}")
+    print(f"lines of the median file: {statistics.median(lines.values()):.0f}")
+    print(f"lines of the largest file: {lines[largest]} ({largest.relative_to(PACKAGE)})")
+    print(f"longest list of parameters: {max(counts)}")
+    print(f"more than {MOST_PARAMETERS} parameters: {len(many)} of {len(counts)}: {', '.join(many)}")
+    full = sum(count > MOST_FILES for count in folders.values())
+    print(f"folders with more than {MOST_FILES} files: {full} of {len(folders)}")
+    print(f"import cycles: {len(found)}, of {[len(each) for each in found]} files")
+    for name, call in _calls().items():
+        print(f"files, functions called by {name}: {touched(call)}; again: {touched(call)}")
+
+
+if __name__ == "__main__":
+    main()
