@@ -164,10 +164,13 @@ class Explorer:
                 self.controls[name].value = value
 
     def close(self) -> None:
-        """Close the widgets and free their resources."""
+        """Close the widgets and free their resources.
+
+        All of them: a box that is left and whose parts are gone keeps a page from being shown.
+        """
         self.scheduler.cancel()
-        for control in (*self.controls.values(), *self.picture.images.values(), self.widget):
-            control.close()
+        self.parameters.close()
+        _close_all(self.widget)
 
     def _repr_mimebundle_(self, **options: Any) -> Any:
         return self.widget._repr_mimebundle_(**options)
@@ -241,6 +244,12 @@ class Explorer:
         else:
             self.picture.unfreeze()
         self.scheduler.request()
+
+
+def _close_all(widget: Any) -> None:
+    for part in getattr(widget, "children", ()):
+        _close_all(part)
+    widget.close()
 
 
 def explore(model: Any = None, panels: Iterable[Any] = DEFAULT_PANELS) -> Explorer:

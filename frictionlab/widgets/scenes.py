@@ -55,16 +55,25 @@ class Scenes:
         options = [(name if name in _preset_names() else f"model: {name}", name) for name in self._scenes]
         self.menu = ipywidgets.Dropdown(options=options, description="scene", value=PRESETS[0].name)
         self.menu.add_class("fl-scene").tooltip = "scenes worth seeing, then all models"
-        self.menu.layout.width, self.menu.layout.max_width = "420px", "100%"
+        self.menu.layout = ipywidgets.Layout(width="auto", flex="1 1 220px", max_width="420px")
         self.about = ipywidgets.HTML().add_class("fl-about")
         self.copy_link = FileButton(
             "copy link", "an address that opens this scene as it is", self.link, print
         )
         self.widget = ipywidgets.VBox().add_class("fl-scenes")
-        self.explorer: Explorer = self._open(PRESETS[0].name)
+        # A link's scene is the only one that is opened: an explorer takes a second to make.
+        try:
+            scene, values = values_of_link(link, list(self._scenes))
+            wrong = None
+        except ValueError as error:
+            scene, values, wrong = "", {}, error
+        self.menu.value = scene or PRESETS[0].name
+        self.explorer: Explorer = self._open(scene or PRESETS[0].name)
         self.menu.observe(lambda change: self._open(change["new"]), names="value")
-        if link:
-            self._follow(link)
+        if wrong is not None:
+            self._failed(wrong)
+        elif values:
+            self._set(values)
 
     def link(self) -> str:
         """What follows the page's address where it opens this scene with what was changed.
@@ -112,17 +121,6 @@ class Scenes:
         if old is not None:
             old.close()
         return self.explorer
-
-    def _follow(self, link: str) -> None:
-        """Open what a link says; what it cannot say is told beside the picture of the scene."""
-        try:
-            scene, values = values_of_link(link, list(self._scenes))
-        except ValueError as error:
-            self._failed(error)
-            return
-        if scene:
-            self.menu.value = scene
-        self._set(values)
 
     def _set(self, values: State) -> None:
         try:

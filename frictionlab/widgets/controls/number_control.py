@@ -125,6 +125,7 @@ class NumberControl(ipywidgets.HBox):
         self.name, self.about = name, about
         self._rule = rule or (lambda number: check_value(name, number, about))
         self.label = ipywidgets.Label(layout=ipywidgets.Layout(width=LABEL_WIDTH, flex="none"))
+        self.label.layout.justify_content = "flex-end"
         self.field = NumberField(value=value, positions=list(positions), unit=about.unit)
         self.field.layout = ipywidgets.Layout(flex="1 1 0", min_width="0")
         self.field.meaning = about.meaning or name
@@ -138,11 +139,12 @@ class NumberControl(ipywidgets.HBox):
     @property
     def description(self) -> str:
         """The label."""
-        return self.label.value
+        return self.label.value.replace("\N{NO-BREAK SPACE}", " ")
 
     @description.setter
     def description(self, text: str) -> None:
-        self.label.value = text
+        # A label lays out symbol and unit side by side, and drops a plain space between them.
+        self.label.value = text.replace(" ", "\N{NO-BREAK SPACE}")
 
     # Not the trait of that name: the view of a box with a tooltip fails, for want of a description.
     @property

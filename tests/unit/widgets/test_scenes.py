@@ -104,3 +104,15 @@ def test_a_saved_state_opens_its_model():
     assert scenes.explorer.model == fl.TwoBlocks(v=0.37)
     with pytest.raises(ValueError, match="save its state"):
         scenes.link()
+
+
+def test_no_part_of_a_scene_that_was_left_stays():
+    def parts(widget):
+        return [widget, *(part for child in getattr(widget, "children", ()) for part in parts(child))]
+
+    scenes = Scenes(panels=("eigenvalues",))
+    left = parts(scenes.explorer.widget)
+    assert len(left) > 50
+    scenes.menu.value = "ModeCoupling()"
+    assert [part for part in left if part.comm is not None] == []
+    assert all(part.comm is not None for part in parts(scenes.widget))
