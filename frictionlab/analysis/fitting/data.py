@@ -51,7 +51,7 @@ class TimeRecord:
                     f"values[{name!r}] must hold a finite number for each of the {len(t)} times, got shape "
                     f"{column.shape}: leave out times without one"
                 )
-        errors = self.error if isinstance(self.error, Mapping) else dict.fromkeys(kept, self.error)
+        errors: Any = self.error if isinstance(self.error, Mapping) else dict.fromkeys(kept, self.error)
         for name in kept:
             check_number(
                 f"the error of {name}", errors.get(name), above=0.0, cure="give the standard deviation"

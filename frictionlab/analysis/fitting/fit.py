@@ -215,10 +215,11 @@ def _solve(task: _Task, pieces: Pieces | None, first: Array, what: str) -> _Solu
     for i, name in enumerate(task.names):
         if name in task.bounds:
             low[i], high[i] = np.asarray(task.bounds[name], dtype=float) / task.scales[i]
+    derivatives: Any = lambda x: evaluate(x).slopes  # noqa: E731 - scipy's types allow a text only
     found: Any = least_squares(
         lambda x: evaluate(x).values,
         first,
-        jac=lambda x: evaluate(x).slopes,
+        jac=derivatives,
         bounds=(low, high),
         method="trf",
         xtol=FIT_RTOL,

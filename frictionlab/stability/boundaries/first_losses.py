@@ -108,22 +108,23 @@ def _solve(
     good[held] = np.isfinite(solved.x)
     roots = np.where(good, 0.0, np.nan)
     roots[held] = solved.x
-    critical = np.full((len(others), 1), complex(np.nan))
+    critical: Any = np.full(len(others), complex(np.nan))
     held = np.flatnonzero(good)
-    critical[held, 0] = _critical(spectra, held, roots[held], SIDE_RTOL * (bounds[1] - bounds[0]))
-    good &= np.isfinite(critical[:, 0])
+    critical[held] = _critical(spectra, held, roots[held], SIDE_RTOL * (bounds[1] - bounds[0]))
+    good &= np.isfinite(critical)
     for share in CHECKED_SHARES:
         held = np.flatnonzero(good)
         at = bounds[0] + share * (roots[held] - bounds[0])
         good[held] = (growth_rates(spectra(held, at)) <= 0.0).all(axis=1)
     found.values[others[good]] = roots[good]
-    found.frequencies[others[good]] = np.abs(critical[good, 0].imag) / (2 * np.pi)
+    found.frequencies[others[good]] = np.abs(critical[good].imag) / (2 * np.pi)
     return good
 
 
 def _critical(spectra: Any, lines: Indices, roots: Array, side: float) -> Any:
     """The eigenvalue on the imaginary axis at each root; NaN where none passes it there, or one jumps."""
-    at, before, after = (spectra(lines, roots + shift) for shift in (0.0, -side, side))
+    at: Any = spectra(lines, roots)
+    before, after = (spectra(lines, roots + shift) for shift in (-side, side))
     largest = np.abs(at).max(axis=1)
     pair = (growth_rates(before) > 0).sum(axis=1), (growth_rates(after) > 0).sum(axis=1)
     passes = (pair[0] == 0) & (pair[1] == 2) & (at[:, 0].imag != 0.0)

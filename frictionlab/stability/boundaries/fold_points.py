@@ -80,7 +80,7 @@ def _ends(
     points = np.linspace(*bounds, SCAN_POINTS)
     states = at(points)
     moves = np.abs(np.diff(states)).max(axis=0)
-    gone = np.isnan(states).any(axis=0)
+    gone: Any = np.isnan(states).any(axis=0)
     apart = np.isnan(moves) | (moves > JUMP_FACTOR * np.nanmedian(moves)) if not gone.all() else gone[1:]
     for i in np.flatnonzero(apart & ~(gone[1:] & gone[:-1])):
         low, high, x, y = points[i], points[i + 1], states[:, i], states[:, i + 1]
