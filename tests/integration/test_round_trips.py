@@ -12,6 +12,7 @@ import pytest
 from scipy.stats import uniform
 
 import frictionlab as fl
+from frictionlab.presentation import FrozenMapping
 from tests.helpers.own_models import Chain, Fitted
 
 MODEL = fl.MassOnBelt(c=0.05, mu_k=0.5, mu_s=1.0)
@@ -128,7 +129,7 @@ def public(result):
         return result.dtype.str, result.shape, result.tobytes() if result.dtype != object else result.tolist()
     if isinstance(result, (list, tuple)):
         return [public(item) for item in result]
-    if isinstance(result, (dict, fl.frozen_mapping.FrozenMapping)):
+    if isinstance(result, (dict, FrozenMapping)):
         return {name: public(value) for name, value in result.items()}
     names = [name for name in dir(result) if not name.startswith("_")]
     module = type(result).__module__ or ""  # classes that sympy makes have none
