@@ -6,10 +6,10 @@
     catalogue      `frictionlab models`
     run            `frictionlab run` and what it prints
     stability      `frictionlab eig` and `frictionlab critical`
-    media          `frictionlab animate` and `frictionlab sound`
+    media          `frictionlab animate`, `frictionlab sound` and `frictionlab page`
     course         `frictionlab course` and `frictionlab warmup`
     paper          `frictionlab figure` and `frictionlab reproduce`
-    bench, app, page  `frictionlab bench`, `frictionlab app` and `frictionlab page`
+    bench, app     `frictionlab bench` and `frictionlab app`
 
 Each command has `add_...`, which adds its options, and `..._command`, which checks them all, does the
 work and returns the exit status.  What a command needs beyond the options is imported when it runs.

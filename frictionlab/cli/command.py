@@ -12,8 +12,7 @@ from .app import add_app
 from .bench import add_bench
 from .catalogue import add_models
 from .course import add_course, add_warmup
-from .media import add_animate, add_sound
-from .page import add_page
+from .media import add_animate, add_page, add_sound
 from .paper import add_figure, add_reproduce
 from .parsing import (
     OneLineParser,
@@ -106,8 +105,7 @@ def _run_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
     from .bench import bench_command
     from .catalogue import models_command
     from .course import course_command, warmup_command
-    from .media import animate_command, sound_command
-    from .page import page_command
+    from .media import animate_command, page_command, sound_command
     from .paper import figure_command, reproduce_command
     from .run import run_command
     from .stability import critical_command, eig_command

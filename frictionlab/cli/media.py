@@ -1,4 +1,4 @@
-"""`frictionlab animate` and `frictionlab sound`: a run to see and to hear."""
+"""`frictionlab animate`, `sound` and `page`: a run to see, to hear, and to change in a browser."""
 
 from __future__ import annotations
 
@@ -37,6 +37,18 @@ examples:
 exit status: 0 written; 1 it could not be written; 2 bad arguments."""
 
 
+PAGE_DESCRIPTION = """\
+Write a model as one HTML file with sliders, switches and the exact solver in
+it. The file needs neither a server nor a network."""
+
+PAGE_EPILOG = """\
+examples:
+  frictionlab page -o slider.html
+  frictionlab page --model DenHartog -o den-hartog.html --slider F Omega N
+
+exit status: 0 written; 1 it could not be written; 2 bad arguments."""
+
+
 def add_animate(commands: Any) -> OneLineParser:
     """Add the command `animate`; returns its parser."""
     parser = _parser(commands, "animate", "write a film of a run", ANIMATE_DESCRIPTION, ANIMATE_EPILOG)
@@ -55,6 +67,24 @@ def add_sound(commands: Any) -> OneLineParser:
     parser.add_argument("-o", "--output", metavar="FILE", default="run.wav", help="a .wav (default: run.wav)")
     parser.add_argument("--signal", metavar="NAME", help="a state or an output, such as friction_force")
     parser.add_argument("--pitch", type=float, metavar="X", help="so many times faster than the motion")
+    return parser
+
+
+def add_page(commands: Any) -> OneLineParser:
+    """Add the command `page`; returns its parser."""
+    parser = commands.add_parser(
+        "page",
+        help="write a model as one HTML file with the exact solver in it",
+        description=PAGE_DESCRIPTION,
+        epilog=PAGE_EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        allow_abbrev=False,
+    )
+    parser.add_argument("-o", "--output", metavar="FILE", default="slider.html", help="default: slider.html")
+    add_model_options(parser)
+    parser.add_argument("--slider", nargs="+", metavar="NAME", help="sliders shown at first")
+    parser.add_argument("--t-end", type=float, metavar="S", help="end time (default: some 300 periods)")
+    add_json(parser)
     return parser
 
 
@@ -110,6 +140,23 @@ def sound_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
             parser.error(str(error))
         about = {"t_end": run.raw.t, "signal": sound.signal, "pitch": sound.pitch}
         return _write(sound, chosen, parser, {**model_data(run.source), **about})
+
+
+def page_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
+    """Write the page; returns the exit status."""
+    import frictionlab as fl
+    from frictionlab.pages.solver_file import SolverNotBuiltError
+
+    try:
+        model = model_from_options(chosen)
+        path = fl.export_page(model, chosen.output, sliders=chosen.slider, t_end=chosen.t_end)
+    except SolverNotBuiltError as error:
+        complain(parser.prog, f"error: {error}")
+        return EXIT_FAILED
+    except (ValueError, TypeError) as error:
+        parser.error(str(error))
+    print_json({**model_data(model), "file": path}) if chosen.json else print(f"wrote {path}")
+    return 0
 
 
 def _checked_run(chosen: argparse.Namespace, parser: OneLineParser, formats: tuple[str, ...]) -> Any:
