@@ -18,6 +18,7 @@ from typing import Any
 from . import parsing
 from .parsing import OneLineParser, complain
 from .scenes import DEFAULT_MODEL, add_json, add_model_options, model_data, model_of, print_json, values_of
+from .stability import equilibrium_lines, stability_data
 
 RUN_DESCRIPTION = """\
 Simulate the 5-degree-of-freedom slider on a moving belt of Liu & Ouyang (2020),
@@ -218,42 +219,6 @@ def _method_line(method: Any) -> str:
     return f"method {name}, " + ", ".join(f"{k} {about[k]:g}" for k in ("tol", "step", "rtol") if k in about)
 
 
-def equilibrium_lines(model: Any) -> Iterator[str]:
-    """Equilibrium and eigenvalues, or one line that says why there are none."""
-    from frictionlab.stability import equilibrium
-
-    try:
-        point = equilibrium(model)
-        yield "\nSliding equilibrium"
-        for name, value in zip(model.coordinates, point.q, strict=True):
-            yield f"  {name:4} {value:+.6f} {'rad' if name == 'phi' else 'm'}"
-        if math.isfinite(point.normal_force):  # of a model with one contact
-            forces = f"F_N {point.normal_force:.4f} N, F_T {point.friction_force:.4f} N"
-            yield f"  penetration  {point.penetration:+.6f} m, {forces}"
-        yield from _eigenvalue_lines(model)
-    except ValueError as error:
-        yield f"\nNo sliding equilibrium: {error}"
-
-
-def _eigenvalue_lines(model: Any) -> Iterator[str]:
-    from frictionlab.stability import eigenvalues
-
-    try:
-        found = eigenvalues(model)
-    except ValueError as error:
-        yield f"\nNo eigenvalues: {error}"
-        return
-    lasting = f"{sum(found.growth_rates >= 0)} do not decay"
-    kind = "stable" if found.stable else "marginal" if found.marginal else "unstable"
-    verdict = kind if found.stable else f"{kind}: {lasting}"
-    yield f"\nEigenvalues there ({verdict})\n  frequency (Hz)  growth rate (1/s)  value (1/s)"
-    # Of a conjugate pair the one in the upper half-plane stands for both.
-    for value, frequency in zip(found.values, found.frequencies, strict=True):
-        if value.imag >= 0:
-            pair = f" +- {value.imag:.4f}i" if value.imag else ""
-            yield f"  {frequency:14.4f}  {value.real:+17.5f}  {value.real:+.5f}{pair}"
-
-
 def _event_lines(run: Any) -> Iterator[str]:
     yield f"Events: {run.stats['events']}, accumulations closed: {run.stats['accumulations']}"
     counts = run.events.counts()
@@ -339,8 +304,6 @@ def _say(text: str, chosen: argparse.Namespace) -> None:
 
 def run_data(run: Any, chosen: argparse.Namespace) -> dict[str, Any]:
     """The summary of a run as JSON says it; `sliding` is null where there is no steady sliding."""
-    from .stability import stability_data
-
     try:
         sliding = stability_data(run.source)
     except ValueError:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import argparse
+import math
+from collections.abc import Iterator
 from typing import Any
 
 from .parsing import OneLineParser
@@ -68,8 +70,6 @@ def eig_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
     """Print equilibrium and eigenvalues; returns the exit status."""
     from frictionlab.stability import eigenvalues
 
-    from .run import equilibrium_lines
-
     try:
         model = model_from_options(chosen)
         eigenvalues(model)  # what is wrong is said before anything is printed
@@ -80,6 +80,42 @@ def eig_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
     else:
         print(f"{model!r}\n" + "\n".join(equilibrium_lines(model)))
     return 0
+
+
+def equilibrium_lines(model: Any) -> Iterator[str]:
+    """Equilibrium and eigenvalues, or one line that says why there are none."""
+    from frictionlab.stability import equilibrium
+
+    try:
+        point = equilibrium(model)
+        yield "\nSliding equilibrium"
+        for name, value in zip(model.coordinates, point.q, strict=True):
+            yield f"  {name:4} {value:+.6f} {'rad' if name == 'phi' else 'm'}"
+        if math.isfinite(point.normal_force):  # of a model with one contact
+            forces = f"F_N {point.normal_force:.4f} N, F_T {point.friction_force:.4f} N"
+            yield f"  penetration  {point.penetration:+.6f} m, {forces}"
+        yield from _eigenvalue_lines(model)
+    except ValueError as error:
+        yield f"\nNo sliding equilibrium: {error}"
+
+
+def _eigenvalue_lines(model: Any) -> Iterator[str]:
+    from frictionlab.stability import eigenvalues
+
+    try:
+        found = eigenvalues(model)
+    except ValueError as error:
+        yield f"\nNo eigenvalues: {error}"
+        return
+    lasting = f"{sum(found.growth_rates >= 0)} do not decay"
+    kind = "stable" if found.stable else "marginal" if found.marginal else "unstable"
+    verdict = kind if found.stable else f"{kind}: {lasting}"
+    yield f"\nEigenvalues there ({verdict})\n  frequency (Hz)  growth rate (1/s)  value (1/s)"
+    # Of a conjugate pair the one in the upper half-plane stands for both.
+    for value, frequency in zip(found.values, found.frequencies, strict=True):
+        if value.imag >= 0:
+            pair = f" +- {value.imag:.4f}i" if value.imag else ""
+            yield f"  {frequency:14.4f}  {value.real:+17.5f}  {value.real:+.5f}{pair}"
 
 
 def stability_data(model: Any) -> dict[str, Any]:

@@ -29,6 +29,7 @@ from .studies.ablation import plot_ablation as plot_ablation
 from .studies.ablation import plot_effects as plot_effects
 from .studies.ablation import plot_scene_lattice as plot_scene_lattice
 from .studies.fitting import plot_fit as plot_fit
+from .studies.quantities import plot_optimum as plot_optimum
 from .studies.quantities import plot_sensitivity as plot_sensitivity
 from .studies.quantities import plot_sobol_indices as plot_sobol_indices
 from .studies.quantities import plot_uncertainty as plot_uncertainty

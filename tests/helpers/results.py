@@ -2,6 +2,7 @@
 
 from functools import cache
 
+import numpy as np
 from scipy import stats
 
 import frictionlab as fl
@@ -66,6 +67,17 @@ def run_of_two_contacts():
     return fl.simulate(fl.TwoBlocks(), 20.0, **QUIET)
 
 
+def fit():
+    t = np.linspace(0.1, 10.0, 40)
+    positions = fl.simulate(STICK_SLIP, 10.0, **QUIET)(t)[:, 0]
+    record = fl.TimeRecord(t, {"x": positions + 1e-3 * np.sin(37.0 * t)}, error=1e-3)
+    return fl.fit(STICK_SLIP, record, ["k"], segments=1)
+
+
+def optimum():
+    return fl.optimum(SLIDER, fl.GrowthRate(), {"c1": (0.1, 5.0), "c2": (0.1, 5.0)})
+
+
 def basins():
     return fl.basins(FLAT_SLIDER, *SPEEDS, "near", window=10.0, **QUIET)
 
@@ -85,6 +97,8 @@ BUILDERS = {
     ),
     "sensitivity": lambda: fl.sensitivity(SLIDER, fl.GrowthRate()),
     "uncertainty": lambda: fl.uncertainty(SLIDER, fl.GrowthRate(), DISTRIBUTIONS, n=16, **QUIET),
+    "fit": fit,
+    "optimum": optimum,
     "Sobol indices": lambda: fl.sobol_indices(SLIDER, fl.GrowthRate(), DISTRIBUTIONS, n=16, **QUIET),
     "effects": lambda: result("ablation").effects(),
     "ablation over a parameter": lambda: fl.ablation(SLIDER, lambda m: m.F, over={"F": [1.0, 2.0]}, **QUIET),

@@ -14,6 +14,8 @@ BALL = fl.BouncingBall()
 FORCED = fl.DenHartog()
 SHORT = {"transient": 2.0, "window": 2.0}
 NUMBER = np.array(0.5)
+TIMES = np.linspace(0.1, 1.0, 10)
+RECORD = fl.TimeRecord(TIMES, {"x": 0.2 + 0.1 * np.cos(TIMES)}, error=0.01)
 
 
 def test_states_that_are_left_out_are_as_at_rest():
@@ -44,6 +46,7 @@ ANALYSES = {
     "basin_stability": lambda x0: (
         fl.basin_stability(BELT, {"x": (0.0, 0.2)}, 3, x0=x0, transient=20.0, window=20.0, **QUIET).labels
     ),
+    "fit": lambda x0: np.array([fl.fit(BELT, RECORD, ["k"], x0=x0, segments=1)["k"]]),
     "periodic_orbit": lambda x0: fl.periodic_orbit(BELT, x0).state,
     "sweep": lambda x0: np.array(
         list(fl.sweep(BELT, final_state, {"v": [0.3]}, x0=[x0], **QUIET).results.ravel())

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize
 
 from frictionlab.models.coercion import require_model
-from frictionlab.presentation import text_table
+from frictionlab.presentation import Drawable, text_table
 from frictionlab.stability.equilibrium_problem import check_bounds
 from frictionlab.validation import check_choice, check_mapping, check_number
 
@@ -60,7 +60,7 @@ class Limit(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Optimum:
+class Optimum(Drawable):
     """The least or largest of a quantity.
 
     Parameters
@@ -72,6 +72,9 @@ class Optimum:
     parameters : tuple of str
     at : array (P,)
         Their values.
+    first : array (P,)
+        Those where the search began.
+    bounds : array (P, 2)
     active : tuple of str
         Bounds and constraints that hold with equality: what keeps it from being better.
     evaluations : int
@@ -79,11 +82,15 @@ class Optimum:
     message : str
     """
 
+    drawn_by = "plot_optimum"
+
     model: Any
     quantity: str
     value: float
     parameters: tuple[str, ...]
     at: Array
+    first: Array
+    bounds: Array
     active: tuple[str, ...]
     evaluations: int
     message: str
@@ -179,6 +186,8 @@ def optimum(
         value=float(task.gradient(quantity, u)[0]),
         parameters=task.names,
         at=task.values(u),
+        first=task.values(task.first),
+        bounds=np.column_stack([task.low, task.high]),
         active=_active(task, u, sizes),
         evaluations=int(found.nfev),
         message=str(found.message),

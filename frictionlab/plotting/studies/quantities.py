@@ -1,5 +1,5 @@
-"""Sensitivities of quantities as a tornado plot, their distributions, and the shares of parameters in their
-variance.
+"""Sensitivities of quantities as a tornado plot, their distributions, the shares of parameters in their
+variance, and their optima.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 
 from frictionlab.plotting.appearance import ink, legible, pen
-from frictionlab.plotting.figure import axes_or_new
+from frictionlab.plotting.figure import axes_or_new, legend_beside
 from frictionlab.plotting.style import BLUE, GREY, ORANGE, VERMILLION, parameter_symbol
 
 
@@ -103,4 +103,42 @@ def plot_sobol_indices(found: Any, ax: Axes | None = None) -> list[Artist]:
     ax.invert_yaxis()
     ax.set_xlabel(f"share of the variance of {found.quantity}")
     ax.legend(frameon=False)
+    return drawn
+
+
+def plot_optimum(found: Any, ax: Axes | None = None) -> list[Artist]:
+    """Draw the best values of the parameters between their bounds, and where the search began.
+
+    Parameters
+    ----------
+    found : Optimum
+    ax : Axes or None
+        None draws into a new figure.
+
+    Returns
+    -------
+    list of Artist
+        The points where it began, the best ones, and the labels of the bounds.
+    """
+    ax = axes_or_new(ax)
+    rows = np.arange(len(found.parameters))
+    low, high = found.bounds.T
+    first, best = ((values - low) / (high - low) for values in (found.first, found.at))
+    ax.hlines(rows, 0.0, 1.0, **pen(GREY, 1.0, ax))
+    drawn: list[Artist] = ax.plot(first, rows, "o", mfc="none", label="where it began", **pen(BLUE, 1.0, ax))
+    drawn += ax.plot(best, rows, "D", label="best", **pen(VERMILLION, 1.0, ax))
+    for row, name in enumerate(found.parameters):
+        low_end, high_end = (f"{end:g}" for end in found.bounds[row])
+        drawn.append(ax.annotate(low_end, (0.0, row), (0, 5), textcoords="offset points", color=ink(ax)))
+        right = {"textcoords": "offset points", "ha": "right", "color": ink(ax)}
+        drawn.append(ax.annotate(high_end, (1.0, row), (0, 5), **right))
+        text = f"{found[name]:.4g}"
+        place = {"textcoords": "offset points", "ha": "center", "va": "top", "color": ink(ax)}
+        drawn.append(ax.annotate(text, (best[row], row), (0, -6), **place))
+    ax.set_yticks(rows, [parameter_symbol(found.model, name) for name in found.parameters])
+    ax.set_ylim(len(rows) - 0.4, -0.6)
+    ax.set_xlim(-0.03, 1.03)
+    ax.set_xlabel("share of the way between the bounds")
+    ax.set_title(f"{found.quantity}: {found.value:.5g}")
+    legend_beside(ax)
     return drawn
