@@ -207,6 +207,13 @@ def add_halo(line: Any, ax: Axes | None = None) -> None:
         line.set_path_effects([Stroke(linewidth=edges, foreground=background(ax)), Normal()])
 
 
+def add_halo_to_errors(errors: Any, ax: Axes | None = None) -> None:
+    """The same for the caps and spans of error bars, which cross bars."""
+    _, caps, spans = errors.lines
+    for line in (*caps, *spans):
+        add_halo(line, ax)
+
+
 def cycled_style(index: int) -> dict[str, Any] | None:
     """What the user's own cycle of line properties has at an index; None where it was not changed."""
     cycle = rcParams["axes.prop_cycle"]

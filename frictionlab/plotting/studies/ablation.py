@@ -16,7 +16,15 @@ from frictionlab.analysis.spectrum import Spectrum
 from frictionlab.analysis.steady_state.steady_state import SteadyState
 from frictionlab.analysis.sweeps.bifurcation_result import Bifurcation
 from frictionlab.analysis.sweeps.switches import all_of
-from frictionlab.plotting.appearance import background, crowding, font_size, ink, legible, pen
+from frictionlab.plotting.appearance import (
+    add_halo_to_errors,
+    background,
+    crowding,
+    font_size,
+    ink,
+    legible,
+    pen,
+)
 from frictionlab.plotting.figure import RunAxes, axes_or_new, legend_beside, new_figure, wrap_label
 from frictionlab.plotting.runs.overview import plot_amplitudes
 from frictionlab.plotting.studies.state_space import plot_steady_state
@@ -61,14 +69,8 @@ def plot_effects(effects: Any, ax: Axes | None = None, *, condition: int = 0) ->
         bars = ax.barh(places, np.nan_to_num(sizes), color=legible(colour, ax), label=label)
         known = np.isfinite(spreads)
         if known.any():
-            ax.errorbar(
-                sizes[known],
-                places[known],
-                xerr=spreads[known],
-                fmt="none",
-                capsize=3,
-                **pen(ink(ax), 1.0, ax),
-            )
+            how: dict[str, Any] = {"fmt": "none", "capsize": 3, **pen(ink(ax), 1.0, ax)}
+            add_halo_to_errors(ax.errorbar(sizes[known], places[known], xerr=spreads[known], **how), ax)
         labels += [f"{name} ({label})" for name in names]
         drawn.append(bars)
     ax.set_yticks(range(len(labels)), labels)

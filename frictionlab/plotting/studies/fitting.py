@@ -8,9 +8,9 @@ import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 
-from ..appearance import ink, pen
-from ..figure import axes_or_new
-from ..style import BLUE, VERMILLION
+from frictionlab.plotting.appearance import ink, pen
+from frictionlab.plotting.figure import axes_or_new
+from frictionlab.plotting.style import BLUE, VERMILLION
 
 TWO_SIGMA = 1.96  # within this 95 percent of residuals lie, where model and errors are right
 

@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 
-from frictionlab.plotting.appearance import ink, legible, pen
+from frictionlab.plotting.appearance import add_halo_to_errors, ink, legible, pen
 from frictionlab.plotting.figure import axes_or_new, legend_beside
 from frictionlab.plotting.style import BLUE, GREY, ORANGE, VERMILLION, parameter_symbol
 
@@ -95,9 +95,8 @@ def plot_sobol_indices(found: Any, ax: Axes | None = None) -> list[Artist]:
     drawn: list[Any] = []
     for values, errors, colour, label, shift in groups:
         bars = ax.barh(places + shift, values[order], height=0.4, color=legible(colour, ax), label=label)
-        ax.errorbar(
-            values[order], places + shift, xerr=errors[order], fmt="none", capsize=3, **pen(ink(ax), 1.0, ax)
-        )
+        how: dict[str, Any] = {"fmt": "none", "capsize": 3, **pen(ink(ax), 1.0, ax)}
+        add_halo_to_errors(ax.errorbar(values[order], places + shift, xerr=errors[order], **how), ax)
         drawn.append(bars)
     ax.set_yticks(places, [parameter_symbol(found.model, found.parameters[i]) for i in order])
     ax.invert_yaxis()
@@ -125,16 +124,14 @@ def plot_optimum(found: Any, ax: Axes | None = None) -> list[Artist]:
     low, high = found.bounds.T
     first, best = ((values - low) / (high - low) for values in (found.first, found.at))
     ax.hlines(rows, 0.0, 1.0, **pen(GREY, 1.0, ax))
-    drawn: list[Artist] = ax.plot(first, rows, "o", mfc="none", label="where it began", **pen(BLUE, 1.0, ax))
-    drawn += ax.plot(best, rows, "D", label="best", **pen(VERMILLION, 1.0, ax))
+    begin = ax.plot(first, rows, "o", mfc="none", label="where it began", **pen(BLUE, 1.0, ax))
+    drawn: list[Artist] = [*begin, *ax.plot(best, rows, "D", label="best", **pen(VERMILLION, 1.0, ax))]
+    above: dict[str, Any] = {"xytext": (0, 5), "textcoords": "offset points", "color": ink(ax)}
+    below: dict[str, Any] = {**above, "xytext": (0, -6), "ha": "center", "va": "top"}
     for row, name in enumerate(found.parameters):
-        low_end, high_end = (f"{end:g}" for end in found.bounds[row])
-        drawn.append(ax.annotate(low_end, (0.0, row), (0, 5), textcoords="offset points", color=ink(ax)))
-        right = {"textcoords": "offset points", "ha": "right", "color": ink(ax)}
-        drawn.append(ax.annotate(high_end, (1.0, row), (0, 5), **right))
-        text = f"{found[name]:.4g}"
-        place = {"textcoords": "offset points", "ha": "center", "va": "top", "color": ink(ax)}
-        drawn.append(ax.annotate(text, (best[row], row), (0, -6), **place))
+        drawn.append(ax.annotate(f"{low[row]:g}", (0.0, row), **above))
+        drawn.append(ax.annotate(f"{high[row]:g}", (1.0, row), ha="right", **above))
+        drawn.append(ax.annotate(f"{found[name]:.4g}", (best[row], row), **below))
     ax.set_yticks(rows, [parameter_symbol(found.model, name) for name in found.parameters])
     ax.set_ylim(len(rows) - 0.4, -0.6)
     ax.set_xlim(-0.03, 1.03)

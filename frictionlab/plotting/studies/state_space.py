@@ -18,6 +18,7 @@ from matplotlib.patches import Patch
 from frictionlab.analysis.steady_state.classification import MotionKind
 from frictionlab.plotting.appearance import (
     add_halo,
+    add_halo_to_errors,
     background,
     font_size,
     ink,
@@ -275,9 +276,7 @@ def plot_basin_stability(found: Any, ax: Axes | None = None) -> BarContainer:
     colours: dict[str, Any] = {"color": _colours(found, ax), "edgecolor": ink(ax), "ecolor": ink(ax)}
     bars = ax.bar(names, shares, yerr=errors, capsize=4.0, **colours)
     if bars.errorbar is not None:
-        _, caps, spans = bars.errorbar.lines
-        for line in (*caps, *spans):
-            add_halo(line, ax)
+        add_halo_to_errors(bars.errorbar, ax)
     ax.set(ylim=(0.0, 1.0), ylabel="share of the initial states")
     return bars
 
