@@ -55,8 +55,8 @@ function render({ model, el }) {
   range.addEventListener("change", moved);
   field.addEventListener("change", typed);
   field.addEventListener("focus", () => field.select());
-  // A notebook takes keys for its own commands.
-  field.addEventListener("keydown", (event) => event.stopPropagation());
+  // A notebook takes keys for its own commands, arrows too.
+  el.addEventListener("keydown", (event) => event.stopPropagation());
   for (const name of ["value", "positions", "unit"]) model.on(`change:${name}`, showValue);
   for (const name of ["meaning", "hint", "message"]) model.on(`change:${name}`, showTexts);
   showValue();
