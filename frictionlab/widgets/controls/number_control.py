@@ -226,6 +226,7 @@ class NumberControl(ipywidgets.HBox):
 
     def close(self) -> None:
         """Close all parts."""
-        for part in (self.label, self.field):
-            part.close()
+        for name in ("label", "field"):
+            if part := getattr(self, name, None):  # none where it was never finished
+                part.close()
         super().close()
