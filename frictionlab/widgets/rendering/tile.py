@@ -45,10 +45,7 @@ LEGEND_STYLE: dict[str, Any] = {
     "handletextpad": 0.4,
     "borderaxespad": 0.2,
 }
-LEGEND_ROWS, SMALL_LEGEND = (
-    2,
-    5.5,
-)  # rows that fit above the axes in the usual size; points where there are more
+SMALL_LEGEND = 5.5  # points
 AXES_RECTANGLE = 0.185, 0.165, 0.645, 0.70  # left, bottom, width, height, as shares of the tile
 
 
@@ -265,16 +262,18 @@ class Tile:
                 handle.set_animated(False)  # else matplotlib leaves it out where it draws the background
 
     def _fitting_legend(self, handles: Sequence[Line2D]) -> Any:
-        """A legend in as few rows as the tile's width allows."""
+        """A legend in as few rows as the tile's width allows, in smaller letters where they are too many."""
         renderer = self.ax.figure.canvas.get_renderer()  # pyright: ignore[reportAttributeAccessIssue]
-        for rows in range(1, len(handles) + 1):
-            style: dict[str, Any] = (
-                LEGEND_STYLE if rows <= LEGEND_ROWS else LEGEND_STYLE | {"fontsize": SMALL_LEGEND}
-            )
-            legend = self.ax.legend(handles=handles, ncols=-(-len(handles) // rows), **style)
-            box = legend.get_window_extent(renderer)
-            if box.x0 >= self.box.x0 and box.x1 <= self.box.x1:
-                break
+        legend: Any = None
+        for size in (LEGEND_STYLE["fontsize"], SMALL_LEGEND):
+            for rows in range(1, len(handles) + 1):
+                style = LEGEND_STYLE | {"fontsize": size, "ncols": -(-len(handles) // rows)}
+                legend = self.ax.legend(handles=handles, **style)
+                box = legend.get_window_extent(renderer)
+                if box.y1 > self.box.y1:
+                    break
+                if box.x0 >= self.box.x0 and box.x1 <= self.box.x1:
+                    return legend
         return legend
 
 
