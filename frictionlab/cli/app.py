@@ -12,7 +12,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
-from .parsing import OneLineParser, complain
+from .parsing import OneLineParser, add_command, complain
 
 if TYPE_CHECKING:
     import socket
@@ -38,13 +38,8 @@ exit status: 0 ended by ctrl-C; 1 Voila is not installed; 2 bad arguments."""
 
 def add_app(commands: Any) -> OneLineParser:
     """Add the command `app`; returns its parser."""
-    parser = commands.add_parser(
-        "app",
-        help="show the explorer in the browser, without a notebook",
-        description=DESCRIPTION,
-        epilog=EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-        allow_abbrev=False,
+    parser = add_command(
+        commands, "app", "show the explorer in the browser, without a notebook", DESCRIPTION, EPILOG
     )
     text = f"port of this machine (default: {DEFAULT_PORT}, or any free one)"
     parser.add_argument("--port", type=int, metavar="N", help=text)

@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-from .parsing import OneLineParser, complain
+from .parsing import OneLineParser, add_command, complain
 
 DESCRIPTION = """\
 Measure wall time and error of this solver and of others on scenes whose end is
@@ -29,14 +29,7 @@ examples:
 
 def add_bench(commands: Any) -> OneLineParser:
     """Add the command `bench`; returns its parser."""
-    parser = commands.add_parser(
-        "bench",
-        help="measure run time and error of the methods",
-        description=DESCRIPTION,
-        epilog=EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-        allow_abbrev=False,
-    )
+    parser = add_command(commands, "bench", "measure run time and error of the methods", DESCRIPTION, EPILOG)
     parser.add_argument("--quick", action="store_true", help="one repetition, short sweep: rougher, faster")
     parser.add_argument(
         "--scene", action="append", metavar="NAME", help="A, B, C, D, Coulomb or linear; only these (repeat)"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from .parsing import OneLineParser
+from .parsing import OneLineParser, add_command
 from .scenes import add_json, model_data, model_of, print_json
 
 DESCRIPTION = """\
@@ -23,14 +23,7 @@ exit status: 0 listed; 2 bad arguments."""
 
 def add_models(commands: Any) -> OneLineParser:
     """Add the command `models`; returns its parser."""
-    parser = commands.add_parser(
-        "models",
-        help="list the models, or the parameters of one",
-        description=DESCRIPTION,
-        epilog=EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-        allow_abbrev=False,
-    )
+    parser = add_command(commands, "models", "list the models, or the parameters of one", DESCRIPTION, EPILOG)
     parser.add_argument("name", nargs="?", metavar="NAME", help="a model, with laws if you like")
     add_json(parser)
     return parser

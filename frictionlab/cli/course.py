@@ -7,7 +7,7 @@ import time
 from pathlib import Path
 from typing import Any
 
-from .parsing import OneLineParser, complain
+from .parsing import OneLineParser, add_command, complain
 from .scenes import add_json, print_json
 
 EXIT_FAILED = 1
@@ -32,7 +32,7 @@ slider, so that the first run of a lesson starts at once."""
 
 def add_course(commands: Any) -> OneLineParser:
     """Add the command `course`; returns its parser."""
-    parser = _parser(commands, "course", "copy the course's notebooks", COURSE_DESCRIPTION, COURSE_EPILOG)
+    parser = add_command(commands, "course", "copy the course's notebooks", COURSE_DESCRIPTION, COURSE_EPILOG)
     parser.add_argument("folder", metavar="FOLDER", help="is made if it is not there")
     add_json(parser)
     return parser
@@ -41,20 +41,11 @@ def add_course(commands: Any) -> OneLineParser:
 def add_warmup(commands: Any) -> OneLineParser:
     """Add the command `warmup`; returns its parser."""
     epilog = "exit status: 0 ready; 1 the run ended early; 2 bad arguments."
-    parser = _parser(commands, "warmup", "compile the solver before the lesson", WARMUP_DESCRIPTION, epilog)
+    parser = add_command(
+        commands, "warmup", "compile the solver before the lesson", WARMUP_DESCRIPTION, epilog
+    )
     add_json(parser)
     return parser
-
-
-def _parser(commands: Any, name: str, about: str, description: str, epilog: str) -> OneLineParser:
-    return commands.add_parser(
-        name,
-        help=about,
-        description=description,
-        epilog=epilog,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-        allow_abbrev=False,
-    )
 
 
 def notebooks() -> list[Path]:

@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from .parsing import OneLineParser, check_writable, complain
+from .parsing import OneLineParser, add_command, check_writable, complain
 from .scenes import add_json, add_model_options, model_data, model_from_options, print_json
 
 FILM_FORMATS = (".gif", ".html", ".webp")  # those that need no other program
@@ -51,7 +51,7 @@ exit status: 0 written; 1 it could not be written; 2 bad arguments."""
 
 def add_animate(commands: Any) -> OneLineParser:
     """Add the command `animate`; returns its parser."""
-    parser = _parser(commands, "animate", "write a film of a run", ANIMATE_DESCRIPTION, ANIMATE_EPILOG)
+    parser = _run_parser(commands, "animate", "write a film of a run", ANIMATE_DESCRIPTION, ANIMATE_EPILOG)
     parser.add_argument("-o", "--output", metavar="FILE", default="run.gif", help=f"{_list(FILM_FORMATS)}")
     parser.add_argument(
         "--window", type=float, metavar="S", help="the last so many seconds (default: 3 periods)"
@@ -63,7 +63,7 @@ def add_animate(commands: Any) -> OneLineParser:
 
 def add_sound(commands: Any) -> OneLineParser:
     """Add the command `sound`; returns its parser."""
-    parser = _parser(commands, "sound", "write a run as sound", SOUND_DESCRIPTION, SOUND_EPILOG)
+    parser = _run_parser(commands, "sound", "write a run as sound", SOUND_DESCRIPTION, SOUND_EPILOG)
     parser.add_argument("-o", "--output", metavar="FILE", default="run.wav", help="a .wav (default: run.wav)")
     parser.add_argument("--signal", metavar="NAME", help="a state or an output, such as friction_force")
     parser.add_argument("--pitch", type=float, metavar="X", help="so many times faster than the motion")
@@ -72,13 +72,12 @@ def add_sound(commands: Any) -> OneLineParser:
 
 def add_page(commands: Any) -> OneLineParser:
     """Add the command `page`; returns its parser."""
-    parser = commands.add_parser(
+    parser = add_command(
+        commands,
         "page",
-        help="write a model as one HTML file with the exact solver in it",
-        description=PAGE_DESCRIPTION,
-        epilog=PAGE_EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-        allow_abbrev=False,
+        "write a model as one HTML file with the exact solver in it",
+        PAGE_DESCRIPTION,
+        PAGE_EPILOG,
     )
     parser.add_argument("-o", "--output", metavar="FILE", default="slider.html", help="default: slider.html")
     add_model_options(parser)
@@ -92,15 +91,8 @@ def _list(formats: tuple[str, ...]) -> str:
     return f"{', '.join(formats)} (default: run{formats[0]})"
 
 
-def _parser(commands: Any, name: str, about: str, description: str, epilog: str) -> OneLineParser:
-    parser = commands.add_parser(
-        name,
-        help=about,
-        description=description,
-        epilog=epilog,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-        allow_abbrev=False,
-    )
+def _run_parser(commands: Any, name: str, about: str, description: str, epilog: str) -> OneLineParser:
+    parser = add_command(commands, name, about, description, epilog)
     add_model_options(parser)
     parser.add_argument("--x0", default="rest", metavar="STATE", help="rest or near (default: rest)")
     parser.add_argument(

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from . import parsing
-from .parsing import OneLineParser, add_sweep_options, check_workers, complain
+from .parsing import OneLineParser, add_command, add_sweep_options, check_workers, complain
 from .scenes import add_json, print_json
 
 EXIT_FAILED = 1
@@ -45,13 +45,8 @@ exit status: 0 the page was written; 1 it could not be; 2 bad arguments;
 
 def add_figure(commands: Any) -> OneLineParser:
     """Add the command `figure`; returns its parser."""
-    parser = commands.add_parser(
-        "figure",
-        help="compute and draw a figure of the paper",
-        description=FIGURE_DESCRIPTION,
-        epilog=FIGURE_EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-        allow_abbrev=False,
+    parser = add_command(
+        commands, "figure", "compute and draw a figure of the paper", FIGURE_DESCRIPTION, FIGURE_EPILOG
     )
     parser.add_argument("number", type=int, metavar="N", help="the paper's number: 2 to 18")
     parser.add_argument(
@@ -128,13 +123,12 @@ def _write_picture(result: Any, chosen: argparse.Namespace, parser: OneLineParse
 
 def add_reproduce(commands: Any) -> OneLineParser:
     """Add the command `reproduce`; returns its parser."""
-    parser = commands.add_parser(
+    parser = add_command(
+        commands,
         "reproduce",
-        help="check every claim of the paper and draw every figure",
-        description=REPRODUCE_DESCRIPTION,
-        epilog=REPRODUCE_EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-        allow_abbrev=False,
+        "check every claim of the paper and draw every figure",
+        REPRODUCE_DESCRIPTION,
+        REPRODUCE_EPILOG,
     )
     parser.add_argument(
         "-o",

@@ -28,6 +28,18 @@ class OneLineParser(argparse.ArgumentParser):
         self.exit(2, f"{self.prog}: error: {' '.join(message.split())}\n")
 
 
+def add_command(commands: Any, name: str, about: str, description: str, epilog: str) -> OneLineParser:
+    """A command's parser, whose help keeps the lines of its texts."""
+    return commands.add_parser(
+        name,
+        help=about,
+        description=description,
+        epilog=epilog,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        allow_abbrev=False,
+    )
+
+
 def flush_output() -> None:
     """Write what standard output still holds; OSError where that fails.  There may be none (pythonw)."""
     if sys.stdout is not None:

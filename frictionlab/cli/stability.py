@@ -7,7 +7,7 @@ import math
 from collections.abc import Iterator
 from typing import Any
 
-from .parsing import OneLineParser
+from .parsing import OneLineParser, add_command
 from .scenes import add_json, add_model_options, model_data, model_from_options, print_json
 
 EIG_DESCRIPTION = """\
@@ -37,7 +37,7 @@ exit status: 0 computed; 2 bad arguments, or there is no steady sliding."""
 
 def add_eig(commands: Any) -> OneLineParser:
     """Add the command `eig`; returns its parser."""
-    parser = _parser(commands, "eig", "eigenvalues of steady sliding", EIG_DESCRIPTION, EIG_EPILOG)
+    parser = add_command(commands, "eig", "eigenvalues of steady sliding", EIG_DESCRIPTION, EIG_EPILOG)
     add_model_options(parser)
     add_json(parser)
     return parser
@@ -46,24 +46,13 @@ def add_eig(commands: Any) -> OneLineParser:
 def add_critical(commands: Any) -> OneLineParser:
     """Add the command `critical`; returns its parser."""
     about = "where a parameter makes steady sliding unstable"
-    parser = _parser(commands, "critical", about, CRITICAL_DESCRIPTION, CRITICAL_EPILOG)
+    parser = add_command(commands, "critical", about, CRITICAL_DESCRIPTION, CRITICAL_EPILOG)
     parser.add_argument("parameter", metavar="PARAMETER", help="such as mu_k")
     parser.add_argument("low", type=float, metavar="LOW", help="from this value")
     parser.add_argument("high", type=float, metavar="HIGH", help="to this one")
     add_model_options(parser)
     add_json(parser)
     return parser
-
-
-def _parser(commands: Any, name: str, about: str, description: str, epilog: str) -> OneLineParser:
-    return commands.add_parser(
-        name,
-        help=about,
-        description=description,
-        epilog=epilog,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-        allow_abbrev=False,
-    )
 
 
 def eig_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
