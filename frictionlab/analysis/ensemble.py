@@ -10,7 +10,7 @@ import numpy as np
 
 from frictionlab.analysis.simulate import validate_initial_state
 from frictionlab.automaton import HybridAutomaton
-from frictionlab.automaton.modes_on_demand import ModeNames
+from frictionlab.automaton.mode import ModeNames
 from frictionlab.hybrid.compilation import needs_compilation
 from frictionlab.hybrid.ensemble.batch import BatchResult, advance_batch, integrate_batch
 from frictionlab.hybrid.ensemble.lanes import Batch, advance_batch_kernel, new_batch
@@ -20,7 +20,7 @@ from frictionlab.hybrid.solve import method_of, problem_of, with_chatter_limit
 from frictionlab.hybrid.tape.automaton_checks import check_automaton
 from frictionlab.hybrid.tape.packing import program_of
 from frictionlab.interruption import Progress, interruption
-from frictionlab.models.coercion import automaton_of
+from frictionlab.models.model import automaton_of
 from frictionlab.validation import check_number
 
 __all__ = ["BatchResult", "ensemble"]

@@ -5,10 +5,8 @@ of friction and computes nothing: expressions are sympy expressions in the symbo
 which :mod:`frictionlab.hybrid` turns into numbers.
 
 ``mode``
-    `Mode`, `Event`, `Reset`: one smooth regime, what ends it, what jumps then.
-``modes_on_demand``
-    `ModesOnDemand`: modes that are derived when a run first tries to enter them, and `Sketch`, what is known
-    of a mode before.
+    `Mode`, `Event`, `Reset`: one smooth regime, what ends it, what jumps then; `ModesOnDemand`: modes that
+    are derived when a run first tries to enter them, and `Regime`, what is known of a mode before.
 ``expressions``
     `Combinations`: many sums of few expressions, as numbers times these; what finite elements need.
     Expressions multiplied out, so far as that is short; parts of them that have no value.

@@ -7,8 +7,7 @@ from dataclasses import dataclass, field
 
 from frictionlab.validation import unknown_parameter
 
-from .mode import Mode, Symbol, check_elements
-from .modes_on_demand import ModesOnDemand
+from .mode import Mode, ModesOnDemand, Symbol, check_elements
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -1,10 +1,21 @@
-"""A mode: its flow, the events that end it, and what jumps at them."""
+"""A mode: its flow, the events that end it, what jumps at them; and modes that are derived when they are
+first asked for.
+
+N contacts of three regimes have 3^N modes, of which a run visits few.  So nothing is made for each mode but
+for those asked for: names are made as they are read, and :meth:`ModesOnDemand.known` grows by what runs
+come to.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import logging
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from itertools import islice, product
+from threading import Lock
+from typing import Any, NamedTuple, overload
+
+from frictionlab.validation import check_choice
 
 # sympy's types, named without importing sympy: this package only carries them.
 Expr = Any
@@ -109,3 +120,231 @@ def check_elements(what: str, given: Any, kind: type) -> None:
         if not isinstance(one, kind):
             name = kind.__name__
             raise TypeError(f"{what} must be of the class {name}, got {one!r}: write frictionlab.{name}(...)")
+
+
+JOINT = " | "  # separates the regimes in a mode's name
+NO_PARTS = "only"  # the name of the mode where there are no parts
+LISTED = 243  # modes that a message lists, most: those of five contacts
+Combination = tuple[int, ...]  # the number of a regime for each part
+
+LOGGER = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True, eq=False)
+class Regime:
+    """A regime of one part, as stick of one contact: what is known of modes with it before they are derived.
+
+    Parameters
+    ----------
+    name : str
+    conditions : tuple of Expr
+        Functions of which none may be negative where a mode with this regime is entered.
+    holds : bool
+        Whether modes with it have constraints.
+    """
+
+    name: str
+    conditions: tuple[Expr, ...] = ()
+    holds: bool = False
+
+
+Parts = tuple[tuple[Regime, ...], ...]
+
+
+class ModeNames(Sequence[str]):
+    """Names of all combinations of regimes, made as they are read.
+
+    Parameters
+    ----------
+    regimes : tuple of tuple of str
+        Names of the regimes of each part.
+    allows : callable
+        Whether a combination is a mode.
+    """
+
+    def __init__(self, regimes: tuple[tuple[str, ...], ...], allows: Callable[[Combination], bool]) -> None:
+        self._names, self._allows = regimes, allows
+        self._numbers = [{name: i for i, name in enumerate(names)} for names in regimes]
+
+    def combinations(self) -> Iterator[Combination]:
+        """All combinations that are modes, in order: the last part's regime changes fastest."""
+        return filter(self._allows, product(*(range(len(names)) for names in self._names)))
+
+    def name_of(self, combination: Combination) -> str:
+        """The name of a combination."""
+        return JOINT.join(names[i] for names, i in zip(self._names, combination, strict=True)) or NO_PARTS
+
+    def combination_of(self, name: Any) -> Combination | None:
+        """The combination of that name; None where there is no such mode."""
+        words = name.split(JOINT) if isinstance(name, str) and name != NO_PARTS else ()
+        if len(words) != len(self._names):
+            return None
+        found = tuple(numbers.get(word, -1) for numbers, word in zip(self._numbers, words))
+        return found if -1 not in found and self._allows(found) else None
+
+    def place_of(self, name: str) -> int:
+        """The place of a mode in the order, counted as if all combinations were modes."""
+        place = 0
+        for regime, names in zip(self.combination_of(name) or (), self._names):
+            place = place * len(names) + regime
+        return place
+
+    def __contains__(self, name: object) -> bool:
+        return self.combination_of(name) is not None
+
+    def __iter__(self) -> Iterator[str]:
+        return map(self.name_of, self.combinations())
+
+    def __len__(self) -> int:
+        return sum(1 for _ in self.combinations())
+
+    @overload
+    def __getitem__(self, index: int) -> str: ...
+    @overload
+    def __getitem__(self, index: slice) -> tuple[str, ...]: ...
+    def __getitem__(self, index: int | slice) -> str | tuple[str, ...]:
+        if isinstance(index, slice):
+            return tuple(self)[index]
+        return self.name_of(self.combination_at(index))
+
+    def combination_at(self, index: int) -> Combination:
+        """The combination of that place in the order."""
+        place = index if index >= 0 else len(self) + index
+        found = next(islice(self.combinations(), max(place, 0), None), None)
+        if found is None or place < 0:
+            raise IndexError(f"there is no mode number {index}")
+        return found
+
+    def more_than(self, count: int) -> bool:
+        """Whether there are more modes; as many are looked at, however many there are."""
+        return next(islice(self.combinations(), count, None), None) is not None
+
+    def __eq__(self, other: object) -> bool:
+        if isinstance(other, ModeNames):
+            return self._names == other._names
+        return isinstance(other, tuple) and tuple(self) == other
+
+    def __hash__(self) -> int:
+        return hash(self._names)
+
+    def __repr__(self) -> str:
+        return JOINT.join("/".join(names) for names in self._names)
+
+
+def check_mode_name(mode: Any, names: Sequence[str], others: Sequence[str] = ()) -> None:
+    """Raise ValueError unless there is a mode of that name, or it is one of the `others`."""
+    if mode in names or mode in others:
+        return
+    if not isinstance(names, ModeNames) or not names.more_than(LISTED):
+        check_choice("mode", mode, (*names, *others))
+    raise ValueError(
+        f"mode must have one regime for each contact, {names!r}, got {mode!r}: join them by {JOINT!r}"
+    )
+
+
+class KnownModes(NamedTuple):
+    """Modes derived so far, the combination of each, and combinations seen to be no modes."""
+
+    modes: tuple[Mode, ...]
+    combinations: tuple[Combination, ...]
+    refused: tuple[Combination, ...]
+
+
+class ModesOnDemand(Sequence[Mode]):
+    """A sequence of modes, each derived when it is first used and then kept.
+
+    Parameters
+    ----------
+    parts : tuple of tuple of Regime
+        The regimes of each part, in the order in which they are tried.
+    derive : callable
+        From a combination, the number of a regime for each part, to its mode.
+    allows : callable
+        Whether a combination is a mode.
+    again : tuple of callable and arguments, or None
+        A call that gives these modes in another process, for pickles; None where they stay in this one.
+    origin : callable or None
+        Gives what they are derived from, as data that JSON can hold, for files of runs; raises TypeError
+        where it cannot be such.
+
+    Attributes
+    ----------
+    names : ModeNames
+        Names of all modes; none is derived for this.
+    """
+
+    def __init__(
+        self,
+        parts: Parts,
+        derive: Callable[[Combination], Mode],
+        allows: Callable[[Combination], bool] = lambda _: True,
+        again: tuple[Callable[..., ModesOnDemand], tuple[Any, ...]] | None = None,
+        origin: Callable[[], dict[str, Any]] | None = None,
+    ) -> None:
+        self.parts, self.origin = parts, origin
+        self.names = ModeNames(tuple(tuple(regime.name for regime in part) for part in parts), allows)
+        self._derive, self._allows, self._again = derive, allows, again
+        self._derived: dict[Combination, Mode] = {}
+        self._refused: dict[Combination, None] = {}
+        self._one_at_a_time = Lock()  # else two threads might have two modes of one name
+
+    @property
+    def derived(self) -> tuple[str, ...]:
+        """Names of those that are derived, in that order."""
+        return tuple(map(self.names.name_of, tuple(self._derived)))
+
+    def known(self) -> KnownModes:
+        """What is known by now; what was known before comes first, in the same order."""
+        with self._one_at_a_time:
+            return KnownModes(tuple(self._derived.values()), tuple(self._derived), tuple(self._refused))
+
+    def mode(self, combination: Combination) -> Mode | None:
+        """The mode of a combination; None where it is none."""
+        with self._one_at_a_time:
+            if combination not in self._derived and combination not in self._refused:
+                if self._allows(combination):
+                    LOGGER.debug("deriving mode %r, to which a run came", self.names.name_of(combination))
+                    self._derived[combination] = self._derive(combination)
+                else:
+                    self._refused[combination] = None
+            return self._derived.get(combination)
+
+    def named(self, name: str) -> Mode:
+        """The mode of that name.
+
+        Raises
+        ------
+        KeyError
+            If there is none.
+        """
+        combination = self.names.combination_of(name)
+        mode = None if combination is None else self.mode(combination)
+        if mode is None:
+            raise KeyError(f"no mode is called {name!r}")
+        return mode
+
+    def select(self, suits: Callable[[Regime], bool]) -> Iterator[Mode]:
+        """The modes all of whose regimes suit, in order, derived one by one."""
+        chosen = ([i for i, regime in enumerate(part) if suits(regime)] for part in self.parts)
+        return (mode for one in product(*chosen) if (mode := self.mode(one)) is not None)
+
+    def __iter__(self) -> Iterator[Mode]:
+        return self.select(lambda _: True)
+
+    def __len__(self) -> int:
+        return len(self.names)
+
+    def __bool__(self) -> bool:
+        return True
+
+    @overload
+    def __getitem__(self, index: int) -> Mode: ...
+    @overload
+    def __getitem__(self, index: slice) -> tuple[Mode, ...]: ...
+    def __getitem__(self, index: int | slice) -> Mode | tuple[Mode, ...]:
+        if isinstance(index, slice):
+            return tuple(self.named(name) for name in self.names[index])
+        return self.named(self.names[index])
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return (tuple, (tuple(self),)) if self._again is None else self._again

@@ -8,10 +8,10 @@
     many_runs           runs side by side in lanes; Fig. 9's sweep by one worker and by two; basin stability
                         by events, against a model made smooth
     many_contacts       growth with the number of contacts and of states
-    missed_event        one landing that a fixed step does not see
     response_times      a step of an explorer's slider; size of exported pages, and how pictures
                         follow a slider
-    performance_page, exact_and_fast_page, page_figures     docs/performance.md and docs/exact-and-fast.md
+    performance_page, page_figures      docs/performance.md and docs/exact-and-fast.md, their pictures, and
+                        one landing that a fixed step does not see
 
 A scene and a method give rows, rows give tables and pictures, these the pages.
 """

@@ -2,14 +2,13 @@
 
     command        `main`: reads the arguments, calls the command, turns interruptions into exit statuses
     parsing        what the commands share: parser, spellings, options of sweeps, checks of files
-    scenes         models by name, with their values, and JSON
-    catalogue      `frictionlab models`
+    scenes         `frictionlab models`; models by name, with their values, and JSON
     run            `frictionlab run` and what it prints
     stability      `frictionlab eig` and `frictionlab critical`
     media          `frictionlab animate`, `frictionlab sound` and `frictionlab page`
     course         `frictionlab course` and `frictionlab warmup`
-    paper          `frictionlab figure` and `frictionlab reproduce`
-    bench, app     `frictionlab bench` and `frictionlab app`
+    reports        `frictionlab figure`, `frictionlab reproduce` and `frictionlab bench`
+    app            `frictionlab app`
 
 Each command has `add_...`, which adds its options, and `..._command`, which checks them all, does the
 work and returns the exit status.  What a command needs beyond the options is imported when it runs.

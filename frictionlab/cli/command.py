@@ -9,11 +9,8 @@ from collections.abc import Sequence
 from frictionlab._version import __version__
 
 from .app import add_app
-from .bench import add_bench
-from .catalogue import add_models
 from .course import add_course, add_warmup
 from .media import add_animate, add_page, add_sound
-from .paper import add_figure, add_reproduce
 from .parsing import (
     OneLineParser,
     complain,
@@ -23,7 +20,9 @@ from .parsing import (
     normalise_arguments,
     unknown_option_text,
 )
+from .reports import add_bench, add_figure, add_reproduce
 from .run import add_run
+from .scenes import add_models
 from .stability import add_critical, add_eig
 
 PROGRAM = "frictionlab"
@@ -102,12 +101,11 @@ def _build_parsers() -> tuple[OneLineParser, dict[str, OneLineParser]]:
 
 def _run_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
     from .app import app_command
-    from .bench import bench_command
-    from .catalogue import models_command
     from .course import course_command, warmup_command
     from .media import animate_command, page_command, sound_command
-    from .paper import figure_command, reproduce_command
+    from .reports import bench_command, figure_command, reproduce_command
     from .run import run_command
+    from .scenes import models_command
     from .stability import critical_command, eig_command
 
     does = {"models": models_command, "run": run_command, "eig": eig_command, "critical": critical_command}

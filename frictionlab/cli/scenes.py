@@ -1,4 +1,6 @@
-"""Models by name on the command line: `--model`, `--set`, `--without`; and `--json`."""
+"""Models on the command line: `frictionlab models` lists them; `--model`, `--set`, `--without` choose
+one; and `--json`.
+"""
 
 from __future__ import annotations
 
@@ -8,6 +10,8 @@ import json
 import math
 from collections.abc import Mapping
 from typing import Any
+
+from frictionlab.cli.parsing import OneLineParser, add_command
 
 DEFAULT_MODEL = "SliderOnBelt"
 SHOWN = {"SliderOnBelt": {"mu_k": 1.4}}  # what its commands begin with, where the paper's cycle is
@@ -134,3 +138,63 @@ def _plain(value: Any) -> Any:
     if isinstance(value, float):
         return value if math.isfinite(value) else None
     return value if value is None or isinstance(value, bool | int) else str(value)
+
+
+DESCRIPTION = """\
+List the models, each with a line and a reference; with a NAME the parameters
+of that model, with symbol, value, unit and meaning."""
+
+EPILOG = """\
+examples:
+  frictionlab models
+  frictionlab models DenHartog
+  frictionlab models "MassOnBelt(friction=Stribeck())" --json
+
+exit status: 0 listed; 2 bad arguments."""
+
+
+def add_models(commands: Any) -> OneLineParser:
+    """Add the command `models`; returns its parser."""
+    parser = add_command(commands, "models", "list the models, or the parameters of one", DESCRIPTION, EPILOG)
+    parser.add_argument("name", nargs="?", metavar="NAME", help="a model, with laws if you like")
+    add_json(parser)
+    return parser
+
+
+def models_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
+    """Print the list, or one model; returns the exit status."""
+    try:
+        data, text = _all_models() if chosen.name is None else _one_model(chosen.name)
+    except (ValueError, TypeError) as error:
+        parser.error(str(error).replace("--model", "NAME"))
+    print_json(data) if chosen.json else print(text)
+    return 0
+
+
+def _all_models() -> tuple[dict[str, Any], str]:
+    from frictionlab.models.library.catalogue import MODEL_ROWS
+
+    rows = [{**row._asdict(), "call": row.call.replace("fl.", "")} for row in MODEL_ROWS]
+    lines = [f"{row['call']}\n    {row['about']}\n    {row['reference']}" for row in rows]
+    hint = "\nRun one: frictionlab run --model DenHartog; its parameters: frictionlab models DenHartog"
+    return {"models": rows}, "\n".join([*lines, hint])
+
+
+def _one_model(name: str) -> tuple[dict[str, Any], str]:
+    model = model_of(name)
+    rows = [
+        {"name": row.name, "value": row.value, "unit": row.unit, "meaning": row.meaning}
+        for row in model.describe()
+    ]
+    width = max(len(row["name"]) for row in rows)
+    lines = [
+        f"  {row['name']:{width}}  {row['value']:>10g} {row['unit']:7} {row['meaning']}".rstrip()
+        for row in rows
+    ]
+    head = [f"{model!r}", f"coordinates {', '.join(model.coordinates)}; without: {_switches(model)}"]
+    about = {"coordinates": list(model.coordinates), "nonlinearities": list(model.nonlinearities)}
+    return {**model_data(model), **about, "described": rows}, "\n".join([*head, *lines])
+
+
+def _switches(model: Any) -> str:
+    return ", ".join(model.nonlinearities) or "nothing"

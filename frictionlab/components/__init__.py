@@ -1,9 +1,9 @@
 """Components: one small class for each law, in arithmetic that floats and sympy symbols share.
 
 `component` is the base of all, a frozen dataclass whose fields are parameters with unit, symbol and range.
-`contact`, `friction` and `impact` hold the laws, `geometry` the coordinates and the directions of the contact
-forces; the regimes of contact (`Interface`) are beside the contact laws.  `functions` are exp, tanh and the
-like for laws.  Nothing here imports sympy; numpy is imported in functions only.
+`contact`, `friction` and `impact` hold the laws; the regimes of contact (`Interface`), the coordinates and
+the directions of the contact forces (`Geometry`) are beside the contact laws.  `functions` are exp, tanh and
+the like for laws.  Nothing here imports sympy; numpy is imported in functions only.
 """
 
 from __future__ import annotations
@@ -13,9 +13,12 @@ from .component import Component, Parameter, parameter
 from .contact import (
     ContactLaw,
     CubicContact,
+    FixedLoad,
+    Geometry,
     HertzContact,
     Interface,
     LinearContact,
+    MovingLoad,
     PolynomialContact,
     SlidingOnly,
     SlidingSeparation,
@@ -30,7 +33,6 @@ from .friction import (
     Stribeck,
     WeakeningStrengthening,
 )
-from .geometry import FixedLoad, Geometry, MovingLoad
 from .impact import FrictionalImpact, ImpactLaw, PlasticImpact, RestitutionImpact
 
 __all__ = [

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from frictionlab.automaton import HybridAutomaton
-from frictionlab.automaton.modes_on_demand import ModesOnDemand
+from frictionlab.automaton.mode import ModesOnDemand
 from frictionlab.hybrid.kernels.jets import MAX_ORDER
 from frictionlab.hybrid.problem import Problem, RunData, Sampling, Status
 from frictionlab.hybrid.solve import with_chatter_limit

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from frictionlab.automaton import HybridAutomaton
-from frictionlab.automaton.modes_on_demand import ModesOnDemand, check_mode_name
+from frictionlab.automaton.mode import ModesOnDemand, check_mode_name
 from frictionlab.hybrid.compilation import needs_compilation
 from frictionlab.hybrid.methods.base import Method
 from frictionlab.hybrid.methods.one_step import RK4

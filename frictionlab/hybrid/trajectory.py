@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from frictionlab.automaton import HybridAutomaton
-from frictionlab.automaton.modes_on_demand import ModeNames, ModesOnDemand
+from frictionlab.automaton.mode import ModeNames, ModesOnDemand
 from frictionlab.hybrid.accuracy import condition_violation, defects
 from frictionlab.hybrid.codegen.native_cache import native_code
 from frictionlab.hybrid.kernels.run_state import StepData, jet_columns

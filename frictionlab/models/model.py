@@ -1,4 +1,6 @@
-"""What every model has: one namespace of parameters, copies with changes, a description, an automaton."""
+"""What every model has: one namespace of parameters, copies with changes, a description, an automaton; and
+models and automata as arguments: the model itself, or an error that names the cure.
+"""
 
 from __future__ import annotations
 
@@ -8,15 +10,15 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self, TypeVar
 
+from frictionlab.automaton import HybridAutomaton
 from frictionlab.components.component import Component, parameters_of, value_repr
-from frictionlab.models.mechanical.mechanics import SlidingStatics
-
-from .mechanism import Mechanism, TiltingBelt
-from .nonlinearities import Nonlinearity, nonlinearities_of, without
-from .parameter_namespace import (
+from frictionlab.models.composition import (
+    Nonlinearity,
     ParameterTable,
     check_component,
     model_signature,
+    nonlinearities_of,
+    owner_among_laws,
     parameter_owners,
     parameter_table,
     refuse_positional,
@@ -25,12 +27,17 @@ from .parameter_namespace import (
     structural_fields,
     structural_values,
     with_values,
+    without,
 )
-from .serialisation import component_from_dict, component_to_dict
+from frictionlab.models.mechanism import Mechanism, TiltingBelt
+from frictionlab.models.serialisation import component_from_dict, component_to_dict
+from frictionlab.validation import unknown_parameter
 
 if TYPE_CHECKING:
     from frictionlab.automaton import HybridAutomaton
     from frictionlab.models.description.equations import Equations
+    from frictionlab.models.mechanical.mechanical_model import SlidingStatics
+
 
 M = TypeVar("M", bound="Model")
 PITCH = 200.0  # Hz: pitch at which an oscillation is played
@@ -296,3 +303,40 @@ def _restructured(model: Model, usual: Model, role: str) -> bool:
     """Whether a component of the default's class differs in more than parameters."""
     mine, its = getattr(model, role), getattr(usual, role)
     return with_values(its, {n: getattr(mine, n) for n in parameters_of(type(its))}) != mine
+
+
+def require_model(
+    model: Any, kinds: str = "a model such as SliderOnBelt", cure: str = "make one, such as fl.SliderOnBelt()"
+) -> Model:
+    """The model itself; TypeError, with the `kinds` that are taken, for anything else."""
+    if isinstance(model, Model):
+        return model
+    if isinstance(model, type) and issubclass(model, Model):
+        got, cure = f"the class {model.__name__}", f"write {model.__name__}()"
+    else:
+        got = repr(model)
+    raise TypeError(f"model must be {kinds}, got {got}: {cure}")
+
+
+def check_parameter_name(model: Any, name: Any) -> None:
+    """Raise TypeError unless it names a parameter of the model or automaton, and suggest the nearest."""
+    if isinstance(model, Model):
+        known, hint = list(model.parameters), owner_among_laws(name, model.roles, model.components)
+    else:
+        known, hint = [symbol.name for symbol in automaton_of(model).parameters], ""
+    if name not in known:
+        owner = type(model).__name__
+        raise unknown_parameter(owner, name, known, hint)
+
+
+def automaton_of(model: Any) -> HybridAutomaton:
+    """The automaton of a model, or the automaton itself.
+
+    Raises
+    ------
+    TypeError
+        If it is neither.
+    """
+    if isinstance(model, HybridAutomaton):
+        return model
+    return require_model(model, "a model such as SliderOnBelt or a HybridAutomaton").automaton()

@@ -8,7 +8,7 @@ from typing import Any
 
 from frictionlab.components.component import Parameter
 from frictionlab.models import Model
-from frictionlab.models.parameter_namespace import parameter_metadata
+from frictionlab.models.composition import parameter_metadata
 from frictionlab.validation import check_mapping, check_number, did_you_mean_or_known
 
 OPEN_SLIDERS = 8  # shown at first where none are chosen; the others are one click away

@@ -16,7 +16,7 @@ import sympy as sp
 
 from frictionlab.analysis.simulate import model_initial_state
 from frictionlab.automaton import HybridAutomaton, Mode
-from frictionlab.automaton.modes_on_demand import ModesOnDemand
+from frictionlab.automaton.mode import ModesOnDemand
 from frictionlab.hybrid.kernels.run_state import new_record, new_run_state, new_scratch
 from frictionlab.hybrid.methods.base import RECORD_CAPACITY
 from frictionlab.hybrid.methods.taylor import Taylor, is_affine

@@ -10,8 +10,8 @@ with GN: 0 -> 1 at mu_k 0.6897 (12.88 Hz), 1 -> 2 at 1.1943 (17.66 Hz), 2 -> 1 a
 without GN: 0 -> 1 at mu_k 1.8717 (16.48 Hz)
 
     registry         `figure` and `claims`: which there are, and the modules that compute them; `PaperFigure`
-    scenes           solver settings, models and grids of parameters that the paper's computations use
-    steady_states    steady states that figures and claims share, computed once; results in words
+    scenes           solver settings, models and grids of parameters that the paper's computations use; their
+                     steady states, computed once; results in words
     figures/         the figures as results: data, summary, picture
     checks/          the claims, each computed in up to three ways, with a verdict
     step_sizes       what a fixed step does to a motion

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator
+from html import escape
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -17,12 +18,10 @@ import numpy as np
 from frictionlab._version import __version__
 from frictionlab.file_writing import write_file, write_text
 from frictionlab.interruption import progress_bar
-from frictionlab.paper.checks.claim import Claims
-
-from .claim_blocks import claim_blocks, claim_summary
-from .registry import EVERY_CLAIM, FIGURES, WITHOUT_GEOMETRY, check, figure
-from .scenes import CHATTER_LIMIT, IMPACTS, PAPER_STEP, RETURN_TOLERANCES, Setting
-from .step_sizes import IMPACT_LAW_NAMES, StepStudy, step_study_with
+from frictionlab.paper.checks.claim import Claim, Claims, Verdict
+from frictionlab.paper.registry import EVERY_CLAIM, FIGURES, WITHOUT_GEOMETRY, check, figure
+from frictionlab.paper.scenes import CHATTER_LIMIT, IMPACTS, PAPER_STEP, RETURN_TOLERANCES, Setting
+from frictionlab.paper.step_sizes import IMPACT_LAW_NAMES, StepStudy, step_study_with
 
 STEP_SIZE_PAGE = "step-size.md"
 EXAMPLE_MU_K = 1.4
@@ -227,3 +226,70 @@ def _figure_text(found: Any, path: Path) -> str:
     rows = "\n".join(f"* {line}" for line in found.summary)
     heading = f"\n### Fig. {found.number}{how}\n\n{found.caption[0].upper()}{found.caption[1:]}.\n\n"
     return f"{heading}{rows}\n\n![Fig. {found.number}{how}]({path.as_posix()})\n"
+
+
+SIGNS = {
+    Verdict.REPRODUCED: "✔",
+    Verdict.IN_PART: "◐",
+    Verdict.BY_PAPER: "△",
+    Verdict.NOT_REPRODUCED: "✘",
+}
+BLOCK = """\
+<details class="claim" id="claim-{name}">
+<summary><b>{id}</b> <span class="verdict verdict-{kind}">{sign} {verdict}</span> {where}: {short}</summary>
+
+{rows}
+
+</details>
+"""
+LONGEST_SUMMARY = 90  # characters of what the paper says, in the line that is always seen
+
+
+def claim_summary(table: Claims) -> str:
+    """How many claims have each verdict, and which, one line each."""
+    counts = {verdict: [row.id for row in table if row.verdict == verdict] for verdict in Verdict}
+    words = ", ".join(f"{verdict} {len(names)}" for verdict, names in counts.items() if names)
+    lines = [
+        f"* {SIGNS[verdict]} **{verdict}**: {', '.join(map(_link, names))}"
+        for verdict, names in counts.items()
+        if names
+    ]
+    return "\n".join([f"{len(table)} claims: {words}.", "", *lines])
+
+
+def claim_blocks(table: Claims) -> str:
+    """One folded block for each claim: the verdict outside, all numbers inside."""
+    return "\n".join(map(_block, table))
+
+
+def _link(name: str) -> str:
+    return f'<a href="#claim-{name.lower()}">{name}</a>'
+
+
+def _block(row: Claim) -> str:
+    return BLOCK.format(
+        name=row.id.lower(),
+        id=row.id,
+        kind=row.verdict.name.lower().replace("_", "-"),
+        sign=SIGNS[row.verdict],
+        verdict=row.verdict,
+        where=escape(row.where),
+        short=escape(_shortened(row.says)),
+        rows="\n".join(f"* **{head}**: {text}" for head, text in _rows(row) if text),
+    )
+
+
+def _rows(row: Claim) -> tuple[tuple[str, str], ...]:
+    return (
+        ("the paper says", row.says),
+        ("computed, exact solver", row.computed),
+        ("with the full gap rate", row.full_gap_rate),
+        ("by the paper's algorithm", row.paper_algorithm),
+        ("why", row.note),
+    )
+
+
+def _shortened(text: str) -> str:
+    if len(text) <= LONGEST_SUMMARY:
+        return text
+    return text[:LONGEST_SUMMARY].rpartition(" ")[0] + " …"

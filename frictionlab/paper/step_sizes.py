@@ -27,8 +27,7 @@ from frictionlab.plotting.figure import legend_beside, new_figure
 from frictionlab.plotting.style import BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILLION, parameter_label
 
 from . import scenes
-from .scenes import IMPACTS, RETURN_TOLERANCES, Setting
-from .steady_states import sweep_results
+from .scenes import IMPACTS, RETURN_TOLERANCES, Setting, sweep_results
 
 Array = NDArray[np.float64]
 STUDY_STEPS = (5e-4, 2e-4, 1e-4, 5e-5)  # s

@@ -7,12 +7,12 @@ from .figure import axes_or_new as axes_or_new
 from .runs.overview import Spectrum as Spectrum
 from .runs.overview import amplitude_spectrum as amplitude_spectrum
 from .runs.overview import plot_amplitudes as plot_amplitudes
+from .runs.overview import plot_energies as plot_energies
 from .runs.overview import plot_phase_plane as plot_phase_plane
 from .runs.overview import plot_run as plot_run
 from .runs.overview import plot_spectrum as plot_spectrum
-from .runs.run_checks import plot_energies as plot_energies
-from .runs.run_checks import plot_verification as plot_verification
-from .runs.run_checks import plot_works as plot_works
+from .runs.overview import plot_verification as plot_verification
+from .runs.overview import plot_works as plot_works
 from .runs.time_histories import plot_contact_forces as plot_contact_forces
 from .runs.time_histories import plot_displacements as plot_displacements
 from .runs.time_histories import plot_rates as plot_rates

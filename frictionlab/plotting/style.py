@@ -13,7 +13,7 @@ from typing import Any
 
 from matplotlib.axes import Axes
 
-from frictionlab.models.parameter_namespace import parameter_metadata
+from frictionlab.models.composition import parameter_metadata
 from frictionlab.models.symbols import structure_of_component
 from frictionlab.presentation import ANGLE_LETTERS, is_angle
 

@@ -19,8 +19,8 @@ from frictionlab.components import ContactLaw, FrictionLaw, ImpactLaw
 from frictionlab.components.component import Component, Parameter, parameters_of, structure_of
 from frictionlab.hybrid.tape.packing import program_of
 from frictionlab.hybrid.trajectory import Trajectory
+from frictionlab.models.composition import parameter_metadata
 from frictionlab.models.model import Model
-from frictionlab.models.parameter_namespace import parameter_metadata
 from frictionlab.models.serialisation import component_from_dict, component_to_dict
 from frictionlab.models.symbols import structure_of_component, symbol, symbolic_copy
 

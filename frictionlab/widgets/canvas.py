@@ -11,9 +11,8 @@ import traitlets
 
 from frictionlab.analysis.motion_scales import oscillation_period, rounded_period
 from frictionlab.plotting.animation.animate import BeltPicture, frame_times, mechanism_of, picture_of
-from frictionlab.plotting.animation.artists import FORCE_COLOURS, SPRING_LABELS, belt_colour
 from frictionlab.plotting.animation.parts import MARKS, WIDTH, Parts
-from frictionlab.plotting.animation.tilting_belt import COLUMNS
+from frictionlab.plotting.animation.tilting_belt import COLUMNS, FORCE_COLOURS, SPRING_LABELS, belt_colour
 from frictionlab.plotting.appearance import background, ink, legible
 from frictionlab.plotting.runs.time_histories import Periods, Window, window_limits
 from frictionlab.plotting.style import GREY, mode_colours

@@ -18,7 +18,7 @@ from unittest.mock import patch
 import numpy as np
 
 import frictionlab as fl
-from frictionlab.automaton.modes_on_demand import ModesOnDemand
+from frictionlab.automaton.mode import ModesOnDemand
 from frictionlab.hybrid.methods.taylor import Taylor, is_affine
 from frictionlab.hybrid.problem import Status
 from frictionlab.hybrid.solve import with_chatter_limit

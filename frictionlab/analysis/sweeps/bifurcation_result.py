@@ -15,7 +15,7 @@ from frictionlab.analysis.steady_state.classification import MotionKind
 from frictionlab.analysis.sweeps.journal import read_journal, write_journal
 from frictionlab.file_writing import name_written_file
 from frictionlab.models import Model
-from frictionlab.models.parameter_namespace import parameter_unit
+from frictionlab.models.composition import parameter_unit
 from frictionlab.presentation import Drawable, count, dataframe, dataset, span, tally
 from frictionlab.validation import check_choice
 

@@ -17,7 +17,7 @@ import sympy as sp
 from sympy.functions.elementary.piecewise import ExprCondPair
 
 from frictionlab.automaton import Event, HybridAutomaton, Mode, Reset
-from frictionlab.automaton.modes_on_demand import ModesOnDemand
+from frictionlab.automaton.mode import ModesOnDemand
 from frictionlab.hybrid.tape.functions import FUNCTIONS
 
 MAX_NODES = 200_000  # of all expressions together

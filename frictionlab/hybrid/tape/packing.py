@@ -20,7 +20,7 @@ import numpy as np
 import sympy as sp
 
 from frictionlab.automaton import Event, HybridAutomaton, Mode, Reset
-from frictionlab.automaton.modes_on_demand import Combination, KnownModes, ModesOnDemand
+from frictionlab.automaton.mode import Combination, KnownModes, ModesOnDemand
 from frictionlab.hybrid.tape.automaton_checks import (
     check_mode,
     check_structure,

@@ -12,8 +12,8 @@ import sympy
 from sympy import Symbol
 from sympy.printing.latex import LatexPrinter
 
-from frictionlab.automaton.modes_on_demand import check_mode_name
-from frictionlab.models.parameter_namespace import parameter_metadata
+from frictionlab.automaton.mode import check_mode_name
+from frictionlab.models.composition import parameter_metadata
 from frictionlab.models.symbols import automaton_of_structure, structure_of_component
 
 TIME = Symbol("t", real=True)

@@ -1,4 +1,5 @@
-"""The models of the package, one file each, and `catalogue`, the table of them (`fl.list_models`).
+"""The models of the package, those that are akin in one file, and `catalogue`, the table of them
+(`fl.list_models`).
 
 `parameters` makes the parameters that several models have, and lists the keywords of each.
 """

@@ -10,15 +10,10 @@ from typing import NamedTuple
 from frictionlab.components.friction import Stribeck, WeakeningStrengthening
 from frictionlab.models.model import Model
 
-from .bouncing_ball import BouncingBall
-from .den_hartog import DenHartog
-from .free_coulomb import FreeCoulomb
-from .impact_oscillator import ImpactOscillator
-from .mass_on_belt import MassOnBelt
-from .mode_coupling import ModeCoupling
+from .dry_friction_oscillators import DenHartog, FreeCoulomb, MassOnBelt, TwoBlocks
+from .impact_oscillators import BouncingBall, ImpactOscillator
+from .planar_sliders import ModeCoupling, SliderOnRigidBelt
 from .slider_on_belt import SliderOnBelt
-from .slider_on_rigid_belt import SliderOnRigidBelt
-from .two_blocks import TwoBlocks
 
 PAPANGELO_REFERENCE = "A. Papangelo, M. Ciavarella, N. Hoffmann, Nonlinear Dynamics 90 (2017)"
 

@@ -12,9 +12,8 @@ from math import pi
 from typing import Any, TypedDict
 
 from frictionlab.components.component import parameter
-from frictionlab.components.contact import ContactLaw, Interface
+from frictionlab.components.contact import ContactLaw, Geometry, Interface
 from frictionlab.components.friction import FrictionLaw
-from frictionlab.components.geometry import Geometry
 from frictionlab.components.impact import ImpactLaw
 
 

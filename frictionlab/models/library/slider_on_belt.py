@@ -8,12 +8,22 @@ from types import MappingProxyType, SimpleNamespace
 from typing import TYPE_CHECKING, Any, ClassVar, Unpack
 
 from frictionlab.components.component import parameter
-from frictionlab.components.contact import ContactLaw, CubicContact, Interface, StickSlipSeparation
+from frictionlab.components.contact import (
+    ContactLaw,
+    CubicContact,
+    Geometry,
+    Interface,
+    MovingLoad,
+    StickSlipSeparation,
+)
 from frictionlab.components.friction import Coulomb, FrictionLaw
-from frictionlab.components.geometry import Geometry, MovingLoad
 from frictionlab.components.impact import ImpactLaw, PlasticImpact
-from frictionlab.models.mechanical.mechanical_model import MechanicalModel
-from frictionlab.models.mechanical.mechanics import Friction, Mechanics, SlidingStatics
+from frictionlab.models.mechanical.mechanical_model import (
+    Friction,
+    MechanicalModel,
+    Mechanics,
+    SlidingStatics,
+)
 from frictionlab.models.mechanism import TiltingBelt
 from frictionlab.models.model import with_signature
 

@@ -13,12 +13,12 @@ from typing import Any, NamedTuple
 
 import sympy
 
-from frictionlab.automaton.modes_on_demand import Combination, ModeNames
+from frictionlab.automaton.mode import Combination, ModeNames
 from frictionlab.models.symbols import Structure, gradient, symbol, symbolic_copy
 
 from .contact_regimes import PHASE, ContactRegime, regimes_of_contact
 from .coupled_masses import CoupledMasses, coupled_masses
-from .mechanics import Friction, Mechanics, Stop
+from .mechanical_model import Friction, Mechanics, Stop
 
 Row = tuple[Any, ...]
 

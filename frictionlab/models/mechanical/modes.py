@@ -13,7 +13,7 @@ from typing import Any
 import sympy
 
 from frictionlab.automaton import Event, HybridAutomaton, Mode, Reset
-from frictionlab.automaton.modes_on_demand import Combination, ModesOnDemand, Regime
+from frictionlab.automaton.mode import Combination, ModesOnDemand, Regime
 from frictionlab.models.structure_data import structure_to_data
 from frictionlab.models.symbols import (
     Structure,
@@ -25,7 +25,7 @@ from frictionlab.models.symbols import (
 from .contact_regimes import ContactRegime, RegimeEnd
 from .coupled_masses import HeldVelocities, held_velocities
 from .equations_of_motion import LagrangeSystem, Pair, lagrange_system
-from .mechanics import Friction, Stop
+from .mechanical_model import Friction, Stop
 from .resets import CHATTER_TIME, chatter_mode, impact_resets, stick_reset
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from scipy.stats import spearmanr
 
 from frictionlab.analysis.steady_state.classification import MotionKind
-from frictionlab.paper import scenes, steady_states
+from frictionlab.paper import scenes
 from frictionlab.paper.checks.claim import Finding, Question
 from frictionlab.paper.figures.bifurcations import (
     PHASE_PLANE_MU_K,
@@ -19,8 +19,8 @@ from frictionlab.paper.figures.bifurcations import (
     phase_plane_cycle,
     steady_state_text,
 )
-from frictionlab.paper.scenes import Setting
-from frictionlab.paper.steady_states import (
+from frictionlab.paper.scenes import (
+    Setting,
     count,
     in_range,
     intervals_text,
@@ -50,9 +50,7 @@ def _outcome_words(kinds: tuple[str, ...]) -> list[str]:
 
 
 def _check_starts(setting: Setting) -> Finding:
-    found = {
-        start: steady_states.example_steady_states(start, setting) for start in steady_states.START_NAMES
-    }
+    found = {start: scenes.example_steady_states(start, setting) for start in scenes.START_NAMES}
     held, text = {}, []
     for start, b in found.items():
         for mu, kind, expected in zip(b.values, _outcome_words(b.kinds), EXPECTED_OUTCOMES[start]):
@@ -91,7 +89,7 @@ RESPONSE_CHECKS = {
 
 def _check_sections(setting: Setting) -> Finding:
     """C11."""
-    b = steady_states.sweep_from_rest(1e4, setting)
+    b = scenes.sweep_from_rest(1e4, setting)
     ranges = {
         "periodic for 0.9 <= mu_k < 1.8": (MotionKind.PERIODIC, 0.9, 1.8),
         "non-periodic for 0.4 <= mu_k < 0.9": (MotionKind.NON_PERIODIC, 0.4, 0.9),
@@ -112,7 +110,7 @@ def _by_range(b: Any, ranges: Mapping[str, tuple[str, float, float]]) -> tuple[s
 
 def _check_coexistence(setting: Setting) -> Finding:
     """C12."""
-    rest, near = steady_states.sweep_from_rest(1e4, setting), steady_states.sweep_from_near(1e4, setting)
+    rest, near = scenes.sweep_from_rest(1e4, setting), scenes.sweep_from_near(1e4, setting)
     low, high = in_range(rest, 0.0, 0.4, open_end=True), near.values > 1.5 + 1e-9
     held = {
         "only the equilibrium for mu_k < 0.4": bool(is_kind(rest, MotionKind.EQUILIBRIUM)[low].all()),
@@ -130,7 +128,7 @@ def _solutions_coexist(rest: Any, near: Any, first: float, last: float) -> bool:
 
 def _check_linear_contact(setting: Setting) -> Finding:
     """C13."""
-    b = steady_states.sweep_from_rest(0.0, setting)
+    b = scenes.sweep_from_rest(0.0, setting)
     there, odd = in_range(b, 0.9, 1.8, open_end=True), in_range(b, 1.3, 1.3)
     periodic = is_kind(b, MotionKind.PERIODIC)
     held = {"periodic for 0.9 <= mu_k < 1.8 but at 1.3": bool(periodic[there & ~odd].all())}
@@ -144,7 +142,7 @@ def _check_linear_contact(setting: Setting) -> Finding:
 
 def _check_hard_contact_with_geometry(setting: Setting) -> Finding:
     """C14."""
-    b = steady_states.sweep_from_rest(1e7, setting)
+    b = scenes.sweep_from_rest(1e7, setting)
     there, at, periodic = in_range(b, 0.75, 2.9), in_range(b, 0.1, 0.1), is_kind(b, MotionKind.PERIODIC)
     x1 = np.concatenate([s[:, b.names.index("x1")] for s, t in zip(b.sections, there) if t and len(s)])
     held = {"periodic for 0.75 <= mu_k <= 2.9": bool(periodic[there].all())}
@@ -162,8 +160,8 @@ def _check_intensity(setting: Setting) -> Finding:
     held, text = {}, []
     for k_nl in scenes.CONTACT_STIFFNESSES:
         rest, near = (
-            steady_states.sweep_from_rest(k_nl, setting),
-            steady_states.sweep_from_near(k_nl, setting),
+            scenes.sweep_from_rest(k_nl, setting),
+            scenes.sweep_from_near(k_nl, setting),
         )
         first, last = (0.4, 1.5) if k_nl < 1e7 else (0.0, 0.6)
         both = "[0.4, 1.5]" if k_nl < 1e7 else "(0, 0.6]"
@@ -239,7 +237,7 @@ def _check_unchanged(setting: Setting) -> Finding:
     """C16."""
     held, text = {}, []
     for k_nl in (0.0, 1e4):
-        b = steady_states.sweep_from_rest(k_nl, setting, geometry=False)
+        b = scenes.sweep_from_rest(k_nl, setting, geometry=False)
         there = in_range(b, 0.38, 2.95)
         periodic, f = is_kind(b, MotionKind.PERIODIC)[there], 1 / b.periods[there]
         held[f"periodic in [0.38, 2.95] for k_nl {k_nl:g}"] = bool(periodic.all())
@@ -257,7 +255,7 @@ def _check_unchanged(setting: Setting) -> Finding:
 
 def _check_hard_contact(setting: Setting) -> Finding:
     """C17."""
-    b = steady_states.sweep_from_rest(1e7, setting, geometry=False)
+    b = scenes.sweep_from_rest(1e7, setting, geometry=False)
     there, small = in_range(b, 0.05, 2.95), b.values < 0.05 - 1e-9
     held = {
         "periodic in [0.05, 2.95]": bool(is_kind(b, MotionKind.PERIODIC)[there].all()),
@@ -293,7 +291,7 @@ def _check_steadiness(setting: Setting) -> Finding:
     held, text = {}, []
     for k_nl in scenes.CONTACT_STIFFNESSES:
         without, with_gn = (
-            _roughness(steady_states.sweep_from_rest(k_nl, setting, g), 0.38, 2.95) for g in (False, True)
+            _roughness(scenes.sweep_from_rest(k_nl, setting, g), 0.38, 2.95) for g in (False, True)
         )
         held[f"it varies steadily for k_nl {k_nl:g}"] = without < MAX_ROUGHNESS
         held[f"more steadily than with GN for k_nl {k_nl:g}"] = without < with_gn
@@ -309,12 +307,10 @@ def _roughness(b: Any, first: float, last: float) -> float:
 
 def _check_preload(setting: Setting) -> Finding:
     """C20."""
-    sweeps = {
-        name: steady_states.preload_sweep(g, setting) for g, name in steady_states.GEOMETRY_NAMES.items()
-    }
+    sweeps = {name: scenes.preload_sweep(g, setting) for g, name in scenes.GEOMETRY_NAMES.items()}
     changes = {name: regime_changes(b) for name, b in sweeps.items()}
     rough = {name: _roughness(b, 0.0, np.inf) for name, b in sweeps.items()}
-    with_gn, without = steady_states.GEOMETRY_NAMES[True], steady_states.GEOMETRY_NAMES[False]
+    with_gn, without = scenes.GEOMETRY_NAMES[True], scenes.GEOMETRY_NAMES[False]
     held = {
         "there are more changes of regime with GN": changes[with_gn] > changes[without],
         "L_s changes more with GN": rough[with_gn] > rough[without],

@@ -22,7 +22,7 @@ from frictionlab.paper.figures.linear_stability import (
     stability_changes_text,
     two_pairs,
 )
-from frictionlab.paper.steady_states import agrees_with_printed, list_text
+from frictionlab.paper.scenes import agrees_with_printed, list_text
 from frictionlab.stability import CriticalCurve, eigenvalues, equilibrium, stability_changes
 
 from .claim import Claim, verdict_of_parts

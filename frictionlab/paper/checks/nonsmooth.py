@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from frictionlab.analysis.steady_state.classification import MotionKind
-from frictionlab.paper import steady_states
+from frictionlab.paper import scenes
 from frictionlab.paper.figures.stiff_structure import (
     PANELS_WITHOUT,
     SLIDING_ONLY,
@@ -18,8 +18,8 @@ from frictionlab.paper.figures.stiff_structure import (
     ranges,
     steady_states_compared,
 )
-from frictionlab.paper.scenes import Setting
-from frictionlab.paper.steady_states import (
+from frictionlab.paper.scenes import (
+    Setting,
     agrees_with_printed,
     count,
     in_range,
@@ -49,7 +49,7 @@ def _check_amplitudes(setting: Setting) -> Finding:
 
 def _check_sliding(setting: Setting) -> Finding:
     """C22."""
-    rest, down = steady_states.stiff_sweep(False, setting), steady_states.sliding_sweep_downwards(setting)
+    rest, down = scenes.stiff_sweep(False, setting), scenes.sliding_sweep_downwards(setting)
     periodic = {b: is_kind(b, MotionKind.PERIODIC)[in_range(b, 1.4, np.inf)] for b in (rest, down)}
     text = (
         f"followed from 3 down {intervals_text(down)}, periodic at {count(periodic[down])} values from 1.4 on"
@@ -60,7 +60,7 @@ def _check_sliding(setting: Setting) -> Finding:
 
 def _check_nonsmooth(setting: Setting) -> Finding:
     """C23."""
-    b = steady_states.stiff_sweep(True, setting)
+    b = scenes.stiff_sweep(True, setting)
     chosen = is_kind(b, MotionKind.NON_PERIODIC)
     held = {"non-periodic for most mu_k": bool(chosen.mean() > 0.5)}
     return Finding(f"{intervals_text(b)}; non-periodic at {count(chosen)} values", held)
@@ -69,10 +69,10 @@ def _check_nonsmooth(setting: Setting) -> Finding:
 def _check_onset(setting: Setting) -> Finding:
     """C24."""
     sweeps = {
-        True: steady_states.stiff_sweep(True, setting),
-        False: steady_states.sliding_sweep_downwards(setting),
+        True: scenes.stiff_sweep(True, setting),
+        False: scenes.sliding_sweep_downwards(setting),
     }
-    rest, near = (steady_states.stiff_sweep(False, setting, start) for start in ("rest", "near"))
+    rest, near = (scenes.stiff_sweep(False, setting, start) for start in ("rest", "near"))
     first = {nonsmooth: _first_vibration(b) for nonsmooth, b in sweeps.items()}
     ratio = _least_intensity_ratio(sweeps)
     held = {

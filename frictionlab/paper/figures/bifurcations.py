@@ -17,10 +17,9 @@ from frictionlab.analysis.simulate import simulate
 from frictionlab.analysis.steady_state.classification import MotionKind
 from frictionlab.analysis.steady_state.steady_state import SteadyState
 from frictionlab.hybrid.trajectory import Trajectory
-from frictionlab.paper import scenes, steady_states
+from frictionlab.paper import scenes
 from frictionlab.paper.registry import PaperFigure
-from frictionlab.paper.scenes import Setting
-from frictionlab.paper.steady_states import intervals_text, is_vibration, regime_changes
+from frictionlab.paper.scenes import Setting, intervals_text, is_vibration, regime_changes
 from frictionlab.plotting import (
     RunFigure,
     plot_bifurcation,
@@ -68,14 +67,10 @@ def motion_figure(number: int, setting: Setting) -> PaperFigure:
 
 
 def _responses_figure(setting: Setting) -> PaperFigure:
-    runs = {
-        (s, mu): _simulate_from(s, mu, setting)
-        for mu in steady_states.EXAMPLES
-        for s in steady_states.START_NAMES
-    }
+    runs = {(s, mu): _simulate_from(s, mu, setting) for mu in scenes.EXAMPLES for s in scenes.START_NAMES}
     data = Responses(
         runs,
-        {start: steady_states.example_steady_states(start, setting) for start in steady_states.START_NAMES},
+        {start: scenes.example_steady_states(start, setting) for start in scenes.START_NAMES},
     )
     summary = [
         f"from {start}: " + ", ".join(_outcome_text(*each) for each in zip(b.values, b.kinds, b.intensities))
@@ -102,7 +97,7 @@ def _cycles_figure(setting: Setting) -> PaperFigure:
 
 def example_cycle(mu_k: float, setting: Setting) -> SteadyState:
     """The steady state of the usual model from rest, with its run."""
-    return steady_states.steady_state_of(scenes.USUAL.replace(mu_k=mu_k), setting)
+    return scenes.steady_state_of(scenes.USUAL.replace(mu_k=mu_k), setting)
 
 
 def steady_state_text(found: SteadyState) -> str:
@@ -187,12 +182,12 @@ def friction_figure(number: int, setting: Setting) -> PaperFigure:
     """Fig. 9, 10, 11, 12, 13 or 14."""
     geometry = number not in FIGURES_WITHOUT_GEOMETRY
     stiffnesses = {**SECTION_FIGURES, **INTENSITY_FIGURES}[number]
-    sweeps = {(k, "rest"): steady_states.sweep_from_rest(k, setting, geometry) for k in stiffnesses}
+    sweeps = {(k, "rest"): scenes.sweep_from_rest(k, setting, geometry) for k in stiffnesses}
     if number in INTENSITY_FIGURES:
-        sweeps |= {(k, "near"): steady_states.sweep_from_near(k, setting, geometry) for k in stiffnesses}
+        sweeps |= {(k, "near"): scenes.sweep_from_near(k, setting, geometry) for k in stiffnesses}
     cycles = {k: phase_plane_cycle(k, setting) for k in stiffnesses} if number == 13 else {}
     what = "x1 at the onset of stick" if number in SECTION_FIGURES else "intensity L_s"
-    caption = f"{what} against mu_k, {steady_states.GEOMETRY_NAMES[geometry]}"
+    caption = f"{what} against mu_k, {scenes.GEOMETRY_NAMES[geometry]}"
     summary = [f"k_nl = {k:g} N/m^3, from {start}: {_sweep_text(b)}" for (k, start), b in sweeps.items()]
     draw = _draw_sections if number in SECTION_FIGURES else _draw_intensities
     how = str(setting) if geometry else setting.solver  # without GN both impact laws are the same
@@ -201,8 +196,8 @@ def friction_figure(number: int, setting: Setting) -> PaperFigure:
 
 def phase_plane_cycle(k_nl: float, setting: Setting) -> SteadyState:
     """The motion of Figs 13d to f."""
-    return steady_states.steady_state_of(
-        steady_states.model_with_contact(k_nl, geometry=False).replace(mu_k=PHASE_PLANE_MU_K), setting
+    return scenes.steady_state_of(
+        scenes.model_with_contact(k_nl, geometry=False).replace(mu_k=PHASE_PLANE_MU_K), setting
     )
 
 
@@ -272,10 +267,7 @@ class PreloadSweeps:
 def preload_figure(number: int, setting: Setting) -> PaperFigure:
     """Fig. 15."""
     data = PreloadSweeps(
-        {
-            name: steady_states.preload_sweep(geometry, setting)
-            for geometry, name in steady_states.GEOMETRY_NAMES.items()
-        }
+        {name: scenes.preload_sweep(geometry, setting) for geometry, name in scenes.GEOMETRY_NAMES.items()}
     )
     summary = [
         f"{name}: {intervals_text(b)} N; {regime_changes(b)} changes of regime"

@@ -18,10 +18,9 @@ from numpy.typing import NDArray
 from frictionlab.analysis.steady_state.classification import MotionKind
 from frictionlab.analysis.steady_state.steady_state import SteadyState, steady_state
 from frictionlab.hybrid.methods.base import Method
-from frictionlab.paper import scenes, steady_states
+from frictionlab.paper import scenes
 from frictionlab.paper.registry import PaperFigure
-from frictionlab.paper.scenes import Setting
-from frictionlab.paper.steady_states import intervals_text, sweep_results
+from frictionlab.paper.scenes import Setting, intervals_text, sweep_results
 from frictionlab.plotting import RunFigure, plot_bifurcation, plot_intensity
 from frictionlab.plotting.figure import new_figure
 from frictionlab.plotting.style import BLUE, DASHED, VERMILLION, parameter_label, state_label
@@ -80,12 +79,9 @@ def _comparison_figure(setting: Setting) -> PaperFigure:
 def steady_states_compared(setting: Setting) -> dict[str, SteadyState]:
     """Both steady states at mu_k = 2.5."""
     models = {
-        name: steady_states.stiff_model(nonsmooth).replace(mu_k=MU_K)
-        for nonsmooth, name in VARIANT_NAMES.items()
+        name: scenes.stiff_model(nonsmooth).replace(mu_k=MU_K) for nonsmooth, name in VARIANT_NAMES.items()
     }
-    return {
-        name: steady_states.steady_state_of(model, setting, section=None) for name, model in models.items()
-    }
+    return {name: scenes.steady_state_of(model, setting, section=None) for name, model in models.items()}
 
 
 def samples(found: SteadyState, name: str, seconds: float | None = None) -> tuple[Any, Any]:
@@ -114,7 +110,7 @@ def _ranges_text(found: SteadyState) -> str:
 
 def _sweep_figure(setting: Setting) -> PaperFigure:
     data = NonsmoothSweeps(
-        {name: steady_states.stiff_sweep(n, setting) for n, name in VARIANT_NAMES.items()}, critical_mu_k()
+        {name: scenes.stiff_sweep(n, setting) for n, name in VARIANT_NAMES.items()}, critical_mu_k()
     )
     summary = [f"{name}: {intervals_text(found)}" for name, found in data.sweeps.items()]
     summary.append(f"the equilibrium loses stability at mu_k {data.critical:.4f}")

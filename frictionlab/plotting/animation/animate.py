@@ -32,17 +32,20 @@ from frictionlab.plotting.runs.time_histories import (
 from frictionlab.plotting.style import BLACK, mode_colours
 from frictionlab.validation import check_number, plain_number
 
-from .artists import (
+from .parts import Parts, parts
+from .tilting_belt import (
+    Frames,
     draw_force_arrows,
     draw_mechanism,
     force_legend_handles,
     force_scale,
+    is_tilting_belt,
     move_force_arrows,
     move_mechanism,
     outlines,
+    parameters,
+    sample_frames,
 )
-from .parts import Parts, parts
-from .tilting_belt import Frames, is_tilting_belt, parameters, sample_frames
 from .tilting_belt import Mechanism as Sizes
 from .tilting_belt import lay_out_mechanism as sizes_of
 

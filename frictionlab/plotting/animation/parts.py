@@ -21,12 +21,11 @@ from frictionlab.plotting.appearance import add_halo, background, ink, line_widt
 from frictionlab.plotting.runs.time_histories import Array, modes_at
 from frictionlab.plotting.style import BLACK, BLUE, GREY, VERMILLION
 
-from .artists import spring_outline
-
 REACH = 0.5  # largest displacement drawn
 LONGEST = 0.6  # arrow
 MARGIN = 0.25
 WIDTH = 0.16  # of springs
+SPRING_TURNS = 6
 MARKS = 8  # on a belt, so that its motion is seen
 ROUND = 40  # corners of a disc
 FORCES = {"normal_force": (BLUE, "F_N"), "friction_force": (VERMILLION, "F_T")}
@@ -135,6 +134,16 @@ class Parts:
 def _extremes(shape: Shape) -> set[int]:
     """Frames in which a number of a shape is largest or smallest."""
     return {int(k) for k in (*shape.rows.argmin(axis=0), *shape.rows.argmax(axis=0))}
+
+
+def spring_outline(start: tuple[float, float], end: tuple[float, float], width: float) -> Array:
+    """A zigzag (2, 2 SPRING_TURNS + 4) from `start` to `end`, straight at both ends."""
+    a, b = np.array(start, dtype=float), np.array(end, dtype=float)
+    along = np.r_[0.0, np.linspace(0.2, 0.8, 2 * SPRING_TURNS + 2), 1.0]
+    across = np.r_[0.0, 0.0, np.tile([1.0, -1.0], SPRING_TURNS), 0.0, 0.0]
+    way = b - a
+    normal = np.array([-way[1], way[0]]) / (float(np.hypot(way[0], way[1])) or 1.0)
+    return a[:, None] + way[:, None] * along + normal[:, None] * (width / 2 * across)
 
 
 def outline(kind: str, row: Array) -> Array:

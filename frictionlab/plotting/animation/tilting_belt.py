@@ -1,4 +1,5 @@
-"""Where the parts of Fig. 1 of the paper are drawn in each frame: slider, contact spring, belt, walls.
+"""Fig. 1 of the paper, the slider on the tilting belt: where its parts are in each frame, and these and the
+contact forces as matplotlib artists, drawn once, then moved from frame to frame.
 
 A run is sampled at the times of the frames.  Displacements are magnified by one factor s; the belt's tilt
 is shown as it is.  So the penetration in the picture is s times that of the run: s y2 - (s x1 - s x2) phi
@@ -12,9 +13,27 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+from matplotlib.patches import Circle, Polygon, Rectangle
+from matplotlib.quiver import Quiver
 
 from frictionlab.analysis.motion_scales import round_down_1_2_5
+from frictionlab.plotting.appearance import (
+    background,
+    font_size,
+    ink,
+    is_dark,
+    legible,
+    line_width,
+    marker_size,
+    pen,
+)
 from frictionlab.plotting.runs.time_histories import Array, modes_at
+from frictionlab.plotting.style import BLACK, BLUE, GREY, VERMILLION
+
+from .parts import spring_outline
 
 SLIDER_COORDINATES = ("x1", "y1", "x2", "y2")
 FORCE_OUTPUTS = ("normal_force", "friction_force")
@@ -169,3 +188,207 @@ def _part_positions(frames: Frames, s: float, spring: float, travel: Array) -> A
     # Bilateral contact pulls where the penetration is negative: only in flight is there no contact.
     foot = np.where(frames.mode == "separation", y1, surface)
     return np.column_stack([x1, y1 + spring, x1, foot, x2, y2, -frames.phi, travel])
+
+
+SPRING_WIDTH = 0.12  # of springs, as a share of the size
+BELT_COLOUR, BELT_ON_DARK = "#F2F2F2", "#333333"
+# Name of each spring, and the place of the name beside the spring's middle, as shares of the size.
+SPRING_LABELS = {
+    "k1": ("$k_1$", (0.0, -0.2)),
+    "k2": (r"$k_2, k_{\mathrm{nl}}$", (0.3, 0.0)),
+    "k3": ("$k_3$", (0.2, 0.14)),
+    "k4": ("$k_4$", (0.08, 0.2)),
+    "k5": ("$k_5$", (-0.2, 0.0)),
+    "k6": ("$k_6$", (0.2, 0.0)),
+}
+BELT_MARKS = 16  # on the belt, so that its motion is seen
+
+FORCE_COLOURS = (BLUE, VERMILLION, BLACK)  # F_N, F_T, F
+MAX_ARROW_LENGTH = 0.9  # as a share of the mechanism's size
+
+
+def belt_colour(ax: Axes | None = None) -> str:
+    """The colour of the belt's inside, in `ax` or on new axes."""
+    return BELT_ON_DARK if is_dark(ax) else BELT_COLOUR
+
+
+def belt_outline(distance: Array, wheels: tuple[float, float], radius: float) -> Array:
+    """Points (2, P) of a belt at a distance (P,) along it, from its left upper end, clockwise.
+
+    In the belt's own frame: the upper surface is at height zero, the wheels' centres are one radius below.
+    """
+    left, right = wheels
+    straight, bend = left + right, np.pi * radius
+    d = np.mod(distance, 2 * (straight + bend))
+    first, second = (d - straight) / radius, (d - 2 * straight - bend) / radius
+    top, bottom = d < straight, (d >= straight + bend) & (d < 2 * straight + bend)
+    down = first < np.pi
+    x = np.where(down, right + radius * np.sin(first), -left - radius * np.sin(second))
+    y = np.where(down, radius * np.cos(first) - radius, -radius - radius * np.cos(second))
+    x = np.where(top, d - left, np.where(bottom, right - (d - straight - bend), x))
+    return np.array([x, np.where(top, 0.0, np.where(bottom, -2 * radius, y))])
+
+
+def to_picture_frame(points: Array, x: float, y: float, slope: float) -> Array:
+    """Points (2, P) of the belt's frame in the frame of the picture: rotated to a slope, moved to (x, y)."""
+    c, s = np.array([1.0, slope]) / np.hypot(1.0, slope)
+    return np.array([[c, -s], [s, c]]) @ points + np.array([[x], [y]])
+
+
+def draw_mechanism(ax: Axes, mechanism: Mechanism) -> dict[str, Any]:
+    """Draw the mechanism; returns its moving artists by name, of which `move_mechanism` puts all in place.
+
+    Parameters
+    ----------
+    ax : Axes
+    mechanism : Mechanism
+
+    Returns
+    -------
+    dict of str to artist
+        "slider", "belt", "wheel1", "wheel2", "marks", "foot", "k1" to "k6" and their names ("k1 name"), at
+        their places in the first frame.
+    """
+    _draw_walls(ax, mechanism)
+    thin, edge = pen(BLACK, 1.0, ax), ink(ax)
+    artists: dict[str, Any] = {
+        "belt": Polygon(
+            np.zeros((1, 2)), facecolor=belt_colour(ax), edgecolor=edge, linewidth=line_width(1.8)
+        )
+    }
+    for name in ("wheel1", "wheel2"):
+        artists[name] = Circle((0.0, 0.0), 0.75 * mechanism.radius, facecolor=background(ax), edgecolor=GREY)
+    outlined: dict[str, Any] = {"edgecolor": edge, "linewidth": line_width(1.2), "zorder": 3}
+    artists["slider"] = Rectangle((0.0, 0.0), *mechanism.block, **outlined)
+    artists |= {name: Line2D([], [], solid_joinstyle="round", **thin) for name in SPRING_LABELS}
+    dots: dict[str, Any] = {"marker": "o", "markersize": marker_size(3.0), "linestyle": "none"}
+    artists["marks"] = Line2D([], [], color=edge, **dots)
+    foot: dict[str, Any] = {"marker": "_", "markersize": marker_size(9.0), "markeredgewidth": line_width(2.0)}
+    artists["foot"] = Line2D([], [], color=edge, **foot)
+    for artist in artists.values():
+        ax.add_patch(artist) if not isinstance(artist, Line2D) else ax.add_line(artist)
+    for name, (text, _) in SPRING_LABELS.items():
+        artists[f"{name} name"] = ax.text(0, 0, text, ha="center", va="center", fontsize=font_size(10.0))
+    x, y = mechanism.limits
+    ax.set(xlim=x, ylim=y, aspect="equal", xticks=[], yticks=[])
+    move_mechanism(artists, mechanism, 0)
+    return artists
+
+
+def move_mechanism(
+    artists: dict[str, Any], mechanism: Mechanism, frame: int, colour: str | None = None
+) -> list[Artist]:
+    """Put the artists of `draw_mechanism` where they are in a frame, the slider in the colour of its mode."""
+    row = mechanism.row(frame)
+    place = row["belt_x"], row["belt_y"], row["slope"]
+    loop = 2 * (sum(mechanism.wheels) + np.pi * mechanism.radius)
+    belt = {"wheels": mechanism.wheels, "radius": mechanism.radius}
+    artists["belt"].set_xy(to_picture_frame(belt_outline(np.linspace(0, loop, 200), **belt), *place).T)
+    marks = row["travel"] + loop * np.arange(BELT_MARKS) / BELT_MARKS
+    artists["marks"].set_data(*to_picture_frame(belt_outline(marks, **belt), *place))
+    for name, centre in zip(("wheel1", "wheel2"), wheel_centres(mechanism, row)):
+        artists[name].center = centre
+    artists["slider"].set_xy((row["slider_x"] - mechanism.block[0] / 2, row["slider_y"]))
+    artists["foot"].set_data([row["foot_x"]], [row["foot_y"]])
+    if colour is not None:
+        artists["slider"].set_facecolor(colour)
+    for name, (start, end) in spring_ends(mechanism, row).items():
+        artists[name].set_data(*spring_outline(start, end, SPRING_WIDTH * mechanism.size))
+        aside = mechanism.size * np.array(SPRING_LABELS[name][1])
+        artists[f"{name} name"].set_position((np.array(start) + np.array(end)) / 2 + aside)
+    return list(artists.values())
+
+
+def outlines(mechanism: Mechanism, frame: int) -> list[Array]:
+    """Lines (2, P) of the moving parts in a frame: belt, springs, slider."""
+    row, (width, height) = mechanism.row(frame), mechanism.block
+    loop = 2 * (sum(mechanism.wheels) + np.pi * mechanism.radius)
+    belt = belt_outline(np.linspace(0, loop, 200), mechanism.wheels, mechanism.radius)
+    springs = [
+        spring_outline(*both, SPRING_WIDTH * mechanism.size) for both in spring_ends(mechanism, row).values()
+    ]
+    corners = np.array([[-0.5, 0.5, 0.5, -0.5, -0.5], [0.0, 0.0, 1.0, 1.0, 0.0]]) * [[width], [height]]
+    slider = corners + np.array([[row["slider_x"]], [row["slider_y"]]])
+    return [to_picture_frame(belt, row["belt_x"], row["belt_y"], row["slope"]), *springs, slider]
+
+
+def wheel_centres(mechanism: Mechanism, row: dict[str, float]) -> list[tuple[float, float]]:
+    """Centres of the two wheels."""
+    (left, right), r = mechanism.wheels, mechanism.radius
+    points = to_picture_frame(
+        np.array([[-left, right], [-r, -r]]), row["belt_x"], row["belt_y"], row["slope"]
+    )
+    return [(float(x), float(y)) for x, y in points.T]
+
+
+def spring_ends(mechanism: Mechanism, row: dict[str, float]) -> dict[str, tuple[Any, Any]]:
+    """Both ends of every spring: those to the walls stay horizontal and vertical, as Eq. (1) takes them."""
+    (width, height), (left, right, ground) = mechanism.block, mechanism.walls
+    x, y = row["slider_x"], row["slider_y"]
+    middle, (first, second) = y + height / 2, wheel_centres(mechanism, row)
+    return {
+        "k1": ((left, middle), (x - width / 2, middle)),
+        "k2": ((row["foot_x"], row["foot_y"]), (x, y)),
+        "k3": (mechanism.anchor, (x - width / 2, y + height)),
+        "k4": (second, (right, second[1])),
+        "k5": ((first[0], ground), first),
+        "k6": ((second[0], ground), second),
+    }
+
+
+def _draw_walls(ax: Axes, mechanism: Mechanism) -> None:
+    """Draw the fixed parts: two walls, the ground, the anchor of k3."""
+    (left, right, ground), (x, y) = mechanism.walls, mechanism.anchor
+    span = mechanism.reach + 0.25 * mechanism.size
+    middle = mechanism.spring + mechanism.block[1] / 2
+    across = 0.12 * mechanism.size
+    edges = mechanism.limits[0][0] * 0.9, mechanism.wheels[1] + mechanism.reach + mechanism.radius
+    thick: dict[str, Any] = {"solid_capstyle": "butt", "zorder": 0, **pen(GREY, 4.0, ax)}
+    ax.plot([left, left], [middle - span, min(middle + span, y - 2 * across)], **thick)
+    ax.plot([right, right], [-mechanism.radius - span, -mechanism.radius + span], **thick)
+    ax.plot(edges, [ground, ground], **thick)
+    ax.plot([x - across, x + across], [y - across, y + across], **thick)
+
+
+def force_scale(mechanism: Mechanism, frames: Frames, preload: float) -> float:
+    """Scale at which the largest force is drawn with the length MAX_ARROW_LENGTH."""
+    forces = np.abs([frames.normal_force, frames.friction_force]).max()
+    return max(float(forces), abs(preload)) / (MAX_ARROW_LENGTH * mechanism.size) or 1.0
+
+
+def draw_force_arrows(ax: Axes, scale: float) -> Quiver:
+    """The arrows of normal force, friction force and preload, which `move_force_arrows` places.
+
+    Parameters
+    ----------
+    ax : Axes
+    scale : float
+        N per m of the picture.
+    """
+    options: dict[str, Any] = {"angles": "xy", "scale_units": "xy", "minlength": 0.0, "zorder": 5}
+    width: dict[str, Any] = {"units": "dots", "width": 4.0, "edgecolor": background(ax), "linewidth": 0.7}
+    colours, zeros = [legible(colour, ax) for colour in FORCE_COLOURS], [[0.0] * 3] * 4
+    return ax.quiver(*zeros, color=colours, scale=scale, **width, **options)
+
+
+def move_force_arrows(
+    arrows: Quiver, mechanism: Mechanism, frames: Frames, preload: float, frame: int
+) -> None:
+    """The arrows in a frame: contact forces from the slider's centre, the preload down onto its top."""
+    row = mechanism.row(frame)
+    width, height = mechanism.block
+    x, y = row["slider_x"], row["slider_y"]
+    normal, friction = frames.normal_force[frame], frames.friction_force[frame]
+    top = y + height + preload / float(arrows.scale or 1.0)
+    arrows.set_offsets([(x, y + height / 2), (x, y + height / 2), (x + 0.35 * width, top)])
+    # A force that is zero is no arrow at all, not one of length zero.
+    absent = np.array([normal, friction, preload]) == 0.0
+    arrows.set_UVC(*(np.ma.array(x, mask=absent) for x in ([0.0, friction, 0.0], [normal, 0.0, -preload])))
+
+
+def force_legend_handles(frames: Frames, preload: float) -> list[Line2D]:
+    """Legend entries of the arrows, with the largest size that each has in the frames."""
+    sizes = np.abs(frames.normal_force).max(), np.abs(frames.friction_force).max()
+    texts = [f"{name}, up to {size:.0f} N" for name, size in zip(("$F_N$", "$F_T$"), sizes)]
+    texts.append(f"$F$ = {preload:.4g} N")
+    return [Line2D([], [], label=text, **pen(c, 3.0)) for c, text in zip(FORCE_COLOURS, texts)]

@@ -1,10 +1,13 @@
-"""`fl.plot_run`: a run in four panels; a coordinate against its rate, coloured by mode; the amplitude
-spectrum of a state over the second half of a run.
+"""A run at a glance: `fl.plot_run`, four panels; a coordinate against its rate, coloured by mode; the
+amplitude spectrum of a state; and checks: energies and the works that changed them, the balance of
+:func:`frictionlab.energy_audit`, and what a verification found.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
+from itertools import cycle
 from typing import Any
 
 import numpy as np
@@ -14,8 +17,11 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from frictionlab.analysis.spectrum import Spectrum, amplitude_spectrum, highest_frequency
-from frictionlab.plotting.appearance import crowding, font_size, legible, pen
-from frictionlab.plotting.figure import axes_or_new, new_figure, set_long_title
+from frictionlab.analysis.verification.run_comparison import largest_sound_defect
+from frictionlab.analysis.verification.verify import TRUSTED_DEVIATION
+from frictionlab.hybrid.kernels.jets import MACHINE_EPSILON
+from frictionlab.plotting.appearance import crowding, font_size, legible, marker_size, pen
+from frictionlab.plotting.figure import axes_or_new, legend_beside, new_figure, set_long_title
 from frictionlab.plotting.runs.time_histories import (
     DEFAULT_WINDOW,
     Array,
@@ -32,7 +38,19 @@ from frictionlab.plotting.runs.time_histories import (
     window_limits,
     window_text,
 )
-from frictionlab.plotting.style import BLACK, mode_colours, state_label
+from frictionlab.plotting.style import (
+    BLACK,
+    BLUE,
+    DASHED,
+    GREEN,
+    ORANGE,
+    PURPLE,
+    SKY,
+    VERMILLION,
+    YELLOW,
+    mode_colours,
+    state_label,
+)
 from frictionlab.presentation import state_unit
 from frictionlab.validation import check_choice
 
@@ -126,11 +144,7 @@ def plot_spectrum(
     found = amplitude_spectrum(run, shown, f_max=f_max)
     ax = axes_or_new(ax)
     if found is None:
-        ax.set(
-            xlabel="frequency (Hz)",
-            ylabel=f"amplitude of {state_label(shown)} ({state_unit(shown)})",
-            xlim=(0, f_max),
-        )
+        _label_spectrum(ax, shown, f_max)
         ax.set_title(f"Spectrum of {state_label(shown)}")
         ax.text(
             0.5, 0.5, "the run is too short\nfor a spectrum", ha="center", va="center", transform=ax.transAxes
@@ -157,13 +171,14 @@ def plot_amplitudes(found: Spectrum, ax: Axes | None = None) -> list[Line2D]:
     ax = axes_or_new(ax)
     lines = ax.plot(found.frequencies, found.amplitudes, **pen(BLACK, 1.0, ax))
     _logarithmic(ax, found.amplitudes)
-    ax.set(
-        xlabel="frequency (Hz)",
-        ylabel=f"amplitude of {state_label(found.name)} ({state_unit(found.name)})",
-        xlim=(0.0, found.frequencies[-1]),
-    )
-    set_long_title(ax, _spectrum_title(found.name, found))
+    _label_spectrum(ax, found.name, found.frequencies[-1])
+    set_long_title(ax, _spectrum_title(found))
     return lines
+
+
+def _label_spectrum(ax: Axes, name: str, f_max: float) -> None:
+    amplitude = f"amplitude of {state_label(name)} ({state_unit(name)})"
+    ax.set(xlabel="frequency (Hz)", ylabel=amplitude, xlim=(0.0, f_max))
 
 
 def _logarithmic(ax: Axes, amplitudes: Array) -> None:
@@ -173,15 +188,14 @@ def _logarithmic(ax: Axes, amplitudes: Array) -> None:
         ax.set_ylim(top * 10.0**-DECADES, top * 2)
 
 
-def _spectrum_title(name: str, found: Spectrum) -> str:
+def _spectrum_title(found: Spectrum) -> str:
     digits = max(0, math.ceil(-math.log10(found.resolution)))
     strongest = f"strongest line {found.strongest:.{digits}f} Hz" if found.amplitudes.any() else "at rest"
     part = f"{found.start:.4g} s to {found.stop:.4g} s, Hann window"
-    return f"Spectrum of {state_label(name)}, {part}\nresolution {found.resolution:.2g} Hz, {strongest}"
+    return f"Spectrum of {state_label(found.name)}, {part}\nresolution {found.resolution:.2g} Hz, {strongest}"
 
 
-SIZE = (12.0, 7.0)
-FONT_SIZE = 9.0
+SIZE, FONT_SIZE = (12.0, 7.0), 9.0  # inches, points
 
 
 def plot_run(run: Any, figure: Figure | None = None, *, window: Window = DEFAULT_WINDOW) -> Figure:
@@ -249,3 +263,135 @@ def _title(figure: Figure, run: Any) -> None:
     size = font_size(FONT_SIZE + 3) / crowding()
     figure.suptitle(f"{what}, {run.raw.t:.4g} s, {method}{state}", fontsize=size, wrap=True)
     figure.legend(handles=handles, loc="outside lower center", ncols=len(handles) or 1, frameon=False)
+
+
+ENERGIES = {"kinetic": BLUE, "springs": GREEN, "contact": VERMILLION, "preload": ORANGE}
+SPARE = (SKY, PURPLE, GREEN, ORANGE, YELLOW)  # for names that are a model's own
+WORKS = {
+    "belt drive": BLUE,
+    "friction": VERMILLION,
+    "dampers": GREEN,
+    "impacts": ORANGE,
+    "moving load": PURPLE,
+}
+
+
+def plot_energies(audit: Any, ax: Axes | None = None) -> list[Line2D]:
+    """Draw every energy of an audit against time, and their sum, dashed.
+
+    Parameters
+    ----------
+    audit : EnergyAudit
+    ax : Axes or None
+        None draws into a new figure, ``lines[0].axes.figure``.
+
+    Returns
+    -------
+    list of Line2D
+        One for every energy, then the sum.
+
+    Examples
+    --------
+    >>> import frictionlab as fl
+    >>> audit = fl.energy_audit(fl.simulate(fl.SliderOnBelt(mu_k=1.4), 0.2))
+    >>> [line.get_label() for line in plot_energies(audit)]
+    ['kinetic', 'springs', 'preload', 'contact', 'sum']
+    """
+    return _draw_contributions(audit, ax, audit.energies, ENERGIES, audit.total, "energy (J)", "Energies")
+
+
+def plot_works(audit: Any, ax: Axes | None = None) -> list[Line2D]:
+    """Draw the work of every contribution from 0 to t, and their sum, dashed: the energy that the system
+    gained.
+
+    Parameters
+    ----------
+    audit : EnergyAudit
+    ax : Axes or None
+        None draws into a new figure, ``lines[0].axes.figure``.
+
+    Returns
+    -------
+    list of Line2D
+        One for every contribution, then the sum.
+
+    Examples
+    --------
+    >>> import frictionlab as fl
+    >>> audit = fl.energy_audit(fl.simulate(fl.SliderOnBelt(mu_k=1.4), 0.2))
+    >>> [line.get_label() for line in plot_works(audit)]
+    ['belt drive', 'friction', 'dampers', 'impacts', 'moving load', 'sum']
+    """
+    title = f"Work since the start; the balance misses {audit.error:.1g} of the energy turned over"
+    return _draw_contributions(
+        audit, ax, audit.works, WORKS, audit.total - audit.total[0], "work from 0 to $t$ (J)", title
+    )
+
+
+def _draw_contributions(
+    audit: Any,
+    ax: Axes | None,
+    parts: Mapping[str, Array],
+    colours: Mapping[str, str],
+    total: Array,
+    ylabel: str,
+    title: str,
+) -> list[Line2D]:
+    ax = axes_or_new(ax, (8.0, 4.0))
+    taken, lines = {colours.get(name) for name in parts}, []
+    spare = cycle(colour for colour in SPARE if colour not in taken)
+    for name, values in parts.items():
+        colour = colours.get(name) or next(spare)
+        lines += ax.plot(audit.t, values, label=name, **pen(colour, ax=ax))
+    lines += ax.plot(audit.t, total, linestyle=DASHED, label="sum", **pen(BLACK, ax=ax))
+    ax.set(xlabel="time (s)", ylabel=ylabel)
+    set_long_title(ax, title)
+    ax.margins(x=0)
+    legend_beside(ax)
+    return lines
+
+
+def plot_verification(found: Any, ax: Axes | None = None) -> list[Line2D]:
+    """Draw the deviation from other runs, and the defect in each mode, beside the largest that are trusted.
+
+    Parameters
+    ----------
+    found : Verification
+    ax : Axes or None
+        None draws into a new figure, ``lines[0].axes.figure``.
+
+    Returns
+    -------
+    list of Line2D
+        What was found, and the limits; what is below rounding stands there.  Defects of methods without a
+        tolerance have no limit.
+
+    Examples
+    --------
+    >>> import frictionlab as fl
+    >>> found = fl.verify(fl.SliderOnBelt(mu_k=1.4).without("geometry"), 0.5)
+    >>> [line.get_label() for line in plot_verification(found)]
+    ['found', 'largest trusted']
+    """
+    ax = axes_or_new(ax)
+    tol = found.run.description["method"].get("tol")
+    sound = np.nan if tol is None else largest_sound_defect(tol)
+    rows = {"deviation from other runs": (found.error, TRUSTED_DEVIATION)}
+    rows |= {f"defect in mode {mode}": (size, sound) for mode, size in found.defect.items()}
+    sizes, limits = np.array(list(rows.values())).T
+    places = np.arange(len(rows))
+    lines = ax.plot(np.maximum(sizes, MACHINE_EPSILON), places, "o", color=legible(BLUE, ax), label="found")
+    limit: dict[str, Any] = {"markersize": marker_size(16.0), "markeredgewidth": 2.0}
+    limit["color"] = legible(VERMILLION, ax)
+    lines += ax.plot(limits, places, "|", label="largest trusted", **limit)
+    ax.set_yticks(places, list(rows))
+    ax.set(xscale="log", xlabel="share of the motion's size", ylim=(len(rows) - 0.5, -0.5))
+    ax.set_title(_verdict_title(found))
+    ax.grid(axis="y", linewidth=0.5)
+    legend_beside(ax)
+    return lines
+
+
+def _verdict_title(found: Any) -> str:
+    trust = f"To be trusted up to t = {found.until:.4g} s" if found.ok else "Not to be trusted"
+    return f"{trust}; the events {'agree' if found.events_agree else 'differ'}"

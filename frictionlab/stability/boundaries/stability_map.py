@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionlab.interruption import progress_bar
-from frictionlab.models.parameter_namespace import parameter_unit
+from frictionlab.models.composition import parameter_unit
 from frictionlab.presentation import Drawable, count, dataframe, dataset, span
 from frictionlab.stability.equilibrium_points.equilibria import equilibrium_problem
 from frictionlab.stability.equilibrium_problem import EquilibriumProblem, check_parameter, unstable_pairs

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
-from frictionlab.models.parameter_namespace import parameter_unit
+from frictionlab.models.composition import parameter_unit
 from frictionlab.presentation import Drawable, count, dataframe, dataset, span
 from frictionlab.stability.eigenproblems.eigenvalues import UNITS, mode_shapes, participation_factors
 from frictionlab.stability.equilibrium_points.equilibria import equilibrium_problem

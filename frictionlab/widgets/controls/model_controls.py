@@ -13,8 +13,7 @@ import ipywidgets
 
 from frictionlab.components.component import Component
 from frictionlab.components.impact import PlasticImpact, RestitutionImpact
-from frictionlab.models.nonlinearities import without
-from frictionlab.models.parameter_namespace import parameter_metadata, parameter_owners
+from frictionlab.models.composition import parameter_metadata, parameter_owners, without
 
 from .sliders import label_control, remove_browser_rounding, slider
 

@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 
-from frictionlab.bench import exact_and_fast_page, harness, missed_event, page_figures, single_costs
+from frictionlab.bench import harness, page_figures, performance_page, single_costs
 from frictionlab.bench.harness import BenchScene, scenes
 from frictionlab.hybrid.compilation import HAS_MACHINE_CODE
 from frictionlab.hybrid.solve import solve
@@ -13,7 +13,7 @@ from frictionlab.hybrid.solve import solve
 
 @pytest.fixture(scope="module")
 def found():
-    return missed_event.missed_event()
+    return page_figures.missed_event()
 
 
 @pytest.fixture(scope="module")
@@ -45,7 +45,7 @@ def test_the_landing_is_missed(found):
 def test_a_missed_event_is_not_a_small_error(found):
     """From the method's own error to a share of the motion, for good; located events keep the error."""
     fixed, shorter, *located = found.results
-    before, later = missed_event.TIMES_OF_ERRORS < -1e-4, missed_event.TIMES_OF_ERRORS > 6e-3
+    before, later = page_figures.TIMES_OF_ERRORS < -1e-4, page_figures.TIMES_OF_ERRORS > 6e-3
     for course in (fixed, shorter):
         assert course.error[later].min() > 1e3 * course.error[before].max()
         assert course.error[later].min() > 0.01 * found.size
@@ -75,7 +75,7 @@ def test_the_bars_are_the_rows_sorted(switched):
 
 
 def test_the_page_and_its_pictures(tmp_path, rows, switched):
-    text = exact_and_fast_page.write_exact_and_fast(tmp_path, rows, switched).read_text(encoding="utf-8")
+    text = performance_page.write_exact_and_fast(tmp_path, rows, switched).read_text(encoding="utf-8")
     assert text.startswith("# Exact and fast")
     assert "{" not in text
     pictures = re.findall(r"\]\((images/.*?)\)", text)
@@ -83,7 +83,9 @@ def test_the_page_and_its_pictures(tmp_path, rows, switched):
     assert all((tmp_path / name).stat().st_size > 10_000 for name in pictures)
 
 
-@pytest.mark.parametrize("snippet", re.findall(r"```python\n(.*?)```", exact_and_fast_page.TEXT, re.DOTALL))
+@pytest.mark.parametrize(
+    "snippet", re.findall(r"```python\n(.*?)```", performance_page.STUDENTS_TEXT, re.DOTALL)
+)
 def test_the_snippets_run(snippet, capsys):
     exec(snippet, {})
     assert len(capsys.readouterr().out.splitlines()) in (4, 5)

@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 
 import frictionlab as fl
-from frictionlab.paper import scenes, steady_states
+from frictionlab.paper import scenes
 from frictionlab.paper.registry import FIGURES, STEADY
-from frictionlab.paper.scenes import Setting
-from frictionlab.paper.steady_states import in_range, intervals_text, regime_changes
+from frictionlab.paper.scenes import Setting, in_range, intervals_text, regime_changes
 
 GRIDS = {
     "mu_k": (0.3, 1.4),
@@ -26,7 +25,7 @@ def tiny(monkeypatch):
     for name in ("USUAL_TIMES", "FIXED_STEP_TIMES"):
         monkeypatch.setattr(scenes, name, scenes.Times(3.0, 2.0))
     monkeypatch.setattr(scenes, "STIFF_TIMES", scenes.Times(1.0, 1.0))
-    monkeypatch.setattr(steady_states, "CACHE", {})
+    monkeypatch.setattr(scenes, "CACHE", {})
 
 
 PANELS = {7: 6, 8: 6, 9: 1, 10: 1, 11: 2, 12: 3, 13: 6, 14: 3, 15: 4, 16: 3, 17: 3, 18: 8}
@@ -56,10 +55,10 @@ def test_algorithm_and_impact_law_reach_the_runs(number, tiny):
     assert by_paper.how == "paper's algorithm, step 0.0002 s, Eq. (13)"
     with_full = fl.paper.figure(number, progress=False, impact="full gap rate")
     assert with_full.how == "exact solver, full gap rate"
-    sweep = steady_states.sweep_from_rest(1e4, Setting(algorithm="paper", progress=False))
+    sweep = scenes.sweep_from_rest(1e4, Setting(algorithm="paper", progress=False))
     assert sweep.specification["method"] == fl.RK4(step=2e-4).describe()
     assert sweep.specification["tolerance"] == pytest.approx(0.1, abs=0.002)
-    full = steady_states.sweep_from_rest(1e4, Setting(impact="full gap rate", progress=False))
+    full = scenes.sweep_from_rest(1e4, Setting(impact="full gap rate", progress=False))
     assert full.model.impact == fl.PlasticImpact(penetration_rate="full")
     assert full.specification["tolerance"] == 1e-6
 
@@ -71,7 +70,7 @@ def test_figures_share_sweeps_and_keep_them_in_files(tiny, tmp_path):
     fl.paper.figure(10, progress=False, resume=tmp_path)
     assert len(list(tmp_path.glob("*.jsonl"))) == 2
     assert file.stat().st_mtime_ns == before
-    steady_states.CACHE.clear()
+    scenes.CACHE.clear()
     again = fl.paper.figure(9, progress=False, resume=tmp_path)
     assert again.data.sweeps[1e4, "rest"].kinds == fl.load_bifurcation(file).kinds
 
@@ -80,10 +79,10 @@ def test_a_sweep_that_was_cut_off_is_no_figure(tiny, monkeypatch):
     def cut_off(model, parameter, values, x0, **options):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(steady_states, "bifurcation", cut_off)
+    monkeypatch.setattr(scenes, "bifurcation", cut_off)
     with pytest.raises(KeyboardInterrupt):
         fl.paper.figure(9, progress=False)
-    assert not steady_states.CACHE
+    assert not scenes.CACHE
 
 
 @pytest.mark.parametrize("number", FIGURES)

@@ -6,8 +6,7 @@ import frictionlab as fl
 from frictionlab.paper.checks import nonsmooth
 from frictionlab.paper.checks.claim import Finding, Question, Verdict, compare
 from frictionlab.paper.registry import CLAIMS, EVERY_CLAIM, STEADY_CLAIMS
-from frictionlab.paper.scenes import Setting
-from frictionlab.paper.steady_states import steady_state_of
+from frictionlab.paper.scenes import Setting, steady_state_of
 
 USUAL = fl.SliderOnBelt()
 FULL = Setting(impact="full gap rate", progress=False)

@@ -12,12 +12,12 @@ import pytest
 
 import frictionlab as fl
 from frictionlab.automaton import Mode
-from frictionlab.automaton.modes_on_demand import ModesOnDemand, Regime
+from frictionlab.automaton.mode import ModesOnDemand, Regime
 from frictionlab.components.friction import FrictionLaw
 from frictionlab.components.impact import ImpactLaw
 from frictionlab.hybrid.solve import problem_of
 from frictionlab.models import MechanicalModel, Mechanics, with_signature
-from frictionlab.models.mechanical.mechanics import Friction, Stop
+from frictionlab.models.mechanical.mechanical_model import Friction, Stop
 from frictionlab.models.symbols import automaton_of_structure, structure_of_component
 
 pytestmark = pytest.mark.plain_python

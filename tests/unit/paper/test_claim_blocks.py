@@ -4,7 +4,7 @@ import re
 from html import unescape
 
 from frictionlab.paper.checks.claim import Claim, Claims, Verdict
-from frictionlab.paper.claim_blocks import LONGEST_SUMMARY, claim_blocks, claim_summary
+from frictionlab.paper.report import LONGEST_SUMMARY, claim_blocks, claim_summary
 
 LONG = "the motion is periodic for 0.9 <= mu_k < 1.8 & non-periodic for all other values " * 4
 TABLE = Claims(

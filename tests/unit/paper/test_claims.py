@@ -7,7 +7,7 @@ from frictionlab.paper import Claim, Claims, Verdict
 from frictionlab.paper.checks import linear_stability
 from frictionlab.paper.checks.claim import verdict_of_parts
 from frictionlab.paper.registry import CLAIMS
-from frictionlab.paper.steady_states import agrees_with_printed
+from frictionlab.paper.scenes import agrees_with_printed
 
 IN_PART = {"C2", "C6", "C7"}
 

@@ -16,18 +16,20 @@ from PIL import Image
 
 import frictionlab as fl
 from frictionlab.plotting.animation.animate import frame_times
-from frictionlab.plotting.animation.artists import (
+from frictionlab.plotting.animation.parts import spring_outline
+from frictionlab.plotting.animation.tilting_belt import (
+    COLUMNS,
     belt_outline,
     draw_force_arrows,
     draw_mechanism,
     force_scale,
+    lay_out_mechanism,
     move_force_arrows,
     move_mechanism,
+    sample_frames,
     spring_ends,
-    spring_outline,
     to_picture_frame,
 )
-from frictionlab.plotting.animation.tilting_belt import COLUMNS, lay_out_mechanism, sample_frames
 from frictionlab.plotting.figure import AnimatedFigure
 from frictionlab.plotting.style import MODE_COLOURS
 

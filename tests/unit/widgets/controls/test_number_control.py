@@ -3,7 +3,7 @@
 import pytest
 
 import frictionlab as fl
-from frictionlab.models.parameter_namespace import parameter_metadata
+from frictionlab.models.composition import parameter_metadata
 from frictionlab.widgets.controls.number_control import number_from_text
 from frictionlab.widgets.controls.sliders import slider
 

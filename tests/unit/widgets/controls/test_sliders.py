@@ -5,7 +5,7 @@ import pytest
 
 import frictionlab as fl
 from frictionlab.components import Parameter
-from frictionlab.models.parameter_namespace import parameter_metadata
+from frictionlab.models.composition import parameter_metadata
 from frictionlab.widgets.controls.sliders import equal_within_rounding, remove_browser_rounding, slider
 
 pytestmark = pytest.mark.plain_python
