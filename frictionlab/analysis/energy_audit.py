@@ -21,7 +21,7 @@ from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.interruption import progress_bar
 from frictionlab.models import MechanicalModel
 from frictionlab.models.mechanical.equations_of_motion import LagrangeSystem, system_of
-from frictionlab.models.mechanical.mechanical_model import Friction
+from frictionlab.models.mechanical.mechanics import Friction
 from frictionlab.models.mechanical.modes import contact_suffix
 from frictionlab.models.mechanical.resets import CHATTER_MODE
 from frictionlab.models.symbols import Structure, parameter_symbols, structure_of_component, structure_values

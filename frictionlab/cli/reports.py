@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import Any
 
 from frictionlab.cli import parsing
-from frictionlab.cli.models import add_json, print_json
 from frictionlab.cli.parsing import OneLineParser, add_command, add_sweep_options, check_workers, complain
+from frictionlab.cli.scenes import add_json, print_json
 
 EXIT_FAILED = 1
 

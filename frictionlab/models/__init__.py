@@ -15,7 +15,8 @@ from .library.dry_friction_oscillators import DenHartog, FreeCoulomb, MassOnBelt
 from .library.impact_oscillators import BouncingBall, ImpactOscillator
 from .library.planar_sliders import ModeCoupling, SliderOnRigidBelt
 from .library.slider_on_belt import SliderOnBelt
-from .mechanical.mechanical_model import Friction, MechanicalModel, Mechanics, Stop, quadratic_form
+from .mechanical.mechanical_model import MechanicalModel
+from .mechanical.mechanics import Friction, Mechanics, Stop, quadratic_form
 from .mechanism import Mechanism
 from .model import Model, with_signature
 

@@ -36,7 +36,7 @@ from frictionlab.validation import unknown_parameter
 if TYPE_CHECKING:
     from frictionlab.automaton import HybridAutomaton
     from frictionlab.models.description.equations import Equations
-    from frictionlab.models.mechanical.mechanical_model import SlidingStatics
+    from frictionlab.models.mechanical.mechanics import SlidingStatics
 
 
 M = TypeVar("M", bound="Model")

@@ -9,7 +9,7 @@ from typing import ClassVar
 import frictionlab as fl
 from frictionlab.components import Coulomb, FrictionLaw
 from frictionlab.models import MechanicalModel, Mechanics, with_signature
-from frictionlab.models.mechanical.mechanical_model import Friction
+from frictionlab.models.mechanical.mechanics import Friction
 
 
 class Wear(Enum):

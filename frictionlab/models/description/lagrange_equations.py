@@ -22,7 +22,7 @@ from frictionlab.models.description.equations import (
 )
 from frictionlab.models.mechanical.contact_regimes import ContactRegime, sliding_friction
 from frictionlab.models.mechanical.equations_of_motion import LagrangeSystem, Pair, lagrange_system, system_at
-from frictionlab.models.mechanical.mechanical_model import Friction, Stop
+from frictionlab.models.mechanical.mechanics import Friction, Stop
 from frictionlab.models.mechanical.modes import contact_suffix, solve_contact_forces
 from frictionlab.models.mechanical.resets import (
     RATE_SYMBOLS,

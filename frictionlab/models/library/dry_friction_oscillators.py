@@ -21,7 +21,8 @@ from frictionlab.models.library.parameters import (
     speed_parameter,
     stiffness_parameter,
 )
-from frictionlab.models.mechanical.mechanical_model import Friction, MechanicalModel, Mechanics, SingleMass
+from frictionlab.models.mechanical.mechanical_model import MechanicalModel, SingleMass
+from frictionlab.models.mechanical.mechanics import Friction, Mechanics
 from frictionlab.models.mechanism import Belt, Mechanism, Place, Spring, Wall, held_block
 from frictionlab.models.model import with_signature
 

@@ -20,7 +20,8 @@ from frictionlab.models.library.parameters import (
     mass_parameter,
     stiffness_parameter,
 )
-from frictionlab.models.mechanical.mechanical_model import MechanicalModel, Mechanics, SingleMass, Stop
+from frictionlab.models.mechanical.mechanical_model import MechanicalModel, SingleMass
+from frictionlab.models.mechanical.mechanics import Mechanics, Stop
 from frictionlab.models.mechanism import Block, Mechanism, Place, Spring, Wall
 from frictionlab.models.model import with_signature
 

@@ -18,12 +18,8 @@ from frictionlab.components.contact import (
 )
 from frictionlab.components.friction import Coulomb, FrictionLaw
 from frictionlab.components.impact import ImpactLaw, PlasticImpact
-from frictionlab.models.mechanical.mechanical_model import (
-    Friction,
-    MechanicalModel,
-    Mechanics,
-    SlidingStatics,
-)
+from frictionlab.models.mechanical.mechanical_model import MechanicalModel
+from frictionlab.models.mechanical.mechanics import Friction, Mechanics, SlidingStatics
 from frictionlab.models.mechanism import TiltingBelt
 from frictionlab.models.model import with_signature
 

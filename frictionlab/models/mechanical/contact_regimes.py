@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import sympy
 
-from .mechanical_model import Friction, Stop
+from .mechanics import Friction, Stop
 
 if TYPE_CHECKING:
     from .equations_of_motion import LagrangeSystem

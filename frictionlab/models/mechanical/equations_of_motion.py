@@ -18,7 +18,7 @@ from frictionlab.models.symbols import Structure, gradient, symbol, symbolic_cop
 
 from .contact_regimes import PHASE, ContactRegime, regimes_of_contact
 from .coupled_masses import CoupledMasses, coupled_masses
-from .mechanical_model import Friction, Mechanics, Stop
+from .mechanics import Friction, Mechanics, Stop
 
 Row = tuple[Any, ...]
 

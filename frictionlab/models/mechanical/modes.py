@@ -25,7 +25,7 @@ from frictionlab.models.symbols import (
 from .contact_regimes import ContactRegime, RegimeEnd
 from .coupled_masses import HeldVelocities, held_velocities
 from .equations_of_motion import LagrangeSystem, Pair, lagrange_system
-from .mechanical_model import Friction, Stop
+from .mechanics import Friction, Stop
 from .resets import CHATTER_TIME, chatter_mode, impact_resets, stick_reset
 
 

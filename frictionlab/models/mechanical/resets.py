@@ -22,7 +22,7 @@ from frictionlab.automaton.expressions import exact_number
 from frictionlab.components.impact import ImpactLaw, PlasticImpact
 from frictionlab.models.mechanical.contact_regimes import AFTER_FLIGHT
 from frictionlab.models.mechanical.coupled_masses import numbers_of, pivot_of, solved_for
-from frictionlab.models.mechanical.mechanical_model import Friction, Stop
+from frictionlab.models.mechanical.mechanics import Friction, Stop
 from frictionlab.models.symbols import expand_products, symbol
 
 if TYPE_CHECKING:

@@ -21,7 +21,7 @@ from frictionlab.components import (
     StickSlipSeparation,
 )
 from frictionlab.models import SliderOnBelt
-from frictionlab.models.mechanical.mechanical_model import Mechanics, Stop
+from frictionlab.models.mechanical.mechanics import Mechanics, Stop
 
 TOGGLES = [names for size in range(4) for names in combinations(("cubic", "nonsmooth", "geometry"), size)]
 INTERFACES = [StickSlipSeparation(), StickSlip(), SlidingSeparation(), SlidingOnly()]

@@ -17,7 +17,7 @@ from frictionlab.components.friction import FrictionLaw
 from frictionlab.components.impact import ImpactLaw
 from frictionlab.hybrid.solve import problem_of
 from frictionlab.models import MechanicalModel, Mechanics, with_signature
-from frictionlab.models.mechanical.mechanical_model import Friction, Stop
+from frictionlab.models.mechanical.mechanics import Friction, Stop
 from frictionlab.models.symbols import automaton_of_structure, structure_of_component
 
 pytestmark = pytest.mark.plain_python
