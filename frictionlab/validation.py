@@ -117,6 +117,13 @@ def did_you_mean_or_known(name: Any, known: Iterable[str]) -> str:
     return did_you_mean(name, names) or listed
 
 
+def check_keywords(function: str, given: Iterable[str], known: Iterable[str]) -> None:
+    """Raise TypeError for a keyword that the function does not take."""
+    for name in given:
+        if name not in known:
+            raise TypeError(f"{function} takes no {name!r}{did_you_mean(name, known)}")
+
+
 def unknown_parameter(owner: str, name: Any, known: Sequence[str], hint: str = "") -> TypeError:
     """The error for a parameter that there is not: the same wherever one is named.
 

@@ -14,9 +14,9 @@ from inspect import get_annotations
 from math import isfinite
 from numbers import Real
 from types import MappingProxyType
-from typing import Any
+from typing import Any, TypedDict, Unpack
 
-from frictionlab.validation import plain_number
+from frictionlab.validation import check_keywords, plain_number
 
 METADATA_KEY = "frictionlab parameter"
 
@@ -43,7 +43,7 @@ class Parameter:
         Whether that slider is logarithmic.
     """
 
-    symbol: str
+    symbol: str = ""
     unit: str = ""
     meaning: str = ""
     default: float | None = None
@@ -54,18 +54,20 @@ class Parameter:
     log: bool = False
 
 
-def parameter(
-    default: float,
-    *,
-    unit: str = "",
-    symbol: str = "",
-    meaning: str = "",
-    minimum: float | None = None,
-    exclusive_minimum: float | None = None,
-    maximum: float | None = None,
-    range: tuple[float, float] | None = None,
-    log: bool = False,
-) -> Any:
+class ParameterKeywords(TypedDict, total=False):
+    """The keywords of :func:`parameter`, for editors and type checkers: the fields of :class:`Parameter`."""
+
+    unit: str
+    symbol: str
+    meaning: str
+    minimum: float | None
+    exclusive_minimum: float | None
+    maximum: float | None
+    range: tuple[float, float] | None
+    log: bool
+
+
+def parameter(default: float, **about: Unpack[ParameterKeywords]) -> Any:
     """A dataclass field that is a parameter of its component.
 
     The keywords are those of :class:`Parameter`.  In a law of your own::
@@ -80,14 +82,15 @@ def parameter(
     Raises
     ------
     TypeError
-        If the default is no number.
+        If the default is no number, or for an unknown keyword.
     ValueError
         If the range is not two numbers in ascending order, above 0 for a logarithmic slider.
     """
     _check_default(default)
-    _check_range(range, log)
-    about = Parameter(symbol, unit, meaning, default, minimum, exclusive_minimum, maximum, range, log)
-    return dataclasses.field(default=default, metadata={METADATA_KEY: about})
+    check_keywords("parameter", about, ParameterKeywords.__annotations__)
+    found = Parameter(default=default, **about)
+    _check_range(found.range, found.log)
+    return dataclasses.field(default=default, metadata={METADATA_KEY: found})
 
 
 def _check_default(default: Any) -> None:

@@ -6,7 +6,8 @@ import logging
 import time
 from collections.abc import Mapping
 from contextlib import suppress
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, TypedDict, Unpack
 
 import numpy as np
 
@@ -26,6 +27,7 @@ from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.interruption import Progress, interruption
 from frictionlab.validation import (
     abbreviate,
+    check_keywords,
     check_mapping,
     check_number,
     did_you_mean,
@@ -59,6 +61,25 @@ def method_of(method: Any) -> Method:
 LOGGER = logging.getLogger(__name__)
 
 
+class RunKeywords(TypedDict, total=False):
+    """Further keywords of :func:`solve`, for editors and type checkers: the fields of `RunOptions`."""
+
+    sections: Mapping[str, Any] | None
+    quadratures: Mapping[str, Any] | None
+    progress: bool
+    source: Any
+
+
+@dataclass(frozen=True)
+class RunOptions:
+    """What a run records beside its steps, whether it shows how far it is, and the model that it is of."""
+
+    sections: Mapping[str, Any] | None = None
+    quadratures: Mapping[str, Any] | None = None
+    progress: bool = True
+    source: Any = None
+
+
 def solve(
     automaton: HybridAutomaton,
     t_end: float,
@@ -67,10 +88,7 @@ def solve(
     mode: str | None = None,
     method: str | Method = "taylor",
     t_eval: Any = None,
-    sections: Mapping[str, Any] | None = None,
-    quadratures: Mapping[str, Any] | None = None,
-    progress: bool = True,
-    source: Any = None,
+    **keywords: Unpack[RunKeywords],
 ) -> Trajectory:
     """Run an automaton from 0 to `t_end`.
 
@@ -106,17 +124,18 @@ def solve(
     Raises
     ------
     TypeError
-        For what is no automaton.
+        For what is no automaton, or an unknown keyword.
     ValueError
         For other bad arguments; like the former before any work is done.
     KeyboardInterrupt
         After ctrl-C; :func:`partial_result` is then the run up to there.
     """
     check_automaton(automaton)
-    chosen = method_of(method)
+    check_keywords("solve", keywords, RunKeywords.__annotations__)
+    options, chosen = RunOptions(**keywords), method_of(method)
     t_end = check_number("t_end", t_end, above=0.0, cure="give the length of the run in seconds")
     state, times = _states(automaton, x0), _times(t_eval, t_end)
-    asked = _sections(automaton, sections), _quadratures(automaton, quadratures)
+    asked = _sections(automaton, options.sections), _quadratures(automaton, options.quadratures)
     for name, function in [
         *((name, section.function) for name, section in asked[0].items()),
         *asked[1].items(),
@@ -130,7 +149,7 @@ def solve(
     with_integrals = np.concatenate([state, np.zeros(len(asked[1]))])
     problem = problem_of(automaton, with_integrals, float(t_end), mode, asked)
     begin = time.perf_counter()
-    with Progress(t_end, progress, needs_compilation(chosen.entry)) as bar:
+    with Progress(t_end, options.progress, needs_compilation(chosen.entry)) as bar:
         raw = bar.call(chosen.integrate, problem)
     wall_time = time.perf_counter() - begin
     counts = len(raw.step_modes), len(raw.event_times)
@@ -143,8 +162,8 @@ def solve(
         raw.cut(len(state)),
         Sampling(chosen.degree, chosen.parts, times, tuple(asked[0])),
         quadratures=integrals,
-        description=_description(chosen, t_end, source),
-        source=source,
+        description=_description(chosen, t_end, options.source),
+        source=options.source,
         wall_time=wall_time,
     )
     if bar.stopped:
