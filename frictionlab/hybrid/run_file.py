@@ -111,7 +111,7 @@ def _trajectory(stored: StoredRun, automaton: HybridAutomaton, source: Any) -> T
             tuple(samples["sections"]),
         ),
         quadratures=dict(about["quadratures"]),
-        description=stored.description,
+        description={k: v for k, v in stored.description.items() if k != "model" or source is None},
         source=source,
         wall_time=float(about["wall_time"]),
     )

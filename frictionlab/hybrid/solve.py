@@ -5,7 +5,6 @@ from __future__ import annotations
 import logging
 import time
 from collections.abc import Mapping
-from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any, TypedDict, Unpack
 
@@ -135,12 +134,7 @@ def solve(
     options, chosen = RunOptions(**keywords), method_of(method)
     t_end = check_number("t_end", t_end, above=0.0, cure="give the length of the run in seconds")
     state, times = _states(automaton, x0), _times(t_eval, t_end)
-    asked = _sections(automaton, options.sections), _quadratures(automaton, options.quadratures)
-    for name, function in [
-        *((name, section.function) for name, section in asked[0].items()),
-        *asked[1].items(),
-    ]:
-        check_section_or_quadrature(name, function, automaton)
+    asked = _records(automaton, options) if options.sections or options.quadratures else ({}, {})
     if any(asked) and not chosen.riders:
         raise ValueError(f"sections and quadratures need method='taylor', got {method!r}: change the method")
     automaton = with_chatter_limit(automaton, chosen.limits[1])
@@ -162,21 +156,13 @@ def solve(
         raw.cut(len(state)),
         Sampling(chosen.degree, chosen.parts, times, tuple(asked[0])),
         quadratures=integrals,
-        description=_description(chosen, t_end, options.source),
+        description={"method": chosen.describe(), "t_end": float(t_end)},
         source=options.source,
         wall_time=wall_time,
     )
     if bar.stopped:
         raise interruption(f"the run was stopped at {run.raw.t:g} of {t_end:g} s", run)
     return run
-
-
-def _description(method: Method, t_end: float, source: Any) -> dict[str, Any]:
-    """What is said of a run beside its arrays, as data that JSON can hold."""
-    about = {"method": method.describe(), "t_end": float(t_end)}
-    with suppress(TypeError):  # a model with a field that JSON cannot hold; a saved run holds its automaton
-        return about | ({"model": source.to_dict()} if hasattr(source, "to_dict") else {})
-    return about
 
 
 def with_chatter_limit(automaton: HybridAutomaton, limit: float) -> HybridAutomaton:
@@ -236,13 +222,22 @@ def _times(t_eval: Any, t_end: float) -> np.ndarray | None:
     return times
 
 
-def _sections(automaton: HybridAutomaton, sections: Any) -> dict[str, Section]:
-    check_mapping("sections", sections or {}, 'give each a name, such as {"top": (expression, -1)}')
-    found = {name: _section(name, asked) for name, asked in (sections or {}).items()}
-    return {
-        name: section._replace(function=read_expression(automaton, section.function, f"section {name!r}"))
-        for name, section in found.items()
-    }
+def _records(automaton: HybridAutomaton, options: RunOptions) -> tuple[dict[str, Section], dict[str, Any]]:
+    """The sections and the quadratures, as expressions of the automaton."""
+    sections, quadratures = options.sections or {}, options.quadratures or {}
+    check_mapping("sections", sections, 'give each a name, such as {"top": (expression, -1)}')
+    check_mapping("quadratures", quadratures, 'give each a name, such as {"work": expression}')
+
+    def read(kind: str, name: str, function: Any) -> Any:
+        found = read_expression(automaton, function, f"{kind} {name!r}")
+        check_section_or_quadrature(name, found, automaton)
+        return found
+
+    asked = {name: _section(name, each) for name, each in sections.items()}
+    return (
+        {name: each._replace(function=read("section", name, each.function)) for name, each in asked.items()},
+        {name: read("quadrature", name, function) for name, function in quadratures.items()},
+    )
 
 
 def _section(name: str, asked: Any) -> Section:
@@ -256,12 +251,6 @@ def _section(name: str, asked: Any) -> Section:
         f"the direction of section {name!r}", direction, integer=True, least=-1, most=1, cure="0 takes both"
     )
     return Section(function, direction)
-
-
-def _quadratures(automaton: HybridAutomaton, quadratures: Any) -> dict[str, Any]:
-    check_mapping("quadratures", quadratures or {}, 'give each a name, such as {"work": expression}')
-    given = (quadratures or {}).items()
-    return {name: read_expression(automaton, function, f"quadrature {name!r}") for name, function in given}
 
 
 def problem_of(

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -59,7 +60,7 @@ class Trajectory(Drawable):
     violation : share of its size by which a sample violates a condition of its mode at most
     sections : mapping of name to SectionPoints;  quadratures : mapping of name to the integral up to the end
     automaton : the automaton that ran;  source : the model it came from, if any
-    description : mapping that :meth:`save` writes beside the arrays: the method, the end time, the model
+    description : mapping that :meth:`save` writes beside the arrays: the method, the end time
     problem : Problem, what the method was given: the automaton as a program, and its numbers
     raw : RunData, the arrays that the method gave back
 
@@ -349,7 +350,10 @@ class Trajectory(Drawable):
             "wall_time": self._wall_time,
             "description": dict(self.description),
         }
-        if "model" not in self.description:
+        with suppress(TypeError):  # a model with a field that no file can hold
+            if hasattr(self.source, "to_dict"):
+                about["description"]["model"] = self.source.to_dict()
+        if "model" not in about["description"]:
             about["automaton"] = storable_automaton(self.automaton)
         arrays = {name: getattr(raw, name) for name in STORED_ARRAYS}
         if samples.t_eval is not None:

@@ -320,13 +320,11 @@ def require_model(
 
 def check_parameter_name(model: Any, name: Any) -> None:
     """Raise TypeError unless it names a parameter of the model or automaton, and suggest the nearest."""
-    if isinstance(model, Model):
-        known, hint = list(model.parameters), owner_among_laws(name, model.roles, model.components)
-    else:
-        known, hint = [symbol.name for symbol in automaton_of(model).parameters], ""
+    of_model = isinstance(model, Model)
+    known = list(model.parameters) if of_model else [each.name for each in automaton_of(model).parameters]
     if name not in known:
-        owner = type(model).__name__
-        raise unknown_parameter(owner, name, known, hint)
+        hint = owner_among_laws(name, model.roles, model.components) if of_model else ""
+        raise unknown_parameter(type(model).__name__, name, known, hint)
 
 
 def automaton_of(model: Any) -> HybridAutomaton:
