@@ -11,7 +11,7 @@ import numpy as np
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.hybrid.methods.base import Method
 from frictionlab.hybrid.run_file import automaton_in_file, trajectory_from_file
-from frictionlab.hybrid.solve import method_of, solve, state_from_mapping
+from frictionlab.hybrid.solve import RunOptions, method_of, run_automaton, state_from_mapping
 from frictionlab.hybrid.storage import StoredRun, read_run_file
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models import Model
@@ -141,10 +141,10 @@ def simulate(
     )
     model = require_model(model, cure=cure)
     chosen = method_of(method)
-    options: dict[str, Any] = {"sections": sections, "quadratures": quadratures, "progress": progress}
+    options = RunOptions(None, t_eval, sections, quadratures, progress, model)
     automaton = model.automaton()
     start = model_initial_state(model, x0, automaton)
-    return solve(automaton, t_end, x0=start, method=chosen, t_eval=t_eval, source=model, **options)
+    return run_automaton(automaton, t_end, start, chosen, options)
 
 
 def load(path: str | Path, model: Any = None) -> Trajectory:

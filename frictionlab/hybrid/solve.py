@@ -61,7 +61,7 @@ LOGGER = logging.getLogger(__name__)
 
 
 class RunKeywords(TypedDict, total=False):
-    """Further keywords of :func:`solve`, for editors and type checkers: the fields of `RunOptions`."""
+    """Further keywords of :func:`solve`, for editors and type checkers: fields of `RunOptions`."""
 
     sections: Mapping[str, Any] | None
     quadratures: Mapping[str, Any] | None
@@ -71,8 +71,13 @@ class RunKeywords(TypedDict, total=False):
 
 @dataclass(frozen=True)
 class RunOptions:
-    """What a run records beside its steps, whether it shows how far it is, and the model that it is of."""
+    """In which mode a run starts, what it records, whether it shows how far it is, the model that it is of.
 
+    The fields are arguments of :func:`solve`.
+    """
+
+    mode: str | None = None
+    t_eval: Any = None
     sections: Mapping[str, Any] | None = None
     quadratures: Mapping[str, Any] | None = None
     progress: bool = True
@@ -129,34 +134,41 @@ def solve(
     KeyboardInterrupt
         After ctrl-C; :func:`partial_result` is then the run up to there.
     """
-    check_automaton(automaton)
     check_keywords("solve", keywords, RunKeywords.__annotations__)
-    options, chosen = RunOptions(**keywords), method_of(method)
+    return run_automaton(automaton, t_end, x0, method_of(method), RunOptions(mode, t_eval, **keywords))
+
+
+def run_automaton(
+    automaton: HybridAutomaton, t_end: Any, x0: Any, method: Method, options: RunOptions
+) -> Trajectory:
+    """Run an automaton by a method, as :func:`solve` says."""
+    check_automaton(automaton)
     t_end = check_number("t_end", t_end, above=0.0, cure="give the length of the run in seconds")
-    state, times = _states(automaton, x0), _times(t_eval, t_end)
+    state, times = _states(automaton, x0), _times(options.t_eval, t_end)
     asked = _records(automaton, options) if options.sections or options.quadratures else ({}, {})
-    if any(asked) and not chosen.riders:
+    if any(asked) and not method.riders:
         raise ValueError(f"sections and quadratures need method='taylor', got {method!r}: change the method")
-    automaton = with_chatter_limit(automaton, chosen.limits[1])
-    if mode is not None:
-        check_mode_name(mode, automaton.names)
+    automaton = with_chatter_limit(automaton, method.limits[1])
+    if options.mode is not None:
+        check_mode_name(options.mode, automaton.names)
     with_integrals = np.concatenate([state, np.zeros(len(asked[1]))])
-    problem = problem_of(automaton, with_integrals, float(t_end), mode, asked)
+    problem = problem_of(automaton, with_integrals, float(t_end), options.mode, asked)
     begin = time.perf_counter()
-    with Progress(t_end, options.progress, needs_compilation(chosen.entry)) as bar:
-        raw = bar.call(chosen.integrate, problem)
+    with Progress(t_end, options.progress, needs_compilation(method.entry)) as bar:
+        raw = bar.call(method.integrate, problem)
     wall_time = time.perf_counter() - begin
     counts = len(raw.step_modes), len(raw.event_times)
     LOGGER.debug("run to %g s: %d steps, %d events, %.3g s, %s", raw.t, *counts, wall_time, raw.status.name)
     integrals = dict(zip(asked[1], raw.state[len(state) :].tolist(), strict=True))
-    problem = problem_of(automaton, state, float(t_end), mode)
+    if any(asked) or isinstance(automaton.modes, ModesOnDemand):  # of which the run has derived some
+        problem = problem_of(automaton, state, float(t_end), options.mode)
     run = Trajectory(
         automaton,
         problem,
         raw.cut(len(state)),
-        Sampling(chosen.degree, chosen.parts, times, tuple(asked[0])),
+        Sampling(method.degree, method.parts, times, tuple(asked[0])),
         quadratures=integrals,
-        description={"method": chosen.describe(), "t_end": float(t_end)},
+        description={"method": method.describe(), "t_end": float(t_end)},
         source=options.source,
         wall_time=wall_time,
     )
