@@ -71,7 +71,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _parse_and_run(argv: Sequence[str]) -> int:
-    parser, commands = _build_parsers()
+    parser, commands = build_parsers()
     chosen, rest = parser.parse_known_args(normalise_arguments(argv))
     command = commands.get(chosen.command, parser)
     if rest:
@@ -82,7 +82,8 @@ def _parse_and_run(argv: Sequence[str]) -> int:
     return _run_command(chosen, command)
 
 
-def _build_parsers() -> tuple[OneLineParser, dict[str, OneLineParser]]:
+def build_parsers() -> tuple[OneLineParser, dict[str, OneLineParser]]:
+    """The parser of the program, and that of each command by its name."""
     parser = OneLineParser(
         prog=PROGRAM,
         description="Friction-induced vibration with sticking, slipping, lifting off and impacts.",

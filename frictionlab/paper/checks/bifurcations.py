@@ -111,7 +111,7 @@ def _by_range(b: Any, ranges: Mapping[str, tuple[str, float, float]]) -> tuple[s
 def _check_coexistence(setting: Setting) -> Finding:
     """C12."""
     rest, near = scenes.sweep_from_rest(1e4, setting), scenes.sweep_from_near(1e4, setting)
-    low, high = in_range(rest, 0.0, 0.4, open_end=True), near.values > 1.5 + 1e-9
+    low, high = in_range(rest, 0.0, 0.4, open_end=True), near.values > 1.5 + scenes.GRID_TOLERANCE
     held = {
         "only the equilibrium for mu_k < 0.4": bool(is_kind(rest, MotionKind.EQUILIBRIUM)[low].all()),
         "only the limit cycle for mu_k > 1.5": bool(is_vibration(near)[high].all()),
@@ -256,7 +256,7 @@ def _check_unchanged(setting: Setting) -> Finding:
 def _check_hard_contact(setting: Setting) -> Finding:
     """C17."""
     b = scenes.sweep_from_rest(1e7, setting, geometry=False)
-    there, small = in_range(b, 0.05, 2.95), b.values < 0.05 - 1e-9
+    there, small = in_range(b, 0.05, 2.95), b.values < 0.05 - scenes.GRID_TOLERANCE
     held = {
         "periodic in [0.05, 2.95]": bool(is_kind(b, MotionKind.PERIODIC)[there].all()),
         "non-periodic at very small mu_k": bool(is_kind(b, MotionKind.NON_PERIODIC)[small].any()),

@@ -97,7 +97,7 @@ def _first_vibration(b: Any) -> float:
 def _least_intensity_ratio(sweeps: dict[bool, Any]) -> float:
     """The least ratio of the intensities at the values of mu_k from 1.4 on that both sweeps hold."""
     shared, i, j = np.intersect1d(sweeps[False].values, sweeps[True].values, return_indices=True)
-    both = shared >= 1.4 - 1e-9
+    both = shared >= 1.4 - scenes.GRID_TOLERANCE
     return float((sweeps[False].intensities[i] / sweeps[True].intensities[j])[both].min())
 
 

@@ -51,14 +51,14 @@ class Responses:
     """What Fig. 7 shows: runs by start ("near", "rest") and mu_k, and what they settle to, by start."""
 
     runs: dict[tuple[str, float], Trajectory]
-    steady: dict[str, Any]
+    steady_states: dict[str, Any]
 
 
 @dataclass(frozen=True, eq=False)
 class Cycles:
     """What Fig. 8 shows: steady states by mu_k."""
 
-    steady: dict[float, SteadyState]
+    steady_states: dict[float, SteadyState]
 
 
 def motion_figure(number: int, setting: Setting) -> PaperFigure:
@@ -74,7 +74,7 @@ def _responses_figure(setting: Setting) -> PaperFigure:
     )
     summary = [
         f"from {start}: " + ", ".join(_outcome_text(*each) for each in zip(b.values, b.kinds, b.intensities))
-        for start, b in data.steady.items()
+        for start, b in data.steady_states.items()
     ]
     caption = "x1 from near the equilibrium and from rest"
     return PaperFigure(7, caption, data, tuple(summary), _draw_responses, str(setting))
@@ -91,7 +91,7 @@ def _outcome_text(mu_k: float, kind: str, intensity: float) -> str:
 
 def _cycles_figure(setting: Setting) -> PaperFigure:
     data = Cycles({mu_k: example_cycle(mu_k, setting) for mu_k in CYCLE_MU_K})
-    summary = [f"mu_k = {mu_k:g}: {steady_state_text(found)}" for mu_k, found in data.steady.items()]
+    summary = [f"mu_k = {mu_k:g}: {steady_state_text(found)}" for mu_k, found in data.steady_states.items()]
     return PaperFigure(8, "steady states from rest", data, tuple(summary), _draw_cycles, str(setting))
 
 
@@ -137,7 +137,7 @@ def _draw_responses(result: PaperFigure) -> RunFigure:
 def _draw_cycles(result: PaperFigure) -> RunFigure:
     picture = new_figure(11.0, 9.5)
     panels = picture.subplots(3, 2)
-    for column, (mu_k, found) in zip(panels.T, result.data.steady.items()):
+    for column, (mu_k, found) in zip(panels.T, result.data.steady_states.items()):
         forces, plane, lines = column
         run, end = found.trajectory, found.trajectory.raw.t
         plot_contact_forces(run, forces, window=(end - min(FORCES_SHOWN, end), end), shade=False)

@@ -53,7 +53,7 @@ MAX_STEPS = 300_000
 class NonsmoothComparison:
     """What Fig. 16 shows: steady states, by name."""
 
-    steady: dict[str, SteadyState]
+    steady_states: dict[str, SteadyState]
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,7 +72,7 @@ def nonsmooth_figure(number: int, setting: Setting) -> PaperFigure:
 def _comparison_figure(setting: Setting) -> PaperFigure:
     data = NonsmoothComparison(steady_states_compared(setting))
     caption = "steady states from rest at mu_k = 2.5"
-    summary = (f"{name}: {found.kind}, {_ranges_text(found)}" for name, found in data.steady.items())
+    summary = (f"{name}: {found.kind}, {_ranges_text(found)}" for name, found in data.steady_states.items())
     return PaperFigure(16, caption, data, tuple(summary), _draw_comparison, str(setting))
 
 
@@ -129,7 +129,7 @@ def critical_mu_k() -> float:
 def _draw_comparison(result: PaperFigure) -> RunFigure:
     picture = new_figure(8.5, 8.0)
     panels = picture.subplots(3, 1, sharex=True)
-    for name, found in result.data.steady.items():
+    for name, found in result.data.steady_states.items():
         for ax, state in zip(panels, ("x1", "y1", "normal_force")):
             t, values = samples(found, state, COMPARISON_SHOWN)
             ax.plot(t - t[0], values, label=name, linewidth=1.2, **VARIANT_STYLES[name])

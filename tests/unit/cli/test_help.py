@@ -5,7 +5,7 @@ import sys
 
 import pytest
 
-from frictionlab.cli.command import _build_parsers
+from frictionlab.cli.command import build_parsers
 from frictionlab.paper.registry import EVERY_FIGURE
 
 HELP = """
@@ -22,7 +22,7 @@ def answer(command):
     return subprocess.run([sys.executable, "-c", HELP, command], check=True, capture_output=True, text=True)
 
 
-@pytest.mark.parametrize("command", sorted(_build_parsers()[1]))
+@pytest.mark.parametrize("command", sorted(build_parsers()[1]))
 def test_help_loads_nothing_heavy(command):
     assert answer(command).stdout.startswith(f"usage: frictionlab {command}")
 
