@@ -123,7 +123,7 @@ from .models import SliderOnRigidBelt as SliderOnRigidBelt
 from .models import TwoBlocks as TwoBlocks
 from .models import list_models as list_models
 from .models.composition import ParameterTable as ParameterTable
-from .models.description.equations import Equations as Equations
+from .models.equations import Equations as Equations
 from .pages.export import export_page as export_page
 from .plotting import animate as animate
 from .plotting import plot_run as plot_run

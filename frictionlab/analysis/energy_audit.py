@@ -20,10 +20,10 @@ from frictionlab.hybrid.problem import array_function, evaluate_output
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.interruption import progress_bar
 from frictionlab.models import MechanicalModel
+from frictionlab.models.mechanical.contact_regimes import CHATTER_MODE
 from frictionlab.models.mechanical.equations_of_motion import LagrangeSystem, system_of
 from frictionlab.models.mechanical.mechanics import Friction
 from frictionlab.models.mechanical.modes import contact_suffix
-from frictionlab.models.mechanical.resets import CHATTER_MODE
 from frictionlab.models.symbols import Structure, parameter_symbols, structure_of_component, structure_values
 from frictionlab.presentation import Drawable, FrozenMapping, shorten
 

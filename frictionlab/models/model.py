@@ -35,7 +35,7 @@ from frictionlab.validation import unknown_parameter
 
 if TYPE_CHECKING:
     from frictionlab.automaton import HybridAutomaton
-    from frictionlab.models.description.equations import Equations
+    from frictionlab.models.equations import Equations
     from frictionlab.models.mechanical.mechanics import SlidingStatics
 
 
@@ -239,7 +239,7 @@ class Model(Component):
         ValueError
             If the model has no such mode.
         """
-        from frictionlab.models.description.equations import flow_equations
+        from frictionlab.models.equations import flow_equations
 
         return flow_equations(self, mode)
 

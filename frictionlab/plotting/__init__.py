@@ -6,8 +6,15 @@ None of them uses pyplot, so a figure is freed with its last reference and no wi
                             panel as data: curves, labels, limits (the explorers' panels give these)
     appearance              `fl.style`, the user's settings of matplotlib, colours on dark backgrounds
     style                   lines and colours of coordinates and modes, symbols of states and parameters
-    runs/                   panels of one run, and `plot_run`, which is four of them
-    stability/              equilibria, eigenvalues, critical values, Hopf points
+    time_histories          which part of a run is shown, its samples and modes; displacements, rates and
+                            contact forces against time
+    overview                a coordinate against its rate, coloured by mode; the amplitude spectrum of a
+                            state; `plot_run`: four of these in one figure; energies and works, and what a
+                            verification found
+    root_locus              the mechanism displaced to an equilibrium, with its forces; eigenvalues, growth
+                            rates and frequencies of the modes
+    stability_boundaries    critical values in a plane, and the map of growing pairs; the vibration born where
+                            an equilibrium loses its stability
     studies/                what analyses found: sweeps and bifurcations, ablations, motions and basins in
                             state space, sensitivities and uncertainties of quantities
     animation/              the slider on its belt, frame by frame

@@ -12,7 +12,7 @@ from frictionlab.analysis.motion_scales import oscillation_period
 from frictionlab.file_writing import write_file
 from frictionlab.interruption import progress_bar
 from frictionlab.models.model import PITCH, Model, Tone
-from frictionlab.plotting.runs.time_histories import SAMPLING_RTOL, Array, Window, check_run, window_limits
+from frictionlab.plotting.time_histories import SAMPLING_RTOL, Array, Window, check_run, window_limits
 from frictionlab.validation import check_choice, check_number
 
 PEAK_LEVEL = 0.9  # of full scale: no player clips it

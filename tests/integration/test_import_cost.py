@@ -43,7 +43,7 @@ def test_import_loads_nothing_heavy(statement):
 
 def test_a_run_from_the_command_line_loads_what_it_needs(tmp_path):
     """Neither scipy nor a compiler, no window, of the plots those of a run: each costs part of a second."""
-    drawn, picture = "frictionlab.plotting.stability.root_locus", str(tmp_path / "run.png")
+    drawn, picture = "frictionlab.plotting.root_locus", str(tmp_path / "run.png")
     never = ["scipy", "numba", "matplotlib.pyplot", "numpy.f2py", "numpy.testing", "pandas", drawn]
     code = f"""
 import json, sys

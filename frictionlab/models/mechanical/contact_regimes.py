@@ -1,18 +1,35 @@
-"""The regimes of a contact: each with its force, its constraint and the events that end it."""
+"""The regimes of a contact, each with its force, its constraint and the events that end it; and the jumps at
+events: the projection onto stick, the impact on a stop, and that of a re-contact; and chatter, the limit of
+impacts after each of which the slider leaves the belt again, in ever shorter flights.
+
+Eq. (13) brings the velocity relative to the belt's *material* point to zero.  The slider then leaves the belt
+at the rate r = (x1' - x2') phi, which no impact changes.  Where r > 0 the gap opens; if in flight it closes
+with the acceleration a, the slider lands after 2 r/a, at the rate r, and so on.  Flights of length T differ
+from their limit T -> 0 by O(T^2).  In the limit the impulses are a force F_N = a/(W_N^T M^-1 W_N) that keeps
+gap and gap rate at zero, and there is no friction, as there is none in flight and none in an impact. It ends
+where r comes to zero, which is the accumulation (Zeno) point of the flights, or where they grow long; the
+slider then takes off, with an error of the order of r, as the limit does not contain the phase of a flight.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
+from functools import lru_cache, partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import sympy
 
-from .mechanics import Friction, Stop
+from frictionlab.automaton import Event, Mode, Reset
+from frictionlab.automaton.expressions import exact_number
+from frictionlab.components.impact import ImpactLaw, PlasticImpact
+from frictionlab.models.mechanical.coupled_masses import numbers_of, pivot_of, solved_for
+from frictionlab.models.mechanical.mechanics import Friction, Stop
+from frictionlab.models.symbols import expand_products, symbol
 
 if TYPE_CHECKING:
-    from .equations_of_motion import LagrangeSystem
+    from frictionlab.models.mechanical.equations_of_motion import LagrangeSystem
+
 
 PHASE = "phase"
 # The regimes tried first after an event, in this order, where the contact has them.
@@ -146,4 +163,197 @@ def _stop_regimes(contact: Stop, rate: Any) -> tuple[ContactRegime, ...]:
             (contact.distance, rate),
             lambda force: (RegimeEnd("off", force, ("flight",)),),
         ),
+    )
+
+
+RATE_SYMBOLS = sympy.symbols("material_rate gap_rate compliance", real=True)
+CLOSING = PlasticImpact("full")  # restitution of the impact that closes a Zeno accumulation
+
+
+@lru_cache(maxsize=4096)  # one for all modes in which the contact slips
+def stick_reset(found: LagrangeSystem, contact: Any) -> Reset:
+    """v_r = 0 by an impulse along W: it removes only the rounding of the root."""
+    pair = found.pair(contact.relative_velocity)
+    if pair is not None:
+        return _together(found, pair)
+    w = found.direction(contact)
+    jump = _velocity_jump(found, w, contact.relative_velocity / compliance(found, w))
+    after = {rate: expand_products(one) for rate, one in jump.items()}
+    return Reset(after if found.coupled is None else after | _last_velocity(found, contact, w, after))
+
+
+def _last_velocity(found: LagrangeSystem, contact: Any, w: Any, after: dict[Any, Any]) -> dict[Any, Any]:
+    """The velocity that follows from the others after it where v_r = 0: sums of rounded numbers are not 0."""
+    row = numbers_of([-one for one in w])
+    if row is None:
+        return {}
+    values, pivot = [after.get(rate, rate) for rate in found.v], pivot_of(row)
+    rest = found.at_rest(contact.relative_velocity)
+    return {found.v[pivot]: expand_products(solved_for(row, pivot, values, rest))}
+
+
+def _together(found: LagrangeSystem, pair: Any) -> Reset:
+    """The same between two bodies, which keep their momentum M x1' + m x2'."""
+    one, two, speed = pair
+    heavy, light = found.masses[one], found.masses[two]
+    together = (heavy * found.v[one] + light * found.v[two] + light * speed) / (heavy + light)
+    return Reset({found.v[one]: together, found.v[two]: together - speed})
+
+
+@lru_cache(maxsize=4096)
+def impact_resets(found: LagrangeSystem, contact: Friction | Stop) -> tuple[Reset, Reset]:
+    """The impact by the contact's law, and the one that closes a Zeno accumulation of impacts."""
+    if isinstance(contact, Stop):
+        return _on_stop(found, contact, contact.law), _on_stop(found, contact, CLOSING)
+    return _landing(found, contact, contact.impact), _landing(found, contact, CLOSING)
+
+
+def compliance(found: LagrangeSystem, w: Any) -> Any:
+    """W^T M^-1 W (1/kg), the denominator of Eq. (14)."""
+    numbers = None if found.coupled is None else numbers_of(list(w))
+    if found.coupled is not None and numbers is not None:
+        return found.coupled.softness(numbers) / found.coupled.scale
+    return (w.T * found.inverse * w)[0]
+
+
+def _pushed(found: LagrangeSystem, w: Any, impulse: Any) -> Any:
+    """M^-1 W p: how the velocities change by an impulse along W."""
+    numbers = None if found.coupled is None else numbers_of(list(w))
+    if found.coupled is not None and numbers is not None:
+        return [exact_number(one) * impulse / found.coupled.scale for one in found.coupled.times(numbers)]
+    return found.inverse * w * impulse
+
+
+def velocities_after(found: LagrangeSystem, direction: Any, impulse: Any) -> dict[Any, Any]:
+    """M dv = W p, Eqs. (10) to (12): the velocities that jump, after an impulse along W_N or W_T."""
+    return _velocity_jump(found, direction, impulse) if impulse != 0 else {}
+
+
+def _velocity_jump(found: LagrangeSystem, w: Any, impulse: Any) -> dict[Any, Any]:
+    changes = [p * impulse / m for p, m in zip(w, found.masses)] or _pushed(found, w, impulse)
+    return {rate: rate + change for rate, change in zip(found.v, changes, strict=True) if change != 0}
+
+
+def material_rate(found: LagrangeSystem, contact: Friction) -> Any:
+    """-W_N . q': the velocity at which the bodies approach at the contact's material points."""
+    return -sum(w * rate for w, rate in zip(found.normal(contact), found.v, strict=True))
+
+
+def friction_impulse(found: LagrangeSystem, contact: Friction, law: ImpactLaw) -> Any:
+    """The tangential impulse (N s) of the re-contact, along W_T; none in the paper."""
+    stopping = contact.relative_velocity / compliance(found, found.direction(contact))
+    return law.friction(normal_impulse(found, contact, law), stopping)
+
+
+def normal_impulse(found: LagrangeSystem, contact: Friction, law: ImpactLaw) -> Any:
+    """The impulse p (N s) of the re-contact, Eq. (14)."""
+    rates = material_rate(found, contact), found.rate(contact.penetration)
+    return law.impulse(*rates, compliance(found, found.normal(contact)))
+
+
+def rates_after_impact(found: LagrangeSystem, contact: Friction, law: Any) -> tuple[Any, Any]:
+    """Material and full penetration rate after the impact in terms of those before it, RATE_SYMBOLS."""
+    material, full, soft = RATE_SYMBOLS
+    if expand_products(material_rate(found, contact) - found.rate(contact.penetration)) == 0:
+        material = full
+    change = soft * law.impulse(material, full, soft)
+    return expand_products(material - change), expand_products(full - change)
+
+
+def _landing(found: LagrangeSystem, contact: Friction, law: Any) -> Reset:
+    # The penetration is zero at the impact; its rate afterwards only if the law makes it identically zero.
+    order = 2 if rates_after_impact(found, contact, law)[1] == 0 else 1
+    rubbed = velocities_after(found, found.direction(contact), friction_impulse(found, contact, law))
+    pushed = velocities_after(found, found.normal(contact), normal_impulse(found, contact, law))
+    jump = rubbed | {rate: after.xreplace(rubbed) for rate, after in pushed.items()}
+    return Reset(jump, {contact.penetration: order, -contact.penetration: order})
+
+
+def _on_stop(found: LagrangeSystem, contact: Stop, law: Any) -> Reset:
+    """The impact on a stop: the distance is zero there, and so is its rate afterwards if the law makes it
+    so."""
+    w, rate = found.direction(contact), found.rate(contact.distance)
+    order = 2 if rate_after(law, symbol("rate")) == 0 else 1
+    # The position is projected as well, which removes only the rounding of the root: a body that comes to
+    # rest on the
+    # stop is on it to the last bit.
+    moved = zip(found.q, _pushed(found, w, contact.distance / compliance(found, w)), strict=True)
+    placed = {x: expand_products(x - change) for x, change in moved if change != 0}
+    after = _velocity_jump(found, w, law.impulse(-rate, -rate, compliance(found, w)))
+    return Reset({**placed, **{v: expand_products(a) for v, a in after.items()}}, {contact.distance: order})
+
+
+def rate_after(law: ImpactLaw, rate: Any) -> Any:
+    """Rate of the distance from a stop after an impact, as a function of that before."""
+    soft = sympy.Symbol("compliance", positive=True)
+    return expand_products(rate + soft * law.impulse(-rate, -rate, soft))
+
+
+CHATTER_MODE = "chatter"
+CHATTER_TIME = symbol("chatter")  # s, below which the solver replaces flights by their limit
+
+
+def chatter_mode(found: LagrangeSystem) -> Mode | None:
+    """The limit mode of a single contact at which the gap opens again after an impact; None for others."""
+    for contact in found.mechanics.contacts[:1]:
+        if isinstance(contact, Friction) and contact.impact is not None and "separation" in contact.modes:
+            rate = leaving_rate(found, contact)
+            return None if rate == 0 else _limit(found, contact, rate)
+    return None
+
+
+def _limit(found: LagrangeSystem, contact: Friction, rate: Any) -> Mode:
+    closing = closing_acceleration(found, contact)
+    force = closing / compliance(found, found.normal(contact))
+    outputs = {
+        "penetration": contact.penetration,
+        "gap": -contact.penetration,
+        "normal_force": force,
+        "friction_force": sympy.S.Zero,
+        "relative_velocity": contact.relative_velocity,
+    }
+    flow = (*found.v, *_accelerations(found, contact, force))
+    constraints = (contact.penetration, found.rate(contact.penetration))
+    return Mode(
+        CHATTER_MODE, flow, _chatter_events(found, contact, rate, closing), constraints, outputs, limit=True
+    )
+
+
+def leaving_rate(found: LagrangeSystem, contact: Friction) -> Any:
+    """Rate r at which the gap opens after an impact before which it closed at the rate r.
+
+    Zero where there is no other such rate, and for impact laws that are not linear in the rates.
+    """
+    material, full, soft = RATE_SYMBOLS
+    rate, other = sympy.symbols("rate other")
+    law, w = rates_after_impact(found, contact, contact.impact)[1], found.normal(contact)
+    before = {material: rate + other, full: rate, soft: compliance(found, w)}
+    after = law.subs(before, simultaneous=True)
+    slope = sympy.diff(after, rate)
+    if slope.has(rate) or slope == -1:
+        return sympy.S.Zero
+    fixed = -after.subs(rate, 0) / (1 + slope)
+    return expand_products(fixed.subs(other, material_rate(found, contact) - found.rate(contact.penetration)))
+
+
+def closing_acceleration(found: LagrangeSystem, contact: Friction) -> Any:
+    """Second derivative of the penetration in flight, Eq. (9)."""
+    state = zip((*found.q, *found.v), (*found.v, *_accelerations(found, contact, 0)), strict=True)
+    penetration_rate = found.rate(contact.penetration)
+    return sum(sympy.diff(penetration_rate, x) * rate for x, rate in state)
+
+
+def _accelerations(found: LagrangeSystem, contact: Friction, force: Any) -> list[Any]:
+    """Accelerations under a normal force without friction."""
+    return list(found.inverse * sympy.Matrix(found.forces(contact, force)))
+
+
+def _chatter_events(found: LagrangeSystem, contact: Friction, rate: Any, closing: Any) -> tuple[Event, ...]:
+    """The events of the limit mode: flights have become infinitely short, or twice as long as those
+    replaced."""
+    targets = tuple(name for name in AFTER_FLIGHT if name in contact.modes)
+    landed = Reset(vanishing={contact.penetration: 2, -contact.penetration: 2})
+    return (
+        Event("leaving rate", rate, targets, landed),
+        Event("flight", CHATTER_TIME * closing - rate, ("separation",), impact_resets(found, contact)[0]),
     )

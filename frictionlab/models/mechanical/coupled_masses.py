@@ -84,7 +84,9 @@ class HeldVelocities:
         holding = -product(inverse_of(softness), product(reach, forces) + rates)
         pushed = product(self.masses.inverse, forces + product(self.rows.T, holding))
         accelerations = self.masses.divided(pushed, known.expressions)
-        return self._with_held_velocities(accelerations), expressions_of(self.signs[:, None] * holding, known.expressions)
+        return self._with_held_velocities(accelerations), expressions_of(
+            self.signs[:, None] * holding, known.expressions
+        )
 
     def _with_held_velocities(self, accelerations: list[Any]) -> list[Any]:
         """The accelerations, such that what is held keeps its value to the last bit."""

@@ -74,7 +74,7 @@ class MechanicalModel(Model):
         ValueError
             If the model has no such mode.
         """
-        from frictionlab.models.description.lagrange_equations import lagrange_equations
+        from frictionlab.models.lagrange_equations import lagrange_equations
 
         return lagrange_equations(self, mode)
 

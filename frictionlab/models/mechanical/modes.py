@@ -22,11 +22,10 @@ from frictionlab.models.symbols import (
     structure_of_component,
 )
 
-from .contact_regimes import ContactRegime, RegimeEnd
+from .contact_regimes import CHATTER_TIME, ContactRegime, RegimeEnd, chatter_mode, impact_resets, stick_reset
 from .coupled_masses import HeldVelocities, held_velocities
 from .equations_of_motion import LagrangeSystem, Pair, lagrange_system
 from .mechanics import Friction, Stop
-from .resets import CHATTER_TIME, chatter_mode, impact_resets, stick_reset
 
 
 def derive_automaton(model: Any) -> HybridAutomaton:

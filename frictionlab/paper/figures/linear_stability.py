@@ -27,7 +27,7 @@ from frictionlab.paper.registry import PaperFigure
 from frictionlab.plotting import RunFigure, plot_critical, plot_frequencies, plot_growth_rates
 from frictionlab.plotting.appearance import ink, legible
 from frictionlab.plotting.figure import legend_beside, new_figure
-from frictionlab.plotting.stability.root_locus import growing_legend_handle
+from frictionlab.plotting.root_locus import growing_legend_handle
 from frictionlab.plotting.style import BLACK, BLUE, DASHED, VERMILLION, parameter_symbol, parameter_value_text
 from frictionlab.stability import (
     CriticalCurve,

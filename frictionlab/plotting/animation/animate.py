@@ -20,8 +20,9 @@ from frictionlab.models import Model
 from frictionlab.models.mechanism import Mechanism, TiltingBelt
 from frictionlab.plotting.appearance import background, figure_size, font_size, ink, marker_size
 from frictionlab.plotting.figure import AnimatedFigure
-from frictionlab.plotting.runs.overview import plot_phase_plane
-from frictionlab.plotting.runs.time_histories import (
+from frictionlab.plotting.overview import plot_phase_plane
+from frictionlab.plotting.style import BLACK, mode_colours
+from frictionlab.plotting.time_histories import (
     SAMPLING_RTOL,
     Array,
     Periods,
@@ -29,7 +30,6 @@ from frictionlab.plotting.runs.time_histories import (
     check_run,
     window_limits,
 )
-from frictionlab.plotting.style import BLACK, mode_colours
 from frictionlab.validation import check_number, plain_number
 
 from .parts import Parts, parts

@@ -30,8 +30,8 @@ from frictionlab.plotting.appearance import (
     marker_size,
     pen,
 )
-from frictionlab.plotting.runs.time_histories import Array, modes_at
 from frictionlab.plotting.style import BLACK, BLUE, GREY, VERMILLION
+from frictionlab.plotting.time_histories import Array, modes_at
 
 from .parts import spring_outline
 

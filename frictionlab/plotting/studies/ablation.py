@@ -26,7 +26,7 @@ from frictionlab.plotting.appearance import (
     pen,
 )
 from frictionlab.plotting.figure import RunAxes, axes_or_new, legend_beside, new_figure, wrap_label
-from frictionlab.plotting.runs.overview import plot_amplitudes
+from frictionlab.plotting.overview import plot_amplitudes
 from frictionlab.plotting.studies.state_space import plot_steady_state
 from frictionlab.plotting.studies.sweeps import LOG_SCALE_RATIO, plot_bifurcation
 from frictionlab.plotting.style import BLUE, GREY, ORANGE, VERMILLION, line_style, parameter_label

@@ -28,7 +28,7 @@ from frictionlab.plotting.appearance import (
     pen,
 )
 from frictionlab.plotting.figure import axes_or_new, legend_beside
-from frictionlab.plotting.runs.overview import label_phase_plane, plot_phase_plane
+from frictionlab.plotting.overview import label_phase_plane, plot_phase_plane
 from frictionlab.plotting.style import (
     BLACK,
     BLUE,

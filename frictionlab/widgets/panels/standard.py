@@ -18,7 +18,6 @@ from frictionlab.models.model import check_parameter_name
 from frictionlab.models.symbols import structure_of_component
 from frictionlab.plotting.animation.animate import mechanism_of, picture_of
 from frictionlab.plotting.figure import Curve, Drawing, envelope
-from frictionlab.plotting.runs.time_histories import force_outputs
 from frictionlab.plotting.style import (
     BLACK,
     BLUE,
@@ -31,6 +30,7 @@ from frictionlab.plotting.style import (
     secondary_axis_angles,
     state_label,
 )
+from frictionlab.plotting.time_histories import force_outputs
 from frictionlab.presentation import is_angle, state_unit
 from frictionlab.stability import CriticalCurve, critical_curve
 from frictionlab.validation import did_you_mean

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 
 import frictionlab as fl
 from frictionlab import plotting
+from frictionlab.plotting.time_histories import mode_intervals
 
 SCENES = {
     "all": fl.SliderOnBelt(mu_k=1.4),
@@ -89,7 +90,7 @@ def shaded_seconds(shade):
 
 def test_chatter_does_not_divide_the_shading():
     run = fl.simulate(SCENES["all"], 0.3, progress=False)
-    edges, names = plotting.runs.time_histories.mode_intervals(run)
+    edges, names = mode_intervals(run)
     assert len(run.events) > 50 > len(names)
     assert len(edges) == len(names) + 1
     assert all(a != b for a, b in pairwise(names))

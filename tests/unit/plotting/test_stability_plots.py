@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 import frictionlab as fl
 from frictionlab import plotting
-from frictionlab.plotting.stability.root_locus import GROWING_LINE_WIDTH
+from frictionlab.plotting.root_locus import GROWING_LINE_WIDTH
 from frictionlab.plotting.style import parameter_label, parameter_value_text
 
 MODEL = fl.SliderOnBelt(F=1000.0, l1=0.1, l2=0.3)

@@ -22,7 +22,20 @@ from frictionlab.analysis.verification.verify import TRUSTED_DEVIATION
 from frictionlab.hybrid.kernels.jets import MACHINE_EPSILON
 from frictionlab.plotting.appearance import crowding, font_size, legible, marker_size, pen
 from frictionlab.plotting.figure import axes_or_new, legend_beside, new_figure, set_long_title
-from frictionlab.plotting.runs.time_histories import (
+from frictionlab.plotting.style import (
+    BLACK,
+    BLUE,
+    DASHED,
+    GREEN,
+    ORANGE,
+    PURPLE,
+    SKY,
+    VERMILLION,
+    YELLOW,
+    mode_colours,
+    state_label,
+)
+from frictionlab.plotting.time_histories import (
     DEFAULT_WINDOW,
     Array,
     Periods,
@@ -37,19 +50,6 @@ from frictionlab.plotting.runs.time_histories import (
     sample_times,
     window_limits,
     window_text,
-)
-from frictionlab.plotting.style import (
-    BLACK,
-    BLUE,
-    DASHED,
-    GREEN,
-    ORANGE,
-    PURPLE,
-    SKY,
-    VERMILLION,
-    YELLOW,
-    mode_colours,
-    state_label,
 )
 from frictionlab.presentation import state_unit
 from frictionlab.validation import check_choice

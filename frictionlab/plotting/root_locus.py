@@ -19,7 +19,6 @@ from frictionlab.models import Model
 from frictionlab.plotting.animation.animate import BeltPicture, picture_of
 from frictionlab.plotting.appearance import ink, legible, line_width, marker_size, pen
 from frictionlab.plotting.figure import axes_or_new, legend_beside
-from frictionlab.plotting.runs.time_histories import Array
 from frictionlab.plotting.style import (
     BLACK,
     BLUE,
@@ -33,6 +32,7 @@ from frictionlab.plotting.style import (
     secondary_axis_angles,
     state_label,
 )
+from frictionlab.plotting.time_histories import Array
 from frictionlab.presentation import state_unit
 
 

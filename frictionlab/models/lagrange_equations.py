@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import sympy
 
 from frictionlab.automaton.mode import check_mode_name
-from frictionlab.models.description.equations import (
+from frictionlab.models.equations import (
     LETTERS,
     TIME,
     Equations,
@@ -20,19 +20,20 @@ from frictionlab.models.description.equations import (
     parameter_letters,
     time_functions,
 )
-from frictionlab.models.mechanical.contact_regimes import ContactRegime, sliding_friction
-from frictionlab.models.mechanical.equations_of_motion import LagrangeSystem, Pair, lagrange_system, system_at
-from frictionlab.models.mechanical.mechanics import Friction, Stop
-from frictionlab.models.mechanical.modes import contact_suffix, solve_contact_forces
-from frictionlab.models.mechanical.resets import (
+from frictionlab.models.mechanical.contact_regimes import (
     RATE_SYMBOLS,
+    ContactRegime,
     friction_impulse,
     material_rate,
     normal_impulse,
     rate_after,
     rates_after_impact,
+    sliding_friction,
     velocities_after,
 )
+from frictionlab.models.mechanical.equations_of_motion import LagrangeSystem, Pair, lagrange_system, system_at
+from frictionlab.models.mechanical.mechanics import Friction, Stop
+from frictionlab.models.mechanical.modes import contact_suffix, solve_contact_forces
 from frictionlab.models.symbols import structure_of_component, symbol, symbolic_copy
 
 NORMAL_IMPULSE, TANGENTIAL_IMPULSE = symbol("p"), symbol("p_T")
