@@ -166,3 +166,33 @@ def test_what_is_no_number_is_refused(value):
         fl.simulate(BELT, value, **QUIET)
     with pytest.raises(TypeError, match="v must be one real number"):
         fl.MassOnBelt(v=value)
+
+
+SLIDER = fl.SliderOnBelt()
+CRITICAL = fl.CriticalValue("mu_k", (0.0, 4.0))
+BY_PARAMETER = {
+    "made": lambda name: fl.SliderOnBelt(**{name: 1.0}),
+    "replace": lambda name: SLIDER.replace(**{name: 1.0}),
+    "stability_changes": lambda name: fl.stability_changes(SLIDER, name, (0.0, 4.0)),
+    "critical_value": lambda name: fl.critical_value(SLIDER, name, (0.0, 4.0)),
+    "critical_curve": lambda name: fl.critical_curve(SLIDER, "mu_k", (0.0, 4.0), over=(name, [1.0, 2.0])),
+    "stability_map": lambda name: fl.stability_map(SLIDER, (name, [1.0, 2.0]), ("F", [1.0, 2.0]), **QUIET),
+    "hopf": lambda name: fl.hopf(SLIDER, name, (0.0, 4.0)),
+    "root_locus": lambda name: fl.root_locus(SLIDER, name, [1.0, 2.0]),
+    "bifurcation": lambda name: fl.bifurcation(SLIDER, name, [1.0], **SHORT, **QUIET),
+    "sweep": lambda name: fl.sweep(SLIDER, repr, {name: [1.0]}, **QUIET),
+    "ablation": lambda name: fl.ablation(SLIDER, repr, over={name: [1.0]}, **QUIET),
+    "sensitivity": lambda name: fl.sensitivity(SLIDER, fl.CriticalValue(name, (0.0, 4.0))),
+    "uncertainty": lambda name: fl.uncertainty(SLIDER, CRITICAL, {name: (0.0, 1.0)}, **QUIET),
+    "sobol_indices": lambda name: fl.sobol_indices(SLIDER, CRITICAL, {name: (0.0, 1.0)}, **QUIET),
+    "optimum": lambda name: fl.optimum(SLIDER, CRITICAL, {name: (0.0, 1.0)}),
+    "fit": lambda name: fl.fit(SLIDER, fl.TimeRecord(TIMES, {"x1": TIMES}, error=0.01), [name]),
+    "explore_bifurcation": lambda name: fl.explore_bifurcation(SLIDER, name),
+    "explore_stability": lambda name: fl.explore_stability(SLIDER, name),
+}
+
+
+@pytest.mark.parametrize("name", BY_PARAMETER)
+def test_a_parameter_that_there_is_not_is_the_same_error_everywhere(name):
+    with pytest.raises(TypeError, match=r"^SliderOnBelt has no parameter 'muk': did you mean 'mu_k'"):
+        BY_PARAMETER[name]("muk")
