@@ -1,6 +1,4 @@
-"""What every model has: one namespace of parameters, copies with changes, a description, an automaton; and
-models and automata as arguments: the model itself, or an error that names the cure.
-"""
+"""What every model has: one namespace of parameters, copies with changes, a description, an automaton."""
 
 from __future__ import annotations
 
@@ -10,15 +8,15 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self, TypeVar
 
-from frictionlab.automaton import HybridAutomaton
 from frictionlab.components.component import Component, parameters_of, value_repr
-from frictionlab.models.composition import (
+from frictionlab.models.mechanical.mechanics import SlidingStatics
+
+from .composition import (
     Nonlinearity,
     ParameterTable,
     check_component,
     model_signature,
     nonlinearities_of,
-    owner_among_laws,
     parameter_owners,
     parameter_table,
     refuse_positional,
@@ -29,15 +27,12 @@ from frictionlab.models.composition import (
     with_values,
     without,
 )
-from frictionlab.models.mechanism import Mechanism, TiltingBelt
-from frictionlab.models.serialisation import component_from_dict, component_to_dict
-from frictionlab.validation import unknown_parameter
+from .mechanism import Mechanism, TiltingBelt
+from .serialisation import component_from_dict, component_to_dict
 
 if TYPE_CHECKING:
     from frictionlab.automaton import HybridAutomaton
     from frictionlab.models.equations import Equations
-    from frictionlab.models.mechanical.mechanics import SlidingStatics
-
 
 M = TypeVar("M", bound="Model")
 PITCH = 200.0  # Hz: pitch at which an oscillation is played
@@ -303,38 +298,3 @@ def _restructured(model: Model, usual: Model, role: str) -> bool:
     """Whether a component of the default's class differs in more than parameters."""
     mine, its = getattr(model, role), getattr(usual, role)
     return with_values(its, {n: getattr(mine, n) for n in parameters_of(type(its))}) != mine
-
-
-def require_model(
-    model: Any, kinds: str = "a model such as SliderOnBelt", cure: str = "make one, such as fl.SliderOnBelt()"
-) -> Model:
-    """The model itself; TypeError, with the `kinds` that are taken, for anything else."""
-    if isinstance(model, Model):
-        return model
-    if isinstance(model, type) and issubclass(model, Model):
-        got, cure = f"the class {model.__name__}", f"write {model.__name__}()"
-    else:
-        got = repr(model)
-    raise TypeError(f"model must be {kinds}, got {got}: {cure}")
-
-
-def check_parameter_name(model: Any, name: Any) -> None:
-    """Raise TypeError unless it names a parameter of the model or automaton, and suggest the nearest."""
-    of_model = isinstance(model, Model)
-    known = list(model.parameters) if of_model else [each.name for each in automaton_of(model).parameters]
-    if name not in known:
-        hint = owner_among_laws(name, model.roles, model.components) if of_model else ""
-        raise unknown_parameter(type(model).__name__, name, known, hint)
-
-
-def automaton_of(model: Any) -> HybridAutomaton:
-    """The automaton of a model, or the automaton itself.
-
-    Raises
-    ------
-    TypeError
-        If it is neither.
-    """
-    if isinstance(model, HybridAutomaton):
-        return model
-    return require_model(model, "a model such as SliderOnBelt or a HybridAutomaton").automaton()

@@ -12,7 +12,7 @@ from typing import Any
 
 from frictionlab.hybrid.compilation import needs_compilation
 from frictionlab.models import SliderOnBelt
-from frictionlab.models.model import check_parameter_name, require_model
+from frictionlab.models.coercion import check_parameter_name, require_model
 from frictionlab.widgets.controls.model_controls import ComponentControls, ParameterControls
 from frictionlab.widgets.controls.run_controls import RunControls
 from frictionlab.widgets.controls.sliders import equal_within_rounding

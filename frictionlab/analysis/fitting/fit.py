@@ -13,7 +13,7 @@ from scipy.optimize import least_squares
 from frictionlab.analysis.motion_scales import state_scales
 from frictionlab.analysis.simulate import initial_state_of
 from frictionlab.hybrid.solve import solve
-from frictionlab.models.model import automaton_of, require_model
+from frictionlab.models.coercion import automaton_of, require_model
 from frictionlab.stability.equilibrium_problem import check_parameter
 from frictionlab.validation import check_choice, check_mapping, check_number
 

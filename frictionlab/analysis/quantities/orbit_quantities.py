@@ -18,7 +18,7 @@ from frictionlab.analysis.orbits.orbit_derivatives import (
 from frictionlab.analysis.orbits.periodic_orbit import PeriodicOrbit, periodic_orbit
 from frictionlab.analysis.steady_state.classification import MotionKind
 from frictionlab.analysis.steady_state.steady_state import steady_state
-from frictionlab.models.model import automaton_of
+from frictionlab.models.coercion import automaton_of
 from frictionlab.presentation import state_unit
 from frictionlab.stability.equilibrium_points.equilibria import equilibrium_problem
 from frictionlab.validation import check_choice

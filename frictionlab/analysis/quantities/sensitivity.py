@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionlab.models.model import automaton_of
+from frictionlab.models.coercion import automaton_of
 from frictionlab.presentation import Drawable, dataframe, text_table
 
 from .quantity import Quantity

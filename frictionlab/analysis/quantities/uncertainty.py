@@ -13,7 +13,7 @@ from frictionlab.analysis.options import Execution, ExecutionKeywords, merge_key
 from frictionlab.analysis.sweeps.journal import Journal
 from frictionlab.analysis.sweeps.sweep import own_name
 from frictionlab.analysis.sweeps.task_runner import check_function, function_name, run_tasks
-from frictionlab.models.model import require_model
+from frictionlab.models.coercion import require_model
 from frictionlab.presentation import Drawable, dataframe, text_table
 from frictionlab.validation import check_number
 

@@ -19,7 +19,7 @@ from frictionlab.analysis.sweeps.task_runner import URGENT_PRESS, run_tasks
 from frictionlab.hybrid.methods.base import Method
 from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.interruption import deferred_interrupts, progress_bar
-from frictionlab.models.model import require_model
+from frictionlab.models.coercion import require_model
 from frictionlab.validation import check_choice
 
 INITIAL_STATES = ("rest", "near", "continue")

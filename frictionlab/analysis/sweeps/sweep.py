@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from frictionlab.analysis.options import Execution, ExecutionKeywords, merge_keywords
 from frictionlab.analysis.simulate import initial_state_of, named_state
+from frictionlab.models.coercion import require_model
 from frictionlab.models.composition import parameter_unit
-from frictionlab.models.model import require_model
 from frictionlab.presentation import Drawable, count, import_optional, shorten, span
 from frictionlab.validation import check_mapping, float_array
 

@@ -13,7 +13,7 @@ import sympy
 from numpy.typing import NDArray
 
 from frictionlab.models import Model
-from frictionlab.models.model import automaton_of
+from frictionlab.models.coercion import automaton_of
 from frictionlab.presentation import Drawable, shorten, state_unit
 from frictionlab.stability.equilibrium_points.followed_equilibria import (
     FINEST_SHARE,

@@ -18,9 +18,9 @@ from numpy.typing import NDArray
 from frictionlab.automaton import HybridAutomaton, Mode
 from frictionlab.automaton.mode import ModesOnDemand, Regime
 from frictionlab.models import Model
+from frictionlab.models.coercion import automaton_of
 from frictionlab.models.mechanical.contact_regimes import regime
 from frictionlab.models.mechanical.modes import flow_and_forces
-from frictionlab.models.model import automaton_of
 from frictionlab.stability.equilibrium_points.newton import find_zeros, follow_zero, newton_step
 from frictionlab.stability.equilibrium_points.real_roots import UNKNOWN, Polynomial
 from frictionlab.stability.equilibrium_points.static_equations import (
