@@ -35,6 +35,11 @@ def copy_pages(app, config) -> None:
     notebooks = sorted(ROOT.glob("tutorials/*.ipynb"))
     for path in notebooks:
         write(DOCS / "course" / path.name, notebook(path, notebooks))
+    for path in (ROOT / "tutorials").glob("diagrams*/*.*"):  # what notebooks draw
+        target = DOCS / "course" / path.parent.name / path.name
+        target.parent.mkdir(exist_ok=True)
+        target.write_bytes(path.read_bytes())
+    write(DOCS / "course" / "diagrams.py", (ROOT / "tutorials" / "diagrams.py").read_text(encoding="utf-8"))
 
 
 def write(path: Path, text: str) -> None:
