@@ -24,8 +24,8 @@ STARTING = (ROOT / "docs" / "getting-started.md").read_text(encoding="utf-8")
 CONTRIBUTING = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
 AT_THE_TOP = """
-    .ci .gitattributes .github .gitignore .pre-commit-config.yaml CHANGELOG.md CITATION.cff CONTRIBUTING.md
-    LICENSE README.md docs frictionlab noxfile.py pyproject.toml tests tutorials
+    .binder .ci .gitattributes .github .gitignore .pre-commit-config.yaml CHANGELOG.md CITATION.cff
+    CONTRIBUTING.md LICENSE README.md docs frictionlab noxfile.py pyproject.toml tests tutorials
 """.split()
 NOTEBOOKS = sorted(ROOT.glob("tutorials/*.ipynb"))
 
@@ -111,6 +111,16 @@ def test_the_projects_address_is_in_one_file_and_one_everywhere():
     texts = [path for path in texts if path.suffix in (".py", ".pyi", ".md", ".toml", ".cff", ".js", ".css")]
     assert len(texts) > 200
     assert [path.name for path in texts if address in path.read_bytes()] == ["pyproject.toml"]
+
+
+def test_binder_installs_what_there_is():
+    (line,) = [
+        line for line in (ROOT / ".binder/requirements.txt").read_text().splitlines() if line[0] != "#"
+    ]
+    extras = re.fullmatch(r"\.\[([\w,]+)\]", line)[1].split(",")
+    assert {*extras} <= {*PROJECT["project"]["optional-dependencies"]}
+    version = (ROOT / ".binder/runtime.txt").read_text().strip().removeprefix("python-")
+    assert f"Programming Language :: Python :: {version}" in PROJECT["project"]["classifiers"]
 
 
 def test_three_lines_of_the_readme_are_a_script_that_leaves_a_picture(tmp_path):
