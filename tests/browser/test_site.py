@@ -1,6 +1,6 @@
 """The built documentation on screens of three widths: nothing is wider than the screen, but what scrolls.
 
-The environment variable FRICTIONLAB_SITE names the folder of the site (`nox -s site` sets it).
+The environment variable FRICTIONLAB_SITE names the folder of the site, as in `.ci/run`.
 """
 
 import os
@@ -12,6 +12,7 @@ pytestmark = pytest.mark.browser
 
 SITE = os.environ.get("FRICTIONLAB_SITE")
 WIDTHS = (390, 1280, 1920)
+WITH_EQUATIONS = "theory/derivation", "theory/stability", "course/01-first-run", "course/02-why-brakes-squeal"
 # What reaches beyond the window, unless something around it scrolls or cuts it off on purpose.
 TOO_WIDE = """() => {
   const width = document.documentElement.clientWidth, found = [];
@@ -40,11 +41,6 @@ def pages():
     return [path for path in found if path not in set(names)] + names[::12]
 
 
-def cut(page):
-    """What is too wide on a page; equations cut by what holds them, too, unless that scrolls."""
-    return page.evaluate(TOO_WIDE)
-
-
 @pytest.mark.skipif(SITE is None, reason="FRICTIONLAB_SITE names no built site")
 @pytest.mark.parametrize("width", WIDTHS)
 def test_nothing_on_any_page_is_wider_than_the_screen(browser, width):
@@ -53,7 +49,24 @@ def test_nothing_on_any_page_is_wider_than_the_screen(browser, width):
     found = {}
     for path in pages():
         page.goto(path.as_uri(), wait_until="load")
-        if wide := cut(page):
+        page.wait_for_timeout(50)
+        if wide := page.evaluate(TOO_WIDE):
             found[str(path.relative_to(SITE))] = wide
     page.close()
     assert not found, "\n".join(f"{name}: {wide}" for name, wide in found.items())
+
+
+@pytest.mark.skipif(SITE is None, reason="FRICTIONLAB_SITE names no built site")
+def test_equations_fit_into_the_text_of_wide_screens(browser):
+    page = browser.new_page(viewport={"width": 1280, "height": 900})
+    seen = 0
+    for name in WITH_EQUATIONS:
+        page.goto((Path(SITE) / f"{name}.html").as_uri(), wait_until="load")
+        page.wait_for_timeout(300)  # fit_equations.js waits for fonts
+        boxes = page.evaluate(
+            "[...document.querySelectorAll('div.math')].map(e => [e.scrollWidth, e.clientWidth])"
+        )
+        seen += len(boxes)
+        assert all(needed <= there + 1 for needed, there in boxes), name
+    page.close()
+    assert seen > 20

@@ -230,3 +230,12 @@ def test_nbconvert_makes_these_slides_without_solutions(name):
     assert page.count("<section>") == len(slides_of(path)) + stacks
     assert "Solution 1" not in page
     assert "assert " not in page
+
+
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+def test_long_cells_that_draw_are_folded(path):
+    for one in cells_of(path):
+        if "figure = RunFigure(" in source(one) and not one["id"].startswith("solution"):
+            folded = "hide-input" in one["metadata"].get("tags", [])
+            assert folded == one["metadata"].get("jupyter", {}).get("source_hidden", False)
+            assert folded or len(source(one).splitlines()) < 28
