@@ -12,9 +12,10 @@ from pathlib import Path
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE / "_extensions"))
 os.environ["MPLBACKEND"] = "Agg"
+os.environ["MATPLOTLIBRC"] = str(HERE / "matplotlibrc")  # sharp pictures, of cells too
 os.environ["FRICTIONLAB_PROGRESS"] = "0"  # bars would stay on the pages as widgets without a kernel
 
-import frictionlab  # noqa: E402  both read their variable when they are loaded
+import frictionlab  # noqa: E402  they read their variables when they are loaded
 
 project = "frictionlab"
 author = "frictionlab developers"
@@ -70,7 +71,7 @@ bibtex_bibfiles = ["references.bib"]
 copybutton_prompt_text = r">>> |\.\.\. |\$ "  # copied without
 copybutton_prompt_is_regexp = True
 html_css_files = ["site.css"]
-html_js_files = ["live_pages.js"]
+html_js_files = ["live_pages.js", "fit_equations.js"]
 html_show_sourcelink = False
 html_copy_source = False
 ALONE = (
@@ -84,7 +85,7 @@ ALONE = (
 )
 html_sidebars = {page: [] for page in ALONE}  # nothing beside them in their section
 html_theme_options = {
-    "logo": {"text": "frictionlab"},
+    "logo": {"text": f"frictionlab {version}"},
     "header_links_before_dropdown": 6,
     "navigation_with_keys": False,
     "show_toc_level": 2,

@@ -9,9 +9,11 @@ the site is built.
 import json
 import os
 import re
+import tomllib
 from pathlib import Path
+from urllib.parse import quote
 
-from course_cells import fold_solutions, put_live_page
+from course_cells import fold_solutions, markdown, put_live_page
 from docutils import nodes
 from myst_nb.core.render import NbElementRenderer
 
@@ -23,6 +25,13 @@ PAGES = {
 }
 FILES = ("LICENSE", "CITATION.cff")
 FOLDERS = {"tutorials/": "course/", "docs/": ""}
+# Where a notebook can be run without installing anything; the project's address is that of pyproject.toml.
+SOURCE = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["urls"]["Source"]
+REPOSITORY = SOURCE.partition("github.com/")[2]
+BINDER = f"https://mybinder.org/v2/gh/{REPOSITORY}/main?labpath="
+COLAB = f"https://colab.research.google.com/github/{REPOSITORY}/blob/main/"
+LAUNCH = "[Binder]({binder}) · [Colab]({colab}) · {{download}}`Download </../{place}>`"
+IN_COLAB = f'! pip install "frictionlab[lab] @ git+{SOURCE}" && frictionlab course .'
 NOTE = "Interactive: open this notebook in Jupyter to use it."
 STYLES = re.compile(r"<link[^>]*href=\"https?://[^>]*>")
 LINK = re.compile(r"\]\((\.\./)?([\w/.-]+)(#[\w-]+)?\)")
@@ -35,6 +44,11 @@ def copy_pages(app, config) -> None:
     notebooks = sorted(ROOT.glob("tutorials/*.ipynb"))
     for path in notebooks:
         write(DOCS / "course" / path.name, notebook(path, notebooks))
+    for path in (ROOT / "tutorials").glob("diagrams*/*.*"):  # what notebooks draw
+        target = DOCS / "course" / path.parent.name / path.name
+        target.parent.mkdir(exist_ok=True)
+        target.write_bytes(path.read_bytes())
+    write(DOCS / "course" / "diagrams.py", (ROOT / "tutorials" / "diagrams.py").read_text(encoding="utf-8"))
 
 
 def write(path: Path, text: str) -> None:
@@ -52,12 +66,20 @@ def notebook(path: Path, course: list[Path]) -> str:
         content = executed
         content["metadata"]["mystnb"] = {"execution_mode": "off"}
     content["cells"] = fold_solutions(content["cells"])
+    content["cells"].insert(1, markdown("launch", launch(path)))
     put_live_page(path.stem, content["cells"], f"*{NOTE}*")
     if path == course[0]:
         names = "\n".join(other.stem for other in course[1:])
         source = f"```{{toctree}}\n:hidden:\n:maxdepth: 1\n\n{names}\n```"
-        content["cells"].append({"cell_type": "markdown", "id": "contents", "metadata": {}, "source": source})
+        content["cells"].append(markdown("contents", source))
     return json.dumps(content, ensure_ascii=False)
+
+
+def launch(path: Path) -> str:
+    """Links by which a notebook is run elsewhere, or downloaded."""
+    place = path.relative_to(ROOT).as_posix()
+    links = LAUNCH.format(binder=BINDER + quote(place, safe=""), colab=COLAB + place, place=place)
+    return f"Run it: {links}\n\n:::{{dropdown}} In Colab, first\n```\n{IN_COLAB}\n```\n:::"
 
 
 def executed_copy(path: Path, content: dict) -> dict | None:

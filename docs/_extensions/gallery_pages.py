@@ -70,7 +70,7 @@ def draw(path: Path) -> None:
     if picture.exists() and picture.stat().st_mtime > max(f.stat().st_mtime for f in (path, *SOURCES)):
         return
     try:
-        runpy.run_path(str(path))["figure"].savefig(picture, dpi=110)
+        runpy.run_path(str(path))["figure"].savefig(picture, dpi=200)
     except Exception as error:
         logging.getLogger(__name__).warning("%s: %r", path.name, error, location=str(path))
 

@@ -47,19 +47,15 @@ GROUPS = {
 }
 BACK = re.compile(r'(class="viewcode-back" href="[^"#]*)#[^"]*"')
 HEAD = "# Reference\n\nEvery public name. Units are SI, angles in radians.\n"
-GROUP = """
-## {title}
-
-{text}
-
+NAMES = """
 ```{{eval-rst}}
 .. autosummary::
-   :toctree: generated
-   :nosignatures:
+{options}   :nosignatures:
 
 {names}
 ```
 """
+CONTENTS = "\n```{{toctree}}\n:hidden:\n\n{pages}\n```\n"
 
 
 def names_of(package: str) -> list[str]:
@@ -83,17 +79,21 @@ def by_name(path: str) -> tuple[bool, str]:
     return name[0].islower(), name.lower()
 
 
-def make_page(app, config) -> None:
+def make_pages(app, config) -> None:
+    """A page for each group, with those of its names below it; an index of all names."""
     homes = {home.partition(".")[0] for home in frictionlab._HOME.values()} - {"", "_version"}
     unknown = homes - set(GROUPS)
     if unknown:
         raise ValueError(f"the package {unknown.pop()!r} has no title: add it to GROUPS in {__file__}")
-    text = HEAD
+    text, pages = HEAD, []
     for package, (title, about) in GROUPS.items():
         names = "\n".join(f"   ~frictionlab.{name}" for name in names_of(package))
         if names:
-            text += GROUP.format(title=title, text=about, names=names)
-    write(DOCS / "reference" / "index.md", text)
+            text += f"\n## [{title}]({package}.md)\n\n{about}\n" + NAMES.format(options="", names=names)
+            page = NAMES.format(options="   :toctree: generated\n", names=names)
+            write(DOCS / "reference" / f"{package}.md", f"# {title}\n\n{about}\n{page}")
+            pages.append(package)
+    write(DOCS / "reference" / "index.md", text + CONTENTS.format(pages="\n".join(pages)))
 
 
 def find_by_last_names(app, env, node, contnode):
@@ -132,7 +132,7 @@ def back_to_page(app, pagename, templatename, context, doctree) -> None:
 def setup(app):
     autosummary.WELL_KNOWN_ABBREVIATIONS += ("Eq.", "Eqs.", "Fig.", "Figs.")  # do not end a summary
     # Before Sphinx looks for pages, and autosummary in them for names.
-    app.connect("config-inited", make_page)
+    app.connect("config-inited", make_pages)
     app.connect("autodoc-process-docstring", keep_bars, priority=400)  # before numpydoc
     app.connect("html-page-context", back_to_page)
     app.connect("missing-reference", find_by_last_names)

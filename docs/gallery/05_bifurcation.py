@@ -11,8 +11,8 @@ import frictionlab as fl
 from frictionlab.plotting import RunFigure, plot_bifurcation, plot_intensity
 
 model = fl.SliderOnBelt().without("geometry")
-values = np.linspace(0.1, 2.9, 29)
-diagram = fl.bifurcation(model, "mu_k", values, transient=200, window=20, progress=False)
+values = np.linspace(0.1, 2.9, 141)
+diagram = fl.bifurcation(model, "mu_k", values, transient=150, window=20, progress=False)
 
 figure = RunFigure(figsize=(8, 6), layout="constrained")
 above, below = figure.subplots(2, 1, sharex=True)

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from frictionlab._version import __version__
 
 from .app import add_app
+from .completion import add_completion, completion_script
 from .course import add_course, add_warmup
 from .media import add_animate, add_page, add_sound
 from .parsing import (
@@ -79,6 +80,9 @@ def _parse_and_run(argv: Sequence[str]) -> int:
     if chosen.command is None:
         parser.print_help()
         return 0
+    if chosen.command == "completion":
+        print(completion_script(chosen.shell, commands), end="")
+        return 0
     return _run_command(chosen, command)
 
 
@@ -97,6 +101,7 @@ def build_parsers() -> tuple[OneLineParser, dict[str, OneLineParser]]:
     added |= {"animate": add_animate, "sound": add_sound, "app": add_app, "page": add_page}
     added |= {"course": add_course, "warmup": add_warmup}
     added |= {"figure": add_figure, "reproduce": add_reproduce, "bench": add_bench}
+    added |= {"completion": add_completion}
     return parser, {name: add(commands) for name, add in added.items()}
 
 

@@ -12,10 +12,12 @@ from .scenes import add_json, print_json
 
 EXIT_FAILED = 1
 NOTEBOOKS = "*.ipynb"
+DATA = "diagrams.py", "diagrams/*.*"  # what notebooks draw, and what computes it
 
 COURSE_DESCRIPTION = """\
-Copy the course, notebooks with exercises and solutions, into a folder. What
-is there already and differs is left as it is, and the command says so."""
+Copy the course, notebooks with exercises and solutions and the data of their
+dense diagrams, into a folder. What is there already and differs is left as it
+is, and the command says so."""
 
 COURSE_EPILOG = """\
 examples:
@@ -48,32 +50,35 @@ def add_warmup(commands: Any) -> OneLineParser:
     return parser
 
 
-def notebooks() -> list[Path]:
-    """The notebooks of the course: within an installed package, beside it in a clone."""
+def lessons() -> Path:
+    """The folder of the course: within an installed package, beside it in a clone."""
     package = Path(__file__).parents[1]
     folders = (package / "tutorials", package.parent / "tutorials")
-    return next((found for each in folders if (found := sorted(each.glob(NOTEBOOKS)))), [])
+    return next((each for each in folders if any(each.glob(NOTEBOOKS))), folders[0])
 
 
 def course_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
-    """Copy the notebooks; returns the exit status."""
-    folder, found = Path(chosen.folder), notebooks()
-    if not found:
+    """Copy the course; returns the exit status."""
+    folder, source = Path(chosen.folder), lessons()
+    notebooks = [path.name for path in sorted(source.glob(NOTEBOOKS))]
+    if not notebooks:
         cure = "take the folder tutorials/ of the source, which PyPI has as well"
         complain(parser.prog, f"error: this installation has no notebooks: {cure}")
         return EXIT_FAILED
     if folder.exists() and not folder.is_dir():
         parser.error(f"FOLDER must be a folder, {str(folder)!r} is a file: choose another name")
-    others = [path.name for path in found if _is_another(folder / path.name, path)]
+    data = [str(path.relative_to(source)) for each in DATA for path in sorted(source.glob(each))]
+    others = [name for name in (*notebooks, *data) if _is_another(folder / name, source / name)]
     if others:
         text = f"{folder} has other versions of {', '.join(others)}: take a new folder, your work stays there"
         complain(parser.prog, f"error: {text}")
         return EXIT_FAILED
-    _copy(found, folder)
+    for name in (*notebooks, *data):
+        _copy(source / name, folder / name)
     if chosen.json:
-        print_json({"folder": str(folder), "notebooks": [path.name for path in found]})
+        print_json({"folder": str(folder), "notebooks": notebooks, "data": data})
     else:
-        print(f"{len(found)} notebooks in {folder}\nBegin: jupyter lab {folder / found[0].name}")
+        print(f"{len(notebooks)} notebooks in {folder}\nBegin: jupyter lab {folder / notebooks[0]}")
     return 0
 
 
@@ -81,13 +86,12 @@ def _is_another(there: Path, ours: Path) -> bool:
     return there.exists() and there.read_bytes() != ours.read_bytes()
 
 
-def _copy(found: list[Path], folder: Path) -> None:
+def _copy(path: Path, target: Path) -> None:
     from frictionlab.file_writing import write_file
 
-    folder.mkdir(parents=True, exist_ok=True)
-    for path in found:
-        with write_file(folder / path.name) as beside:
-            Path(beside).write_bytes(path.read_bytes())
+    target.parent.mkdir(parents=True, exist_ok=True)
+    with write_file(target) as beside:
+        Path(beside).write_bytes(path.read_bytes())
 
 
 def warmup_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:

@@ -166,3 +166,76 @@ def test_explorers_that_have_a_page_leave_no_note(extension):
             assert "fl.explore" in source(explorer)
             assert "remove-output" in explorer["metadata"]["tags"]
             assert source(one).count("NOTE") == 1
+
+
+LECTURED = "00-one-mass", "01-first-run", "02-why-brakes-squeal"  # the 90 minutes of docs/lecturer.md
+# Of slides of 960 x 700 pixels, by nbconvert's style: measured in a browser, and a little more.
+LINE, ITEM, PARAGRAPH, HEADING, EQUATION, PRINTED, DERIVED, RUN = 29, 8, 17, 55, 80, 45, 350, 590
+WIDEST, HIGHEST, LETTERS = 960, 700, 86  # the last in a line
+FIGURE_SIZE = re.compile(r"figsize=\(([\d.]+), ([\d.]+)\)")
+
+
+def slides_of(path):
+    """The slides of a notebook, each as its cells."""
+    slides = []
+    for cell in cells_of(path):
+        kind = cell["metadata"].get("slideshow", {}).get("slide_type")
+        if kind in ("slide", "subslide"):
+            slides.append([cell])
+        elif kind == "-":
+            slides[-1].append(cell)
+        else:
+            assert kind == "skip", f"{path.name}: {cell['id']} is neither on a slide nor left out"
+    return slides
+
+
+def height_of(cell):
+    """Roughly how high a cell is on its slide, with the code left out."""
+    text = source(cell)
+    if cell["cell_type"] == "code":
+        if size := FIGURE_SIZE.search(text):
+            width, height = map(float, size.groups())
+            return min(WIDEST, 100 * width) * height / width
+        if "equations(" in text or "plot_run(" in text:
+            return DERIVED if "equations(" in text else RUN
+        return PRINTED + 20 * ("for " in text)
+    equations = text.count("$$") // 2
+    prose = re.sub(r"\$\$.*?\$\$", "", text, flags=re.DOTALL)
+    prose = re.sub(r"\\\w+|[{}_^$]|\]\([^)]*\)", "", prose)
+    headings = len(re.findall(r"^#", prose, flags=re.MULTILINE))
+    paragraphs = [one.strip() for one in re.split(r"\n\s*\n|\n(?=\* |\d+\. )", prose) if one.strip()]
+    lines = sum(-(-len(one) // LETTERS) for one in paragraphs)
+    gaps = sum(ITEM if re.match(r"\* |\d+\. ", one) else PARAGRAPH for one in paragraphs)
+    return lines * LINE + gaps + headings * HEADING + equations * EQUATION
+
+
+@pytest.mark.parametrize("name", LECTURED)
+def test_no_slide_of_the_lecture_is_overfull(name):
+    slides = slides_of(ROOT / "tutorials" / f"{name}.ipynb")
+    assert len(slides) >= 8
+    for slide in slides:
+        high = sum(map(height_of, slide))
+        assert high <= HIGHEST, f"the slide of {slide[0]['id']} needs {high} of {HIGHEST} pixels"
+
+
+@pytest.mark.parametrize("name", LECTURED)
+def test_nbconvert_makes_these_slides_without_solutions(name):
+    nbconvert = pytest.importorskip("nbconvert", reason="slides are made by it")
+    nbformat = pytest.importorskip("nbformat")
+    path = ROOT / "tutorials" / f"{name}.ipynb"
+    exporter = nbconvert.SlidesExporter(exclude_input=True)
+    page, _ = exporter.from_notebook_node(nbformat.read(path, as_version=4))
+    stacks = sum(slide[0]["metadata"]["slideshow"]["slide_type"] == "slide" for slide in slides_of(path))
+    # Slides stand in stacks, one <section> for each stack and one for each slide.
+    assert page.count("<section>") == len(slides_of(path)) + stacks
+    assert "Solution 1" not in page
+    assert "assert " not in page
+
+
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+def test_long_cells_that_draw_are_folded(path):
+    for one in cells_of(path):
+        if "figure = RunFigure(" in source(one) and not one["id"].startswith("solution"):
+            folded = "hide-input" in one["metadata"].get("tags", [])
+            assert folded == one["metadata"].get("jupyter", {}).get("source_hidden", False)
+            assert folded or len(source(one).splitlines()) < 28

@@ -9,14 +9,16 @@ from frictionlab.cli.command import main
 
 ROOT = Path(__file__).parents[3]
 NOTEBOOKS = sorted(path.name for path in ROOT.glob("tutorials/*.ipynb"))
+DATA = sorted(path.name for path in ROOT.glob("tutorials/diagrams/*"))
 
 
-def test_all_notebooks_are_copied_as_they_are(tmp_path, capsys):
+def test_notebooks_and_their_data_are_copied_as_they_are(tmp_path, capsys):
     folder = tmp_path / "new" / "lessons"
     assert main(["course", str(folder), "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["notebooks"] == NOTEBOOKS
-    assert sorted(path.name for path in folder.iterdir()) == NOTEBOOKS
-    for name in NOTEBOOKS:
+    assert sorted(path.name for path in folder.iterdir()) == sorted([*NOTEBOOKS, "diagrams", "diagrams.py"])
+    assert sorted(path.name for path in (folder / "diagrams").iterdir()) == DATA
+    for name in [*NOTEBOOKS, "diagrams.py", *(f"diagrams/{name}" for name in DATA)]:
         assert (folder / name).read_bytes() == (ROOT / "tutorials" / name).read_bytes()
 
 
@@ -36,7 +38,7 @@ def test_the_wheel_carries_the_notebooks_where_the_command_looks_for_them():
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
     placed = project["tool"]["hatch"]["build"]["targets"]["wheel"]["force-include"]
     assert placed == {"tutorials": "frictionlab/tutorials"}
-    assert [path.name for path in course.notebooks()] == NOTEBOOKS
+    assert sorted(path.name for path in course.lessons().glob("*.ipynb")) == NOTEBOOKS
 
 
 def test_without_notebooks_it_says_how_to_get_them(tmp_path, capsys, monkeypatch):
