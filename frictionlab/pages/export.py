@@ -16,7 +16,7 @@ from frictionlab.hybrid.elementary.parameter_functions import KERNELS as ELEMENT
 from frictionlab.hybrid.kernels.event_location import COEFFICIENT_ROUNDING
 from frictionlab.hybrid.kernels.jets import LOG2_LEAST_RATIO
 from frictionlab.hybrid.llvm_instructions import EXP2_COEFFICIENTS
-from frictionlab.hybrid.methods.taylor import MIN_STEP_SHARE, Taylor
+from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.hybrid.tape.functions import FUNCTIONS
 from frictionlab.models import Model
 from frictionlab.models.coercion import require_model
@@ -131,7 +131,6 @@ def _method() -> dict[str, Any]:
         "order": method.degree,
         "tol": method.tol,
         "rounding": COEFFICIENT_ROUNDING,
-        "min_step_share": MIN_STEP_SHARE,
         "dwell": method.limits[0],
         "chatter": method.limits[1],
         "elementary": [function.__name__ for function in ELEMENTARY],

@@ -229,8 +229,8 @@ class JetWriter(Instructions):
 
     def _product(self, a: int, b: int, at: OrderInLoop) -> Any:
         total = self._convolution(a, b, at, 0)
-        total = self._multiply_add(self._at(a, self.J), self.values[b], total)
-        return self._multiply_add(self.values[a], self._at(b, self.J), total)
+        total = self._multiply_add(self.values[a], self._at(b, self.J), total)
+        return self._multiply_add(self._at(a, self.J), self.values[b], total)
 
     def _square(self, a: int, at: OrderInLoop) -> Any:
         """Each pair once; of the (k - 1)/2 pairs, groups of four leave two more where `fours` is odd."""

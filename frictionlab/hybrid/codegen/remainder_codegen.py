@@ -10,6 +10,7 @@ its value `a`; `y` and `slope` are the absolute values of the function and its d
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Iterable
 from itertools import pairwise
 from typing import Any, NamedTuple
 
@@ -204,7 +205,7 @@ class RemainderWriter(RangeWriter):
         tape = self.function.tape
         ranges = tape.ranges((*self.function.flow, *self.guards), self.guards)
         measured = [slot for slot, kind in enumerate(ranges) if kind in (Range.SERIES, Range.BOTH)]
-        self.series = self._on_radius(measured, radius)
+        self.series = self._ranges(measured, radius)
         polynomial = [degree < math.inf for degree in tape.degrees(self.guards)]
         self.bounds = dict.fromkeys(range(tape.slots), RangeBound(None, None))
         for slot, kind in enumerate(ranges):
@@ -214,8 +215,16 @@ class RemainderWriter(RangeWriter):
                 bound = self._bound(slot - tape.inputs, *tape.ops[slot - tape.inputs])
                 self.bounds[slot] = RangeBound(bound.reach, None) if polynomial[slot] else bound
 
-    def _on_radius(self, slots: list[int], radius: Any) -> dict[int, Any]:
-        """How far the polynomials of slots go at the most, as :func:`remainder.series_range`."""
+    def _ranges(self, slots: Iterable[int], radius: Any) -> dict[int, Any]:
+        """How far the polynomials of slots go at the most, as :func:`jets.series_range`."""
+        return self._series(list(slots), radius, self._abs)
+
+    def _changes(self, slots: Iterable[int], s: Any) -> dict[int, Any]:
+        """Change of slots in a time, as :func:`jets.series_change`."""
+        return self._series(list(slots), s, lambda coefficient: coefficient)
+
+    def _series(self, slots: list[int], radius: Any, of: Callable[[Any], Any]) -> dict[int, Any]:
+        """Polynomials of slots without their first terms, of what is made `of` their coefficients."""
         build, square, parts = self.build, self.build.fmul(radius, radius), range(PARTS)
         four, two = build.fmul(square, square), self.whole(2)
         groups, rest = build.ashr(self.order, two), build.and_(self.order, self.whole(PARTS - 1))
@@ -224,7 +233,7 @@ class RemainderWriter(RangeWriter):
             some = slots[start : start + POLYNOMIALS_PER_LOOP]
 
             def size(slot: int, k: Any) -> Any:
-                return self._abs(self._load(self._ahead(self._place(slot, self.J), k), 0))
+                return of(self._load(self._ahead(self._place(slot, self.J), k), 0))
 
             def term(i: Any, sums: Values, some: list[int] = some) -> Values:
                 k = build.sub(self.order, i)

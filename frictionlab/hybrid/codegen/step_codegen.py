@@ -1,7 +1,7 @@
 """Machine code of a whole step without an event, for several runs side by side.
 
 Every value is a vector with one number for each run (lane).  The operations are those of one run, in the same
-sequence (`jet_codegen`, :func:`step_length.step_length`, :func:`event_location.lower_bound`), so a lane's
+sequence (`jet_codegen`, :func:`step_length.step_length`, :func:`event_location.lower_bound_of_guard`), so a lane's
 numbers are those that the run would have alone, to the last bit.  A lane with an event or a rare case is
 marked, and its state is left unchanged for the kernels of single runs.
 """
@@ -20,6 +20,7 @@ from frictionlab.hybrid.codegen.jet_codegen import (
     empty_function,
 )
 from frictionlab.hybrid.codegen.remainder_codegen import RemainderWriter, StepStructure
+from frictionlab.hybrid.kernels.arithmetic import PARTS
 from frictionlab.hybrid.llvm_instructions import Values, write_exp2, write_log2, write_loop
 
 
@@ -94,40 +95,31 @@ class _StepWriter(RemainderWriter):
     def _resolved(self, slot: int, h: Any) -> Any:
         """Whether the series of a guard holds for the whole step."""
         build, row = self.build, self._place(slot, self.J)
-
-        def term(k: Any, carried: Values) -> Values:
-            size, power = carried
-            c = self._abs(self._load(self._ahead(row, k), 0))
-            return [self._max(size, build.fmul(c, power)), build.fmul(power, h)]
-
-        size, power = write_loop(build, self._last_but_one(), [self._number(0.0), self._number(1.0)], term)
+        size = build.fadd(self._abs(self._load(row, 0)), self._ranges([slot], h)[slot])
         end = self._ahead(row, self.order)
         last = build.fmul(self._abs(self._load(end, 0)), h)
         last = self._max(self._abs(self._load(end, -1)), last)
         limit = build.fmul(self._load(self.control, GUARD_TOL), size)
-        holds = build.fcmp_unordered("<=", build.fmul(last, power), limit)
+        last = build.fmul(last, self._whole_power(h, self._last_but_one()))
+        holds = build.fcmp_unordered("<=", last, limit)
         return build.or_(holds, build.fcmp_ordered("==", size, self._number(0.0)))
+
+    def _whole_power(self, h: Any, n: Any) -> Any:
+        """As :func:`step_length.whole_power`."""
+        build, square = self.build, self.build.fmul(h, h)
+        four = build.fmul(square, square)
+        fours, rest = build.ashr(n, self.whole(2)), build.and_(n, self.whole(PARTS - 1))
+        power = [self._number(1.0)]
+        power = write_loop(build, fours, power, lambda i, carried: [build.fmul(carried[0], four)])
+        return write_loop(build, rest, power, lambda i, carried: [build.fmul(carried[0], h)])[0]
 
     def _smallest(self, slot: int, h: Any) -> Any:
         """Lower bound of a guard over the step."""
-        build, row, zero = self.build, self._place(slot, self.J), self._number(0.0)
-
-        def term(i: Any, carried: Values) -> Values:
-            total, power = carried
-            c, power = self._load(self._ahead(row, i), 1), build.fmul(power, h)
-            falls = build.select(build.fcmp_ordered("<", c, zero), build.fmul(c, power), zero)
-            return [build.fadd(total, falls), power]
-
-        start = [self._load(row, 0), self._number(1.0)]
-        return write_loop(build, self.order, start, term)[0]
+        build = self.build
+        falls = build.fsub(self._ranges([slot], h)[slot], self._changes([slot], h)[slot])
+        return build.fsub(self._at(slot, self.J), build.fmul(self._number(0.5), falls))
 
     def _ends(self, h: Any) -> Values:
         """The states at the end of the step."""
-        build, states = self.build, range(self.function.tape.inputs)
-
-        def term(i: Any, totals: Values) -> Values:
-            column = self._ahead(self.J, build.sub(self._last_but_one(), i))
-            return [build.fadd(build.fmul(totals[s], h), self._at(s, column)) for s in states]
-
-        last = self._ahead(self.J, self.order)
-        return write_loop(build, self.order, [self._at(s, last) for s in states], term)
+        changes = self._changes(range(self.function.tape.inputs), h)
+        return [self.build.fadd(self._at(i, self.J), change) for i, change in changes.items()]

@@ -32,14 +32,18 @@ SIGN_AND_EXPONENT_MASK = 0xFFF
 PARTS = 4  # sums of a convolution or a series that do not wait for each other
 
 
-def _plain_sum(J, slot, groups, last, radius):
-    four = (radius * radius) * (radius * radius)
+def _plain_sum(J, slot, groups, last, s):
+    four = (s * s) * (s * s)
     sums = [last] + [0.0] * (PARTS - 1)
     for g in range(groups - 1, -1, -1):
         for part in range(PARTS):
-            sums[part] = sums[part] * four + abs(J[slot, PARTS * g + 1 + part])
+            sums[part] = sums[part] * four + J[slot, PARTS * g + 1 + part]
     a, b, c, d = sums
-    return (a + radius * (b + radius * (c + radius * d))) * radius
+    return (a + s * (b + s * (c + s * d))) * s
+
+
+def _plain_sum_of_magnitudes(J, slot, groups, last, s):
+    return _plain_sum(abs(J[slot : slot + 1]), 0, groups, last, s)
 
 
 def _plain_correction(x, coefficients):
@@ -73,26 +77,30 @@ def _plain_call(address, *arguments):
     ctypes.CFUNCTYPE(None, *kinds)(int(address))(*words)
 
 
-def sum_by_fours(ir: Any, build: Any, row: Any, groups: Any, last: Any, radius: Any) -> Any:
-    """Instructions of :func:`sum_of_series` for the coefficients from `row` on."""
-    kind, half = ir.VectorType(ir.DoubleType(), PARTS), ir.IntType(32)
-    name = f"llvm.fabs.v{PARTS}f64"
+def magnitudes(ir: Any, build: Any, values: Any) -> Any:
+    """Absolute values of a vector of four."""
+    kind, name = values.type, f"llvm.fabs.v{PARTS}f64"
     fabs = build.module.globals.get(name) or ir.Function(build.module, ir.FunctionType(kind, [kind]), name)
-    square = build.fmul(radius, radius)
+    return build.call(fabs, [values])
+
+
+def sum_by_fours(ir: Any, build: Any, row: Any, groups: Any, last: Any, s: Any, of: Any) -> Any:
+    """Instructions of :func:`sum_of_series` for the coefficients from `row` on, or for what is made `of` them."""
+    kind, half = ir.VectorType(ir.DoubleType(), PARTS), ir.IntType(32)
+    square = build.fmul(s, s)
     four = spread(ir, build, build.fmul(square, square))
 
     def group(i: Any, carried: list[Any]) -> list[Any]:
         from_end = build.shl(build.sub(build.sub(groups, i), groups.type(1)), groups.type(2))
         place = build.bitcast(build.gep(row, [from_end]), kind.as_pointer())
-        size = build.call(fabs, [build.load(place, align=8)])
-        return [build.fadd(build.fmul(carried[0], four), size)]
+        return [build.fadd(build.fmul(carried[0], four), of(build.load(place, align=8)))]
 
     start = build.insert_element(ir.Constant(kind, [0.0] * PARTS), last, half(0))
     (sums,) = write_loop(build, groups, [start], group)
     total, *rest = (build.extract_element(sums, half(part)) for part in reversed(range(PARTS)))
     for each in rest:
-        total = build.fadd(each, build.fmul(radius, total))
-    return build.fmul(total, radius)
+        total = build.fadd(each, build.fmul(s, total))
+    return build.fmul(total, s)
 
 
 def spread(ir: Any, build: Any, number: Any) -> Any:
@@ -128,23 +136,33 @@ def _intrinsics() -> tuple[Any, ...]:
         """The same with one array more."""
         return types.void(types.int64, z, constants, terms, J, control, types.int64), by_address
 
+    def series(context, builder, signature, arguments, of):
+        array, slot, groups, last, s = arguments
+        rows = context.make_array(signature.args[0])(context, builder, array)
+        length = builder.extract_value(rows.shape, 1)
+        row = builder.gep(rows.data, [builder.add(builder.mul(slot, length), slot.type(1))])
+        return sum_by_fours(ir, builder, row, groups, last, s, of)
+
+    def plain_series(context, builder, signature, arguments):
+        return series(context, builder, signature, arguments, lambda four: four)
+
+    def series_of_magnitudes(context, builder, signature, arguments):
+        return series(context, builder, signature, arguments, lambda four: magnitudes(ir, builder, four))
+
+    number, whole = types.float64, types.int64
+
     @intrinsic
-    def sum_of_series(typing_context, J, slot, groups, last, radius):
-        """Sum of |J[slot, k]| radius^k from k = 1, so many groups of four; `last` stands for the terms after.
+    def sum_of_series(typing_context, J, slot, groups, last, s):
+        """Sum of J[slot, k] s^k from k = 1, so many groups of four; `last` stands for the terms after.
 
-        Four sums side by side, which is a vector.
+        Four sums side by side, which is a vector; the rows of `J` follow each other.
         """
-        number, whole = types.float64, types.int64
+        return number(J, whole, whole, number, number), plain_series
 
-        def code(context, builder, signature, arguments):
-            array, slot, groups, last, radius = arguments
-            rows = context.make_array(signature.args[0])(context, builder, array)
-            length = builder.extract_value(rows.shape, 1)
-            one = slot.type(1)
-            row = builder.gep(rows.data, [builder.add(builder.mul(slot, length), one)])
-            return sum_by_fours(ir, builder, row, groups, last, radius)
-
-        return number(J, whole, whole, number, number), code
+    @intrinsic
+    def sum_of_magnitudes(typing_context, J, slot, groups, last, s):
+        """The same of the absolute values of the coefficients."""
+        return number(J, whole, whole, number, number), series_of_magnitudes
 
     def of_one_number(emit: Any) -> Any:
         @intrinsic
@@ -157,8 +175,10 @@ def _intrinsics() -> tuple[Any, ...]:
         return function
 
     of_one = of_one_number(llvm_instructions.write_log2), of_one_number(llvm_instructions.write_exp2)
-    return call, call_step, sum_of_series, *of_one
+    return call, call_step, sum_of_series, sum_of_magnitudes, *of_one
 
 
-_PLAIN = _plain_call, _plain_call, _plain_sum, _plain_log2, _plain_exp2
-call_jets, call_lane_step, sum_of_series, log2, exp2 = _PLAIN if NUMBA is None else _intrinsics()
+_PLAIN = _plain_call, _plain_call, _plain_sum, _plain_sum_of_magnitudes, _plain_log2, _plain_exp2
+call_jets, call_lane_step, sum_of_series, sum_of_magnitudes, log2, exp2 = (
+    _PLAIN if NUMBA is None else _intrinsics()
+)

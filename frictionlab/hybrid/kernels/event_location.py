@@ -11,16 +11,27 @@ Otherwise the interval is halved (de Casteljau). Source: Rouillier & Zimmermann,
 from __future__ import annotations
 
 import math
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
 
 from frictionlab.hybrid.compilation import inlined, kernel
-from frictionlab.hybrid.kernels.jets import MACHINE_EPSILON, majorant, mode_jets, polynomial_slope, states_at
+from frictionlab.hybrid.kernels.jets import (
+    MACHINE_EPSILON,
+    majorant,
+    mode_jets,
+    polynomial_slope,
+    series_change,
+    series_range,
+    states_at,
+)
 
 MAX_DEPTH = 60  # nested halvings, so at most as many intervals wait
 # Roots closer than this, relative to their place, cannot be told from a double root in double precision.
 ROOT_RESOLUTION = 1e-8
+# A step of Newton's method below this share of the root leaves an error of the order of its square.
+LAST_NEWTON_STEP = 1e-10
 
 
 class RootScratch(NamedTuple):
@@ -29,6 +40,7 @@ class RootScratch(NamedTuple):
     stack: np.ndarray  # (MAX_DEPTH + 1, order + 1) Bernstein coefficients on the intervals that wait
     intervals: np.ndarray  # (MAX_DEPTH + 1, 2)
     scaled: np.ndarray  # (order + 1,) coefficients of the polynomial, lowest first
+    monomials: np.ndarray  # (order + 1, order + 1) row k: Bernstein coefficients of x^k
     places: np.ndarray  # (order + 2,) of its roots
     multiplicity: np.ndarray  # (order + 2,)
 
@@ -39,25 +51,38 @@ def new_root_scratch(order: int) -> RootScratch:
         stack=np.zeros((MAX_DEPTH + 1, order + 1)),
         intervals=np.zeros((MAX_DEPTH + 1, 2)),
         scaled=np.zeros(order + 1),
+        monomials=monomials_in_bernstein_form(order),
         places=np.zeros(order + 2),
         multiplicity=np.zeros(order + 2, dtype=np.int64),
     )
 
 
+@cache
+def monomials_in_bernstein_form(order: int) -> np.ndarray:
+    """Bernstein coefficients of degree `order` on [0, 1] of x^k, in row k: C(j, k) / C(order, k)."""
+    places = range(order + 1)
+    table = np.array([[math.comb(j, k) / math.comb(order, k) for j in places] for k in places])
+    table.flags.writeable = False
+    return table
+
+
 @kernel
-def to_bernstein(a, n, b):
-    """Bernstein coefficients `b` on [0, 1] of the polynomial sum a[k] x^k of degree `n`."""
-    binomial = 1.0
+def to_bernstein(a, n, monomials, b):
+    """Bernstein coefficients `b` on [0, 1] of the polynomial sum a[k] x^k of degree `n`.
+
+    They are of the degree of the table of `monomials`, which may be higher: the bound on the number of
+    roots is then as good or better.
+    """
+    degree = monomials.shape[0] - 1
     total = a[0]
-    b[0] = a[0]
+    for j in range(degree + 1):
+        b[j] = a[0]
     for k in range(1, n + 1):
-        total += a[k]
-        binomial = binomial * (n - k + 1) / k
-        b[k] = a[k] / binomial
-    for i in range(1, n + 1):
-        for j in range(n, i - 1, -1):
-            b[j] += b[j - 1]
-    b[n] = total  # the value at 1, without the rounding errors above
+        c = a[k]
+        total += c
+        for j in range(degree + 1):  # below j = k the table is zero; from 0 on it takes whole vectors
+            b[j] += monomials[k, j] * c
+    b[degree] = total  # the value at 1, whose terms come in one sequence whatever the degree
 
 
 @kernel
@@ -86,15 +111,43 @@ def bisect_bernstein(b, n, left, right):
 
 
 @kernel
-def refine_root(a, n, lo, hi, falling):
-    """The one root of sum a[k] x^k in (lo, hi); `falling` says it goes from + to -."""
-    x = 0.5 * (lo + hi)
+def control_polygon_root(b, n, lo, hi):
+    """Where the polygon of Bernstein coefficients b[0..n] on (lo, hi) changes its sign: near the root."""
+    last = 0
+    for j in range(1, n + 1):
+        if b[j] != 0.0:
+            if b[last] * b[j] < 0.0:
+                share = (last + (j - last) * (b[last] / (b[last] - b[j]))) / n
+                return lo + (hi - lo) * share
+            last = j
+    return 0.5 * (lo + hi)
+
+
+@inlined
+def value_and_slope(a, n, x):
+    """Value and derivative of sum a[k] x^k; even and odd powers apart, whose sums do not wait for each other."""
+    y = x * x
+    last = n // 2
+    even, even_slope = a[2 * last], 0.0
+    odd, odd_slope = a[n] if n % 2 == 1 else 0.0, 0.0
+    for i in range(last - 1, -1, -1):
+        even_slope = even_slope * y + even
+        even = even * y + a[2 * i]
+        odd_slope = odd_slope * y + odd
+        odd = odd * y + a[2 * i + 1]
+    return even + x * odd, (odd + 2.0 * y * odd_slope) + 2.0 * x * even_slope
+
+
+@kernel
+def refine_root(a, n, x, lo, hi, falling):
+    """The one root of sum a[k] x^k in (lo, hi), by Newton's method from `x` on.
+
+    `falling` says that the polynomial goes from + to -.
+    """
+    if not (lo < x < hi):
+        x = 0.5 * (lo + hi)
     for _ in range(100):
-        value = a[n]
-        slope = 0.0
-        for k in range(n - 1, -1, -1):
-            slope = slope * x + value
-            value = value * x + a[k]
+        value, slope = value_and_slope(a, n, x)
         if value == 0.0:
             return x
         if (value > 0.0) == falling:
@@ -102,11 +155,9 @@ def refine_root(a, n, lo, hi, falling):
         else:
             hi = x
         new = x - value / slope if slope != 0.0 else lo
-        if not (lo < new < hi):
-            new = 0.5 * (lo + hi)
-        if abs(new - x) <= 1e-16 * x:
-            return new
-        x = new
+        if abs(new - x) <= LAST_NEWTON_STEP * x:
+            return min(max(new, lo), hi)
+        x = new if lo < new < hi else 0.5 * (lo + hi)
     return x
 
 
@@ -128,7 +179,8 @@ def isolate_roots(n, limit, roots):
     """
     count = 0
     a, stack, bounds = roots.scaled, roots.stack, roots.intervals
-    to_bernstein(a, n, stack[0])
+    degree = roots.monomials.shape[0] - 1
+    to_bernstein(a, n, roots.monomials, stack[0])
     bounds[0, 0] = 0.0
     bounds[0, 1] = 1.0
     top = 0
@@ -136,8 +188,8 @@ def isolate_roots(n, limit, roots):
         b = stack[top]
         lo = bounds[top, 0]
         hi = bounds[top, 1]
-        changes = sign_changes(b, n)
-        at_end = trailing_zeros(b, n)
+        changes = sign_changes(b, degree)
+        at_end = trailing_zeros(b, degree)
         place = -1.0
         order = changes
         if changes == 0:
@@ -145,12 +197,13 @@ def isolate_roots(n, limit, roots):
                 place = hi
                 order = at_end
         elif changes == 1 and at_end == 0:
-            place = refine_root(a, n, lo, hi, b[n] < 0.0)
+            start = control_polygon_root(b, degree, lo, hi)
+            place = refine_root(a, n, start, lo, hi, b[degree] < 0.0)
         elif hi - lo <= ROOT_RESOLUTION * hi or top == MAX_DEPTH - 1:
             place = 0.5 * (lo + hi)
         else:
             middle = 0.5 * (lo + hi)
-            bisect_bernstein(b, n, stack[top + 1], b)
+            bisect_bernstein(b, degree, stack[top + 1], b)
             bounds[top, 0] = middle
             bounds[top + 1, 0] = lo
             bounds[top + 1, 1] = middle
@@ -242,6 +295,15 @@ def rescale(c, m, n, h, a):
 
 
 @inlined
+def lower_bound_of_guard(J, slot, m, order, h):
+    """Lower bound on [0, h] of a guard whose `m` leading coefficients are zero, divided by s^m."""
+    if m > 0:
+        return lower_bound(J[slot], m, order, h)
+    falls = series_range(J, slot, order, h) - series_change(J, slot, order, h)
+    return J[slot, 0] - 0.5 * falls
+
+
+@inlined
 def first_event(system, mode, z, order, h, scratch):
     """First zero of the mode's guards in [0, h], along the jets in `scratch`.
 
@@ -255,7 +317,7 @@ def first_event(system, mode, z, order, h, scratch):
         slot = code.function_slots[g]
         c = J[slot]
         m = scratch.leading_zeros[g - first]
-        if m > order or lower_bound(c, m, order, h) > 0.0:
+        if m > order or lower_bound_of_guard(J, slot, m, order, h) > 0.0:
             continue
         if c[m] <= SUSPECT_SHARE * absolute_sum(c, m, order, h):
             m = leading_order_of_slot(system, mode, slot, m, z, order, J, scratch.bounds)

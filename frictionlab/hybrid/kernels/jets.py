@@ -12,7 +12,13 @@ import math
 
 from frictionlab.hybrid.compilation import inlined, kernel
 from frictionlab.hybrid.elementary.exponentials import power
-from frictionlab.hybrid.kernels.arithmetic import call_jets, exp2
+from frictionlab.hybrid.kernels.arithmetic import (
+    PARTS,
+    call_jets,
+    exp2,
+    sum_of_magnitudes,
+    sum_of_series,
+)
 from frictionlab.hybrid.tape.functions import AFFINE, POWER, PRODUCT, RATE, SQUARE, function_value
 
 MAX_ORDER = 60  # order that may be asked for
@@ -45,11 +51,11 @@ def convolution(J, a, b, first, last, k):
 
 @kernel
 def product_coefficient(J, a, b, k):
-    """Coefficient k of the product of two slots; what has just been computed comes last."""
+    """Coefficient k of the product of two slots; what has just been computed comes last: slot b after a."""
     if k == 0:
         return J[a, 0] * J[b, 0]
     total = convolution(J, a, b, 1, k - 1, k)
-    return (total + J[a, 0] * J[b, k]) + J[a, k] * J[b, 0]
+    return (total + J[a, k] * J[b, 0]) + J[a, 0] * J[b, k]
 
 
 @kernel
@@ -220,12 +226,33 @@ def copy_vector(source, target):
 
 
 @inlined
+def series_change(J, slot, order, s):
+    """Change of a slot in a time `s` after the expansion point: its polynomial without the first term.
+
+    The first term is added last, so that it is rounded once.
+    """
+    groups = order // PARTS
+    last = 0.0
+    for k in range(order, PARTS * groups, -1):
+        last = last * s + J[slot, k]
+    return sum_of_series(J, slot, groups, last, s)
+
+
+@inlined
+def series_range(J, slot, order, radius):
+    """How far the polynomial of a slot goes on the disc of a radius at the most."""
+    groups = order // PARTS
+    last = 0.0
+    for k in range(order, PARTS * groups, -1):
+        last = last * radius + abs(J[slot, k])
+    return sum_of_magnitudes(J, slot, groups, last, radius)
+
+
+@inlined
 def states_at(J, order, s, z):
-    """Write the states at time `s` after the expansion point into `z`."""
-    copy_vector(J[: z.shape[0], order], z)
-    for k in range(order - 1, -1, -1):  # all states together: their chains of operations overlap
-        for i in range(z.shape[0]):
-            z[i] = z[i] * s + J[i, k]
+    """Write the states at time `s` after the expansion point into `z`; the rows of `J` follow each other."""
+    for i in range(z.shape[0]):
+        z[i] = J[i, 0] + series_change(J, i, order, s)
 
 
 @inlined

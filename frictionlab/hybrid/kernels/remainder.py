@@ -23,7 +23,8 @@ import math
 
 from frictionlab.hybrid.compilation import inlined, kernel
 from frictionlab.hybrid.elementary.exponentials import power
-from frictionlab.hybrid.kernels.arithmetic import PARTS, exp2, log2, sum_of_series
+from frictionlab.hybrid.kernels.arithmetic import exp2, log2
+from frictionlab.hybrid.kernels.jets import series_range
 from frictionlab.hybrid.kernels.step_length import (
     INSTANT,
     LOG2_FUNCTION_TOL_FACTOR,
@@ -56,16 +57,6 @@ def power_range(exponent, base, d):
         return math.inf
     steepest = max(power(base - d, exponent - 1.0), power(base + d, exponent - 1.0))
     return abs(exponent) * steepest * d
-
-
-@inlined
-def series_range(J, slot, order, radius):
-    """How far the polynomial of a slot goes on the disc at the most."""
-    groups = order // PARTS
-    last = 0.0
-    for k in range(order, PARTS * groups, -1):
-        last = last * radius + abs(J[slot, k])
-    return sum_of_series(J, slot, groups, last, radius)
 
 
 @inlined

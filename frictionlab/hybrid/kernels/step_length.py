@@ -12,8 +12,15 @@ from __future__ import annotations
 import math
 
 from frictionlab.hybrid.compilation import inlined, kernel
-from frictionlab.hybrid.kernels.arithmetic import exp2, log2
-from frictionlab.hybrid.kernels.jets import has_series, majorant, mode_jets, polynomial_slope, states_at
+from frictionlab.hybrid.kernels.arithmetic import PARTS, exp2, log2
+from frictionlab.hybrid.kernels.jets import (
+    has_series,
+    majorant,
+    mode_jets,
+    polynomial_slope,
+    series_range,
+    states_at,
+)
 from frictionlab.hybrid.tape.functions import POWER
 
 # What the tolerance of a function of the states is wider than theirs: the room for rounding.
@@ -92,16 +99,24 @@ def step_length(code, order, tol, J):
     return exp2(best)
 
 
+@inlined
+def whole_power(h, n):
+    """h^n of a whole number n >= 0."""
+    four = (h * h) * (h * h)
+    power = 1.0
+    for _ in range(n // PARTS):
+        power *= four
+    for _ in range(n % PARTS):
+        power *= h
+    return power
+
+
 @kernel
-def series_step(c, order, tol, h):
-    """Longest step up to `h` in which the last two terms of a series stay below `tol` times its largest."""
+def series_step(J, slot, order, tol, h):
+    """Longest step up to `h` in which the last two terms of a series stay below `tol` times the sum of all."""
     for _ in range(20):
-        size = 0.0
-        power = 1.0
-        for k in range(order - 1):
-            size = max(size, abs(c[k]) * power)
-            power *= h
-        last = max(abs(c[order - 1]), abs(c[order]) * h) * power
+        size = abs(J[slot, 0]) + series_range(J, slot, order, h)
+        last = max(abs(J[slot, order - 1]), abs(J[slot, order]) * h) * whole_power(h, order - 1)
         if size == 0.0 or not last > tol * size:
             break
         h *= max(0.1, exp2(log2(tol * size / last) / (order - 1)))
@@ -118,11 +133,11 @@ def function_step(code, order, tol, mode, h, J):
     tol *= FUNCTION_TOL_FACTOR
     shortest = MIN_FUNCTION_STEP_SHARE * h
     for g in range(code.mode_guards[mode], code.mode_guards[mode + 1]):
-        h = series_step(J[code.function_slots[g]], order, tol, h)
+        h = series_step(J, code.function_slots[g], order, tol, h)
     for section in range(code.sections.shape[1]):
-        h = series_step(J[code.sections[mode, section]], order, tol, h)
+        h = series_step(J, code.sections[mode, section], order, tol, h)
     for i in range(code.groups[3], code.inputs):
-        h = series_step(J[i], order, tol, h)
+        h = series_step(J, i, order, tol, h)
     return max(h, shortest)
 
 

@@ -8,7 +8,7 @@ The mode at t = 0 is chosen by the rule that follows every event.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, field, fields, is_dataclass, replace
 from typing import Any, ClassVar
 
 import numpy as np
@@ -152,7 +152,8 @@ class Method(ABC):
 
     def describe(self) -> dict[str, Any]:
         """Name and settings, for the record."""
-        return {"name": self.name, **asdict(self)}
+        settings = {each.name: getattr(self, each.name) for each in fields(self)}
+        return {"name": self.name} | {n: asdict(v) if is_dataclass(v) else v for n, v in settings.items()}
 
     def check_caps(self) -> None:
         """Raise ValueError unless the caps are positive integers."""

@@ -20,6 +20,7 @@ from frictionlab.hybrid.kernels import run_state, taylor_steps
 from frictionlab.hybrid.kernels.event_location import GuardZero
 from frictionlab.hybrid.kernels.jets import MAX_ORDER, copy_vector, mode_jets
 from frictionlab.hybrid.kernels.run_state import (
+    JETS_READY,
     NOW,
     RUNNING,
     STALLED,
@@ -40,11 +41,11 @@ AFFINE_STATE_LIMIT = 1e200  # states beyond are left to the Taylor steps, which 
 
 
 class AffineMap(NamedTuple):
-    """z(t + h) = z(t) + matrix z(t) + shift."""
+    """z(t + h) = z(t) + matrix^T z(t) + shift, and what it takes to find it."""
 
-    h: float
-    matrix: np.ndarray
-    shift: np.ndarray
+    matrix: np.ndarray  # (states, states), row i for the state i before
+    shift: np.ndarray  # (states,)
+    linear: Numbers  # the numbers without constants
 
 
 def is_affine(program: Program) -> bool:
@@ -55,48 +56,61 @@ def is_affine(program: Program) -> bool:
     return plain and len(program.modes) == 1 and not program.guards and not riders
 
 
-def affine_map(system: System, truncation: Truncation, z: np.ndarray, J: np.ndarray) -> AffineMap | None:
-    """The change in a step that suits every state; `J` is scratch.
-
-    None where such steps are much shorter than one from the state `z`: in overdamped scenes, once what
-    decays fast has gone.
-    """
-    code, numbers, _ = system
+def new_affine_map(numbers: Numbers, states: int) -> AffineMap:
+    """An empty map for a program with these numbers."""
     linear = Numbers(np.zeros_like(numbers.constants), numbers.terms)
-    n = code.inputs
-    matrix, shift = np.empty((n, n)), np.empty(n)
-    h = longest_common_step(code, linear, truncation, np.eye(n), J)
-    if h < MIN_STEP_SHARE * longest_common_step(code, numbers, truncation, z[None], J):
-        return None
-    affine_map_columns(code, linear, truncation.order, h, np.eye(n), J, matrix)
-    affine_map_columns(code, numbers, truncation.order, h, np.zeros((1, n)), J, shift[:, None])
-    finite = np.isfinite(matrix).all() and np.isfinite(shift).all()
-    return AffineMap(h, matrix, shift) if finite else None
+    return AffineMap(np.empty((states, states)), np.empty(states), linear)
+
+
+@inlined
+def step_from(code, numbers, truncation, start, J):
+    """Longest step that suits the series from the state `start`."""
+    mode_jets(code, numbers, 0, truncation.order, start, J)
+    return step_length(code, truncation.order, truncation.tol, J)
+
+
+@inlined
+def select_unit_state(i, z):
+    """Make the state `z` zero but for the component `i`, which is one."""
+    for j in range(z.shape[0]):
+        z[j] = 1.0 if i == j else 0.0
+
+
+@inlined
+def change_in_step(J, order, h, change):
+    """Write the change of the states in a step of length `h` along the jets: without the start itself, so that
+    slow motions keep all digits."""
+    for i in range(change.shape[0]):
+        total = J[i, order]
+        for k in range(order - 1, 0, -1):
+            total = total * h + J[i, k]
+        change[i] = total * h
 
 
 @kernel
-def longest_common_step(code, numbers, truncation, starts, J):
-    """Longest step that suits the series of all `starts`."""
-    h = np.inf
-    for start in starts:
-        mode_jets(code, numbers, 0, truncation.order, start, J)
-        h = min(h, step_length(code, truncation.order, truncation.tol, J))
-    return h
+def fill_affine_map(system, truncation, change, z, scratch):
+    """Find the change in a step that suits every state, from the series of the unit states; returns its length.
 
-
-@kernel
-def affine_map_columns(code, numbers, order, h, starts, J, out):
-    """Write the change from each of the `starts` in a step of length `h` into the columns of `out`.
-
-    Without the start itself, so that slow motions keep all digits.
+    0 where such steps are much shorter than one from the state `z`: in overdamped scenes, once what
+    decays fast has gone; and where a number of the map is not finite.
     """
-    for j in range(starts.shape[0]):
-        mode_jets(code, numbers, 0, order, starts[j], J)
-        for i in range(out.shape[0]):
-            total = J[i, order]
-            for k in range(order - 1, 0, -1):
-                total = total * h + J[i, k]
-            out[i, j] = total * h
+    code, order, start, J = system.code, truncation.order, scratch.states, scratch.jets
+    h = math.inf
+    for i in range(code.inputs):
+        select_unit_state(i, start)
+        h = min(h, step_from(code, change.linear, truncation, start, J))
+    if h < MIN_STEP_SHARE * step_from(code, system.numbers, truncation, z, J):
+        return 0.0
+    select_unit_state(-1, start)
+    mode_jets(code, system.numbers, 0, order, start, J)
+    change_in_step(J, order, h, change.shift)
+    size = largest_magnitude(change.shift)
+    for i in range(code.inputs):
+        select_unit_state(i, start)
+        mode_jets(code, change.linear, 0, order, start, J)
+        change_in_step(J, order, h, change.matrix[i])
+        size = max(size, largest_magnitude(change.matrix[i]))
+    return h if size < math.inf else 0.0
 
 
 @inlined
@@ -112,29 +126,32 @@ def largest_magnitude(z):
 def apply_affine_map(change, z, new):
     """Move the state on; `new` is scratch."""
     for i in range(z.shape[0]):
-        total = change.shift[i]
-        for j in range(z.shape[0]):
-            total += change.matrix[i, j] * z[j]
-        new[i] = z[i] + total
-    copy_vector(new, z)
+        new[i] = change.shift[i]
+    for j in range(z.shape[0]):  # all states together: their sums do not wait for each other
+        for i in range(z.shape[0]):
+            new[i] += change.matrix[j, i] * z[j]
+    for i in range(z.shape[0]):
+        z[i] += new[i]
 
 
 @kernel
 def advance_affine(system, truncation, change, run, record, scratch):
     """Run until the end or until a buffer is full (RUNNING); the rest at the end by Taylor steps."""
     z, times, counts = run.state, run.times, run.counts
+    h = fill_affine_map(system, truncation, change, z, scratch)
+    counts[JETS_READY] = 0  # the jets at hand have been overwritten
     left = remaining_time(times)
-    while left > change.h and largest_magnitude(z) < AFFINE_STATE_LIMIT:
+    while 0.0 < h < left and largest_magnitude(z) < AFFINE_STATE_LIMIT:
         row = counts[STEPS]
         if row == record.step_modes.shape[0]:
             return RUNNING
         record.step_times[row, 0] = times[NOW]
-        record.step_times[row, 1] = change.h
+        record.step_times[row, 1] = h
         record.step_modes[row] = 0
         copy_vector(z, record.step_states[row])
         counts[STEPS] += 1
         apply_affine_map(change, z, scratch.states)
-        if not advance_clock(times, change.h, left):
+        if not advance_clock(times, h, left):
             return STALLED
         left = remaining_time(times)
     return advance_taylor(system, truncation, run, record, scratch)
@@ -217,10 +234,8 @@ class Taylor(Method):
         return run.handle_event(Truncation(self.degree, self.tol), event, record)
 
     def advance(self, run: ActiveRun, record: run_state.Record) -> int:
-        cursor, truncation = run.cursor, Truncation(self.degree, self.tol)
+        truncation, arrays = Truncation(self.degree, self.tol), (run.cursor, record, run.scratch)
         if is_affine(run.problem.program):
-            change = affine_map(run.system, truncation, cursor.state, run.scratch.jets)
-            cursor.counts[run_state.JETS_READY] = 0  # the jets at hand have been overwritten
-            if change is not None:
-                return advance_affine(run.system, truncation, change, cursor, record, run.scratch)
-        return taylor_steps.advance_taylor(run.system, truncation, cursor, record, run.scratch)
+            change = new_affine_map(run.system.numbers, len(run.cursor.state))
+            return advance_affine(run.system, truncation, change, *arrays)
+        return taylor_steps.advance_taylor(run.system, truncation, *arrays)

@@ -116,6 +116,16 @@ def linearise(code, numbers, operations, flow, z, scratch):
     tangent_jets(code, numbers, operations, 0, flow, scratch)
 
 
+@inlined
+def tangent_at(T, order, s, d, out):
+    """Write the tangent vector number `d` at time `s` after the expansion point."""
+    for i in range(out.shape[0]):
+        total = T[i, order, d]
+        for k in range(order - 1, -1, -1):
+            total = total * s + T[i, k, d]
+        out[i] = total
+
+
 @kernel
 def carry_step(code, numbers, truncation, mode, longest, z, frame, scratch):
     """Propagate the state `z` and the rows of `frame`, tangent vectors, by one step in a mode.
@@ -135,7 +145,7 @@ def carry_step(code, numbers, truncation, mode, longest, z, frame, scratch):
         step = min(step, step_length(code, order, truncation.tol, T[:, :, d]))
     states_at(J, order, step, z)
     for d in range(frame.shape[0]):
-        states_at(T[:, :, d], order, step, frame[d])
+        tangent_at(T, order, step, d, frame[d])
     return step
 
 

@@ -95,10 +95,10 @@ class ModeWriter { // function (z, constants, terms, J, order)
     if (kind === QUOTIENT) { this.of(a); this.sum(b, out, all).subtract(); return this.start(b).divide(); }
     if (kind === SQUARE) return this.square(a);
     this.sum(a, b, () => code.get(k).whole(-1).plus());
-    this.start(a);
-    this.of(b).multiply().add();
     this.of(a);
-    return this.start(b).multiply().add();
+    this.start(b).multiply().add();
+    this.start(a);
+    return this.of(b).multiply().add();
   }
 
   exponent(constant) { return this.code.get(this.constants).load(NUMBER * constant); }

@@ -3,7 +3,7 @@
 const [RUNNING, FINISHED] = [0, 1];
 const STATUS = ["stopped", "the end was reached", "no admissible mode: no mode could be entered after the last event",
   "stalled: time no longer advances", "accumulation of events", "not finite: a state overflowed"];
-const [MODE, STEPS, EVENTS, POINTS, JETS_READY] = [0, 1, 2, 3, 8];
+const [MODE, STEPS, EVENTS, POINTS] = [0, 1, 2, 3];
 const RECORDS = 24; // most records in a run, of 2048 steps each
 const SAMPLES = 4096; // most samples in a call
 const KINDS = { i8: BigInt64Array, f8: Float64Array, u4: Uint32Array, u1: Uint8Array, b1: Uint8Array };
@@ -76,7 +76,6 @@ class Solver {
     return table;
   }
 
-  number(name, given) { return this.call(name, given).floats[0]; }
 
   load(structure) { // arrays of a structure
     if (this.structure === structure) return;
@@ -90,9 +89,7 @@ class Solver {
     }
     for (const set of ["numbers", "magnitudes", "linear"]) for (const [part, length] of Object.entries(numbers)) this.array(`${set}.${part}`, "f8", [length]);
     this.array("matrix", "f8", [n, n]);
-    this.array("shift", "f8", [n, 1]);
-    this.array("unit", "f8", [n, n]);
-    this.array("zero", "f8", [1, n]);
+    this.array("shift", "f8", [n]);
     this.array("which", "i8", [SAMPLES]);
     this.array("times", "f8", [SAMPLES]);
     this.array("out", "f8", [SAMPLES, n]);
@@ -100,7 +97,6 @@ class Solver {
     new Uint8Array(this.exports.memory.buffer, this.start, this.heap - this.start).fill(0); // another structure was there
     Object.assign(this.fixed, { order, "truncation.order": order, "truncation.tol": tol });
     for (const a of structure.arrays) if (a.data) this.write(a);
-    for (let i = 0; i < n; i++) this.arrays.unit.view[i * n + i] = 1;
     this.structure = structure;
     this.useJets(structure);
   }
@@ -141,24 +137,11 @@ class Solver {
     return Object.fromEntries(names.map(([name, , axes]) => [name, axes ? sizes : SCENE.method.rounding]));
   }
 
-  affineMap() { // the change in a step that suits every state, where no mode ends and all is linear
-    const { arrays } = this, linear = { "numbers.constants": arrays["linear.constants"], "numbers.terms": arrays["linear.terms"], J: arrays["scratch.jets"] };
-    const J = { J: arrays["scratch.jets"] }, n = this.structure.states.length, state = { ...arrays["run.state"], shape: [1, n] };
-    const h = this.number("longest_common_step", { ...linear, starts: arrays.unit });
-    const usual = this.number("longest_common_step", { ...J, starts: state });
-    arrays["run.counts"].view[JETS_READY] = 0n;
-    if (h < SCENE.method.min_step_share * usual) return null;
-    this.call("affine_map_columns", { ...linear, h, starts: arrays.unit, out: arrays.matrix });
-    this.call("affine_map_columns", { ...J, h, starts: arrays.zero, out: arrays.shift });
-    return [...arrays.matrix.view, ...arrays.shift.view].every(Number.isFinite) ? h : null;
-  }
-
   advance(record) {
-    if (this.structure.affine) {
-      const h = this.affineMap(), shift = { ...this.arrays.shift, shape: [this.structure.states.length] };
-      if (h !== null) return Number(this.call("advance_affine", { ...record, "change.h": h, "change.matrix": this.arrays.matrix, "change.shift": shift }).integers[0]);
-    }
-    return Number(this.call("advance_taylor", record).integers[0]);
+    if (!this.structure.affine) return Number(this.call("advance_taylor", record).integers[0]);
+    const { arrays } = this, { matrix, shift } = arrays; // the change in a step that suits every state
+    const change = { "change.matrix": matrix, "change.shift": shift, "change.linear.constants": arrays["linear.constants"], "change.linear.terms": arrays["linear.terms"] };
+    return Number(this.call("advance_affine", { ...record, ...change }).integers[0]);
   }
 
   record(steps, events) { // room behind what has been recorded
