@@ -304,6 +304,31 @@ def work_precision_table(rows: Sequence[WorkPrecisionRow]) -> str:
     return markdown_table(" | ".join(heads), (" | ".join(_cells(row, base)[: len(heads)]) for row in rows))
 
 
+PEERS = ("heyoka", "diffrax Dopri8", "CVODE Adams", "scipy DOP853", "scipy LSODA", "PathSim RKDP87", "RK4")
+OURS = "frictionlab"
+
+
+def ratio_table(rows: Sequence[WorkPrecisionRow]) -> str:
+    """A row for each tool, a column for each scene: its times divided by ours at an error not larger."""
+    names = list(dict.fromkeys(row.scene for row in rows))
+    lines = (" | ".join([family, *(_ratio_cell(rows, name, family) for name in names)]) for family in PEERS)
+    return markdown_table(" | ".join(["tool", *names]), lines)
+
+
+def _ratio_cell(rows: Sequence[WorkPrecisionRow], scene: str, family: str) -> str:
+    here = [row for row in rows if row.scene == scene and row.family == family and row.error is not None]
+    ours = [row for row in rows if row.scene == scene and row.family == OURS]
+    return ", ".join(_ratio_text(row, ours) for row in sorted(here, key=lambda row: row.error or 0.0))
+
+
+def _ratio_text(row: WorkPrecisionRow, ours: Sequence[WorkPrecisionRow]) -> str:
+    error = row.error or 0.0
+    exact = [own.seconds for own in ours if own.seconds and (own.error or 0.0) <= error]
+    best = min(ours, key=lambda own: own.error or 0.0).seconds
+    text = f"{(row.seconds or 0.0) / (min(exact) if exact else best or 1.0):.3g}"
+    return text if exact else f"({text})"
+
+
 def _cells(row: WorkPrecisionRow, base: float | None) -> list[str]:
     if row.seconds is None or base is None:
         return [row.method, row.note, *[""] * 6]

@@ -18,6 +18,7 @@ from frictionlab.file_writing import write_text
 from frictionlab.hybrid.methods.taylor import Taylor
 
 PAGE, PICTURE = "performance.md", Path("images", "performance.png")
+GROWTH_PICTURE = Path("images", "growth.png")
 
 HEAD = """\
 # Performance
@@ -28,6 +29,13 @@ pictures. Times are medians of interleaved runs on one core, the caches warm; th
 than {slow:g} s are measured once. What the tools compile is compiled before. `frictionlab bench --quick`
 takes a fraction of the time. Load average of the machine when it began and when the scenes were done, of
 which one is this command's own work: {loads}.
+
+## How many times our time
+
+{ratios}
+A number is the tool's wall time divided by ours, for each of its tolerances, the tighter one first. Ours is
+the shortest of our own runs whose error is not larger than the tool's, so that nothing is gained by being
+less exact; where all of ours have a larger error, our most exact one, in brackets.
 
 ## Run time against error
 
@@ -140,6 +148,26 @@ slider moves, and plots are drawn in turns where all of them would take longer t
 
 """
 
+SHARES = """\
+
+## Where the time goes
+
+One run at a tolerance of 1e-15. Jets are the Taylor coefficients of all steps; the floor is the time in which
+one core does as many multiplications and additions in a product of matrices, which fuses the two (we do not,
+as not every processor does). Each coefficient of a jet needs those before it, which keeps a single run from
+that floor. An event is its location, its reset and the choice of the next mode, and what the guards cost in
+all steps.
+
+"""
+
+GROWTH = """\
+
+## How it grows
+
+![Time and memory against sizes]({picture})
+
+"""
+
 TAIL = """\
 
 ## How it is fast
@@ -163,17 +191,28 @@ def load_average() -> str:
     return f"{os.getloadavg()[0]:.1f}" if hasattr(os, "getloadavg") else "unknown"
 
 
+def folded(title: str, text: str) -> str:
+    """A part of the page that is opened by a click."""
+    return f"\n<details>\n<summary>{title}</summary>\n\n{text}\n</details>\n"
+
+
 def write_performance(
     folder: Path, rows: Sequence[WorkPrecisionRow], tables: Sequence[str], loads: Sequence[str]
 ) -> Path:
-    """Write the page and its picture; `tables` come in the order of their heads above."""
+    """Write the page and its picture; `tables` come in the order of their heads below."""
     (folder / PICTURE.parent).mkdir(parents=True, exist_ok=True)
     page_figures.draw_work_precision(rows).savefig(folder / PICTURE, dpi=110)
-    text = HEAD.format(slow=harness.SINGLE_RUN_ABOVE, picture=PICTURE.as_posix(), loads=", ".join(loads))
+    text = HEAD.format(
+        slow=harness.SINGLE_RUN_ABOVE,
+        picture=PICTURE.as_posix(),
+        loads=", ".join(loads),
+        ratios=harness.ratio_table(rows),
+    )
     for name, scene in scenes().items():
         table = harness.work_precision_table([row for row in rows if row.scene == name])
-        text += f"\n### {name}: {scene.text}, {scene.t_end:.5g} s\n\n{table}\n"
+        text += folded(f"{name}: {scene.text}, {scene.t_end:.5g} s", table)
     heads = (
+        SHARES,
         SWITCHES,
         NATIVE,
         MANY,
@@ -183,6 +222,7 @@ def write_performance(
         BASINS.format(share=EQUILIBRIUM_SHARE),
         EXPLORER,
         PAGES,
+        GROWTH.format(picture=GROWTH_PICTURE.as_posix()),
     )
     for head, table in zip(heads, tables, strict=True):
         text += f"{head}{table}\n"

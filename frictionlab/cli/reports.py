@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
@@ -231,9 +232,9 @@ def _measure_and_write(chosen: argparse.Namespace, measured: Sequence[Any]) -> N
     rows = _measure_scenes(chosen, measured)
     loads.append(performance_page.load_average())
     switched = [] if chosen.scene else single_costs.nonlinearity_costs(repeats=3 if chosen.quick else 15)
-    tables = [] if chosen.scene else _measure_others(chosen.quick, switched)
-    if chosen.output:
-        folder = Path(chosen.output)
+    folder = Path(chosen.output) if chosen.output else None
+    tables = [] if chosen.scene else _measure_others(chosen.quick, switched, folder)
+    if folder is not None:
         written = (
             performance_page.write_performance(folder, rows, tables, loads),
             performance_page.write_exact_and_fast(folder, rows, switched),
@@ -259,8 +260,8 @@ def _measure_scenes(chosen: argparse.Namespace, measured: Sequence[Any]) -> list
     return rows
 
 
-def _measure_others(quick: bool, switched: list[Any]) -> list[str]:
-    from frictionlab.bench import many_runs, single_costs
+def _measure_others(quick: bool, switched: list[Any], folder: Path | None) -> list[str]:
+    from frictionlab.bench import many_runs, single_costs, time_shares
 
     def costs() -> str:
         starts = single_costs.starts(repeats)
@@ -268,6 +269,9 @@ def _measure_others(quick: bool, switched: list[Any]) -> list[str]:
 
     repeats = 1 if quick else 3
     measured = {
+        "Where the time goes": lambda: time_shares.time_share_table(
+            time_shares.time_shares(repeats=5 * repeats)
+        ),
         "What each nonlinearity costs": costs,
         "Native code": lambda: single_costs.native_table(single_costs.native_code_times(repeats)),
         "Many runs": lambda: many_runs.ensemble_table(many_runs.ensemble_times(repeats=repeats)),
@@ -279,6 +283,7 @@ def _measure_others(quick: bool, switched: list[Any]) -> list[str]:
         "Basins": lambda: many_runs.basin_table(many_runs.basin_times(10_000, 20 if quick else 200)),
         "A step of an explorer's slider": lambda: _explorer_table(3 if quick else 10),
         "A slider of an exported page": lambda: _page_table(20 if quick else 100),
+        "Growth": lambda: _growth_table(folder, 1e4 if quick else math.inf),
     }
     tables = []
     for title, measure in measured.items():
@@ -299,6 +304,17 @@ def _page_table(count: int) -> str:
     from frictionlab.bench import response_times
 
     return response_times.page_table(response_times.page_frames(count))
+
+
+def _growth_table(folder: Path | None, largest: float) -> str:
+    from frictionlab.bench import growth, performance_page
+
+    rows = growth.growths(largest)
+    if folder is not None:
+        file = folder / performance_page.GROWTH_PICTURE
+        file.parent.mkdir(parents=True, exist_ok=True)
+        growth.draw_growths(rows).savefig(file, dpi=110)
+    return growth.growth_table(rows)
 
 
 def _explorer_table(count: int) -> str:

@@ -141,7 +141,7 @@ def _diffrax(rtol: float) -> BenchMethod:
 
 
 METHODS = (
-    *map(_taylor, (1e-15, 1e-10, 1e-6)),
+    *map(_taylor, (1e-15, 1e-12, 1e-9, 1e-6)),
     _order(20),
     _interpreted(1e-15),
     *map(_rk4, (1e-3, 1e-4, 2e-5)),

@@ -1,9 +1,9 @@
 """Machine code of a whole step without an event, for several runs side by side.
 
 Every value is a vector with one number for each run (lane).  The operations are those of one run, in the same
-sequence (`jet_codegen`, :func:`step_length.step_length`, :func:`event_location.lower_bound_of_guard`), so a lane's
-numbers are those that the run would have alone, to the last bit.  A lane with an event or a rare case is
-marked, and its state is left unchanged for the kernels of single runs.
+sequence (`jet_codegen`, :func:`step_length.step_length`, :func:`event_location.lower_bound_of_guard`), so the
+numbers of a lane are those that the run would have alone, to the last bit.  A lane with an event or a rare
+case is marked, and its state is left unchanged for the kernels of single runs.
 """
 
 from __future__ import annotations

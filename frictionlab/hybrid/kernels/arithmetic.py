@@ -85,7 +85,7 @@ def magnitudes(ir: Any, build: Any, values: Any) -> Any:
 
 
 def sum_by_fours(ir: Any, build: Any, row: Any, groups: Any, last: Any, s: Any, of: Any) -> Any:
-    """Instructions of :func:`sum_of_series` for the coefficients from `row` on, or for what is made `of` them."""
+    """Instructions of :func:`sum_of_series` for what is made `of` the coefficients from `row` on."""
     kind, half = ir.VectorType(ir.DoubleType(), PARTS), ir.IntType(32)
     square = build.fmul(s, s)
     four = spread(ir, build, build.fmul(square, square))

@@ -25,6 +25,7 @@ from frictionlab.hybrid.kernels.jets import (
     series_change,
     series_range,
     states_at,
+    value_and_slope,
 )
 
 MAX_DEPTH = 60  # nested halvings, so at most as many intervals wait
@@ -67,22 +68,42 @@ def monomials_in_bernstein_form(order: int) -> np.ndarray:
 
 
 @kernel
-def to_bernstein(a, n, monomials, b):
-    """Bernstein coefficients `b` on [0, 1] of the polynomial sum a[k] x^k of degree `n`.
+def low_degree_to_bernstein(a, n, b):
+    """Bernstein coefficients `b` on [0, 1] of the polynomial sum a[k] x^k of degree `n`, in few operations.
 
-    They are of the degree of the table of `monomials`, which may be higher: the bound on the number of
-    roots is then as good or better.
+    Those of a low degree are often without a rounding error, so that double roots are seen as such.
+    """
+    binomial = 1.0
+    for k in range(n + 1):
+        b[k] = a[k] / binomial
+        binomial = binomial * (n - k) / (k + 1)
+    for i in range(1, n + 1):
+        for j in range(n, i - 1, -1):
+            b[j] += b[j - 1]
+
+
+@kernel
+def to_bernstein(a, n, monomials, b):
+    """Bernstein coefficients `b` on [0, 1] of the polynomial sum a[k] x^k of degree `n`; gives their degree.
+
+    That of the table of `monomials` where it is not much higher, which takes no more roots for possible.
     """
     degree = monomials.shape[0] - 1
-    total = a[0]
-    for j in range(degree + 1):
-        b[j] = a[0]
-    for k in range(1, n + 1):
-        c = a[k]
-        total += c
-        for j in range(degree + 1):  # below j = k the table is zero; from 0 on it takes whole vectors
-            b[j] += monomials[k, j] * c
-    b[degree] = total  # the value at 1, whose terms come in one sequence whatever the degree
+    if 2 * n <= degree:
+        low_degree_to_bernstein(a, n, b)
+        degree = n
+    else:
+        for j in range(degree + 1):
+            b[j] = a[0]
+        for k in range(1, n + 1):
+            c = a[k]
+            for j in range(degree + 1):  # below j = k the table is zero; from 0 on it takes whole vectors
+                b[j] += monomials[k, j] * c
+    total = 0.0
+    for k in range(n + 1):
+        total += a[k]
+    b[degree] = total  # the value at 1, without the rounding errors above
+    return degree
 
 
 @kernel
@@ -121,21 +142,6 @@ def control_polygon_root(b, n, lo, hi):
                 return lo + (hi - lo) * share
             last = j
     return 0.5 * (lo + hi)
-
-
-@inlined
-def value_and_slope(a, n, x):
-    """Value and derivative of sum a[k] x^k; even and odd powers apart, whose sums do not wait for each other."""
-    y = x * x
-    last = n // 2
-    even, even_slope = a[2 * last], 0.0
-    odd, odd_slope = a[n] if n % 2 == 1 else 0.0, 0.0
-    for i in range(last - 1, -1, -1):
-        even_slope = even_slope * y + even
-        even = even * y + a[2 * i]
-        odd_slope = odd_slope * y + odd
-        odd = odd * y + a[2 * i + 1]
-    return even + x * odd, (odd + 2.0 * y * odd_slope) + 2.0 * x * even_slope
 
 
 @kernel
@@ -179,8 +185,9 @@ def isolate_roots(n, limit, roots):
     """
     count = 0
     a, stack, bounds = roots.scaled, roots.stack, roots.intervals
-    degree = roots.monomials.shape[0] - 1
-    to_bernstein(a, n, roots.monomials, stack[0])
+    while n > 0 and a[n] == 0.0:
+        n -= 1
+    degree = to_bernstein(a, n, roots.monomials, stack[0])
     bounds[0, 0] = 0.0
     bounds[0, 1] = 1.0
     top = 0
@@ -220,9 +227,7 @@ def isolate_roots(n, limit, roots):
 COEFFICIENT_ROUNDING = 64 * MACHINE_EPSILON
 GUARD_ROUNDING = 8 * MACHINE_EPSILON  # a guard below this share of its terms is at its zero
 LOW_ORDER = 2  # orders that nearly always decide, examined first
-SUSPECT_SHARE = (
-    1e-9  # below this share of its terms, a leading coefficient is compared with its rounding error
-)
+SUSPECT_SHARE = 1e-9  # of its terms: a smaller leading coefficient is compared with its rounding error
 NEWTON_STEPS = 12  # steps of Newton's method; one does where the tolerance is 1e-15
 NO_GUARD = -1
 

@@ -219,6 +219,21 @@ def polynomial_slope(c, n, s):
 
 
 @inlined
+def value_and_slope(a, n, x):
+    """Value and slope of sum a[k] x^k; even and odd powers apart, whose sums do not wait for each other."""
+    y = x * x
+    last = n // 2
+    even, even_slope = a[2 * last], 0.0
+    odd, odd_slope = a[n] if n % 2 == 1 else 0.0, 0.0
+    for i in range(last - 1, -1, -1):
+        even_slope = even_slope * y + even
+        even = even * y + a[2 * i]
+        odd_slope = odd_slope * y + odd
+        odd = odd * y + a[2 * i + 1]
+    return even + x * odd, (odd + 2.0 * y * odd_slope) + 2.0 * x * even_slope
+
+
+@inlined
 def copy_vector(source, target):
     """Copy a vector; numba compiles a loop much faster than an assignment to a slice."""
     for i in range(source.shape[0]):

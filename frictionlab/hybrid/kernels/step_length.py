@@ -113,7 +113,7 @@ def whole_power(h, n):
 
 @kernel
 def series_step(J, slot, order, tol, h):
-    """Longest step up to `h` in which the last two terms of a series stay below `tol` times the sum of all."""
+    """Longest step up to `h` in which the last two terms of a series stay below `tol` times all terms."""
     for _ in range(20):
         size = abs(J[slot, 0]) + series_range(J, slot, order, h)
         last = max(abs(J[slot, order - 1]), abs(J[slot, order]) * h) * whole_power(h, order - 1)

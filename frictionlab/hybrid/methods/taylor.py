@@ -33,7 +33,7 @@ from frictionlab.hybrid.kernels.step_length import step_length
 from frictionlab.hybrid.kernels.taylor_steps import advance_taylor
 from frictionlab.hybrid.methods.base import ActiveRun, Method
 from frictionlab.hybrid.tape.functions import AFFINE
-from frictionlab.hybrid.tape.program import Numbers, Program, System
+from frictionlab.hybrid.tape.program import Numbers, Program
 from frictionlab.validation import check_choice, check_number, store_plain_numbers
 
 MIN_STEP_SHARE = 0.5  # of the length of a Taylor step
@@ -78,8 +78,10 @@ def select_unit_state(i, z):
 
 @inlined
 def change_in_step(J, order, h, change):
-    """Write the change of the states in a step of length `h` along the jets: without the start itself, so that
-    slow motions keep all digits."""
+    """Write the change of the states in a step along the jets.
+
+    Without the start itself, so that slow motions keep all digits.
+    """
     for i in range(change.shape[0]):
         total = J[i, order]
         for k in range(order - 1, 0, -1):
@@ -89,7 +91,7 @@ def change_in_step(J, order, h, change):
 
 @kernel
 def fill_affine_map(system, truncation, change, z, scratch):
-    """Find the change in a step that suits every state, from the series of the unit states; returns its length.
+    """Find the change in a step that suits every state, by the series of the unit states; gives its length.
 
     0 where such steps are much shorter than one from the state `z`: in overdamped scenes, once what
     decays fast has gone; and where a number of the map is not finite.
