@@ -92,7 +92,7 @@ ROUNDING_OF_EVENT_STATE = 4096 * MACHINE_EPSILON
 
 
 def initial_mode(run: ActiveRun, order: int) -> Selection:
-    """First admissible mode at the initial state; leaves its jets in the scratch arrays.
+    """First admissible mode at the initial state; leaves the jets that it looked at in the scratch arrays.
 
     Raises
     ------
@@ -100,7 +100,11 @@ def initial_mode(run: ActiveRun, order: int) -> Selection:
         Where the mode that was asked for cannot be entered there.
     """
     problem, scratch = run.problem, run.scratch
-    program, system = problem.program, run.without_native_code().system
+    program = problem.program
+    if run.queue is None and not program.code.function_slots.size:  # nothing keeps the mode from being entered
+        run.cursor.counts[run_state.JETS_READY] = 0
+        return Selection(int(program.initial[0]) if problem.mode is None else problem.mode, NO_MODE)
+    system = run.without_native_code().system
     forget_zeros(scratch)
     rounding = Rounding(problem.x0, COEFFICIENT_ROUNDING)
     if problem.mode is None and run.queue is not None:
