@@ -101,7 +101,7 @@ def initial_mode(run: ActiveRun, order: int) -> Selection:
     """
     problem, scratch = run.problem, run.scratch
     program = problem.program
-    if run.queue is None and not program.code.function_slots.size:  # nothing keeps the mode from being entered
+    if run.queue is None and not program.code.function_slots.size:  # nothing keeps a mode from being chosen
         run.cursor.counts[run_state.JETS_READY] = 0
         return Selection(int(program.initial[0]) if problem.mode is None else problem.mode, NO_MODE)
     system = run.without_native_code().system
