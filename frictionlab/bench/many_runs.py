@@ -12,6 +12,7 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
+from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
@@ -30,14 +31,17 @@ from frictionlab.bench.harness import (
     warm_up,
     warm_up_lanes,
 )
+from frictionlab.bench.peers.adapters import Heyoka
 from frictionlab.bench.peers.external import compile_peer
 from frictionlab.hybrid.methods.base import Method
 from frictionlab.hybrid.methods.one_step import RK4
 from frictionlab.hybrid.methods.taylor import Taylor
+from frictionlab.hybrid.solve import solve
 from frictionlab.presentation import markdown_table
 
 MU_K = np.round(np.arange(1, 61) * 0.05, 10)
 SWEEP_STARTS = ("rest", "near")
+HEYOKA_TOLERANCES = (1e-15, 1e-9)
 FIXED_STEP_STRIDE = 10  # the method of fixed steps runs one value in so many; its time is scaled up
 
 
@@ -131,7 +135,22 @@ def sweep_times(t_end: float = 300.0, repeats: int = 3) -> list[SweepRow]:
         [partial(run_sweep, values, t_end, m, n) for _, m, values, n in ways], repeats
     )
     scaled = [s * len(MU_K) / len(values) for s, (_, _, values, _) in zip(seconds, ways, strict=True)]
-    return [SweepRow(name, s, 2 * len(values)) for s, (name, _, values, _) in zip(scaled, ways, strict=True)]
+    rows = [SweepRow(name, s, 2 * len(values)) for s, (name, _, values, _) in zip(scaled, ways, strict=True)]
+    return rows + [_heyoka_sweep(some, t_end, tol) for tol in HEYOKA_TOLERANCES if find_spec("heyoka")]
+
+
+def _heyoka_sweep(values: Any, t_end: float, tol: float) -> SweepRow:
+    """One run after another, with equations compiled for each value before."""
+    models = [FULL_GAP_RATE_SLIDER.replace(mu_k=float(mu_k)) for mu_k in values]
+    methods = [Heyoka(model.automaton(), tol) for model in models]
+    for method in methods:
+        method.prepare(np.zeros(len(method.automaton.states)))
+    begin = time.perf_counter()
+    for model, method in zip(models, methods, strict=True):
+        for start in SWEEP_STARTS:
+            _final_state(model, start, t_end, method)
+    seconds = (time.perf_counter() - begin) * len(MU_K) / len(values)
+    return SweepRow(f"heyoka, tol {tol:.0e}, one worker", seconds, len(SWEEP_STARTS) * len(values))
 
 
 def run_sweep(values: Any, t_end: float, method: Method, workers: int) -> Sweep:
@@ -151,10 +170,8 @@ def sweep_table(rows: Sequence[SweepRow]) -> str:
     return markdown_table("Fig. 9's sweep, 120 runs | wall time | x | runs timed", lines)
 
 
-BELT_SPEED, EQUILIBRIUM_SHARE = (
-    1.5,
-    0.30713,
-)  # share of the initial states that go to the equilibrium, known independently
+BELT_SPEED = 1.5
+EQUILIBRIUM_SHARE = 0.30713  # of the initial states that go to the equilibrium, known independently
 RANGES = {"x": (-2.0, 2.0), "v": (0.0, 2.0)}
 WIDTHS = (1.0, 1e-1, 1e-2)
 T_END = 300.0  # of every run of the smooth model
@@ -200,28 +217,59 @@ def basin_times(samples: int = 10_000, some: int = 200, widths: Sequence[float] 
     seconds = time.perf_counter() - begin
     resting = np.take([a.kind == MotionKind.EQUILIBRIUM for a in found.attractors], found.labels)
     rows = [BasinRow("exact", seconds, samples, float(resting.mean()), 0)]
-    return rows + [_smooth_row(width, found.points[:some], resting[:some]) for width in widths]
+    starts, resting = found.points[:some], resting[:some]
+    rows += [_hybrid_row(*way, starts, resting) for way in _hybrid_methods()]
+    return rows + [_smooth_row(width, starts, resting) for width in widths]
+
+
+def _hybrid_methods() -> list[tuple[str, Method]]:
+    """Other methods for the same automaton."""
+    found: list[tuple[str, Method]] = [("RK4, step 1e-3 s", RK4(step=1e-3))]
+    if find_spec("heyoka"):
+        found += [
+            (f"heyoka, tol {tol:.0e}", Heyoka(oscillator(BELT_SPEED), tol)) for tol in HEYOKA_TOLERANCES
+        ]
+    return found
+
+
+def _hybrid_row(name: str, method: Method, starts: np.ndarray, resting: np.ndarray) -> BasinRow:
+    automaton = oscillator(BELT_SPEED)
+    if isinstance(method, Heyoka):
+        method.prepare(np.array(_complete(starts[0])))
+
+    def end(start: np.ndarray, t_end: float) -> np.ndarray:
+        return solve(automaton, t_end, x0=_complete(start), method=method, progress=False).final_state
+
+    end(starts[0], 1.0)  # compiles
+    begin = time.perf_counter()
+    ends = np.array([end(start, T_END) for start in starts])
+    return _basin_row(name, time.perf_counter() - begin, ends, resting)
 
 
 def exact(samples: int = 500) -> BasinStability:
     """Basin stability of the automaton."""
-
-    def complete(z: Any) -> list[float]:
-        return [z[0], z[1], float(np.exp(-2.0 * abs(z[1] - BELT_SPEED)))]
-
-    options: dict[str, Any] = {"x0": complete, "transient": 1000.0, "workers": 1, "progress": False}
+    options: dict[str, Any] = {"x0": _complete, "transient": 1000.0, "workers": 1, "progress": False}
     return basin_stability(oscillator(BELT_SPEED), RANGES, samples, **options)
 
 
+def _complete(z: Any) -> list[float]:
+    """The state of the oscillator with its third component."""
+    return [z[0], z[1], float(np.exp(-2.0 * abs(z[1] - BELT_SPEED)))]
+
+
+def _basin_row(name: str, seconds: float, ends: np.ndarray, resting: np.ndarray) -> BasinRow:
+    """A row from the states at the end."""
+    at = (1.0 + np.exp(-2.0 * BELT_SPEED)) / 2.0
+    found = np.hypot(ends[:, 0] - at, ends[:, 1]) < REST_DISTANCE
+    return BasinRow(name, seconds, len(ends), float(found.mean()), int((found != resting).sum()))
+
+
 def _smooth_row(width: float, starts: np.ndarray, resting: np.ndarray) -> BasinRow:
-    flow, at = smooth_flow(width), (1.0 + np.exp(-2.0 * BELT_SPEED)) / 2.0
+    flow = smooth_flow(width)
     ends = [_end_of_flow(flow, starts[0], 1.0)]  # compiles
     begin = time.perf_counter()
     ends = np.array([_end_of_flow(flow, start, T_END) for start in starts])
-    seconds = time.perf_counter() - begin
-    found = np.hypot(ends[:, 0] - at, ends[:, 1]) < REST_DISTANCE
-    wrong = int((found != resting).sum())
-    return BasinRow(f"tanh, width {width:g}, LSODA", seconds, len(starts), float(found.mean()), wrong)
+    return _basin_row(f"tanh, width {width:g}, LSODA", time.perf_counter() - begin, ends, resting)
 
 
 def smooth_flow(width: float) -> Callable[..., Any]:

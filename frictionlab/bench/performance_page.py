@@ -89,8 +89,10 @@ SWEEP = """\
 
 ## Fig. 9's sweep
 
-60 values of mu_k, from rest and from near the equilibrium, 300 s each, scene B otherwise. A fixed step
-runs one value in ten and is scaled up. Two workers are two threads: the kernels hold no GIL.
+60 values of mu_k, from rest and from near the equilibrium, 300 s each, scene B otherwise. A fixed step and
+heyoka run one value in ten and are scaled up. heyoka's equations are compiled for each value before; its
+batch mode holds runs of one mode only, and does not go on where their events fall apart. Two workers are two
+threads: the kernels hold no GIL.
 
 """
 
@@ -120,9 +122,9 @@ BASINS = """\
 ## Basins of attraction
 
 Share of random initial states of the bistable oscillator (belt at 1.5) that comes to rest; {share} is known
-independently. The exact runs end as soon as they are on an attractor. Those of the model made smooth,
-tanh(v_r/width) for the sign of friction, all last 300 s, by scipy's LSODA with a compiled right-hand side and
-a relative tolerance of 1e-6. One worker; the column "x" is of this run.
+independently. The exact runs end as soon as they are on an attractor; all others last 300 s: RK4 and heyoka
+with the same automaton, and the model made smooth, tanh(v_r/width) for the sign of friction, by scipy's LSODA
+with a compiled right-hand side and a relative tolerance of 1e-6. One worker; the column "x" is of this run.
 
 """
 
