@@ -122,6 +122,10 @@ def initial_mode(run: ActiveRun, order: int) -> Selection:
     return selection
 
 
+def _as_data(value: Any) -> Any:
+    return asdict(value) if is_dataclass(value) and not isinstance(value, type) else value
+
+
 @dataclass(frozen=True)
 class Method(ABC):
     """Base of all methods; runs the loop and keeps the records."""
@@ -157,7 +161,7 @@ class Method(ABC):
     def describe(self) -> dict[str, Any]:
         """Name and settings, for the record."""
         settings = {each.name: getattr(self, each.name) for each in fields(self)}
-        return {"name": self.name} | {n: asdict(v) if is_dataclass(v) else v for n, v in settings.items()}
+        return {"name": self.name} | {name: _as_data(value) for name, value in settings.items()}
 
     def check_caps(self) -> None:
         """Raise ValueError unless the caps are positive integers."""

@@ -2,12 +2,18 @@
 
 from fractions import Fraction
 
+import mpmath
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from frictionlab.hybrid.kernels.event_location import isolate_roots, new_root_scratch
+from frictionlab.hybrid.kernels.event_location import (
+    isolate_roots,
+    monomials_in_bernstein_form,
+    new_root_scratch,
+    to_bernstein,
+)
 
 pytestmark = pytest.mark.plain_python
 
@@ -148,3 +154,41 @@ def test_a_high_order_series_has_the_roots_of_its_function(terms):
     found, multiplicity = find(cosine)
     assert found == pytest.approx([0.5], rel=1e-14)
     assert multiplicity.tolist() == [1]
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_first_root_is_as_exact_as_its_coefficients_allow(seed):
+    """Against mpmath, along decaying series such as a step has; a bisection must not end the search."""
+    random = np.random.default_rng(seed)
+    for _ in range(150):
+        a = random.normal(size=27) * 0.3 ** np.arange(27)
+        a[0] = abs(a[0]) * random.choice([1.0, 1e-3, 1e-6])
+        places, multiplicity = find(a, limit=1)
+        if len(places) and multiplicity[0] == 1:
+            x = float(places[0])
+            with mpmath.workdps(40):
+                value = mpmath.polyval([mpmath.mpf(c) for c in a[::-1]], x)
+                slope = mpmath.polyval([k * mpmath.mpf(a[k]) for k in range(26, 0, -1)], x)
+                error = abs(float(value / slope))
+            size = np.abs(a) @ x ** np.arange(27)
+            assert error <= 4 * EPS * (x + size / abs(float(slope)))
+
+
+def test_a_double_root_of_a_low_degree_is_seen_in_a_series_of_a_high_order():
+    places, multiplicity = find([1.0, -4.0, 4.0, *[0.0] * 24])
+    assert places.tolist() == [0.5]
+    assert multiplicity.tolist() == [2]
+
+
+def test_bernstein_forms_of_a_table_and_of_a_low_degree_are_one_polynomial():
+    """At the ends and in the mean: both are the polynomial's own."""
+    a = np.random.default_rng(1).normal(size=14)
+    scratch, plain = np.zeros(27), np.zeros(14)
+    degree = to_bernstein(a, 13, monomials_in_bernstein_form(13), plain)
+    assert degree == 13
+    degree = to_bernstein(a, 13, monomials_in_bernstein_form(25), scratch[:26])
+    assert degree == 25
+    for b in (plain, scratch[:26]):
+        assert b[0] == a[0]
+        assert b[-1] == pytest.approx(a.sum(), abs=1e-14)
+        assert b.mean() == pytest.approx(np.sum(a / np.arange(1, 15)), abs=1e-13)
