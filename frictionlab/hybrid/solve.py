@@ -146,7 +146,7 @@ def run_automaton(
     t_end = check_number("t_end", t_end, above=0.0, cure="give the length of the run in seconds")
     state, times = _states(automaton, x0), _times(options.t_eval, t_end)
     asked = _records(automaton, options) if options.sections or options.quadratures else ({}, {})
-    if any(asked) and not method.riders:
+    if any(asked) and not method.records_sections:
         raise ValueError(f"sections and quadratures need method='taylor', got {method!r}: change the method")
     automaton = with_chatter_limit(automaton, method.limits[1])
     if options.mode is not None:

@@ -264,9 +264,9 @@ def _run_window(model: Any, x0: Any, chosen: SteadyStateOptions, progress: bool)
     method = chosen.solver
     options: dict[str, Any] = {"method": method, "progress": progress, "source": model}
     automaton, point = automaton_of(model), equilibrium_coordinates(model)
-    if method.riders:
+    if method.records_sections:
         options["sections"] = sections_to_record(automaton, chosen.section)
-    if method.riders and point is not None:
+    if method.records_sections and point is not None:
         automaton = with_equilibrium_parameters(automaton, point)
         options["quadratures"] = squared_distance(automaton)
     return solve(automaton, chosen.window, x0=x0, **options)

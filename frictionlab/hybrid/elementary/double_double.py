@@ -20,7 +20,9 @@ FRACTION_MASK = (1 << FRACTION_BITS) - 1
 BITS_OF_ONE = EXPONENT_BIAS << FRACTION_BITS
 SMALLEST_NORMAL = 2.2250738585072014e-308
 TWO54 = 18014398509481984.0  # makes subnormal numbers normal
-ROUNDING = 6755399441055744.0  # 1.5 2^52: added and taken away again, it rounds to an integer below 2^51
+ROUND_TO_INTEGER = (
+    6755399441055744.0  # 1.5 2^52: added and taken away again, it rounds to an integer below 2^51
+)
 
 
 def _plain_float_to_bits(x):
@@ -65,7 +67,7 @@ float_to_bits, bits_to_float = (
 @inlined
 def round_to_integer(x):
     """The integer next to a number below 2^51, as a number; of two the even one."""
-    return (x + ROUNDING) - ROUNDING
+    return (x + ROUND_TO_INTEGER) - ROUND_TO_INTEGER
 
 
 @inlined

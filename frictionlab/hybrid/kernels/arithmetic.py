@@ -16,7 +16,7 @@ from frictionlab.hybrid.elementary.double_double import (
     BITS_OF_ONE,
     EXPONENT_BIAS,
     FRACTION_BITS,
-    ROUNDING,
+    ROUND_TO_INTEGER,
     bits_to_float,
     float_to_bits,
 )
@@ -63,7 +63,7 @@ def _plain_log2(x):
 def _plain_exp2(x):
     x = float(x) if x > -EXPONENT_LIMIT else -EXPONENT_LIMIT
     x = x if x < EXPONENT_LIMIT else EXPONENT_LIMIT
-    floor = ((x - 0.5) + ROUNDING) - ROUNDING
+    floor = ((x - 0.5) + ROUND_TO_INTEGER) - ROUND_TO_INTEGER
     part = x - floor
     value = (part + 1.0) + _plain_correction(part, EXP2_COEFFICIENTS)
     return bits_to_float(float_to_bits(value) + (int(floor) << FRACTION_BITS))

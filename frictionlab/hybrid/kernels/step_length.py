@@ -14,6 +14,7 @@ import math
 from frictionlab.hybrid.compilation import inlined, kernel
 from frictionlab.hybrid.kernels.arithmetic import PARTS, exp2, log2
 from frictionlab.hybrid.kernels.jets import (
+    MACHINE_EPSILON,
     has_series,
     majorant,
     mode_jets,
@@ -146,7 +147,6 @@ MIN_USEFUL_ORDER = 4  # orders below which a series is not worth while
 INSTANT = (
     1e-11  # s: errors within so short a time are measured by what moves in it, not by what has moved yet
 )
-ROUNDING = 2.220446049250313e-16  # of a base, as a share of its terms
 LOG2_LARGEST_COEFFICIENT = 960.0  # near the 1e290 beyond which a power counts as without a series (jets)
 
 
@@ -221,7 +221,7 @@ def unresolved_time(code, magnitudes, mode, z, J, bounds):
     for i in range(first, code.mode_ops[mode + 1]):
         if code.ops[i, 0] == POWER:
             a = code.ops[i, 1]
-            error = ROUNDING * bounds[a, 0]
+            error = MACHINE_EPSILON * bounds[a, 0]
             if abs(J[a, 0]) <= error:
                 longest = min(longest, error / abs(J[a, 1]), math.sqrt(error / abs(J[a, 2])))
     return longest if longest < math.inf else 0.0

@@ -54,7 +54,7 @@ class ActiveRun:
     """
 
     problem: Problem
-    natives: NativeCode
+    native: NativeCode
     system: System  # with the addresses of native code
     cursor: run_state.RunState
     scratch: run_state.Scratch
@@ -131,7 +131,7 @@ class Method(ABC):
     """Base of all methods; runs the loop and keeps the records."""
 
     name: ClassVar[str]
-    riders: ClassVar[bool] = False  # whether the method records sections and integrates quadratures
+    records_sections: ClassVar[bool] = False  # whether the method records sections and integrates quadratures
     entry: ClassVar[Any]  # the kernel that takes longest to compile
     parts: ClassVar[int] = 1  # samples a step is cut into where no t_eval is given
 
@@ -190,7 +190,7 @@ class Method(ABC):
             counts[_COUNTED] = 0
             end = int(self._advance_or_enter(run, record))
             run = replace(run, event=None) if run.event is not None else run
-            run.natives.used(record.step_modes[: counts[run_state.STEPS]])
+            run.native.used(record.step_modes[: counts[run_state.STEPS]])
             pieces.add(record, *counts[_COUNTED])
             status = self._status(STATUS_OF_CODE.get(end, Status.RUNNING), pieces)
             if progress.update(times[run_state.NOW]) and status is Status.RUNNING:
@@ -224,9 +224,9 @@ class Method(ABC):
         self, problem: Problem, cursor: run_state.RunState, event: GuardZero | None = None
     ) -> ActiveRun:
         program = problem.program
-        natives, system = native_code(program), system_of(program.code, problem.numbers)
+        native, system = native_code(program), system_of(program.code, problem.numbers)
         scratch, queue = new_scratch(program.slots, program.code, self.degree), new_queue(program.demand)
-        return ActiveRun(problem, natives, system._replace(code=natives.code), cursor, scratch, queue, event)
+        return ActiveRun(problem, native, system._replace(code=native.code), cursor, scratch, queue, event)
 
     def _record(self, run: ActiveRun, pieces: RecordList, last: run_state.Record | None) -> run_state.Record:
         """A record to fill: the last one again where nothing was kept of it but copies.

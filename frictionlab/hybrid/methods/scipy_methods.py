@@ -103,7 +103,7 @@ class Scipy(Method):
         from scipy import integrate
 
         problem, cursor = run.problem, run.cursor
-        code, mode = run.natives.code, int(cursor.counts[run_state.MODE])
+        code, mode = run.native.code, int(cursor.counts[run_state.MODE])
 
         at, rate = np.empty_like(cursor.state), np.empty_like(cursor.state)
         arguments = (code, problem.numbers, mode, at, run.scratch.jets, rate)
@@ -138,7 +138,7 @@ class _Guards:
         self._guards = range(code.mode_guards[self._mode], code.mode_guards[self._mode + 1])
 
     def _values(self, z: np.ndarray) -> np.ndarray:
-        run, code = self._run, self._run.natives.code
+        run, code = self._run, self._run.native.code
         state_rates(
             code, run.problem.numbers, self._mode, np.ascontiguousarray(z), run.scratch.jets, np.empty_like(z)
         )

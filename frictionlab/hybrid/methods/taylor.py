@@ -51,9 +51,9 @@ class AffineMap(NamedTuple):
 def is_affine(program: Program) -> bool:
     """Whether one map serves for all steps: no events, sections or integrals, and affine operations only."""
     code = program.code
-    riders = code.sections.size > 0 or code.inputs > code.groups[3]
+    asked = code.sections.size > 0 or code.inputs > code.groups[3]
     plain = all(kind == AFFINE for tape in program.tapes for kind, _, _ in tape.ops)
-    return plain and len(program.modes) == 1 and not program.guards and not riders
+    return plain and len(program.modes) == 1 and not program.guards and not asked
 
 
 def new_affine_map(numbers: Numbers, states: int) -> AffineMap:
@@ -199,7 +199,7 @@ class Taylor(Method):
 
     name: ClassVar[str] = "taylor"
     entry: ClassVar[Any] = staticmethod(taylor_steps.advance_taylor)
-    riders: ClassVar[bool] = True
+    records_sections: ClassVar[bool] = True
     parts: ClassVar[int] = 8
 
     tol: float = 1e-15

@@ -65,8 +65,8 @@ def program_of(
         Where an expression needs an operation that the tape lacks.
     """
     modes, parameters = automaton.modes, tuple(automaton.parameters)
-    riders = (tuple((sections or {}).values()), tuple((quadratures or {}).items()))
-    about = parameters, automaton.coordinates, *riders
+    asked = (tuple((sections or {}).values()), tuple((quadratures or {}).items()))
+    about = parameters, automaton.coordinates, *asked
     on_demand = isinstance(modes, ModesOnDemand)
     chosen = () if on_demand and not complete else tuple(modes)
     with _ONE_AT_A_TIME:  # else two threads might have two programs of one structure
