@@ -215,12 +215,8 @@ def write_performance(
     """Write the page and its picture; `tables` come in the order of their heads below."""
     (folder / PICTURE.parent).mkdir(parents=True, exist_ok=True)
     page_figures.draw_work_precision(rows).savefig(folder / PICTURE, dpi=110)
-    text = HEAD.format(
-        slow=harness.SINGLE_RUN_ABOVE,
-        picture=PICTURE.as_posix(),
-        loads=", ".join(loads),
-        ratios=harness.ratio_table(rows),
-    )
+    ratios, loaded = harness.ratio_table(rows), ", ".join(loads)
+    text = HEAD.format(slow=harness.SINGLE_RUN_ABOVE, picture=PICTURE.as_posix(), loads=loaded, ratios=ratios)
     for name, scene in scenes().items():
         table = harness.work_precision_table([row for row in rows if row.scene == name])
         text += folded(f"{name}: {scene.text}, {scene.t_end:.5g} s", table)
