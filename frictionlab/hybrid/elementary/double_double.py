@@ -20,9 +20,7 @@ FRACTION_MASK = (1 << FRACTION_BITS) - 1
 BITS_OF_ONE = EXPONENT_BIAS << FRACTION_BITS
 SMALLEST_NORMAL = 2.2250738585072014e-308
 TWO54 = 18014398509481984.0  # makes subnormal numbers normal
-ROUND_TO_INTEGER = (
-    6755399441055744.0  # 1.5 2^52: added and taken away, it rounds to integers below 2^51
-)
+ROUND_TO_INTEGER = 6755399441055744.0  # 1.5 2^52: added and taken away, it rounds to integers below 2^51
 
 
 def _plain_float_to_bits(x):
