@@ -181,6 +181,14 @@ def test_no_folder_is_crowded_and_no_import_goes_in_circles():
     assert layout.cycles({"a": {"b"}, "b": {"c"}, "c": {"b"}}) == [["b", "c"]]
 
 
+def test_no_list_of_parameters_and_no_file_is_long():
+    counts = layout.parameter_counts()
+    assert len(counts) > 3000
+    assert [(count, name) for count, name in counts if count > layout.MOST_PARAMETERS] == []
+    lines = {path.name: len(path.read_text(encoding="utf-8").splitlines()) for path in layout.files()}
+    assert {name: count for name, count in lines.items() if count > layout.MOST_LINES} == {}
+
+
 def test_no_text_is_run_as_python():
     """sympy does so: texts of users go to the parser of `expression_text`, and expressions are no texts."""
     sources = {path: path.read_text(encoding="utf-8") for path in (ROOT / "frictionlab").rglob("*.py")}
