@@ -205,7 +205,7 @@ def test_no_text_is_run_as_python():
     runs = {(name, function) for name, function, _ in named if function in ("eval", "exec")}
     # A law's own repr in its check; source that sympy prints for other tools in benchmarks; the call of a
     # kernel with the names of its own arguments, where kernels are compiled ahead of time.
-    assert runs == {("checks.py", "eval"), ("external.py", "exec"), ("flat_functions.py", "exec")}
+    assert runs == {("testing.py", "eval"), ("external.py", "exec"), ("flat_functions.py", "exec")}
 
 
 def test_there_is_a_notebook():
