@@ -9,7 +9,7 @@ from pathlib import Path
 from types import FrameType
 
 PACKAGE = Path(__file__).parents[2] / "frictionlab"
-MOST_FILES, MOST_PARAMETERS = 12, 8
+MOST_FILES, MOST_PARAMETERS, MOST_LINES = 12, 8, 400
 Graph = dict[str, set[str]]
 
 

@@ -181,6 +181,14 @@ def test_no_folder_is_crowded_and_no_import_goes_in_circles():
     assert layout.cycles({"a": {"b"}, "b": {"c"}, "c": {"b"}}) == [["b", "c"]]
 
 
+def test_no_list_of_parameters_and_no_file_is_long():
+    counts = layout.parameter_counts()
+    assert len(counts) > 3000
+    assert [(count, name) for count, name in counts if count > layout.MOST_PARAMETERS] == []
+    lines = {path.name: len(path.read_text(encoding="utf-8").splitlines()) for path in layout.files()}
+    assert {name: count for name, count in lines.items() if count > layout.MOST_LINES} == {}
+
+
 def test_no_text_is_run_as_python():
     """sympy does so: texts of users go to the parser of `expression_text`, and expressions are no texts."""
     sources = {path: path.read_text(encoding="utf-8") for path in (ROOT / "frictionlab").rglob("*.py")}
@@ -197,7 +205,7 @@ def test_no_text_is_run_as_python():
     runs = {(name, function) for name, function, _ in named if function in ("eval", "exec")}
     # A law's own repr in its check; source that sympy prints for other tools in benchmarks; the call of a
     # kernel with the names of its own arguments, where kernels are compiled ahead of time.
-    assert runs == {("checks.py", "eval"), ("external.py", "exec"), ("flat_functions.py", "exec")}
+    assert runs == {("testing.py", "eval"), ("external.py", "exec"), ("flat_functions.py", "exec")}
 
 
 def test_there_is_a_notebook():

@@ -1,4 +1,8 @@
-"""What any law and any model can be put through.
+"""Checks that any law and any model can be put through, your own included.
+
+>>> import frictionlab as fl
+>>> fl.testing.check_law(fl.HertzContact())
+>>> run = fl.testing.check_model(fl.SliderOnBelt(friction=fl.Stribeck()), t_end=0.1)
 
 A law by itself: signs of its forces, the same values for numbers, arrays and symbols, parameters with meaning
 and range, a repr and a dictionary that make the object again.  A model: its parameters, its equations, and a
@@ -23,6 +27,8 @@ from frictionlab.models.composition import parameter_metadata
 from frictionlab.models.model import Model
 from frictionlab.models.serialisation import component_from_dict, component_to_dict
 from frictionlab.models.symbols import structure_of_component, symbol, symbolic_copy
+
+__all__ = ["check_law", "check_model"]
 
 PENETRATIONS = np.linspace(1e-4, 0.1, 7)
 SPEEDS = np.linspace(0.0, 3.0, 7)
