@@ -39,7 +39,7 @@ def digest_folder(digest: str) -> str:
     One that cannot be written to is usable where there is something in it.  Of one that others can write to
     there is a warning, as nothing else tells why every start compiles.
     """
-    for base in (_user_base, _temporary_base):
+    for base in (_user_base, temporary_base):
         try:
             folder = base().absolute() / digest
             shared = next((each for each in (folder.parent, folder) if not _made_private(each)), None)
@@ -62,7 +62,7 @@ def _user_base() -> Path:
     return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "frictionlab"
 
 
-def _temporary_base() -> Path:
+def temporary_base() -> Path:
     user = os.getuid() if hasattr(os, "getuid") else os.environ.get("USERNAME") or "user"
     return Path(tempfile.gettempdir()) / f"frictionlab-{user}"
 
@@ -114,7 +114,7 @@ def write(path: Path, content: bytes) -> None:
             os.unlink(name)
             raise
         if path.parent.match(VERSION_FOLDER):
-            _prune(path.parent.parent)
+            prune(path.parent.parent)
 
 
 def _put_in_place(name: str, path: Path) -> None:
@@ -143,7 +143,7 @@ def _note_use(path: Path, info: os.stat_result) -> None:
 
 
 @cache  # once a process is often enough
-def _prune(base: Path) -> None:
+def prune(base: Path) -> None:
     """Remove what has not been used for long, and the oldest files beyond the size that is kept."""
     kept, now = 0, time.time()
     for used, size, path in sorted(_files(base), reverse=True):

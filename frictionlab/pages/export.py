@@ -125,7 +125,7 @@ def export_page(
         "presets": preset_data(model, names, presets),
         "sound": {"signal": model.sound.signal, "pitch": float(model.sound.pitch)},
         "mechanism": _mechanism(model),
-        "method": _method(),
+        "method": method_data(),
     }
     script = _script()
     solver = solver_data(script)
@@ -139,7 +139,7 @@ def _call(model: Model) -> str:
     return f"fl.{name}" if ours else name
 
 
-def _method() -> dict[str, Any]:
+def method_data() -> dict[str, Any]:
     method = Taylor()
     return {
         "order": method.degree,

@@ -62,9 +62,9 @@ def structure_data(model: Model) -> dict[str, Any]:
         "colours": _colours(program),
         "affine": bool(is_affine(program)),
         "constants": len(program.code.ops),
-        "numbers": _numbers(program, parameters, isinstance(automaton.modes, ModesOnDemand)),
+        "numbers": tape_numbers(program, parameters, isinstance(automaton.modes, ModesOnDemand)),
         "release": javascript_function([parameters], _release(model, automaton)),
-        "arrays": _arrays(program, method),
+        "arrays": run_arrays(program, method),
         "outputs": _outputs(modes, automaton, parameters),
         "sliding": [
             _sliding(mode, i, automaton, parameters) for i, mode in enumerate(modes) if _may_rest(mode)
@@ -74,7 +74,7 @@ def structure_data(model: Model) -> dict[str, Any]:
     }
 
 
-def _numbers(program: Program, parameters: tuple[Any, ...], apart: bool) -> str:
+def tape_numbers(program: Program, parameters: tuple[Any, ...], apart: bool) -> str:
     every = (*program.tapes, *program.resets)
     exprs = [c for tape in every for c in tape.constants] + [c for tape in every for _, c in tape.terms]
     return (javascript_function_apart if apart else javascript_function)([parameters], exprs)
@@ -95,7 +95,7 @@ def _colours(program: Program) -> list[str]:
     return list(mode_colours(places).values())
 
 
-def _arrays(program: Program, method: Taylor) -> list[dict[str, Any]]:
+def run_arrays(program: Program, method: Taylor) -> list[dict[str, Any]]:
     """The arrays of a run by their names, in the order in which kernels name them."""
     code, n = program.code, program.code.inputs
     run = new_run_state(np.zeros(n), 0, 1.0, method.limits, method.raises)

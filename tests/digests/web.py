@@ -60,11 +60,11 @@ def data_of(case: Case, run: Any) -> dict[str, Any]:
         "modes": list(program.modes),
         "affine": bool(is_affine(program)),
         "constants": len(program.code.ops),
-        "numbers": structure._numbers(program, tuple(automaton.parameters), apart),
-        "arrays": structure._arrays(program, method),
+        "numbers": structure.tape_numbers(program, tuple(automaton.parameters), apart),
+        "arrays": structure.run_arrays(program, method),
     }
     with patch.object(export, "Taylor", lambda: method):
-        described = export._method()
+        described = export.method_data()
     values = [float(value) for value in automaton.parameters.values()]
     start = run.raw.step_states[0].tolist()
     return {"method": described, "structure": scene, "values": values, "state": start, "end": case.t_end}

@@ -29,7 +29,7 @@ def bases(tmp_path, monkeypatch):
     (tmp_path / "tmp").mkdir(mode=0o1777)
     monkeypatch.setenv("FRICTIONLAB_CACHE_DIR", str(tmp_path / "chosen"))
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "tmp"))
-    return tmp_path / "chosen", cache_folder._temporary_base()
+    return tmp_path / "chosen", cache_folder.temporary_base()
 
 
 @pytest.fixture
@@ -37,7 +37,7 @@ def kept(tmp_path):
     """A file of a version's folder, in the cache."""
     path = tmp_path / DIGEST / "jets-1.o"
     path.parent.mkdir()
-    cache_folder._prune.cache_clear()
+    cache_folder.prune.cache_clear()
     cache_folder.write(path, CONTENT)
     return path
 
@@ -216,7 +216,7 @@ def test_what_was_not_used_for_long_is_removed(kept):
         digest: [aged(base, digest, f"{days}.o", days) for days in (59, 61)] for digest in (DIGEST, "f" * 16)
     }
     gone = aged(base, OLD_DIGEST, "61.o", 61)
-    cache_folder._prune.cache_clear()
+    cache_folder.prune.cache_clear()
     cache_folder.write(kept, CONTENT)
     assert {*base.glob("*/*")} == {kept, *foreign, *(files[0] for files in ages.values())}
     assert not gone.parent.exists()
@@ -226,7 +226,7 @@ def test_of_what_is_too_much_the_oldest_is_removed(kept, monkeypatch):
     monkeypatch.setattr(cache_folder, "KEPT_BYTES", 1000)
     base = kept.parents[1]
     files = [aged(base, OLD_DIGEST, f"{days}.o", days, 300) for days in (1, 2, 3, 4)]
-    cache_folder._prune.cache_clear()
+    cache_folder.prune.cache_clear()
     cache_folder.write(kept, CONTENT)
     assert [path.exists() for path in (kept, *files)] == [True, True, True, True, False]
 
