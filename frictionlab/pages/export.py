@@ -140,6 +140,7 @@ def _call(model: Model) -> str:
 
 
 def method_data() -> dict[str, Any]:
+    """Settings and constants of the method that the page runs."""
     method = Taylor()
     return {
         "order": method.degree,

@@ -75,6 +75,7 @@ def structure_data(model: Model) -> dict[str, Any]:
 
 
 def tape_numbers(program: Program, parameters: tuple[Any, ...], apart: bool) -> str:
+    """A function of the parameters that gives the tape's constants and terms, as JavaScript."""
     every = (*program.tapes, *program.resets)
     exprs = [c for tape in every for c in tape.constants] + [c for tape in every for _, c in tape.terms]
     return (javascript_function_apart if apart else javascript_function)([parameters], exprs)
