@@ -4,6 +4,7 @@ import json
 import tomllib
 from pathlib import Path
 
+import frictionlab as fl
 from frictionlab.cli import course
 from frictionlab.cli.command import main
 
@@ -20,6 +21,16 @@ def test_notebooks_and_their_data_are_copied_as_they_are(tmp_path, capsys):
     assert sorted(path.name for path in (folder / "diagrams").iterdir()) == DATA
     for name in [*NOTEBOOKS, "diagrams.py", *(f"diagrams/{name}" for name in DATA)]:
         assert (folder / name).read_bytes() == (ROOT / "tutorials" / name).read_bytes()
+
+
+def test_models_of_the_kept_diagrams_are_those_of_this_version():
+    """Where a law has moved, `python tutorials/diagrams.py` writes the files anew."""
+    diagrams = [
+        path for path in ROOT.glob("tutorials/diagrams/*.jsonl") if b'"parameter"' in path.read_bytes()
+    ]
+    assert len(diagrams) == 7
+    for path in diagrams:
+        assert fl.load_bifurcation(path).model == fl.load_bifurcation(path).model.replace()
 
 
 def test_work_in_the_folder_is_not_lost(tmp_path, capsys):
