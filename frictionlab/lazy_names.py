@@ -1,7 +1,8 @@
-"""Names of a package that are loaded when they are first used, as its stub `__init__.pyi` lists them.
+"""What is loaded when it is first used: names of a package, as its stub `__init__.pyi` lists them; sympy.
 
 A stub serves those who read it and the package alike: type checkers and editors see what is where, and no
-import is written twice.
+import is written twice.  sympy takes as long to load as all else that a run needs, and most runs do without:
+what has been derived of a library's model is kept.
 """
 
 from __future__ import annotations
@@ -9,7 +10,25 @@ from __future__ import annotations
 import os
 from collections.abc import Callable
 from importlib import import_module
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+
+class LazyModule:
+    """A module that is imported when one of its names is first used."""
+
+    def __init__(self, name: str) -> None:
+        self.__name__ = name
+
+    def __getattr__(self, name: str) -> Any:
+        value = getattr(import_module(self.__name__), name)
+        setattr(self, name, value)  # where it is found without this method
+        return value
+
+
+if TYPE_CHECKING:
+    import sympy as sympy
+else:
+    sympy = LazyModule("sympy")
 
 
 def homes_in_stub(loader: Any, folder: str) -> dict[str, str]:

@@ -26,7 +26,7 @@ from sphinx.util.docutils import SphinxDirective
 
 import frictionlab
 from frictionlab.hybrid.ahead_of_time.manifest import FILE, objects_folder
-from frictionlab.pages.solver_file import SolverNotBuiltError
+from frictionlab.pages.export import SolverNotBuiltError
 
 FOLDER = "live"  # in the site
 SAYS = "exact solver, in your browser"

@@ -16,7 +16,8 @@ import sympy as sp
 from frictionlab.analysis.motion_scales import Array
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.automaton.mode import JOINT
-from frictionlab.hybrid.problem import array_function, evaluate_output
+from frictionlab.hybrid.expression_functions import array_function
+from frictionlab.hybrid.problem import evaluate_output
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.interruption import progress_bar
 from frictionlab.models import MechanicalModel

@@ -15,8 +15,7 @@ from frictionlab.hybrid.solve import RunOptions, method_of, run_automaton, state
 from frictionlab.hybrid.storage import StoredRun, read_run_file
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models import Model
-from frictionlab.models.coercion import automaton_of, require_model
-from frictionlab.models.structure_data import automaton_from_structure_data
+from frictionlab.models.coercion import automaton_from_structure_data, automaton_of, require_model
 from frictionlab.stability import equilibrium
 from frictionlab.validation import abbreviate, check_choice, float_array, plain_number
 
@@ -34,7 +33,7 @@ def model_initial_state(model: Any, x0: Any, automaton: Any = None) -> Any:
     automaton = model.automaton() if automaton is None else automaton
     if isinstance(x0, Mapping):
         return state_from_mapping(automaton, x0, model_initial_state(model, "rest", automaton))
-    n, names = len(model.coordinates), [symbol.name for symbol in automaton.states]
+    n, names = len(model.coordinates), list(automaton.state_names)
     if not isinstance(x0, str):
         return np.append(x0, np.zeros(len(names) - 2 * n)) if np.shape(x0) == (2 * n,) else x0
     check_choice("x0", x0, ("rest", "near"), "or give numbers, one for each state")
@@ -61,7 +60,7 @@ def initial_state_of(model: Any, x0: Any) -> np.ndarray:
 
 def validate_initial_state(model: Any, x0: Any, automaton: HybridAutomaton) -> np.ndarray:
     """The initial state of a model, or of an automaton, that :func:`simulate` would take; else ValueError."""
-    names, size = ", ".join(map(str, automaton.states)), len(automaton.states)
+    names, size = ", ".join(automaton.state_names), len(automaton.state_names)
     rule = f"a finite number for each of the states {names}"
     start = float_array("x0", resolve_initial_state(model, x0, automaton), f"give {rule}")
     if start.shape != (size,) or not np.isfinite(start).all():
@@ -72,7 +71,7 @@ def validate_initial_state(model: Any, x0: Any, automaton: HybridAutomaton) -> n
 def resolve_initial_state(model: Any, x0: Any, automaton: HybridAutomaton | None = None) -> Any:
     """The state (2n,) that a name stands for, of a model or an automaton."""
     if isinstance(model, HybridAutomaton) and isinstance(x0, Mapping):
-        return state_from_mapping(model, x0, np.zeros(len(model.states)))
+        return state_from_mapping(model, x0, np.zeros(len(model.state_names)))
     if isinstance(model, HybridAutomaton) and isinstance(x0, str):
         check_choice("x0", x0, ("rest",), "or give numbers, one for each state")
         return np.zeros(len(model.states))

@@ -10,8 +10,11 @@ which :mod:`frictionlab.hybrid` turns into numbers.
 ``expressions``
     `Combinations`: many sums of few expressions, as numbers times these; what finite elements need.
     Expressions multiplied out, so far as that is short; parts of them that have no value.
+``straight_line``
+    `StraightLine`: a function that sympy has compiled, as data that a file can hold.
 ``hybrid_automaton``
-    `HybridAutomaton`: the modes over one state space, with the values of the parameters.
+    `HybridAutomaton`: the modes over one state space, with the values of the parameters; derived at once, or
+    when it is asked for.
 """
 
 from __future__ import annotations

@@ -19,11 +19,10 @@ from math import comb, inf, prod
 from typing import Any, NamedTuple
 
 import numpy as np
-import sympy
-import sympy as sp
 from numpy.typing import NDArray
 
 from frictionlab.automaton.mode import Expr, Symbol
+from frictionlab.lazy_names import sympy
 
 Array = NDArray[np.float64]
 
@@ -131,16 +130,16 @@ def exact_number(number: float) -> Expr:
 MOST_TERMS = 1000
 
 
-def multiply_out(expr: sp.Expr | float, **hints: bool) -> sp.Expr:
+def multiply_out(expr: Expr | float, **hints: bool) -> Expr:
     """The expression multiplied out; as it is where that has too many terms, as (x + y + 1)^50 with 1326.
 
     `hints` are those of sympy's `expand`.
     """
-    given: sp.Expr = sp.sympify(expr, strict=True)  # a reset may give plain numbers
-    return sp.expand(given, **hints) if _term_count(given) < inf else given
+    given: Expr = sympy.sympify(expr, strict=True)  # a reset may give plain numbers
+    return sympy.expand(given, **hints) if _term_count(given) < inf else given
 
 
-def _term_count(expr: sp.Basic) -> float:
+def _term_count(expr: Any) -> float:
     """Terms of an expression when it is multiplied out, at most; infinite where a part has too many."""
     counts = [_term_count(part) for part in expr.args]
     if inf in counts:
@@ -149,7 +148,7 @@ def _term_count(expr: sp.Basic) -> float:
         total = sum(counts)
     elif expr.is_Mul:
         total = prod(counts)
-    elif isinstance(expr, sp.Pow) and expr.exp.is_Rational and counts[0] > 1:
+    elif isinstance(expr, sympy.Pow) and expr.exp.is_Rational and counts[0] > 1:
         exponent = abs(int(expr.exp))
         total = comb(int(counts[0]) + exponent - 1, exponent)
     else:
@@ -157,17 +156,24 @@ def _term_count(expr: sp.Basic) -> float:
     return total if expr.is_Add or total <= MOST_TERMS else inf  # a sum is as long as it is written
 
 
-class _Part(NamedTuple):
-    """A part of a formula that need not have a value, its parameters, and its value as their function."""
+class UndefinedPart(NamedTuple):
+    """A part of a formula that need not have a value: as text, with the names of its parameters and its value
+    as their function."""
 
-    expression: Any
-    symbols: tuple[Symbol, ...]
+    text: str
+    names: tuple[str, ...]
     value: Callable[..., Any]
 
-    def is_undefined(self, values: Mapping[Symbol, float]) -> bool:
-        """Whether it has no real value there."""
+    def words(self, values: Mapping[str, float]) -> str:
+        """That it has no real value at these, as text; empty where it has one."""
+        if not self._is_undefined(values):
+            return ""
+        at = ", ".join(f"{name} = {values[name]:g}" for name in self.names)
+        return f"{self.text}, which has no real value at {at}"
+
+    def _is_undefined(self, values: Mapping[str, float]) -> bool:
         try:
-            found = self.value(*(values[symbol] for symbol in self.symbols))
+            found = self.value(*(values[name] for name in self.names))
         except (ArithmeticError, ValueError):
             return True
         return isinstance(found, complex) or math.isnan(found)
@@ -178,23 +184,22 @@ def undefined_part(expression: Any, values: Mapping[Symbol, float]) -> str:
 
     As text: "sqrt(a), which has no real value at a = -1".  Parts that hold a state are left out.
     """
-    for part in _doubtful_parts(sympy.sympify(expression, strict=True), frozenset(values)):
-        if part.is_undefined(values):
-            at = ", ".join(f"{symbol} = {values[symbol]:g}" for symbol in part.symbols)
-            return f"{part.expression}, which has no real value at {at}"
-    return ""
+    at = {symbol.name: value for symbol, value in values.items()}
+    words = (part.words(at) for part in doubtful_parts(expression, frozenset(values)))
+    return next(filter(None, words), "")
 
 
 @lru_cache(maxsize=4096)
-def _doubtful_parts(expression: Any, symbols: frozenset[Symbol]) -> tuple[_Part, ...]:
+def doubtful_parts(expression: Any, symbols: frozenset[Symbol]) -> tuple[UndefinedPart, ...]:
     """The parts that depend on parameters only and need not have a value, the innermost first."""
-    return tuple(_parts(expression, symbols))
+    return tuple(_parts(sympy.sympify(expression, strict=True), symbols))
 
 
-def _parts(expression: Any, symbols: frozenset[Symbol]) -> Iterator[_Part]:
+def _parts(expression: Any, symbols: frozenset[Symbol]) -> Iterator[UndefinedPart]:
     part: Any
     for part in dict.fromkeys(sympy.postorder_traversal(expression)):
         power = part.is_Pow and not (part.exp.is_Integer and part.exp.is_nonnegative)
         if (power or part.is_Function) and part.free_symbols and part.free_symbols <= symbols:
             names = tuple(sorted(part.free_symbols, key=str))
-            yield _Part(part, names, sympy.lambdify(names, part, "math"))
+            value = sympy.lambdify(names, part, "math")
+            yield UndefinedPart(str(part), tuple(symbol.name for symbol in names), value)

@@ -1,13 +1,38 @@
-"""Modes over one state space, and the numbers they need."""
+"""Modes over one state space, and the numbers they need; all of it at once, or when it is asked for."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Any, ClassVar, NamedTuple
 
 from frictionlab.validation import unknown_parameter
 
 from .mode import Mode, ModesOnDemand, Symbol, check_elements
+
+
+class Late(NamedTuple):
+    """What is known of an automaton whose modes are not derived yet.
+
+    Parameters
+    ----------
+    known : mapping
+        Names of its "states", "modes" and "outputs", and how many "coordinates" it has.
+    values : mapping of str to float
+        The parameters.
+    derive : callable
+        The automaton with these, from the beginning.
+    kept : object
+        What files hold of its structure.
+    """
+
+    known: Mapping[str, Any]
+    values: Mapping[str, float]
+    derive: Callable[[Mapping[str, float]], HybridAutomaton]
+    kept: Any
+
+
+LATE_FIELDS = "states", "modes", "parameters"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -45,6 +70,7 @@ class HybridAutomaton:
     modes: tuple[Mode, ...] | ModesOnDemand
     parameters: Mapping[Symbol, float] = field(default_factory=dict)
     coordinates: int = 0
+    _late: ClassVar[Late | None] = None
 
     def __post_init__(self) -> None:
         if not isinstance(self.modes, ModesOnDemand):
@@ -56,9 +82,49 @@ class HybridAutomaton:
                     "expressions with these"
                 )
 
+    def __getattr__(self, name: str) -> Any:  # of what is derived late
+        if self._late is None or name not in LATE_FIELDS:
+            raise AttributeError(f"a HybridAutomaton has no attribute {name!r}")
+        derived = self._late.derive(self._late.values)
+        for each in LATE_FIELDS:
+            object.__setattr__(self, each, getattr(derived, each))
+        return getattr(derived, name)
+
+    def __reduce__(self) -> Any:  # a copy has all of it, as it may be used where nothing is kept
+        return HybridAutomaton, (self.states, self.modes, self.parameters, self.coordinates)
+
+    def derived(self) -> HybridAutomaton:
+        """The same with all symbols and modes."""
+        return HybridAutomaton(self.states, self.modes, self.parameters, self.coordinates)
+
+    def kept(self) -> Any:
+        """What files hold of its structure; None where nothing is kept."""
+        return None if self._late is None else self._late.kept
+
+    @property
+    def state_names(self) -> tuple[str, ...]:
+        """Names of the states."""
+        if self._late is not None:
+            return tuple(self._late.known["states"])
+        return tuple(state.name for state in self.states)
+
+    @property
+    def values(self) -> dict[str, float]:
+        """The parameters by name."""
+        if self._late is not None:
+            return dict(self._late.values)
+        return {symbol.name: value for symbol, value in self.parameters.items()}
+
+    @property
+    def on_demand(self) -> bool:
+        """Whether modes are derived as a run comes to them."""
+        return self._late is None and isinstance(self.modes, ModesOnDemand)
+
     @property
     def names(self) -> Sequence[str]:
         """Names of the modes, in order."""
+        if self._late is not None:
+            return tuple(self._late.known["modes"])
         if isinstance(self.modes, ModesOnDemand):
             return self.modes.names
         return tuple(mode.name for mode in self.modes)
@@ -66,6 +132,8 @@ class HybridAutomaton:
     @property
     def outputs(self) -> tuple[str, ...]:
         """Names of the outputs."""
+        if self._late is not None:
+            return tuple(self._late.known["outputs"])
         derived = self.modes.known().modes if isinstance(self.modes, ModesOnDemand) else ()
         any_mode = derived or self.modes
         return tuple(any_mode[0].outputs) if any_mode else ()
@@ -93,15 +161,26 @@ class HybridAutomaton:
         TypeError
             For an unknown name.
         """
+        known = self.values
+        for name in values:
+            if name not in known:
+                raise unknown_parameter("HybridAutomaton", name, list(known))
+        if self._late is not None:
+            return late_automaton(self._late._replace(values=known | values))
         symbols = {symbol.name: symbol for symbol in self.parameters}
-        unknown = [name for name in values if name not in symbols]
-        if unknown:
-            raise unknown_parameter("HybridAutomaton", unknown[0], list(symbols))
         changed = {symbols[name]: value for name, value in values.items()}
         return HybridAutomaton(self.states, self.modes, {**self.parameters, **changed}, self.coordinates)
 
     def __repr__(self) -> str:  # without the equations, which may be pages long
-        return f"HybridAutomaton(states {', '.join(map(str, self.states))}; modes {self._modes_in_words()})"
+        return f"HybridAutomaton(states {', '.join(self.state_names)}; modes {self._modes_in_words()})"
 
     def _modes_in_words(self) -> str:
-        return repr(self.names) if isinstance(self.modes, ModesOnDemand) else ", ".join(self.names)
+        return repr(self.names) if self.on_demand else ", ".join(self.names)
+
+
+def late_automaton(late: Late) -> HybridAutomaton:
+    """An automaton of which names and numbers are known; symbols and modes are derived when asked for."""
+    made = object.__new__(HybridAutomaton)
+    object.__setattr__(made, "_late", late)
+    object.__setattr__(made, "coordinates", late.known["coordinates"])
+    return made

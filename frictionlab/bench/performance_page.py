@@ -58,6 +58,17 @@ simulated second. The last row is the import before it.
 
 """
 
+STARTS = """\
+
+## Starting
+
+From the start of a process to its end. The first process has an empty cache folder: it derives the equations
+with sympy and keeps what it has derived, as arrays and formulas, for later ones, which do not load sympy. A
+law of one's own is derived in every process. numba is loaded in none. The floor is what a process with the
+same libraries takes that does nothing else.
+
+"""
+
 NATIVE = """\
 
 What comes before that, once on a machine: native code of a mode, written and compiled by LLVM in the
@@ -176,6 +187,7 @@ def write_performance(
     heads = (
         SWITCHES,
         NATIVE,
+        STARTS,
         MANY,
         SWEEP,
         STABILITY,

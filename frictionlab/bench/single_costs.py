@@ -2,21 +2,23 @@
 Floquet multipliers against finite differences.
 
 The eight scenes with and without nonlinearities: size of the tape and wall time; their first call in a
-fresh process; native code for each mode, compiled and loaded.
+fresh process; native code for each mode, compiled and loaded; what a process takes from its start on.
 """
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
 from itertools import compress, product
 from statistics import median
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -164,6 +166,85 @@ def native_table(rows: Sequence[NativeCodeTime]) -> str:
     """The modes as Markdown."""
     lines = (f"{r.mode} | {r.operations} | {1e3 * r.compiled:.0f} ms | {1e3 * r.loaded:.1f} ms" for r in rows)
     return markdown_table("mode of scene B | operations | compiled | from the cache", lines)
+
+
+RESULT = """\
+import frictionlab as fl
+fl.simulate(fl.SliderOnBelt(mu_k=1.4), 20.0, progress=False).final_state
+"""
+PICTURE = """\
+from frictionlab.cli.command import main
+main(["run", "--quiet", "-o", "picture.png"])
+"""
+SLIDER = """\
+import frictionlab as fl
+fl.explore(fl.SliderOnBelt()).controls["mu_k"].value = 0.35
+"""
+FOUR_PANELS = """\
+import numpy
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+figure = Figure((12.0, 7.0), layout="constrained")
+FigureCanvasAgg(figure)
+figure.subplots(2, 2)
+figure.savefig("picture.png")
+"""
+# Statements of a process, those of its floor, and what these are.
+STARTS: Mapping[str, tuple[str, str, str]] = MappingProxyType(
+    {
+        "`import frictionlab`": ("import frictionlab", "", "Python"),
+        "the result of a run of 20 s": (RESULT, "import numpy, llvmlite.binding", "Python, numpy, LLVM"),
+        "`frictionlab run -o picture.png`": (PICTURE, FOUR_PANELS, "Python, numpy, matplotlib, empty panels"),
+        "an explorer, and a step of its slider": (
+            SLIDER,
+            "import ipywidgets" + 2 * f"\n{FOUR_PANELS}",
+            "Python, ipywidgets, empty panels twice",
+        ),
+    }
+)
+
+
+@dataclass(frozen=True)
+class Start:
+    """From the start of a process to its end, in s: with an empty cache folder, later, and at the least."""
+
+    name: str
+    first: float
+    later: float
+    floor: float
+    floor_name: str
+
+
+def start_times(repeats: int = 5) -> list[Start]:
+    """Each of `STARTS`; medians of interleaved processes."""
+    spent = [[_time_starts(code, floor) for code, floor, _ in STARTS.values()] for _ in range(repeats)]
+    found = []
+    for (name, (*_, floor_name)), turns in zip(STARTS.items(), zip(*spent, strict=True), strict=True):
+        first, later, floor = map(median, zip(*turns, strict=True))
+        found.append(Start(name, first, later, floor, floor_name))
+    return found
+
+
+def _time_starts(code: str, floor: str) -> tuple[float, float, float]:
+    """Three processes: with an empty cache folder, with what that has left, and the floor."""
+    with tempfile.TemporaryDirectory() as folder:
+        first, later, least = (_time_process(each, folder) for each in (code, code, floor))
+        return first, later, least
+
+
+def _time_process(code: str, folder: str) -> float:
+    environment = {**os.environ, "FRICTIONLAB_CACHE_DIR": os.path.join(folder, "cache")}
+    begin = time.perf_counter()
+    command = [sys.executable, "-c", code]
+    subprocess.run(command, check=True, capture_output=True, env=environment, cwd=folder)
+    return time.perf_counter() - begin
+
+
+def start_table(rows: Sequence[Start]) -> str:
+    """The starts as Markdown; later ones also as multiples of the floor."""
+    times = (f"{r.first:.2f} s | {r.later:.2f} s | {r.floor:.2f} s | {r.later / r.floor:.2f}" for r in rows)
+    lines = (f"{r.name} | {text} | {r.floor_name}" for r, text in zip(rows, times, strict=True))
+    return markdown_table("to the end of | first process | a later one | floor | x | the floor is", lines)
 
 
 LOOP_STRIDE = 20  # the loop solves one problem in so many and is scaled up

@@ -137,7 +137,7 @@ def sound_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
 def page_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
     """Write the page; returns the exit status."""
     import frictionlab as fl
-    from frictionlab.pages.solver_file import SolverNotBuiltError
+    from frictionlab.pages.export import SolverNotBuiltError
 
     try:
         model = model_from_options(chosen)

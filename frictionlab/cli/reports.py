@@ -270,6 +270,7 @@ def _measure_others(quick: bool, switched: list[Any]) -> list[str]:
     measured = {
         "What each nonlinearity costs": costs,
         "Native code": lambda: single_costs.native_table(single_costs.native_code_times(repeats)),
+        "Starting": lambda: single_costs.start_table(single_costs.start_times(repeats)),
         "Many runs": lambda: many_runs.ensemble_table(many_runs.ensemble_times(repeats=repeats)),
         "Fig. 9's sweep": lambda: many_runs.sweep_table(many_runs.sweep_times(30.0 if quick else 300.0, 1)),
         "Linear stability": lambda: single_costs.eigenproblem_table(

@@ -4,12 +4,12 @@ Data pass in this order, and each part imports only from those before it:
 
 ``compilation``
     The decorators of all kernels: compiled by numba where it is installed, plain Python where not.
-``kernel_cache``
-    The folder of compiled code: whose it must be, checksums, what is removed.
 ``llvm_instructions``
     Arithmetic, loops and branches in LLVM, for the intrinsics of the kernels and for ``codegen``.
 ``elementary``
     exp, log, sin, powers and the like, with the same bits on every machine.
+``expression_functions``
+    Expressions of sympy as functions of numbers or arrays, as Python that sympy writes.
 ``tape``
     Expressions become a tape, a list of operations on numbered slots; an automaton becomes a `Program`, the
     arrays of all its tapes, guards, resets and sections, and `Numbers`, the values of its parameters.

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from frictionlab.automaton import HybridAutomaton
-from frictionlab.automaton.mode import ModesOnDemand
 from frictionlab.hybrid.kernels.jets import MAX_ORDER
 from frictionlab.hybrid.problem import Problem, RunData, Sampling, Status
 from frictionlab.hybrid.solve import with_chatter_limit
@@ -85,12 +84,11 @@ def _trajectory(stored: StoredRun, automaton: HybridAutomaton, source: Any) -> T
     about = stored.about
     # The one parameter that is a setting of the method, not of the model.
     automaton = with_chatter_limit(automaton, about["parameters"].get("chatter", 0.0))
-    _check_same(stored, "states", [str(state) for state in automaton.states])
-    modes = automaton.modes
+    _check_same(stored, "states", list(automaton.state_names))
     saved = about["mode_names"]  # by which steps and events are numbered
-    known = isinstance(modes, ModesOnDemand) and all(name in automaton.names for name in saved)
+    known = automaton.on_demand and all(name in automaton.names for name in saved)
     _check_same(stored, "mode_names", saved if known else list(automaton.names))
-    _check_same(stored, "parameters", {str(k): float(v) for k, v in automaton.parameters.items()})
+    _check_same(stored, "parameters", {name: float(value) for name, value in automaton.values.items()})
     program, numbers = program_of_modes(automaton, tuple(saved)) if known else program_of(automaton)
     _check_same(stored, "guards", list(program.guards))
     _check_arrays(stored, len(program.guards))

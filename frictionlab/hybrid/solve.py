@@ -11,7 +11,7 @@ from typing import Any, TypedDict, Unpack
 import numpy as np
 
 from frictionlab.automaton import HybridAutomaton
-from frictionlab.automaton.mode import ModesOnDemand, check_mode_name
+from frictionlab.automaton.mode import check_mode_name
 from frictionlab.hybrid.compilation import needs_compilation
 from frictionlab.hybrid.methods.base import Method
 from frictionlab.hybrid.methods.one_step import RK4
@@ -179,13 +179,12 @@ def run_automaton(
 
 def with_chatter_limit(automaton: HybridAutomaton, limit: float) -> HybridAutomaton:
     """The automaton with a method's dwell time of chatter (s), if it has that parameter."""
-    names = [symbol.name for symbol in automaton.parameters]
-    return automaton.replace(chatter=limit) if "chatter" in names else automaton
+    return automaton.replace(chatter=limit) if "chatter" in automaton.values else automaton
 
 
 def state_from_mapping(automaton: HybridAutomaton, given: Mapping[str, Any], rest: Any) -> np.ndarray:
     """The state with the values that are given by name, and those of `rest` for the others."""
-    state, names = np.array(rest, dtype=float), [symbol.name for symbol in automaton.states]
+    state, names = np.array(rest, dtype=float), list(automaton.state_names)
     for name, value in given.items():
         if name not in names:
             raise ValueError(f"x0 has no state {name!r}{did_you_mean_or_known(name, names)}")
@@ -195,12 +194,12 @@ def state_from_mapping(automaton: HybridAutomaton, given: Mapping[str, Any], res
 
 def _states(automaton: HybridAutomaton, x0: Any) -> np.ndarray:
     if isinstance(x0, Mapping):
-        return state_from_mapping(automaton, x0, np.zeros(len(automaton.states)))
+        return state_from_mapping(automaton, x0, np.zeros(len(automaton.state_names)))
     try:
         state = np.array(x0, dtype=float)
     except (TypeError, ValueError) as error:
         raise _bad_state(automaton, "must hold numbers for the states {}", abbreviate(x0)) from error
-    if state.shape != (len(automaton.states),):
+    if state.shape != (len(automaton.state_names),):
         got = f"{abbreviate(x0)} of shape {state.shape}"
         raise _bad_state(automaton, "must hold one number per state {}", got)
     if not np.isfinite(state).all():
@@ -209,8 +208,8 @@ def _states(automaton: HybridAutomaton, x0: Any) -> np.ndarray:
 
 
 def _bad_state(automaton: HybridAutomaton, rule: str, got: str) -> ValueError:
-    names = ", ".join(map(str, automaton.states))
-    cure = f"give {len(automaton.states)} numbers, in this order"
+    names = ", ".join(automaton.state_names)
+    cure = f"give {len(automaton.state_names)} numbers, in this order"
     return ValueError(f"x0 {rule.format(f'({names})')}, got {got}: {cure}")
 
 
@@ -276,10 +275,11 @@ def problem_of(
 
     Modes on demand are derived as the run comes to them.
     """
-    modes = automaton.modes
-    if not isinstance(modes, ModesOnDemand):
+    if not automaton.on_demand:
         program, numbers = program_of(automaton, *asked)
         return Problem(program, numbers, x0, t_end, None if mode is None else program.modes.index(mode))
+
+    modes: Any = automaton.modes
 
     def derive(combination: tuple[int, ...]) -> tuple[Program, Numbers]:
         modes.mode(combination)

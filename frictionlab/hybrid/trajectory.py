@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from frictionlab.automaton import HybridAutomaton
-from frictionlab.automaton.mode import ModeNames, ModesOnDemand
+from frictionlab.automaton.mode import ModeNames
 from frictionlab.hybrid.accuracy import condition_violation, defects
 from frictionlab.hybrid.codegen.native_cache import native_code
 from frictionlab.hybrid.kernels.run_state import StepData, jet_columns
@@ -112,7 +112,7 @@ class Trajectory(Drawable):
 
     def __getstate__(self) -> dict[str, Any]:
         start = self.problem.x0, self.problem.t_end, self.problem.mode
-        names = self.mode_names if isinstance(self.automaton.modes, ModesOnDemand) else None
+        names = self.mode_names if self.automaton.on_demand else None
         return {name: vars(self)[name] for name in PICKLED} | {"_modes": names, "_start": start}
 
     @property
@@ -132,7 +132,7 @@ class Trajectory(Drawable):
     @property
     def names(self) -> tuple[str, ...]:
         """Names of the states."""
-        return tuple(str(state) for state in self.automaton.states)
+        return self.automaton.state_names
 
     @cached_property
     def _samples(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -299,7 +299,7 @@ class Trajectory(Drawable):
     def time_in_mode(self) -> Mapping[str, float]:
         """Seconds spent in each mode; of a model with several contacts in each that was visited."""
         modes, lengths = self.raw.step_modes, self.raw.step_times[:, 1]
-        on_demand = isinstance(self.automaton.modes, ModesOnDemand)
+        on_demand = self.automaton.on_demand
         numbers = np.unique(modes).tolist() if on_demand else range(len(self.mode_names))
         # Summed exactly: they add up to the time of the run, whose clock is a compensated sum.
         return FrozenMapping({self.mode_names[i]: math.fsum(lengths[modes == i]) for i in numbers})
@@ -338,7 +338,7 @@ class Trajectory(Drawable):
         raw, samples, program = self.raw, self.samples, self.problem.program
         about = {
             "states": self.names,
-            "parameters": {str(k): float(v) for k, v in self.automaton.parameters.items()},
+            "parameters": {name: float(value) for name, value in self.automaton.values.items()},
             "mode_names": program.modes,
             "guards": program.guards,
             "rates": rates_by_mode(self.problem, raw),
@@ -377,7 +377,7 @@ class Trajectory(Drawable):
             "method": str(self.description.get("method", {}).get("name", "")),
             "status": str(self.status),
         }
-        numbers = {symbol.name: float(value) for symbol, value in self.automaton.parameters.items()}
+        numbers = {name: float(value) for name, value in self.automaton.values.items()}
         variables = {name: ("t", values) for name, values in self._columns().items()}
         variables |= {"mode": ("t", self.mode)}
         return dataset(variables, {"t": self.t}, self._units(), numbers | about)

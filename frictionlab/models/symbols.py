@@ -12,43 +12,34 @@ from __future__ import annotations
 
 import logging
 import time
-from collections.abc import Callable, Iterable, Sequence, Set
+from collections.abc import Callable, Iterable, Mapping, Sequence, Set
 from contextlib import suppress
-from functools import cache, lru_cache, wraps
+from functools import cache, lru_cache, partial, wraps
 from inspect import signature
-from typing import Any, NamedTuple
-
-import sympy
+from typing import Any
 
 from frictionlab.automaton import HybridAutomaton
-from frictionlab.automaton.expressions import multiply_out, undefined_part, unsorted_product
+from frictionlab.automaton.expressions import (
+    UndefinedPart,
+    doubtful_parts,
+    multiply_out,
+    unsorted_product,
+)
+from frictionlab.automaton.hybrid_automaton import Late, late_automaton
+from frictionlab.automaton.straight_line import MATH, StraightLine, straight_line_data
 from frictionlab.components import ContactLaw, FrictionLaw, ImpactLaw
 from frictionlab.components.component import Component, parameters_of, structure_of
+from frictionlab.lazy_names import sympy
+
+from .structure_data import Structure, derivations_of, structure_of_component
 
 LAW_METHODS = ("force", "kinetic", "static_limit", "impulse", "friction")
 
 
 @cache
-def symbol(name: str) -> sympy.Symbol:
+def symbol(name: str) -> Any:
     """The real symbol of a state or a parameter; a velocity is its coordinate's name with a prime."""
     return sympy.Symbol(name, real=True)
-
-
-class Structure(NamedTuple):
-    """A component without its numbers; the key under which derivations are remembered."""
-
-    component: type
-    values: tuple[Any, ...]
-
-
-def structure_of_component(component: Component) -> Structure:
-    """The structure of a component, and of those that have roles in it; other fields are as they are."""
-    reduced = component.reduced()
-    roles = getattr(type(reduced), "roles", {})
-    values = {name: getattr(reduced, name) for name in structure_of(type(reduced))}
-    return Structure(
-        type(reduced), tuple(structure_of_component(v) if k in roles else v for k, v in values.items())
-    )
 
 
 def symbolic_copy(key: Structure) -> Any:
@@ -62,28 +53,22 @@ def symbolic_copy(key: Structure) -> Any:
     return copy
 
 
-def parameter_symbols(key: Structure) -> tuple[sympy.Symbol, ...]:
+def parameter_symbols(key: Structure) -> tuple[Any, ...]:
     """Symbols of all parameters of a structure, in the order of :func:`structure_values`."""
-    return tuple(map(symbol, _parameter_names(key)))
+    return tuple(map(symbol, key.parameters))
 
 
 def structure_values(model: Any) -> tuple[float, ...]:
     """Values of the parameters of the model's structure, in the order of its symbols."""
     values = model.parameters
-    return tuple(values[name] for name in _parameter_names(structure_of_component(model)))
-
-
-@cache
-def _parameter_names(key: Structure) -> tuple[str, ...]:
-    return tuple(symbolic_copy(key).parameters)
+    return tuple(values[name] for name in structure_of_component(model).parameters)
 
 
 def check_laws(model: Any) -> None:
     """Raise ValueError where a law of a model has no real value at the values of its parameters."""
-    key = structure_of_component(model)
-    values = dict(zip(parameter_symbols(key), structure_values(model), strict=True))
-    for place, formula in _law_formulas(key):
-        if what := undefined_part(formula, values):
+    values = model.parameters
+    for place, part in _doubtful_parts(structure_of_component(model)):
+        if what := part.words(values):
             raise ValueError(
                 f"{place} of this {type(model).__name__} has {what}: give it another value; in a law of your "
                 "own, fl.parameter(..., minimum=...) says which are allowed"
@@ -91,6 +76,23 @@ def check_laws(model: Any) -> None:
 
 
 @cache
+def _doubtful_parts(key: Structure) -> tuple[tuple[str, UndefinedPart], ...]:
+    """What need not have a value in what the laws return, each with the name of the law's method."""
+    kept = derivations_of(key, key.parameters)
+    known = kept.get("laws")
+    if known is not None:
+        return tuple(
+            (place, UndefinedPart(text, tuple(names), StraightLine(program, MATH)))
+            for place, text, names, program in known
+        )
+    symbols = frozenset(parameter_symbols(key))
+    found = [(place, part) for place, law in _law_formulas(key) for part in doubtful_parts(law, symbols)]
+    rows = [[place, part.text, part.names, straight_line_data(part.value, MATH)] for place, part in found]
+    if all(program is not None for *_, program in rows):
+        kept.keep("laws", rows)
+    return tuple(found)
+
+
 def _law_formulas(key: Structure) -> tuple[tuple[str, Any], ...]:
     """What the methods of the laws return, each with its name, such as "Coulomb.kinetic"."""
     found: list[tuple[str, Any]] = []
@@ -170,10 +172,36 @@ def automaton_of_model(model: Any) -> HybridAutomaton:
         Where a law has no real value at the values of the parameters.
     """
     check_laws(model)
-    derived = automaton_of_structure(structure_of_component(model))
-    numbers = {symbol(name): value for name, value in model.parameters.items()}
-    numbers |= dict(derived.parameters)
+    key = structure_of_component(model)
+    kept = derivations_of(key, tuple(model.parameters))
+    known = kept.get("automaton")
+    if known is None:
+        derived = automaton_of_structure(key)
+        if derived.on_demand or not kept.keeps:
+            numbers = {symbol(name): value for name, value in model.parameters.items()}
+            numbers |= dict(derived.parameters)
+            return HybridAutomaton(derived.states, derived.modes, numbers, derived.coordinates)
+        known = _outline(derived)
+        kept.keep("automaton", known)
+    values = {**model.parameters, **known["parameters"]}
+    return late_automaton(Late(known, values, partial(_automaton_with_values, key), kept))
+
+
+def _automaton_with_values(key: Structure, values: Mapping[str, float]) -> HybridAutomaton:
+    derived = automaton_of_structure(key)
+    numbers = {symbol(name): value for name, value in values.items()}
     return HybridAutomaton(derived.states, derived.modes, numbers, derived.coordinates)
+
+
+def _outline(derived: HybridAutomaton) -> dict[str, Any]:
+    """What a :class:`Late` automaton knows beforehand."""
+    return {
+        "states": derived.state_names,
+        "modes": derived.names,
+        "outputs": derived.outputs,
+        "parameters": derived.values,
+        "coordinates": derived.coordinates,
+    }
 
 
 Derivatives = dict[Any, Any]  # by the symbol; those that are zero are left out

@@ -1,17 +1,14 @@
 """A model as one HTML file with the exact solver in it: `fl.export_page`.
 
 ``javascript``
-    Expressions of sympy as JavaScript, to the last bit what Python computes of parameters.
+    Expressions of sympy as JavaScript, to the last bit what Python computes of parameters; what a model
+    checks when these are set, in the same words.
 ``structure``
     One structure of a model as data: the tape's arrays, its numbers, outputs and equilibria.
-``parameter_rules``
-    What a model checks when parameters are set, for the page to check in the same words.
 ``controls``
     The sliders, switches and presets of a page, checked.
-``solver_file``
-    The kernels as WebAssembly, and how they take their arguments.
 ``export``
-    `export_page`: all of these in one file.
+    `export_page`: all of these in one file, with the kernels as WebAssembly.
 ``scripts/``
     The page itself: JavaScript and styles, one file for each concern.
 

@@ -1,7 +1,14 @@
-"""`fl.export_page`: a model as one HTML file that needs neither a server nor a network."""
+"""`fl.export_page`: a model as one HTML file that needs neither a server nor a network.
+
+It holds the kernels as WebAssembly, and how they take their arguments: files of
+`frictionlab.hybrid.ahead_of_time`, ``kernels.wasm`` and ``manifest.json``, which lists for each function the
+results and arguments in its table of words.
+"""
 
 from __future__ import annotations
 
+import base64
+import gzip
 import html
 import json
 from collections.abc import Mapping, Sequence
@@ -12,6 +19,8 @@ from typing import Any
 from frictionlab._version import __version__
 from frictionlab.analysis.motion_scales import oscillation_period, round_down_1_2_5
 from frictionlab.file_writing import write_text
+from frictionlab.hybrid.ahead_of_time.manifest import changed_sources, read_manifest, read_object
+from frictionlab.hybrid.ahead_of_time.targets import WEB
 from frictionlab.hybrid.elementary.parameter_functions import KERNELS as ELEMENTARY
 from frictionlab.hybrid.kernels.event_location import COEFFICIENT_ROUNDING
 from frictionlab.hybrid.kernels.jets import LOG2_LEAST_RATIO
@@ -22,12 +31,13 @@ from frictionlab.models import Model
 from frictionlab.models.coercion import require_model
 from frictionlab.models.mechanism import Mechanism, TiltingBelt
 from frictionlab.pages.controls import preset_data, slider_data, structures, switch_names
-from frictionlab.pages.solver_file import solver_data
 from frictionlab.pages.structure import structure_data
 from frictionlab.plotting.animation.parts import MARKS, WIDTH
 from frictionlab.plotting.animation.tilting_belt import SPRING_LABELS
 from frictionlab.validation import check_number
 
+BUILD_COMMAND = "python -m frictionlab.hybrid.ahead_of_time --web"
+CURE = f'in a clone, run `pip install -e ".[pages]"` and `{BUILD_COMMAND}` once'
 PERIODS = 300.0  # that a page computes where no end is given
 # In the order in which they use each other.
 SCRIPTS = (
@@ -42,6 +52,10 @@ SCRIPTS = (
     "state",
     "page",
 )
+
+
+class SolverNotBuiltError(FileNotFoundError):
+    """The WebAssembly of these kernels has not been built."""
 
 
 def export_page(
@@ -214,3 +228,25 @@ def _structure(data: dict[str, Any]) -> str:
         f"rules: {rules}"
     )
     return f"{{...{_json(plain)}, {texts}}}"
+
+
+def solver_data(script: str) -> dict[str, Any]:
+    """The compressed module as text, and the tables of those of its functions that a script calls by name.
+
+    Raises
+    ------
+    SolverNotBuiltError
+        Where the files are missing, damaged, or older than the kernels.
+    """
+    manifest = read_manifest()
+    module = None if manifest is None else read_object(manifest, WEB.file)
+    if manifest is None or module is None:
+        raise SolverNotBuiltError(f"export_page needs the solver as WebAssembly, which is not there: {CURE}")
+    if changed := changed_sources(manifest):
+        raise SolverNotBuiltError(f"{changed[0]} has changed since it was compiled to WebAssembly: {CURE}")
+    functions = {name: each for name, each in manifest.functions.items() if f'"{name}"' in script}
+    tables = {
+        name: {"results": each.results, "arguments": each.arguments} for name, each in functions.items()
+    }
+    packed = gzip.compress(module, 9, mtime=0)
+    return {"module": base64.b64encode(packed).decode(), "tables": tables}

@@ -1,18 +1,32 @@
-"""Expressions of sympy as JavaScript, to the last bit what Python computes of parameters.
+"""Expressions of sympy as JavaScript, and the rules of parameters: what Python computes of them, and checks.
 
-Sums and products are printed as Python's are, in one order; powers and functions are calls of those kernels
-that Python calls too, by the object ``F`` of ``functions.js``.
+Sums and products are printed as Python's are, in one order, so that numbers are the same to the last bit;
+powers and functions are calls of those kernels that Python calls too, by the object ``F`` of
+``functions.js``.
+
+Bounds of single parameters are in their metadata.  Rules between parameters are in the `check` of a law or
+a model, which is Python; it is run on values that note what they are compared with, once for each outcome of
+its comparisons, so that a page can make the same comparisons with numbers, and say the same words.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import operator
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
 from typing import Any, cast
 
 import sympy as sp
 
-from frictionlab.hybrid.elementary.parameter_functions import KERNELS, ParameterPrinter
+from frictionlab.components.component import Component, Parameter, check_value, parameters_of, structure_of
+from frictionlab.hybrid.elementary.parameter_functions import KERNELS
+from frictionlab.hybrid.expression_functions import ParameterPrinter
 from frictionlab.hybrid.tape.functions import FUNCTIONS
+from frictionlab.models import Model
+from frictionlab.models.symbols import symbol
+
+MAX_OUTCOMES = 64  # of the comparisons in one `check`; what has more is left to Python
+MARK = "\0"  # stands around the places of values in a message
 
 
 class JavaScriptPrinter(ParameterPrinter):
@@ -115,3 +129,167 @@ class _Renaming(JavaScriptPrinter):
         return self._names_of_symbols[expr]
 
     _print_Dummy = _print_Symbol
+
+
+@dataclass(frozen=True)
+class Rule:
+    """A rule that is broken where all of some relations hold.
+
+    The message has the values' formats, "g", between marks.
+    """
+
+    broken: tuple[Any, ...]
+    values: tuple[Any, ...]
+    message: str
+
+    @property
+    def numbers(self) -> tuple[Any, ...]:
+        return (*self.broken, *self.values)
+
+
+def rule_data(model: Model, parameters: tuple[Any, ...]) -> dict[str, Any]:
+    """The rules that a page checks, in the order in which Python does; `parameters` are symbols.
+
+    ``numbers`` is a JavaScript function that returns, for one rule after the other, the relations that must
+    hold for its message to be shown, and the values in the message; ``words`` says how many there are.
+    """
+    known = set(parameters)
+    every = [rule for component in (*model.components.values(), model) for rule in _rules(component)]
+    rules = [rule for rule in every if set().union(*(x.free_symbols for x in rule.numbers)) <= known]
+    words = [
+        {"relations": len(rule.broken), "values": len(rule.values), "message": rule.message.split(MARK)}
+        for rule in rules
+    ]
+    numbers = [number for rule in rules for number in rule.numbers]
+    return {"numbers": javascript_function_apart([parameters], numbers), "words": words}
+
+
+def _rules(component: Component | Model) -> Iterator[Rule]:
+    for name, about in parameters_of(type(component)).items():
+        yield from _bounds(name, about)
+    yield from _checked(component)
+
+
+def _bounds(name: str, about: Parameter) -> Iterator[Rule]:
+    """The words are those of the error for a value that breaks the bound."""
+    x = symbol(name)
+    bounds = (
+        (about.exclusive_minimum, sp.Le, -1.0),
+        (about.minimum, sp.Lt, -1.0),
+        (about.maximum, sp.Gt, 1.0),
+    )
+    for bound, relation, away in bounds:
+        if bound is None:
+            continue
+        value = bound + away
+        try:
+            check_value(name, value, about)
+        except ValueError as error:
+            words = str(error).replace(f"got {value}:", f"got {MARK}{MARK}:")
+            yield Rule((relation(x, bound),), (x,), words)
+
+
+def _checked(component: Component | Model) -> Iterator[Rule]:
+    """What `check` raises ValueError for; nothing where it asks for more than comparisons of formulas."""
+    waiting: list[tuple[bool, ...]] = [()]
+    found: list[Rule] = []
+    for _ in range(MAX_OUTCOMES):
+        if not waiting:
+            yield from found
+            return
+        trace = _Trace(waiting.pop())
+        copy = object.__new__(type(component))
+        for name in parameters_of(type(component)):
+            object.__setattr__(copy, name, _Traced(symbol(name), trace))
+        for name in structure_of(type(component)):
+            object.__setattr__(copy, name, getattr(component, name))
+        try:
+            copy.check()
+        except ValueError as error:
+            found.append(Rule(tuple(trace.relations), tuple(trace.values), str(error)))
+        except (TypeError, AttributeError, ArithmeticError):
+            return
+        waiting += trace.others()
+
+
+@dataclass
+class _Trace:
+    """One run of a `check`: outcomes that are given, then false; the relations that held; values in words."""
+
+    given: tuple[bool, ...]
+    relations: list[Any] = field(default_factory=list)
+    values: list[Any] = field(default_factory=list)
+
+    def outcome(self, relation: Any) -> bool:
+        place = len(self.relations)
+        holds = self.given[place] if place < len(self.given) else False
+        self.relations.append(relation if holds else sp.Not(relation))
+        return holds
+
+    def others(self) -> list[tuple[bool, ...]]:
+        """The outcomes that differ from this run's in the last place that was not given."""
+        free = range(len(self.given), len(self.relations))
+        return [(*self.given, *[False] * (place - len(self.given)), True) for place in free]
+
+
+class _Relation:
+    """A comparison, which is decided when it is asked whether it holds."""
+
+    def __init__(self, relation: Any, trace: _Trace) -> None:
+        self.relation, self.trace = relation, trace
+
+    def __bool__(self) -> bool:
+        if self.relation in (sp.true, sp.false):
+            return bool(self.relation)
+        return self.trace.outcome(self.relation)
+
+
+class _Traced:
+    """A number as a formula of parameters; its comparisons and its places in words are noted."""
+
+    __hash__ = None  # type: ignore[assignment]  # as it is equal to others by a comparison
+
+    def __init__(self, formula: Any, trace: _Trace) -> None:
+        self.formula, self.trace = formula, trace
+
+    def __format__(self, spec: str) -> str:
+        self.trace.values.append(self.formula)
+        return f"{MARK}{spec}{MARK}"
+
+    def __repr__(self) -> str:
+        return format(self, "")
+
+    __str__ = __repr__
+
+    def __bool__(self) -> bool:
+        return bool(_Relation(sp.Ne(self.formula, 0), self.trace))
+
+
+def _plain(value: Any) -> Any:
+    return value.formula if isinstance(value, _Traced) else sp.sympify(value, strict=True)
+
+
+def _arithmetic(operation: Any, swapped: bool) -> Any:
+    def method(self: _Traced, other: Any) -> _Traced:
+        pair = (_plain(other), self.formula) if swapped else (self.formula, _plain(other))
+        return _Traced(operation(*pair), self.trace)
+
+    return method
+
+
+def _of_itself(operation: Any) -> Any:
+    return lambda self: _Traced(operation(self.formula), self.trace)
+
+
+def _comparison(relation: Any) -> Any:
+    return lambda self, other: _Relation(relation(self.formula, _plain(other)), self.trace)
+
+
+RELATIONS = {"lt": sp.Lt, "le": sp.Le, "gt": sp.Gt, "ge": sp.Ge, "eq": sp.Eq, "ne": sp.Ne}
+for _name in ("add", "sub", "mul", "truediv", "pow"):
+    setattr(_Traced, f"__{_name}__", _arithmetic(getattr(operator, _name), False))
+    setattr(_Traced, f"__r{_name}__", _arithmetic(getattr(operator, _name), True))
+for _name in ("neg", "abs"):
+    setattr(_Traced, f"__{_name}__", _of_itself(getattr(operator, _name)))
+for _name, _relation in RELATIONS.items():
+    setattr(_Traced, f"__{_name}__", _comparison(_relation))

@@ -25,8 +25,7 @@ from frictionlab.hybrid.tape.packing import program_of
 from frictionlab.hybrid.tape.program import Program
 from frictionlab.models import Model
 from frictionlab.models.symbols import structure_of_component, symbolic_copy
-from frictionlab.pages.javascript import javascript_function, javascript_function_apart
-from frictionlab.pages.parameter_rules import rule_data
+from frictionlab.pages.javascript import javascript_function, javascript_function_apart, rule_data
 from frictionlab.plotting.style import mode_colours
 from frictionlab.stability import equilibrium
 
@@ -42,7 +41,7 @@ def structure_data(model: Model) -> dict[str, Any]:
         Where the model has more than 64 modes.
     """
     method = Taylor()
-    automaton = with_chatter_limit(model.automaton(), method.limits[1])
+    automaton = with_chatter_limit(model.automaton(), method.limits[1]).derived()
     count = len(automaton.modes)
     if count > MAX_MODES:
         raise ValueError(

@@ -18,16 +18,44 @@ from functools import cached_property, lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
-import sympy
 from numpy.typing import NDArray
 
 from frictionlab.automaton.expressions import combinations_of
-from frictionlab.hybrid.problem import numpy_function
+from frictionlab.lazy_names import sympy
 from frictionlab.models.symbols import derivatives
 
 Array = NDArray[np.float64]
 # Terms from which on to write each as Python code takes seconds; they are then sums of a few expressions.
 MANY_TERMS = 1000
+
+
+class Jacobian(NamedTuple):
+    """The state matrix of a flow as its entries that are not zero.
+
+    Parameters
+    ----------
+    size : int
+        How many states there are.
+    places : sequence of (row, column)
+    entries : callable
+        Their values, of all states, then all parameters.
+    """
+
+    size: int
+    places: Sequence[tuple[int, int]]
+    entries: Callable[..., Any]
+
+    def at(self, x: Any, values: Sequence[Any]) -> Array:
+        """d x'/d x as (..., m, m), at states `x` (m, ...)."""
+        matrix = np.zeros((self.size, self.size, *np.shape(x[0])))
+        entries = self.entries(*x, *values)
+        if isinstance(entries, np.ndarray):
+            rows, columns = zip(*self.places)
+            matrix[rows, columns] = entries.reshape(len(rows), -1) if matrix.ndim > 2 else entries
+        else:
+            for (row, column), entry in zip(self.places, entries):
+                matrix[row, column] = entry
+        return np.moveaxis(matrix, (0, 1), (-2, -1))
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,8 +113,9 @@ class Flow:
         )
 
     @cached_property
-    def _entries(self) -> Callable[..., Any]:
-        return self.compiled(tuple(self._partial.values()))
+    def derivative(self) -> Jacobian:
+        """The Jacobian as a function."""
+        return Jacobian(len(self.states), tuple(self._partial), self.compiled(tuple(self._partial.values())))
 
     @cached_property
     def _nonlinear_partial(self) -> dict[tuple[int, int], Any]:
@@ -106,6 +135,8 @@ class Flow:
 
     def compiled(self, expressions: Sequence[Any]) -> Callable[..., Any]:
         """A numpy function of all states, then all parameters."""
+        from frictionlab.hybrid.expression_functions import numpy_function  # which loads sympy
+
         arguments = [*self.states, *self.parameters]
         if sum(len(sympy.Add.make_args(one)) for one in expressions) < MANY_TERMS:
             return numpy_function(arguments, list(expressions))
@@ -128,16 +159,7 @@ class Flow:
 
     def jacobian(self, x: Any, values: Sequence[Any]) -> Array:
         """d x'/d x as (..., m, m)."""
-        m = len(self.states)
-        matrix = np.zeros((m, m, *np.shape(x[0])))
-        entries = self._entries(*x, *values)
-        if isinstance(entries, np.ndarray):
-            rows, columns = zip(*self._partial)
-            matrix[rows, columns] = entries.reshape(len(rows), -1) if matrix.ndim > 2 else entries
-        else:
-            for place, entry in zip(self._partial, entries):
-                matrix[place] = entry
-        return np.moveaxis(matrix, (0, 1), (-2, -1))
+        return self.derivative.at(x, values)
 
     def nonlinear_columns(self, x: Array, values: Sequence[Any]) -> Array:
         """The columns `nonlinear` of the Jacobian as (N, m, k), at states (m, N)."""

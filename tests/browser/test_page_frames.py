@@ -3,7 +3,7 @@
 import pytest
 
 from frictionlab.bench.response_times import PAGE_SCENES, page_frames, page_table
-from frictionlab.pages.solver_file import SolverNotBuiltError
+from frictionlab.pages.export import SolverNotBuiltError
 
 pytestmark = pytest.mark.browser
 

@@ -24,7 +24,7 @@ from frictionlab.hybrid.problem import Status
 from frictionlab.hybrid.solve import with_chatter_limit
 from frictionlab.hybrid.tape.packing import program_of
 from frictionlab.pages import export, structure
-from frictionlab.pages.solver_file import solver_data
+from frictionlab.pages.export import solver_data
 from tests.digests.runs import Case, cases
 
 SCRIPTS = "functions", "assembler", "jets", "solver"
@@ -52,7 +52,7 @@ def data_of(case: Case, run: Any) -> dict[str, Any]:
     """A run as node is given it; its initial state and parameters are those of the native run."""
     model, method = case.model, case.method
     found = model.automaton() if isinstance(model, fl.Model) else model
-    automaton = with_chatter_limit(found, method.limits[1])
+    automaton = with_chatter_limit(found, method.limits[1]).derived()
     program, _ = program_of(automaton)
     apart = isinstance(automaton.modes, ModesOnDemand)  # whose numbers are computed one by one
     scene = {

@@ -94,9 +94,9 @@ def _foreign(path: Path) -> None:
 
 def _plant(path: Path) -> None:
     """Put code here, with a right checksum, that would leave a file behind or end the process."""
-    from frictionlab.hybrid import kernel_cache
+    from frictionlab import cache_folder
 
-    kernel_cache.write(path, pickle.dumps(Planted(str(path.parents[2] / "executed"))))
+    cache_folder.write(path, pickle.dumps(Planted(str(path.parents[2] / "executed"))))
 
 
 class Planted:

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 import frictionlab as fl
-from frictionlab.hybrid import kernel_cache
+from frictionlab import cache_folder
 from tests.helpers.compilers import HAS_NUMBA
 
 ROOT = Path(__file__).parents[2]
@@ -91,7 +91,7 @@ def plant(folder, names, executed):
     """Files of all those names, with code in them."""
     folder.mkdir(parents=True, exist_ok=True)
     for name in names:
-        kernel_cache.write(folder / name, pickle.dumps(Planted(executed)))
+        cache_folder.write(folder / name, pickle.dumps(Planted(executed)))
         (folder / name).chmod(0o777)
 
 

@@ -17,7 +17,7 @@ from frictionlab.analysis.continuation.pseudo_arclength import BranchPoint, cont
 from frictionlab.analysis.motion_scales import Array
 from frictionlab.analysis.orbits.shooting import floquet_multipliers
 from frictionlab.automaton import HybridAutomaton
-from frictionlab.hybrid.problem import array_function
+from frictionlab.hybrid.expression_functions import array_function
 from frictionlab.hybrid.tape.automaton_checks import sign_normal_form
 
 LOCATION_XTOL = 1e-12  # share of the step to which a special point is located

@@ -31,8 +31,7 @@ from numba.np.numpy_support import from_dtype
 
 from frictionlab.hybrid.ahead_of_time.entry_points import EntryPoint, Symbol
 from frictionlab.hybrid.ahead_of_time.manifest import Function, Word
-from frictionlab.hybrid.compilation import jit_options
-from frictionlab.hybrid.kernel_cache import KernelCache
+from frictionlab.hybrid.compilation import KernelCache, jit_options
 
 NO_CODE = 1  # stands for an address that nothing calls
 

@@ -20,7 +20,8 @@ from weakref import WeakKeyDictionary, ref
 
 import numpy as np
 
-from frictionlab.hybrid import compilation, kernel_cache, llvm_instructions
+from frictionlab import cache_folder
+from frictionlab.hybrid import compilation, llvm_instructions
 from frictionlab.hybrid.codegen import jet_codegen, remainder_codegen, step_codegen
 from frictionlab.hybrid.codegen.jet_codegen import ModeTape, jets_module
 from frictionlab.hybrid.codegen.remainder_codegen import StepStructure
@@ -213,14 +214,14 @@ def _load_from_cache(path: Path | None) -> int:
     """Address of code that an earlier process has compiled, else 0."""
     if not compilation.HAS_MACHINE_CODE or path is None:
         return 0
-    code = kernel_cache.read(path)
+    code = cache_folder.read(path)
     LOGGER.debug("machine code %s %s the cache", path.name, "is not in" if code is None else "found in")
     return 0 if code is None else _load_object(code)
 
 
 def _store(code: bytes, path: Path | None) -> None:
     if path is not None:
-        kernel_cache.write(path, code)
+        cache_folder.write(path, code)
 
 
 def _emit_object(module: Any) -> bytes:

@@ -9,10 +9,10 @@ from functools import lru_cache
 from math import isfinite
 from typing import Any
 
-import sympy as sp
-
 from frictionlab.automaton import Event, HybridAutomaton, Mode, Reset
 from frictionlab.automaton.expressions import multiply_out
+from frictionlab.automaton.mode import Expr, Symbol
+from frictionlab.lazy_names import sympy as sp
 from frictionlab.validation import abbreviate, check_number
 
 
@@ -22,17 +22,17 @@ def check_automaton(automaton: Any) -> None:
         cure = "write solve(automaton, t_end, x0=...)"
         cure = "use fl.simulate for a model" if hasattr(automaton, "automaton") else cure
         raise TypeError(f"automaton must be a HybridAutomaton, got {abbreviate(automaton)}: {cure}")
-    for symbol, value in automaton.parameters.items():
+    for name, value in automaton.values.items():
         if type(value) is float and isfinite(value):  # as those of models are, before every run
             continue
         number = float(value) if getattr(value, "is_real", False) else value  # of sympy, such as pi
-        check_number(f"the parameter {symbol}", number, cure=f"give it one, such as replace({symbol}=1.0)")
+        check_number(f"the parameter {name}", number, cure=f"give it one, such as replace({name}=1.0)")
 
 
 def check_structure(
-    states: Sequence[sp.Symbol],
+    states: Sequence[Symbol],
     modes: Sequence[Mode],
-    parameters: Sequence[sp.Symbol],
+    parameters: Sequence[Symbol],
     coordinates: int,
 ) -> None:
     """Raise ValueError with what was got, what was expected and the cure."""
@@ -78,7 +78,7 @@ def _symbols(name: str, function: Any) -> set:
 
 
 def check_mode(
-    mode: Mode, names: Sequence[str], states: tuple[sp.Symbol, ...], known: frozenset[sp.Symbol]
+    mode: Mode, names: Sequence[str], states: tuple[Symbol, ...], known: frozenset[Symbol]
 ) -> None:
     """Raise ValueError for one mode; `names` are those of all modes, `known` the states and parameters."""
     if len(mode.flow) != len(states):
@@ -106,7 +106,7 @@ def check_mode(
             )
 
 
-def _check_resets(event: Event, mode: Mode, states: tuple[sp.Symbol, ...]) -> None:
+def _check_resets(event: Event, mode: Mode, states: tuple[Symbol, ...]) -> None:
     for reset in filter(None, (event.reset, event.accumulation)):
         if strange := [symbol for symbol in reset.jump if symbol not in states]:
             raise ValueError(
@@ -142,7 +142,7 @@ def structural_zeros(mode: Mode, event: Event, reset: Reset) -> Mapping[Any, int
     return zero
 
 
-def _survives(function: sp.Expr, reset: Reset) -> bool:
+def _survives(function: Expr, reset: Reset) -> bool:
     """Whether a function that was zero before the reset is zero after it."""
     if function.free_symbols.isdisjoint(reset.jump):
         return True
@@ -153,13 +153,13 @@ def _survives(function: sp.Expr, reset: Reset) -> bool:
     return multiply_out(after) in (0, 0.0)  # to sympy these are two numbers
 
 
-def _integers(symbols: set[sp.Basic]) -> dict[sp.Basic, sp.Integer]:
+def _integers(symbols: set[Any]) -> dict[Any, Any]:
     """A different integer for each symbol."""
     return {name: sp.Integer(i) for i, name in enumerate(sorted(symbols, key=str), start=3)}
 
 
 @lru_cache(maxsize=4096)
-def sign_normal_form(function: sp.Expr) -> sp.Expr:
+def sign_normal_form(function: Expr) -> Expr:
     """The same for f and for -f, however they are written: both are zero together."""
     expanded = multiply_out(function)
     return -expanded if expanded.could_extract_minus_sign() else expanded

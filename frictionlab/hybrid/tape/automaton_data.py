@@ -1,7 +1,7 @@
 """An automaton as data that JSON can hold, and back; no text is evaluated on the way.
 
 Expressions are a list of *nodes* in the order in which they are made: a symbol, a number, or the name of an
-operation and the nodes that it is of, which come before it.  Only the operations of `OPERATIONS` are made, as
+operation and the nodes that it is of, which come before it.  Only the operations of `operations` are made, as
 they were written, so that the automaton that is read gives the same tape and the same bits.  What a file
 holds may be anything: it is checked before sympy sees it, its size too.
 """
@@ -11,14 +11,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
-
-import sympy as sp
-from sympy.functions.elementary.piecewise import ExprCondPair
 
 from frictionlab.automaton import Event, HybridAutomaton, Mode, Reset
 from frictionlab.automaton.mode import ModesOnDemand
 from frictionlab.hybrid.tape.functions import FUNCTIONS
+from frictionlab.lazy_names import sympy as sp
 
 MAX_NODES = 200_000  # of all expressions together
 MAX_DEPTH = 200  # of operations within operations: Python calls sympy's functions within each other so often
@@ -48,28 +47,36 @@ class Operation:
         return self.make(*arguments, **options)
 
 
-_RELATIONS = sp.Eq, sp.Ne, sp.Gt, sp.Ge, sp.Lt, sp.Le
-_OF_ONE = (*(f.expression for f in FUNCTIONS), sp.asin, sp.acos, sp.acosh, sp.atanh, sp.Abs, sp.sign)
-OPERATIONS: dict[str, Operation] = {
-    operation.make.__name__: operation
-    for operation in (
+@cache
+def operations() -> dict[str, Operation]:
+    """All operations by name."""
+    from sympy.functions.elementary.piecewise import ExprCondPair
+
+    relations = sp.Eq, sp.Ne, sp.Gt, sp.Ge, sp.Lt, sp.Le
+    of_one = (*(f.expression for f in FUNCTIONS), sp.asin, sp.acos, sp.acosh, sp.atanh, sp.Abs, sp.sign)
+    found = (
         Operation(sp.Add, 2),
         Operation(sp.Mul, 2),
         Operation(sp.Pow, 2, 2),
-        *(Operation(function, 1, 1) for function in (*_OF_ONE, sp.floor, sp.ceiling)),
+        *(Operation(function, 1, 1) for function in (*of_one, sp.floor, sp.ceiling)),
         Operation(sp.atan2, 2, 2),
         Operation(sp.Heaviside, 2, 2),
         Operation(sp.Max, 2),
         Operation(sp.Min, 2),
-        *(Operation(relation, 2, 2, gives=TRUTH) for relation in _RELATIONS),
+        *(Operation(relation, 2, 2, gives=TRUTH) for relation in relations),
         Operation(sp.And, 2, takes=(TRUTH,), gives=TRUTH),
         Operation(sp.Or, 2, takes=(TRUTH,), gives=TRUTH),
         Operation(sp.Not, 1, 1, takes=(TRUTH,), gives=TRUTH),
         Operation(ExprCondPair, 2, 2, (NUMBER, TRUTH), PAIR),
         Operation(sp.Piecewise, 1, takes=(PAIR,)),
     )
-}
-CONSTANTS = {"pi": sp.pi, "E": sp.E, "true": sp.true, "false": sp.false}
+    return {operation.make.__name__: operation for operation in found}
+
+
+@cache
+def constants() -> dict[str, Any]:
+    """Constants by name."""
+    return {"pi": sp.pi, "E": sp.E, "true": sp.true, "false": sp.false}
 
 
 class UnknownOperation(ValueError):
@@ -113,7 +120,7 @@ def automaton_to_data(automaton: HybridAutomaton) -> dict[str, Any]:
     Raises
     ------
     UnknownOperation
-        Where an expression has an operation that is not in `OPERATIONS`, or is too long.
+        Where an expression has an operation that is not in `operations`, or is too long.
     """
     writer = _Writer()
     data = {
@@ -195,10 +202,10 @@ class _Writer:
             if mantissa == 0 and exponent:
                 raise UnknownOperation(f"{expr} is no finite number")
             return ["Float", -mantissa if sign else mantissa, exponent, expr._prec]
-        name = next((name for name, constant in CONSTANTS.items() if constant is expr), None)
+        name = next((name for name, constant in constants().items() if constant is expr), None)
         if name is not None:
             return [name]
-        known = OPERATIONS.get(type(expr).__name__)
+        known = operations().get(type(expr).__name__)
         if known is None or known.make is not type(expr) or known.unevaluated(expr.args) != expr:
             raise UnknownOperation(f"the file of a run has no operation for {expr}")
         return [type(expr).__name__, *(self._places[_key(arg)] for arg in expr.args)]
@@ -255,12 +262,12 @@ def _node(row: Sequence[Any], nodes: list[Node]) -> Node:
         return Node(sp.Rational(p, q), bits=p.bit_length() + q.bit_length())
     if name == "Float":
         return Node(_float_from_data(*about))
-    if name in CONSTANTS:
-        return Node(CONSTANTS[name], TRUTH if name in ("true", "false") else NUMBER)
-    if name not in OPERATIONS:
+    if name in constants():
+        return Node(constants()[name], TRUTH if name in ("true", "false") else NUMBER)
+    if name not in operations():
         raise ValueError(f"an expression has the operation {name!r}, which no file of a run holds")
     return _operation_from_data(
-        OPERATIONS[name], [nodes[_whole(place, 0, len(nodes) - 1)] for place in about]
+        operations()[name], [nodes[_whole(place, 0, len(nodes) - 1)] for place in about]
     )
 
 

@@ -12,9 +12,8 @@ import re
 from collections.abc import Callable, Mapping
 from typing import Any
 
-import sympy
-
 from frictionlab.automaton import HybridAutomaton
+from frictionlab.lazy_names import sympy
 from frictionlab.validation import abbreviate, did_you_mean_or_known
 
 NAME_PATTERN = re.compile(r"(?<![\w.])[A-Za-z_]\w*'?")  # x' is the rate of x

@@ -19,13 +19,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
-
-import sympy as sp
 
 from frictionlab.automaton.mode import Expr
 from frictionlab.hybrid.compilation import inlined, kernel
 from frictionlab.hybrid.elementary import exponentials, trigonometry
+from frictionlab.lazy_names import sympy as sp
 
 AFFINE, PRODUCT, SQUARE, QUOTIENT, RATE, POWER = range(6)
 FIRST_FUNCTION = 6  # the number of the first function; so an operation is a function where kind > POWER
@@ -45,8 +45,8 @@ class Function:
     ----------
     kind : int
         Its number among the operations.
-    expression : type
-        The function of sympy that is lowered to it.
+    name : str
+        That of the function of sympy that is lowered to it.
     derivative : callable or None
         f' as an expression of the argument; None for the one that sympy knows.
     public : bool
@@ -54,44 +54,50 @@ class Function:
     """
 
     kind: int
-    expression: Any
+    name: str
     derivative: Callable[[Expr], Expr] | None = None
     public: bool = True
 
     @property
-    def name(self) -> str:
-        return self.expression.__name__
+    def expression(self) -> Any:
+        """The function of sympy."""
+        return sech2() if self.kind == SECH2 else getattr(sp, self.name)
 
     def slope(self, expr: Any) -> Expr:
         """Expression of f'(a), where `expr` is f(a)."""
         return expr.fdiff() if self.derivative is None else self.derivative(expr.args[0])
 
 
-class sech2(sp.Function):
+@cache
+def sech2() -> Any:
     """1/cosh(a)^2, the derivative of tanh: 1 - tanh(a)^2 would lose its digits where tanh is saturated.
 
     Lost there, they are lost in the layer too, when a step comes from afar.
     """
-
-    nargs = 1
+    return type("sech2", (sp.Function,), {"nargs": 1, "__module__": __name__})
 
 
 FUNCTIONS = (
-    Function(EXP, sp.exp),
-    Function(LOG, sp.log),
-    Function(SIN, sp.sin),
-    Function(COS, sp.cos),
-    Function(TAN, sp.tan),
-    Function(TANH, sp.tanh, derivative=sech2),
-    Function(SINH, sp.sinh),
-    Function(COSH, sp.cosh),
-    Function(ATAN, sp.atan),
-    Function(ASINH, sp.asinh),
-    Function(SECH2, sech2, lambda a: -2 * sp.tanh(a) * sech2(a), public=False),
+    Function(EXP, "exp"),
+    Function(LOG, "log"),
+    Function(SIN, "sin"),
+    Function(COS, "cos"),
+    Function(TAN, "tan"),
+    Function(TANH, "tanh", derivative=lambda a: sech2()(a)),
+    Function(SINH, "sinh"),
+    Function(COSH, "cosh"),
+    Function(ATAN, "atan"),
+    Function(ASINH, "asinh"),
+    Function(SECH2, "sech2", lambda a: -2 * sp.tanh(a) * sech2()(a), public=False),
 )
-FUNCTION_OF = {function.expression: function for function in FUNCTIONS}
 OPERATION_NAMES = dict(enumerate(NAMES_OF_OPERATIONS)) | {f.kind: f.name for f in FUNCTIONS}
 ALLOWED_OPERATIONS = "+, -, *, /, constant exponents, " + ", ".join(f.name for f in FUNCTIONS if f.public)
+
+
+@cache
+def function_table() -> dict[Any, Function]:
+    """The functions by those of sympy."""
+    return {function.expression: function for function in FUNCTIONS}
 
 
 @kernel

@@ -15,7 +15,6 @@ import numpy as np
 
 from frictionlab.automaton import Mode, Reset
 from frictionlab.automaton.expressions import combinations_of, undefined_part
-from frictionlab.hybrid.elementary.parameter_functions import function_of_parameters
 from frictionlab.hybrid.tape.functions import AFFINE, POWER
 from frictionlab.hybrid.tape.program import NOT_POLYNOMIAL, Section
 from frictionlab.hybrid.tape.tape import AffineTerms, ResetBuilder, Tape, TapeBuilder
@@ -188,6 +187,8 @@ def fill_function(
     parameters: tuple[Any, ...], every: Sequence[LoweredTape], apart: bool
 ) -> Callable[..., Any]:
     """Function of the parameters that gives all constants, then the coefficients of all terms."""
+    from frictionlab.hybrid.expression_functions import function_of_parameters  # which loads sympy
+
     if not apart:
         exprs = _numbers_of(every)
         if len(exprs) >= MANY_NUMBERS:
@@ -224,6 +225,8 @@ class _NumberList:
         return self._places[lowered]
 
     def _number(self, expr: Any) -> int:
+        from frictionlab.hybrid.expression_functions import function_of_parameters
+
         if expr not in self._numbers:
             self._numbers[expr] = len(self.functions)
             self.functions.append(function_of_parameters(self._parameters, expr))

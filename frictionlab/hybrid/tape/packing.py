@@ -14,13 +14,12 @@ from functools import lru_cache, partial
 from itertools import accumulate
 from threading import Lock
 from typing import Any
-from weakref import ref
+from weakref import WeakKeyDictionary, ref
 
 import numpy as np
-import sympy as sp
 
 from frictionlab.automaton import Event, HybridAutomaton, Mode, Reset
-from frictionlab.automaton.mode import Combination, KnownModes, ModesOnDemand
+from frictionlab.automaton.mode import Combination, KnownModes, ModesOnDemand, Symbol
 from frictionlab.hybrid.tape.automaton_checks import (
     check_mode,
     check_structure,
@@ -28,6 +27,7 @@ from frictionlab.hybrid.tape.automaton_checks import (
     structural_zeros,
 )
 from frictionlab.hybrid.tape.functions import AFFINE
+from frictionlab.hybrid.tape.kept_program import program_from_data, program_to_data
 from frictionlab.hybrid.tape.lowering import (
     LoweredMode,
     LoweredReset,
@@ -40,9 +40,11 @@ from frictionlab.hybrid.tape.lowering import (
     undefined_number,
 )
 from frictionlab.hybrid.tape.program import NO_RESET, Code, Demand, Numbers, Program, Section
+from frictionlab.lazy_names import sympy as sp
 
 NO_MODE = -1  # "no mode" in the arrays
 _ONE_AT_A_TIME = Lock()
+_KEPT_PROGRAMS: WeakKeyDictionary[Any, Program] = WeakKeyDictionary()  # by what files hold of a structure
 
 
 def program_of(
@@ -64,6 +66,10 @@ def program_of(
     TapeError
         Where an expression needs an operation that the tape lacks.
     """
+    if automaton.kept() is not None and not sections and not quadratures:
+        with _ONE_AT_A_TIME:
+            program = _kept_program(automaton)
+        return program, program.numbers(tuple(map(float, automaton.values.values())))
     modes, parameters = automaton.modes, tuple(automaton.parameters)
     riders = (tuple((sections or {}).values()), tuple((quadratures or {}).items()))
     about = parameters, automaton.coordinates, *riders
@@ -77,11 +83,32 @@ def program_of(
     return program, program.numbers(tuple(map(float, automaton.parameters.values())))
 
 
+def _kept_program(automaton: HybridAutomaton) -> Program:
+    """The program that files hold of the automaton's structure; if they do not yet, it is packed."""
+
+    def packed() -> Program:
+        about = tuple(automaton.parameters), automaton.coordinates
+        return pack_program(automaton.states, tuple(automaton.modes), *about)
+
+    kept = automaton.kept()
+    if kept not in _KEPT_PROGRAMS:
+        data = kept.get("program")
+        if data is None:
+            program = packed()
+            data = program_to_data(program, program._fill)
+            if data is not None:
+                kept.keep("program", data)
+        else:
+            program = program_from_data(data, lambda values: packed()._undefined(values))
+        _KEPT_PROGRAMS[kept] = program
+    return _KEPT_PROGRAMS[kept]
+
+
 @lru_cache(maxsize=256)
 def pack_program(
-    states: tuple[sp.Symbol, ...],
+    states: tuple[Symbol, ...],
     modes: tuple[Mode, ...],
-    parameters: tuple[sp.Symbol, ...],
+    parameters: tuple[Symbol, ...],
     coordinates: int,
     sections: tuple[Section, ...] = (),
     quadratures: tuple[tuple[str, Any], ...] = (),
@@ -105,10 +132,10 @@ def program_of_modes(automaton: HybridAutomaton, names: tuple[str, ...]) -> tupl
 
 @lru_cache(maxsize=64)
 def _pack_modes(
-    states: tuple[sp.Symbol, ...],
+    states: tuple[Symbol, ...],
     modes: ModesOnDemand,
     names: tuple[str, ...],
-    parameters: tuple[sp.Symbol, ...],
+    parameters: tuple[Symbol, ...],
     coordinates: int,
 ) -> Program:
     packer, chosen = Packer(states, (), (), modes), tuple(map(modes.named, names))
@@ -120,7 +147,7 @@ def _pack_modes(
 
 
 @lru_cache(maxsize=64)
-def _growing_program(states: tuple[sp.Symbol, ...], modes: ModesOnDemand, *about: Any) -> _GrowingProgram:
+def _growing_program(states: tuple[Symbol, ...], modes: ModesOnDemand, *about: Any) -> _GrowingProgram:
     return _GrowingProgram(states, modes, *about)
 
 
@@ -129,9 +156,9 @@ class _GrowingProgram:
 
     def __init__(
         self,
-        states: tuple[sp.Symbol, ...],
+        states: tuple[Symbol, ...],
         modes: ModesOnDemand,
-        parameters: tuple[sp.Symbol, ...],
+        parameters: tuple[Symbol, ...],
         coordinates: int,
         sections: tuple[Section, ...],
         quadratures: tuple[tuple[str, Any], ...],
@@ -185,7 +212,7 @@ class Packer:
 
     def __init__(
         self,
-        states: tuple[sp.Symbol, ...],
+        states: tuple[Symbol, ...],
         sections: tuple[Section, ...],
         quadratures: tuple[tuple[str, Any], ...],
         demand: ModesOnDemand | None = None,
@@ -256,7 +283,7 @@ class Packer:
 
     def pack(
         self,
-        parameters: tuple[sp.Symbol, ...],
+        parameters: tuple[Symbol, ...],
         coordinates: int,
         apart: bool,
         known: KnownModes | None = None,

@@ -14,21 +14,20 @@ from dataclasses import dataclass, field
 from enum import IntEnum
 from typing import Any
 
-import sympy as sp
-
 from frictionlab.automaton.expressions import unsorted_product
 from frictionlab.automaton.mode import Expr
 from frictionlab.hybrid.tape.functions import (
     AFFINE,
     ALLOWED_OPERATIONS,
-    FUNCTION_OF,
     OPERATION_NAMES,
     POWER,
     PRODUCT,
     QUOTIENT,
     RATE,
     SQUARE,
+    function_table,
 )
+from frictionlab.lazy_names import sympy as sp
 
 CONSTANT_TERM = -1  # the key of the constant term in an affine combination {slot: coefficient}
 AffineTerms = dict[int, Expr]
@@ -68,10 +67,10 @@ class Tape:
         """Number of slots in use."""
         return self.inputs + len(self.ops)
 
-    def emit(self, kind: int, a: int, b: int, constant: Expr = sp.S.Zero) -> int:
+    def emit(self, kind: int, a: int, b: int, constant: Expr = 0) -> int:
         """Append an operation, return the slot it writes."""
         self.ops.append((kind, a, b))
-        self.constants.append(constant)
+        self.constants.append(sp.sympify(constant, strict=True))
         return self.slots - 1
 
     def degrees(self, guards: Sequence[int] = ()) -> list[float]:
@@ -195,19 +194,19 @@ class TapeBuilder:
             return {self._power(expr.base, int(expr.exp)): sp.S.One}
         if expr.is_Pow and self.constant(expr.exp):
             return {self._after_rate(POWER, self.slot(expr.base), expr.exp): sp.S.One}
-        if expr.func in FUNCTION_OF:
+        if expr.func in function_table():
             return self._function(expr)
         raise TapeError(f"the tape has no operation for {expr}: write it with {ALLOWED_OPERATIONS}")
 
     def _function(self, expr: Expr) -> AffineTerms:
-        function = FUNCTION_OF[expr.func]
+        function = function_table()[expr.func]
         a = self.slot(expr.args[0])
         place = self._after_rate(function.kind, a)
         self._affine[expr] = {place: sp.S.One}  # its derivative may contain the function itself
         self.tape.ops[place - self.tape.inputs] = function.kind, a, self.slot(function.slope(expr))
         return self._affine[expr]
 
-    def _after_rate(self, kind: int, a: int, constant: Expr = sp.S.Zero) -> int:
+    def _after_rate(self, kind: int, a: int, constant: Expr = 0) -> int:
         self.tape.emit(RATE, a, a)
         return self.tape.emit(kind, a, a, constant)
 

@@ -17,6 +17,7 @@ from frictionlab.components import functions
 from frictionlab.components.contact import Interface, StickSlipSeparation
 from frictionlab.models.composition import Nonlinearity, nonlinearities_of
 from frictionlab.models.model import Model
+from frictionlab.models.structure_data import derivations_of, structure_of_component
 
 from .mechanics import Friction, Mechanics
 
@@ -41,15 +42,14 @@ class MechanicalModel(Model):
     @property
     def nonlinearities(self) -> Mapping[str, Nonlinearity]:
         """The nonlinearities of its components; without contacts the interface is none."""
-        found = nonlinearities_of(self)
-        if not self.system().mechanics.contacts:
+        found, key = nonlinearities_of(self), structure_of_component(self)
+        kept = derivations_of(key, key.parameters)
+        if not kept.value("contacts", lambda: len(self.system().mechanics.contacts)):
             found.pop("nonsmooth", None)
         return MappingProxyType(found)
 
     def system(self) -> LagrangeSystem:
         """Lagrange's equations of its structure, in symbols."""
-        from frictionlab.models.symbols import structure_of_component
-
         from .equations_of_motion import system_of
 
         return system_of(structure_of_component(self))

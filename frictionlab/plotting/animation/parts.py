@@ -200,7 +200,7 @@ def _artists(shape: Shape, ax: Axes) -> list[Any]:
 def parts(run: Any, mechanism: Mechanism, t: Array, magnify: float | None = None) -> Parts:
     """The mechanism of a run at times `t` (K,); ``magnify=None`` makes the largest displacement well
     visible."""
-    values = {str(name): np.full(len(t), float(value)) for name, value in run.automaton.parameters.items()}
+    values = {name: np.full(len(t), float(value)) for name, value in run.automaton.values.items()}
     values |= dict(zip(run.names, run(t).T, strict=True))
     seen = SampledRun(run, t, values, modes_at(run, t))
     used = [values[name.lstrip("-")] for name in sorted(_names(mechanism))]

@@ -83,7 +83,7 @@ def sample_frames(run: Any, t: Array) -> Frames:
 
 def parameters(run: Any) -> dict[str, float]:
     """The run's parameters by name."""
-    return {str(symbol): float(value) for symbol, value in run.automaton.parameters.items()}
+    return {name: float(value) for name, value in run.automaton.values.items()}
 
 
 def is_tilting_belt(run: Any) -> bool:

@@ -17,7 +17,7 @@ import numpy as np
 import sympy
 from numpy.typing import NDArray
 
-from frictionlab.hybrid.problem import numpy_function
+from frictionlab.hybrid.expression_functions import numpy_function
 from frictionlab.presentation import Drawable
 from frictionlab.stability.boundaries.stability_changes import StabilityChange, changes_on_lines
 from frictionlab.stability.equilibrium_points.equilibria import (

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import sympy
 from numpy.typing import NDArray
 
+from frictionlab.lazy_names import sympy
 from frictionlab.models import Model
 from frictionlab.models.coercion import automaton_of
 from frictionlab.presentation import Drawable, shorten, state_unit

@@ -12,15 +12,14 @@ from functools import cache, lru_cache, partial
 from typing import Any
 
 import numpy as np
-import sympy
 from numpy.typing import NDArray
 
 from frictionlab.automaton import HybridAutomaton, Mode
 from frictionlab.automaton.mode import ModesOnDemand, Regime
+from frictionlab.hybrid.elementary.parameter_functions import OF_ARRAYS
+from frictionlab.lazy_names import sympy
 from frictionlab.models import Model
 from frictionlab.models.coercion import automaton_of
-from frictionlab.models.mechanical.contact_regimes import regime
-from frictionlab.models.mechanical.modes import flow_and_forces
 from frictionlab.stability.equilibrium_points.newton import find_zeros, follow_zero, newton_step
 from frictionlab.stability.equilibrium_points.real_roots import UNKNOWN, Polynomial
 from frictionlab.stability.equilibrium_points.static_equations import (
@@ -31,7 +30,7 @@ from frictionlab.stability.equilibrium_points.static_equations import (
     statics_groups,
 )
 from frictionlab.stability.equilibrium_problem import EquilibriumProblem
-from frictionlab.stability.flow import Flow
+from frictionlab.stability.flow import Flow, Jacobian
 
 Array = NDArray[np.float64]
 CONSTRAINT_RTOL = 1e-9  # share of its terms to which a constraint has to hold at an equilibrium
@@ -142,7 +141,7 @@ def _constants_at_rest(automaton: HybridAutomaton, functions: Sequence[Any]) -> 
 
 def parameter_values(automaton: HybridAutomaton) -> tuple[float, ...]:
     """The parameters' values."""
-    return tuple(float(value) for value in automaton.parameters.values())
+    return tuple(float(value) for value in automaton.values.values())
 
 
 def newton_residual(flow: Flow, x: Array, values: Sequence[float]) -> float:
@@ -196,8 +195,8 @@ def flow_of_mode(mode: Mode, states: tuple[Any, ...], parameters: tuple[Any, ...
 
 
 def _state_names(automaton: HybridAutomaton) -> tuple[str, ...]:
-    count = automaton.coordinates or len(automaton.states)
-    return tuple(symbol.name for symbol in automaton.states[:count])
+    count = automaton.coordinates or len(automaton.state_names)
+    return automaton.state_names[:count]
 
 
 REAL_ROOT_RTOL = 1e-4  # a double root comes out of the eigenvalues as a pair, some 1e-8 off the real axis
@@ -319,14 +318,33 @@ def sliding_problem(model: Any, start: Array | None = None) -> EquilibriumProble
 @cache
 def sliding_flow(equations: SlidingEquations) -> Flow:
     """Sliding whose friction force has the sign of the belt's speed, whatever else the model can do."""
+    from frictionlab.models.mechanical.contact_regimes import regime  # which load sympy
+    from frictionlab.models.mechanical.modes import flow_and_forces
+
     found = equations.system
     flow, _ = flow_and_forces(found, (regime(found.rubbing, "slip", found),))
     return Flow(found.states, equations.parameters, flow, (found.rubbing.pressing,), len(found.q))
 
 
 @cache
+def sliding_jacobian(equations: SlidingEquations) -> Jacobian:
+    """The state matrix of this flow."""
+    kept = equations.kept
+
+    def about() -> list[Any]:
+        found = sliding_flow(equations).derivative
+        return [found.size, found.places]
+
+    size, places = kept.value("sliding states", about)
+    entries = kept.function("sliding", OF_ARRAYS, lambda: sliding_flow(equations).derivative.entries)
+    return Jacobian(size, places, entries)
+
+
+@cache
 def sliding_guards(equations: SlidingEquations, forwards: bool) -> tuple[Any, ...]:
     """The functions that stay positive while the model slides as in the flow: v_r, the gap."""
+    from frictionlab.models.mechanical.contact_regimes import regime  # which loads sympy
+
     found = equations.system
     contact = found.rubbing
     name = "slip" if "slip" in contact.modes else "slip+" if forwards else "slip-"

@@ -9,19 +9,21 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-import sympy
 from numpy.typing import NDArray
 
-from frictionlab.hybrid.problem import numpy_function
+from frictionlab.hybrid.elementary.parameter_functions import OF_ARRAYS
+from frictionlab.lazy_names import sympy
 from frictionlab.models import Model
-from frictionlab.models.mechanical.equations_of_motion import LagrangeSystem, lagrange_system
-from frictionlab.models.symbols import Structure, check_laws, structure_of_component, symbol, symbolic_copy
+from frictionlab.models.structure_data import Derivations, Structure, derivations_of, structure_of_component
+from frictionlab.models.symbols import check_laws, parameter_symbols, symbolic_copy
+
+if TYPE_CHECKING:
+    from frictionlab.models.mechanical.equations_of_motion import LagrangeSystem
 
 Array = NDArray[np.float64]
-PENETRATION = sympy.Symbol("compression", real=True)
 # A stiffness matrix with ones on its diagonal is singular but for rounding where an eigenvalue is smaller.
 SINGULAR_EIGENVALUE = 1e-13
 # N: smaller forces have parts among the smallest numbers, which lose digits.
@@ -57,34 +59,47 @@ class SlidingEquations:
 
     Parameters
     ----------
-    system : LagrangeSystem
+    key : Structure
+    kept : Derivations
+        What files hold of it.
     coordinates : tuple of str
-    parameters : tuple of sympy.Symbol
     height : int
         Index of the coordinate that the contact alone may hold.
     """
 
-    system: LagrangeSystem
+    key: Structure
+    kept: Derivations
     coordinates: tuple[str, ...]
-    parameters: tuple[Any, ...]
     height: int
+
+    @cached_property
+    def system(self) -> LagrangeSystem:
+        """Lagrange's equations."""
+        from frictionlab.models.mechanical.equations_of_motion import system_of  # which derives them
+
+        return system_of(self.key)
+
+    @cached_property
+    def parameters(self) -> tuple[Any, ...]:
+        """The parameters' symbols."""
+        return parameter_symbols(self.key)
 
     def values(self, model: Any) -> tuple[float, ...]:
         """The model's parameters, in the order of `parameters`; ValueError where a law has no value there."""
         check_laws(model)
         known = model.parameters
-        return tuple(known[symbol.name] for symbol in self.parameters)
+        return tuple(known[name] for name in self.key.parameters)
 
     @cached_property
     def sticks(self) -> bool:
         """Whether the contact can stick."""
-        return "stick" in self.system.rubbing.modes
+        return self.kept.value("sticks", lambda: "stick" in self.system.rubbing.modes)
 
     @cached_property
     def belt_speed(self) -> Callable[..., Any]:
         """The relative velocity at rest, m/s, of the parameters."""
-        return numpy_function(
-            list(self.parameters), self.system.at_rest(self.system.rubbing.relative_velocity)
+        return self._function(
+            "belt speed", lambda: self.system.at_rest(self.system.rubbing.relative_velocity)
         )
 
     def rests(self, values: Sequence[Any]) -> Any:
@@ -94,7 +109,17 @@ class SlidingEquations:
     @cached_property
     def stiffness_entries(self) -> Callable[..., Any]:
         """The stiffness matrix as rows, of the parameters."""
-        return numpy_function(list(self.parameters), self.system.stiffness.tolist())
+        return self._function("stiffness", lambda: self.system.stiffness.tolist())
+
+    def _function(self, name: str, expressions: Callable[[], Any]) -> Callable[..., Any]:
+        """A function of the parameters."""
+
+        def derive() -> Callable[..., Any]:
+            from frictionlab.hybrid.expression_functions import numpy_function  # which loads sympy
+
+            return numpy_function(list(self.parameters), expressions())
+
+        return self.kept.function(name, OF_ARRAYS, derive)
 
     def stiffness(self, values: Sequence[Any]) -> Array:
         """K (n, n), or (N, n, n) where a parameter in it is an array."""
@@ -115,9 +140,9 @@ def sliding_equations(model: Any) -> SlidingEquations:
 
 @cache
 def _equations_of_structure(key: Structure) -> SlidingEquations:
-    copy = symbolic_copy(key)
-    parameters, names = tuple(map(symbol, copy.parameters)), tuple(copy.coordinates)
-    return SlidingEquations(lagrange_system(copy), names, parameters, names.index(copy.statics.height))
+    kept = derivations_of(key, key.parameters)
+    names = tuple(kept.value("coordinates", lambda: symbolic_copy(key).coordinates))
+    return SlidingEquations(key, kept, names, names.index(key.component.statics.height))
 
 
 def by_penetration(model: Any) -> bool:
@@ -131,21 +156,36 @@ def derive_statics(equations: SlidingEquations, held_by_contact: bool) -> Static
 
     `held_by_contact`: only the contact holds the slider's height, as no spring does.
     """
+
+    def function(name: str) -> Callable[..., Any]:
+        named = f"{name}, held by the contact" if held_by_contact else name
+        return equations.kept.function(
+            named, OF_ARRAYS, lambda: getattr(_static_functions(equations, held_by_contact), name)
+        )
+
+    return Statics(*map(function, Statics._fields))
+
+
+@cache
+def _static_functions(equations: SlidingEquations, held_by_contact: bool) -> Statics:
+    from frictionlab.hybrid.expression_functions import numpy_function  # which loads sympy
+
     found, p = equations.system, equations.parameters
     height = equations.height if held_by_contact else None
-    normal, friction = _forces(found, PENETRATION)
+    penetration = sympy.Symbol("compression", real=True)
+    normal, friction = _forces(found, penetration)
     q = _deflections(found, height, normal, friction)
     if height is None:
-        excess = _penetration(found, q) - PENETRATION
+        excess = _penetration(found, q) - penetration
     else:
         # The slider's height enters the penetration with the factor -1.
-        q[height] = _penetration(found, q) - PENETRATION
+        q[height] = _penetration(found, q) - penetration
         excess = _loads(found, q, normal, friction)[height]
-    arguments = [PENETRATION, *p]
+    arguments = [penetration, *p]
     return Statics(
         numpy_function(arguments, q),
         numpy_function(arguments, excess),
-        numpy_function(arguments, sympy.diff(excess, PENETRATION)),
+        numpy_function(arguments, sympy.diff(excess, penetration)),
         numpy_function(arguments, [normal, friction]),
         numpy_function([*found.q, *p], _balance(found)),
     )

@@ -1,5 +1,9 @@
 """The table of switches is complete; nothing here looks at a clock."""
 
+import subprocess
+
+import pytest
+
 from frictionlab.bench import single_costs
 
 
@@ -16,3 +20,19 @@ def test_each_switch_pays():
     assert len(lines) == 11
     assert all(line.count("|") == 9 for line in lines)
     assert lines[-1].endswith("| 0.010 s |")
+
+
+def test_the_starts_are_those_of_processes_that_end(monkeypatch):
+    quick = {"nothing": ("import frictionlab", "", "Python")}
+    monkeypatch.setattr(single_costs, "STARTS", quick)
+    (row,) = single_costs.start_times(repeats=1)
+    assert min(row.first, row.later, row.floor) > 0
+    head, _, line = single_costs.start_table([row]).splitlines()
+    assert head.count("|") == line.count("|")
+    assert line.startswith("| nothing | ")
+
+
+def test_a_start_that_fails_is_an_error(monkeypatch):
+    monkeypatch.setattr(single_costs, "STARTS", {"wrong": ("raise SystemExit(1)", "", "Python")})
+    with pytest.raises(subprocess.CalledProcessError):
+        single_costs.start_times(repeats=1)

@@ -4,7 +4,7 @@ import pytest
 
 import frictionlab as fl
 from frictionlab.hybrid.ahead_of_time import manifest
-from frictionlab.pages import solver_file
+from frictionlab.pages import export
 from frictionlab.pages.controls import preset_data, slider_data, structures, switch_names
 
 
@@ -50,13 +50,13 @@ def test_presets_keep_values_and_switches():
 
 def test_without_the_solver_the_error_says_how_to_build_it(monkeypatch, tmp_path):
     monkeypatch.setattr(manifest, "FOLDER", "nowhere")
-    with pytest.raises(solver_file.SolverNotBuiltError, match=r"not there: .* --web` once"):
+    with pytest.raises(export.SolverNotBuiltError, match=r"not there: .* --web` once"):
         fl.export_page(fl.MassOnBelt(), tmp_path / "page.html")
 
 
 def test_a_solver_older_than_the_kernels_is_refused(monkeypatch, tmp_path):
     old = manifest.Manifest({"hybrid/solve.py": ""}, objects={"kernels.wasm": manifest.digest(b"")})
-    monkeypatch.setattr(solver_file, "read_manifest", lambda: old)
-    monkeypatch.setattr(solver_file, "read_object", lambda manifest, name: b"")
-    with pytest.raises(solver_file.SolverNotBuiltError, match=r"solve\.py has changed since .* --web` once"):
+    monkeypatch.setattr(export, "read_manifest", lambda: old)
+    monkeypatch.setattr(export, "read_object", lambda manifest, name: b"")
+    with pytest.raises(export.SolverNotBuiltError, match=r"solve\.py has changed since .* --web` once"):
         fl.export_page(fl.MassOnBelt(), tmp_path / "page.html")

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 import sympy as sp
 
-from frictionlab.hybrid.elementary.parameter_functions import function_of_parameters
+from frictionlab.hybrid.expression_functions import function_of_parameters
 from frictionlab.pages.javascript import javascript_function, javascript_function_apart
 
 A, B = sp.symbols("a b", positive=True)

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import frictionlab as fl
-from frictionlab.pages.parameter_rules import rule_data
+from frictionlab.pages.javascript import rule_data
 
 
 def words(model):

@@ -7,12 +7,8 @@ import pytest
 import sympy as sp
 
 from frictionlab.hybrid.elementary import exponentials
-from frictionlab.hybrid.elementary.parameter_functions import (
-    KERNELS,
-    function_of_parameters,
-    integer_power,
-    real_power,
-)
+from frictionlab.hybrid.elementary.parameter_functions import KERNELS, integer_power, real_power
+from frictionlab.hybrid.expression_functions import function_of_parameters
 
 A, B = sp.symbols("a b", positive=True)
 

@@ -11,7 +11,7 @@ import frictionlab as fl
 from frictionlab.hybrid.tape import automaton_data
 from frictionlab.hybrid.tape.automaton_data import automaton_from_data, automaton_to_data, storable_automaton
 from frictionlab.hybrid.tape.packing import program_of
-from frictionlab.models.structure_data import automaton_from_structure_data
+from frictionlab.models.coercion import automaton_from_structure_data
 from tests.helpers.automata import automaton, ball, coulomb
 from tests.helpers.linear_automata import linear
 from tests.helpers.lorenz import lorenz
@@ -282,7 +282,7 @@ def test_names_are_names_whatever_they_say(tmp_path):
 def test_every_operation_is_made_as_it_was():
     """Each operation that files may hold, of as few arguments as it takes."""
     symbols = {automaton_data.NUMBER: (X, V), automaton_data.TRUTH: (X < V, V < 1)}
-    for operation in automaton_data.OPERATIONS.values():
+    for operation in automaton_data.operations().values():
         if operation.takes == (automaton_data.PAIR,) or operation.gives == automaton_data.PAIR:
             continue  # within Piecewise, tested above
         made = operation.unevaluated(symbols[operation.takes[0]][: operation.least])

@@ -9,10 +9,10 @@ from pathlib import Path
 
 import pytest
 
-from frictionlab.hybrid import kernel_cache
+from frictionlab import cache_folder
 from tests.helpers.compilers import HAS_NUMBA
 
-ROOT = Path(__file__).parents[3]
+ROOT = Path(__file__).parents[2]
 NOBODY, DAY = 65534, 86400.0
 DIGEST, OLD_DIGEST = "0123456789abcdef", "fedcba9876543210"
 CONTENT = b"machine code"
@@ -29,7 +29,7 @@ def bases(tmp_path, monkeypatch):
     (tmp_path / "tmp").mkdir(mode=0o1777)
     monkeypatch.setenv("FRICTIONLAB_CACHE_DIR", str(tmp_path / "chosen"))
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "tmp"))
-    return tmp_path / "chosen", kernel_cache._temporary_base()
+    return tmp_path / "chosen", cache_folder._temporary_base()
 
 
 @pytest.fixture
@@ -37,8 +37,8 @@ def kept(tmp_path):
     """A file of a version's folder, in the cache."""
     path = tmp_path / DIGEST / "jets-1.o"
     path.parent.mkdir()
-    kernel_cache._prune.cache_clear()
-    kernel_cache.write(path, CONTENT)
+    cache_folder._prune.cache_clear()
+    cache_folder.write(path, CONTENT)
     return path
 
 
@@ -46,7 +46,7 @@ def kept(tmp_path):
 
 
 def test_what_was_written_is_read(kept):
-    assert kernel_cache.read(kept) == CONTENT
+    assert cache_folder.read(kept) == CONTENT
     assert list(kept.parent.iterdir()) == [kept]
 
 
@@ -54,7 +54,7 @@ def test_a_file_shortened_anywhere_is_not_read(kept):
     whole = kept.read_bytes()
     for length in range(len(whole)):
         kept.write_bytes(whole[:length])
-        assert kernel_cache.read(kept) is None
+        assert cache_folder.read(kept) is None
 
 
 def test_a_file_with_one_bit_changed_is_not_read(kept):
@@ -63,25 +63,25 @@ def test_a_file_with_one_bit_changed_is_not_read(kept):
         changed = bytearray(whole)
         changed[bit // 8] ^= 1 << bit % 8
         kept.write_bytes(changed)
-        assert kernel_cache.read(kept) is None
+        assert cache_folder.read(kept) is None
 
 
 def test_a_file_under_the_name_of_another_is_not_read(kept):
-    assert kernel_cache.read(kept.rename(kept.with_name("jets-2.o"))) is None
+    assert cache_folder.read(kept.rename(kept.with_name("jets-2.o"))) is None
 
 
 def test_a_file_of_another_version_is_not_read(kept):
     (kept.parents[1] / OLD_DIGEST).mkdir()
-    assert kernel_cache.read(kept.rename(kept.parents[1] / OLD_DIGEST / kept.name)) is None
+    assert cache_folder.read(kept.rename(kept.parents[1] / OLD_DIGEST / kept.name)) is None
 
 
 def test_neither_a_folder_nor_nothing_is_read(kept):
     kept.unlink()
-    assert kernel_cache.read(kept) is None
+    assert cache_folder.read(kept) is None
     kept.mkdir()
-    assert kernel_cache.read(kept) is None
-    kernel_cache.write(kept, CONTENT)
-    assert kernel_cache.read(kept) == CONTENT
+    assert cache_folder.read(kept) is None
+    cache_folder.write(kept, CONTENT)
+    assert cache_folder.read(kept) == CONTENT
 
 
 def test_a_folder_in_the_place_of_a_file_is_moved_aside(kept):
@@ -89,8 +89,8 @@ def test_a_folder_in_the_place_of_a_file_is_moved_aside(kept):
     kept.unlink()
     kept.mkdir()
     (kept / "note").write_text("mine")
-    kernel_cache.write(kept, CONTENT)
-    assert kernel_cache.read(kept) == CONTENT
+    cache_folder.write(kept, CONTENT)
+    assert cache_folder.read(kept) == CONTENT
     assert [path.read_text() for path in kept.parent.glob("*.aside/note")] == ["mine"]
 
 
@@ -98,37 +98,37 @@ def test_a_folder_in_the_place_of_a_file_is_moved_aside(kept):
 @pytest.mark.parametrize("mode", [0o620, 0o602, 0o666])
 def test_a_file_that_others_can_write_to_is_not_read(kept, mode):
     kept.chmod(mode)
-    assert kernel_cache.read(kept) is None
+    assert cache_folder.read(kept) is None
 
 
 @posix
 def test_neither_a_link_nor_a_pipe_is_read(kept):
     kept.symlink_to(kept.rename(kept.with_name("elsewhere")))
-    assert kernel_cache.read(kept) is None
+    assert cache_folder.read(kept) is None
     kept.unlink()
     os.mkfifo(kept)
-    assert kernel_cache.read(kept) is None
+    assert cache_folder.read(kept) is None
 
 
 @as_root
 def test_a_file_of_another_user_is_not_read(kept):
     os.chown(kept, NOBODY, NOBODY)
-    assert kernel_cache.read(kept) is None
-    kernel_cache.write(kept, CONTENT)
-    assert kernel_cache.read(kept) == CONTENT
+    assert cache_folder.read(kept) is None
+    cache_folder.write(kept, CONTENT)
+    assert cache_folder.read(kept) == CONTENT
 
 
 def test_a_full_disk_leaves_what_there_was(kept, monkeypatch):
     def full(*_, **__):
         raise OSError(errno.ENOSPC, "No space left on device")
 
-    monkeypatch.setattr(kernel_cache.os, "replace", full)
-    kernel_cache.write(kept, b"other code")
-    assert kernel_cache.read(kept) == CONTENT
+    monkeypatch.setattr(cache_folder.os, "replace", full)
+    cache_folder.write(kept, b"other code")
+    assert cache_folder.read(kept) == CONTENT
     assert list(kept.parent.iterdir()) == [kept]
-    monkeypatch.setattr(kernel_cache.tempfile, "mkstemp", full)
-    kernel_cache.write(kept, b"other code")
-    assert kernel_cache.read(kept) == CONTENT
+    monkeypatch.setattr(cache_folder.tempfile, "mkstemp", full)
+    cache_folder.write(kept, b"other code")
+    assert cache_folder.read(kept) == CONTENT
 
 
 # --- folders
@@ -138,7 +138,7 @@ def test_a_full_disk_leaves_what_there_was(kept, monkeypatch):
 def test_folders_are_made_for_the_user_alone(bases):
     before = os.umask(0)
     try:
-        folder = Path(kernel_cache.digest_folder(DIGEST))
+        folder = Path(cache_folder.digest_folder(DIGEST))
     finally:
         os.umask(before)
     assert folder.parent == bases[0]
@@ -172,7 +172,7 @@ def test_a_folder_that_may_be_planted_is_not_used(bases, plant, inner):
         with pytest.warns(
             RuntimeWarning, match="other users could write there: remove that folder"
         ) as warned:
-            assert kernel_cache.digest_folder(DIGEST) == then
+            assert cache_folder.digest_folder(DIGEST) == then
         assert str(base / inner) in str(warned[-1].message)
 
 
@@ -180,10 +180,10 @@ def test_a_folder_that_cannot_be_written_to_is_read_if_there_is_something_in_it(
     folder = bases[0] / DIGEST
     folder.mkdir(mode=0o700, parents=True)
     folder.parent.chmod(0o700)
-    monkeypatch.setattr(kernel_cache.os, "access", lambda path, _: Path(path) != folder)  # root may all
-    assert kernel_cache.digest_folder(DIGEST) == str(bases[1] / DIGEST)
-    kernel_cache.write(folder / "jets-1.o", CONTENT)
-    assert kernel_cache.digest_folder(DIGEST) == str(folder)
+    monkeypatch.setattr(cache_folder.os, "access", lambda path, _: Path(path) != folder)  # root may all
+    assert cache_folder.digest_folder(DIGEST) == str(bases[1] / DIGEST)
+    cache_folder.write(folder / "jets-1.o", CONTENT)
+    assert cache_folder.digest_folder(DIGEST) == str(folder)
 
 
 @posix
@@ -192,8 +192,8 @@ def test_a_file_of_a_read_only_folder_is_read(kept):
     kept.chmod(0o400)
     kept.parent.chmod(0o500)
     try:
-        assert kernel_cache.read(kept) == CONTENT
-        kernel_cache.write(kept.with_name("jets-2.o"), CONTENT)
+        assert cache_folder.read(kept) == CONTENT
+        cache_folder.write(kept.with_name("jets-2.o"), CONTENT)
     finally:
         kept.parent.chmod(0o700)
 
@@ -216,18 +216,18 @@ def test_what_was_not_used_for_long_is_removed(kept):
         digest: [aged(base, digest, f"{days}.o", days) for days in (59, 61)] for digest in (DIGEST, "f" * 16)
     }
     gone = aged(base, OLD_DIGEST, "61.o", 61)
-    kernel_cache._prune.cache_clear()
-    kernel_cache.write(kept, CONTENT)
+    cache_folder._prune.cache_clear()
+    cache_folder.write(kept, CONTENT)
     assert {*base.glob("*/*")} == {kept, *foreign, *(files[0] for files in ages.values())}
     assert not gone.parent.exists()
 
 
 def test_of_what_is_too_much_the_oldest_is_removed(kept, monkeypatch):
-    monkeypatch.setattr(kernel_cache, "KEPT_BYTES", 1000)
+    monkeypatch.setattr(cache_folder, "KEPT_BYTES", 1000)
     base = kept.parents[1]
     files = [aged(base, OLD_DIGEST, f"{days}.o", days, 300) for days in (1, 2, 3, 4)]
-    kernel_cache._prune.cache_clear()
-    kernel_cache.write(kept, CONTENT)
+    cache_folder._prune.cache_clear()
+    cache_folder.write(kept, CONTENT)
     assert [path.exists() for path in (kept, *files)] == [True, True, True, True, False]
 
 
@@ -235,7 +235,7 @@ def test_a_use_is_noted_once_a_day(kept):
     for days, noted in ((0.5, False), (30, True)):
         before = time.time() - days * DAY
         os.utime(kept, (before, before))
-        assert kernel_cache.read(kept) == CONTENT
+        assert cache_folder.read(kept) == CONTENT
         assert (kept.stat().st_mtime > before + 1) == noted
 
 

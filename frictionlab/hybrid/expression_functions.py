@@ -1,0 +1,83 @@
+"""Expressions of sympy as functions of numbers or arrays, as Python that sympy writes.
+
+Numbers in tapes are functions of the parameters with this package's elementary functions, whose bits are the
+same everywhere (`function_of_parameters`).  Outputs, statics and Jacobians are functions of arrays, by numpy
+(`numpy_function`), and for outputs along a run with powers that are those of the tape (`array_function`): a
+base that is below zero by rounding counts as zero.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import sympy as sp
+from sympy.printing.numpy import NumPyPrinter
+from sympy.printing.pycode import PythonCodePrinter
+
+from frictionlab.hybrid.elementary.parameter_functions import OF_ARRAYS, OF_OUTPUTS, OF_PARAMETERS
+
+_SETTINGS = {"fully_qualified_modules": False, "inline": True, "allow_unknown_functions": True}
+
+
+class ParameterPrinter(PythonCodePrinter):
+    """Prints expressions with powers as calls of the functions here; also for a language that names them
+    otherwise."""
+
+    root, prefix = "sqrt", ""  # the square root, and what stands before the other functions
+
+    def __init__(self) -> None:
+        super().__init__(_SETTINGS)
+
+    def _print_Pow(self, expr: Any, rational: bool = False) -> str:
+        base, exponent = self._print(expr.base), expr.exp
+        if exponent == sp.S.Half:
+            return f"{self.root}({base})"
+        if exponent == -sp.S.Half:
+            return f"(1/{self.root}({base}))"
+        if exponent.is_Integer:
+            return f"{self.prefix}integer_power({base}, {exponent})"
+        return f"{self.prefix}real_power({base}, {self._print(exponent)})"
+
+
+def function_of_parameters(parameters: Sequence[Any], expressions: Any) -> Callable[..., Any]:
+    """Function of the parameters that gives the values of one or several expressions.
+
+    Parameters
+    ----------
+    parameters : sequence of Symbol
+    expressions : Expr or list of Expr
+
+    Raises
+    ------
+    ArithmeticError, ValueError, TypeError
+        By the function, where there is no finite real value.
+
+    Examples
+    --------
+    >>> import sympy
+    >>> k, m = sympy.symbols("k m")
+    >>> function_of_parameters([k, m], [sympy.sqrt(k / m), m**3])(8.0, 2.0)
+    [2.0, 8.0]
+    """
+    several = isinstance(expressions, (list, tuple))
+    return sp.lambdify(parameters, expressions, [OF_PARAMETERS, "math"], ParameterPrinter(), cse=several)
+
+
+def numpy_function(arguments: Sequence[Any], expressions: Any) -> Callable[..., Any]:
+    """Function of numbers or arrays, in the order of the `arguments`: the values of the expressions."""
+    printer = NumPyPrinter(_SETTINGS)
+    return sp.lambdify(arguments, expressions, modules=[OF_ARRAYS], printer=printer, cse=True)
+
+
+def array_function(arguments: Sequence[Any], expressions: Any) -> Callable[..., Any]:
+    """Function of arrays, in the order of the `arguments`, that gives the values of the expressions."""
+    printer = _ArrayPrinter(_SETTINGS)
+    return sp.lambdify(arguments, expressions, modules=[OF_OUTPUTS], printer=printer, cse=True)
+
+
+class _ArrayPrinter(NumPyPrinter):
+    def _print_Pow(self, expr: Any, rational: bool = False) -> str:
+        if expr.exp.is_integer:
+            return super()._print_Pow(expr, rational=rational)
+        return f"power({self._print(expr.base)}, {self._print(expr.exp)})"

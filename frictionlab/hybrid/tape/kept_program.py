@@ -1,0 +1,73 @@
+"""A packed program as data that JSON can hold, and back: its arrays, and its numbers as a straight line.
+
+Of the tapes there are the operations, which native code is written from, without the expressions of their
+numbers.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from frictionlab.automaton.straight_line import StraightLine, straight_line_data
+from frictionlab.hybrid.elementary.parameter_functions import OF_PARAMETERS
+from frictionlab.hybrid.tape.program import Code, Program
+from frictionlab.hybrid.tape.tape import Tape
+
+
+def program_to_data(program: Program, fill: Callable[..., Any]) -> dict[str, Any] | None:
+    """The program, with the function that gives its numbers; None where that is no straight line."""
+    numbers = straight_line_data(fill, OF_PARAMETERS)
+    if numbers is None:
+        return None
+    return {
+        "code": {name: _array_to_data(value) for name, value in program.code._asdict().items()},
+        "tapes": [_tape_to_data(tape) for tape in program.tapes],
+        "resets": [_tape_to_data(tape) for tape in program.resets],
+        "slots": program.slots,
+        "modes": program.modes,
+        "guards": program.guards,
+        "guard_modes": _array_to_data(program.guard_modes),
+        "initial": _array_to_data(program.initial),
+        "numbers": numbers,
+    }
+
+
+def program_from_data(data: Mapping[str, Any], undefined: Callable[[Sequence[float]], str]) -> Program:
+    """The program that :func:`program_to_data` described; `undefined` says which number has no value."""
+    return Program(
+        Code(**{name: _array_from_data(value) for name, value in data["code"].items()}),
+        tuple(map(_tape_from_data, data["tapes"])),
+        tuple(map(_tape_from_data, data["resets"])),
+        data["slots"],
+        tuple(data["modes"]),
+        tuple(data["guards"]),
+        _array_from_data(data["guard_modes"]),
+        _array_from_data(data["initial"]),
+        StraightLine(data["numbers"], OF_PARAMETERS),
+        undefined,
+    )
+
+
+def _array_to_data(value: Any) -> Any:
+    if not isinstance(value, np.ndarray):
+        return value
+    return [value.dtype.str, value.shape, value.ravel().tolist()]
+
+
+def _array_from_data(data: Any) -> Any:
+    if not isinstance(data, list):
+        return data
+    kind, shape, elements = data
+    return np.array(elements, dtype=kind).reshape(shape)
+
+
+def _tape_to_data(tape: Tape) -> list[Any]:
+    return [tape.inputs, tape.ops, [slot for slot, _ in tape.terms]]
+
+
+def _tape_from_data(data: Sequence[Any]) -> Tape:
+    inputs, ops, slots = data
+    return Tape(inputs, [(kind, a, b) for kind, a, b in ops], terms=[(slot, None) for slot in slots])

@@ -1,0 +1,179 @@
+"""What is derived of a library's model is kept: later processes need no sympy, and compute the same bits."""
+
+import json
+import os
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import frictionlab as fl
+from frictionlab import cache_folder
+from frictionlab.components import FrictionLaw
+from frictionlab.models import structure_data
+from frictionlab.models.structure_data import derivations_of, structure_of_component
+
+ROOT = Path(__file__).parents[2]
+# Of each run the bits of all that a picture or a summary asks for.
+RUN = """
+import json, sys
+import frictionlab as fl
+from frictionlab import Coulomb, ExponentialDecay, Stribeck, HertzContact, RestitutionImpact
+found = []
+for text in {models!r}:
+    model = eval(text)
+    run = fl.simulate(model, 0.4, progress=False)
+    outputs = [run.output(name, [0.1, 0.3]).tolist() for name in run.automaton.outputs]
+    found.append([run.final_state.tolist(), run.events.t.tolist(), list(run.events.target), outputs])
+    if model.statics is not None:
+        modes = fl.eigenvalues(model)
+        found.append([modes.values.real.tolist(), modes.values.imag.tolist(), modes.equilibrium.q.tolist()])
+print(json.dumps(["sympy.core" in sys.modules, found]))
+"""
+MODELS = (
+    "fl.SliderOnBelt(mu_k=1.4)",
+    "fl.SliderOnBelt(mu_k=1.4).without('cubic', 'geometry')",
+    "fl.SliderOnBelt(v=-1.0).without('nonsmooth')",
+    "fl.SliderOnBelt(contact=HertzContact(), friction=Stribeck())",
+    "fl.SliderOnBelt(impact=RestitutionImpact(e=0.0))",
+    "fl.SliderOnBelt(impact=RestitutionImpact(e=0.5))",
+    "fl.DenHartog(F=1.2)",
+    "fl.MassOnBelt(friction=ExponentialDecay())",
+    "fl.ImpactOscillator()",
+    "fl.ModeCoupling()",
+)
+
+
+def in_a_process(code, folder):
+    """What it prints as JSON."""
+    environment = {**os.environ, "PYTHONPATH": str(ROOT), "FRICTIONLAB_CACHE_DIR": str(folder)}
+    command = [sys.executable, "-c", code]
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout.splitlines()[-1])
+
+
+@pytest.fixture(scope="module")
+def filled(tmp_path_factory):
+    """A folder that a process has filled, and what it has found."""
+    folder = tmp_path_factory.mktemp("cache")
+    return folder, *in_a_process(RUN.format(models=MODELS), folder)
+
+
+def structure_files(folder):
+    return sorted(folder.rglob("*.structure"))
+
+
+def test_a_second_process_has_the_same_bits_without_sympy(filled):
+    folder, derived, first = filled
+    files = {path: path.read_bytes() for path in structure_files(folder)}
+    again, second = in_a_process(RUN.format(models=MODELS), folder)
+    assert (derived, again) == (True, False)
+    assert len(first) == len(MODELS) + 6
+    assert second == first
+    assert {path: path.read_bytes() for path in structure_files(folder)} == files
+    assert len(files) >= len(MODELS)
+
+
+def test_a_damaged_file_is_derived_anew(filled, tmp_path):
+    *_, first = filled
+    model = MODELS[:1]
+    assert in_a_process(RUN.format(models=model), tmp_path) == [True, first[:2]]
+    (path,) = structure_files(tmp_path)
+    whole = path.read_bytes()
+    for damaged in (b"", whole[:-1], whole.replace(b'"operations"', b'"0perations"', 1)):
+        path.write_bytes(damaged)
+        assert in_a_process(RUN.format(models=model), tmp_path) == [True, first[:2]]
+        assert path.read_bytes() == whole
+    path.chmod(0o666)  # others may have written it
+    assert in_a_process(RUN.format(models=model), tmp_path) == [True, first[:2]]
+    assert in_a_process(RUN.format(models=model), tmp_path) == [False, first[:2]]
+
+
+@dataclass(frozen=True, repr=False)
+class Weak(FrictionLaw):
+    mu_k: float = fl.parameter(0.3)
+    mu_s: float = fl.parameter(0.5)
+
+    def kinetic(self, normal_force, speed):
+        return self.mu_k * normal_force / (1 + speed)
+
+    def static_limit(self, normal_force):
+        return self.mu_s * normal_force
+
+
+@dataclass(frozen=True, repr=False)
+class Renamed(fl.Coulomb):
+    """A law of one's own, although nothing is changed."""
+
+
+@pytest.mark.parametrize("law", [Weak(), Renamed()], ids=lambda law: type(law).__name__)
+def test_nothing_is_kept_of_a_law_of_ones_own(law):
+    key = structure_of_component(fl.SliderOnBelt(friction=law))
+    assert not derivations_of(key, key.parameters).keeps
+
+
+def test_a_law_whose_method_was_exchanged_is_ones_own(monkeypatch, tmp_path):
+    monkeypatch.setenv("FRICTIONLAB_CACHE_DIR", str(tmp_path))
+    key = structure_of_component(fl.MassOnBelt())
+    derivations_of.cache_clear()
+    assert derivations_of(key, key.parameters).keeps
+    monkeypatch.setattr(fl.Coulomb, "kinetic", lambda self, normal_force, speed: 0 * normal_force)
+    derivations_of.cache_clear()
+    assert not derivations_of(key, key.parameters).keeps
+    monkeypatch.undo()
+    derivations_of.cache_clear()
+
+
+def test_an_edit_of_a_source_or_another_sympy_names_another_folder(monkeypatch, tmp_path):
+    before = structure_data.sources().digest
+    assert len(before) == cache_folder.DIGEST_LENGTH
+    (tmp_path / "release.py").write_text("__version__ = '0'")
+    monkeypatch.setattr(structure_data, "_beside", lambda package, name: tmp_path / "release.py")
+    found = {before, structure_data.sources().digest}
+    (tmp_path / "models").mkdir()
+    monkeypatch.setattr(structure_data, "SOURCES", ("models",))
+    monkeypatch.setattr(structure_data, "PACKAGE", tmp_path)
+    for text in ("k = 1", "k = 2"):
+        (tmp_path / "models" / "law.py").write_text(text)
+        found.add(structure_data.sources().digest)
+    assert len(found) == 4
+
+
+def test_nothing_is_kept_once_a_source_was_edited(monkeypatch, tmp_path):
+    """A process would keep, under the name of the new source, what the old one has derived."""
+    (tmp_path / "models").mkdir()
+    law = tmp_path / "models" / "law.py"
+    law.write_text("k = 1")
+    monkeypatch.setattr(structure_data, "SOURCES", ("models",))
+    monkeypatch.setattr(structure_data, "PACKAGE", tmp_path)
+    monkeypatch.setattr(structure_data, "LOADED", structure_data.sources())
+    path = tmp_path / "x.structure"
+    kept = structure_data.Derivations(path)
+    kept.keep("one", 1)
+    law.write_text("k = 22")
+    kept.keep("two", 2)
+    again = structure_data.Derivations(path)
+    assert (again.get("one"), again.get("two")) == (1, None)
+
+
+def test_an_automaton_derived_late_is_like_any_other():
+    model = fl.SliderOnBelt(mu_k=1.4)
+    late, other = model.automaton(), model.replace(mu_k=2.0).automaton()
+    full = late.derived()
+    assert late.state_names == tuple(symbol.name for symbol in full.states)
+    assert late.names == full.names
+    assert late.outputs == full.outputs
+    assert late.values == {symbol.name: value for symbol, value in full.parameters.items()}
+    assert late.modes is other.modes is full.modes
+    assert repr(late) == repr(full)
+    changed = late.replace(mu_k=1.9)
+    assert changed.values["mu_k"] == 1.9 == {s.name: v for s, v in changed.parameters.items()}["mu_k"]
+    with pytest.raises(TypeError, match="did you mean"):
+        late.replace(mu_kk=1.0)
+    state = np.zeros(10)
+    runs = [fl.solve(each, 0.1, x0=state).final_state.tolist() for each in (late, full)]
+    assert runs[0] == runs[1]
