@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import frictionlab as fl
-from frictionlab.pages.solver_file import SolverNotBuiltError
+from frictionlab.pages.export import SolverNotBuiltError
 
 pytestmark = pytest.mark.browser
 
@@ -223,6 +223,23 @@ def test_play_moves_the_picture(page):
     assert page.inner_text("#play") == "play"
 
 
+@pytest.mark.parametrize("reduced", [False, True])
+def test_a_link_may_start_to_play_unless_motion_is_to_be_reduced(browser, slider, reduced):
+    page = opened(browser, slider, fragment="#play=1&mu_k=1.5")
+    if reduced:
+        page.emulate_media(reduced_motion="reduce")
+        page.goto("about:blank")
+        page.goto(slider.resolve().as_uri() + "#play=1&mu_k=1.5")
+        page.wait_for_selector("body[data-ready]")
+    assert page.inner_text("#play") == ("play" if reduced else "pause")
+    begin = page.evaluate("view.time")
+    page.wait_for_timeout(200)
+    assert (page.evaluate("view.time") != begin) is not reduced
+    assert page.input_value("#number-mu_k") == "1.5"
+    assert not page.problems
+    page.context.close()
+
+
 def test_dark_and_light(page):
     before = picture(page, "mechanism")
     page.keyboard.press("d")
@@ -332,6 +349,31 @@ def test_other_models_have_the_bits_of_simulate(browser, tmp_path, model):
     run = fl.simulate(model, 5.0)
     assert found["state"] == run.final_state.tolist()
     assert found["times"] == run.events.t.tolist()
+    assert not page.problems
+    page.context.close()
+
+
+LONG_RUN = """([end]) => {
+  const { solver } = view, structure = structureNow(), values = parametersOf(structure);
+  const run = solver.run(structure, values, structure.release(values), end);
+  view.run = run;
+  const first = Array.from(sample(solver, run, Float64Array.of(0.25 * end, 0.75 * end)).column("x1"));
+  return { state: run.state, steps: run.steps, times: Array.from(run.eventTimes), first };
+}"""
+
+
+def test_a_run_goes_on_where_its_records_are_full(browser, tmp_path):
+    """Under Hertz's law 20 s have more steps than there is room for at first."""
+    model = fl.SliderOnBelt(mu_k=1.4, contact=fl.HertzContact())
+    page = opened(browser, exported(model, tmp_path / "page.html", switches=(), t_end=1.0))
+    first = page.evaluate(LONG_RUN, [1.0])
+    found, room = page.evaluate(LONG_RUN, [20.0]), page.evaluate("2048 * RECORDS")
+    run = fl.simulate(model, 20.0, t_eval=[5.0, 15.0])
+    assert found["steps"] == run.stats["steps"] > room > first["steps"]
+    assert found["state"] == run.final_state.tolist()
+    assert found["times"] == run.events.t.tolist()
+    assert found["first"] == run["x1"].tolist()
+    assert page.evaluate(LONG_RUN, [1.0]) == first
     assert not page.problems
     page.context.close()
 

@@ -230,7 +230,9 @@ async function begin() {
   build();
   readLink(location.hash);
   showControls();
+  const plays = settings.plays && !matchMedia("(prefers-reduced-motion: reduce)").matches;
   compute(false);
+  if (plays) togglePlay();
   document.body.dataset.ready = "yes";
   addEventListener("message", ({ data }) => { if (["light", "dark"].includes(data?.theme)) setTheme(data.theme); }); // of the page around
   if (parent !== window) parent.postMessage("frictionlab page", "*");

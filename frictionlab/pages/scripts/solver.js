@@ -4,7 +4,8 @@ const [RUNNING, FINISHED] = [0, 1];
 const STATUS = ["stopped", "the end was reached", "no admissible mode: no mode could be entered after the last event",
   "stalled: time no longer advances", "accumulation of events", "not finite: a state overflowed"];
 const [MODE, STEPS, EVENTS, POINTS, JETS_READY] = [0, 1, 2, 3, 8];
-const RECORDS = 24; // most records in a run, of 2048 steps each
+const RECORDS = 24; // records that there is room for at first, of 2048 steps and as many events each
+const MOST_RECORDS = 768; // for a million and a half of steps, some 160 MB
 const SAMPLES = 4096; // most samples in a call
 const KINDS = { i8: BigInt64Array, f8: Float64Array, u4: Uint32Array, u1: Uint8Array, b1: Uint8Array };
 const NO_MODE = -1n;
@@ -30,6 +31,7 @@ class Solver {
     this.heap = this.start;
     this.arrays = {};
     this.fixed = {};
+    this.room = { step: RECORDS, event: RECORDS, point: RECORDS };
     this.tables = {};
     for (const [name, { results, arguments: given }] of Object.entries(SOLVER.tables)) {
       const words = results.length + given.reduce((sum, [, , axes]) => sum + 1 + axes, 0);
@@ -49,6 +51,20 @@ class Solver {
   array(name, type, shape, room = 1) {
     const length = shape.reduce((a, b) => a * b, 1);
     this.arrays[name] = { type, shape, length: length * room, place: this.allocate(room * length * KINDS[type].BYTES_PER_ELEMENT) };
+  }
+
+  makeRoom(kind) { // for twice as many records of steps or events; false where there would be too many
+    if (2 * this.room[kind] > MOST_RECORDS) return false;
+    const moved = Object.entries(this.arrays).filter(([name]) => name.startsWith(`record.${kind}`)).map(([, a]) => {
+      const before = { place: a.place, bytes: a.length * KINDS[a.type].BYTES_PER_ELEMENT };
+      a.length *= 2;
+      return [before, a.place = this.allocate(2 * before.bytes)];
+    });
+    this.room[kind] *= 2;
+    this.views();
+    const all = new Uint8Array(this.exports.memory.buffer);
+    for (const [{ place, bytes }, to] of moved) all.copyWithin(to, place, place + bytes);
+    return true;
   }
 
   views() { // after the memory has grown
@@ -173,9 +189,11 @@ class Solver {
 
   run(structure, values, state, end, patience = Infinity) { // up to the end, or so many milliseconds
     this.load(structure);
-    const { arrays } = this, counts = arrays["run.counts"].view, began = performance.now();
+    const { arrays } = this, began = performance.now(), length = arrays["record.step_modes"].shape[0];
     let [status, steps, events] = [this.begin(values, state, end) ? RUNNING : 2, 0, 0];
-    for (let i = 0; i < RECORDS && status === RUNNING; i++) {
+    const full = (kind, count) => count + length > this.room[kind] * length && !this.makeRoom(kind);
+    while (status === RUNNING && !full("step", steps) && !full("event", events)) {
+      const counts = arrays["run.counts"].view; // anew, as the memory may have grown
       for (const part of [STEPS, EVENTS, POINTS]) counts[part] = 0n;
       status = this.advance(this.record(steps, events));
       steps += Number(counts[STEPS]);
@@ -185,7 +203,7 @@ class Solver {
     const part = (name, count, width) => arrays[`record.${name}`].view.subarray(0, count * width), n = structure.states.length;
     return {
       structure, values, status, steps, events, end: arrays["run.times"].view[0], state: Array.from(arrays["run.state"].view),
-      mode: Number(counts[MODE]), milliseconds: performance.now() - began,
+      mode: Number(arrays["run.counts"].view[MODE]), milliseconds: performance.now() - began,
       stepTimes: part("step_times", steps, 2), stepModes: part("step_modes", steps, 1),
       eventTimes: part("event_times", events, 1), eventCodes: part("event_codes", events, 3), eventStates: part("event_states", events, 2 * n),
     };

@@ -1,5 +1,5 @@
 // What is set on the page: parameters, switches, start and end; as a link and as Python.
-const settings = { values: {}, off: [], start: "rest", end: SCENE.t_end };
+const settings = { values: {}, off: [], start: "rest", end: SCENE.t_end, plays: false };
 
 function resetSettings() {
   settings.values = Object.fromEntries(SCENE.sliders.map(({ name, value }) => [name, value]));
@@ -22,9 +22,11 @@ function linkText() {
 
 function readLink(text) {
   resetSettings();
+  settings.plays = false;
   for (const [name, value] of new URLSearchParams(text.replace(/^#/, ""))) {
     if (name === "without") settings.off = SCENE.switches.map((s) => s.name).filter((s) => value.split(",").includes(s));
     else if (name === "x0") settings.start = value === "near" ? "near" : "rest";
+    else if (name === "play") settings.plays = value === "1"; // from the beginning on, as a page within another may
     else if (name === "t_end") settings.end = Number(value) > 0 && Number.isFinite(Number(value)) ? Number(value) : SCENE.t_end;
     else if (name in settings.values && value !== "" && Number.isFinite(Number(value))) settings.values[name] = Number(value);
   }
