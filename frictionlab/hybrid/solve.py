@@ -160,7 +160,7 @@ def run_automaton(
     counts = len(raw.step_modes), len(raw.event_times)
     LOGGER.debug("run to %g s: %d steps, %d events, %.3g s, %s", raw.t, *counts, wall_time, raw.status.name)
     integrals = dict(zip(asked[1], raw.state[len(state) :].tolist(), strict=True))
-    if any(asked) or isinstance(automaton.modes, ModesOnDemand):  # of which the run has derived some
+    if any(asked) or automaton.on_demand:  # of which the run has derived some
         problem = problem_of(automaton, state, float(t_end), options.mode)
     run = Trajectory(
         automaton,
