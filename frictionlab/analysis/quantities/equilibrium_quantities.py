@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from frictionlab.analysis.quantities.sensitivity import Array, Gradient, Quantity
 from frictionlab.presentation import state_unit
 from frictionlab.stability.equilibrium_points.equilibria import equilibrium_problem
 from frictionlab.stability.equilibrium_problem import ComplexArray, EquilibriumProblem
@@ -17,8 +18,6 @@ from frictionlab.stability.flow import (
     null_vectors,
 )
 from frictionlab.validation import check_choice, check_number
-
-from .quantity import Array, Gradient, Quantity
 
 DEFECTIVE_PRODUCT = 1e-6  # |l r| below which two eigenvalues coalesce: single ones have no derivative
 

@@ -13,10 +13,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from frictionlab.analysis.quantities.sensitivity import Quantity
 from frictionlab.stability.equilibrium_problem import check_parameter
 from frictionlab.validation import check_mapping
-
-from .quantity import Quantity
 
 Array = NDArray[np.float64]
 BLOCK = 2500  # points that one task takes at once

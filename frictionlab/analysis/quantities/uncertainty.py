@@ -10,14 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionlab.analysis.options import Execution, ExecutionKeywords, merge_keywords
+from frictionlab.analysis.quantities.sensitivity import Quantity
 from frictionlab.analysis.sweeps.journal import Journal
-from frictionlab.analysis.sweeps.sweep import own_name
-from frictionlab.analysis.sweeps.task_runner import check_function, function_name, run_tasks
+from frictionlab.analysis.sweeps.sweep import check_function, function_name, own_name, run_tasks
 from frictionlab.models.coercion import require_model
 from frictionlab.presentation import Drawable, dataframe, text_table
 from frictionlab.validation import check_number
 
-from .quantity import Quantity
 from .sampling import GROUPS, check_distributions, evaluate, evaluation_tasks, quantiles, sobol_points
 
 Array = NDArray[np.float64]
