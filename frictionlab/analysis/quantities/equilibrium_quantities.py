@@ -143,7 +143,12 @@ def gradient_of(problem: EquilibriumProblem, value: float, slopes: Any) -> Gradi
 
 
 def derivatives_at(problem: EquilibriumProblem, **changes: float) -> EquilibriumDerivatives:
-    """The derivatives at a problem's equilibrium, with some parameters changed.
+    """The derivatives at the equilibrium that :func:`equilibrium_at` gives."""
+    return equilibrium_derivatives(problem.flow, *equilibrium_at(problem, **changes))
+
+
+def equilibrium_at(problem: EquilibriumProblem, **changes: float) -> tuple[Array, tuple[float, ...]]:
+    """A problem's equilibrium (m,) with some parameters changed, and the values of all.
 
     Raises
     ------
@@ -155,10 +160,10 @@ def derivatives_at(problem: EquilibriumProblem, **changes: float) -> Equilibrium
     x = problem.solve(values, count)[:, 0]
     if np.isnan(x).any():
         raise ValueError(
-            f"{type(problem.model).__name__} must have an equilibrium in sliding to have derivatives there, "
-            "got none: change its parameters"
+            f"{type(problem.model).__name__} must have an equilibrium in sliding, got none: change its "
+            "parameters"
         )
-    return equilibrium_derivatives(problem.flow, x, values)
+    return x, values
 
 
 def _chosen(problem: EquilibriumProblem, mode: int | None, changes: Mapping[str, Array]) -> Any:
