@@ -16,6 +16,7 @@ from .analysis.ensemble import BatchResult as BatchResult
 from .analysis.ensemble import ensemble as ensemble
 from .analysis.fitting.data import EventTimes as EventTimes
 from .analysis.fitting.data import Frequencies as Frequencies
+from .analysis.fitting.data import SpectrumRecord as SpectrumRecord
 from .analysis.fitting.data import TimeRecord as TimeRecord
 from .analysis.fitting.fit import fit as fit
 from .analysis.fitting.result import Fit as Fit

@@ -17,7 +17,7 @@ from frictionlab.models.coercion import automaton_of, require_model
 from frictionlab.stability.equilibrium_problem import check_parameter
 from frictionlab.validation import check_choice, check_mapping, check_number
 
-from .data import EventTimes, Frequencies, TimeRecord, as_data
+from .data import EventTimes, Frequencies, SpectrumRecord, TimeRecord, as_data
 from .predictions import END_MARGIN, Misfit, Pieces, frequency_misfit, motion_misfit
 from .result import Fit, covariance_of
 
@@ -49,7 +49,7 @@ def fit(
     ----------
     model : Model
         Its values are where the search begins.
-    data : TimeRecord, EventTimes, Frequencies, or a sequence of them
+    data : TimeRecord, SpectrumRecord, EventTimes, Frequencies, or a sequence of them
     parameters : sequence of str
         Those to be fitted.
     x0 : "rest", "near", mapping or array_like
@@ -142,7 +142,8 @@ def _check(
     check_number("segments", segments, integer=True, least=1, cure="8 suits most records")
     check_mapping("bounds", bounds or {}, 'give limits by parameter, such as {"k1": (5e3, 2e4)}')
     states = tuple(map(str, automaton_of(model).states))
-    for name in (*unknown, *(s for one in found if isinstance(one, TimeRecord) for s in one.values)):
+    of_states = (one for one in found if isinstance(one, (TimeRecord, SpectrumRecord)))
+    for name in (*unknown, *(s for one in of_states for s in one.values)):
         check_choice("state", name, states, "name one of them")
     places = tuple(states.index(name) for name in unknown)
     return _Task(model, found, names, initial_state_of(model, x0), places, dict(bounds or {}))
@@ -182,7 +183,7 @@ def _inverse_error(task: _Task, pieces: Pieces) -> float:
     shares = [
         one.error[name] / pieces.size[names.index(name)]
         for one in task.data
-        if isinstance(one, TimeRecord)
+        if isinstance(one, (TimeRecord, SpectrumRecord))
         for name in one.values
     ] or [1e-3]
     return 1.0 / float(np.median(shares))
@@ -285,6 +286,7 @@ def _result(task: _Task, found: _Solution, pieces: Pieces | None) -> Fit:
     times = [np.full(one.count, np.nan) for one in task.data if isinstance(one, Frequencies)]
     times += [np.tile(one.t, len(one.values)) for one in task.data if isinstance(one, TimeRecord)]
     times += [one.t for one in task.data if isinstance(one, EventTimes)]
+    times += [np.full(one.count, np.nan) for one in task.data if isinstance(one, SpectrumRecord)]
     return Fit(
         model=task.at(found.x),
         parameters=names,

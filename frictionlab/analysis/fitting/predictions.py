@@ -15,7 +15,7 @@ from frictionlab.hybrid.solve import solve
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models.coercion import automaton_of
 
-from .data import EventTimes, Frequencies, TimeRecord
+from .data import EventTimes, Frequencies, SpectrumRecord, TimeRecord, line_weights
 
 Array = NDArray[np.float64]
 DIFFERENCE_SHARE = 1e-6  # of a state or parameter: where a motion grazes, differences stand in
@@ -63,7 +63,7 @@ class Pieces:
 def motion_misfit(
     model: Any, names: tuple[str, ...], data: Sequence[Any], pieces: Pieces, starts: Array
 ) -> Misfit:
-    """Residuals of time records and event times, in their errors, then what the pieces miss of each other.
+    """Residuals of records, event times and spectra, in their errors, and what the pieces miss of each other.
 
     Unknowns are the P parameters, the unknown states at the time 0, then the states (S - 1, n) at the start
     of the other pieces, `starts` (S, n) being all of them.
@@ -81,19 +81,19 @@ def motion_misfit(
     def add(values: Array, by_state: Array, by_parameters: Array, piece: int) -> None:
         block = np.zeros((len(values), unknowns))
         block[:, :count] = by_parameters
-        place = count if piece == 0 else count + first + n * (piece - 1)
-        chosen = by_state[:, list(pieces.unknown)] if piece == 0 else by_state
-        block[:, place : place + chosen.shape[1]] = chosen
+        states, columns = _columns_of(piece, pieces, count)
+        block[:, columns] = by_state[:, states]
         rows.append(values)
         slopes.append(block)
 
-    moments = []
+    moments, samples = [], []
     for piece in range(pieces.count):
         low, high = pieces.edges[piece : piece + 2]
         times = _times_within(data, low, high, piece == pieces.count - 1)
         run = _run(model, starts[piece], high - low)
         flow = _flow(model, run, names, times - low)
         moments += [(low, run, flow, piece)]
+        samples += [(times, flow, _columns_of(piece, pieces, count))]
         for record in (one for one in data if isinstance(one, TimeRecord)):
             here = np.flatnonzero(np.isin(times, record.t))
             there = np.searchsorted(record.t, times[here])
@@ -109,6 +109,43 @@ def motion_misfit(
             slopes[-1][np.arange(n), place + np.arange(n)] -= pieces.weight / pieces.size
     for one in (one for one in data if isinstance(one, EventTimes)):
         _add_event_times(one, moments, n, add)
+    for one in (one for one in data if isinstance(one, SpectrumRecord)):
+        found = _spectrum_misfit(one, samples, moments[0][1].names, unknowns)
+        rows.append(found.values)
+        slopes.append(found.slopes)
+    return Misfit(np.concatenate(rows), np.concatenate(slopes))
+
+
+def _columns_of(piece: int, pieces: Pieces, count: int) -> tuple[list[int], slice]:
+    """Which states at the start of a piece are unknown, and their places among the unknowns."""
+    n, first = len(pieces.size), len(pieces.unknown)
+    if piece == 0:
+        return list(pieces.unknown), slice(count, count + first)
+    place = count + first + n * (piece - 1)
+    return list(range(n)), slice(place, place + n)
+
+
+def _spectrum_misfit(
+    one: SpectrumRecord, samples: Sequence[Any], names: tuple[str, ...], unknowns: int
+) -> Misfit:
+    """Residuals of amplitudes: the sums go over all pieces; d|a| = Re(a* da)/|a|."""
+    weights, n = line_weights(one.t, one.frequencies, one.window), len(names)
+    rows, slopes = [], []
+    for name, measured in one.values.items():
+        i = names.index(name)
+        sums: Any = np.zeros(len(one.frequencies), dtype=complex)
+        moves: Any = np.zeros((len(sums), unknowns), dtype=complex)
+        for times, flow, (states, columns) in samples:
+            here = np.flatnonzero(np.isin(times, one.t))
+            part = weights[:, np.searchsorted(one.t, times[here])]
+            sums += part @ flow.states[here, i]
+            by_unknowns = part @ flow.slopes[here, i]
+            moves[:, : by_unknowns.shape[1] - n] += by_unknowns[:, n:]
+            moves[:, columns] += by_unknowns[:, states]
+        size = np.abs(sums)
+        turned = sums.conj() / np.where(size > 0.0, size, 1.0)
+        rows.append((size - measured) / one.error[name])
+        slopes.append((turned[:, None] * moves).real / one.error[name])
     return Misfit(np.concatenate(rows), np.concatenate(slopes))
 
 
@@ -139,7 +176,7 @@ def frequency_misfit(model: Any, names: tuple[str, ...], data: Sequence[Any], un
 
 
 def _times_within(data: Sequence[Any], low: float, high: float, last: bool) -> Array:
-    every = [one.t for one in data if isinstance(one, TimeRecord)]
+    every = [one.t for one in data if isinstance(one, (TimeRecord, SpectrumRecord))]
     times = np.unique(np.concatenate(every)) if every else np.zeros(0)
     return times[(times >= low) & ((times <= high) if last else (times < high))]
 

@@ -33,7 +33,7 @@ class Fit(Drawable):
     residuals : array (N,)
         (predicted - measured) / error.
     times : array (N,)
-        Of the measurements, s; NaN for frequencies.
+        Of the measurements, s; NaN for frequencies and spectra.
     rank : int
         How many combinations of parameters the data determine.
     undetermined : tuple of tuple of str
