@@ -119,7 +119,8 @@ def sampled_flow(run: Trajectory, names: Sequence[str], times: Array, free: bool
     frame = _first_frame(varied, n, 0, count, free)
     scales = np.concatenate([np.ones(n), _scales(run.automaton, names)])
     states = run(np.asarray(times, dtype=float)) if len(times) else np.zeros((0, n))
-    split = _VariedRun(*(None if one is None else _split_steps(one, times, states) for one in varied))
+    plain = None if varied.plain is None else _split_steps(varied.plain, times, states)
+    split = _VariedRun(_split_steps(varied.run, times, states), plain)
     samples, moved, end = (part / scales for part in _sample(split, frame, times))
     return SampledFlow(states, samples[:, :n], run.raw.event_times, moved, end[:n])
 
