@@ -18,8 +18,8 @@ from .analysis.fitting.data import EventTimes as EventTimes
 from .analysis.fitting.data import Frequencies as Frequencies
 from .analysis.fitting.data import SpectrumRecord as SpectrumRecord
 from .analysis.fitting.data import TimeRecord as TimeRecord
+from .analysis.fitting.fit import Fit as Fit
 from .analysis.fitting.fit import fit as fit
-from .analysis.fitting.result import Fit as Fit
 from .analysis.lyapunov import LyapunovSpectrum as LyapunovSpectrum
 from .analysis.lyapunov import lyapunov as lyapunov
 from .analysis.motion_scales import Spectrum as Spectrum

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from frictionlab.analysis.motion_scales import state_scales
 from frictionlab.analysis.parameter_flow import SampledFlow, sampled_flow
 from frictionlab.analysis.quantities.equilibrium_quantities import ModeFrequency
 from frictionlab.hybrid.solve import solve
@@ -58,6 +59,77 @@ class Pieces:
     def count(self) -> int:
         """Number of pieces."""
         return len(self.edges) - 1
+
+
+class Task(NamedTuple):
+    """What is fitted, checked."""
+
+    model: Any
+    data: tuple[Any, ...]
+    names: tuple[str, ...]
+    start: Array
+    unknown: tuple[int, ...]
+    bounds: Mapping[str, tuple[float, float]]
+
+    @property
+    def moving(self) -> bool:
+        """Whether there are data of a motion."""
+        return any(not isinstance(one, Frequencies) for one in self.data)
+
+    @property
+    def scales(self) -> Array:
+        """Sizes (P,) of the parameters."""
+        return np.array([abs(self.model.parameters[name]) or 1.0 for name in self.names])
+
+    def first(self) -> Array:
+        """Where the search begins: parameters by their sizes, then unknown states at the start."""
+        values = np.array([self.model.parameters[name] for name in self.names]) / self.scales
+        return np.concatenate([values, self.start[list(self.unknown)]])
+
+    def at(self, unknowns: Array) -> Any:
+        """The model with the parameters of some unknowns."""
+        values = unknowns[: len(self.names)] * self.scales
+        return self.model.replace(**dict(zip(self.names, map(float, values))))
+
+
+def even_pieces(task: Task, segments: int) -> Pieces:
+    """Even pieces of the time of the data, and the motion's size by the data where they tell."""
+    last = max(float(one.t[-1]) for one in task.data if not isinstance(one, Frequencies))
+    # Events that are measured have to happen within the run, though they come later at first.
+    late = any(isinstance(one, EventTimes) for one in task.data)
+    end = last * (1.0 + (0.05 if late else END_MARGIN))
+    run = solve(automaton_of(task.model), end, x0=task.start, progress=False)
+    size = state_scales(run.states, run.automaton.coordinates)
+    for record in (one for one in task.data if isinstance(one, TimeRecord)):
+        for name, column in record.values.items():
+            i = run.names.index(name)
+            size[i] = max(size[i], float(np.ptp(column)))
+    return Pieces(np.linspace(0.0, end, segments + 1), task.unknown, task.start, size, 1.0)
+
+
+def first_states(task: Task, pieces: Pieces) -> Array:
+    """States (S - 1, n) at the start of the later pieces: measured, or else those of the model as it is."""
+    run = solve(automaton_of(task.model), float(pieces.edges[-1]), x0=task.start, progress=False)
+    found, n = run(pieces.edges[1:-1]).copy(), run.automaton.coordinates
+    for record in (one for one in task.data if isinstance(one, TimeRecord)):
+        measured = {run.names.index(name): column for name, column in record.values.items()}
+        for i, column in measured.items():
+            found[:, i] = np.interp(pieces.edges[1:-1], record.t, column)
+            if i < n and i + n not in measured and len(record.t) > 2:
+                found[:, i + n] = np.interp(pieces.edges[1:-1], record.t, np.gradient(column, record.t))
+    return found
+
+
+def inverse_error(task: Task, pieces: Pieces) -> float:
+    """Size of the motion over the measurement's error."""
+    names = tuple(map(str, automaton_of(task.model).states))
+    shares = [
+        one.error[name] / pieces.size[names.index(name)]
+        for one in task.data
+        if isinstance(one, (TimeRecord, SpectrumRecord))
+        for name in one.values
+    ] or [1e-3]
+    return 1.0 / float(np.median(shares))
 
 
 def motion_misfit(

@@ -5,7 +5,7 @@ parameter moves it.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,6 +16,7 @@ from frictionlab.models.coercion import automaton_of
 from frictionlab.presentation import Drawable, dataframe, text_table
 
 Array = NDArray[np.float64]
+BLOCK = 2500  # points that one task takes at once
 
 
 @dataclass(frozen=True)
@@ -69,6 +70,27 @@ class Quantity(ABC):
 
 
 LISTED = 5  # parameters in the text of a result
+
+
+def evaluation_tasks(
+    model: Any, quantity: Callable[[Any], Any], names: Sequence[str], values: Array
+) -> tuple[list[tuple[Any, ...]], list[str]]:
+    """Tasks of :func:`evaluate` for some values (N, d) of parameters, and names for them."""
+    size = BLOCK if isinstance(quantity, Quantity) else 1
+    starts = range(0, len(values), size)
+    tasks = [(model, quantity, tuple(names), values[i : i + size]) for i in starts]
+    return tasks, [f"the point {i}" if size == 1 else f"one of the points from {i} on" for i in starts]
+
+
+def evaluate(
+    model: Any, quantity: Callable[[Any], Any], names: tuple[str, ...], values: Array
+) -> list[float | None]:
+    """A quantity (N,) at values (N, d) of some parameters; None where there is none."""
+    if isinstance(quantity, Quantity):
+        found = quantity.values(model, dict(zip(names, values.T)))
+        return [None if np.isnan(number) else float(number) for number in found]
+    numbers = (quantity(model.replace(**dict(zip(names, map(float, point))))) for point in values)
+    return [None if number is None or np.isnan(number) else float(number) for number in numbers]
 
 
 @dataclass(frozen=True, eq=False)

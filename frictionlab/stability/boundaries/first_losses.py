@@ -103,7 +103,7 @@ def _solve(
     roots = find_root(
         lambda at, line: spectra(line, at)[:, 0].real, ends, args=(kept.astype(float),), maxiter=ROOT_STEPS
     ).x
-    critical = np.full(len(kept), complex(np.nan))
+    critical: Any = np.full(len(kept), complex(np.nan))
     solved = np.flatnonzero(np.isfinite(roots))
     critical[solved] = _critical(spectra, kept[solved], roots[solved], SIDE_RTOL * (bounds[1] - bounds[0]))
     good = np.isfinite(critical)
