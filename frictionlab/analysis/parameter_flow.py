@@ -4,6 +4,10 @@ A parameter p becomes p + s e with a state e that is zero and stays so, s its si
 every coefficient N(p) of the equations is replaced by N + sum of s_k e_k dN/dp_k, so that flows, guards,
 resets and constraints keep their form, and the saltation matrices hold what an event owes to the parameters.
 The run is that of the model itself, to the last bit; nothing is integrated again but the tangent vectors.
+
+A power u^p whose exponent depends on a parameter becomes u^p (1 + log(u) dp).  At u = 0, where a contact with
+a force penetration^p begins, log(u) is no number while u^p log(u) is zero: there the tapes without this term
+are taken, at an event on the zero and in the first step from it, where the run takes the power for constant.
 """
 
 from __future__ import annotations
@@ -21,12 +25,17 @@ from frictionlab.hybrid.problem import Problem
 from frictionlab.hybrid.tape.packing import program_of
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.hybrid.variational.tangent_flow import (
-    carry_frame,
     carry_rows,
     check_taylor_run,
     event_saltation,
+    smooth_segments,
 )
-from frictionlab.hybrid.variational.tangent_jets import carry_steps, constraint_gradients, linearise_mode
+from frictionlab.hybrid.variational.tangent_jets import (
+    SaltationError,
+    carry_steps,
+    constraint_gradients,
+    linearise_mode,
+)
 from frictionlab.models.symbols import derivatives
 
 Array = NDArray[np.float64]
@@ -37,7 +46,7 @@ class ParameterFlow(NamedTuple):
     """Derivatives of a run's end: by the state (n,) at its start, and by P parameters for a given start."""
 
     state: Array  # (n, n)
-    parameters: Array  # (n, P); NaN where an exponent depends on the parameter
+    parameters: Array  # (n, P)
     integrals_by_state: Array  # (q, n)
     integrals_by_parameters: Array  # (q, P)
 
@@ -71,15 +80,14 @@ def parameter_flow(
     """
     check_taylor_run(run)
     n, q, count = len(run.names), len(integrands), len(names)
-    varied, unknown = _varied_run(run, tuple(names), tuple(integrands))
-    frame = np.zeros((n + q + count, n + count))
-    frame[:n, :n], frame[n + q :, n:] = np.eye(n), np.eye(count)
-    if len(run.raw.step_modes) and not free:
-        _keep_constraints(varied, frame, n)
-    end, _ = carry_frame(varied, frame, False)
-    scales = _scales(run.automaton, names)
-    by_parameters = end[: n + q, n:] / scales
-    by_parameters[:, unknown] = np.nan
+    varied = _varied_run(run, tuple(names), tuple(integrands))
+    rows = np.ascontiguousarray(_first_frame(varied, n, q, count, free).T)
+    for part, event in smooth_segments(varied.run):
+        _carry(varied, part, rows)
+        if event is not None:
+            rows = np.ascontiguousarray(rows @ _saltation(varied, event).T)
+    end = rows.T
+    by_parameters = end[: n + q, n:] / _scales(run.automaton, names)
     return ParameterFlow(end[:n, :n], by_parameters[:n], end[n : n + q, :n], by_parameters[n:])
 
 
@@ -96,8 +104,10 @@ class SampledFlow(NamedTuple):
     end: Array  # (n, n + P)
 
 
-def sampled_flow(run: Trajectory, names: Sequence[str], times: Array) -> SampledFlow:
+def sampled_flow(run: Trajectory, names: Sequence[str], times: Array, free: bool = False) -> SampledFlow:
     """Derivatives of a run's states at ascending times, of the times of its events, and of its end.
+
+    At the time of an event they are those before it; `free` as for :func:`parameter_flow`.
 
     Raises
     ------
@@ -105,17 +115,13 @@ def sampled_flow(run: Trajectory, names: Sequence[str], times: Array) -> Sampled
         As :func:`parameter_flow`.
     """
     n, count = len(run.names), len(names)
-    varied, unknown = _varied_run(run, tuple(names), ())
-    frame = np.zeros((n + count, n + count))
-    frame[:n, :n], frame[n:, n:] = np.eye(n), np.eye(count)
-    if len(run.raw.step_modes):
-        _keep_constraints(varied, frame, n)
+    varied = _varied_run(run, tuple(names), ())
+    frame = _first_frame(varied, n, 0, count, free)
     scales = np.concatenate([np.ones(n), _scales(run.automaton, names)])
     states = run(np.asarray(times, dtype=float)) if len(times) else np.zeros((0, n))
-    found = _sample(_split_steps(varied, times, states), frame, times)
-    samples, moved, end = (part / scales for part in found)
-    for part in (samples, moved, end):
-        part[..., n:][..., unknown] = np.nan
+    plain = None if varied.plain is None else _split_steps(varied.plain, times, states)
+    split = _VariedRun(_split_steps(varied.run, times, states), plain)
+    samples, moved, end = (part / scales for part in _sample(split, frame, times))
     return SampledFlow(states, samples[:, :n], run.raw.event_times, moved, end[:n])
 
 
@@ -140,45 +146,90 @@ def _split_steps(run: Trajectory, times: Array, states: Array) -> Trajectory:
     return Trajectory(run.automaton, run.problem, split, run.samples, description=run.description)
 
 
-def _sample(run: Trajectory, frame: Array, times: Array) -> tuple[Array, Array, Array]:
+def _sample(varied: _VariedRun, frame: Array, times: Array) -> tuple[Array, Array, Array]:
     """Tangent vectors at times, derivatives of the events' times, and tangent vectors at the end."""
-    raw, width = run.raw, frame.shape[1]
+    raw, width = varied.run.raw, frame.shape[1]
     rows = np.ascontiguousarray(frame.T)
     starts = raw.step_times[:, 0]
     samples, moved = np.zeros((len(times), *frame.shape)), np.zeros((len(raw.event_times), width))
     marks = sorted(
-        [*((t, 1, i) for i, t in enumerate(times)), *((t, 0, i) for i, t in enumerate(raw.event_times))]
+        [*((t, 0, i) for i, t in enumerate(times)), *((t, 1, i) for i, t in enumerate(raw.event_times))]
     )
     first = 0
-    for t, is_sample, i in marks:
+    for t, is_event, i in marks:
         last = int(np.searchsorted(starts, t))
         if last > first:
-            carry_rows(carry_steps, run, slice(first, last), rows)
+            _carry(varied, slice(first, last), rows)
             first = last
-        if is_sample:
-            samples[i] = rows.T
+        if is_event:
+            moved[i] = _event_time_slopes(varied, i, rows)
+            rows = np.ascontiguousarray(rows @ _saltation(varied, i).T)
         else:
-            moved[i] = _event_time_slopes(run, i, rows)
-            rows = np.ascontiguousarray(rows @ event_saltation(run, i).T)
+            samples[i] = rows.T
     if len(starts) > first:
-        carry_rows(carry_steps, run, slice(first, len(starts)), rows)
+        _carry(varied, slice(first, len(starts)), rows)
     return samples, moved, rows.T.copy()
 
 
-def _event_time_slopes(run: Trajectory, i: int, rows: Array) -> Array:
+def _event_time_slopes(varied: _VariedRun, i: int, rows: Array) -> Array:
     """How the time of an event moves: the guard stays zero."""
-    program, guard = run.problem.program, int(run.raw.event_codes[i, 0])
-    mode, before = int(program.guard_modes[guard]), run.raw.event_states[i, 0]
-    at, slot = linearise_mode(program, run.problem.numbers, mode, before), program.code.function_slots[guard]
-    return -(rows @ at.gradients[slot]) / at.jets[slot, 1]
+    for run in (one for one in varied if one is not None):
+        program, guard = run.problem.program, int(run.raw.event_codes[i, 0])
+        mode, before = int(program.guard_modes[guard]), run.raw.event_states[i, 0]
+        slot = program.code.function_slots[guard]
+        at = linearise_mode(program, run.problem.numbers, mode, before)
+        found = -(rows @ at.gradients[slot]) / at.jets[slot, 1]
+        if np.isfinite(found).all():
+            break
+    return found
 
 
-def _keep_constraints(run: Trajectory, frame: Array, n: int) -> None:
-    """Move the states of each direction by the least that keeps the constraints of the first mode."""
+def _first_frame(varied: _VariedRun, n: int, q: int, count: int, free: bool) -> Array:
+    """Tangent vectors as columns: each of n states, then each of `count` parameters; q integrals are zero.
+
+    The states are moved by the least that keeps the constraints of the first mode.
+    """
+    frame, run = np.zeros((n + q + count, n + count)), varied.run
+    frame[:n, :n], frame[n + q :, n:] = np.eye(n), np.eye(count)
+    if free or not len(run.raw.step_modes):
+        return frame
     program, mode, z = run.problem.program, int(run.raw.step_modes[0]), run.raw.step_states[0]
     fixed = constraint_gradients(program, mode, linearise_mode(program, run.problem.numbers, mode, z))
     if len(fixed):
         frame[:n] -= np.linalg.pinv(fixed[:, :n]) @ (fixed @ frame)
+    return frame
+
+
+class _VariedRun(NamedTuple):
+    """A run with changes of parameters as states; the same without those in exponents, if there are any."""
+
+    run: Trajectory
+    plain: Trajectory | None
+
+
+def _carry(varied: _VariedRun, part: slice, rows: Array) -> None:
+    """Propagate tangent vectors along a smooth segment."""
+    if varied.plain is None:
+        carry_rows(carry_steps, varied.run, part, rows)
+        return
+    for i in range(part.start, part.stop):
+        before = rows.copy()
+        try:
+            carry_rows(carry_steps, varied.run, slice(i, i + 1), rows)
+        except SaltationError:
+            rows[:] = before
+            carry_rows(carry_steps, varied.plain, slice(i, i + 1), rows)
+
+
+def _saltation(varied: _VariedRun, i: int) -> Array:
+    """Saltation matrix of an event."""
+    if varied.plain is None:
+        return event_saltation(varied.run, i)
+    try:
+        found = event_saltation(varied.run, i)
+    except SaltationError:
+        return event_saltation(varied.plain, i)
+    return found if np.isfinite(found).all() else event_saltation(varied.plain, i)
 
 
 def _scales(automaton: HybridAutomaton, names: Sequence[str]) -> Array:
@@ -186,28 +237,31 @@ def _scales(automaton: HybridAutomaton, names: Sequence[str]) -> Array:
     return np.array([abs(known[name]) or 1.0 for name in names])
 
 
-def _varied_run(
-    run: Trajectory, names: tuple[str, ...], integrands: tuple[Any, ...]
-) -> tuple[Trajectory, list[bool]]:
-    """The run of the automaton with changes of parameters as states; which of these are in exponents."""
+def _varied_run(run: Trajectory, names: tuple[str, ...], integrands: tuple[Any, ...]) -> _VariedRun:
+    """The run of the automaton with changes of parameters as states."""
     automaton = run.automaton
     modes = tuple(automaton.mode(name) for name in run.mode_names)
     symbols = {symbol.name: symbol for symbol in automaton.parameters}
     chosen = tuple(symbols[name] for name in names)
-    varied = _varied_modes(automaton.states, modes, chosen, integrands)
+    of = automaton.states, modes, chosen, integrands
+    varied = _varied_modes(*of, True)
     numbers = dict(zip(map(_scale, chosen), _scales(automaton, names)))
     states = (*automaton.states, *varied.integrals, *map(_change, chosen))
-    wider = HybridAutomaton(states, varied.modes, {**automaton.parameters, **numbers}, automaton.coordinates)
     more = len(states) - len(automaton.states)
-    problem = Problem(*program_of(wider), np.append(run.problem.x0, np.zeros(more)), run.problem.t_end)
     raw = run.raw._replace(
         **{
             name: _with_zeros(getattr(run.raw, name), more)
             for name in ("step_states", "event_states", "point_states", "state")
         }
     )
-    wide = Trajectory(wider, problem, raw, run.samples, description=run.description)
-    return wide, [symbol in varied.exponents for symbol in chosen]
+
+    def of_modes(those: tuple[Mode, ...]) -> Trajectory:
+        wider = HybridAutomaton(states, those, {**automaton.parameters, **numbers}, automaton.coordinates)
+        problem = Problem(*program_of(wider), np.append(run.problem.x0, np.zeros(more)), run.problem.t_end)
+        return Trajectory(wider, problem, raw, run.samples, description=run.description)
+
+    plain = of_modes(_varied_modes(*of, False).modes) if varied.in_exponents else None
+    return _VariedRun(of_modes(varied.modes), plain)
 
 
 def _with_zeros(array: Array, more: int) -> Array:
@@ -225,14 +279,18 @@ def _scale(symbol: Any) -> Any:
 class _VariedModes(NamedTuple):
     modes: tuple[Mode, ...]
     integrals: tuple[Any, ...]
-    exponents: frozenset[Any]
+    in_exponents: bool  # whether an exponent depends on a parameter
 
 
 @lru_cache(maxsize=64)
 def _varied_modes(
-    states: tuple[Any, ...], modes: tuple[Mode, ...], chosen: tuple[Any, ...], integrands: tuple[Any, ...]
+    states: tuple[Any, ...],
+    modes: tuple[Mode, ...],
+    chosen: tuple[Any, ...],
+    integrands: tuple[Any, ...],
+    exponents: bool,
 ) -> _VariedModes:
-    vary = _Variation(states, chosen)
+    vary = _Variation(states, chosen, exponents)
     integrals = tuple(sympy.Symbol(f"integral {i}") for i in range(len(integrands)))
     rates, still = tuple(map(vary, integrands)), (sympy.S.Zero,) * len(chosen)
     known = {mode.name for mode in modes}
@@ -257,16 +315,16 @@ def _varied_modes(
         )
         for mode in modes
     )
-    return _VariedModes(found, integrals, frozenset(vary.exponents))
+    return _VariedModes(found, integrals, vary.in_exponents)
 
 
 class _Variation:
     """Puts changes of the parameters into expressions, to first order."""
 
-    def __init__(self, states: tuple[Any, ...], chosen: tuple[Any, ...]) -> None:
-        self._states, self._chosen = frozenset(states), frozenset(chosen)
+    def __init__(self, states: tuple[Any, ...], chosen: tuple[Any, ...], exponents: bool) -> None:
+        self._states, self._chosen, self._exponents = frozenset(states), frozenset(chosen), exponents
         self._known: dict[Any, Any] = {}
-        self.exponents: set[Any] = set()  # parameters on which an exponent depends
+        self.in_exponents = False
 
     def __call__(self, expression: Any) -> Any:
         expr = sympy.sympify(expression, strict=True)
@@ -285,8 +343,11 @@ class _Variation:
             rest = [self(a) for a in expr.args if not a.free_symbols.isdisjoint(self._states)]
             return expr.func(self(expr.func(*alone)), *rest)
         if expr.is_Pow:
-            self.exponents |= expr.exp.free_symbols & self._chosen
-            return sympy.Pow(self(expr.base), expr.exp)
+            power = sympy.Pow(self(expr.base), expr.exp)
+            if expr.exp.free_symbols.isdisjoint(self._chosen):
+                return power
+            self.in_exponents = True
+            return power * (1 + sympy.log(expr.base) * self._linear(expr.exp)) if self._exponents else power
         return expr.func(*map(self, expr.args))
 
     def _linear(self, number: Any) -> Any:

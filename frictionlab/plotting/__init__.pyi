@@ -24,7 +24,7 @@ from .stability_boundaries import plot_stability_map as plot_stability_map
 from .studies.ablation import plot_ablation as plot_ablation
 from .studies.ablation import plot_effects as plot_effects
 from .studies.ablation import plot_scene_lattice as plot_scene_lattice
-from .studies.fitting import plot_fit as plot_fit
+from .studies.quantities import plot_fit as plot_fit
 from .studies.quantities import plot_optimum as plot_optimum
 from .studies.quantities import plot_sensitivity as plot_sensitivity
 from .studies.quantities import plot_sobol_indices as plot_sobol_indices

@@ -16,9 +16,9 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from frictionlab.analysis.spectrum import Spectrum, amplitude_spectrum, highest_frequency
-from frictionlab.analysis.verification.run_comparison import largest_sound_defect
-from frictionlab.analysis.verification.verify import TRUSTED_DEVIATION
+from frictionlab.analysis.motion_scales import Spectrum, amplitude_spectrum, highest_frequency
+from frictionlab.analysis.run_comparison import largest_sound_defect
+from frictionlab.analysis.verify import TRUSTED_DEVIATION
 from frictionlab.hybrid.kernels.jets import MACHINE_EPSILON
 from frictionlab.plotting.appearance import crowding, font_size, legible, marker_size, pen
 from frictionlab.plotting.figure import axes_or_new, legend_beside, new_figure, set_long_title

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from frictionlab.analysis.verification.run_comparison import defect_warning
+from frictionlab.analysis.run_comparison import defect_warning
 from frictionlab.presentation import state_unit
 
 from .result import time_of_rest

@@ -8,9 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionlab.analysis.motion_scales import rounded_period
+from frictionlab.analysis.motion_scales import Spectrum, amplitude_spectrum, rounded_period
 from frictionlab.analysis.simulate import simulate
-from frictionlab.analysis.spectrum import Spectrum, amplitude_spectrum
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.stability import Eigenvalues, eigenvalues
 

@@ -97,6 +97,7 @@ BUILDERS = {
     "parameter": lambda: fl.ParameterValue("k"),
     "optimum": lambda: fl.optimum(MODEL, fl.EquilibriumCoordinate("x"), {"k": (0.5, 2.0)}),
     "record": lambda: fl.TimeRecord([0.5, 1.0], {"x": [0.1, 0.2]}, error=0.1),
+    "spectrum record": lambda: fl.SpectrumRecord([0.5, 1.0], [0.5], {"x": [0.1]}, error=0.1),
     "event times": lambda: fl.EventTimes([0.5, 1.0], "stick", 0.1),
     "frequencies": lambda: fl.Frequencies({0: 13.0}, 0.1),
     "fit": lambda: fl.fit(SLIDER, result("frequencies"), ["k1"]),

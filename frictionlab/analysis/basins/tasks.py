@@ -26,7 +26,7 @@ from frictionlab.analysis.simulate import initial_state_of
 from frictionlab.analysis.steady_state.classification import MotionKind
 from frictionlab.analysis.steady_state.steady_state import check_section
 from frictionlab.analysis.sweeps.journal import Journal
-from frictionlab.analysis.sweeps.task_runner import run_tasks
+from frictionlab.analysis.sweeps.sweep import run_tasks
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.hybrid.ensemble.lanes import Batch, select_runs
 from frictionlab.hybrid.kernels.run_state import FINISHED

@@ -1,4 +1,4 @@
-"""Measurements to which a model can be fitted: time records, event times, eigenfrequencies."""
+"""Measurements to which a model can be fitted: time records, spectra, event times, eigenfrequencies."""
 
 from __future__ import annotations
 
@@ -9,9 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionlab.validation import check_mapping, check_number, float_array
+from frictionlab.validation import check_choice, check_mapping, check_number, float_array
 
 Array = NDArray[np.float64]
+WINDOWS = ("rectangular", "hann")
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,30 +41,99 @@ class TimeRecord:
 
     def __post_init__(self) -> None:
         t = _ascending(self.t)
-        check_mapping("values", self.values, 'give arrays by state, such as {"x1": measured}')
-        kept = {
-            name: float_array(f"values[{name!r}]", column, "give numbers")
-            for name, column in self.values.items()
-        }
-        for name, column in kept.items():
-            if column.shape != t.shape or not np.isfinite(column).all():
-                raise ValueError(
-                    f"values[{name!r}] must hold a finite number for each of the {len(t)} times, got shape "
-                    f"{column.shape}: leave out times without one"
-                )
-        errors: Any = self.error if isinstance(self.error, Mapping) else dict.fromkeys(kept, self.error)
-        for name in kept:
-            check_number(
-                f"the error of {name}", errors.get(name), above=0.0, cure="give the standard deviation"
-            )
+        kept, errors = _columns(self.values, self.error, len(t), "times")
         object.__setattr__(self, "t", t)
         object.__setattr__(self, "values", kept)
-        object.__setattr__(self, "error", {name: float(errors[name]) for name in kept})
+        object.__setattr__(self, "error", errors)
 
     @property
     def count(self) -> int:
         """Number of measured numbers."""
         return len(self.t) * len(self.values)
+
+
+@dataclass(frozen=True, eq=False)
+class SpectrumRecord:
+    """Amplitudes of states at some frequencies, from samples of a part of the motion.
+
+    Of the samples x_j at the times t_j with the weights w_j of a window they are
+
+        a(f) = | 2 / sum w_j  sum w_j (x_j - m) exp(-2 pi i f t_j) |,    m = sum w_j x_j / sum w_j.
+
+    What a model predicts is the same sum, so that leakage between lines is the same on both sides; phases are
+    left out.
+
+    Parameters
+    ----------
+    t : array_like (N,)
+        Ascending times of the samples, s, from the start of the motion at 0.
+    frequencies : array_like (F,)
+        Ascending, above 0, Hz.
+    values : mapping of str to array_like (F,)
+        Measured amplitudes by the state's name, as "x1" or "x1'".
+    error : float or mapping of str to float
+        Standard deviation of an amplitude.  Amplitudes have errors like a normal distribution's where they
+        are a few times as large as these: leave out lines that are all noise.
+    window : "rectangular" or "hann"
+        That of the measurement.  With "hann" neighbouring lines share their noise, and intervals come out too
+        narrow unless every third line is taken.
+
+    Examples
+    --------
+    >>> import frictionlab as fl, numpy as np
+    >>> t = np.arange(100) / 10.0
+    >>> record = fl.TimeRecord(t, {"x": 2.0 * np.sin(2 * np.pi * 0.5 * t)}, error=0.1)
+    >>> lines = fl.SpectrumRecord.from_record(record, [0.5, 1.0])
+    >>> [round(float(a), 9) for a in lines.values["x"]], round(lines.error["x"], 4)
+    ([2.0, 0.0], 0.0141)
+    """
+
+    t: Any
+    frequencies: Any
+    values: Mapping[str, Any]
+    error: Any = 1.0
+    window: str = "rectangular"
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "t", _ascending(self.t))
+        lines = float_array("frequencies", self.frequencies, "give those of the lines in Hz")
+        if lines.ndim != 1 or not len(lines) or not lines[0] > 0.0 or not (np.diff(lines) > 0.0).all():
+            raise ValueError(
+                f"frequencies must ascend and be above 0, one at least, got {self.frequencies!r}: sort them"
+            )
+        object.__setattr__(self, "frequencies", lines)
+        check_choice("window", self.window, WINDOWS, "say that of the measurement")
+        kept, errors = _columns(self.values, self.error, len(lines), "frequencies")
+        object.__setattr__(self, "values", kept)
+        object.__setattr__(self, "error", errors)
+
+    @classmethod
+    def from_record(cls, record: TimeRecord, frequencies: Any, window: str = "rectangular") -> SpectrumRecord:
+        """The lines of a time record, with the errors that follow from the record's."""
+        lines = np.atleast_1d(np.asarray(frequencies, dtype=float))
+        check_choice("window", window, WINDOWS, "take one of them")
+        weights, w = line_weights(record.t, lines, window), _window(len(record.t), window)
+        share = float(np.sqrt(2.0 * (w**2).sum()) / w.sum())
+        values = {name: np.abs(weights @ column) for name, column in record.values.items()}
+        return cls(record.t, lines, values, {n: share * e for n, e in record.error.items()}, window)
+
+    @property
+    def count(self) -> int:
+        """Number of measured numbers."""
+        return len(self.frequencies) * len(self.values)
+
+
+def line_weights(t: Array, frequencies: Array, window: str) -> NDArray[np.complex128]:
+    """By what (F, N) the samples are multiplied in the sums whose absolute values are the amplitudes."""
+    share = _window(len(t), window)
+    share = share / share.sum()
+    turns = np.exp(-2j * np.pi * np.outer(frequencies, t))
+    return 2.0 * share * (turns - (turns @ share)[:, None])
+
+
+def _window(count: int, window: str) -> Array:
+    hann = window == "hann"
+    return 0.5 - 0.5 * np.cos(2 * np.pi * np.arange(count) / count) if hann else np.ones(count)
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,7 +189,7 @@ class Frequencies:
         return len(self.values)
 
 
-KINDS = (TimeRecord, EventTimes, Frequencies)
+KINDS = (TimeRecord, SpectrumRecord, EventTimes, Frequencies)
 
 
 def as_data(data: Any) -> tuple[Any, ...]:
@@ -134,10 +204,32 @@ def as_data(data: Any) -> tuple[Any, ...]:
     for one in found or (data,):
         if not isinstance(one, KINDS):
             raise TypeError(
-                f"data must be TimeRecord, EventTimes, Frequencies or several of them, got {one!r}: write "
-                'fl.TimeRecord(t, {"x1": measured}, error=1e-4)'
+                "data must be TimeRecord, SpectrumRecord, EventTimes, Frequencies or several of them, got "
+                f'{one!r}: write fl.TimeRecord(t, {{"x1": measured}}, error=1e-4)'
             )
     return found
+
+
+def _columns(values: Any, error: Any, count: int, of: str) -> tuple[dict[str, Array], dict[str, float]]:
+    """Measured numbers by state, `count` of each, and their errors.
+
+    Raises
+    ------
+    ValueError
+        Where one is not finite, or there are more or fewer; for an error that is not above 0.
+    """
+    check_mapping("values", values, 'give arrays by state, such as {"x1": measured}')
+    kept = {n: float_array(f"values[{n!r}]", column, "give numbers") for n, column in values.items()}
+    for name, column in kept.items():
+        if column.shape != (count,) or not np.isfinite(column).all():
+            raise ValueError(
+                f"values[{name!r}] must hold a finite number for each of the {count} {of}, got shape "
+                f"{column.shape}: leave out {of} without one"
+            )
+    errors: Any = error if isinstance(error, Mapping) else dict.fromkeys(kept, error)
+    for name in kept:
+        check_number(f"the error of {name}", errors.get(name), above=0.0, cure="give the standard deviation")
+    return kept, {name: float(errors[name]) for name in kept}
 
 
 def _ascending(t: Any) -> Array:

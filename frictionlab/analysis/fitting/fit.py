@@ -1,27 +1,163 @@
-"""`fl.fit`: parameters from measurements, by multiple shooting with exact gradients through events."""
+"""`fl.fit`: parameters from measurements, by multiple shooting with exact gradients through events; how sure
+they are, and which cannot be told apart.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
-from frictionlab.analysis.motion_scales import state_scales
+from frictionlab.analysis.fitting.data import EventTimes, Frequencies, SpectrumRecord, TimeRecord, as_data
+from frictionlab.analysis.fitting.predictions import (
+    Misfit,
+    Pieces,
+    Task,
+    even_pieces,
+    first_states,
+    frequency_misfit,
+    inverse_error,
+    motion_misfit,
+)
 from frictionlab.analysis.simulate import initial_state_of
-from frictionlab.hybrid.solve import solve
 from frictionlab.models.coercion import automaton_of, require_model
+from frictionlab.presentation import Drawable, dataframe, text_table
 from frictionlab.stability.equilibrium_problem import check_parameter
 from frictionlab.validation import check_choice, check_mapping, check_number
 
-from .data import EventTimes, Frequencies, TimeRecord, as_data
-from .predictions import END_MARGIN, Misfit, Pieces, frequency_misfit, motion_misfit
-from .result import Fit, covariance_of
-
 Array = NDArray[np.float64]
+STRONG_CORRELATION = 0.95  # from here on two parameters are named as hard to tell apart
+RANK_RTOL = 1e-8  # singular values of the scaled derivatives below it: the data say nothing in that direction
+NULL_SHARE = 1e-4  # share of a direction that is not identifiable from which on a parameter is part of it
+
+
+@dataclass(frozen=True, eq=False)
+class Fit(Drawable):
+    """A model fitted to measurements.
+
+    Parameters
+    ----------
+    model : Model
+        With the fitted values.
+    parameters : tuple of str
+        Then the states at the start that were fitted, as "x1 at 0".
+    values : array (P,)
+    covariance : array (P, P)
+        inf for those that the data do not determine.
+    residuals : array (N,)
+        (predicted - measured) / error.
+    times : array (N,)
+        Of the measurements, s; NaN for frequencies and spectra.
+    rank : int
+        How many combinations of parameters the data determine.
+    undetermined : tuple of tuple of str
+        Parameters that appear in each combination that they do not.
+    message : str
+        Why the search ended.
+    """
+
+    drawn_by = "plot_fit"
+
+    model: Any
+    parameters: tuple[str, ...]
+    values: Array
+    covariance: Array
+    residuals: Array
+    times: Array
+    rank: int
+    undetermined: tuple[tuple[str, ...], ...]
+    message: str
+
+    def __repr__(self) -> str:
+        rows = [
+            f"  {name} = {v:.6g} ± {e:.2g}" for name, v, e in zip(self.parameters, self.values, self.errors)
+        ]
+        return text_table([f"Fit({len(self.residuals)} numbers, reduced chi² {self.chi_square:.3g}):", *rows])
+
+    def __getitem__(self, parameter: str) -> float:
+        """The fitted value of a parameter."""
+        if parameter not in self.parameters:
+            raise KeyError(f"no parameter {parameter!r}: name one of {', '.join(self.parameters)}")
+        return float(self.values[self.parameters.index(parameter)])
+
+    @property
+    def errors(self) -> Array:
+        """Standard errors (P,); inf for what the data do not determine."""
+        return np.sqrt(np.diag(self.covariance))
+
+    @property
+    def degrees_of_freedom(self) -> int:
+        """Measured numbers less determined combinations of parameters."""
+        return len(self.residuals) - self.rank
+
+    @property
+    def chi_square(self) -> float:
+        """Sum of squared residuals by the degrees of freedom: near 1 where model and errors are right."""
+        return float(self.residuals @ self.residuals) / max(self.degrees_of_freedom, 1)
+
+    @property
+    def correlation(self) -> Array:
+        """Correlations (P, P) of the parameters; NaN for what the data do not determine."""
+        errors = np.where(np.isfinite(self.errors) & (self.errors > 0), self.errors, np.nan)
+        return self.covariance / np.outer(errors, errors)
+
+    @property
+    def correlated(self) -> tuple[tuple[str, str, float], ...]:
+        """Pairs of parameters that are hard to tell apart, and their correlation."""
+        found, names = self.correlation, self.parameters
+        pairs = [(i, j) for j in range(len(names)) for i in range(j) if abs(found[i, j]) > STRONG_CORRELATION]
+        return tuple((names[i], names[j], float(found[i, j])) for i, j in pairs)
+
+    def interval(self, parameter: str, level: float = 0.95) -> tuple[float, float]:
+        """The confidence interval of a parameter, by the measurements' errors.
+
+        Parameters
+        ----------
+        parameter : str
+        level : float
+            Share of such intervals that hold the truth.
+        """
+        from scipy.stats import norm
+
+        check_number("level", level, above=0.0, below=1.0, cure="0.95 is usual")
+        value = self[parameter]
+        half = float(norm.ppf(0.5 + 0.5 * level)) * float(self.errors[self.parameters.index(parameter)])
+        return value - half, value + half
+
+    def summary(self) -> str:
+        """The fit in words: values, intervals, and what the data do not tell."""
+        ends = {name: self.interval(name) for name in self.parameters}
+        rows = [f"{name} = {self[name]:.6g}, 95 % from {a:.6g} to {b:.6g}" for name, (a, b) in ends.items()]
+        rows += [f"not determined: a combination of {', '.join(names)}" for names in self.undetermined]
+        rows += [f"hard to tell apart: {a} and {b}, correlation {r:+.4f}" for a, b, r in self.correlated]
+        freedom = f"{self.degrees_of_freedom} degrees of freedom"
+        return "\n".join([*rows, f"reduced chi² {self.chi_square:.4g}, {freedom}"])
+
+    def to_dataframe(self) -> Any:
+        """One row for each parameter (needs the extra ``data``)."""
+        columns = {"value": self.values, "error": self.errors}
+        return dataframe(columns, {"parameter": list(self.parameters)}, {})
+
+
+def covariance_of(slopes: Array, names: tuple[str, ...], scales: Array) -> tuple[Array, int, tuple[Any, ...]]:
+    """Covariance (P, P), rank and undetermined combinations, of derivatives (N, P) of residuals."""
+    scaled = slopes * scales
+    _, sizes, directions = np.linalg.svd(scaled, full_matrices=True)
+    sizes = np.concatenate([sizes, np.zeros(len(directions) - len(sizes))])
+    known = sizes > RANK_RTOL * sizes[0] if sizes[0] > 0 else np.zeros(len(sizes), dtype=bool)
+    kept = directions[known] / sizes[known, None]
+    covariance = kept.T @ kept * np.outer(scales, scales)
+    lost = np.abs(directions[~known])
+    part = (lost > NULL_SHARE).any(axis=0)
+    covariance[part, part] = np.inf
+    undetermined = tuple(tuple(name for name, share in zip(names, row) if share > NULL_SHARE) for row in lost)
+    return covariance, int(known.sum()), undetermined
+
+
 WEIGHTS = (1.0, 30.0, 1000.0)  # of what pieces miss of each other, over the measurement's error
 MAX_EVALUATIONS = 100
 FIT_RTOL = 1e-12
@@ -49,7 +185,7 @@ def fit(
     ----------
     model : Model
         Its values are where the search begins.
-    data : TimeRecord, EventTimes, Frequencies, or a sequence of them
+    data : TimeRecord, SpectrumRecord, EventTimes, Frequencies, or a sequence of them
     parameters : sequence of str
         Those to be fitted.
     x0 : "rest", "near", mapping or array_like
@@ -88,51 +224,18 @@ def fit(
     task = _check(model, data, parameters, x0, unknown, segments, bounds)
     if not task.moving:
         return _result(task, _solve(task, None, task.first(), "one run"), None)
-    unknowns, pieces = task.first(), _pieces(task, segments)
+    unknowns, pieces = task.first(), even_pieces(task, segments)
     if segments > 1:
-        unknowns = np.concatenate([unknowns, (_guesses(task, pieces) / pieces.size).ravel()])
+        unknowns = np.concatenate([unknowns, (first_states(task, pieces) / pieces.size).ravel()])
         for weight in WEIGHTS:
-            pieces = replace(pieces, weight=weight * _inverse_error(task, pieces))
+            pieces = replace(pieces, weight=weight * inverse_error(task, pieces))
             unknowns = _solve(task, pieces, unknowns, "the segments").x
     single = replace(pieces, edges=pieces.edges[[0, -1]])
     count = len(task.names) + len(task.unknown)
     return _result(task, _solve(task, single, unknowns[:count], "one run"), single)
 
 
-class _Task(NamedTuple):
-    """What is fitted, checked."""
-
-    model: Any
-    data: tuple[Any, ...]
-    names: tuple[str, ...]
-    start: Array
-    unknown: tuple[int, ...]
-    bounds: Mapping[str, tuple[float, float]]
-
-    @property
-    def moving(self) -> bool:
-        """Whether there are data of a motion."""
-        return any(not isinstance(one, Frequencies) for one in self.data)
-
-    @property
-    def scales(self) -> Array:
-        """Sizes (P,) of the parameters."""
-        return np.array([abs(self.model.parameters[name]) or 1.0 for name in self.names])
-
-    def first(self) -> Array:
-        """Where the search begins: parameters by their sizes, then unknown states at the start."""
-        values = np.array([self.model.parameters[name] for name in self.names]) / self.scales
-        return np.concatenate([values, self.start[list(self.unknown)]])
-
-    def at(self, unknowns: Array) -> Any:
-        """The model with the parameters of some unknowns."""
-        values = unknowns[: len(self.names)] * self.scales
-        return self.model.replace(**dict(zip(self.names, map(float, values))))
-
-
-def _check(
-    model: Any, data: Any, parameters: Any, x0: Any, unknown: Any, segments: Any, bounds: Any
-) -> _Task:
+def _check(model: Any, data: Any, parameters: Any, x0: Any, unknown: Any, segments: Any, bounds: Any) -> Task:
     require_model(model, cure="write fit(model, data, parameters), the model made")
     found, names = as_data(data), (parameters,) if isinstance(parameters, str) else tuple(parameters)
     if not names:
@@ -142,50 +245,11 @@ def _check(
     check_number("segments", segments, integer=True, least=1, cure="8 suits most records")
     check_mapping("bounds", bounds or {}, 'give limits by parameter, such as {"k1": (5e3, 2e4)}')
     states = tuple(map(str, automaton_of(model).states))
-    for name in (*unknown, *(s for one in found if isinstance(one, TimeRecord) for s in one.values)):
+    of_states = (one for one in found if isinstance(one, (TimeRecord, SpectrumRecord)))
+    for name in (*unknown, *(s for one in of_states for s in one.values)):
         check_choice("state", name, states, "name one of them")
     places = tuple(states.index(name) for name in unknown)
-    return _Task(model, found, names, initial_state_of(model, x0), places, dict(bounds or {}))
-
-
-def _pieces(task: _Task, segments: int) -> Pieces:
-    """Even pieces of the time of the data, and the motion's size by the data where they tell."""
-    last = max(float(one.t[-1]) for one in task.data if not isinstance(one, Frequencies))
-    # Events that are measured have to happen within the run, though they come later at first.
-    late = any(isinstance(one, EventTimes) for one in task.data)
-    end = last * (1.0 + (0.05 if late else END_MARGIN))
-    run = solve(automaton_of(task.model), end, x0=task.start, progress=False)
-    size = state_scales(run.states, run.automaton.coordinates)
-    for record in (one for one in task.data if isinstance(one, TimeRecord)):
-        for name, column in record.values.items():
-            i = run.names.index(name)
-            size[i] = max(size[i], float(np.ptp(column)))
-    return Pieces(np.linspace(0.0, end, segments + 1), task.unknown, task.start, size, 1.0)
-
-
-def _guesses(task: _Task, pieces: Pieces) -> Array:
-    """States (S - 1, n) at the start of the later pieces: measured, or else those of the model as it is."""
-    run = solve(automaton_of(task.model), float(pieces.edges[-1]), x0=task.start, progress=False)
-    found, n = run(pieces.edges[1:-1]).copy(), run.automaton.coordinates
-    for record in (one for one in task.data if isinstance(one, TimeRecord)):
-        measured = {run.names.index(name): column for name, column in record.values.items()}
-        for i, column in measured.items():
-            found[:, i] = np.interp(pieces.edges[1:-1], record.t, column)
-            if i < n and i + n not in measured and len(record.t) > 2:
-                found[:, i + n] = np.interp(pieces.edges[1:-1], record.t, np.gradient(column, record.t))
-    return found
-
-
-def _inverse_error(task: _Task, pieces: Pieces) -> float:
-    """Size of the motion over the measurement's error."""
-    names = tuple(map(str, automaton_of(task.model).states))
-    shares = [
-        one.error[name] / pieces.size[names.index(name)]
-        for one in task.data
-        if isinstance(one, TimeRecord)
-        for name in one.values
-    ] or [1e-3]
-    return 1.0 / float(np.median(shares))
+    return Task(model, found, names, initial_state_of(model, x0), places, dict(bounds or {}))
 
 
 class _Solution(NamedTuple):
@@ -196,7 +260,7 @@ class _Solution(NamedTuple):
     message: str
 
 
-def _solve(task: _Task, pieces: Pieces | None, first: Array, what: str) -> _Solution:
+def _solve(task: Task, pieces: Pieces | None, first: Array, what: str) -> _Solution:
     """Least squares from a start.
 
     Raises
@@ -230,7 +294,7 @@ def _solve(task: _Task, pieces: Pieces | None, first: Array, what: str) -> _Solu
     return _Solution(found.x, evaluate(found.x), str(found.message))
 
 
-def _misfit_function(task: _Task, pieces: Pieces | None) -> Callable[[Array], Misfit]:
+def _misfit_function(task: Task, pieces: Pieces | None) -> Callable[[Array], Misfit]:
     """Residuals and derivatives at unknowns (u,); the last are remembered, as the solver asks for each."""
     known: list[tuple[bytes, Misfit]] = []
 
@@ -243,7 +307,7 @@ def _misfit_function(task: _Task, pieces: Pieces | None) -> Callable[[Array], Mi
     return evaluate
 
 
-def _misfit(task: _Task, pieces: Pieces | None, x: Array) -> Misfit:
+def _misfit(task: Task, pieces: Pieces | None, x: Array) -> Misfit:
     try:
         model = task.at(x)
         parts = [frequency_misfit(model, task.names, task.data, len(x))]
@@ -263,7 +327,7 @@ def _misfit(task: _Task, pieces: Pieces | None, x: Array) -> Misfit:
     return Misfit(values, slopes * scales)
 
 
-def _starts(task: _Task, pieces: Pieces, x: Array) -> Array:
+def _starts(task: Task, pieces: Pieces, x: Array) -> Array:
     """States (S, n) at the start of all pieces."""
     count = len(task.names)
     start = task.start.copy()
@@ -272,7 +336,7 @@ def _starts(task: _Task, pieces: Pieces, x: Array) -> Array:
     return np.vstack([start, later])
 
 
-def _result(task: _Task, found: _Solution, pieces: Pieces | None) -> Fit:
+def _result(task: Task, found: _Solution, pieces: Pieces | None) -> Fit:
     states = tuple(map(str, automaton_of(task.model).states))
     names = (*task.names, *(f"{states[i]} at 0" for i in task.unknown))
     sizes = np.ones(len(task.unknown)) if pieces is None else pieces.size[list(task.unknown)]
@@ -285,6 +349,7 @@ def _result(task: _Task, found: _Solution, pieces: Pieces | None) -> Fit:
     times = [np.full(one.count, np.nan) for one in task.data if isinstance(one, Frequencies)]
     times += [np.tile(one.t, len(one.values)) for one in task.data if isinstance(one, TimeRecord)]
     times += [one.t for one in task.data if isinstance(one, EventTimes)]
+    times += [np.full(one.count, np.nan) for one in task.data if isinstance(one, SpectrumRecord)]
     return Fit(
         model=task.at(found.x),
         parameters=names,

@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from frictionlab.analysis.motion_scales import state_scales
 from frictionlab.analysis.parameter_flow import SampledFlow, sampled_flow
 from frictionlab.analysis.quantities.equilibrium_quantities import ModeFrequency
 from frictionlab.hybrid.solve import solve
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models.coercion import automaton_of
 
-from .data import EventTimes, Frequencies, TimeRecord
+from .data import EventTimes, Frequencies, SpectrumRecord, TimeRecord, line_weights
 
 Array = NDArray[np.float64]
 DIFFERENCE_SHARE = 1e-6  # of a state or parameter: where a motion grazes, differences stand in
@@ -60,10 +61,81 @@ class Pieces:
         return len(self.edges) - 1
 
 
+class Task(NamedTuple):
+    """What is fitted, checked."""
+
+    model: Any
+    data: tuple[Any, ...]
+    names: tuple[str, ...]
+    start: Array
+    unknown: tuple[int, ...]
+    bounds: Mapping[str, tuple[float, float]]
+
+    @property
+    def moving(self) -> bool:
+        """Whether there are data of a motion."""
+        return any(not isinstance(one, Frequencies) for one in self.data)
+
+    @property
+    def scales(self) -> Array:
+        """Sizes (P,) of the parameters."""
+        return np.array([abs(self.model.parameters[name]) or 1.0 for name in self.names])
+
+    def first(self) -> Array:
+        """Where the search begins: parameters by their sizes, then unknown states at the start."""
+        values = np.array([self.model.parameters[name] for name in self.names]) / self.scales
+        return np.concatenate([values, self.start[list(self.unknown)]])
+
+    def at(self, unknowns: Array) -> Any:
+        """The model with the parameters of some unknowns."""
+        values = unknowns[: len(self.names)] * self.scales
+        return self.model.replace(**dict(zip(self.names, map(float, values))))
+
+
+def even_pieces(task: Task, segments: int) -> Pieces:
+    """Even pieces of the time of the data, and the motion's size by the data where they tell."""
+    last = max(float(one.t[-1]) for one in task.data if not isinstance(one, Frequencies))
+    # Events that are measured have to happen within the run, though they come later at first.
+    late = any(isinstance(one, EventTimes) for one in task.data)
+    end = last * (1.0 + (0.05 if late else END_MARGIN))
+    run = solve(automaton_of(task.model), end, x0=task.start, progress=False)
+    size = state_scales(run.states, run.automaton.coordinates)
+    for record in (one for one in task.data if isinstance(one, TimeRecord)):
+        for name, column in record.values.items():
+            i = run.names.index(name)
+            size[i] = max(size[i], float(np.ptp(column)))
+    return Pieces(np.linspace(0.0, end, segments + 1), task.unknown, task.start, size, 1.0)
+
+
+def first_states(task: Task, pieces: Pieces) -> Array:
+    """States (S - 1, n) at the start of the later pieces: measured, or else those of the model as it is."""
+    run = solve(automaton_of(task.model), float(pieces.edges[-1]), x0=task.start, progress=False)
+    found, n = run(pieces.edges[1:-1]).copy(), run.automaton.coordinates
+    for record in (one for one in task.data if isinstance(one, TimeRecord)):
+        measured = {run.names.index(name): column for name, column in record.values.items()}
+        for i, column in measured.items():
+            found[:, i] = np.interp(pieces.edges[1:-1], record.t, column)
+            if i < n and i + n not in measured and len(record.t) > 2:
+                found[:, i + n] = np.interp(pieces.edges[1:-1], record.t, np.gradient(column, record.t))
+    return found
+
+
+def inverse_error(task: Task, pieces: Pieces) -> float:
+    """Size of the motion over the measurement's error."""
+    names = tuple(map(str, automaton_of(task.model).states))
+    shares = [
+        one.error[name] / pieces.size[names.index(name)]
+        for one in task.data
+        if isinstance(one, (TimeRecord, SpectrumRecord))
+        for name in one.values
+    ] or [1e-3]
+    return 1.0 / float(np.median(shares))
+
+
 def motion_misfit(
     model: Any, names: tuple[str, ...], data: Sequence[Any], pieces: Pieces, starts: Array
 ) -> Misfit:
-    """Residuals of time records and event times, in their errors, then what the pieces miss of each other.
+    """Residuals of records, event times and spectra, in their errors, and what the pieces miss of each other.
 
     Unknowns are the P parameters, the unknown states at the time 0, then the states (S - 1, n) at the start
     of the other pieces, `starts` (S, n) being all of them.
@@ -81,19 +153,19 @@ def motion_misfit(
     def add(values: Array, by_state: Array, by_parameters: Array, piece: int) -> None:
         block = np.zeros((len(values), unknowns))
         block[:, :count] = by_parameters
-        place = count if piece == 0 else count + first + n * (piece - 1)
-        chosen = by_state[:, list(pieces.unknown)] if piece == 0 else by_state
-        block[:, place : place + chosen.shape[1]] = chosen
+        states, columns = _columns_of(piece, pieces, count)
+        block[:, columns] = by_state[:, states]
         rows.append(values)
         slopes.append(block)
 
-    moments = []
+    moments, samples = [], []
     for piece in range(pieces.count):
         low, high = pieces.edges[piece : piece + 2]
         times = _times_within(data, low, high, piece == pieces.count - 1)
         run = _run(model, starts[piece], high - low)
         flow = _flow(model, run, names, times - low)
         moments += [(low, run, flow, piece)]
+        samples += [(times, flow, _columns_of(piece, pieces, count))]
         for record in (one for one in data if isinstance(one, TimeRecord)):
             here = np.flatnonzero(np.isin(times, record.t))
             there = np.searchsorted(record.t, times[here])
@@ -109,6 +181,43 @@ def motion_misfit(
             slopes[-1][np.arange(n), place + np.arange(n)] -= pieces.weight / pieces.size
     for one in (one for one in data if isinstance(one, EventTimes)):
         _add_event_times(one, moments, n, add)
+    for one in (one for one in data if isinstance(one, SpectrumRecord)):
+        found = _spectrum_misfit(one, samples, moments[0][1].names, unknowns)
+        rows.append(found.values)
+        slopes.append(found.slopes)
+    return Misfit(np.concatenate(rows), np.concatenate(slopes))
+
+
+def _columns_of(piece: int, pieces: Pieces, count: int) -> tuple[list[int], slice]:
+    """Which states at the start of a piece are unknown, and their places among the unknowns."""
+    n, first = len(pieces.size), len(pieces.unknown)
+    if piece == 0:
+        return list(pieces.unknown), slice(count, count + first)
+    place = count + first + n * (piece - 1)
+    return list(range(n)), slice(place, place + n)
+
+
+def _spectrum_misfit(
+    one: SpectrumRecord, samples: Sequence[Any], names: tuple[str, ...], unknowns: int
+) -> Misfit:
+    """Residuals of amplitudes: the sums go over all pieces; d|a| = Re(a* da)/|a|."""
+    weights, n = line_weights(one.t, one.frequencies, one.window), len(names)
+    rows, slopes = [], []
+    for name, measured in one.values.items():
+        i = names.index(name)
+        sums: Any = np.zeros(len(one.frequencies), dtype=complex)
+        moves: Any = np.zeros((len(sums), unknowns), dtype=complex)
+        for times, flow, (states, columns) in samples:
+            here = np.flatnonzero(np.isin(times, one.t))
+            part = weights[:, np.searchsorted(one.t, times[here])]
+            sums += part @ flow.states[here, i]
+            by_unknowns = part @ flow.slopes[here, i]
+            moves[:, : by_unknowns.shape[1] - n] += by_unknowns[:, n:]
+            moves[:, columns] += by_unknowns[:, states]
+        size = np.abs(sums)
+        turned = sums.conj() / np.where(size > 0.0, size, 1.0)
+        rows.append((size - measured) / one.error[name])
+        slopes.append((turned[:, None] * moves).real / one.error[name])
     return Misfit(np.concatenate(rows), np.concatenate(slopes))
 
 
@@ -139,7 +248,7 @@ def frequency_misfit(model: Any, names: tuple[str, ...], data: Sequence[Any], un
 
 
 def _times_within(data: Sequence[Any], low: float, high: float, last: bool) -> Array:
-    every = [one.t for one in data if isinstance(one, TimeRecord)]
+    every = [one.t for one in data if isinstance(one, (TimeRecord, SpectrumRecord))]
     times = np.unique(np.concatenate(every)) if every else np.zeros(0)
     return times[(times >= low) & ((times <= high) if last else (times < high))]
 

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from frictionlab.analysis.quantities.sensitivity import Array, Gradient, Quantity
 from frictionlab.presentation import state_unit
 from frictionlab.stability.equilibrium_points.equilibria import equilibrium_problem
 from frictionlab.stability.equilibrium_problem import ComplexArray, EquilibriumProblem
@@ -17,8 +18,6 @@ from frictionlab.stability.flow import (
     null_vectors,
 )
 from frictionlab.validation import check_choice, check_number
-
-from .quantity import Array, Gradient, Quantity
 
 DEFECTIVE_PRODUCT = 1e-6  # |l r| below which two eigenvalues coalesce: single ones have no derivative
 
@@ -144,7 +143,12 @@ def gradient_of(problem: EquilibriumProblem, value: float, slopes: Any) -> Gradi
 
 
 def derivatives_at(problem: EquilibriumProblem, **changes: float) -> EquilibriumDerivatives:
-    """The derivatives at a problem's equilibrium, with some parameters changed.
+    """The derivatives at the equilibrium that :func:`equilibrium_at` gives."""
+    return equilibrium_derivatives(problem.flow, *equilibrium_at(problem, **changes))
+
+
+def equilibrium_at(problem: EquilibriumProblem, **changes: float) -> tuple[Array, tuple[float, ...]]:
+    """A problem's equilibrium (m,) with some parameters changed, and the values of all.
 
     Raises
     ------
@@ -156,10 +160,10 @@ def derivatives_at(problem: EquilibriumProblem, **changes: float) -> Equilibrium
     x = problem.solve(values, count)[:, 0]
     if np.isnan(x).any():
         raise ValueError(
-            f"{type(problem.model).__name__} must have an equilibrium in sliding to have derivatives there, "
-            "got none: change its parameters"
+            f"{type(problem.model).__name__} must have an equilibrium in sliding, got none: change its "
+            "parameters"
         )
-    return equilibrium_derivatives(problem.flow, x, values)
+    return x, values
 
 
 def _chosen(problem: EquilibriumProblem, mode: int | None, changes: Mapping[str, Array]) -> Any:

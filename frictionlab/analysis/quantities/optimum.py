@@ -10,12 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
+from frictionlab.analysis.quantities.sensitivity import Gradient, Quantity
 from frictionlab.models.coercion import require_model
 from frictionlab.presentation import Drawable, text_table
 from frictionlab.stability.equilibrium_problem import check_bounds
 from frictionlab.validation import check_choice, check_mapping, check_number
-
-from .quantity import Gradient, Quantity
 
 Array = NDArray[np.float64]
 MAX_STEPS = 200

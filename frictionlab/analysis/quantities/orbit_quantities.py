@@ -1,30 +1,143 @@
-"""Quantities of a periodic orbit: its period, the amplitude of a coordinate, its intensity L_s."""
+"""Quantities of a periodic orbit, its period, the amplitude of a coordinate, its intensity L_s, and their
+derivatives by all parameters.
+
+The orbit closes, z(T; z0, p) = z0.  To first order, with the monodromy matrix M, the flow f at the end and
+the derivative B of the end by the parameters,
+
+    [ M - 1   f ] [ dz0/dp ]     [ -B ]
+    [  f^T    0 ] [ dT/dp  ]  =  [  0 ],
+
+a bordered system: the start moves on a Poincare section normal to the flow.  It is regular where the
+multiplier 1 is simple, of an unstable orbit too.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
+import sympy
 
+from frictionlab.analysis.motion_scales import state_scales
 from frictionlab.analysis.options import SteadyStateOptions
-from frictionlab.analysis.orbits.orbit_derivatives import (
-    OrbitDerivatives,
-    extreme,
-    mean_square,
-    orbit_derivatives,
-)
 from frictionlab.analysis.orbits.periodic_orbit import PeriodicOrbit, periodic_orbit
+from frictionlab.analysis.parameter_flow import parameter_flow, sampled_flow, varied_names
+from frictionlab.analysis.quantities.equilibrium_quantities import derivatives_at, equilibrium_at
+from frictionlab.analysis.quantities.sensitivity import Array, Gradient, Quantity
 from frictionlab.analysis.steady_state.classification import MotionKind
 from frictionlab.analysis.steady_state.steady_state import steady_state
+from frictionlab.hybrid.solve import solve
+from frictionlab.hybrid.trajectory import Trajectory
+from frictionlab.hybrid.variational.tangent_flow import end_rates
 from frictionlab.models.coercion import automaton_of
 from frictionlab.presentation import state_unit
 from frictionlab.stability.equilibrium_points.equilibria import equilibrium_problem
 from frictionlab.validation import check_choice
 
-from .equilibrium_quantities import derivatives_at
-from .quantity import Array, Gradient, Quantity
+SAME_TIME_SHARE = 1e-12  # of the period: a turn so near to an event is at it
+REGULAR_RTOL = 1e-9  # least singular value of the bordered matrix: below it orbits come in families
+
+
+class _OrbitDerivatives(NamedTuple):
+    """How an orbit moves: its start (n, P), on a section normal to the flow, and its period (P,)."""
+
+    start: Array
+    period: Array
+
+
+def _orbit_derivatives(orbit: PeriodicOrbit, by_state: Array, by_parameters: Array) -> _OrbitDerivatives:
+    """Derivatives of start and period, from those of the end by the start (n, n) and by parameters (n, P).
+
+    Raises
+    ------
+    ValueError
+        Where the orbit is one of a family.
+    """
+    run, n = orbit.trajectory, len(by_state)
+    size = state_scales(run.states, run.automaton.coordinates)
+    rate = end_rates(run)[1] / size
+    bordered = np.zeros((n + 1, n + 1))
+    bordered[:n, :n] = by_state * size / size[:, None] - np.eye(n)
+    bordered[:n, n] = rate * orbit.period
+    bordered[n, :n] = rate / np.linalg.norm(rate)
+    least = np.linalg.svd(bordered, compute_uv=False)
+    if least[-1] < REGULAR_RTOL * least[0]:
+        raise ValueError(
+            "the orbit must be alone near by to have derivatives, got one of a family: add damping, or take "
+            "another orbit"
+        )
+    right = np.zeros((n + 1, by_parameters.shape[1]))
+    right[:n] = -by_parameters / size[:, None]
+    found = np.linalg.solve(bordered, right)
+    return _OrbitDerivatives(found[:n] * size[:, None], found[n] * orbit.period)
+
+
+class _Extreme(NamedTuple):
+    """The largest or least value of a coordinate along an orbit: when, and at which event, if at any."""
+
+    value: float
+    t: float
+    event: int | None
+
+
+def _extremes(orbit: PeriodicOrbit, name: str) -> tuple[_Extreme, _Extreme]:
+    """The largest and the least value of a coordinate along an orbit."""
+    run = orbit.trajectory
+    place = run.names.index(name)
+    velocity = run.automaton.states[run.automaton.coordinates + place]
+    again = solve(run.automaton, orbit.period, x0=orbit.state, sections={"turn": velocity}, progress=False)
+    turns = again.sections["turn"]
+    times, jumps = run.raw.event_times, run.raw.event_states[:, 0, place]
+    # A velocity that jumps through zero is recorded as a turn too.
+    apart = np.abs(turns.t[:, None] - times).min(axis=1, initial=np.inf) > SAME_TIME_SHARE * orbit.period
+
+    def of_side(sign: int) -> _Extreme:
+        smooth = np.where(apart, sign * turns.state[:, place], -np.inf)
+        if len(jumps) and (sign * jumps).max() > smooth.max(initial=-np.inf):
+            i = int(np.argmax(sign * jumps))
+            return _Extreme(float(jumps[i]), float(times[i]), i)
+        i = int(np.argmax(smooth))
+        return _Extreme(float(sign * smooth[i]), float(turns.t[i]), None)
+
+    return of_side(1), of_side(-1)
+
+
+def _rest_point(model: Any, names: tuple[str, ...], count: int) -> tuple[Array, Array]:
+    """The coordinates (c,) of the equilibrium, and their derivatives (c, P)."""
+    problem = equilibrium_problem(model)
+    found = derivatives_at(problem)
+    places, moves = [symbol.name for symbol in problem.flow.parameters], found.state()[:count]
+    slopes = [moves[:, places.index(p)] if p in places else np.zeros(count) for p in names]
+    return found.x[:count], np.array(slopes).T
+
+
+class _SquaredDistance(NamedTuple):
+    """An orbit, run with the squared distance from a point as an integral: that expression, its mean over the
+    period, and the mean distances (c,) of the coordinates.
+    """
+
+    run: Trajectory
+    expression: Any
+    mean: float
+    apart: Array
+
+
+def _squared_distance(orbit: PeriodicOrbit, point: Array) -> _SquaredDistance:
+    run, period = orbit.trajectory, orbit.period
+    chosen = run.automaton.states[: len(point)]
+    rest = [sympy.Symbol(f"{x.name} at rest") for x in chosen]
+    apart = [x - e for x, e in zip(chosen, rest)]
+    square = sum((d**2 for d in apart), sympy.S.Zero)
+    named = {e: float(value) for e, value in zip(rest, point)}
+    automaton = type(run.automaton)(
+        run.automaton.states, run.automaton.modes, {**run.automaton.parameters, **named}, len(chosen)
+    )
+    asked = {"square": square} | {f"apart {i}": d for i, d in enumerate(apart)}
+    again = solve(automaton, period, x0=orbit.state, quadratures=asked, progress=False)
+    means = np.array([again.quadratures[f"apart {i}"] for i in range(len(point))]) / period
+    return _SquaredDistance(again, square, float(again.quadratures["square"] / period), means)
 
 
 @dataclass(frozen=True)
@@ -65,14 +178,15 @@ class _OfOrbit(Quantity):
         return found
 
     def _value(self, orbit: PeriodicOrbit) -> float:
-        return self._slopes(orbit_derivatives(orbit))[0]
+        raise NotImplementedError
 
     def gradient(self, model: Any) -> Gradient:
-        at = orbit_derivatives(self._orbit(model))
-        value, slopes = self._slopes(at)
-        return Gradient(value, dict(zip(at.names, map(float, slopes), strict=True)))
+        orbit = self._orbit(model)
+        names = varied_names(orbit.trajectory.automaton)
+        value, slopes = self._with_slopes(orbit, names)
+        return Gradient(value, dict(zip(names, map(float, slopes), strict=True)))
 
-    def _slopes(self, at: OrbitDerivatives) -> tuple[float, Array]:
+    def _with_slopes(self, orbit: PeriodicOrbit, names: tuple[str, ...]) -> tuple[float, Array]:
         """The number and its derivatives (P,)."""
         raise NotImplementedError
 
@@ -103,8 +217,9 @@ class OrbitPeriod(_OfOrbit):
     def _value(self, orbit: PeriodicOrbit) -> float:
         return orbit.period
 
-    def _slopes(self, at: OrbitDerivatives) -> tuple[float, Array]:
-        return at.orbit.period, at.period
+    def _with_slopes(self, orbit: PeriodicOrbit, names: tuple[str, ...]) -> tuple[float, Array]:
+        flow = parameter_flow(orbit.trajectory, names, free=True)
+        return orbit.period, _orbit_derivatives(orbit, flow.state, flow.parameters).period
 
 
 @dataclass(frozen=True)
@@ -138,9 +253,27 @@ class OrbitAmplitude(_OfOrbit):
         check_choice("name", self.name, names, "name one of the coordinates")
         return super()._orbit(model)
 
-    def _slopes(self, at: OrbitDerivatives) -> tuple[float, Array]:
-        top, bottom = (extreme(at, self.name, sign) for sign in (1, -1))
-        return 0.5 * (top.value - bottom.value), 0.5 * (top.slopes - bottom.slopes)
+    def _value(self, orbit: PeriodicOrbit) -> float:
+        top, bottom = _extremes(orbit, self.name)
+        return 0.5 * (top.value - bottom.value)
+
+    def _with_slopes(self, orbit: PeriodicOrbit, names: tuple[str, ...]) -> tuple[float, Array]:
+        # Where the coordinate turns smoothly its rate is zero, and the value moves as the state does; where
+        # it turns at an event, as at a stop, the time of the event moves too.
+        top, bottom = ends = _extremes(orbit, self.name)
+        run, n = orbit.trajectory, len(orbit.state)
+        order = sorted(range(2), key=lambda k: ends[k].t)
+        flow = sampled_flow(run, names, np.array([ends[k].t for k in order]), free=True)
+        at = _orbit_derivatives(orbit, flow.end[:, :n], flow.end[:, n:])
+        moves = np.vstack([at.start, np.eye(len(names))])
+        place = run.names.index(self.name)
+        slopes = np.zeros((2, len(names)))
+        for i, k in enumerate(order):
+            slopes[k] = flow.slopes[i, place] @ moves
+            if (event := ends[k].event) is not None:
+                rate = run.raw.event_states[event, 0, run.automaton.coordinates + place]
+                slopes[k] += rate * (flow.event_slopes[event] @ moves)
+        return 0.5 * (top.value - bottom.value), 0.5 * (slopes[0] - slopes[1])
 
 
 @dataclass(frozen=True)
@@ -163,11 +296,16 @@ class OrbitIntensity(_OfOrbit):
     def label(self) -> str:
         return "L_s (m²)"
 
-    def _slopes(self, at: OrbitDerivatives) -> tuple[float, Array]:
-        problem = equilibrium_problem(at.orbit.model)
-        found = derivatives_at(problem)
-        places = [symbol.name for symbol in problem.flow.parameters]
-        count = at.orbit.trajectory.automaton.coordinates
-        moves = found.state()[:count]
-        slopes = np.array([moves[:, places.index(p)] if p in places else np.zeros(count) for p in at.names])
-        return mean_square(at, found.x[:count], slopes.T)
+    def _value(self, orbit: PeriodicOrbit) -> float:
+        x, _ = equilibrium_at(equilibrium_problem(orbit.model))
+        point = x[: orbit.trajectory.automaton.coordinates]
+        return _squared_distance(orbit, point).mean
+
+    def _with_slopes(self, orbit: PeriodicOrbit, names: tuple[str, ...]) -> tuple[float, Array]:
+        point, moves = _rest_point(orbit.model, names, orbit.trajectory.automaton.coordinates)
+        found = _squared_distance(orbit, point)
+        flow = parameter_flow(found.run, names, (found.expression,), free=True)
+        at = _orbit_derivatives(orbit, flow.state, flow.parameters)
+        end = float(((found.run.final_state[: len(point)] - point) ** 2).sum())
+        total = flow.integrals_by_state[0] @ at.start + flow.integrals_by_parameters[0] + end * at.period
+        return found.mean, (total - found.mean * at.period) / orbit.period - 2.0 * found.apart @ moves

@@ -1,7 +1,11 @@
-"""`fl.sensitivity`: how much each parameter moves a quantity, by exact derivatives."""
+"""What a quantity of a model is, a number with its exact gradient, and `fl.sensitivity`: how much each
+parameter moves it.
+"""
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,10 +15,82 @@ from numpy.typing import NDArray
 from frictionlab.models.coercion import automaton_of
 from frictionlab.presentation import Drawable, dataframe, text_table
 
-from .quantity import Quantity
-
 Array = NDArray[np.float64]
+BLOCK = 2500  # points that one task takes at once
+
+
+@dataclass(frozen=True)
+class Gradient:
+    """A quantity and its derivatives.
+
+    Parameters
+    ----------
+    value : float
+    derivatives : mapping of str to float
+        By parameter, in units of the quantity over those of the parameter.
+    """
+
+    value: float
+    derivatives: Mapping[str, float]
+
+
+class Quantity(ABC):
+    """A number that a model determines.
+
+    Called with a model it gives the number; None where there is none.
+    """
+
+    @property
+    @abstractmethod
+    def label(self) -> str:
+        """What it is, with its unit."""
+
+    @abstractmethod
+    def gradient(self, model: Any) -> Gradient:
+        """The number and its exact derivatives by all parameters.
+
+        Raises
+        ------
+        ValueError
+            Where there is no such number, or it has no derivative.
+        """
+
+    @abstractmethod
+    def values(self, model: Any, changes: Mapping[str, Array]) -> Array:
+        """The numbers (N,) for N values of some parameters; NaN where there is none."""
+
+    def __call__(self, model: Any) -> float | None:
+        value = float(self.values(model, {})[0])
+        return None if np.isnan(value) else value
+
+    @property
+    def __name__(self) -> str:
+        """What studies and their files call it."""
+        return repr(self)
+
+
 LISTED = 5  # parameters in the text of a result
+
+
+def evaluation_tasks(
+    model: Any, quantity: Callable[[Any], Any], names: Sequence[str], values: Array
+) -> tuple[list[tuple[Any, ...]], list[str]]:
+    """Tasks of :func:`evaluate` for some values (N, d) of parameters, and names for them."""
+    size = BLOCK if isinstance(quantity, Quantity) else 1
+    starts = range(0, len(values), size)
+    tasks = [(model, quantity, tuple(names), values[i : i + size]) for i in starts]
+    return tasks, [f"the point {i}" if size == 1 else f"one of the points from {i} on" for i in starts]
+
+
+def evaluate(
+    model: Any, quantity: Callable[[Any], Any], names: tuple[str, ...], values: Array
+) -> list[float | None]:
+    """A quantity (N,) at values (N, d) of some parameters; None where there is none."""
+    if isinstance(quantity, Quantity):
+        found = quantity.values(model, dict(zip(names, values.T)))
+        return [None if np.isnan(number) else float(number) for number in found]
+    numbers = (quantity(model.replace(**dict(zip(names, map(float, point))))) for point in values)
+    return [None if number is None or np.isnan(number) else float(number) for number in numbers]
 
 
 @dataclass(frozen=True, eq=False)

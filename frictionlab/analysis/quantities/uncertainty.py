@@ -1,4 +1,9 @@
-"""`fl.uncertainty` and `fl.sobol_indices`: a quantity of a model whose parameters are not known exactly."""
+"""`fl.uncertainty` and `fl.sobol_indices`: a quantity of a model whose parameters are not known exactly.
+
+Sobol points fill the unit cube evenly; each of eight groups is scrambled anew, so that the spread of their
+means is an error that can be trusted, which a single sequence does not give.  A. B. Owen, "Scrambled net
+variance for integrals of smooth functions", Annals of Statistics 25, 1997.
+"""
 
 from __future__ import annotations
 
@@ -10,17 +15,64 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionlab.analysis.options import Execution, ExecutionKeywords, merge_keywords
+from frictionlab.analysis.quantities.sensitivity import Quantity, evaluate, evaluation_tasks
 from frictionlab.analysis.sweeps.journal import Journal
-from frictionlab.analysis.sweeps.sweep import own_name
-from frictionlab.analysis.sweeps.task_runner import check_function, function_name, run_tasks
+from frictionlab.analysis.sweeps.sweep import check_function, function_name, own_name, run_tasks
 from frictionlab.models.coercion import require_model
 from frictionlab.presentation import Drawable, dataframe, text_table
-from frictionlab.validation import check_number
-
-from .quantity import Quantity
-from .sampling import GROUPS, check_distributions, evaluate, evaluation_tasks, quantiles, sobol_points
+from frictionlab.stability.equilibrium_problem import check_parameter
+from frictionlab.validation import check_mapping, check_number
 
 Array = NDArray[np.float64]
+GROUPS = 8
+
+
+def check_distributions(model: Any, distributions: Any) -> dict[str, Any]:
+    """Distributions by parameter, each with a quantile function.
+
+    Raises
+    ------
+    TypeError
+        For what is no mapping, or has no `ppf`.
+    """
+    cure = 'give each a frozen one of scipy.stats, such as {"mu_k": scipy.stats.norm(0.4, 0.05)}'
+    check_mapping("distributions", distributions, cure)
+    if not distributions:
+        raise ValueError(f"distributions must hold one parameter at least, got none: {cure}")
+    for name, distribution in distributions.items():
+        check_parameter(model, name, [])
+        if not callable(getattr(distribution, "ppf", None)):
+            raise TypeError(
+                f"distributions[{name!r}] must have a quantile function ppf, got {distribution!r}: {cure}"
+            )
+    return dict(distributions)
+
+
+def sobol_points(dimensions: int, count: int, seed: int) -> Array:
+    """Scrambled points (count, dimensions) of the open unit cube; their number has to be a power of two."""
+    from scipy.stats import qmc
+
+    return qmc.Sobol(dimensions, rng=np.random.default_rng(seed)).random(count)
+
+
+def quantiles(model: Any, distributions: Mapping[str, Any], points: Array) -> Array:
+    """The values of parameters (N, d) at points (N, d) of the unit cube.
+
+    Raises
+    ------
+    ValueError
+        For a value that breaks the parameter's rule.
+    """
+    columns = [d.ppf(column) for d, column in zip(distributions.values(), points.T, strict=True)]
+    for name, column in zip(distributions, columns):
+        try:
+            check_parameter(model, name, [float(column.min()), float(column.max())])
+        except ValueError as error:
+            raise ValueError(
+                f"distributions[{name!r}] must keep to the parameter's rule: {error}; "
+                "or cut the distribution off"
+            ) from error
+    return np.stack(columns, axis=1)
 
 
 class Estimate(NamedTuple):
@@ -180,11 +232,8 @@ def uncertainty(
     points = np.concatenate([sobol_points(len(task.distributions), n // GROUPS, s) for s in seeds])
     (how,) = merge_keywords("uncertainty", keywords, execution=(Execution, execution))
     values = quantiles(model, task.distributions, points)
-
-    def result(found: Array) -> Uncertainty:
-        return Uncertainty(model, task.label, tuple(task.distributions), values, found, GROUPS)
-
-    return _evaluated(task, values, how, "uncertainty", result)
+    found = _evaluated(task, values, how, "uncertainty")
+    return Uncertainty(model, task.label, tuple(task.distributions), values, found, GROUPS)
 
 
 @dataclass(frozen=True, eq=False)
@@ -260,10 +309,8 @@ def sobol_indices(
 
     Raises
     ------
-    ValueError
-        Where the quantity does not exist at some points; and as :func:`uncertainty`.
-    TypeError, OSError, RuntimeError, KeyboardInterrupt
-        As :func:`uncertainty`.
+    ValueError, TypeError, OSError, RuntimeError, KeyboardInterrupt
+        As :func:`uncertainty`; ValueError also where the quantity does not exist at some points.
 
     Examples
     --------
@@ -282,19 +329,16 @@ def sobol_indices(
     a, b = both[:, :d], both[:, d:]
     mixed = [np.where(np.arange(d) == i, b, a) for i in range(d)]
     values = quantiles(model, task.distributions, np.concatenate([a, b, *mixed]))
-
-    def result(found: Array) -> SobolIndices:
-        if np.isnan(found).any():
-            none = np.isnan(found).mean()
-            raise ValueError(
-                f"{task.label} must exist at all points to have indices, got none at {none:.1%} of them: "
-                "narrow the distributions, or ask for another quantity"
-            )
-        first, total, first_errors, total_errors = _indices(found.reshape(d + 2, n), seed)
-        names = tuple(task.distributions)
-        return SobolIndices(model, task.label, names, first, total, first_errors, total_errors)
-
-    return _evaluated(task, values, how, "Sobol indices", result)
+    found = _evaluated(task, values, how, "Sobol indices")
+    if np.isnan(found).any():
+        none = np.isnan(found).mean()
+        raise ValueError(
+            f"{task.label} must exist at all points to have indices, got none at {none:.1%} of them: "
+            "narrow the distributions, or ask for another quantity"
+        )
+    first, total, first_errors, total_errors = _indices(found.reshape(d + 2, n), seed)
+    names = tuple(task.distributions)
+    return SobolIndices(model, task.label, names, first, total, first_errors, total_errors)
 
 
 def _indices(found: Array, seed: int) -> tuple[Array, Array, Array, Array]:
@@ -306,14 +350,10 @@ def _indices(found: Array, seed: int) -> tuple[Array, Array, Array, Array]:
     parts: Any = {"f_A": found[:1], "f_B": found[1:2], "f_AB": mixed[:, None, :]}
     result = indices_of(func=parts, n=n, rng=np.random.default_rng(seed))
     spread = result.bootstrap(n_resamples=200)
-    found_parts = (
-        result.first_order,
-        result.total_order,
-        spread.first_order.standard_error,
-        spread.total_order.standard_error,
-    )
-    first, total, first_errors, total_errors = (np.asarray(x, dtype=float).ravel()[:d] for x in found_parts)
-    return first, total, first_errors, total_errors
+    orders = result.first_order, result.total_order
+    errors = spread.first_order.standard_error, spread.total_order.standard_error
+    first, total, *both = (np.asarray(x, dtype=float).ravel()[:d] for x in (*orders, *errors))
+    return first, total, both[0], both[1]
 
 
 class _Task(NamedTuple):
@@ -336,8 +376,8 @@ def _check_task(model: Any, quantity: Any, distributions: Any, n: Any, seed: Any
     return _Task(model, quantity, check_distributions(model, distributions), label)
 
 
-def _evaluated(task: _Task, values: Array, how: Execution, title: str, result: Callable[[Array], Any]) -> Any:
-    """The result of the quantity at values (N, d), in tasks that a file keeps."""
+def _evaluated(task: _Task, values: Array, how: Execution, title: str) -> Array:
+    """The quantity (N,) at values (N, d), in tasks that a file keeps; NaN where there is none."""
     tasks, names = evaluation_tasks(task.model, task.quantity, tuple(task.distributions), values)
     specification = {"quantity": function_name(task.quantity), "model": task.model.to_dict()}
     specification |= {"parameters": list(task.distributions), "points": values.tolist()}
@@ -356,4 +396,4 @@ def _evaluated(task: _Task, values: Array, how: Execution, title: str, result: C
     found = np.array([np.nan if v is None else v for block in numbers for v in block], dtype=float)
     if not complete:
         raise journal.interruption(found, len(tasks))
-    return result(found)
+    return found

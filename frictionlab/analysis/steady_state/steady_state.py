@@ -15,12 +15,12 @@ import numpy as np
 import sympy
 from numpy.typing import NDArray
 
+from frictionlab.analysis.motion_scales import Spectrum, amplitude_spectrum
 from frictionlab.analysis.options import SteadyStateKeywords, SteadyStateOptions, merge_keywords
+from frictionlab.analysis.run_comparison import defect_warning
 from frictionlab.analysis.simulate import initial_state_of
-from frictionlab.analysis.spectrum import Spectrum, amplitude_spectrum
 from frictionlab.analysis.steady_state.classification import MotionKind, classify_run, onsets_per_period
 from frictionlab.analysis.steady_state.poincare_sections import Section, section_function, sections_to_record
-from frictionlab.analysis.verification.run_comparison import defect_warning
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.hybrid.problem import SectionPoints
 from frictionlab.hybrid.solve import solve
@@ -145,7 +145,7 @@ class SteadyState(Drawable):
 
     def spectrum(self, name: str | None = None, *, f_max: float | None = None) -> Spectrum | None:
         """Amplitude spectrum (the state's unit, over Hz) of the whole window, Hann-weighted; see
-        :func:`frictionlab.analysis.spectrum.amplitude_spectrum`.
+        :func:`frictionlab.analysis.motion_scales.amplitude_spectrum`.
         """
         return amplitude_spectrum(self.trajectory, name, f_max=f_max, start=0.0)
 

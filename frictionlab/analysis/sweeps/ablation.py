@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from frictionlab.analysis.options import Execution, ExecutionKeywords, merge_keywords
 from frictionlab.analysis.simulate import named_state
+from frictionlab.analysis.sweeps.sweep import function_name, run_tasks
 from frictionlab.models.coercion import require_model
 from frictionlab.presentation import Drawable, import_optional, text_table
 from frictionlab.validation import did_you_mean
@@ -30,7 +31,6 @@ from .switches import (
     state_of_scene,
     switches_of,
 )
-from .task_runner import function_name, run_tasks
 
 Array = NDArray[np.float64]
 
@@ -131,14 +131,10 @@ class Ablation(Drawable):
         return table_of_numbers([self._cell_numbers(cell) for cell in cells])
 
     def _cell_numbers(self, cell: Any) -> dict[str, float]:
-        if cell is None:
-            return {}
-        if len(self.studies) == 1:
-            return numbers_of(cell, self.studies[0])
-        found: dict[str, float] = {}
-        for study, result in cell.items():
-            found |= numbers_of(result, study, f"{study}.")
-        return found
+        if cell is None or len(self.studies) == 1:
+            return {} if cell is None else numbers_of(cell, self.studies[0])
+        found = (numbers_of(result, study, f"{study}.") for study, result in cell.items())
+        return {name: number for numbers in found for name, number in numbers.items()}
 
     def numbers(self, quantity: str | None = None) -> Array:
         """A quantity in all scenes, as (scenes, conditions, initial states).
@@ -197,6 +193,23 @@ class Ablation(Drawable):
         name, numbers = self._quantity(quantity), self.numbers(quantity)
         levels = [len(switch.levels) for switch in self.factors]
         return effects_of(name, numbers.reshape(*levels, *numbers.shape[1:]), self.factors)
+
+    def leave_one_out(self, quantity: str | None = None) -> dict[str, float]:
+        """By how much a quantity changes where one switch alone leaves its first level, the largest first.
+
+        Which switch removes the chaos: those of -1 in ``found.leave_one_out("kind = non-periodic")``.  Means
+        over parameters and initial states; `quantity` as for :meth:`numbers`.
+        """
+        means = dict(zip(self.scenes, self.numbers(quantity).mean(axis=(1, 2)).tolist()))
+        first = (0,) * len(self.factors)
+        others = [
+            (i, level) for i, switch in enumerate(self.factors) for level in range(1, len(switch.levels))
+        ]
+        changes = {
+            self.factors[i].label(level): means[(*first[:i], level, *first[i + 1 :])] - means[first]
+            for i, level in others
+        }
+        return dict(sorted(changes.items(), key=lambda item: -abs(item[1])))
 
     def to_dataframe(self) -> Any:
         """One row for each scene and condition, a column for each switch and quantity (needs ``data``)."""
@@ -273,10 +286,9 @@ def ablation(
     Raises
     ------
     TypeError
-        For what is no model, or no function, or an unknown keyword.
+        For what is no model, no function, or an unknown keyword.
     ValueError
-        For a model that cannot be without one of them, unknown switches, a bad value or initial state, or a
-        file of another ablation.
+        For a model that cannot be without one, unknown switches, a bad value or start, a file of another one.
     OSError
         Where the file cannot be written, or another ablation is using it.
     RuntimeError

@@ -12,9 +12,9 @@ import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 
-from frictionlab.analysis.spectrum import Spectrum
+from frictionlab.analysis.motion_scales import Spectrum
 from frictionlab.analysis.steady_state.steady_state import SteadyState
-from frictionlab.analysis.sweeps.bifurcation_result import Bifurcation
+from frictionlab.analysis.sweeps.bifurcation import Bifurcation
 from frictionlab.analysis.sweeps.switches import all_of
 from frictionlab.plotting.appearance import (
     add_halo_to_errors,

@@ -1,5 +1,5 @@
 """Sensitivities of quantities as a tornado plot, their distributions, the shares of parameters in their
-variance, and their optima.
+variance, their optima, and residuals of fits.
 """
 
 from __future__ import annotations
@@ -138,4 +138,32 @@ def plot_optimum(found: Any, ax: Axes | None = None) -> list[Artist]:
     ax.set_xlabel("share of the way between the bounds")
     ax.set_title(f"{found.quantity}: {found.value:.5g}")
     legend_beside(ax)
+    return drawn
+
+
+TWO_SIGMA = 1.96  # within this 95 percent of residuals lie, where model and errors are right
+
+
+def plot_fit(found: Any, ax: Axes | None = None) -> list[Artist]:
+    """Draw the residuals of a fit in units of their errors, over time.
+
+    Parameters
+    ----------
+    found : Fit
+    ax : Axes or None
+        None draws into a new figure.
+
+    Returns
+    -------
+    list of Artist
+        The points, and the lines between which 95 percent of them should lie.
+    """
+    ax = axes_or_new(ax)
+    timed = np.isfinite(found.times)
+    across = found.times if timed.any() else np.arange(len(found.residuals))
+    drawn: list[Artist] = [*ax.plot(across, found.residuals, ".", **pen(BLUE, 1.0, ax))]
+    drawn += [ax.axhline(side * TWO_SIGMA, linestyle=":", **pen(VERMILLION, 1.0, ax)) for side in (-1, 1)]
+    ax.axhline(0.0, **pen(ink(ax), 0.8, ax))
+    ax.set_xlabel("time (s)" if timed.any() else "measurement")
+    ax.set_ylabel("(predicted − measured) / error")
     return drawn

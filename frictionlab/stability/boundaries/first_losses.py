@@ -1,10 +1,10 @@
 """First losses of stability on thousands of lines: some are scanned, the others solved from their neighbours.
 
 A scan takes some 250 spectra for a line, as it looks for every change, however narrow its window.  Where all
-lines scanned lose stability once and by flutter, that of the others is near what these predict: a bracket of
-the predicted value, a root in it, and stability at a dozen values before it take some 25.  A line on which
-anything of this fails is scanned as well, so that the way taken shows in the time only: to be missed, a
-window of instability has to lie between two checked values and on none of the lines that were scanned.
+lines scanned lose stability once and by flutter, the others are scanned only up to a little beyond what these
+predict, and in long intervals at first, which are halved, as in any scan, where growth rates come near zero
+or eigenvalues near each other.  A line on which there is not one such loss in the end, or which is not
+resolved so, is scanned in full, so that the way taken shows in the time only.
 """
 
 from __future__ import annotations
@@ -18,13 +18,13 @@ from scipy.optimize.elementwise import find_root
 
 from frictionlab.stability.equilibrium_problem import EquilibriumProblem, growth_rates
 
+from .sign_changes import resolved_sign_changes
 from .stability_changes import changes_on_lines, first_loss_change
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 PILOTS = 48  # lines that are scanned
 MIN_LINES = 4 * PILOTS  # below, all are: there is little to save
-CHECKED_SHARES = np.linspace(0.0, 0.98, 12)  # of the way from the lower bound to the loss: stable there
 ERROR_FACTOR = (
     3.0  # a bracket is that many times as wide as the prediction's error on lines that were scanned
 )
@@ -90,35 +90,26 @@ def _solve(
     pilots, others = lines
     guess, error = _predict(fixed, pilots, others, found.values[pilots])
     width = np.maximum(ERROR_FACTOR * error, MIN_WIDTH * (bounds[1] - bounds[0]))
-    low, high = (np.clip(guess + side * width, *bounds) for side in (-1.0, 1.0))
+    low, high = np.full(len(others), bounds[0]), np.clip(guess + width, *bounds)
 
     def spectra(line: Any, at: Array) -> Any:
         chosen = others[np.asarray(line, dtype=int)]
         return problem.spectra({**{n: column[chosen] for n, column in fixed.items()}, parameter: at})
 
-    def rate(at: Array, line: Any) -> Array:
-        return spectra(line, at)[:, 0].real
-
-    every = np.arange(len(others))
-    good = (rate(low, every) < 0.0) & (rate(high, every) > 0.0)
-    if not good.any():
-        return good
-    held = np.flatnonzero(good)
-    solved = find_root(rate, (low[held], high[held]), args=(held.astype(float),), maxiter=ROOT_STEPS)
-    good[held] = np.isfinite(solved.x)
-    roots = np.where(good, 0.0, np.nan)
-    roots[held] = solved.x
-    critical: Any = np.full(len(others), complex(np.nan))
-    held = np.flatnonzero(good)
-    critical[held] = _critical(spectra, held, roots[held], SIDE_RTOL * (bounds[1] - bounds[0]))
-    good &= np.isfinite(critical)
-    for share in CHECKED_SHARES:
-        held = np.flatnonzero(good)
-        at = bounds[0] + share * (roots[held] - bounds[0])
-        good[held] = (growth_rates(spectra(held, at)) <= 0.0).all(axis=1)
-    found.values[others[good]] = roots[good]
-    found.frequencies[others[good]] = np.abs(critical[good].imag) / (2 * np.pi)
-    return good
+    changes, resolved = resolved_sign_changes(spectra, low, high)
+    alone = np.bincount(changes.line, minlength=len(others)) == 1
+    held = (resolved & alone)[changes.line]  # of the changes
+    kept, ends = changes.line[held], (changes.low[held], changes.high[held])
+    roots = find_root(
+        lambda at, line: spectra(line, at)[:, 0].real, ends, args=(kept.astype(float),), maxiter=ROOT_STEPS
+    ).x
+    critical: Any = np.full(len(kept), complex(np.nan))
+    solved = np.flatnonzero(np.isfinite(roots))
+    critical[solved] = _critical(spectra, kept[solved], roots[solved], SIDE_RTOL * (bounds[1] - bounds[0]))
+    good = np.isfinite(critical)
+    found.values[others[kept[good]]] = roots[good]
+    found.frequencies[others[kept[good]]] = np.abs(critical[good].imag) / (2 * np.pi)
+    return np.isin(np.arange(len(others)), kept[good])
 
 
 def _critical(spectra: Any, lines: Indices, roots: Array, side: float) -> Any:

@@ -17,6 +17,7 @@ from frictionlab.stability.equilibrium_problem import Array, ComplexArray, growt
 Flags = NDArray[np.bool_]
 Evaluate = Callable[[NDArray[np.intp], Array], ComplexArray]
 GRID_POINTS, MAX_HALVINGS = 129, 24
+COARSE_POINTS, COARSE_HALVINGS = 5, 18  # of lines on which few changes are expected
 # Times the pieces of the first grid: two modes with one eigenvalue throughout come close everywhere.
 MAX_INTERVAL_FACTOR = 8
 NO_CHANGE_RTOL = 1e-9  # share of the largest eigenvalue: one that moves by less stays where it is
@@ -54,10 +55,33 @@ def bracket_sign_changes(evaluate: Evaluate, low: Array, high: Array) -> Bracket
     `evaluate` takes indices of lines and values of the parameter and gives sorted spectra; NaN where there
     is no equilibrium.
     """
-    found: list[Brackets] = []
-    pieces = _grid(evaluate, low, high)
+    pieces = _grid(evaluate, low, high, GRID_POINTS)
     most = MAX_INTERVAL_FACTOR * len(pieces.line)
-    for _ in range(MAX_HALVINGS):
+    found, pieces = _refined(evaluate, pieces, MAX_HALVINGS, most)
+    clusters = pieces if len(pieces.line) > most else _join_neighbours(pieces)
+    found.append(_brackets_of(clusters[_sign_changes(clusters.at_low, clusters.at_high).any(axis=1)]))
+    return _sort_brackets(found)
+
+
+def resolved_sign_changes(evaluate: Evaluate, low: Array, high: Array) -> tuple[Brackets, Flags]:
+    """As :func:`bracket_sign_changes` by fewer spectra, and the lines (L,) on which these are all.
+
+    Intervals begin long.  One that may hide a change, as growth rates come near zero within it or two
+    eigenvalues near each other, is halved as often as it may; a line with one that is left is not resolved.
+    """
+    pieces = _grid(evaluate, low, high, COARSE_POINTS)
+    found, left = _refined(evaluate, pieces, COARSE_HALVINGS, MAX_INTERVAL_FACTOR * len(pieces.line))
+    resolved = np.ones(len(low), dtype=bool)
+    resolved[left.line] = False
+    return _sort_brackets(found), resolved
+
+
+def _refined(
+    evaluate: Evaluate, pieces: Intervals, halvings: int, most: int
+) -> tuple[list[Brackets], Intervals]:
+    """Halve intervals until each is clear or has a single change; the changes, and the intervals left."""
+    found: list[Brackets] = []
+    for _ in range(halvings):
         middle = 0.5 * (pieces.low + pieces.high)
         at_middle = evaluate(pieces.line, middle)
         clear, single = _classify_intervals(pieces, at_middle)
@@ -65,19 +89,17 @@ def bracket_sign_changes(evaluate: Evaluate, low: Array, high: Array) -> Bracket
         pieces = _halve(pieces, middle, at_middle, ~clear & ~single)
         if not pieces.line.size or len(pieces.line) > most:
             break
-    clusters = pieces if len(pieces.line) > most else _join_neighbours(pieces)
-    found.append(_brackets_of(clusters[_sign_changes(clusters.at_low, clusters.at_high).any(axis=1)]))
-    return _sort_brackets(found)
+    return found, pieces
 
 
-def _grid(evaluate: Evaluate, low: Array, high: Array) -> Intervals:
-    share = np.linspace(0.0, 1.0, GRID_POINTS)
+def _grid(evaluate: Evaluate, low: Array, high: Array, count: int) -> Intervals:
+    share = np.linspace(0.0, 1.0, count)
     points = low[:, None] + (high - low)[:, None] * share
-    line = np.repeat(np.arange(len(low)), GRID_POINTS)
-    spectra = evaluate(line, points.ravel()).reshape(len(low), GRID_POINTS, -1)
+    line = np.repeat(np.arange(len(low)), count)
+    spectra = evaluate(line, points.ravel()).reshape(len(low), count, -1)
     m = spectra.shape[-1]
     return Intervals(
-        np.repeat(np.arange(len(low)), GRID_POINTS - 1),
+        np.repeat(np.arange(len(low)), count - 1),
         points[:, :-1].ravel(),
         points[:, 1:].ravel(),
         spectra[:, :-1].reshape(-1, m),

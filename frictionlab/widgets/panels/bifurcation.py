@@ -21,7 +21,7 @@ from frictionlab.analysis.motion_scales import rounded_period
 from frictionlab.analysis.options import SteadyStateOptions
 from frictionlab.analysis.steady_state.classification import MotionKind
 from frictionlab.analysis.sweeps.bifurcation import bifurcation, steady_state_task
-from frictionlab.analysis.sweeps.task_runner import run_tasks
+from frictionlab.analysis.sweeps.sweep import run_tasks
 from frictionlab.components.component import Parameter
 from frictionlab.models.coercion import check_parameter_name
 from frictionlab.models.composition import parameter_metadata

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from frictionlab.analysis.spectrum import highest_frequency
+from frictionlab.analysis.motion_scales import highest_frequency
 from frictionlab.models.coercion import check_parameter_name
 from frictionlab.models.composition import parameter_metadata
 from frictionlab.models.symbols import structure_of_component

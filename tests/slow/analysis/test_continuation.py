@@ -179,17 +179,17 @@ def test_the_unstable_cycle_of_the_slider_lives_from_its_hopf_point_to_grazing()
 
 
 def test_ctrl_c_keeps_what_there_is(monkeypatch):
-    from frictionlab.analysis.continuation import driver
+    from frictionlab.analysis.orbits import branches
 
     count = iter(range(100))
-    usual = driver.continuation_step
+    usual = branches.continuation_step
 
     def interrupted(*arguments):
         if next(count) > 12:
             raise KeyboardInterrupt
         return usual(*arguments)
 
-    monkeypatch.setattr(driver, "continuation_step", interrupted)
+    monkeypatch.setattr(branches, "continuation_step", interrupted)
     orbit = fl.periodic_orbit(coulomb(0.2, 1.0, 0.5), [0.0, 0.2])
     with pytest.raises(KeyboardInterrupt, match="the branch was stopped after"):
         followed(orbit, "belt", (0.05, 2.0))

@@ -1,5 +1,8 @@
 """Derivatives of runs by parameters, through stick and forces, against central differences."""
 
+from dataclasses import dataclass
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
@@ -46,9 +49,50 @@ def test_integrals_have_derivatives():
     assert found.integrals_by_state[0] == pytest.approx(found.state[0] - [1.0, 0.0], abs=1e-9)
 
 
-def test_a_parameter_in_an_exponent_has_none():
-    model = fl.SliderOnBelt(friction=fl.PressureDependent(mu_k=1.0, mu_s=3.0))
-    run = fl.simulate(model, 0.05, x0="near", progress=False)
-    found = parameter_flow(run, ("n", "k1"))
-    assert np.isnan(found.parameters[:, 0]).all()
-    assert np.isfinite(found.parameters[:, 1]).all()
+@dataclass(frozen=True)
+class PowerContact(fl.ContactLaw):
+    """F_N = k_p delta^p."""
+
+    k_p: float = fl.parameter(5e4, unit="N/m^p")
+    p: float = fl.parameter(1.5)
+
+    def force(self, penetration):
+        return self.k_p * penetration**self.p
+
+
+FULL = fl.PlasticImpact("full")
+EXPONENTS = {
+    "pressure, sliding": (fl.SliderOnBelt(friction=fl.PressureDependent(mu_k=1.0, mu_s=3.0)), 0.05, "n k1"),
+    "pressure, stick and flight": (
+        fl.SliderOnBelt(friction=fl.PressureDependent(mu_k=1.4, mu_s=3.0), impact=FULL),
+        0.3,
+        "n k1",
+    ),
+    "contact": (fl.SliderOnBelt(contact=PowerContact()), 0.05, "p k_p"),
+    "contact, stick and flight": (
+        fl.SliderOnBelt(mu_k=1.4, contact=PowerContact(), impact=FULL).without("geometry"),
+        0.3,
+        "p k_p k1",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", EXPONENTS)
+def test_exponents_move_runs_as_differences_say(case):
+    """At the zero of its base, where contact begins and ends, the logarithm of it is no number."""
+    model, t_end, named = EXPONENTS[case]
+    flight, names = "flight" in case, named.split()
+    x0 = "rest" if flight else fl.simulate(model, 1e-6, x0="near", progress=False).problem.x0
+    run = fl.simulate(model, t_end, x0=x0, progress=False)
+    assert (run.events.target == "separation").any() == flight
+    found = parameter_flow(run, names).parameters
+    for i, name in enumerate(names):
+        value, rows = model.parameters[name], []
+        for level in range(3):
+            step = 1e-4 * value / 2**level
+            models = (model.replace(**{name: value + side * step}) for side in (1, -1))
+            high, low = (fl.simulate(m, t_end, x0=x0, progress=False).final_state for m in models)
+            rows.append((high - low) / (2 * step))
+        for power in (1, 2):
+            rows = [(4**power * b - a) / (4**power - 1) for a, b in pairwise(rows)]
+        assert found[:, i] == pytest.approx(rows[0], abs=1e-6 * np.abs(rows[0]).max()), name

@@ -5,7 +5,7 @@ import pytest
 import sympy as sp
 
 import frictionlab as fl
-from frictionlab.analysis.spectrum import amplitude_spectrum
+from frictionlab.analysis.motion_scales import amplitude_spectrum
 from tests.helpers.automata import automaton
 
 SECONDS = 10.0

@@ -1,15 +1,20 @@
 """Fits of synthetic measurements: the truth is recovered through stick and impacts, and errors are right."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
+from scipy.optimize import least_squares
 
 import frictionlab as fl
 from frictionlab import plotting
+from frictionlab.analysis.fitting.predictions import Pieces, motion_misfit
 
 TRUTH = fl.MassOnBelt(k=1.3, mu_s=0.9, mu_k=0.45, c=0.03)
 FIRST = fl.MassOnBelt(c=0.05)
 NAMES = ["k", "mu_s", "mu_k", "c"]
 ERROR = 0.005
+LAST = 60.0  # s, of the longest records
 
 
 def record(model, t_end, count, *, error=ERROR, seed=1, x0="rest", state="x"):
@@ -21,12 +26,32 @@ def record(model, t_end, count, *, error=ERROR, seed=1, x0="rest", state="x"):
     return fl.TimeRecord(t, {state: clean + noise}, error=error), run
 
 
+def fit_by_differences(model, data, names, x0="rest"):
+    """The usual way: one run, whose derivatives scipy takes by differences; values and reduced chi-square."""
+
+    def missed(values):
+        try:
+            run = fl.simulate(
+                model.replace(**dict(zip(names, map(float, values)))), LAST, x0=x0, progress=False
+            )
+        except ValueError:  # mu_s below mu_k
+            return np.full(len(data.t), 1e6)
+        return (run(data.t)[:, run.names.index("x")] - data.values["x"]) / data.error["x"]
+
+    first = np.array([model.parameters[name] for name in names])
+    found = least_squares(missed, first, x_scale=first, max_nfev=60, bounds=(1e-6, np.inf))
+    return dict(zip(names, found.x)), 2 * found.cost / (len(data.t) - len(names))
+
+
 def test_the_truth_is_recovered_through_stick_where_single_shooting_fails():
     data, run = record(TRUTH, 60.0, 300)
     assert (run.events.target == "stick").sum() >= 5
     alone = fl.fit(FIRST, data, NAMES, segments=1)
     assert alone.chi_square > 100
     assert abs(alone["k"] - TRUTH.k) > 0.1
+    values, chi_square = fit_by_differences(FIRST, data, NAMES)
+    assert chi_square > 100
+    assert abs(values["k"] - TRUTH.k) > 0.1
     found = fl.fit(FIRST, data, NAMES, segments=12)
     assert 0.7 < found.chi_square < 1.3
     for name in NAMES:
@@ -56,6 +81,20 @@ def test_impacts_and_an_unknown_start():
     assert np.abs(deviations).max() < 4
 
 
+@pytest.mark.slow
+def test_the_truth_is_recovered_through_impacts_where_the_usual_ways_fail():
+    truth = fl.ImpactOscillator(Omega=2.8, e=0.6, d=0.05, c=0.02)
+    start = {"x": -0.3, "x'": 0.2}
+    data, run = record(truth, 30.0, 300, error=2e-3, x0=start)
+    assert (run.events.guard == "impact").sum() >= 10
+    first, names = truth.replace(e=0.8, c=0.1), ["e", "c"]
+    assert fit_by_differences(first, data, names, start)[1] > 100
+    assert fl.fit(first, data, names, x0=start, segments=1).chi_square > 100
+    found = fl.fit(first, data, names, x0=start, segments=12)
+    assert 0.7 < found.chi_square < 1.3
+    assert (np.abs(found.values - [0.6, 0.02]) < 4 * found.errors).all()
+
+
 def test_event_times_alone_determine_friction():
     run = fl.simulate(TRUTH, 40.0, progress=False)
     onsets = run.events.t[run.events.target == "stick"]
@@ -63,6 +102,93 @@ def test_event_times_alone_determine_friction():
         TRUTH.replace(mu_s=0.95, k=1.25), fl.EventTimes(onsets, "stick", 1e-3), ["k", "mu_s"], segments=1
     )
     assert (found["k"], found["mu_s"]) == (pytest.approx(1.3, rel=1e-7), pytest.approx(0.9, rel=1e-7))
+
+
+AT = 20.0 + np.arange(256) * (40.0 / 256)  # past the first turns
+
+
+def lines_of(model, error, *, seed=1, frequencies=None, window="rectangular"):
+    """Amplitudes of a noisy record at the frequency of the limit cycle and its multiples."""
+    run = fl.simulate(model, LAST, progress=False)
+    noise = np.random.default_rng(seed).normal(0.0, error, len(AT))
+    record = fl.TimeRecord(AT, {"x": run(AT)[:, 0] + noise}, error=error)
+    own = np.arange(4, 28) / 40.0 if frequencies is None else frequencies
+    return fl.SpectrumRecord.from_record(record, own, window)
+
+
+def test_amplitudes_of_a_record_are_those_of_its_transform():
+    t = np.arange(128) / 16.0
+    values = np.random.default_rng(5).normal(size=len(t)) + 3.0
+    record = fl.TimeRecord(t, {"x": values}, error=0.1)
+    found = fl.SpectrumRecord.from_record(record, np.arange(1, 60) / 8.0)
+    assert found.values["x"] == pytest.approx(2 / 128 * np.abs(np.fft.rfft(values))[1:60], rel=1e-10)
+    hann = fl.SpectrumRecord.from_record(record, np.arange(1, 60) / 8.0, "hann")
+    window = 0.5 - 0.5 * np.cos(2 * np.pi * np.arange(128) / 128)
+    apart = (values - np.average(values, weights=window)) * window
+    assert hann.values["x"] == pytest.approx(2 / window.sum() * np.abs(np.fft.rfft(apart))[1:60], rel=1e-10)
+    # of noise alone the mean square of a line is twice the square of its error
+    noise = np.random.default_rng(6).normal(0.0, 0.1, (400, len(t)))
+    for window in ("rectangular", "hann"):
+        lines = [
+            fl.SpectrumRecord.from_record(fl.TimeRecord(t, {"x": n}, error=0.1), [2.0, 3.5], window)
+            for n in noise
+        ]
+        square = np.mean([line.values["x"] ** 2 for line in lines])
+        assert square == pytest.approx(2 * lines[0].error["x"] ** 2, rel=0.12)
+
+
+@pytest.mark.parametrize("segments", [1, 5])
+def test_a_spectrum_determines_friction_and_spring(segments):
+    data = lines_of(TRUTH, 0.01)
+    run = fl.simulate(TRUTH, LAST, progress=False)
+    assert (run.events.target == "stick").sum() >= 5
+    found = fl.fit(TRUTH.replace(k=1.303, mu_s=0.88), data, ["k", "mu_s"], segments=segments)
+    assert 0.4 < found.chi_square < 1.7
+    assert (np.abs(found.values - [1.3, 0.9]) < 4 * found.errors).all()
+    assert (found.errors < [0.01, 0.05]).all()
+    assert np.isnan(found.times).all()
+
+
+@pytest.mark.parametrize("window", ["rectangular", "hann"])
+def test_spectra_have_exact_gradients(window):
+    """Residuals and their derivatives by parameters and all states at the seams, by Richardson."""
+    model, names = TRUTH, ("k", "mu_s", "c")
+    lines = lines_of(model, 0.01, window=window)
+    strong = lines.frequencies[lines.values["x"] > 0.02]  # |a| has a kink at zero
+    assert len(strong) >= 5
+    data = (lines_of(model, 0.01, frequencies=strong, window=window),)
+    edges = np.array([0.0, 17.0, 33.3, LAST])
+    run = fl.simulate(model, LAST, progress=False)
+    starts = run(edges[:-1])
+    starts[1:] += 1e-3  # seams that are open
+    pieces = Pieces(edges, (0,), starts[0], np.ones(2), 1.0)
+    exact = motion_misfit(model, names, data, pieces, starts)
+    assert exact.slopes.shape == (data[0].count + 4, 3 + 1 + 4)
+
+    def residuals(unknowns):
+        other = model.replace(**dict(zip(names, map(float, unknowns[:3]))))
+        moved = starts.copy()
+        moved[0, 0] = unknowns[3]
+        moved[1:] = unknowns[4:].reshape(2, 2)
+        return motion_misfit(other, names, data, pieces, moved).values
+
+    here = np.concatenate([[model.parameters[n] for n in names], starts[0, :1], starts[1:].ravel()])
+    for i in range(len(here)):
+        rows = []
+        for level in range(3):
+            step = 1e-4 / 2**level * (np.arange(len(here)) == i)
+            rows.append((residuals(here + step) - residuals(here - step)) / (2 * step[i]))
+        for power in (1, 2):
+            rows = [(4**power * b - a) / (4**power - 1) for a, b in pairwise(rows)]
+        assert exact.slopes[:, i] == pytest.approx(rows[0], abs=1e-6 * np.abs(rows[0]).max()), i
+
+
+def test_a_spectrum_and_a_record_are_fitted_together():
+    data, _ = record(TRUTH, 20.0, 50)
+    found = fl.fit(TRUTH.replace(k=1.31), [data, lines_of(TRUTH, 0.01)], ["k", "mu_k"], segments=2)
+    assert found.residuals.shape == (50 + 24,)
+    assert np.isfinite(found.times[:50]).all()
+    assert (np.abs(found.values - [1.3, 0.45]) < 4 * found.errors).all()
 
 
 def test_frequencies_determine_springs():
@@ -99,6 +225,21 @@ def test_intervals_hold_the_truth_as_often_as_they_say():
     assert (np.abs(inside - 190) < 3 * np.sqrt(200 * 0.95 * 0.05)).all(), inside
 
 
+@pytest.mark.slow
+def test_intervals_by_spectra_hold_the_truth_as_often_as_they_say():
+    """Of 50 spectra 95 percent, within three standard deviations of the binomial distribution."""
+    inside = np.zeros(2)
+    strong = lines_of(TRUTH, 1e-9)
+    kept = strong.frequencies[strong.values["x"] > 0.01]  # lines that are not all noise
+    assert len(kept) >= 5
+    for seed in range(50):
+        data = lines_of(TRUTH, 0.01, seed=seed, frequencies=kept)
+        found = fl.fit(TRUTH, data, ["k", "mu_s"], segments=1)
+        bounds = np.array([found.interval(name) for name in ("k", "mu_s")])
+        inside += (bounds[:, 0] <= [1.3, 0.9]) & (bounds[:, 1] >= [1.3, 0.9])
+    assert (np.abs(inside - 47.5) < 3 * np.sqrt(50 * 0.95 * 0.05)).all(), inside
+
+
 def test_residuals_are_drawn():
     data, _ = record(TRUTH, 20.0, 80)
     found = fl.fit(TRUTH, data, ["k"], segments=1)
@@ -116,6 +257,12 @@ def test_bad_arguments_are_refused():
         fl.TimeRecord([1.0, 0.5], {"x": [0.0, 0.0]})
     with pytest.raises(ValueError, match="finite number for each of the 2 times"):
         fl.TimeRecord([0.5, 1.0], {"x": [0.0]})
+    with pytest.raises(ValueError, match="ascend and be above 0"):
+        fl.SpectrumRecord([0.5, 1.0], [0.0, 1.0], {"x": [0.1, 0.1]})
+    with pytest.raises(ValueError, match="window must be one of"):
+        fl.SpectrumRecord([0.5, 1.0], [1.0], {"x": [0.1]}, window="flat top")
+    with pytest.raises(ValueError, match="finite number for each of the 2 frequencies"):
+        fl.SpectrumRecord([0.5, 1.0], [1.0, 2.0], {"x": [0.1]})
     with pytest.raises(ValueError, match="name one at least"):
         fl.fit(FIRST, data, [])
     with pytest.raises(ValueError, match="state must be one of"):

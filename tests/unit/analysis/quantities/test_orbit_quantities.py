@@ -12,32 +12,33 @@ import frictionlab as fl
 LEVELS = 4  # of Richardson's extrapolation, each with half the step
 STICK_SLIP = fl.MassOnBelt(c=0.05)
 SLIDER = fl.SliderOnBelt(mu_k=1.4).without("geometry")
+TILTING = fl.SliderOnBelt(mu_k=1.4, impact=fl.PlasticImpact("full"))
 IMPACTS = fl.ImpactOscillator(Omega=2.8, e=0.6, d=0.05, c=0.02)
 
 
 @cache
 def orbit_of(model):
-    if model is IMPACTS:
+    if model in (IMPACTS, TILTING):
         return fl.periodic_orbit(model, fl.simulate(model, 200.0, progress=False))
     return fl.periodic_orbit(model, fl.steady_state(model, transient=60.0, window=60.0, progress=False))
 
 
-def richardson(quantity, model, name):
+def richardson(quantity, model, name, levels=LEVELS):
     """The derivative by a parameter: central differences, extrapolated to a step of zero."""
     value = model.parameters[name]
     step = 2e-3 * (abs(value) or 1.0)
     rows = []
-    for level in range(LEVELS):
+    for level in range(levels):
         high, low = (quantity(model.replace(**{name: value + s * step / 2**level})) for s in (1, -1))
         rows.append((high - low) / (2 * step / 2**level))
-    for power in range(1, LEVELS):
+    for power in range(1, levels):
         rows = [(4**power * b - a) / (4**power - 1) for a, b in pairwise(rows)]
     return rows[0]
 
 
 CASES = [
-    (model, make)
-    for model, names in ((STICK_SLIP, "x"), (SLIDER, "x1 y1"), (IMPACTS, "x"))
+    pytest.param(model, make, marks=pytest.mark.slow) if model is TILTING else (model, make)
+    for model, names in ((STICK_SLIP, "x"), (SLIDER, "x1 y1"), (TILTING, "x1 phi"), (IMPACTS, "x"))
     for make in (fl.OrbitPeriod, fl.OrbitIntensity, *((fl.OrbitAmplitude, name) for name in names.split()))
     if not (model is IMPACTS and make is fl.OrbitIntensity)  # it has no equilibrium to measure from
 ]
@@ -102,16 +103,31 @@ def test_a_fold_has_its_closed_form():
     )
 
 
-def test_the_sliders_fold_is_where_equilibria_appear():
-    model = fl.SliderOnBelt(mu_k=1.5, F=3000, k4=2e4, k5=2e3, k6=2e3, l1=0.05, l2=0.05)
-    quantity = fl.FoldValue("F", (100.0, 6000.0))
+SNAPPING = fl.PolynomialContact(a1=5e3, a2=-1.5e5)  # its force has a maximum
+FOLDS = {
+    "tilting": (
+        fl.SliderOnBelt(mu_k=1.5, F=3000, k4=2e4, k5=2e3, k6=2e3, l1=0.05, l2=0.05),
+        fl.FoldValue("F", (100.0, 6000.0)),
+    ),
+    "snapping": (fl.SliderOnBelt(contact=SNAPPING), fl.FoldValue("F", (1.0, 200.0))),
+    "on a rigid belt": (fl.SliderOnRigidBelt(F=20.0, contact=SNAPPING), fl.FoldValue("F", (1.0, 200.0))),
+}
+
+
+@pytest.mark.parametrize(
+    "case", ["tilting", "snapping", pytest.param("on a rigid belt", marks=pytest.mark.slow)]
+)
+def test_every_derivative_of_a_fold_is_that_of_differences(case):
+    model, quantity = FOLDS[case]
     found = fl.sensitivity(model, quantity)
-    (change,) = (c for c in fl.stability_changes(model, "F", (100.0, 6000.0)) if c.kind == "fold")
-    assert found.value == pytest.approx(change.value, rel=1e-8)
+    beside = (len(fl.equilibria(model.replace(F=found.value * (1 + side * 1e-7)))) for side in (-1, 1))
+    assert abs(np.subtract(*beside)) == 2  # two equilibria meet
     assert np.abs(found.normalised).max() > 0.1
-    for name in ("mu_k", "k5", "l1", "k2", "k_nl"):
-        difference = richardson(quantity, model, name)
-        assert found[name] == pytest.approx(difference, rel=1e-6, abs=1e-7 * abs(found.value)), name
+    for name in found.parameters:
+        size = abs(model.parameters[name]) or 1.0
+        floor = 1e-7 * np.abs(found.normalised).max() * found.value / size
+        difference = 0.0 if name == "F" else richardson(quantity, model, name, levels=3)
+        assert found[name] == pytest.approx(difference, rel=1e-6, abs=floor), name
 
 
 def test_what_has_no_derivative_is_refused():

@@ -31,6 +31,63 @@ def test_ishigamis_indices():
     assert (found.total_errors < 0.05).all()
 
 
+def test_indices_of_the_onset_of_mode_coupling_are_those_of_its_closed_form():
+    """By Gauss-Legendre quadrature of mu_c in k1, k2 and k3: V[E(mu_c | p)] and V[E(mu_c | all but p)]."""
+    names, half = ("k1", "k2", "k3"), 0.1
+    onset = fl.CriticalValue("mu_k", (0.0, 4.0))
+    ranges = {n: stats.uniform(v * (1 - half), 2 * half * v) for n in names for v in (COUPLED.parameters[n],)}
+    found = fl.sobol_indices(COUPLED, onset, ranges, n=256, **QUIET)
+    nodes, weights = np.polynomial.legendre.leggauss(8)
+    weights = weights / 2
+    at = np.array(
+        [
+            COUPLED.replace(
+                **{n: COUPLED.parameters[n] * (1 + half * x) for n, x in zip(names, (a, b, c))}
+            ).critical_friction
+            for a in nodes
+            for b in nodes
+            for c in nodes
+        ]
+    ).reshape(8, 8, 8)
+    every = np.einsum("i,j,k->ijk", weights, weights, weights)
+    mean = (every * at).sum()
+    variance = (every * (at - mean) ** 2).sum()
+    for i in range(3):
+        others = tuple(j for j in range(3) if j != i)
+        pair = np.outer(weights, weights)
+        alone = np.tensordot(at, pair, (others, (0, 1)))
+        without = np.tensordot(at, weights, ((i,), (0,)))
+        first = (weights * (alone - mean) ** 2).sum() / variance
+        total = 1.0 - (pair * (without - mean) ** 2).sum() / variance
+        assert abs(found.first_order[i] - first) < max(4 * found.first_errors[i], 0.01)
+        assert abs(found.total_order[i] - total) < max(4 * found.total_errors[i], 0.01)
+    assert (found.first_errors < 0.1).all()
+
+
+def stiffness(model):
+    """Of the module, so that other processes find it."""
+    return model.k1 + model.k2
+
+
+@pytest.mark.slow
+def test_points_are_computed_on_dask():
+    """Processes of a cluster: a function point by point, a quantity many at once; the same numbers."""
+    distributed = pytest.importorskip("distributed", reason="the extra dask is not installed")
+    ranges = {"k1": stats.uniform(0.9, 0.2), "k2": stats.uniform(0.9, 0.2)}
+    with (
+        distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster,
+        distributed.Client(cluster) as client,
+    ):
+        for quantity in (stiffness, fl.GrowthRate()):
+            here = fl.uncertainty(COUPLED, quantity, ranges, n=32, **QUIET)
+            there = fl.uncertainty(COUPLED, quantity, ranges, n=32, executor=client.get_executor(), **QUIET)
+            assert np.array_equal(here.values, there.values)
+        shares = fl.sobol_indices(COUPLED, stiffness, ranges, n=32, executor=client.get_executor(), **QUIET)
+        assert shares.first_order == pytest.approx(
+            fl.sobol_indices(COUPLED, stiffness, ranges, n=32, **QUIET).first_order, abs=0.0
+        )
+
+
 def test_ishigamis_mean_and_variance_are_within_their_errors():
     found = fl.uncertainty(SLIDER, ishigami, dict.fromkeys(("M", "m", "J"), AROUND_TEN), n=1024, **QUIET)
     variance = A**2 / 8 + B * np.pi**4 / 5 + B**2 * np.pi**8 / 18 + 0.5

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import sympy
 from scipy.stats import qmc
 
 import frictionlab as fl
@@ -37,6 +38,34 @@ def test_they_are_those_of_scans(name):
     assert np.isnan(values).any() == (name == "some without a loss")
     assert found.values == pytest.approx(values, rel=1e-9, nan_ok=True)
     assert found.frequencies == pytest.approx(frequencies, rel=1e-7, nan_ok=True)
+
+
+def random_oscillators(seed):
+    """x'' = -(K0 + a K1 + b K2) x - C x' - p N x with random matrices, N not symmetric, damping light."""
+    rng, n = np.random.default_rng(seed), 2 + seed % 3
+    x, v = (sympy.symbols(f"{name}:{n}", real=True) for name in "xv")
+    p, a, b = sympy.symbols("p a b", real=True)
+    stiff = np.diag(rng.uniform(0.5, 3.0, n))
+    parts = [0.2 * (m + m.T) for m in rng.normal(size=(2, n, n))]
+    damping = np.diag(10.0 ** rng.uniform(-3.0, -1.0, n))
+    follower = rng.normal(size=(n, n))
+    stiffness = sympy.Matrix(stiff) + a * sympy.Matrix(parts[0]) + b * sympy.Matrix(parts[1])
+    forces = -(stiffness + p * sympy.Matrix(follower)) * sympy.Matrix(x) - sympy.Matrix(
+        damping
+    ) * sympy.Matrix(v)
+    return fl.HybridAutomaton((*x, *v), (fl.Mode("flow", (*v, *forces)),), {p: 0.0, a: 0.0, b: 0.0}, n)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_random_oscillators_lose_stability_where_scans_say(seed):
+    """Weak coupling makes narrow windows of instability, which end before the lasting one begins."""
+    problem, count = equilibrium_problem(random_oscillators(seed)), 256
+    points = qmc.Sobol(2, rng=np.random.default_rng(seed)).random(count)
+    fixed = {"a": 0.3 * points[:, 0], "b": 0.3 * points[:, 1]}
+    found = first_losses(problem, "p", (0.0, 1.5), fixed)
+    scanned = [first_loss_change(c) for c in changes_on_lines(problem, "p", (0.0, 1.5), fixed)]
+    values = np.array([np.nan if c is None else c.value for c in scanned])
+    assert found.values == pytest.approx(values, rel=1e-8, abs=1e-9, nan_ok=True)
 
 
 def test_fewer_spectra_are_computed(monkeypatch):

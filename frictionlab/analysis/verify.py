@@ -10,6 +10,15 @@ from typing import Any
 import numpy as np
 
 from frictionlab.analysis.motion_scales import Array, motion_size
+from frictionlab.analysis.run_comparison import (
+    SIMULTANEOUS_SHARE,
+    RunComparison,
+    accumulation_time,
+    compare_runs,
+    defect_message,
+    longest_stay,
+    mode_stays,
+)
 from frictionlab.analysis.simulate import validate_initial_state
 from frictionlab.hybrid.kernels.jets import MACHINE_EPSILON, MAX_ORDER
 from frictionlab.hybrid.methods.base import Method
@@ -21,16 +30,6 @@ from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models.coercion import automaton_of
 from frictionlab.presentation import Drawable
 from frictionlab.validation import check_number
-
-from .run_comparison import (
-    SIMULTANEOUS_SHARE,
-    RunComparison,
-    accumulation_time,
-    compare_runs,
-    defect_message,
-    longest_stay,
-    mode_stays,
-)
 
 NEIGHBOUR_OFFSET = (
     # share of the initial motion by which the neighbouring run starts off, to show how far the motion is

@@ -9,7 +9,7 @@ import pytest
 import sympy as sp
 
 import frictionlab as fl
-from frictionlab.analysis.verification.run_comparison import ModeStays, defect_warning, first_event_difference
+from frictionlab.analysis.run_comparison import ModeStays, defect_warning, first_event_difference
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.widgets.messages import run_end_text
 from tests.helpers.automata import V, X, automaton

@@ -1,4 +1,4 @@
-"""The continuation driver: step lengths along a branch of periodic orbits, its ends, the special points
+"""Branches of periodic orbits: step lengths along them, their ends, the special points
 between.
 
 Folds, period doublings and Neimark-Sacker points are zeros of test functions.  Where the sequence of modes
@@ -13,8 +13,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.optimize import brentq
 
-from frictionlab.analysis.continuation.pseudo_arclength import BranchPoint, continuation_step, reversed_point
 from frictionlab.analysis.motion_scales import Array
+from frictionlab.analysis.orbits.pseudo_arclength import BranchPoint, continuation_step, reversed_point
 from frictionlab.analysis.orbits.shooting import floquet_multipliers
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.hybrid.expression_functions import array_function

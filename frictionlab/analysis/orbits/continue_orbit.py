@@ -9,16 +9,26 @@ from typing import Any
 import numpy as np
 
 from frictionlab.analysis.motion_scales import Array
+from frictionlab.analysis.orbits.branches import (
+    INTERRUPTED,
+    MAX_POINTS,
+    BranchHalf,
+    SpecialPoint,
+    follow_branch,
+)
 from frictionlab.analysis.orbits.periodic_orbit import PeriodicOrbit, mode_sequence
+from frictionlab.analysis.orbits.pseudo_arclength import (
+    BranchPoint,
+    first_point,
+    reversed_point,
+    with_parameter_as_state,
+)
 from frictionlab.analysis.orbits.shooting import floquet_multipliers
 from frictionlab.hybrid.solve import solve
 from frictionlab.interruption import interruption, progress_bar
 from frictionlab.models.coercion import automaton_of, check_parameter_name
 from frictionlab.presentation import Drawable, shorten
 from frictionlab.validation import check_number
-
-from .driver import INTERRUPTED, MAX_POINTS, BranchHalf, SpecialPoint, follow_branch
-from .pseudo_arclength import BranchPoint, first_point, reversed_point, with_parameter_as_state
 
 
 @dataclass(frozen=True, eq=False)

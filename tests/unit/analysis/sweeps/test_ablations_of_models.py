@@ -1,0 +1,145 @@
+"""Ablations of several models with alternatives that are named: scenes, workers, files, answers by name."""
+
+import numpy as np
+import pytest
+
+import frictionlab as fl
+
+QUIET = {"progress": False}
+ONSET = fl.CriticalValue("mu_k", (0.0, 4.0))
+
+
+def impacts(model):
+    """How many there are in 20 s."""
+    run = fl.simulate(model, 20.0, **QUIET)
+    return int((run.events.guard == "impact").sum())
+
+
+def stick_time(model):
+    return float(fl.simulate(model, 10.0, **QUIET).time_in_mode.get("stick", 0.0))
+
+
+def force(model):
+    return fl.equilibrium(model).normal_force
+
+
+# model, switches, study, then the changes of each level by hand, the switches in their order
+CASES = {
+    "contacts and dampers": (
+        fl.SliderOnBelt(),
+        {
+            "contact": [fl.LinearContact(), fl.CubicContact(), fl.HertzContact()],
+            "damping": {"as it is": {}, "none": {"c1": 0.0, "c2": 0.0}},
+            "geometry": None,
+        },
+        force,
+        [
+            [{"contact": law} for law in (fl.LinearContact(), fl.CubicContact(), fl.HertzContact())],
+            [{}, {"c1": 0.0, "c2": 0.0}],
+            [{}, {"geometry": fl.FixedLoad()}],
+        ],
+    ),
+    "friction laws": (
+        fl.MassOnBelt(),
+        {"friction": {"Coulomb": fl.Coulomb(), "Stribeck": fl.Stribeck()}, "c": [0.0, 0.05]},
+        stick_time,
+        [[{"friction": fl.Coulomb()}, {"friction": fl.Stribeck()}], [{"c": 0.0}, {"c": 0.05}]],
+    ),
+    "springs": (
+        fl.ModeCoupling(c=0.1),
+        {"k1": [0.9, 1.0, 1.1], "k3": [1.2, 1.4]},
+        ONSET,
+        [[{"k1": k1} for k1 in (0.9, 1.0, 1.1)], [{"k3": k3} for k3 in (1.2, 1.4)]],
+    ),
+    "impacts": (
+        fl.ImpactOscillator(Omega=2.8, d=0.05, c=0.02),
+        {"e": [0.9, 0.5], "stop": {"near": {"d": 0.05}, "far": {"d": 0.5}}},
+        impacts,
+        [[{"e": 0.9}, {"e": 0.5}], [{"d": 0.05}, {"d": 0.5}]],
+    ),
+}
+
+
+def by_hand(model, changes):
+    """The models of all scenes, the last switch changing first."""
+    models = [model]
+    for levels in changes:
+        models = [one.replace(**level) for one in models for level in levels]
+    return models
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_every_scene_is_the_model_that_one_would_make(case):
+    model, switches, study, changes = CASES[case]
+    found = fl.ablation(model, study, switches, **QUIET)
+    expected = [study(one) for one in by_hand(model, changes)]
+    assert list(found.results) == expected
+    assert len({*expected}) > 1
+    table = found.to_dataframe()
+    assert table.shape == (len(expected), 1)
+    assert list(table.index.names) == list(switches)
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_workers_and_files_change_nothing(case, tmp_path):
+    model, switches, study, _ = CASES[case]
+    calls, path = [], tmp_path / "scenes.jsonl"
+
+    def counted(one):
+        calls.append(one)
+        return study(one)
+
+    one = fl.ablation(model, counted, switches, workers=1, resume=path, **QUIET)
+    count = len(one.results)
+    assert len(calls) == count
+    lines = path.read_bytes().splitlines(keepends=True)
+    path.write_bytes(b"".join(lines[:2]))  # as it is after the first scene
+    again = fl.ablation(model, counted, switches, workers=2, resume=path, **QUIET)
+    assert len(calls) == 2 * count - 1
+    assert again.results == one.results
+    effects = (found.effects() for found in (one, again))
+    assert np.array_equal(*(e.values for e in effects))
+
+
+def test_what_sets_the_amplitude_is_answered_by_name():
+    """X = sqrt(a^2 + v^2/w^2), a = (mu_s - mu_k) N/k: effects are differences of it."""
+    switches = {"mu_s": [0.8, 1.2], "v": [0.10, 0.15], "m": [1.0, 1.05]}
+    found = fl.ablation(fl.MassOnBelt(), fl.OrbitAmplitude("x"), switches, workers=2, **QUIET)
+    model = fl.MassOnBelt()
+    mu_s, v, m = np.meshgrid(*switches.values(), indexing="ij")
+    exact = np.hypot((mu_s - model.mu_k) * model.N / model.k, v * np.sqrt(m / model.k))
+    assert found.numbers().ravel() == pytest.approx(exact.ravel(), rel=1e-10)
+    effects = found.effects()
+    assert effects.strongest == "mu_s"
+    assert effects["mu_s"] == pytest.approx((exact[1] - exact[0]).mean(), rel=1e-9)
+    assert effects["v"] == pytest.approx((exact[:, 1] - exact[:, 0]).mean(), rel=1e-9)
+    alone = found.leave_one_out()
+    assert list(alone) == ["mu_s 1.2", "v 0.15", "m 1.05"]
+    assert alone["v 0.15"] == pytest.approx(exact[0, 1, 0] - exact[0, 0, 0], rel=1e-9)
+
+
+def test_what_moves_the_onset_is_answered_by_name():
+    """Hoffmann's closed form: springs do, the mass does not."""
+    model = fl.ModeCoupling(c=0.0)
+    switches = {"m": [1.0, 2.0], "k1": [0.95, 1.05], "k3": [1.3, 1.4]}
+    found = fl.ablation(model, ONSET, switches, **QUIET)
+    exact = [one.critical_friction for one in found.models]
+    assert found.numbers().ravel() == pytest.approx(exact, rel=1e-8)
+    effects, table = found.effects(), np.reshape(exact, (2, 2, 2))
+    sizes = {name: np.abs(np.diff(table, axis=i)).mean() for i, name in enumerate(switches)}
+    assert effects.strongest == max(sizes, key=sizes.__getitem__) != "m"
+    assert effects["m"] == pytest.approx(0.0, abs=1e-8)
+
+
+def test_what_removes_a_kind_of_motion_is_answered_by_name():
+    """A mass sticks and slips where static friction exceeds kinetic; else, being damped, it comes to rest."""
+
+    def kind(model):
+        return {"kind": str(fl.steady_state(model, transient=400.0, window=100.0, **QUIET).kind)}
+
+    switches = {"static friction": {"higher": {"mu_s": 1.0}, "as kinetic": {"mu_s": 0.5}}, "k": [1.0, 1.1]}
+    found = fl.ablation(fl.MassOnBelt(c=0.05, mu_k=0.5), kind, switches, workers=2, **QUIET)
+    alone = found.leave_one_out("kind = periodic")
+    assert alone == {"static friction as kinetic": -1.0, "k 1.1": 0.0}
+    assert found.effects("kind = periodic").strongest == "static friction"
+    assert found.effects("kind = equilibrium")["static friction"] == 1.0
