@@ -10,6 +10,7 @@ that plotting is imported when it is asked for, here alone.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
+from enum import StrEnum
 from importlib import import_module
 from typing import Any, ClassVar, Generic, TypeVar
 
@@ -38,6 +39,13 @@ class FrozenMapping(Mapping[str, Value], Generic[Value]):
 
     def __repr__(self) -> str:
         return repr(self._items)
+
+
+class Kind(StrEnum):
+    """Base of kinds: each member equals its text, and is shown like it in results."""
+
+    def __repr__(self) -> str:
+        return repr(self.value)
 
 
 MAX_LISTED = 8  # items that a summary names before it says how many more there are

@@ -19,13 +19,14 @@ from frictionlab.analysis.orbits.shooting import floquet_multipliers
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.hybrid.expression_functions import array_function
 from frictionlab.hybrid.tape.automaton_checks import sign_normal_form
+from frictionlab.presentation import Kind
 
 LOCATION_XTOL = 1e-12  # share of the step to which a special point is located
 UNIT_CIRCLE_ATOL = (
     1e-3  # how far from the unit circle the pair of a Neimark-Sacker point may be, with rounding
 )
 
-GRAZING, MODE_CHANGE, NO_ORBIT = "grazing", "mode change", "no orbit found"
+NO_ORBIT = "no orbit found"
 VANISHING_STAY_SHARE = 1e-3  # share of the period below which a stay is about to vanish
 GRAZING_RTOL = (
     1e-4  # an orbit grazes where an event function falls to this share of its largest value between events
@@ -56,17 +57,28 @@ def neimark_sacker_test(point: BranchPoint) -> float:
     return float(np.prod(1.0 - products).real)
 
 
-TEST_FUNCTIONS: dict[str, Callable[[BranchPoint], float]] = {
-    "fold": fold_test,
-    "period doubling": period_doubling_test,
-    "Neimark-Sacker": neimark_sacker_test,
+class SpecialKind(Kind):
+    """Kind of a special point of a branch of orbits."""
+
+    FOLD = "fold"
+    PERIOD_DOUBLING = "period doubling"
+    NEIMARK_SACKER = "Neimark-Sacker"
+    GRAZING = "grazing"
+    MODE_CHANGE = "mode change"
+    HOPF = "Hopf"
+
+
+TEST_FUNCTIONS: dict[SpecialKind, Callable[[BranchPoint], float]] = {
+    SpecialKind.FOLD: fold_test,
+    SpecialKind.PERIOD_DOUBLING: period_doubling_test,
+    SpecialKind.NEIMARK_SACKER: neimark_sacker_test,
 }
 
 
 class SpecialPoint(NamedTuple):
     """A special point, its kind, and the parameter there."""
 
-    kind: str
+    kind: SpecialKind
     point: BranchPoint
     value: float
 
@@ -101,12 +113,12 @@ def locate_zero(
     return continuation_step(automaton, point, share), share
 
 
-def _is_special(kind: str, point: BranchPoint) -> bool:
+def _is_special(kind: SpecialKind, point: BranchPoint) -> bool:
     """Whether a zero is a special point: two real multipliers whose product is 1 are no Neimark-Sacker
     point."""
     values = transverse_multipliers(point)
     pairs = values[np.abs(values.imag) > 0.0]
-    return kind != "Neimark-Sacker" or bool((np.abs(np.abs(pairs) - 1.0) < UNIT_CIRCLE_ATOL).any())
+    return kind != SpecialKind.NEIMARK_SACKER or bool((np.abs(np.abs(pairs) - 1.0) < UNIT_CIRCLE_ATOL).any())
 
 
 def branch_end_kind(automaton: HybridAutomaton, point: BranchPoint, other: BranchPoint | None) -> str:
@@ -116,19 +128,20 @@ def branch_end_kind(automaton: HybridAutomaton, point: BranchPoint, other: Branc
         few, many = sorted((point, other), key=lambda side: len(side.modes))
         more = len(many.modes) - len(few.modes)
         return (
-            GRAZING
+            SpecialKind.GRAZING
             if more == 2 or (more == 1 and _self_transitions(many) == _self_transitions(few) + 1)
-            else MODE_CHANGE
+            else SpecialKind.MODE_CHANGE
         )
     run, period = point.shot.run, point.period
     if len(run.events):
         stays = np.diff(np.append(run.events.t, run.events.t[0] + period))
         i = int(np.argmin(stays))
         if stays[i] < VANISHING_STAY_SHARE * period:
-            return GRAZING if run.events.source[i] == np.roll(run.events.target, -1)[i] else MODE_CHANGE
+            back = run.events.source[i] == np.roll(run.events.target, -1)[i]
+            return SpecialKind.GRAZING if back else SpecialKind.MODE_CHANGE
     if _grazes(automaton, point):
-        return GRAZING
-    return MODE_CHANGE if _at_guard_limit(automaton, point) else NO_ORBIT
+        return SpecialKind.GRAZING
+    return SpecialKind.MODE_CHANGE if _at_guard_limit(automaton, point) else NO_ORBIT
 
 
 def _self_transitions(point: BranchPoint) -> int:
@@ -186,7 +199,7 @@ def _has_zero_minimum(values: Array) -> bool:
     return bool((inner[least] < GRAZING_RTOL * np.nanmax(np.abs(values))).any())
 
 
-BOUND, MAX_POINTS, INTERRUPTED, HOPF = "bound", "most orbits", "interrupted", "Hopf"
+BOUND, MAX_POINTS, INTERRUPTED = "bound", "most orbits", "interrupted"
 # share of the longest step below which a failed step means that the sequence of modes changes
 SHORTEST_STEP_PARTS = 64
 END_BISECTIONS = 40  # halvings from there on, until both sides of such a change have met
@@ -242,8 +255,8 @@ def follow_branch(
             points.append(step.after)
             largest, end = np.maximum(largest, step.after.scale[:-2]), step.end
             if (step.after.scale[:-2] < HOPF_SIZE_RTOL * largest).all():
-                special.append(SpecialPoint(HOPF, step.after, _hopf_value([start, *points])))
-                end = HOPF
+                special.append(SpecialPoint(SpecialKind.HOPF, step.after, _hopf_value([start, *points])))
+                end = SpecialKind.HOPF
             if end:
                 return (yield BranchHalf(points, special, end))
             length = _next_length(step.length, step.after, max_step)

@@ -13,6 +13,7 @@ from frictionlab.analysis.orbits.branches import (
     INTERRUPTED,
     MAX_POINTS,
     BranchHalf,
+    SpecialKind,
     SpecialPoint,
     follow_branch,
 )
@@ -48,7 +49,7 @@ class SpecialOrbit:
         is extrapolated to zero amplitude.
     """
 
-    kind: str
+    kind: SpecialKind
     value: float
     orbit: PeriodicOrbit
 

@@ -23,6 +23,7 @@ from frictionlab.analysis.quantities.sensitivity import Array, Gradient, Quantit
 from frictionlab.stability.boundaries.first_losses import FirstLosses, first_losses
 from frictionlab.stability.boundaries.stability_changes import (
     StabilityChange,
+    StabilityKind,
     changes_on_lines,
     first_loss_change,
 )
@@ -239,7 +240,7 @@ class CriticalFrequency(_AtFirstLoss):
         problem = equilibrium_problem(model)
         change = self._change(problem)
         _, slopes = _critical_slopes(problem, self.parameter, change)
-        if change.kind != "flutter" or np.isnan(slopes).any():
+        if change.kind != StabilityKind.FLUTTER or np.isnan(slopes).any():
             raise ValueError(
                 "stability must be lost by flutter of damped modes for the frequency to have derivatives, "
                 f"got {change.kind} at {self.parameter} = {change.value:.6g}: ask for CriticalValue"
@@ -304,7 +305,7 @@ def _critical_slopes(
 ) -> tuple[Array, Array]:
     """Derivatives (P,) of the critical value and of the frequency there by all parameters."""
     place = [symbol.name for symbol in problem.flow.parameters].index(parameter)
-    if change.kind == "fold":
+    if change.kind == StabilityKind.FOLD:
         raise ValueError(
             "stability must be lost by flutter or divergence for the critical value to have derivatives, "
             f"got a fold at {parameter} = {change.value:.6g}, where the equilibrium ends: take another range"

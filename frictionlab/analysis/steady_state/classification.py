@@ -10,7 +10,6 @@ decomposition of numerical and experimental data", J. Fluid Mechanics 656 (2010)
 
 from __future__ import annotations
 
-from enum import StrEnum
 from typing import NamedTuple
 
 import numpy as np
@@ -29,6 +28,7 @@ from frictionlab.analysis.steady_state.poincare_sections import (
 )
 from frictionlab.hybrid.problem import SectionPoints
 from frictionlab.hybrid.trajectory import Trajectory
+from frictionlab.presentation import Kind
 
 MIN_PERIODS_SEEN = 3  # periods that the window has to contain at least
 MAX_LAG = 500  # most crossings in a period
@@ -240,7 +240,7 @@ MIN_DECAY_FACTOR = 1.4  # by which factor it has to shrink from the first quarte
 EVEN_SAMPLES = 8001
 
 
-class MotionKind(StrEnum):
+class MotionKind(Kind):
     """Kind of a steady state; each member equals its text, as ``MotionKind.PERIODIC == "periodic"``."""
 
     EQUILIBRIUM = "equilibrium"
@@ -248,10 +248,6 @@ class MotionKind(StrEnum):
     NON_PERIODIC = "non-periodic"
     NOT_SETTLED = "not settled yet"  # the transient was too short to tell
     ENDED_EARLY = "ended early"  # the run did not reach its end
-
-    def __repr__(self) -> str:
-        """That of the text, as results show it."""
-        return repr(self.value)
 
 
 def kind_of_motion(run: Trajectory, crossings: Array, returns: Recurrence, tolerance: float) -> MotionKind:

@@ -19,7 +19,7 @@ from scipy.optimize.elementwise import find_root
 from frictionlab.stability.equilibrium_problem import EquilibriumProblem, growth_rates
 
 from .sign_changes import resolved_sign_changes
-from .stability_changes import changes_on_lines, first_loss_change
+from .stability_changes import StabilityKind, changes_on_lines, first_loss_change
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -72,7 +72,7 @@ def _scan(
     alike = True
     for line, changes in zip(lines, changes_on_lines(problem, parameter, bounds, some), strict=True):
         change = first_loss_change(changes)
-        alike = alike and change is not None and change is changes[0] and change.kind == "flutter"
+        alike = alike and change is not None and change is changes[0] and change.kind == StabilityKind.FLUTTER
         if change is not None:
             found.values[line], found.frequencies[line] = change.value, change.frequency
     return alike

@@ -19,7 +19,11 @@ from numpy.typing import NDArray
 
 from frictionlab.hybrid.expression_functions import numpy_function
 from frictionlab.presentation import Drawable
-from frictionlab.stability.boundaries.stability_changes import StabilityChange, changes_on_lines
+from frictionlab.stability.boundaries.stability_changes import (
+    StabilityChange,
+    StabilityKind,
+    changes_on_lines,
+)
 from frictionlab.stability.equilibrium_points.equilibria import (
     Equilibrium,
     equilibrium_branches,
@@ -339,7 +343,7 @@ def hopf(model: Any, parameter: str, bounds: Any, *, equilibrium: Equilibrium | 
         for problem in problems
         for change in changes_on_lines(problem, parameter, (low, high), {})[0]
     ]
-    flutter = [pair for pair in found if pair[0].kind == "flutter"]
+    flutter = [pair for pair in found if pair[0].kind == StabilityKind.FLUTTER]
     if not flutter:
         changes = sorted((change for change, _ in found), key=lambda change: change.value)
         raise ValueError(_no_hopf_message(parameter, bounds, changes))

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize.elementwise import find_root
 
-from frictionlab.presentation import Drawable, count, span
+from frictionlab.presentation import Drawable, Kind, count, span
 from frictionlab.stability.equilibrium_points.equilibria import Equilibrium, equilibrium_problem
 from frictionlab.stability.equilibrium_problem import (
     NEUTRAL_RTOL,
@@ -36,6 +36,14 @@ DECAY_RTOL = 1e-13  # share of the largest eigenvalue: a rate below minus this d
 MAX_ROOT_STEPS = 200
 
 
+class StabilityKind(Kind):
+    """Kind of a change of stability."""
+
+    FLUTTER = "flutter"
+    DIVERGENCE = "divergence"
+    FOLD = "fold"
+
+
 @dataclass(frozen=True)
 class StabilityChange:
     """A value of a parameter at which one mode becomes unstable, or stable again.
@@ -57,7 +65,7 @@ class StabilityChange:
 
     value: float
     frequency: float
-    kind: str
+    kind: StabilityKind
     direction: str
     unstable: tuple[int, int]
 
@@ -297,7 +305,8 @@ def _is_fold(critical: Any, size: Array, max_growth: float) -> Any:
 def _change(
     root: float, critical: complex, jump: bool, loss: bool, before: Any, after: Any
 ) -> StabilityChange:
-    kind = "fold" if jump else ("flutter" if critical.imag else "divergence")
+    smooth = StabilityKind.FLUTTER if critical.imag else StabilityKind.DIVERGENCE
+    kind = StabilityKind.FOLD if jump else smooth
     frequency = 0.0 if jump else abs(critical.imag) / (2 * np.pi)
     direction = "loss" if loss else "regain"
     return StabilityChange(root, float(frequency), kind, direction, (int(before), int(after)))
