@@ -16,8 +16,8 @@ import ipywidgets
 from frictionlab.models.library.catalogue import PRESETS, ROW_MODELS, list_models
 from frictionlab.validation import did_you_mean_or_known
 
-from .controls.file_button import FileButton
-from .explorer import DEFAULT_PANELS, Explorer, explore
+from .explorer import Explorer, explore
+from .files import FileButton
 from .messages import error_text
 from .state import State, state_from_text
 
@@ -39,7 +39,7 @@ class Scenes:
     ----------
     link : str
         What follows the address of a page: "scene=two+fates&mu_k=1.5"; empty opens the first scene.
-    panels : iterable of str or callable
+    panels : iterable of str or callable, or None
         As :func:`~frictionlab.explore` takes them.
 
     Attributes
@@ -50,7 +50,7 @@ class Scenes:
     widget : Box
     """
 
-    def __init__(self, link: str = "", panels: Any = DEFAULT_PANELS) -> None:
+    def __init__(self, link: str = "", panels: Any = None) -> None:
         self._scenes, self._panels = scene_models(), panels
         options = [(name if name in _preset_names() else f"model: {name}", name) for name in self._scenes]
         self.menu = ipywidgets.Dropdown(options=options, description="scene", value=PRESETS[0].name)
@@ -114,7 +114,7 @@ class Scenes:
     def _show(self, model: Any, about: str) -> Explorer:
         old = getattr(self, "explorer", None)
         self.explorer = explore(model, self._panels)
-        self.explorer.keeping.take = self.load
+        self.explorer.files.take = self.load
         self.about.value = escape(about)
         row = ipywidgets.Box([self.menu, self.copy_link], layout=ipywidgets.Layout(flex_flow="row wrap"))
         self.widget.children = [row, self.about, self.explorer.widget]

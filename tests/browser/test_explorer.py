@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import pytest
 
 import frictionlab as fl
-from frictionlab.widgets.rendering.tile import AXES_RECTANGLE
+from frictionlab.widgets.panels.tile import AXES_RECTANGLE
 from tests.browser.screen import PATIENCE, changed, flip, press, seen, settled
 from tests.browser.servers import (
     CLICKED,
