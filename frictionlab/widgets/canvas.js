@@ -26,6 +26,7 @@ function render({ model, el }) {
   const times = (factor) => `${+factor.toPrecision(3)} times`;
   const named = (one) => (one === 1 ? "real time" : one > 1 ? `${times(one)} faster` : `${times(1 / one)} slower`);
   function load() { // new data; what is set by hand stays
+    if (!model.get("scene").columns) return; // nothing has been computed yet
     const before = scene, bytes = model.get("rows");
     scene = model.get("scene");
     columns = scene.columns;
@@ -70,7 +71,7 @@ function render({ model, el }) {
     p.stroke();
   }
   function resize() {
-    if (!pictures.every((canvas) => canvas.clientWidth)) return;
+    if (!scene || !pictures.every((canvas) => canvas.clientWidth)) return;
     scene.letters = parseFloat(getComputedStyle(box).fontSize);
     surfaces = pictures.map(fit);
     if (surfaces[1]) drawPath(...surfaces[1].slice(1));

@@ -91,8 +91,8 @@ class Layout:
         code = ipywidgets.Accordion([self.python, self.json, files], titles=titles)
         code.add_class("fl-code")
         row = ipywidgets.Layout(flex_flow="row wrap")
-        buttons = ipywidgets.Box([*self.buttons, self.screen], layout=row)
-        texts = busy, self.message, self.comparison, self.equilibrium
+        buttons = ipywidgets.Box([*self.buttons, self.screen, busy], layout=row)
+        texts = self.message, self.comparison, self.equilibrium
         left = ipywidgets.VBox([buttons, *texts, *controls, code]).add_class("fl-controls")
         self.pictures.children = tuple(panels)
         wrap = ipywidgets.Layout(flex_flow="row nowrap", align_items="flex-start", width="100%")

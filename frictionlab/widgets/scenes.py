@@ -55,7 +55,7 @@ class Scenes:
         options = [(name if name in _preset_names() else f"model: {name}", name) for name in self._scenes]
         self.menu = ipywidgets.Dropdown(options=options, description="scene", value=PRESETS[0].name)
         self.menu.add_class("fl-scene").tooltip = "scenes worth seeing, then all models"
-        self.menu.layout = ipywidgets.Layout(width="auto", flex="1 1 220px", max_width="420px")
+        self.menu.layout = ipywidgets.Layout(width="auto", flex="1 1 17em", min_width="0", max_width="32em")
         self.about = ipywidgets.HTML().add_class("fl-about")
         self.copy_link = FileButton(
             "copy link", "an address that opens this scene as it is", self.link, print

@@ -22,7 +22,7 @@ from .panels.picture import Picture
 SAME_MOVE = 0.7  # s: steps of one control that follow each other as fast are undone together
 MAX_STATES = 200  # states that are kept
 FORMAT = "frictionlab explorer"
-DOTTED, SOLID = "dotted: kept", "solid: now"
+KEPT, DOTTED, SOLID = "kept", "dotted, kept", "solid, now"
 State = dict[str, Any]
 
 
@@ -167,12 +167,12 @@ class Comparison:
         self.state, self.result = state, result
         self._picture.freeze()
         if beside is not None:
-            if self.mechanism is None:
-                self.mechanism = MovingMechanism(DOTTED.split(": ")[1])
+            old, self.mechanism = self.mechanism, self.mechanism or MovingMechanism(KEPT)
+            self.mechanism.show(result, self._picture.dark)
+            if old is None:
                 shown = list(self._layout.pictures.children)
                 shown.insert(shown.index(beside.canvas) + 1, self.mechanism.canvas)
                 self._layout.pictures.children = shown
-            self.mechanism.show(result, self._picture.dark)
 
     def forget(self) -> None:
         """Keep nothing any more."""

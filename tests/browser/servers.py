@@ -86,6 +86,24 @@ for i, row in enumerate(fl.list_models()):
 """
 
 
+LAB = (
+    "--no-browser",
+    "--allow-root",
+    "--ServerApp.port_retries=0",
+    "--IdentityProvider.token=",
+    "--LabApp.news_url=None",
+    "--LabApp.check_for_updates_class=jupyterlab.NeverCheckForUpdate",
+)
+
+
+# The explorer of all models, as `frictionlab app` shows it.
+SCENES = """\
+from frictionlab.widgets.scenes import open_scenes
+
+open_scenes()
+"""
+
+
 def write_notebook(folder, source=CELL):
     """A notebook of one cell; returns its path."""
     cell = {"cell_type": "code", "execution_count": None, "metadata": {}, "outputs": [], "source": source}
@@ -109,6 +127,22 @@ def environment(folder):
     own = {f"JUPYTER_{name}_DIR": str(folder / name) for name in ("CONFIG", "RUNTIME")}
     own |= {f"JUPYTERLAB_{name}_DIR": str(folder / name) for name in ("SETTINGS", "WORKSPACES")}
     return os.environ | own | {"IPYTHONDIR": str(folder / "ipython"), "PYTHONPATH": path}
+
+
+def in_lab(folder, port):
+    return ["jupyterlab", *LAB, f"--port={port}", f"--ServerApp.root_dir={folder}"]
+
+
+def app(folder, port):
+    return ["frictionlab", "app", "--no-browser", "--port", str(port)]
+
+
+def run_all(page):
+    """Lab's way to the outputs."""
+    page.locator(".jp-Notebook .jp-CodeCell").first.wait_for(timeout=1000 * PATIENCE)
+    page.get_by_text("| Idle").wait_for(timeout=1000 * PATIENCE)  # without a kernel it runs nothing
+    page.locator(".lm-MenuBar-item").get_by_text("Run", exact=True).click()
+    page.locator(".lm-Menu-item").get_by_text("Run All Cells", exact=True).click()
 
 
 @contextmanager
