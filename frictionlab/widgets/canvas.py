@@ -29,11 +29,10 @@ SECONDS = 2.0  # seconds that a period takes at first
 BELT = (*COLUMNS, "normal_force", "friction_force", "x1", "rate", "mode")
 SUBSCRIPTS = str.maketrans("0123456789'", "₀₁₂₃₄₅₆₇₈₉′")
 
-
 # Controls that are seen on any paper, with the letters of the page.
 CSS = """
-.fl-canvas :is(button, select) { font: inherit; color: inherit; background: transparent; border: 1px solid #808080;
-  border-radius: 3px; padding: 0.25em 0.6em; }
+.fl-canvas :is(button, select) { font: inherit; color: inherit; background: transparent;
+  border: 1px solid #808080; border-radius: 3px; padding: 0.25em 0.6em; }
 .fl-canvas option { color: black; background: white; }
 .fl-canvas button:disabled { opacity: 0.5; }
 """

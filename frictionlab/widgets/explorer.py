@@ -268,8 +268,8 @@ class Explorer:
         screen = self.layout.screen
         dark_before = self.picture.dark
         self.picture.set_look(screen.pixels, screen.dark)
-        if self.mechanism is not None and screen.dark != dark_before:
-            self.mechanism.show(self.result, screen.dark)
+        if self.mechanism is not None and self.picture.dark != dark_before:
+            self.mechanism.show(self.result, self.picture.dark)
             self.comparison.restyle()
 
 

@@ -23,7 +23,7 @@ from matplotlib.font_manager import FontProperties
 from numpy.typing import NDArray
 from PIL import Image
 
-from frictionlab.plotting.appearance import WHITE, background, ink_on, style
+from frictionlab.plotting.appearance import WHITE, background, ink_on, is_dark, style
 from frictionlab.plotting.figure import Drawing, RunFigure
 
 from .tile import Tile
@@ -184,18 +184,23 @@ class Picture:
     dpi : float
         Pixels of an inch: a panel is `PANEL_WIDTH` inches wide.
     dark : bool
-        Whether the page around is dark.
+        Whether it is drawn on a dark background.
     """
 
     def __init__(self, panels: dict[str, Panel]) -> None:
-        self.panels, self.dpi, self.dark = panels, DPI, False
+        self.panels, self.dpi, self._own_dark = panels, DPI, is_dark()
+        self.dark = self._own_dark
         self.shown: dict[str, Drawing] = {}
         self.kept: dict[str, Drawing] = {}
         self.images = {name: _panel_image(name, panel) for name, panel in panels.items()}
         self._make_tiles()
 
     def set_look(self, pixels: float, dark: bool) -> None:
-        """Draw everything anew for panels of so many pixels, and for a page that is dark or light."""
+        """Draw everything anew for panels of so many pixels, on a dark or light page.
+
+        A dark style in which the picture was made stays.
+        """
+        dark = dark or self._own_dark
         dpi = min(max(pixels / PANEL_WIDTH // DPI_STEP * DPI_STEP, MIN_DPI), MAX_DPI)
         if (dpi, dark) == (self.dpi, self.dark):
             return

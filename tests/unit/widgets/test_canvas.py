@@ -212,9 +212,9 @@ def test_playing_advances_at_the_stated_pace_and_pausing_stops(page):
         return float(re.match(r"t = (\S+) s", page.locator("span").first.inner_text())[1])
 
     scrub(page, 100)
-    page.get_by_role("button").click()
+    page.get_by_role("button", name="play").click()
     page.wait_for_function("document.querySelector('span').textContent >= 't = 0.11'")
-    page.get_by_role("button").click()
+    page.get_by_role("button", name="pause").click()
     stopped = time()
     page.wait_for_timeout(100)
     assert time() == stopped >= 0.11
