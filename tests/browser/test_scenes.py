@@ -12,6 +12,8 @@ from PIL import Image
 
 import frictionlab as fl
 from frictionlab.plotting.appearance import DARK, contrast
+from frictionlab.widgets.panels.picture import PANEL_WIDTH
+from frictionlab.widgets.panels.tile import FONT_SIZE
 from frictionlab.widgets.scenes import Scenes
 from tests.browser.screen import PATIENCE, cut_off, faults, press, settled
 from tests.browser.servers import (
@@ -156,9 +158,10 @@ def test_full_screen_fills_the_window_and_is_left(page):
         "parseFloat(getComputedStyle(document.querySelector('.fl-equilibrium b')).fontSize)"
     )
     assert letters >= 18
-    # Letters of pictures are 8.5 points high, and a panel is 4.4 inches wide.
+    page.wait_for_timeout(1000)
+    settled(page, ROOT)
     wide = page.evaluate("document.querySelector('.fl-panel img').getBoundingClientRect().width")
-    assert 8.5 / 72 * wide / 4.4 >= 18
+    assert FONT_SIZE / 72 * wide / PANEL_WIDTH >= 20  # pixels
     press_button(page, "leave full screen")
     page.wait_for_function("!document.fullscreenElement")
     page.get_by_role("button", name="full screen", exact=True).wait_for()

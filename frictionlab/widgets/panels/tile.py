@@ -31,7 +31,7 @@ ROUND_STEPS = (1.0, 2.0, 2.5, 5.0, 10.0)
 TICK_COUNT = 5
 DECADES = 5.0
 
-FONT_SIZE, NOTE_SIZE = 8.5, 8.5
+FONT_SIZE, NOTE_SIZE = 9.0, 9.0
 # Dotted, in their own colours; what is grey, in that of the text: grey dots beside a grey curve are not seen.
 FROZEN_STYLE: dict[str, Any] = {"linewidth": 1.6, "zorder": 3.2}
 FROZEN_DOTS = (0, (1.0, 1.6))
@@ -39,14 +39,14 @@ LEGEND_STYLE: dict[str, Any] = {
     "loc": "lower center",
     "bbox_to_anchor": (0.5, 0.985),
     "frameon": False,
-    "fontsize": 8.0,
+    "fontsize": 8.5,
     "columnspacing": 0.9,
     "handlelength": 1.0,
     "handletextpad": 0.4,
     "borderaxespad": 0.2,
 }
 SMALL_LEGEND = 6.5  # points
-AXES_RECTANGLE = 0.2, 0.17, 0.62, 0.69  # left, bottom, width, height, as shares of the tile
+AXES_RECTANGLE = 0.205, 0.175, 0.615, 0.685  # left, bottom, width, height, as shares of the tile
 
 
 def data_range(arrays: Iterable[Any]) -> Limits | None:
