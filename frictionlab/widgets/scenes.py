@@ -38,7 +38,7 @@ class Scenes:
     Parameters
     ----------
     link : str
-        What follows the address of a page: "scene=two+fates&mu_k=1.5"; empty opens the first scene.
+        A page's address, or what follows it: "?scene=two+fates&mu_k=1.5"; empty opens the first scene.
     panels : iterable of str or callable, or None
         As :func:`~frictionlab.explore` takes them.
 
@@ -148,7 +148,7 @@ def values_of_link(link: str, scenes: list[str]) -> tuple[str, State]:
     >>> values_of_link("?scene=flutter&mu_k=0.5", ["flutter"])
     ('flutter', {'mu_k': '0.5'})
     """
-    values: State = dict(parse_qsl(link.removeprefix("?")))
+    values: State = dict(parse_qsl(link.rpartition("?")[2]))
     values.pop("token", None)
     scene = values.pop(SCENE, "")
     if scene and scene not in scenes:

@@ -136,13 +136,14 @@ def test_a_saved_state_is_loaded_again(page, tmp_path):
     settled(page, ROOT)
 
 
-def test_a_copied_link_opens_the_same_scene(page):
+def test_a_copied_link_opens_the_same_scene(shown, page):
     press(page, ROOT, "mu_k")
     page.wait_for_function(READS, arg=["mu_k", "1.41"])
     settled(page, ROOT)
     press_button(page, "copy link")
     page.get_by_text("copied", exact=True).first.wait_for()
     link = page.evaluate("navigator.clipboard.readText()")
+    assert link.startswith(page.url.split("?")[0] if shown.name == "app" else "?scene=")
     again = Scenes(link, panels=("eigenvalues",))
     assert (again.menu.value, again.explorer.model) == ("two fates", fl.SliderOnBelt(mu_k=1.41))
 
