@@ -226,6 +226,14 @@ def test_nothing_is_clipped(page, scene, width):
     assert cut_off(page, ".fl-scenes") == []
 
 
+def test_a_slider_and_its_number_are_in_one_row(page):
+    slider, field = (
+        page.locator(f".fl-mu_k {of}").bounding_box() for of in ("[role=slider]", ".widget-readout")
+    )
+    assert slider["x"] + slider["width"] <= field["x"]
+    assert field["y"] <= slider["y"] + slider["height"] / 2 <= field["y"] + field["height"]
+
+
 def corner(page, panel):
     """The colour of a panel's paper, as the browser shows it."""
     found = page.locator(f".fl-panel-{panel} img").evaluate(
