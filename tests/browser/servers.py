@@ -7,7 +7,7 @@ import socket
 import subprocess
 import sys
 import time
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from urllib.error import URLError
 from urllib.request import urlopen
@@ -168,8 +168,11 @@ def printed_path(folder):
 
 def running_kernels():
     """How many kernels this process's servers have."""
-    commands = [child.cmdline() for child in psutil.Process().children(recursive=True) if child.is_running()]
-    return sum("ipykernel_launcher" in command for command in commands)
+    kernels = 0
+    for child in psutil.Process().children(recursive=True):
+        with suppress(psutil.NoSuchProcess):  # it ends just now
+            kernels += "ipykernel_launcher" in child.cmdline()
+    return kernels
 
 
 def _wait(process, port, log):
