@@ -28,7 +28,8 @@ BLAS_KERNELS = {"Nehalem": "sse4_2", "Haswell": "avx2", "SkylakeX": "avx512f"}
 NOT_PYTHON = (  # in the wheel
     *("__init__.pyi", "py.typed", "pages/scripts/page.html", "pages/scripts/page.js"),
     *("tutorials/00-index.ipynb", "tutorials/diagrams.py", "tutorials/diagrams/stiff.jsonl"),
-    *("plotting/animation/drawing.js", "widgets/canvas.js", "widgets/rendering/clickable.js"),
+    *("plotting/animation/drawing.js", "widgets/canvas.js", "widgets/panels/panel_image.js"),
+    *("widgets/layout.css", "widgets/screen.js", "widgets/number_control.js", "widgets/file_button.js"),
 )
 MOST_BYTES_OF_OBJECTS = 1_000_000  # machine code of the solver in a wheel
 WITHOUT_COMPILER = """

@@ -18,7 +18,7 @@ from typing import Any
 from frictionlab.models import MassOnBelt, SliderOnBelt
 from frictionlab.pages import export
 from frictionlab.presentation import markdown_table
-from frictionlab.widgets.controls.model_controls import main_parameters
+from frictionlab.widgets.controls import main_parameters
 from frictionlab.widgets.explorer import Explorer, explore
 
 LATENCY_PANELS = ("response", "phase", "forces", "spectrum")

@@ -1,72 +1,130 @@
-// A model's mechanism, its contact forces and its phase plane, played in a notebook. Python sends the sizes once as `scene`
-// and the places as `rows`: 32-bit numbers, one row for every frame, with the columns of scene.columns.  What draws them
-// stands in frictionlab/plotting/animation/drawing.js, which canvas.py puts before this.  Colours are those of the style
-// in which it was made.
+// A model's mechanism, its contact forces and its phase plane, played in a notebook. Python sends the sizes as `scene` and
+// the places as `rows`: 32-bit numbers, one row for every frame, with the columns of scene.columns; an explorer sends others
+// when its controls move, while this plays on.  What draws them stands in frictionlab/plotting/animation/drawing.js, which
+// canvas.py puts before this.  Colours are those of the style in which the scene was made.
 const PACES = [1, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01];
+const LABEL = 13; // pixels of labels where letters are as high
 
 function render({ model, el }) {
-  const scene = model.get("scene"), view = model.get("rows"), columns = scene.columns;
-  const numbers = new Float32Array(view.buffer.slice(view.byteOffset, view.byteOffset + view.byteLength));
+  let scene, numbers, columns, frames, time = 0, last = null, request = null, path = null, place = null, surfaces = null, audio = null, seen = true;
   const get = (i, name) => numbers[i * columns.length + columns.indexOf(name)];
-  const frames = { count: numbers.length / columns.length, get };
-  const style = "flex: 1 1 300px; min-width: 0; height: 340px;";
-  const pictures = [0, 1].map(() => html("canvas", { style }));
-  const play = html("button", { textContent: "play", style: "width: 5em" });
-  const scrub = html("input", { type: "range", min: 0, max: frames.count - 1, value: 0, style: "flex: 1 1 120px; min-width: 0", ariaLabel: "time" });
-  const times = (factor) => `${+factor.toPrecision(3)} times`;
-  const named = (pace) => (pace === 1 ? "real time" : pace > 1 ? `${times(pace)} faster` : `${times(1 / pace)} slower`);
-  const paces = [...new Set([...PACES, scene.speed])].sort((a, b) => b - a);
-  const pace = html("select", { ariaLabel: "pace" }, paces.map((p) => html("option", { value: p, textContent: named(p), selected: p === scene.speed })));
-  const state = html("span", { style: "width: 100%; font-variant-numeric: tabular-nums" });
-  const key = scene.legend.map(([text, colour]) => html("span", { style: "white-space: nowrap" },
-    [html("span", { style: `display: inline-block; width: 1em; height: 0.7em; margin-right: 0.3em; background: ${colour}` }), ...subscripted(text)]));
+  const whole = !model.get("plays"); // by itself, and not a panel of an explorer, where others have the legend of the modes
+  const style = `flex: 1 1 300px; min-width: 0; min-height: 150px; ${whole ? "height: 340px" : "height: 0; width: 100%"}`;
+  const pictures = Array.from({ length: whole ? 2 : 1 }, (_, i) => html("canvas", { style, role: "img", ariaLabel: ["mechanism", "phase plane"][i] }));
+  const play = html("button", { textContent: "play", style: "width: 4.6em" });
+  const sound = html("button", { textContent: "sound", title: "hear the run, so much faster that it can be heard" });
+  const scrub = html("input", { type: "range", min: 0, value: 0, style: "flex: 1 1 100px; min-width: 0; margin: 0", ariaLabel: "time" });
+  const pace = html("select", { ariaLabel: "pace" });
+  const state = html("span", { style: "width: 100%; font-variant-numeric: tabular-nums; line-height: 1.3" });
+  const said = html("span", { role: "status" });
   const bar = (nodes) => html("div", { style: "display: flex; flex-wrap: wrap; gap: 4px 14px; align-items: center; margin: 4px" }, nodes);
-  el.append(html("div", { style: `background: ${scene.paper}; color: ${scene.ink}; font: 13px sans-serif; padding: 4px` },
-    [bar([play, scrub, pace, state]), html("div", { style: "display: flex; flex-wrap: wrap" }, pictures), bar(key)]));
+  const row = html("div", { style: `display: flex; flex: 1 1 auto; min-height: 0; ${whole ? "flex-wrap: wrap" : "flex-direction: column"}` }, pictures);
+  const key = bar([]), box = html("div", { className: "fl-canvas" }, [bar([play, scrub, pace, sound, state]), row, key]);
+  el.append(box);
 
-  let time = 0, last = null, request = null, path = null, place = null, surfaces = null;
+  const patch = (colour) => html("span", { style: `display: inline-block; width: 1em; height: 0.7em; margin-right: 0.3em; background: ${colour}` });
+  const times = (factor) => `${+factor.toPrecision(3)} times`;
+  const named = (one) => (one === 1 ? "real time" : one > 1 ? `${times(one)} faster` : `${times(1 / one)} slower`);
+  function load() { // new data; what is set by hand stays
+    if (!model.get("scene").columns) return; // nothing has been computed yet
+    const before = scene, bytes = model.get("rows");
+    scene = model.get("scene");
+    columns = scene.columns;
+    numbers = new Float32Array(bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.byteLength));
+    frames = { count: numbers.length / columns.length, get };
+    scrub.max = frames.count - 1;
+    time = Math.min(time, (frames.count - 1) * scene.step);
+    if (scene.speed !== before?.speed) {
+      const paces = [...new Set([...PACES, scene.speed])].sort((a, b) => b - a);
+      pace.replaceChildren(...paces.map((one) => html("option", { value: one, textContent: named(one), selected: one === scene.speed })));
+    }
+    const entries = whole ? scene.legend : scene.legend.filter(([text]) => !scene.modes.includes(text));
+    key.replaceChildren(...entries.map(([text, colour]) => html("span", { style: "white-space: nowrap" }, [patch(colour), ...subscripted(text)])), said);
+    box.style.cssText = `background: ${scene.paper}; color: ${scene.ink}; font-family: sans-serif; font-size: var(--jp-widgets-font-size, ${LABEL}px); padding: 4px; display: flex; flex-direction: column; height: 100%; box-sizing: border-box`;
+    resize();
+  }
+  let due = false;
+  function soon() { // both parts come in one message
+    if (!due) queueMicrotask(() => { due = false; load(); });
+    due = true;
+  }
   function show() {
     if (!surfaces) return;
     const frame = Math.min(frames.count - 1, Math.floor(time / scene.step + 1e-6)), now = Object.fromEntries(columns.map((name) => [name, get(frame, name)]));
-    const [[c, w, h], [p, pw, ph]] = surfaces;
+    const [[c, w, h], phase] = surfaces;
     c.clearRect(0, 0, w, h);
     now.all = numbers.subarray(frame * columns.length, (frame + 1) * columns.length);
     (scene.shapes ? shapes : mechanism)(c, w, h, scene, now);
-    p.clearRect(0, 0, pw, ph);
-    p.drawImage(path, 0, 0, pw, ph);
+    if (phase) showPhase(...phase, now);
+    scrub.value = frame;
+    const at = (scene.start + frame * scene.step).toFixed(scene.digits);
+    scrub.ariaValueText = `${at} s`;
+    state.textContent = `${scene.title ? `${scene.title}: ` : ""}t = ${at} s: ${scene.modes[now.mode]}; ${scene.note}`;
+  }
+  function showPhase(p, width, height, now) {
+    p.clearRect(0, 0, width, height);
+    p.drawImage(path, 0, 0, width, height);
     p.beginPath();
     p.arc(...place(now), 6, 0, 7);
     Object.assign(p, { fillStyle: scene.colours[now.mode], strokeStyle: scene.ink, lineWidth: 1.5 });
     p.fill();
     p.stroke();
-    scrub.value = frame;
-    state.textContent = `t = ${(scene.start + frame * scene.step).toFixed(scene.digits)} s: ${scene.modes[now.mode]}; ${scene.note}`;
   }
   function resize() {
-    if (!pictures.every((canvas) => canvas.clientWidth)) return;
+    if (!scene || !pictures.every((canvas) => canvas.clientWidth)) return;
+    scene.letters = parseFloat(getComputedStyle(box).fontSize);
     surfaces = pictures.map(fit);
-    const [, width, height] = surfaces[1];
+    if (surfaces[1]) drawPath(...surfaces[1].slice(1));
+    show();
+  }
+  function drawPath(width, height) {
     path = html("canvas", { width: pictures[1].width, height: pictures[1].height });
     const c = path.getContext("2d");
     c.scale(path.width / width, path.height / height);
     place = phasePlane(c, width, height, scene, frames);
-    show();
   }
   function tick(now) {
     if (last !== null) time = (time + (now - last) / 1000 * Number(pace.value)) % (frames.count * scene.step);
     last = now;
-    show();
+    if (seen) show();
     request = requestAnimationFrame(tick);
   }
   function toggle() {
     if (request !== null) { cancelAnimationFrame(request); request = last = null; } else request = requestAnimationFrame(tick);
     play.textContent = request === null ? "play" : "pause";
   }
+  function hear({ text, rate }, buffers) {
+    sound.disabled = false;
+    said.textContent = text;
+    if (!buffers.length) return;
+    const bytes = buffers[0], samples = new Int16Array(bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.byteLength));
+    const made = audio.createBuffer(1, samples.length, rate), source = audio.createBufferSource();
+    made.getChannelData(0).set(Float32Array.from(samples, (sample) => sample / 32767));
+    source.buffer = made;
+    source.connect(audio.destination);
+    source.start();
+  }
   play.onclick = toggle;
+  sound.onclick = () => { audio ??= new AudioContext(); sound.disabled = true; said.textContent = ""; model.send({ sound: true }); };
   scrub.oninput = () => { time = Number(scrub.value) * scene.step; show(); };
-  const observer = new ResizeObserver(resize);
+  el.addEventListener("keydown", (event) => event.stopPropagation()); // a notebook takes keys for its own commands
+  model.on("change:scene", soon);
+  model.on("change:rows", soon);
+  model.on("msg:custom", hear);
+  load();
+  if (model.get("plays") && !matchMedia("(prefers-reduced-motion: reduce)").matches) toggle();
+  const observer = new ResizeObserver(resize), sight = new IntersectionObserver(([entry]) => { seen = entry.isIntersecting; });
   observer.observe(pictures[0]);
-  return () => { observer.disconnect(); cancelAnimationFrame(request); };
+  sight.observe(el);
+  return () => {
+    observer.disconnect();
+    sight.disconnect();
+    cancelAnimationFrame(request);
+    model.off("change:scene", soon);
+    model.off("change:rows", soon);
+    model.off("msg:custom", hear);
+    audio?.close();
+  };
 }
 
 export default { render };

@@ -19,6 +19,9 @@ from frictionlab.plotting.time_histories import Periods, Window, window_limits
 from frictionlab.presentation import state_unit
 from frictionlab.validation import check_number
 
+from .panels.picture import theme
+from .sound import listen
+
 DEFAULT_WINDOW = Periods(20.0)
 FRAMES = 100.0  # frames in a period: 50 a second where a period takes two
 MAX_FRAMES = 200_000  # frames: ten megabytes
@@ -26,9 +29,17 @@ SECONDS = 2.0  # seconds that a period takes at first
 BELT = (*COLUMNS, "normal_force", "friction_force", "x1", "rate", "mode")
 SUBSCRIPTS = str.maketrans("0123456789'", "₀₁₂₃₄₅₆₇₈₉′")
 
+# Controls that are seen on any paper, with the letters of the page.
+CSS = """
+.fl-canvas :is(button, select) { font: inherit; color: inherit; background: transparent;
+  border: 1px solid #808080; border-radius: 3px; padding: 0.25em 0.6em; }
+.fl-canvas option { color: black; background: white; }
+.fl-canvas button:disabled { opacity: 0.5; }
+"""
+
 
 class Canvas(anywidget.AnyWidget):
-    """A picture that plays in the browser; it is sent its data once and asks for nothing afterwards.
+    """A picture that plays in the browser; it is sent its data once and asks for sound only.
 
     Attributes
     ----------
@@ -36,6 +47,10 @@ class Canvas(anywidget.AnyWidget):
         Sizes, colours and texts.
     rows : bytes
         32-bit floats (K, columns): what moves, in K frames.
+    plays : bool
+        Whether it moves as soon as it is shown, where the reader's system does not ask for rest.
+    run : Trajectory
+        What it shows, and what is heard.
     """
 
     _esm = "".join(
@@ -45,8 +60,66 @@ class Canvas(anywidget.AnyWidget):
             ("frictionlab.widgets", "canvas.js"),
         )
     )
+    _css = CSS
     scene = traitlets.Dict().tag(sync=True)
     rows = traitlets.Bytes().tag(sync=True)
+    plays = traitlets.Bool(False).tag(sync=True)
+
+    def __init__(self, **traits: Any) -> None:
+        super().__init__(**traits)
+        self.run: Any = None
+        self.on_msg(self._heard)
+
+    def show(self, run: Any, scene: dict[str, Any], rows: bytes) -> None:
+        """Show a run; the browser gets all of it in one message."""
+        self.run = run
+        with self.hold_sync():
+            self.scene, self.rows = scene, rows
+
+    def _heard(self, *_: Any) -> None:
+        """Send what the run sounds like, or why it makes no sound."""
+        try:
+            sound = listen(self.run)
+        except ValueError as error:
+            self.send({"text": str(error)})
+            return
+        silent = not sound.samples.any()
+        text = "it makes no sound" if silent else f"{sound.signal}, {sound.pitch:.3g} times as high as it is"
+        samples = np.round(sound.samples * np.iinfo(np.int16).max).astype("<i2")
+        self.send({"text": text, "rate": sound.rate}, [samples.tobytes()])
+
+
+class MovingMechanism:
+    """A panel of explorers: the mechanism, moving, over the part of the run that is shown.
+
+    Attributes
+    ----------
+    canvas : Canvas
+
+    Parameters
+    ----------
+    title : str
+        Said beside the time.
+    """
+
+    name = "mechanism"
+
+    def __init__(self, title: str = "") -> None:
+        self._title = title
+        self.canvas = Canvas(plays=True).add_class("fl-panel").add_class("fl-panel-mechanism")
+
+    def show(self, result: Any, dark: bool) -> None:
+        """Show the end of what a result shows, at most twenty periods, on a page that is dark or light."""
+        run, times = result.run, result.times()
+        mechanism = mechanism_of(run, "the panel mechanism")
+        rate, period = FRAMES / oscillation_period(result.model), rounded_period(result.model)
+        stop = float(times[-1])
+        start = max(float(times[0]), stop - DEFAULT_WINDOW.count * period)
+        picture = picture_of(run, mechanism, frame_times(start, stop, 1.0 / rate))
+        with theme(dark):
+            scene, rows = frame_data(run, picture, rate, period / SECONDS)
+        scene["title"] = self._title
+        self.canvas.show(run, scene, rows)
 
 
 def watch(
@@ -104,12 +177,22 @@ def watch(
         cure = "take a shorter window or a smaller rate"
         raise ValueError(f"window times rate must be at most {MAX_FRAMES} frames, got {count:.0f}: {cure}")
     picture = picture_of(run, mechanism, frame_times(start, stop, 1.0 / rate), magnify)
+    canvas = Canvas()
+    canvas.show(run, *frame_data(run, picture, rate, speed))
+    return canvas
+
+
+def frame_data(
+    run: Any, picture: BeltPicture | Parts, rate: float, speed: float
+) -> tuple[dict[str, Any], bytes]:
+    """The scene and the rows of a picture whose frames are 1 / rate apart."""
     colours = mode_colours(run)
     scene, rows = _belt(picture) if isinstance(picture, BeltPicture) else _parts(picture)
     scene |= _labels_and_colours(picture, colours) | {"note": picture.note, "speed": speed}
-    scene |= {"start": start, "step": 1.0 / rate, "digits": max(0, int(np.ceil(np.log10(rate))))}
+    scene |= {"start": float(picture.t[0]), "step": 1.0 / rate}
+    scene["digits"] = max(0, int(np.ceil(np.log10(rate))))
     modes = np.array([[*colours].index(mode) for mode in picture.mode], dtype=float)
-    return Canvas(scene=scene, rows=np.column_stack([*rows, modes]).astype("<f4").tobytes())
+    return scene, np.column_stack([*rows, modes]).astype("<f4").tobytes()
 
 
 def _belt(picture: BeltPicture) -> tuple[dict[str, Any], list[Any]]:

@@ -11,30 +11,27 @@ from functools import partial
 from typing import Any
 
 from frictionlab.hybrid.compilation import needs_compilation
-from frictionlab.models import SliderOnBelt
-from frictionlab.models.coercion import check_parameter_name, require_model
-from frictionlab.widgets.controls.model_controls import ComponentControls, ParameterControls
-from frictionlab.widgets.controls.run_controls import RunControls
-from frictionlab.widgets.controls.sliders import equal_within_rounding
+from frictionlab.models.coercion import check_parameter_name
+from frictionlab.widgets.controls import ComponentControls, ParameterControls, RunControls
+from frictionlab.widgets.number_control import equal_within_rounding
 from frictionlab.widgets.panels.bifurcation import BifurcationPanel
+from frictionlab.widgets.panels.picture import Picture
 from frictionlab.widgets.panels.standard import (
+    NAMES,
     CriticalValuePanel,
     eigenvalues,
     phase,
     response,
     select_panels,
 )
-from frictionlab.widgets.rendering.picture import Picture
 
-from .keeping import Keeping
-from .layout import Layout
+from .canvas import MovingMechanism
+from .files import Files
+from .layout import Layout, close_all
 from .messages import error_text
-from .result import Result
-from .settings import Settings, default_settings
-from .state import History, State, check_names, control_data, set_control, state_from_text
+from .result import Result, Settings, default_settings, starting_model
+from .state import Comparison, History, State, check_names, control_data, set_control, state_from_text
 from .update_scheduler import BusyIndicator, UpdateScheduler
-
-DEFAULT_PANELS = ("response", "phase", "forces", "spectrum", "eigenvalues")
 
 
 class Explorer:
@@ -64,20 +61,27 @@ class Explorer:
         self.parameters = ParameterControls(settings.model, self._changed)
         self.extra = {n: c for panel in panels.values() for n, c in getattr(panel, "controls", {}).items()}
         self._first = {name: control.value for name, control in self._others.items()}
-        self.picture, self.busy, self.layout = Picture(panels), BusyIndicator(), Layout()
+        moving = [panel for panel in panels.values() if isinstance(panel, MovingMechanism)]
+        self.mechanism = moving[0] if moving else None
+        drawn = {name: panel for name, panel in panels.items() if panel not in moving}
+        self.picture, self.busy, self.layout = Picture(drawn), BusyIndicator(), Layout()
+        self.comparison = Comparison(self.picture, self.layout)
         for control in self._others.values():
             control.observe(self._changed, names="value")
         self.layout.compare.observe(self._compare, names="value")
+        self.layout.screen.observe(self._restyle, names=("pixels", "dark"))
         self.layout.reset.on_click(self.reset)
+        self.layout.swap.on_click(lambda _: self.swap())
         self.layout.undo.on_click(lambda _: self.undo())
         self.layout.redo.on_click(lambda _: self.redo())
-        self.keeping = Keeping(self, self._failed, self.load)
-        for name, panel in panels.items():
+        self.files = Files(self, self._failed, self.load)
+        for name, panel in drawn.items():
             if hasattr(panel, "pick"):
                 self.picture.images[name].on_click(partial(self._clicked, name))
         shown = *self.extra.values(), *self.components.controls.values()
         shown = *shown, self.parameters.widget, self.running.widget
-        self.widget = self.layout.arrange(self.busy.widget, shown, self.picture.widget, self.keeping.widget)
+        seen = [self.picture.images[name] if name in drawn else panels[name].canvas for name in panels]
+        self.widget = self.layout.arrange(self.busy.widget, shown, seen, self.files.widget)
         self.scheduler.request()
 
     @property
@@ -93,7 +97,7 @@ class Explorer:
     @property
     def controls(self) -> dict[str, Any]:
         """Every control by its name."""
-        buttons = {name: getattr(self.layout, name) for name in ("compare", "reset", "undo", "redo")}
+        buttons = {name: getattr(self.layout, name) for name in ("compare", "swap", "reset", "undo", "redo")}
         return {**self.parameters.sliders, **self._others, **buttons}
 
     @property
@@ -143,6 +147,13 @@ class Explorer:
         """Forth to what was undone last."""
         self._step(1)
 
+    def swap(self) -> None:
+        """Keep this scene, and set the controls to the one that was kept; nothing where none was."""
+        kept = self.comparison.state
+        if kept is not None:
+            self._keep()
+            self.set_values(kept)
+
     def load(self, content: str | bytes) -> None:
         """Set the controls to a state that was saved.
 
@@ -170,7 +181,7 @@ class Explorer:
         """
         self.scheduler.cancel()
         self.parameters.close()
-        _close_all(self.widget)
+        close_all(self.widget)
 
     def _repr_mimebundle_(self, **options: Any) -> Any:
         return self.widget._repr_mimebundle_(**options)
@@ -221,7 +232,10 @@ class Explorer:
                 self.busy.announce_compilation(needs_compilation(settings.method.entry))
                 result = self.result if settings == self.settings else Result(settings)
                 self.busy.left = self.picture.draw(result)
+                if self.mechanism is not None:
+                    self.mechanism.show(result, self.picture.dark)
                 self.layout.describe(result)
+                self.comparison.describe(self.values())
             except Exception as error:  # any error of a user's law is shown, not lost in a log
                 self.error, self.busy.left = error, None
                 self.layout.show_message(error_text(error))
@@ -240,23 +254,31 @@ class Explorer:
 
     def _compare(self, change: Any) -> None:
         if change["new"]:
-            self.picture.freeze()
+            self._keep()
         else:
-            self.picture.unfreeze()
+            self.comparison.forget()
         self.scheduler.request()
 
+    def _keep(self) -> None:
+        """Keep the scene that is shown; values that gave no picture are not."""
+        self.comparison.keep(self.history.present or self.values(), self.result, self.mechanism)
 
-def _close_all(widget: Any) -> None:
-    for part in getattr(widget, "children", ()):
-        _close_all(part)
-    widget.close()
+    def _restyle(self, _: Any) -> None:
+        """Draw in the size and the colours that the page asks for."""
+        screen = self.layout.screen
+        dark_before = self.picture.dark
+        self.picture.set_look(screen.pixels, screen.dark)
+        if self.mechanism is not None and self.picture.dark != dark_before:
+            self.mechanism.show(self.result, self.picture.dark)
+            self.comparison.restyle()
 
 
-def explore(model: Any = None, panels: Iterable[Any] = DEFAULT_PANELS) -> Explorer:
+def explore(model: Any = None, panels: Iterable[Any] | None = None) -> Explorer:
     """Change a model with sliders and watch its motion.
 
     Every parameter has a slider, made from its symbol, unit, meaning and range: those of your own laws too.
-    The nonlinearities can be switched off and on, and the present curves kept, dotted, for comparison.
+    The mechanism moves beside its curves, and can be heard.  The nonlinearities can be switched off and on,
+    and the present scene kept, dotted, beside another one.  A button fills the screen.
     The model and its run are ``explorer.model`` and ``explorer.run``; Python and JSON that give them are
     shown to copy. The initial method is quick: to a tolerance of 1e-7, and flights too short to be seen are
     replaced by their limit.
@@ -265,10 +287,11 @@ def explore(model: Any = None, panels: Iterable[Any] = DEFAULT_PANELS) -> Explor
     ----------
     model : Model or None
         Where to start; None takes the paper's.
-    panels : iterable of str or callable
-        "response", "phase", "forces", "spectrum", "eigenvalues", "mechanism", or functions that take a
-        :class:`~frictionlab.widgets.result.Result` and return a
-        :class:`~frictionlab.plotting.figure.Drawing`.  What no panel asks for is not computed.
+    panels : iterable of str or callable, or None
+        "mechanism", which moves, "response", "phase", "forces", "spectrum", "eigenvalues", or functions that
+        take a :class:`~frictionlab.widgets.result.Result` and return a
+        :class:`~frictionlab.plotting.figure.Drawing`.  What no panel asks for is not computed.  None takes
+        all that have names; "mechanism" where the model has one.
 
     Returns
     -------
@@ -289,18 +312,10 @@ def explore(model: Any = None, panels: Iterable[Any] = DEFAULT_PANELS) -> Explor
     >>> explorer.model, explorer.result.eigenvalues.stable
     (SliderOnBelt(mu_k=1.6), False)
     """
-    return Explorer(default_settings(starting_model(model)), select_panels(panels))
-
-
-def starting_model(model: Any) -> Any:
-    """The model to start from.
-
-    Raises
-    ------
-    TypeError
-        If it is not a model.
-    """
-    return SliderOnBelt() if model is None else require_model(model)
+    model = starting_model(model)
+    if panels is None:
+        panels = NAMES[model.mechanism is None :]
+    return Explorer(default_settings(model), select_panels(panels))
 
 
 def explore_stability(model: Any = None, parameter: str = "mu_k", over: str = "F") -> Explorer:

@@ -12,9 +12,6 @@ from frictionlab.presentation import state_unit
 
 from .result import time_of_rest
 
-STEADY = (
-    0.98  # of the size of a motion: one that keeps less of it from one half of the window to the next decays
-)
 NOTHING_SLIDES = (
     "Steady sliding and its stability are not of this model: nothing in it slides on something that moves."
 )
@@ -36,10 +33,18 @@ def equilibrium_text(result: Any) -> str:
     ]
     rows = [row for row in rows if not np.isnan(row[1])]
     numbers = " ".join(f"<span>{escape(n)} = {x:.5g} {u}</span>" for n, x, u in rows)
+    return f"{verdict_text(result)}<br>{numbers}"
+
+
+def verdict_text(result: Any) -> str:
+    """Whether steady sliding is stable, and what the run at hand does, in a sentence."""
+    found = result.eigenvalues
+    if found is None:
+        return no_sliding_text(result)
     happens = run_text(result)
     joint = "but" if found.stable else "and"
     run = f", {joint} {happens}" if happens else ""
-    return f"<b>Steady sliding is {stability_text(found)}{escape(run, quote=False)}.</b><br>{numbers}"
+    return f"<b>Steady sliding is {stability_text(found)}{escape(run, quote=False)}.</b>"
 
 
 def no_sliding_text(result: Any) -> str:

@@ -16,8 +16,8 @@ import ipywidgets
 from frictionlab.models.library.catalogue import PRESETS, ROW_MODELS, list_models
 from frictionlab.validation import did_you_mean_or_known
 
-from .controls.file_button import FileButton
-from .explorer import DEFAULT_PANELS, Explorer, explore
+from .explorer import Explorer, explore
+from .files import FileButton
 from .messages import error_text
 from .state import State, state_from_text
 
@@ -38,8 +38,8 @@ class Scenes:
     Parameters
     ----------
     link : str
-        What follows the address of a page: "scene=two+fates&mu_k=1.5"; empty opens the first scene.
-    panels : iterable of str or callable
+        A page's address, or what follows it: "?scene=two+fates&mu_k=1.5"; empty opens the first scene.
+    panels : iterable of str or callable, or None
         As :func:`~frictionlab.explore` takes them.
 
     Attributes
@@ -50,12 +50,12 @@ class Scenes:
     widget : Box
     """
 
-    def __init__(self, link: str = "", panels: Any = DEFAULT_PANELS) -> None:
+    def __init__(self, link: str = "", panels: Any = None) -> None:
         self._scenes, self._panels = scene_models(), panels
         options = [(name if name in _preset_names() else f"model: {name}", name) for name in self._scenes]
         self.menu = ipywidgets.Dropdown(options=options, description="scene", value=PRESETS[0].name)
         self.menu.add_class("fl-scene").tooltip = "scenes worth seeing, then all models"
-        self.menu.layout = ipywidgets.Layout(width="auto", flex="1 1 220px", max_width="420px")
+        self.menu.layout = ipywidgets.Layout(width="auto", flex="1 1 17em", min_width="0", max_width="32em")
         self.about = ipywidgets.HTML().add_class("fl-about")
         self.copy_link = FileButton(
             "copy link", "an address that opens this scene as it is", self.link, print
@@ -114,7 +114,7 @@ class Scenes:
     def _show(self, model: Any, about: str) -> Explorer:
         old = getattr(self, "explorer", None)
         self.explorer = explore(model, self._panels)
-        self.explorer.keeping.take = self.load
+        self.explorer.files.take = self.load
         self.about.value = escape(about)
         row = ipywidgets.Box([self.menu, self.copy_link], layout=ipywidgets.Layout(flex_flow="row wrap"))
         self.widget.children = [row, self.about, self.explorer.widget]
@@ -148,7 +148,7 @@ def values_of_link(link: str, scenes: list[str]) -> tuple[str, State]:
     >>> values_of_link("?scene=flutter&mu_k=0.5", ["flutter"])
     ('flutter', {'mu_k': '0.5'})
     """
-    values: State = dict(parse_qsl(link.removeprefix("?")))
+    values: State = dict(parse_qsl(link.rpartition("?")[2]))
     values.pop("token", None)
     scene = values.pop(SCENE, "")
     if scene and scene not in scenes:

@@ -1,10 +1,11 @@
-"""The state of an explorer as data: what its controls are set to, and earlier ones, for undo and redo."""
+"""The states of an explorer as data: what its controls are set to, earlier ones, and one kept beside it."""
 
 from __future__ import annotations
 
 import json
 import time
 from collections.abc import Mapping
+from html import escape
 from typing import Any
 
 import ipywidgets
@@ -12,11 +13,16 @@ import ipywidgets
 from frictionlab.models import Model
 from frictionlab.validation import did_you_mean
 
-from .controls.number_control import NumberControl, number_from_text
+from .canvas import MovingMechanism
+from .layout import Layout
+from .messages import verdict_text
+from .number_control import NumberControl, number_from_text
+from .panels.picture import Picture
 
 SAME_MOVE = 0.7  # s: steps of one control that follow each other as fast are undone together
 MAX_STATES = 200  # states that are kept
 FORMAT = "frictionlab explorer"
+KEPT, DOTTED, SOLID = "kept", "dotted, kept", "solid, now"
 State = dict[str, Any]
 
 
@@ -136,3 +142,73 @@ def state_from_text(text: str | bytes) -> tuple[Any, State]:
     if not found:
         raise ValueError(f"the file must be one that an explorer saved, got the format {data['format']!r}")
     return Model.from_dict(model), data["changed"]
+
+
+class Comparison:
+    """The scene that is kept.
+
+    Attributes
+    ----------
+    state : dict or None
+        What the controls were set to; None where nothing is kept.
+    result : Result or None
+    mechanism : MovingMechanism or None
+        That of the kept scene, where the explorer shows one.
+    """
+
+    def __init__(self, picture: Picture, layout: Layout) -> None:
+        self._picture, self._layout = picture, layout
+        self.state: State | None = None
+        self.result: Any = None
+        self.mechanism: MovingMechanism | None = None
+
+    def keep(self, state: State, result: Any, beside: MovingMechanism | None) -> None:
+        """Keep a scene that is shown; its mechanism is shown beside the one that moves on."""
+        self.state, self.result = state, result
+        self._picture.freeze()
+        if beside is not None:
+            old, self.mechanism = self.mechanism, self.mechanism or MovingMechanism(KEPT)
+            self.mechanism.show(result, self._picture.dark)
+            if old is None:
+                shown = list(self._layout.pictures.children)
+                shown.insert(shown.index(beside.canvas) + 1, self.mechanism.canvas)
+                self._layout.pictures.children = shown
+
+    def forget(self) -> None:
+        """Keep nothing any more."""
+        self.state = self.result = None
+        self._picture.unfreeze()
+        self._layout.show_comparison("")
+        if self.mechanism is not None:
+            left = [each for each in self._layout.pictures.children if each is not self.mechanism.canvas]
+            self._layout.pictures.children = left
+            self.mechanism.canvas.close()
+            self.mechanism = None
+
+    def restyle(self) -> None:
+        """Draw the mechanism in the colours of the page."""
+        if self.mechanism is not None:
+            self.mechanism.show(self.result, self._picture.dark)
+
+    def describe(self, now: State) -> None:
+        """Say in what the two scenes differ, and what the kept one does."""
+        if self.state is None:
+            return
+        before = self.state
+        names = [name for name in {**before, **now} if before.get(name) != now.get(name)]
+        if not names:
+            text = "The scene is kept, dotted: move a control, and both are seen."
+        else:
+            rows = (f"<b>{what}</b>: {_values(names, of)}" for what, of in ((DOTTED, before), (SOLID, now)))
+            text = f"{'<br>'.join(rows)}<br>Kept: {verdict_text(self.result)}"
+        self._layout.show_comparison(text)
+
+
+def _values(names: list[str], state: State) -> str:
+    return ", ".join(escape(f"{name} = {_shown(state[name])}") for name in names if name in state)
+
+
+def _shown(value: Any) -> str:
+    if isinstance(value, bool):
+        return "on" if value else "off"
+    return f"{value:.7g}" if isinstance(value, float) else str(value)

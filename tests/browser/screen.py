@@ -6,7 +6,7 @@ PATIENCE = 60_000  # milliseconds
 SEEN = """async (root) => {
   const explorer = document.querySelector(root);
   const bytes = async (image) => new Uint8Array(await (await fetch(image.src)).arrayBuffer()).join();
-  const pictures = await Promise.all([...explorer.querySelectorAll("img.fl-panel")].map(bytes));
+  const pictures = await Promise.all([...explorer.querySelectorAll(".fl-panel img")].map(bytes));
   const numbers = [...explorer.querySelectorAll(".fl-equilibrium span")].map((e) => e.innerText);
   return { pictures, words: numbers.join(" ") };
 }"""
@@ -59,3 +59,44 @@ def changed(page, root, before, pictures=1, words=True):
             return settled(page, root)
         assert time.monotonic() < end, f"after {PATIENCE / 1000} s {root} still says {now['words']!r}"
         page.wait_for_timeout(100)
+
+
+# Texts, fields, buttons and pictures that reach beyond the window or beyond a box that cuts them off.  What
+# one scrolls is no fault: the strip of panels on a narrow screen, and the picture where it is higher than the
+# window.
+CUT = """(root) => {
+  const width = document.documentElement.clientWidth, found = [], box = (e) => e.getBoundingClientRect();
+  const shown = (e) => e.checkVisibility({ visibilityProperty: true }) && box(e).width && box(e).height;
+  const says = (e) => [...e.childNodes].some((n) => n.nodeType === 3 && n.textContent.trim());
+  for (const e of document.querySelectorAll(root + " *")) {
+    if (!shown(e) || e.closest("mjx-container, option")) continue;
+    if (!says(e) && !/^(INPUT|SELECT|BUTTON|TEXTAREA|IMG|CANVAS)$/.test(e.tagName)) continue;
+    const b = box(e), name = `${e.tagName} ${e.className} "${(e.textContent || e.value || "").slice(0, 30)}"`;
+    const strip = e.closest(".fl-picture") && width <= 800;
+    if (!strip && (b.left < -0.5 || b.right > width + 0.5)) found.push(`${name} leaves the window`);
+    for (let p = e.parentElement; p && !p.matches(root + ", .fl-picture"); p = p.parentElement) {
+      const q = box(p), style = getComputedStyle(p);
+      const across = b.left < q.left - 0.5 || b.right > q.right + 0.5;
+      const down = b.top < q.top - 2 || b.bottom > q.bottom + 2;
+      if (style.overflowX !== "visible" && across) found.push(`${name} is cut across`);
+      if (style.overflowY === "hidden" && down) found.push(`${name} is cut down`);
+    }
+  }
+  return found;
+}"""
+
+
+def cut_off(page, root):
+    """What is clipped within a part of the page."""
+    return page.evaluate(CUT, root)
+
+
+GRAVE = ("serious", "critical")
+RUN_AXE = """async (root) => (await axe.run(root)).violations.map(({ id, impact, nodes }) => [impact,
+  id, nodes.map((node) => node.html.slice(0, 120) + ": " + node.failureSummary).slice(0, 3)])"""
+
+
+def faults(page, axe, root="html"):
+    """The serious and critical faults that axe-core finds within a part of the page."""
+    page.evaluate(axe)
+    return [found for found in page.evaluate(RUN_AXE, root) if found[0] in GRAVE]

@@ -7,7 +7,7 @@ import socket
 import subprocess
 import sys
 import time
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from urllib.error import URLError
 from urllib.request import urlopen
@@ -86,6 +86,24 @@ for i, row in enumerate(fl.list_models()):
 """
 
 
+LAB = (
+    "--no-browser",
+    "--allow-root",
+    "--ServerApp.port_retries=0",
+    "--IdentityProvider.token=",
+    "--LabApp.news_url=None",
+    "--LabApp.check_for_updates_class=jupyterlab.NeverCheckForUpdate",
+)
+
+
+# The explorer of all models, as `frictionlab app` shows it.
+SCENES = """\
+from frictionlab.widgets.scenes import open_scenes
+
+open_scenes()
+"""
+
+
 def write_notebook(folder, source=CELL):
     """A notebook of one cell; returns its path."""
     cell = {"cell_type": "code", "execution_count": None, "metadata": {}, "outputs": [], "source": source}
@@ -111,6 +129,22 @@ def environment(folder):
     return os.environ | own | {"IPYTHONDIR": str(folder / "ipython"), "PYTHONPATH": path}
 
 
+def in_lab(folder, port):
+    return ["jupyterlab", *LAB, f"--port={port}", f"--ServerApp.root_dir={folder}"]
+
+
+def app(folder, port):
+    return ["frictionlab", "app", "--no-browser", "--port", str(port)]
+
+
+def run_all(page):
+    """Lab's way to the outputs."""
+    page.locator(".jp-Notebook .jp-CodeCell").first.wait_for(timeout=1000 * PATIENCE)
+    page.get_by_text("| Idle").wait_for(timeout=1000 * PATIENCE)  # without a kernel it runs nothing
+    page.locator(".lm-MenuBar-item").get_by_text("Run", exact=True).click()
+    page.locator(".lm-Menu-item").get_by_text("Run All Cells", exact=True).click()
+
+
 @contextmanager
 def serving(arguments, port, folder):
     """`python -m arguments`, from when it answers at the port until the block is done; yields its address."""
@@ -134,8 +168,11 @@ def printed_path(folder):
 
 def running_kernels():
     """How many kernels this process's servers have."""
-    commands = [child.cmdline() for child in psutil.Process().children(recursive=True) if child.is_running()]
-    return sum("ipykernel_launcher" in command for command in commands)
+    kernels = 0
+    for child in psutil.Process().children(recursive=True):
+        with suppress(psutil.NoSuchProcess):  # it ends just now
+            kernels += "ipykernel_launcher" in child.cmdline()
+    return kernels
 
 
 def _wait(process, port, log):

@@ -7,12 +7,15 @@ from types import SimpleNamespace
 import pytest
 
 import frictionlab as fl
-from frictionlab.widgets.rendering.tile import AXES_RECTANGLE
+from frictionlab.widgets.panels.tile import AXES_RECTANGLE
 from tests.browser.screen import PATIENCE, changed, flip, press, seen, settled
 from tests.browser.servers import (
     CLICKED,
+    app,
     free_port,
+    in_lab,
     printed_path,
+    run_all,
     running_kernels,
     serving,
     write_notebook,
@@ -22,14 +25,6 @@ pytestmark = pytest.mark.browser
 
 SWITCHES = "cubic", "nonsmooth", "geometry"
 LABELS = {"mu_k": "μ", "F": "F", "v": "v", "k2": "k", "k_nl": "k"}
-LAB = (
-    "--no-browser",
-    "--allow-root",
-    "--ServerApp.port_retries=0",
-    "--IdentityProvider.token=",
-    "--LabApp.news_url=None",
-    "--LabApp.check_for_updates_class=jupyterlab.NeverCheckForUpdate",
-)
 
 
 def voila(folder, port):
@@ -48,22 +43,6 @@ def lab(folder, port):
 def lab_clicked(folder, port):
     write_notebook(folder, CLICKED)
     return in_lab(folder, port)
-
-
-def in_lab(folder, port):
-    return ["jupyterlab", *LAB, f"--port={port}", f"--ServerApp.root_dir={folder}"]
-
-
-def app(folder, port):
-    return ["frictionlab", "app", "--no-browser", "--port", str(port)]
-
-
-def run_all(page):
-    """Lab's way to the outputs."""
-    page.locator(".jp-Notebook .jp-CodeCell").first.wait_for(timeout=PATIENCE)
-    page.get_by_text("| Idle").wait_for(timeout=PATIENCE)  # without a kernel it runs nothing
-    page.locator(".lm-MenuBar-item").get_by_text("Run", exact=True).click()
-    page.locator(".lm-Menu-item").get_by_text("Run All Cells", exact=True).click()
 
 
 FRONT_ENDS = {
@@ -100,7 +79,7 @@ def shown(request, browser, tmp_path_factory):
         )  # Voila sends the rest when the cells have run
         if module == "jupyterlab":
             run_all(page)
-        page.wait_for_selector(f"{root} img.fl-panel", timeout=3 * PATIENCE)
+        page.wait_for_selector(f"{root} .fl-panel img", timeout=3 * PATIENCE)
         if request.param == "lab":  # what follows in the cell still runs
             page.wait_for_selector("canvas", timeout=3 * PATIENCE)
             page.get_by_text("| Idle").wait_for(timeout=PATIENCE)
@@ -240,7 +219,7 @@ def test_a_link_opens_its_scene_with_what_was_changed(browser, tmp_path):
     with serving(app(tmp_path, port), port, tmp_path) as address:
         page = browser.new_page()
         page.goto(address + printed_path(tmp_path) + "&scene=stick-slip&mu_k=0.55", wait_until="commit")
-        page.wait_for_selector(".fl-explorer img.fl-panel", timeout=3 * PATIENCE)
+        page.wait_for_selector(".fl-explorer .fl-panel img", timeout=3 * PATIENCE)
         assert "token" not in page.url
         assert page.locator(".fl-scene select").input_value().replace("\xa0", " ") == "stick-slip"
         assert page.locator(".fl-mu_k .widget-readout").input_value() == "0.55"
@@ -255,9 +234,9 @@ def test_a_page_has_one_kernel_as_long_as_it_is_open(browser, tmp_path):
         page = browser.new_page()  # nothing intercepts what it says as it closes
         page.goto(address + printed_path(tmp_path), wait_until="commit")
         assert page.url == address + "/"  # the token is not there to be read from the screen
-        page.wait_for_selector(".fl-explorer img.fl-panel", timeout=3 * PATIENCE)
+        page.wait_for_selector(".fl-explorer .fl-panel img", timeout=3 * PATIENCE)
         page.reload(wait_until="commit")
-        page.wait_for_selector(".fl-explorer img.fl-panel", timeout=3 * PATIENCE)
+        page.wait_for_selector(".fl-explorer .fl-panel img", timeout=3 * PATIENCE)
         wait_for_kernels(page, before + 1)
         page.goto("about:blank")
         wait_for_kernels(page, before)
@@ -298,7 +277,7 @@ def test_a_click_into_the_plane_moves_the_point_there(shown):
 @CLICKABLE
 def test_a_click_into_the_diagram_selects_the_value_there(shown):
     page = shown.page
-    page.wait_for_selector(".diagram img.fl-panel", timeout=PATIENCE)
+    page.wait_for_selector(".diagram .fl-panel img", timeout=PATIENCE)
     settled(page, ".diagram")
     readout = page.locator(".diagram .fl-mu_k .widget-readout")
     low, high = map(float, page.locator(".diagram .fl-range .widget-readout").inner_text().split("–"))

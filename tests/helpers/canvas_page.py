@@ -1,4 +1,5 @@
-"""A page of its own for the canvas's JavaScript: a model that only answers `get`, as anywidget's does."""
+"""A page of its own for the canvas's JavaScript: a model that answers `get` as anywidget's does, and hears
+of nothing else."""
 
 import base64
 
@@ -12,7 +13,8 @@ START = """async ({ code, scene, rows }) => {
   const values = { scene, rows: new DataView(padded.buffer, 3) };
   const el = document.createElement("div");
   document.body.append(el);
-  window.stop = module.default.render({ model: { get: (name) => values[name] }, el });
+  const model = { get: (name) => values[name], on: () => {}, off: () => {} };
+  window.stop = module.default.render({ model, el });
   await new Promise((done) => setTimeout(done, 200));
 }"""
 

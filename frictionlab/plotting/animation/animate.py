@@ -42,7 +42,6 @@ from .tilting_belt import (
     is_tilting_belt,
     move_force_arrows,
     move_mechanism,
-    outlines,
     parameters,
     sample_frames,
 )
@@ -98,10 +97,6 @@ class BeltPicture:
     def limits(self) -> tuple[tuple[float, float], tuple[float, float]]:
         """The picture's edges in x and in y."""
         return self.sizes.limits
-
-    def outlines(self, frame: int) -> list[Array]:
-        """Lines (2, P) of all that moves in a frame."""
-        return outlines(self.sizes, frame)
 
     def handles(self) -> list[Any]:
         """Legend entries of the forces."""

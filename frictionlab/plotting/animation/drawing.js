@@ -89,7 +89,7 @@ function mechanism(c, width, height, scene, row) {
   arrow(c, x + 0.35 * w, top, 0, -scene.preload / scene.scale, preload, px);
   arrow(c, x, middle, 0, row.normal_force / scene.scale, normal, px);
   arrow(c, x, middle, row.friction_force / scene.scale, 0, friction, px);
-  Object.assign(c, { fillStyle: scene.ink, font: "italic 13px serif", textAlign: "center", textBaseline: "middle" });
+  Object.assign(c, { fillStyle: scene.ink, font: `italic ${scene.letters ?? 13}px serif`, textAlign: "center", textBaseline: "middle" });
   for (const [name, [from, to]] of Object.entries(springs)) {
     const [dx, dy] = scene.names[name];
     c.save();
@@ -153,7 +153,7 @@ function phasePlane(c, width, height, scene, frames) { // the whole path; return
     if (mode !== old || i === frames.count - 1) { line(c, points, 1.5, scene.line_colours[old]); points = points.slice(-1); }
   }
   line(c, [[l, t], [l, height - b], [width - r, height - b]], 1, scene.ink);
-  Object.assign(c, { fillStyle: scene.ink, font: "12px sans-serif", textAlign: "center", textBaseline: "top" });
+  Object.assign(c, { fillStyle: scene.ink, font: `${scene.letters ?? 12}px sans-serif`, textAlign: "center", textBaseline: "top" });
   for (const v of ticks(xs)) { line(c, [[X(v), height - b], [X(v), height - b + 4]], 1, scene.ink); c.fillText(+v.toPrecision(3), X(v), height - b + 7); }
   c.fillText(scene.axes[1], (l + width - r) / 2, height - b + 23);
   Object.assign(c, { textAlign: "right", textBaseline: "middle" });

@@ -89,11 +89,6 @@ class Parts:
         """A note on the magnification."""
         return f"displacements × {self.magnify:g}"
 
-    def outlines(self, frame: int) -> list[Array]:
-        """Lines (2, P) of all parts in a frame."""
-        lines = ((s.kind, outline(s.kind, s.rows[frame])) for s in self.shapes)
-        return [np.c_[x, x[:, :1]] if kind in ("block", "disc") else x for kind, x in lines]
-
     def handles(self) -> list[Any]:
         """Legend entries of the forces."""
         colours = {letter: colour for colour, letter in FORCES.values()}

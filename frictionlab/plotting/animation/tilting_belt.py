@@ -299,19 +299,6 @@ def move_mechanism(
     return list(artists.values())
 
 
-def outlines(mechanism: Mechanism, frame: int) -> list[Array]:
-    """Lines (2, P) of the moving parts in a frame: belt, springs, slider."""
-    row, (width, height) = mechanism.row(frame), mechanism.block
-    loop = 2 * (sum(mechanism.wheels) + np.pi * mechanism.radius)
-    belt = belt_outline(np.linspace(0, loop, 200), mechanism.wheels, mechanism.radius)
-    springs = [
-        spring_outline(*both, SPRING_WIDTH * mechanism.size) for both in spring_ends(mechanism, row).values()
-    ]
-    corners = np.array([[-0.5, 0.5, 0.5, -0.5, -0.5], [0.0, 0.0, 1.0, 1.0, 0.0]]) * [[width], [height]]
-    slider = corners + np.array([[row["slider_x"]], [row["slider_y"]]])
-    return [to_picture_frame(belt, row["belt_x"], row["belt_y"], row["slope"]), *springs, slider]
-
-
 def wheel_centres(mechanism: Mechanism, row: dict[str, float]) -> list[tuple[float, float]]:
     """Centres of the two wheels."""
     (left, right), r = mechanism.wheels, mechanism.radius

@@ -30,14 +30,14 @@ from frictionlab.plotting.figure import Curve, Drawing
 from frictionlab.plotting.studies.sweeps import EARLY_END_HEIGHT, MOTION_STYLES
 from frictionlab.plotting.style import GREY, parameter_label, state_label
 from frictionlab.presentation import state_unit
-from frictionlab.widgets.controls.number_control import NumberControl
-from frictionlab.widgets.controls.sliders import (
+from frictionlab.widgets.number_control import (
+    NumberControl,
     label_control,
     parameter_description,
     round_to_step,
     slider_range,
 )
-from frictionlab.widgets.settings import limit_steps, tighten_tolerance
+from frictionlab.widgets.result import limit_steps, tighten_tolerance
 
 Array = NDArray[np.float64]
 BATCH_SIZE = os.cpu_count() or 1  # values, in threads

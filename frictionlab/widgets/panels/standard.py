@@ -1,4 +1,4 @@
-"""The panels that have names, the mechanism at the end of the window shown, and the panel of critical values.
+"""The panels that have names, and the panel of critical values.
 
 The modes are a coloured strip at the foot of the panels over time, and the colours of the phase plane.
 """
@@ -16,7 +16,6 @@ from frictionlab.analysis.motion_scales import highest_frequency
 from frictionlab.models.coercion import check_parameter_name
 from frictionlab.models.composition import parameter_metadata
 from frictionlab.models.symbols import structure_of_component
-from frictionlab.plotting.animation.animate import mechanism_of, picture_of
 from frictionlab.plotting.figure import Curve, Drawing, envelope
 from frictionlab.plotting.style import (
     BLACK,
@@ -34,9 +33,8 @@ from frictionlab.plotting.time_histories import force_outputs
 from frictionlab.presentation import is_angle, state_unit
 from frictionlab.stability import CriticalCurve, critical_curve
 from frictionlab.validation import did_you_mean
-from frictionlab.widgets.controls.sliders import round_to_step, slider_range
-
-FRAMES = 200  # by which displacements are magnified, so that the largest is well seen
+from frictionlab.widgets.canvas import MovingMechanism
+from frictionlab.widgets.number_control import round_to_step, slider_range
 
 STRIP_THICKNESS = 7.0  # points
 STRIP_SAMPLES = 400
@@ -50,18 +48,6 @@ NEUTRAL = 1e-12  # share of an eigenvalue below which its real part is rounding
 CURVE_POINTS = 21
 MAX_CACHED_CURVES = 16  # curves
 OPERATING_POINT: dict[str, Any] = {"linestyle": "none", "markersize": 8.0, "zorder": 3.0}
-
-
-def mechanism(result: Any) -> Drawing:
-    """Bodies, springs, belt and contact forces at the last instant, magnified as the whole motion allows."""
-    t = result.times()
-    seen = t[np.unique(np.linspace(0, len(t) - 1, FRAMES).astype(int))]
-    picture = picture_of(result.run, mechanism_of(result.run, "the panel mechanism"), seen)
-    lines = picture.outlines(len(seen) - 1)
-    curves = {f"_part {i}": Curve(x, y, {"color": BLACK}) for i, (x, y) in enumerate(lines)}
-    xlim, ylim = picture.limits
-    note = f"t = {seen[-1]:.4g} s: {picture.mode[-1]}"
-    return Drawing(picture.note, "", curves, note=note, xlim=xlim, ylim=ylim)
 
 
 def mode_strip(result: Any) -> dict[str, Curve]:
@@ -254,12 +240,13 @@ PANELS: Mapping[str, Callable[[Any], Drawing]] = MappingProxyType(
         "forces": forces,
         "spectrum": spectrum,
         "eigenvalues": eigenvalues,
-        "mechanism": mechanism,
     }
 )
+MECHANISM = MovingMechanism.name
+NAMES = (MECHANISM, *PANELS)
 
 
-def select_panels(asked: Iterable[Any]) -> dict[str, Callable[[Any], Drawing]]:
+def select_panels(asked: Iterable[Any]) -> dict[str, Any]:
     """Panels by name; those asked for may be names or functions, or one name alone.
 
     Raises
@@ -268,18 +255,19 @@ def select_panels(asked: Iterable[Any]) -> dict[str, Callable[[Any], Drawing]]:
         For an unknown name, something that is no function, or none at all.
     """
     asked = [asked] if isinstance(asked, str) else asked
-    found = {_panel_name(panel): PANELS[panel] if isinstance(panel, str) else panel for panel in asked}
+    made = {MECHANISM: MovingMechanism(), **PANELS}
+    found = {_panel_name(panel): made[panel] if isinstance(panel, str) else panel for panel in asked}
     if not found:
-        raise ValueError(f"panels must hold at least one panel, got none: take some of {', '.join(PANELS)}")
+        raise ValueError(f"panels must hold at least one panel, got none: take some of {', '.join(NAMES)}")
     return found
 
 
 def _panel_name(panel: Any) -> str:
-    if isinstance(panel, str) and panel in PANELS:
+    if isinstance(panel, str) and panel in NAMES:
         return panel
     if callable(panel):
         return getattr(panel, "__name__", type(panel).__name__)
-    known = ", ".join(map(repr, PANELS))
+    known = ", ".join(map(repr, NAMES))
     raise ValueError(
-        f"panels must be functions or some of {known}, got {panel!r}{did_you_mean(panel, PANELS)}"
+        f"panels must be functions or some of {known}, got {panel!r}{did_you_mean(panel, NAMES)}"
     )

@@ -95,7 +95,7 @@ def test_runs_of_other_automata_are_refused():
         fl.watch(fl.solve(automaton, 1.0, x0=[1.0, 0.0], progress=False))
 
 
-@pytest.mark.parametrize("name", ["canvas.js", "rendering/clickable.js"])
+@pytest.mark.parametrize("name", ["canvas.js", "panels/panel_image.js"])
 def test_the_javascript_is_in_the_package_and_needs_nothing_else(name):
     code = resources.files("frictionlab.widgets").joinpath(*name.split("/")).read_text(encoding="utf-8")
     assert "export default { render }" in code
@@ -111,7 +111,7 @@ def test_the_wheel_holds_the_javascript(tmp_path):
     subprocess.run(command, cwd=root, env=environment, check=True, capture_output=True)
     (wheel,) = tmp_path.glob("*.whl")
     names = zipfile.ZipFile(wheel).namelist()
-    assert {f"frictionlab/widgets/{name}.js" for name in ("canvas", "rendering/clickable")} <= {*names}
+    assert {f"frictionlab/widgets/{name}.js" for name in ("canvas", "panels/panel_image")} <= {*names}
 
 
 DARK_MODELS = {"belt": MODEL, "parts": fl.MassOnBelt()}
@@ -212,9 +212,9 @@ def test_playing_advances_at_the_stated_pace_and_pausing_stops(page):
         return float(re.match(r"t = (\S+) s", page.locator("span").first.inner_text())[1])
 
     scrub(page, 100)
-    page.get_by_role("button").click()
+    page.get_by_role("button", name="play").click()
     page.wait_for_function("document.querySelector('span').textContent >= 't = 0.11'")
-    page.get_by_role("button").click()
+    page.get_by_role("button", name="pause").click()
     stopped = time()
     page.wait_for_timeout(100)
     assert time() == stopped >= 0.11

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import frictionlab as fl
-from frictionlab.widgets.settings import QUICK_METHOD
+from frictionlab.widgets.result import QUICK_METHOD
 from tests.helpers.explorers import lines, made, pixels
 
 

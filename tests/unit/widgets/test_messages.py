@@ -9,7 +9,7 @@ import pytest
 
 import frictionlab as fl
 from frictionlab.plotting.figure import Curve, Drawing
-from frictionlab.widgets.settings import QUICK_METHOD
+from frictionlab.widgets.result import QUICK_METHOD
 from tests.helpers.explorers import lines, made, pixels
 
 

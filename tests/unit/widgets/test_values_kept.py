@@ -4,7 +4,7 @@ import ipywidgets
 import pytest
 
 import frictionlab as fl
-from frictionlab.widgets.controls.number_control import NumberControl
+from frictionlab.widgets.number_control import NumberControl
 from tests.helpers.explorers import MODELS
 
 KINDS = NumberControl, ipywidgets.Checkbox, ipywidgets.Dropdown, ipywidgets.Text, ipywidgets.ToggleButton

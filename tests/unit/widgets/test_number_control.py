@@ -4,8 +4,7 @@ import pytest
 
 import frictionlab as fl
 from frictionlab.models.composition import parameter_metadata
-from frictionlab.widgets.controls.number_control import number_from_text
-from frictionlab.widgets.controls.sliders import slider
+from frictionlab.widgets.number_control import number_from_text, slider
 
 pytestmark = pytest.mark.plain_python
 

@@ -9,10 +9,12 @@ function render({ model, el }) {
   el.append(button, told);
   const show = () => Object.assign(button, { textContent: model.get("label"), title: model.get("hint") });
   const say = (text) => { told.textContent = text; };
+  // What follows an address is a link where the page is nothing but the explorer.
+  const whole = (text) => text.startsWith("?") && document.body.dataset.voila ? location.origin + location.pathname + text : text;
   function take(content, buffers) {
     if (content.text !== undefined) {
-      const copied = navigator.clipboard ? navigator.clipboard.writeText(content.text) : Promise.reject(new Error());
-      copied.then(() => say("copied"), () => say(`the browser forbids to copy; here it is: ${content.text}`));
+      const text = whole(content.text), copied = navigator.clipboard ? navigator.clipboard.writeText(text) : Promise.reject(new Error());
+      copied.then(() => say("copied"), () => say(`the browser forbids to copy; here it is: ${text}`));
       return;
     }
     const link = document.createElement("a");

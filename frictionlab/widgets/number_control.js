@@ -21,8 +21,10 @@ function render({ model, el }) {
   const message = make("div", { className: "fl-message" }, "flex: 1 1 100%; white-space: normal; line-height: 1.3; color: var(--jp-error-color1, #B00020)");
   range.setAttribute("role", "slider");
   message.setAttribute("role", "alert");
-  Object.assign(el.style, { display: "flex", flexFlow: "row wrap", alignItems: "center", minWidth: 0 });
-  el.append(range, field, message);
+  // A box of its own: JupyterLab takes the display that is set on the element itself away again.
+  const box = make("div", {}, "display: flex; flex-flow: row wrap; align-items: center; min-width: 0");
+  box.append(range, field, message);
+  el.append(box);
 
   function showValue() {
     const values = model.get("positions"), value = model.get("value");

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from frictionlab.plotting.figure import ENVELOPE_BINS, envelope
-from frictionlab.widgets.rendering.tile import MIN_FILL, data_range, linear_limits, logarithmic_limits
+from frictionlab.widgets.panels.tile import MIN_FILL, data_range, linear_limits, logarithmic_limits
 
 pytestmark = pytest.mark.plain_python
 

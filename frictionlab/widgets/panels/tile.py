@@ -18,9 +18,9 @@ from matplotlib.ticker import NullFormatter
 from matplotlib.transforms import Bbox
 
 from frictionlab.analysis.motion_scales import ROUND_NUMBER_RTOL
-from frictionlab.plotting.appearance import background, legible
+from frictionlab.plotting.appearance import background, ink, legible
 from frictionlab.plotting.figure import Curve, Drawing
-from frictionlab.plotting.style import BLACK, GREY
+from frictionlab.plotting.style import GREY
 
 Limits = tuple[float, float]
 MIN_FILL = 0.35  # share of the axis that the data have to fill, else it shrinks
@@ -31,22 +31,22 @@ ROUND_STEPS = (1.0, 2.0, 2.5, 5.0, 10.0)
 TICK_COUNT = 5
 DECADES = 5.0
 
-FONT_SIZE, NOTE_SIZE = 8.0, 8.0
-# Dotted in the colour of the text: grey is that of slip, and colours are those of coordinates and modes.
-FROZEN_STYLE: dict[str, Any] = {"linewidth": 1.3, "alpha": 0.75, "zorder": 3.2}
+FONT_SIZE, NOTE_SIZE = 9.0, 9.0
+# Dotted, in their own colours; what is grey, in that of the text: grey dots beside a grey curve are not seen.
+FROZEN_STYLE: dict[str, Any] = {"linewidth": 1.6, "zorder": 3.2}
 FROZEN_DOTS = (0, (1.0, 1.6))
 LEGEND_STYLE: dict[str, Any] = {
     "loc": "lower center",
     "bbox_to_anchor": (0.5, 0.985),
     "frameon": False,
-    "fontsize": 7.0,
+    "fontsize": 8.5,
     "columnspacing": 0.9,
     "handlelength": 1.0,
     "handletextpad": 0.4,
     "borderaxespad": 0.2,
 }
-SMALL_LEGEND = 5.5  # points
-AXES_RECTANGLE = 0.185, 0.165, 0.645, 0.70  # left, bottom, width, height, as shares of the tile
+SMALL_LEGEND = 6.5  # points
+AXES_RECTANGLE = 0.205, 0.175, 0.615, 0.685  # left, bottom, width, height, as shares of the tile
 
 
 def data_range(arrays: Iterable[Any]) -> Limits | None:
@@ -107,7 +107,6 @@ class Tile:
         self.right: Axes | None = None
         self.lines: dict[str, Line2D] = {}
         self.frozen: dict[str, Line2D] = {}
-        self.strips: set[str] = set()
         self.note = self.ax.text(
             0.985, 0.975, "", transform=self.ax.transAxes, ha="right", va="top", fontsize=NOTE_SIZE
         )
@@ -167,14 +166,14 @@ class Tile:
         across, up = self.ax.transData.inverted().transform(at)
         return float(across), float(up)
 
-    def freeze(self) -> None:
-        """Keep the present curves, dotted."""
-        for label, line in self.lines.items():
-            if label not in self.strips:
-                self._dotted(label, line).set_data(*line.get_data())
+    def keep(self, drawing: Drawing) -> None:
+        """Keep the curves of a drawing, dotted."""
+        for label, curve in drawing.curves.items():
+            if curve.axis != "strip":
+                self._dotted(label, self._line(label, curve)).set_data(curve.x, curve.y)
         self.background = None
 
-    def unfreeze(self) -> None:
+    def forget(self) -> None:
         """Remove the curves that were kept."""
         for line in self.frozen.values():
             line.set_data([], [])
@@ -190,8 +189,9 @@ class Tile:
             ax = self.right if self.right is not None and line.axes is self.right else self.ax
             style = {"marker": line.get_marker(), "markersize": line.get_markersize()}
             dots = "none" if line.get_linestyle() == "None" else FROZEN_DOTS
-            ink = {"color": legible(BLACK, ax), "markerfacecolor": "none"}
-            options: dict[str, Any] = {**FROZEN_STYLE, **ink, **style, "linestyle": dots}
+            colour = ink(ax) if line.get_color() == legible(GREY, ax) else line.get_color()
+            shown = {"color": colour, "markerfacecolor": "none"}
+            options: dict[str, Any] = {**FROZEN_STYLE, **shown, **style, "linestyle": dots}
             self.frozen[label] = ax.plot([], [], **options)[0]
         return self.frozen[label]
 
@@ -206,7 +206,6 @@ class Tile:
             if "color" in style:
                 style["color"] = legible(style["color"], ax)
             if curve.axis == "strip":
-                self.strips.add(label)
                 style["transform"] = ax.get_xaxis_transform()
             self.lines[label] = ax.plot([], [], label=label, animated=True, **style)[0]
         return self.lines[label]
@@ -268,6 +267,7 @@ class Tile:
         for size in (LEGEND_STYLE["fontsize"], SMALL_LEGEND):
             for rows in range(1, len(handles) + 1):
                 style = LEGEND_STYLE | {"fontsize": size, "ncols": -(-len(handles) // rows)}
+                style["labelcolor"] = ink(self.ax)
                 legend = self.ax.legend(handles=handles, **style)
                 box = legend.get_window_extent(renderer)
                 if box.y1 > self.box.y1:
@@ -278,7 +278,12 @@ class Tile:
 
 
 def _style_axes(ax: Axes) -> None:
-    ax.tick_params(labelsize=FONT_SIZE)
+    colour = ink(ax)  # not that of the settings, which may be others when the axis on the right is made
+    ax.tick_params(labelsize=FONT_SIZE, color=colour, labelcolor=colour)
+    ax.spines[:].set_color(colour)
+    for axis in (ax.xaxis, ax.yaxis):
+        axis.label.set_color(colour)
+        axis.get_offset_text().set_color(colour)
     ax.locator_params(nbins=TICK_COUNT)  # few ticks: a number takes as long to draw as a curve
     ax.ticklabel_format(axis="y", scilimits=(-3, 4), useOffset=False)
     ax.yaxis.labelpad = 2.0

@@ -6,7 +6,7 @@ import pytest
 import frictionlab as fl
 from frictionlab.components import Parameter
 from frictionlab.models.composition import parameter_metadata
-from frictionlab.widgets.controls.sliders import equal_within_rounding, remove_browser_rounding, slider
+from frictionlab.widgets.number_control import equal_within_rounding, remove_browser_rounding, slider
 
 pytestmark = pytest.mark.plain_python
 

@@ -11,8 +11,8 @@ from PIL import Image
 import frictionlab as fl
 from frictionlab.bench.response_times import latencies, latency_table
 from frictionlab.plotting.figure import Curve, Drawing
-from frictionlab.widgets.rendering.picture import DPI, PANEL_HEIGHT, PANEL_WIDTH, Picture, encode_png
-from frictionlab.widgets.rendering.tile import AXES_RECTANGLE
+from frictionlab.widgets.panels.picture import DPI, PANEL_HEIGHT, PANEL_WIDTH, Picture, encode_png
+from frictionlab.widgets.panels.tile import AXES_RECTANGLE
 
 MODEL = fl.SliderOnBelt(mu_k=0.4).without("geometry")
 

@@ -5,7 +5,7 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from frictionlab.plotting.figure import RunFigure
-from frictionlab.widgets.rendering.picture import TextCacheCanvas, text_image
+from frictionlab.widgets.panels.picture import TextCacheCanvas, text_image
 
 TEXTS = "time (s)", r"$\dot{x}_1$ (m/s)", "$10^{-6}$", "−0.025"
 

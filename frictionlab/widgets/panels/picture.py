@@ -2,28 +2,28 @@
 
 Images are PNGs with a palette made of the lines' colours, and texts are rendered once and then copied: to
 compute a palette or to render a text takes longer than to draw the curves.  Panels that respond to clicks are
-shown by `ClickablePicture`.
+shown as such.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
+from contextlib import nullcontext
 from functools import lru_cache
 from importlib import resources
 from io import BytesIO
 from typing import Any, NamedTuple
 
 import anywidget
-import ipywidgets
 import numpy as np
 import traitlets
 from matplotlib.backends.backend_agg import FigureCanvasAgg, RendererAgg
-from matplotlib.colors import to_rgb
+from matplotlib.colors import to_hex, to_rgb
 from matplotlib.font_manager import FontProperties
 from numpy.typing import NDArray
 from PIL import Image
 
-from frictionlab.plotting.appearance import WHITE, background, ink_on
+from frictionlab.plotting.appearance import WHITE, background, ink_on, is_dark, style
 from frictionlab.plotting.figure import Drawing, RunFigure
 
 from .tile import Tile
@@ -42,6 +42,8 @@ PANEL_WIDTH, PANEL_HEIGHT, DPI = (
     100,
 )  # inches of a panel: two beside the controls on a screen of 1280 pixels
 PANEL_COLUMNS = 2
+# A panel has whole pixels at all multiples of the step; more than the most would take longer than one waits.
+MIN_DPI, MAX_DPI, DPI_STEP = 60.0, 220.0, 5.0
 
 
 def encode_png(pixels: Any, colours: Iterable[Any], paper: Any = WHITE) -> bytes:
@@ -76,21 +78,24 @@ def _palette(colours: tuple[RGB, ...], paper: RGB) -> Any:
     return image
 
 
-class ClickablePicture(anywidget.AnyWidget):
-    """A picture in the browser, as :class:`ipywidgets.Image` is one.
+class PanelImage(anywidget.AnyWidget):
+    """A panel's picture in the browser.
 
     Attributes
     ----------
     value : bytes
         PNG.
+    alt : str
+        What a screen reader says of it.
     hint : str
-        What a click does.
+        What a click does; empty where it does nothing.
     """
 
     _esm = (
-        resources.files("frictionlab.widgets.rendering").joinpath("clickable.js").read_text(encoding="utf-8")
+        resources.files("frictionlab.widgets.panels").joinpath("panel_image.js").read_text(encoding="utf-8")
     )
     value = traitlets.Bytes().tag(sync=True)
+    alt = traitlets.Unicode().tag(sync=True)
     hint = traitlets.Unicode().tag(sync=True)  # the name tooltip makes views fail
 
     def on_click(self, clicked: Callable[[float, float], None]) -> None:
@@ -173,48 +178,61 @@ class Picture:
     ----------
     panels : mapping of str to Panel
         By the name that becomes a CSS class, ``fl-panel-<name>``.
+
+    Attributes
+    ----------
+    dpi : float
+        Pixels of an inch: a panel is `PANEL_WIDTH` inches wide.
+    dark : bool
+        Whether it is drawn on a dark background.
     """
 
     def __init__(self, panels: dict[str, Panel]) -> None:
-        self.panels = panels
-        columns = min(PANEL_COLUMNS, len(panels))
-        rows = -(-len(panels) // columns)
-        self.figure = RunFigure(figsize=(columns * PANEL_WIDTH, rows * PANEL_HEIGHT), dpi=DPI)
-        self.canvas = TextCacheCanvas(self.figure)
-        self.canvas.draw()
-        places = [(i % columns, rows - 1 - i // columns) for i in range(len(panels))]
-        size = 1 / columns, 1 / rows
-        self.tiles = {
-            name: Tile(self.figure, (x * size[0], y * size[1], *size)) for name, (x, y) in zip(panels, places)
-        }
+        self.panels, self.dpi, self._own_dark = panels, DPI, is_dark()
+        self.dark = self._own_dark
+        self.shown: dict[str, Drawing] = {}
+        self.kept: dict[str, Drawing] = {}
         self.images = {name: _panel_image(name, panel) for name, panel in panels.items()}
-        layout = ipywidgets.Layout(flex_flow="row wrap", flex=f"1 1 {PANEL_WIDTH * DPI:.0f}px", min_width="0")
-        self.widget = ipywidgets.Box(list(self.images.values()), layout=layout)
-        self.widget.add_class("fl-picture")
+        self._make_tiles()
+
+    def set_look(self, pixels: float, dark: bool) -> None:
+        """Draw everything anew for panels of so many pixels, on a dark or light page.
+
+        A dark style in which the picture was made stays.
+        """
+        dark = dark or self._own_dark
+        dpi = min(max(pixels / PANEL_WIDTH // DPI_STEP * DPI_STEP, MIN_DPI), MAX_DPI)
+        if (dpi, dark) == (self.dpi, self.dark):
+            return
+        self.dpi, self.dark = dpi, dark
+        self._make_tiles()
+        self._keep()
+        self._show()
 
     def draw(self, result: Any) -> tuple[int, int] | None:
         """Show a result in all panels; where one fails none is changed.
 
         Returns the parts done and their total where a panel is not complete.
         """
-        drawings = [panel(result) for panel in self.panels.values()]
-        for tile, drawing in zip(self.tiles.values(), drawings):
-            tile.show(drawing)
-        self.paint(self.panels)
-        return next((drawing.progress for drawing in drawings if drawing.progress), None)
+        self.shown = {name: panel(result) for name, panel in self.panels.items()}
+        self._show()
+        return next((drawing.progress for drawing in self.shown.values() if drawing.progress), None)
 
     def freeze(self) -> None:
         """Keep the present curves, dotted."""
-        for tile in self.tiles.values():
-            tile.freeze()
+        self.kept = self.shown
+        self._keep()
 
     def unfreeze(self) -> None:
         """Remove the curves that were kept, and show the picture without them."""
+        self.kept = {}
         for tile in self.tiles.values():
-            tile.unfreeze()
+            tile.forget()
+        self.paint(self.panels)
 
-    def paint(self, names: Sequence[str] | dict[str, Panel]) -> None:
-        """Draw tiles, and send their pixels."""
+    def paint(self, names: Iterable[str]) -> None:
+        """Draw tiles and send their images."""
+        names = list(names)
         for name in names:
             self.tiles[name].paint(self.canvas)
         pixels = Image.fromarray(np.asarray(self.canvas.buffer_rgba()))
@@ -223,12 +241,47 @@ class Picture:
             part = pixels.crop(_pixel_box(tile, pixels.height))
             self.images[name].value = encode_png(part, tile.colours, background(tile.ax))
 
+    def _make_tiles(self) -> None:
+        columns = max(1, min(PANEL_COLUMNS, len(self.panels)))
+        rows = max(1, -(-len(self.panels) // columns))
+        places = [(i % columns, rows - 1 - i // columns) for i in range(len(self.panels))]
+        size = 1 / columns, 1 / rows
+        with theme(self.dark):
+            inches = columns * PANEL_WIDTH, rows * PANEL_HEIGHT
+            self.figure = RunFigure(figsize=inches, dpi=self.dpi)
+            self.canvas = TextCacheCanvas(self.figure)
+            self.canvas.draw()
+            self.tiles = {
+                name: Tile(self.figure, (x * size[0], y * size[1], *size))
+                for name, (x, y) in zip(self.panels, places)
+            }
 
-def _panel_image(name: str, panel: Any) -> Any:
+    def _keep(self) -> None:
+        for name, drawing in self.kept.items():
+            self.tiles[name].keep(drawing)
+
+    def _show(self) -> None:
+        for name, drawing in self.shown.items():
+            self.tiles[name].show(drawing)
+            self.images[name].alt = _description(name, drawing)
+        if self.shown:
+            self.paint(self.panels)
+
+
+def theme(dark: bool) -> Any:
+    """A context in which colours are those for a dark page, unless the user has chosen a style."""
+    return style("dark") if dark and background() == to_hex(WHITE) else nullcontext()
+
+
+def _description(name: str, drawing: Drawing) -> str:
+    """A panel in words: its name, its axes, its note."""
+    axes = f"{drawing.ylabel} against {drawing.xlabel}"
+    return ": ".join(filter(None, [name, axes.replace("$", ""), drawing.note]))
+
+
+def _panel_image(name: str, panel: Any) -> PanelImage:
     """The widget of a panel; a clickable one where the panel has `pick`."""
-    image = ClickablePicture(hint=panel.hint) if hasattr(panel, "pick") else ipywidgets.Image(format="png")
-    image.layout = ipywidgets.Layout(width=f"{PANEL_WIDTH * DPI:.0f}px", max_width="100%", margin="0")
-    image.layout.object_fit = "contain"
+    image = PanelImage(hint=panel.hint if hasattr(panel, "pick") else "")
     return image.add_class("fl-panel").add_class(f"fl-panel-{name}")
 
 

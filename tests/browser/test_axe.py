@@ -1,0 +1,40 @@
+"""axe-core finds no serious fault on an exported page, nor on the pages of the site that are opened most.
+
+Those of the explorer are in test_scenes.py.
+"""
+
+import os
+from pathlib import Path
+
+import pytest
+
+import frictionlab as fl
+from tests.browser.screen import faults
+from tests.browser.test_page import exported, opened
+
+pytestmark = pytest.mark.browser
+
+SITE = Path(os.environ.get("FRICTIONLAB_SITE", Path(__file__).parents[2] / "docs/_build/html"))
+PAGES = ("index.html", "getting-started.html", "models/slider-on-rigid-belt.html", "course/00-one-mass.html")
+
+
+@pytest.mark.parametrize("model", [fl.SliderOnBelt(mu_k=1.4), fl.BouncingBall()], ids=repr)
+@pytest.mark.parametrize("theme", ["light", "dark"])
+def test_an_exported_page(browser, axe, tmp_path, model, theme):
+    page = opened(browser, exported(model, tmp_path / "page.html"))
+    page.evaluate("(name) => setTheme(name)", theme)
+    page.evaluate("for (const folded of document.querySelectorAll('details')) folded.open = true")
+    assert faults(page, axe) == []
+    page.context.close()
+
+
+@pytest.mark.parametrize("name", PAGES)
+@pytest.mark.parametrize("theme", ["light", "dark"])
+def test_the_site(browser, axe, name, theme):
+    if not (SITE / name).is_file():
+        pytest.skip(f"the site is not built (nox -s site): there is no {SITE / name}")
+    page = browser.new_page(viewport={"width": 1280, "height": 800}, color_scheme=theme)
+    page.goto((SITE / name).resolve().as_uri())
+    page.wait_for_timeout(500)
+    assert faults(page, axe) == []
+    page.close()
