@@ -266,7 +266,7 @@ def follow_branch(
                 branch_end_kind(automaton, point, step.other),
                 _restart_beyond(automaton, step.other, max_step / SHORTEST_STEP_PARTS),
             )
-            special += [SpecialPoint(kind, point, point.value)] if kind != NO_ORBIT else []
+            special += [SpecialPoint(SpecialKind(kind), point, point.value)] if kind != NO_ORBIT else []
             if ahead is None or not bounds[0] <= ahead.value <= bounds[1]:
                 return (yield BranchHalf(points, special, kind))
             point, length = ahead, max_step / SHORTEST_STEP_PARTS
