@@ -228,6 +228,7 @@ COEFFICIENT_ROUNDING = 64 * MACHINE_EPSILON
 GUARD_ROUNDING = 8 * MACHINE_EPSILON  # a guard below this share of its terms is at its zero
 LOW_ORDER = 2  # orders that nearly always decide, examined first
 SUSPECT_SHARE = 1e-9  # of its terms: a smaller leading coefficient is compared with its rounding error
+SAME_PLACE = 4 * MACHINE_EPSILON  # share of a step within which two zeros are at one instant
 NEWTON_STEPS = 12  # steps of Newton's method; one does where the tolerance is 1e-15
 NO_GUARD = -1
 
@@ -333,7 +334,7 @@ def first_event(system, mode, z, order, h, scratch):
         n = rescale(c, m, order, h, roots.scaled)
         found = isolate_roots(n, 1, roots)
         # Of two at once the first in the mode's order.
-        if found and (hit == NO_GUARD or roots.places[0] < 1.0):
+        if found and (hit == NO_GUARD or roots.places[0] < 1.0 - SAME_PLACE):
             h *= roots.places[0]
             hit = g
             order_of_hit = roots.multiplicity[0]

@@ -93,13 +93,10 @@ def _kept_program(automaton: HybridAutomaton) -> Program:
     kept = automaton.kept()
     if kept not in _KEPT_PROGRAMS:
         data = kept.get("program")
-        if data is None:
-            program = packed()
-            data = program_to_data(program, program._fill)
-            if data is not None:
-                kept.keep("program", data)
-        else:
+        if data is not None:
             program = program_from_data(data, lambda values: packed()._undefined(values))
+        elif (data := program_to_data(program := packed(), program._fill)) is not None:
+            kept.keep("program", data)
         _KEPT_PROGRAMS[kept] = program
     return _KEPT_PROGRAMS[kept]
 
@@ -282,11 +279,7 @@ class Packer:
         return self._conditions
 
     def pack(
-        self,
-        parameters: tuple[Symbol, ...],
-        coordinates: int,
-        apart: bool,
-        known: KnownModes | None = None,
+        self, parameters: tuple[Symbol, ...], coordinates: int, apart: bool, known: KnownModes | None = None
     ) -> Program:
         """The program of the modes so far; with what is `known` of others where they are on demand."""
         lowered, constraint_classes, demand = self.lowered, self.constraint_classes, None
@@ -298,9 +291,8 @@ class Packer:
             demand = _demand_arrays(self.demand, known, _ranges(self.listed_lengths), targets)
         names = tuple(mode.name for mode in self.modes)
         initial = [i for i, mode in enumerate(self.modes) if not mode.limit] if known is None else []
-        code = self._code(lowered, coordinates, initial)
         classes = int_array([*self.guard_classes, *constraint_classes])
-        code = code._replace(function_classes=classes)
+        code = self._code(lowered, coordinates, initial)._replace(function_classes=classes)
         every: list[LoweredTape] = [*lowered, *self.resets]
         guards = tuple(event.name for mode in self.modes for event in mode.events)
         guard_modes = int_array([i for i, mode in enumerate(self.modes) for _ in mode.events])

@@ -19,11 +19,6 @@ from numpy.typing import NDArray
 
 from frictionlab.hybrid.expression_functions import numpy_function
 from frictionlab.presentation import Drawable
-from frictionlab.stability.boundaries.stability_changes import (
-    StabilityChange,
-    StabilityKind,
-    changes_on_lines,
-)
 from frictionlab.stability.equilibrium_points.equilibria import (
     Equilibrium,
     equilibrium_branches,
@@ -33,8 +28,9 @@ from frictionlab.stability.equilibrium_points.static_equations import by_penetra
 from frictionlab.stability.equilibrium_problem import EquilibriumProblem, check_bounds
 from frictionlab.stability.flow import Flow
 
-Vector = NDArray[Any]
+from .stability_changes import StabilityChange, StabilityKind, changes_on_lines
 
+Vector = NDArray[Any]
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 ZERO_RTOL = 1e-9  # what is below this share of its terms, or of the largest eigenvalue, counts as zero
