@@ -43,12 +43,12 @@ class FileButton(anywidget.AnyWidget):
         self, label: str, hint: str, make: Callable[[], MadeFile | str], failed: Callable[[Exception], None]
     ) -> None:
         super().__init__(label=label, hint=hint)
-        self._make, self._failed = make, failed
+        self.make, self._failed = make, failed
         self.on_msg(self._pressed)
 
     def _pressed(self, *_: Any) -> None:
         try:
-            made = self._make()
+            made = self.make()
         except Exception as error:  # told beside the picture: a missing library, a full disk
             self._failed(error)
             return
@@ -145,11 +145,12 @@ class Files:
         self.load = ipywidgets.FileUpload(accept=".json", description="load state", multiple=False)
         self.load.tooltip = "set all controls to what a saved state says"
         self._failed, self.take = failed, load
-        self.load.observe(self._loaded, names="value")
+        self.load.observe(self.load_state, names="value")
         layout = ipywidgets.Layout(flex_flow="row wrap")
         self.widget = ipywidgets.Box([*self.buttons.values(), self.load], layout=layout)
 
-    def _loaded(self, change: Any) -> None:
+    def load_state(self, change: Any) -> None:
+        """Take the files that were chosen, as an observer."""
         for each in change["new"]:
             try:
                 self.take(bytes(each["content"]))

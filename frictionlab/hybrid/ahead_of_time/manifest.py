@@ -33,20 +33,20 @@ def kernel_sources() -> dict[str, bytes]:
             continue
         seen.add((module, name))
         modules.add(module)
-        left += _needed(module, name)
+        left += needed_names(module, name)
     return source_files(modules)
 
 
 def source_files(modules: Iterable[str]) -> dict[str, bytes]:
     """Content of the files of modules, by their paths in the package."""
-    return {_path(module): _read(module) for module in sorted(modules)}
+    return {_path(module): read_module(module) for module in sorted(modules)}
 
 
 def _kernels() -> Iterator[Name]:
     """The functions of the solver that are compiled."""
     for module in _modules(resources.files(SOLVER), SOLVER):
-        if any(f"\n@{decorator}\n".encode() in _read(module) for decorator in DECORATORS):
-            definitions, _ = _contents(module)
+        if any(f"\n@{decorator}\n".encode() in read_module(module) for decorator in DECORATORS):
+            definitions, _ = module_contents(module)
             for name, nodes in definitions.items():
                 if any(_is_kernel(node) for node in nodes):
                     yield module, name
@@ -66,9 +66,9 @@ def _modules(folder: Any, package: str) -> Iterator[str]:
             yield f"{package}.{entry.name.removesuffix('.py')}"
 
 
-def _needed(module: str, name: str) -> list[Name]:
+def needed_names(module: str, name: str) -> list[Name]:
     """Where the names come from that the definition of a name uses."""
-    definitions, imports = _contents(module)
+    definitions, imports = module_contents(module)
     found = []
     for node in definitions.get(name, []):
         for part in ast.walk(node):
@@ -87,12 +87,12 @@ def _needed(module: str, name: str) -> list[Name]:
 
 
 @cache
-def _contents(module: str) -> tuple[dict[str, list[ast.AST]], dict[str, Name]]:
+def module_contents(module: str) -> tuple[dict[str, list[ast.AST]], dict[str, Name]]:
     """Of a module: what defines each of its names, and for what it imports from the package module and
     name."""
     definitions: dict[str, list[ast.AST]] = {}
     imports: dict[str, Name] = {}
-    tree = ast.parse(_read(module))
+    tree = ast.parse(read_module(module))
     for node in ast.walk(tree):
         if isinstance(node, ast.ImportFrom) and (node.module or "").startswith(PACKAGE):
             for alias in node.names:
@@ -127,7 +127,8 @@ def _path(module: str) -> str:
 
 
 @cache
-def _read(module: str) -> bytes:
+def read_module(module: str) -> bytes:
+    """Content of a module's file."""
     return _file(module).read_bytes()
 
 

@@ -7,7 +7,7 @@ import pytest
 
 import frictionlab
 from frictionlab.hybrid import compilation
-from frictionlab.hybrid.ahead_of_time.entry_points import _KERNELS, symbols
+from frictionlab.hybrid.ahead_of_time.entry_points import entry_points, symbols
 from frictionlab.hybrid.ahead_of_time.manifest import kernel_sources
 
 pytestmark = pytest.mark.plain_python
@@ -37,7 +37,7 @@ def used_by(function):
 
 
 def files_of_what_kernels_call():
-    left = [*_KERNELS] + [each.function for each in symbols()]
+    left = [point.kernel for point in entry_points()] + [each.function for each in symbols()]
     files, seen = set(), set()
     while left:
         found = python_function(left.pop())
@@ -85,8 +85,8 @@ def test_names_under_a_condition_are_followed(monkeypatch):
         b"if True:\n    def one():\n        return system_of\n"
     )
     read = {"frictionlab.hybrid.made_up": text}
-    monkeypatch.setattr(manifest, "_read", lambda module: read[module])
-    manifest._contents.cache_clear()
-    found = manifest._needed("frictionlab.hybrid.made_up", "one")
-    manifest._contents.cache_clear()
+    monkeypatch.setattr(manifest, "read_module", lambda module: read[module])
+    manifest.module_contents.cache_clear()
+    found = manifest.needed_names("frictionlab.hybrid.made_up", "one")
+    manifest.module_contents.cache_clear()
     assert found == [("frictionlab.hybrid.tape.program", "system_of")]

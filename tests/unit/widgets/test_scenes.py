@@ -97,10 +97,10 @@ def test_a_saved_state_opens_its_model():
     other = fl.explore(fl.TwoBlocks(), panels=("eigenvalues",))
     other.controls["v"].value = 0.3
     scenes = Scenes(panels=("eigenvalues",))
-    scenes.load(other.files.buttons["save state"]._make().content)
+    scenes.load(other.files.buttons["save state"].make().content)
     assert (scenes.menu.value, scenes.explorer.model) == ("TwoBlocks()", fl.TwoBlocks(v=0.3))
     own = fl.explore(fl.TwoBlocks(v=0.37), panels=("eigenvalues",))
-    scenes.load(own.files.buttons["save state"]._make().content)
+    scenes.load(own.files.buttons["save state"].make().content)
     assert scenes.explorer.model == fl.TwoBlocks(v=0.37)
     with pytest.raises(ValueError, match="save its state"):
         scenes.link()

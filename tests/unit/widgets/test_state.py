@@ -66,7 +66,7 @@ def test_a_state_that_was_saved_is_loaded_again(short):
     short.controls["impact"].label = "restitution"
     for name, value in {"e": 0.35, "mu_k": 1.27, "switch-geometry": False, "start": "near"}.items():
         short.controls[name].value = value
-    content = short.files.buttons["save state"]._make().content
+    content = short.files.buttons["save state"].make().content
     other = fl.explore(fl.SliderOnBelt(mu_k=1.4), panels=("eigenvalues",))
     other.load(content)
     assert other.settings == short.settings
@@ -83,14 +83,14 @@ def test_a_state_that_was_saved_is_loaded_again(short):
 )
 def test_what_is_no_state_is_refused_in_words(short, content, words):
     before = short.values()
-    short.files._loaded({"new": ({"content": content},)})
+    short.files.load_state({"new": ({"content": content},)})
     assert words in short.layout.message.value
     assert short.values() == before
 
 
 def test_the_state_of_another_model_is_refused_in_words(short):
     other = fl.explore(fl.ModeCoupling(), panels=("eigenvalues",))
-    short.files._loaded({"new": ({"content": other.files.buttons["copy state"]._make().encode()},)})
+    short.files.load_state({"new": ({"content": other.files.buttons["copy state"].make().encode()},)})
     assert "must be that of SliderOnBelt(mu_k=1.4), got that of ModeCoupling()" in short.layout.message.value
 
 
@@ -113,16 +113,16 @@ def test_values_that_cannot_be_set_change_nothing(short, values, words):
 
 
 def test_the_figure_is_saved_with_its_curves(short):
-    svg = short.files.buttons["figure svg"]._make()
+    svg = short.files.buttons["figure svg"].make()
     assert (svg.name, svg.type) == ("SliderOnBelt.svg", "image/svg+xml")
     assert svg.content.startswith(b"<?xml")
     colour = short.picture.tiles["phase"].lines["stick"].get_color()
     assert colour.lower().encode() in svg.content.lower()
-    assert short.files.buttons["figure pdf"]._make().content.startswith(b"%PDF")
+    assert short.files.buttons["figure pdf"].make().content.startswith(b"%PDF")
 
 
 def test_data_are_saved_with_all_digits(short):
-    content = short.files.buttons["data csv"]._make().content.decode()
+    content = short.files.buttons["data csv"].make().content.decode()
     head, *rows = content.splitlines()
     names = head.split(",")
     t = np.array([float(row.split(",")[0]) for row in rows])
@@ -135,7 +135,7 @@ def test_data_are_saved_with_all_digits(short):
 def test_parquet_holds_the_same(short):
     pandas = pytest.importorskip("pandas", reason="pandas reads parquet; it is not installed")
     pytest.importorskip("pyarrow", reason="pyarrow reads parquet; it is not installed")
-    table = pandas.read_parquet(io.BytesIO(short.files.buttons["data parquet"]._make().content))
+    table = pandas.read_parquet(io.BytesIO(short.files.buttons["data parquet"].make().content))
     assert np.array_equal(table["x1"], short.result.state("x1"))
     assert list(table["mode"]) == list(short.result.modes)
 
@@ -147,6 +147,6 @@ def test_a_button_sends_a_file_and_tells_what_fails(short, monkeypatch):
     (about, (content,)) = sent[0]
     assert about == {"name": "SliderOnBelt.json", "type": "application/json"}
     assert json.loads(content)["changed"] == {"duration": 2.0}
-    monkeypatch.setattr(button, "_make", lambda: Path("/no/such/file").read_text())
+    monkeypatch.setattr(button, "make", lambda: Path("/no/such/file").read_text())
     button._handle_custom_msg({"asked": True}, [])
     assert "FileNotFoundError" in short.layout.message.value
