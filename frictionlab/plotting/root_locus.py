@@ -85,8 +85,8 @@ class _EquilibriumFrames:
 
     @property
     def automaton(self) -> Any:
-        """The model, of which a picture wants the parameters alone."""
-        return self.found.model
+        """Of which a picture wants the values of the parameters alone."""
+        return SimpleNamespace(values=self.found.model.parameters)
 
     @property
     def names(self) -> tuple[str, ...]:

@@ -115,7 +115,7 @@ def _recurrence_at_lag(t: Array, states: Array, lag: int) -> Recurrence:
     differences = np.maximum(
         np.abs(states[lag:] - states[:-lag]).max(axis=1), _time_deviations(t[lag:] - t[:-lag])
     )
-    half = len(differences) // 2
+    half = min(len(differences) // 2, len(differences) - 2)  # times are compared with that of the last
     count = (len(t) - 1 - half) // lag
     period = float(t[-1] - t[-1 - count * lag]) / count
     return Recurrence(lag, period, float(differences[half:].max()), _settling_factor(differences))

@@ -286,7 +286,9 @@ def test_pressed_by_a_force_the_mass_stays_at_the_stop():
 def test_alike_two_blocks_move_as_one():
     run = fl.simulate(fl.TwoBlocks(), 80.0, progress=False)
     assert np.diff(onsets_of(run, "stick | stick"))[1:] == pytest.approx(PERIOD, abs=1e-11)
-    assert run["x1"] == pytest.approx(run["x2"], abs=1e-11)
+    apart = np.abs(run["x1"] - run["x2"])  # rounding, which grows as one slips or sticks before the other
+    assert apart[run.t < 40.0].max() < 2e-13
+    assert apart.max() < 1e-10
 
 
 def test_two_blocks_slide_with_two_frequencies():
