@@ -7,13 +7,16 @@ from frictionlab.bench import many_runs, single_costs
 
 
 def test_the_smooth_model_agrees_where_it_is_narrow():
-    exact, wide, narrow = rows = many_runs.basin_times(samples=300, some=12, widths=(3.0, 0.1))
+    rows = many_runs.basin_times(samples=300, some=12, widths=(3.0, 0.1))
+    exact, *hybrid, wide, narrow = rows
     error = np.sqrt(many_runs.EQUILIBRIUM_SHARE * (1 - many_runs.EQUILIBRIUM_SHARE) / 300)
     assert exact.share == pytest.approx(many_runs.EQUILIBRIUM_SHARE, abs=4 * error)
     assert (exact.wrong, narrow.wrong) == (0, 0)
+    assert [row.wrong for row in hybrid] == [0] * len(hybrid)
+    assert hybrid[0].name == "RK4, step 1e-3 s"
     assert wide.wrong > 0
     lines = many_runs.basin_table(rows).splitlines()
-    assert len(lines) == 5
+    assert len(lines) == 2 + len(rows)
     assert all(line.count("|") == 8 for line in lines)
 
 
