@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from matplotlib.ticker import LogLocator
+from matplotlib.ticker import NullFormatter
 
 import frictionlab as fl
 from frictionlab.bench.harness import COULOMB_PERIOD, FULL_GAP_RATE_SLIDER, scenes
@@ -42,7 +42,7 @@ class Growth:
 
     def slope(self, values: Sequence[float]) -> float:
         """Slope in logarithmic axes, through the larger half of the sizes."""
-        half = len(self.sizes) // 2
+        half = min(len(self.sizes) // 2, len(self.sizes) - 2)
         return float(np.polyfit(np.log(self.sizes[half:]), np.log(values[half:]), 1)[0])
 
 
@@ -120,7 +120,7 @@ def _final_displacement(model: Any) -> float:
 
 def draw_growths(rows: Sequence[Growth]) -> RunFigure:
     """A panel for each, with its slope."""
-    picture = RunFigure(figsize=(11.0, 6.6), layout="constrained")
+    picture = RunFigure(figsize=(12.0, 7.0), layout="constrained")
     for ax, row in zip(picture.subplots(2, 3).ravel(), rows, strict=True):
         _draw(ax, row)
     return picture
@@ -130,14 +130,23 @@ def _draw(ax: Any, row: Growth) -> None:
     ax.loglog(row.sizes, row.seconds, "o-", color=BLUE, label=f"time, slope {row.slope(row.seconds):.2f}")
     ax.set(xlabel=row.of, ylabel="wall time (s)")
     if row.megabytes:
-        beside = ax.twinx()
-        slope = row.slope(row.megabytes)
-        beside.loglog(row.sizes, row.megabytes, "s--", color=VERMILLION, label=f"memory, slope {slope:.2f}")
+        beside, text = ax.twinx(), f"memory, slope {row.slope(row.megabytes):.2f}"
+        beside.loglog(row.sizes, row.megabytes, "s--", color=VERMILLION)
         beside.set_ylabel("memory (MB)", color=VERMILLION)
-        ax.plot([], [], "s--", color=VERMILLION, label=f"memory, slope {slope:.2f}")
-    ax.xaxis.set_major_locator(LogLocator(numticks=6))
+        ax.plot([], [], "s--", color=VERMILLION, label=text)
+        _show_decades(beside, row.megabytes)
+    _show_decades(ax, row.seconds)
+    ax.set_xticks(row.sizes, [f"{size:g}" if size < 1e4 else f"{size:.0e}" for size in row.sizes])
+    ax.xaxis.set_minor_formatter(NullFormatter())
     ax.grid(alpha=0.3, color=GREY)
-    ax.legend(loc="upper left", frameon=False, fontsize=9.0)
+    ax.legend(loc="lower left", bbox_to_anchor=(-0.05, 1.0), ncols=2, frameon=False, fontsize=8.5)
+
+
+def _show_decades(ax: Any, values: Sequence[float]) -> None:
+    """Whole decades on the axis of values."""
+    low, high = np.log10(min(values)), np.log10(max(values))
+    ax.set_ylim(10.0 ** np.floor(low), 10.0 ** np.ceil(high))
+    ax.yaxis.set_minor_formatter(NullFormatter())
 
 
 def growth_table(rows: Sequence[Growth]) -> str:

@@ -33,6 +33,7 @@ which one is this command's own work: {loads}.
 ## How many times our time
 
 {ratios}
+
 A number is the tool's wall time divided by ours, for each of its tolerances, the tighter one first. Ours is
 the shortest of our own runs whose error is not larger than the tool's, so that nothing is gained by being
 less exact; where all of ours have a larger error, our most exact one, in brackets.
