@@ -177,7 +177,7 @@ class StraightLine:
 
 def _python_function(data: Data, functions: Mapping[str, Callable[..., Any]]) -> Callable[..., Any]:
     """The same as a function of Python, with a line for each operation; a name vN holds the value N."""
-    count, known = data["arguments"], {"__builtins__": {}}
+    count, known = data["arguments"], dict[str, Any](__builtins__={})
     known |= {f"v{count + i}": number for i, number in enumerate(data["numbers"])}
     lines = [f"def written({', '.join(f'v{i}' for i in range(count))}):"]
     for i, (name, *of) in enumerate(data["operations"], count + len(data["numbers"])):
