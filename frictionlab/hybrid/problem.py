@@ -133,9 +133,7 @@ class RecordList:
     def add(self, record: Record, steps: int, events: int, points: int) -> None:
         """Keep the filled part of a record."""
         lengths = [steps] * 3 + [events] * 3 + [points] * 3
-        cut = (
-            array[:n].copy() if n < len(array) else array for array, n in zip(record, lengths, strict=True)
-        )
+        cut = [array[:n].copy() if n < len(array) else array for array, n in zip(record, lengths)]
         self._parts.append(Record(*cut))
         self.copied = all(n < len(array) for array, n in zip(record, lengths) if len(array))
         self.steps += int(steps)

@@ -90,7 +90,7 @@ class NativeCode:
 
     def used(self, modes: np.ndarray) -> None:
         """Count the jets computed in each mode; start the compilation of modes with many."""
-        if not compilation.HAS_MACHINE_CODE:
+        if not compilation.HAS_MACHINE_CODE or self.code.native.all():
             return
         self._used += np.bincount(modes, minlength=len(self._used))
         for mode in np.flatnonzero((self._used > COMPILE_AFTER) & (self.code.native == 0)).tolist():

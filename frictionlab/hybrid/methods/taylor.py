@@ -10,13 +10,14 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from decimal import Decimal
-from functools import cache
+from functools import cache, lru_cache
 from typing import Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
 
 from frictionlab.hybrid.compilation import inlined, kernel
 from frictionlab.hybrid.kernels import run_state, taylor_steps
+from frictionlab.hybrid.kernels.arithmetic import PARTS
 from frictionlab.hybrid.kernels.event_location import GuardZero
 from frictionlab.hybrid.kernels.jets import MAX_ORDER, copy_vector, mode_jets
 from frictionlab.hybrid.kernels.run_state import (
@@ -48,6 +49,7 @@ class AffineMap(NamedTuple):
     linear: Numbers  # the numbers without constants
 
 
+@lru_cache(maxsize=64)
 def is_affine(program: Program) -> bool:
     """Whether one map serves for all steps: no events, sections or integrals, and affine operations only."""
     code = program.code
@@ -126,13 +128,27 @@ def largest_magnitude(z):
 
 @inlined
 def apply_affine_map(change, z, new):
-    """Move the state on; `new` is scratch."""
-    for i in range(z.shape[0]):
-        new[i] = change.shift[i]
-    for j in range(z.shape[0]):  # all states together: their sums do not wait for each other
-        for i in range(z.shape[0]):
-            new[i] += change.matrix[j, i] * z[j]
-    for i in range(z.shape[0]):
+    """Move the state on; `new` is scratch.
+
+    Four sums at a time, which do not wait for each other and stay in registers.
+    """
+    matrix, shift, n = change.matrix, change.shift, z.shape[0]
+    fours = n - n % PARTS
+    for i in range(0, fours, PARTS):
+        a, b, c, d = shift[i], shift[i + 1], shift[i + 2], shift[i + 3]
+        for j in range(n):
+            row, x = matrix[j], z[j]
+            a += row[i] * x
+            b += row[i + 1] * x
+            c += row[i + 2] * x
+            d += row[i + 3] * x
+        new[i], new[i + 1], new[i + 2], new[i + 3] = a, b, c, d
+    for i in range(fours, n):
+        total = shift[i]
+        for j in range(n):
+            total += matrix[j, i] * z[j]
+        new[i] = total
+    for i in range(n):
         z[i] += new[i]
 
 
