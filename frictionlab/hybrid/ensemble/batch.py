@@ -9,7 +9,7 @@ import numpy as np
 
 from frictionlab.hybrid.codegen.native_cache import COMPILE_AFTER
 from frictionlab.hybrid.ensemble import lanes
-from frictionlab.hybrid.ensemble.lanes import Batch, new_batch
+from frictionlab.hybrid.ensemble.arrays import Batch, BatchRuns, new_batch
 from frictionlab.hybrid.kernels import run_state
 from frictionlab.hybrid.methods.base import STATUS_OF_CODE
 from frictionlab.hybrid.methods.taylor import Taylor, is_affine
@@ -103,10 +103,9 @@ def _problem_of_run(group: Batch, i: int, duration: float) -> Problem:
 def _advance_side_by_side(group: Batch, goes_on: np.ndarray, progress: Progress) -> None:
     runs, program, arrays = group.runs, group.program, (group.record, group.scratch)
     settings = group.native.code, run_state.Truncation(group.method.degree, group.method.tol)
-    # Jets kept from the last step have been overwritten: such a run begins again, as all do the first time.
     begins = goes_on & (runs.counts[:, run_state.JETS_READY] != 0)
     _fill_queues(runs, goes_on & ~begins)
-    lanes.begin_runs(*settings, runs, np.flatnonzero(begins), program.initial, *arrays)
+    lanes.begin_runs(*settings, runs, np.flatnonzero(begins), program.initial, group.scratch)
     left, interrupted, share = True, False, runs.times[:, run_state.NOW]
     while left and not interrupted:
         waiting = np.flatnonzero(
@@ -118,7 +117,7 @@ def _advance_side_by_side(group: Batch, goes_on: np.ndarray, progress: Progress)
         interrupted = progress.update(float(share.mean()))
 
 
-def _fill_queues(runs: lanes.BatchRuns, which: np.ndarray) -> None:
+def _fill_queues(runs: BatchRuns, which: np.ndarray) -> None:
     """Fill the queues of the modes with some runs, and no others."""
     modes = runs.counts[:, run_state.MODE]
     for mode in range(len(runs.queued)):

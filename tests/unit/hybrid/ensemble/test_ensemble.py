@@ -8,7 +8,7 @@ import frictionlab as fl
 from frictionlab.analysis.ensemble import advance_group, start_group
 from frictionlab.automaton import HybridAutomaton, Mode
 from frictionlab.hybrid.codegen import native_cache
-from frictionlab.hybrid.ensemble.lanes import select_runs
+from frictionlab.hybrid.ensemble.arrays import select_runs
 from frictionlab.hybrid.tape.packing import program_of
 from tests.differential.laws import Smooth
 from tests.helpers.automata import ball
