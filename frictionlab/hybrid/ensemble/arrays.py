@@ -96,6 +96,7 @@ def _new_lanes(program: Program, numbers: Numbers, method: Taylor) -> Lanes:
     return Lanes(
         runs=np.full(LANE_COUNT, FREE),
         needed=needed_slots(program),
+        first_terms=np.cumsum([0, *(len(tape.terms) for tape in program.tapes)]),
         counts=np.zeros(run_state.COUNTS, dtype=np.int64),
         z=aligned_zeros(program.code.inputs, LANE_COUNT),
         constants=aligned_zeros(numbers.constants.shape[1], LANE_COUNT),
@@ -130,6 +131,7 @@ class Lanes(NamedTuple):
 
     runs: np.ndarray  # index of the run in each lane, FREE where there is none
     needed: np.ndarray  # (modes, slots) those whose jets an event needs, then FREE
+    first_terms: np.ndarray  # (modes + 1,) range of the terms of each mode
     counts: np.ndarray  # scratch: those of a run before its event
     z: np.ndarray
     constants: np.ndarray

@@ -19,11 +19,13 @@ from frictionlab.interruption import Progress
 from frictionlab.presentation import Drawable, count, span, tally
 
 STEPS_PER_ROUND = 100_000  # steps between two updates of the progress bar, which check for ctrl-C
+MEMORY_CAPPED = lanes.CAPPED - 1  # the status of a run alone whose steps would fill the memory
 CODE_OF_STATUS = {
     **{status: code for code, status in STATUS_OF_CODE.items()},
     Status.INTERRUPTED: run_state.RUNNING,
     Status.STEP_CAP: lanes.CAPPED,
     Status.EVENT_CAP: lanes.CAPPED,
+    Status.MEMORY_CAP: MEMORY_CAPPED,
 }
 
 
@@ -138,4 +140,6 @@ def batch_result(group: Batch) -> BatchResult:
 def _status(status: int, totals: np.ndarray, caps: np.ndarray) -> Status:
     if status == lanes.CAPPED:
         return Status.STEP_CAP if totals[0] >= caps[0] else Status.EVENT_CAP
+    if status == MEMORY_CAPPED:
+        return Status.MEMORY_CAP
     return Status.INTERRUPTED if status == run_state.RUNNING else STATUS_OF_CODE[status]

@@ -134,11 +134,13 @@ def begin_runs(code, truncation, runs, which, initial, scratch):
 
 
 @kernel
-def load_lane(runs, lanes, lane, i):
-    """Load a run into a lane."""
+def load_lane(code, runs, lanes, mode, lane, i):
+    """Load a run into a lane, of its numbers those of its mode."""
     load_state(runs, lanes, lane, i)
-    copy_vector(runs.constants[i], lanes.constants[:, lane])
-    copy_vector(runs.terms[i], lanes.terms[:, lane])
+    for k in range(code.mode_ops[mode], code.mode_ops[mode + 1]):
+        lanes.constants[k, lane] = runs.constants[i, k]
+    for k in range(lanes.first_terms[mode], lanes.first_terms[mode + 1]):
+        lanes.terms[k, lane] = runs.terms[i, k]
 
 
 @inlined
@@ -160,13 +162,13 @@ def unload_lane(runs, lanes, lane):
 
 
 @kernel
-def load_lanes(runs, lanes, mode):
+def load_lanes(code, runs, lanes, mode):
     """Load runs from the queue of the mode into free lanes; returns the number of occupied lanes."""
     taken = 0
     for lane in range(LANE_COUNT):
         if lanes.runs[lane] == FREE and runs.queued[mode] > 0:
             runs.queued[mode] -= 1
-            load_lane(runs, lanes, lane, runs.queue[mode, runs.queued[mode]])
+            load_lane(code, runs, lanes, mode, lane, runs.queue[mode, runs.queued[mode]])
         if lanes.runs[lane] != FREE:
             taken += 1
             i = lanes.runs[lane]
@@ -251,11 +253,26 @@ def is_undecided(code, mode, order, scratch):
     return False
 
 
+@inlined
+def longest_queue(runs):
+    """The mode in which most runs wait."""
+    mode = 0
+    for other in range(1, runs.queued.shape[0]):
+        if runs.queued[other] > runs.queued[mode]:
+            mode = other
+    return mode
+
+
 @kernel
 def advance_lanes(code, truncation, runs, lanes, mode, record, scratch):
-    """Advance the runs in a mode until few are left in it; returns the number of calls."""
+    """Advance the runs in a mode until others fill more lanes, or few are left; returns the number of
+    calls."""
     calls = 0
-    while calls < MAX_CALLS and load_lanes(runs, lanes, mode) >= MIN_RUNS_FOR_LANES:
+    while calls < MAX_CALLS:
+        taken = load_lanes(code, runs, lanes, mode)
+        others_fill_lanes = runs.queued[longest_queue(runs)] >= LANE_COUNT
+        if taken < MIN_RUNS_FOR_LANES or (taken < LANE_COUNT and others_fill_lanes):
+            break
         calls += 1
         arrays = lanes.z, lanes.constants, lanes.terms, lanes.jets, lanes.control
         call_lane_step(code.lanes[mode], *arrays, truncation.order)
@@ -274,10 +291,7 @@ def advance_lanes(code, truncation, runs, lanes, mode, record, scratch):
 def advance_batch_kernel(code, truncation, runs, lanes, record, scratch, rounds):
     """Go on for about so many steps; returns whether any run is left."""
     while rounds > 0:
-        mode = 0
-        for other in range(1, runs.queued.shape[0]):
-            if runs.queued[other] > runs.queued[mode]:
-                mode = other
+        mode = longest_queue(runs)
         if runs.queued[mode] == 0:
             return False
         if (
