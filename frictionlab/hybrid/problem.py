@@ -107,8 +107,8 @@ class Status(Enum):
     STEP_CAP = "step cap: max_steps was reached before the end time; raise it to go on"
     EVENT_CAP = "event cap: max_events was reached before the end time; raise it to go on"
     MEMORY_CAP = (
-        "memory cap: little more than the steps and events kept so far would fit into the memory that is free; "
-        "end the run earlier, go on from its final state, or use fl.ensemble, which keeps no steps"
+        "memory cap: what is kept of the run would soon fill the memory that is free; end the run earlier, "
+        "go on from its final state, or use fl.ensemble, which keeps no steps"
     )
     INTERRUPTED = "interrupted: stopped by ctrl-C; the run is kept up to there"
     RUNNING = "running"

@@ -85,8 +85,8 @@ def _registered(name: str) -> None:
 
 LANE_COUNT = 4
 # Rows of `control`, all of LANE_COUNT numbers; of each guard the number of its leading zeros follows.
-LEFT, LENGTH, REGULAR, MEASURED, TOL, LOG_TOL, GUARD_TOL = range(7)
-CONTROL_ROWS = 7
+LEFT, LENGTH, REGULAR, MEASURED, SUITED, TOL, LOG_TOL, GUARD_TOL = range(8)
+CONTROL_ROWS = 8
 
 
 class ModeTape(NamedTuple):

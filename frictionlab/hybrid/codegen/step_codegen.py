@@ -19,6 +19,7 @@ from frictionlab.hybrid.codegen.jet_codegen import (
     LOG_TOL,
     MEASURED,
     REGULAR,
+    SUITED,
     ModeTape,
     empty_function,
 )
@@ -38,9 +39,10 @@ def lane_step_module(function: ModeTape, structure: StepStructure, name: str) ->
 
     All arrays have the lanes as their last axis.  Row LEFT of `control` holds the longest step wanted, the
     rows from CONTROL_ROWS on how many leading coefficients of each guard count as zero.  Written are LENGTH,
-    MEASURED (1 where that is the length without an event, else 0) and REGULAR (1 where no guard comes to zero
-    either, else 0); `z` is advanced in regular lanes.  The leading zeros are none then; in lanes that are
-    measured only, all coefficients of a guard that stays positive count as zero.
+    SUITED, MEASURED and REGULAR, 1 or 0: whether that length suits the states; the guards too, and is that of
+    a step without an event; and whether no guard comes to zero in it.  `z` is advanced in measured lanes.
+    The leading zeros are none after a regular step; in lanes that are measured only, all coefficients of a
+    guard that stays positive count as zero.
     """
     from llvmlite import ir
 
@@ -58,6 +60,7 @@ class _StepWriter(RemainderWriter):
         build = self.build
         left = self._load(self.control, LEFT)
         h = build.select(build.fcmp_ordered("<", left, h), left, h)
+        suited, longest = fine, h
         for guard in self.guards:
             fine = build.and_(fine, self._resolved(guard, h))
         if self.degree > 1:
@@ -67,15 +70,15 @@ class _StepWriter(RemainderWriter):
         for each in positive:
             fine = build.and_(fine, each)
         one, zero = self._number(1.0), self._number(0.0)
-        self._store(h, self.control, LENGTH)
-        self._store(build.select(measured, one, zero), self.control, MEASURED)
-        self._store(build.select(fine, one, zero), self.control, REGULAR)
+        self._store(build.select(measured, h, longest), self.control, LENGTH)
+        for row, lanes in (SUITED, suited), (MEASURED, measured), (REGULAR, fine):
+            self._store(build.select(lanes, one, zero), self.control, row)
         for i, each in enumerate(positive):
             zeros = self._load(self.control, CONTROL_ROWS + i)
             passed = build.select(build.and_(measured, each), self._order_less(-1), zeros)
             self._store(build.select(fine, zero, passed), self.control, CONTROL_ROWS + i)
         for i, end in enumerate(self._ends(h)):
-            self._store(build.select(fine, end, self._at(i, self.J)), self.z, i)
+            self._store(build.select(measured, end, self._at(i, self.J)), self.z, i)
         build.ret_void()
 
     def _length(self) -> tuple[Any, Any]:

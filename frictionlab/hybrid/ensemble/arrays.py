@@ -130,7 +130,7 @@ class Lanes(NamedTuple):
     """The runs that step together; the last axis is the lane, but for the slots."""
 
     runs: np.ndarray  # index of the run in each lane, FREE where there is none
-    needed: np.ndarray  # (modes, slots) those whose jets an event needs, then FREE
+    needed: np.ndarray  # (modes, slots) those by whose jets events are found, then FREE
     first_terms: np.ndarray  # (modes + 1,) range of the terms of each mode
     counts: np.ndarray  # scratch: those of a run before its event
     z: np.ndarray
@@ -146,12 +146,12 @@ def most_guards(code: Code) -> int:
 
 
 def needed_slots(program: Program) -> np.ndarray:
-    """Of each mode the slots of the states, of the guards, and of what majorants need of the jets."""
+    """Of each mode the slots of the guards, and of what majorants need of the jets."""
     code = program.code
     needed = np.full((len(program.modes), program.slots), FREE)
     for mode, tape in enumerate(program.tapes[: len(program.modes)]):
         first, last = code.mode_guards[mode : mode + 2]
-        slots = {*range(code.inputs), *code.function_slots[first:last].tolist()}
+        slots = set(code.function_slots[first:last].tolist())
         for i, (kind, a, b) in enumerate(tape.ops):
             if kind >= QUOTIENT:
                 slots |= {tape.inputs + i, a if kind == POWER else b}

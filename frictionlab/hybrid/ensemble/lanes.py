@@ -17,14 +17,16 @@ from frictionlab.hybrid.codegen.jet_codegen import (
     LENGTH,
     MEASURED,
     REGULAR,
+    SUITED,
 )
 from frictionlab.hybrid.compilation import inlined, kernel
 from frictionlab.hybrid.ensemble.arrays import FREE
 from frictionlab.hybrid.kernels.arithmetic import call_lane_step
 from frictionlab.hybrid.kernels.event_handling import count_repeat, handle_event
-from frictionlab.hybrid.kernels.event_location import COEFFICIENT_ROUNDING, LOW_ORDER, NO_GUARD
+from frictionlab.hybrid.kernels.event_location import COEFFICIENT_ROUNDING, LOW_ORDER, NO_GUARD, first_event
 from frictionlab.hybrid.kernels.jets import JET_COLUMNS, copy_vector, mode_jets
 from frictionlab.hybrid.kernels.mode_selection import NO_MODE, Rounding, forget_zeros, select_mode
+from frictionlab.hybrid.kernels.remainder import needs_remainder
 from frictionlab.hybrid.kernels.run_state import (
     END,
     ENTERED,
@@ -41,6 +43,7 @@ from frictionlab.hybrid.kernels.run_state import (
     advance_clock,
     remaining_time,
 )
+from frictionlab.hybrid.kernels.step_length import function_step
 from frictionlab.hybrid.kernels.taylor_steps import advance_taylor, step_to_event
 from frictionlab.hybrid.tape.program import Numbers, System
 
@@ -136,19 +139,13 @@ def begin_runs(code, truncation, runs, which, initial, scratch):
 @kernel
 def load_lane(code, runs, lanes, mode, lane, i):
     """Load a run into a lane, of its numbers those of its mode."""
-    load_state(runs, lanes, lane, i)
+    lanes.runs[lane] = i
+    copy_vector(runs.states[i], lanes.z[:, lane])
+    copy_vector(runs.zeros[i], lanes.control[CONTROL_ROWS:, lane])
     for k in range(code.mode_ops[mode], code.mode_ops[mode + 1]):
         lanes.constants[k, lane] = runs.constants[i, k]
     for k in range(lanes.first_terms[mode], lanes.first_terms[mode + 1]):
         lanes.terms[k, lane] = runs.terms[i, k]
-
-
-@inlined
-def load_state(runs, lanes, lane, i):
-    """Load what a step changes of a run."""
-    lanes.runs[lane] = i
-    copy_vector(runs.states[i], lanes.z[:, lane])
-    copy_vector(runs.zeros[i], lanes.control[CONTROL_ROWS:, lane])
 
 
 @inlined
@@ -195,34 +192,60 @@ def accept_lane_step(runs, lanes, lane):
 
 
 @inlined
+def copy_jet(lanes, lane, slot, order, scratch):
+    """Copy a slot's jet from a lane."""
+    copy_vector(lanes.jets[slot, : order + 1, lane], scratch.jets[slot])
+
+
+@inlined
 def copy_needed_jets(lanes, lane, mode, order, scratch):
-    """Copy the jets that an event needs, and how many leading coefficients of the guards count as zero."""
+    """Copy the jets by which events are found, and how many leading coefficients of guards count as zero."""
     for slot in lanes.needed[mode]:
         if slot == FREE:
             break
-        copy_vector(lanes.jets[slot, : order + 1, lane], scratch.jets[slot])
+        copy_jet(lanes, lane, slot, order, scratch)
     copy_vector(lanes.control[CONTROL_ROWS:, lane], scratch.leading_zeros)
+
+
+@inlined
+def shorter_length(code, truncation, lanes, lane, mode, scratch):
+    """Length of a lane's step that its guards make shorter; 0 where more than these matters."""
+    h, left = lanes.control[LENGTH, lane], lanes.control[LEFT, lane]
+    if lanes.control[SUITED, lane] == 0.0 or code.powers[mode]:
+        return 0.0
+    h = function_step(code, truncation.order, truncation.tol, mode, h, scratch.jets)
+    return 0.0 if needs_remainder(code, truncation.order, mode, h, left) else h
 
 
 @kernel
 def finish_lane_step(code, truncation, runs, lanes, lane, record, scratch):
     """Complete a step that was not regular, to its event if there is one."""
-    if lanes.control[MEASURED, lane] == 0.0:
-        advance_single(code, truncation, runs, unload_lane(runs, lanes, lane), 1, record, scratch)
-        return
-    copy_needed_jets(lanes, lane, runs.counts[lanes.runs[lane], MODE], truncation.order, scratch)
-    i = unload_lane(runs, lanes, lane)
-    runs.zeros[i] = 0.0
+    i, order, measured = lanes.runs[lane], truncation.order, lanes.control[MEASURED, lane] != 0.0
+    mode, h, left = runs.counts[i, MODE], lanes.control[LENGTH, lane], lanes.control[LEFT, lane]
+    copy_needed_jets(lanes, lane, mode, order, scratch)
+    if not measured:
+        h = shorter_length(code, truncation, lanes, lane, mode, scratch)
+        if h == 0.0:
+            unload_lane(runs, lanes, lane)
+            advance_single(code, truncation, runs, i, 1, record, scratch)
+            return
     system, run = system_of_run(code, runs, i), run_state_of(runs, i)
-    h, left = lanes.control[LENGTH, lane], lanes.control[LEFT, lane]
-    event, status = step_to_event(system, truncation, h, left, run, record, scratch)
+    copy_vector(lanes.jets[: code.inputs, 0, lane], run.state)
+    zero = first_event(system, mode, run.state, order, h, scratch)
+    lanes.control[CONTROL_ROWS:, lane] = 0.0
+    if measured and zero.guard == NO_GUARD:
+        accept_lane_step(runs, lanes, lane)
+        return
+    for slot in range(code.inputs):
+        copy_jet(lanes, lane, slot, order, scratch)
+    lanes.runs[lane] = FREE
+    runs.zeros[i] = 0.0
+    event, status = step_to_event(system, truncation, zero, left, run, record, scratch)
     if event.guard != NO_GUARD:
         status = change_mode(system, truncation, event, run, lanes.counts, record, scratch)
         keep_zeros(runs, i, scratch)
-        if not record_step_end(runs, i, status):
-            enqueue(runs, i)
-    elif not record_step_end(runs, i, status):
-        load_state(runs, lanes, lane, i)
+    if not record_step_end(runs, i, status):
+        enqueue(runs, i)
 
 
 @kernel

@@ -199,7 +199,8 @@ def take_taylor_step(system, truncation, run, record, scratch):
     elif needs_remainder(code, order, mode, h, left):
         visible = polynomials_visible(code, order, mode, h, left)
         h = remainder_step(system, truncation, mode, h, visible, J, scratch.bounds)
-    event, status = step_to_event(system, truncation, h, left, run, record, scratch)
+    zero = first_event(system, mode, run.state, order, h, scratch)
+    event, status = step_to_event(system, truncation, zero, left, run, record, scratch)
     if event.guard == NO_GUARD:
         return status
     if has_modes_on_demand(code):
@@ -208,15 +209,15 @@ def take_taylor_step(system, truncation, run, record, scratch):
 
 
 @inlined
-def step_to_event(system, truncation, h, left, run, record, scratch):
-    """Go on by `h`, of `left` at most, or to the first event before, along the jets in `scratch`.
+def step_to_event(system, truncation, zero, left, run, record, scratch):
+    """Go on to the first zero of the guards' series, by `left` at most, along the jets in `scratch`.
 
     Returns the event, which is yet to be handled, and how the run goes on where there is none.
     """
     code, order, J = system.code, truncation.order, scratch.jets
     times, counts = run.times, run.counts
     mode, goes_on = counts[MODE], False
-    h, guard, multiplicity = first_event(system, mode, run.state, order, h, scratch)
+    h, guard, multiplicity = zero
     if guard != NO_GUARD and multiplicity == 1 and is_guard_truncated(code, guard, mode, order, h, J):
         h = refine_event_time(system, mode, guard, order, h, scratch)
         if h > left:  # not within this run
