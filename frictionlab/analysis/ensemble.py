@@ -12,8 +12,9 @@ from frictionlab.analysis.simulate import validate_initial_state
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.automaton.mode import ModeNames
 from frictionlab.hybrid.compilation import needs_compilation
+from frictionlab.hybrid.ensemble.arrays import Batch, new_batch
 from frictionlab.hybrid.ensemble.batch import BatchResult, advance_batch, integrate_batch
-from frictionlab.hybrid.ensemble.lanes import Batch, advance_batch_kernel, new_batch
+from frictionlab.hybrid.ensemble.lanes import advance_batch_kernel
 from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.hybrid.problem import Problem
 from frictionlab.hybrid.solve import method_of, problem_of, with_chatter_limit

@@ -21,6 +21,7 @@ import numpy as np
 
 from frictionlab.automaton import HybridAutomaton, Mode
 from frictionlab.hybrid.elementary.parameter_functions import OF_OUTPUTS
+from frictionlab.hybrid.free_memory import free_memory
 from frictionlab.hybrid.kernels.run_state import Record, new_record
 from frictionlab.hybrid.tape.program import Code, Numbers, Program
 from frictionlab.presentation import MAX_ROWS, count, dataframe, shorten, span, state_unit
@@ -105,6 +106,10 @@ class Status(Enum):
     )
     STEP_CAP = "step cap: max_steps was reached before the end time; raise it to go on"
     EVENT_CAP = "event cap: max_events was reached before the end time; raise it to go on"
+    MEMORY_CAP = (
+        "memory cap: what is kept of the run would soon fill the memory that is free; end the run earlier, "
+        "go on from its final state, or use fl.ensemble, which keeps no steps"
+    )
     INTERRUPTED = "interrupted: stopped by ctrl-C; the run is kept up to there"
     RUNNING = "running"
 
@@ -115,6 +120,9 @@ class Status(Enum):
     def ok(self) -> bool:
         """Whether the end time was reached."""
         return self is Status.FINISHED
+
+
+BYTES_BETWEEN_LOOKS = 2**26  # by which a run grows before it is seen again whether memory ends
 
 
 class RecordList:
@@ -129,15 +137,24 @@ class RecordList:
     def __init__(self) -> None:
         self._parts: list[Record] = []
         self.steps, self.events, self.copied = 0, 0, False
+        self._bytes, self._next_look = 0, BYTES_BETWEEN_LOOKS
 
     def add(self, record: Record, steps: int, events: int, points: int) -> None:
         """Keep the filled part of a record."""
         lengths = [steps] * 3 + [events] * 3 + [points] * 3
         cut = [array[:n].copy() if n < len(array) else array for array, n in zip(record, lengths)]
         self._parts.append(Record(*cut))
+        self._bytes += sum(array.nbytes for array in self._parts[-1])
         self.copied = all(n < len(array) for array, n in zip(record, lengths) if len(array))
         self.steps += int(steps)
         self.events += int(events)
+
+    def fills_memory(self) -> bool:
+        """Whether memory would end before much more is kept: to join what there is takes as much again."""
+        if self._bytes < self._next_look:
+            return False
+        self._next_look = self._bytes + BYTES_BETWEEN_LOOKS
+        return free_memory() < self._bytes + 2 * BYTES_BETWEEN_LOOKS
 
     def raw(self, code: Code, t: float, state: np.ndarray, mode: int, status: Status) -> RunData:
         """Everything joined."""

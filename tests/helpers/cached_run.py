@@ -11,7 +11,7 @@ from frictionlab.automaton import HybridAutomaton, Mode
 from frictionlab.hybrid.codegen.jet_codegen import LANE_COUNT, LEFT
 from frictionlab.hybrid.codegen.native_cache import NativeCode
 from frictionlab.hybrid.compilation import kernel
-from frictionlab.hybrid.ensemble.lanes import new_batch
+from frictionlab.hybrid.ensemble.arrays import new_batch
 from frictionlab.hybrid.kernels.arithmetic import call_jets, call_lane_step
 from frictionlab.hybrid.kernels.run_state import jet_columns
 from frictionlab.hybrid.problem import Problem

@@ -28,7 +28,7 @@ from frictionlab.analysis.steady_state.steady_state import check_section
 from frictionlab.analysis.sweeps.journal import Journal
 from frictionlab.analysis.sweeps.sweep import run_tasks
 from frictionlab.automaton import HybridAutomaton
-from frictionlab.hybrid.ensemble.lanes import Batch, select_runs
+from frictionlab.hybrid.ensemble.arrays import Batch, select_runs
 from frictionlab.hybrid.kernels.run_state import FINISHED
 from frictionlab.models import Model
 from frictionlab.models.coercion import automaton_of

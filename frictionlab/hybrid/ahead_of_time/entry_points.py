@@ -19,7 +19,7 @@ from frictionlab.hybrid.accuracy import StoredSteps, measure_defects, new_defect
 from frictionlab.hybrid.codegen.jet_codegen import KERNELS
 from frictionlab.hybrid.elementary.parameter_functions import KERNELS as ELEMENTARY
 from frictionlab.hybrid.ensemble import lanes
-from frictionlab.hybrid.ensemble.lanes import new_batch
+from frictionlab.hybrid.ensemble.arrays import new_batch
 from frictionlab.hybrid.kernels import jets, mode_selection, taylor_steps
 from frictionlab.hybrid.kernels.event_handling import handle_event, handle_event_on_demand
 from frictionlab.hybrid.kernels.event_location import GuardZero

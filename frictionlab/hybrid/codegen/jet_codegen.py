@@ -84,8 +84,9 @@ def _registered(name: str) -> None:
 
 
 LANE_COUNT = 4
-LEFT, LENGTH, REGULAR, TOL, LOG_TOL, GUARD_TOL = range(6)  # rows of `control`, all of LANE_COUNT numbers
-CONTROL_ROWS = 6
+# Rows of `control`, all of LANE_COUNT numbers; of each guard the number of its leading zeros follows.
+LEFT, LENGTH, REGULAR, MEASURED, SUITED, TOL, LOG_TOL, GUARD_TOL = range(8)
+CONTROL_ROWS = 8
 
 
 class ModeTape(NamedTuple):

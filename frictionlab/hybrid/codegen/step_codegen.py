@@ -8,27 +8,41 @@ case is marked, and its state is left unchanged for the kernels of single runs.
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 from frictionlab.hybrid.codegen.jet_codegen import (
+    CONTROL_ROWS,
     GUARD_TOL,
     LEFT,
     LENGTH,
     LOG_TOL,
+    MEASURED,
     REGULAR,
+    SUITED,
     ModeTape,
     empty_function,
 )
 from frictionlab.hybrid.codegen.remainder_codegen import RemainderWriter, StepStructure
 from frictionlab.hybrid.kernels.arithmetic import PARTS
-from frictionlab.hybrid.llvm_instructions import Values, write_exp2, write_log2, write_loop
+from frictionlab.hybrid.llvm_instructions import (
+    Values,
+    write_branch,
+    write_exp2,
+    write_log2,
+    write_loop,
+)
 
 
 def lane_step_module(function: ModeTape, structure: StepStructure, name: str) -> Any:
     """LLVM module with the function `name`(z, constants, terms, J, control, order).
 
-    All arrays have the lanes as their last axis.  Row LEFT of `control` holds the longest step wanted;
-    LENGTH and REGULAR (1 or 0) are written; `z` is advanced in regular lanes.
+    All arrays have the lanes as their last axis.  Row LEFT of `control` holds the longest step wanted, the
+    rows from CONTROL_ROWS on how many leading coefficients of each guard count as zero.  Written are LENGTH,
+    SUITED, MEASURED and REGULAR, 1 or 0: whether that length suits the states; the guards too, and is that of
+    a step without an event; and whether no guard comes to zero in it.  `z` is advanced in measured lanes.
+    The leading zeros are none after a regular step; in lanes that are measured only, all coefficients of a
+    guard that stays positive count as zero.
     """
     from llvmlite import ir
 
@@ -46,17 +60,25 @@ class _StepWriter(RemainderWriter):
         build = self.build
         left = self._load(self.control, LEFT)
         h = build.select(build.fcmp_ordered("<", left, h), left, h)
+        suited, longest = fine, h
         for guard in self.guards:
             fine = build.and_(fine, self._resolved(guard, h))
         if self.degree > 1:
             h, fine = self._remainder_step(h, fine)
-        for guard in self.guards:
-            fine = build.and_(fine, build.fcmp_ordered(">", self._smallest(guard, h), self._number(0.0)))
+        measured = fine
+        positive = [self._stays_positive(i, guard, h) for i, guard in enumerate(self.guards)]
+        for each in positive:
+            fine = build.and_(fine, each)
         one, zero = self._number(1.0), self._number(0.0)
-        self._store(h, self.control, LENGTH)
-        self._store(build.select(fine, one, zero), self.control, REGULAR)
+        self._store(build.select(measured, h, longest), self.control, LENGTH)
+        for row, lanes in (SUITED, suited), (MEASURED, measured), (REGULAR, fine):
+            self._store(build.select(lanes, one, zero), self.control, row)
+        for i, each in enumerate(positive):
+            zeros = self._load(self.control, CONTROL_ROWS + i)
+            passed = build.select(build.and_(measured, each), self._order_less(-1), zeros)
+            self._store(build.select(fine, zero, passed), self.control, CONTROL_ROWS + i)
         for i, end in enumerate(self._ends(h)):
-            self._store(build.select(fine, end, self._at(i, self.J)), self.z, i)
+            self._store(build.select(measured, end, self._at(i, self.J)), self.z, i)
         build.ret_void()
 
     def _length(self) -> tuple[Any, Any]:
@@ -112,6 +134,35 @@ class _StepWriter(RemainderWriter):
         power = [self._number(1.0)]
         power = write_loop(build, fours, power, lambda i, carried: [build.fmul(carried[0], four)])
         return write_loop(build, rest, power, lambda i, carried: [build.fmul(carried[0], h)])[0]
+
+    def _stays_positive(self, i: int, slot: int, h: Any) -> Any:
+        """Whether a guard is positive throughout the step; without its leading zeros, where it has some."""
+        build, bound = self.build, self._smallest(slot, h)
+        zeros = self._load(self.control, CONTROL_ROWS + i)
+        begins = build.fcmp_ordered(">", zeros, self._number(0.0))
+        (bound,) = write_branch(
+            build,
+            self._any(begins),
+            lambda: [build.select(begins, self._smallest_beyond(zeros, slot, h), bound)],
+            lambda: [bound],
+        )
+        return build.fcmp_ordered(">", bound, self._number(0.0))
+
+    def _smallest_beyond(self, zeros: Any, slot: int, h: Any) -> Any:
+        """As :func:`event_location.lower_bound`; infinite where all coefficients count as zero."""
+        build, row = self.build, self._place(slot, self.J)
+
+        def term(k: Any, carried: Values) -> Values:
+            total, power = carried
+            number, c = self._as_number(k), self._load(self._ahead(row, k), 0)
+            leads, follows = (build.fcmp_ordered(sign, number, zeros) for sign in ("==", ">"))
+            power = build.select(follows, build.fmul(power, h), power)
+            falls = build.and_(follows, build.fcmp_ordered("<", c, self._number(0.0)))
+            total = build.select(falls, build.fadd(total, build.fmul(c, power)), total)
+            return [build.select(leads, c, total), power]
+
+        start = [self._number(math.inf), self._number(1.0)]
+        return write_loop(build, build.add(self.order, self.whole(1)), start, term)[0]
 
     def _smallest(self, slot: int, h: Any) -> Any:
         """Lower bound of a guard over the step."""

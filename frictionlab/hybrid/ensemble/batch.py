@@ -9,7 +9,7 @@ import numpy as np
 
 from frictionlab.hybrid.codegen.native_cache import COMPILE_AFTER
 from frictionlab.hybrid.ensemble import lanes
-from frictionlab.hybrid.ensemble.lanes import Batch, new_batch
+from frictionlab.hybrid.ensemble.arrays import Batch, BatchRuns, new_batch
 from frictionlab.hybrid.kernels import run_state
 from frictionlab.hybrid.methods.base import STATUS_OF_CODE
 from frictionlab.hybrid.methods.taylor import Taylor, is_affine
@@ -19,11 +19,13 @@ from frictionlab.interruption import Progress
 from frictionlab.presentation import Drawable, count, span, tally
 
 STEPS_PER_ROUND = 100_000  # steps between two updates of the progress bar, which check for ctrl-C
+MEMORY_CAPPED = lanes.CAPPED - 1  # the status of a run alone whose steps would fill the memory
 CODE_OF_STATUS = {
     **{status: code for code, status in STATUS_OF_CODE.items()},
     Status.INTERRUPTED: run_state.RUNNING,
     Status.STEP_CAP: lanes.CAPPED,
     Status.EVENT_CAP: lanes.CAPPED,
+    Status.MEMORY_CAP: MEMORY_CAPPED,
 }
 
 
@@ -103,10 +105,9 @@ def _problem_of_run(group: Batch, i: int, duration: float) -> Problem:
 def _advance_side_by_side(group: Batch, goes_on: np.ndarray, progress: Progress) -> None:
     runs, program, arrays = group.runs, group.program, (group.record, group.scratch)
     settings = group.native.code, run_state.Truncation(group.method.degree, group.method.tol)
-    # Jets kept from the last step have been overwritten: such a run begins again, as all do the first time.
     begins = goes_on & (runs.counts[:, run_state.JETS_READY] != 0)
     _fill_queues(runs, goes_on & ~begins)
-    lanes.begin_runs(*settings, runs, np.flatnonzero(begins), program.initial, *arrays)
+    lanes.begin_runs(*settings, runs, np.flatnonzero(begins), program.initial, group.scratch)
     left, interrupted, share = True, False, runs.times[:, run_state.NOW]
     while left and not interrupted:
         waiting = np.flatnonzero(
@@ -118,7 +119,7 @@ def _advance_side_by_side(group: Batch, goes_on: np.ndarray, progress: Progress)
         interrupted = progress.update(float(share.mean()))
 
 
-def _fill_queues(runs: lanes.BatchRuns, which: np.ndarray) -> None:
+def _fill_queues(runs: BatchRuns, which: np.ndarray) -> None:
     """Fill the queues of the modes with some runs, and no others."""
     modes = runs.counts[:, run_state.MODE]
     for mode in range(len(runs.queued)):
@@ -139,4 +140,6 @@ def batch_result(group: Batch) -> BatchResult:
 def _status(status: int, totals: np.ndarray, caps: np.ndarray) -> Status:
     if status == lanes.CAPPED:
         return Status.STEP_CAP if totals[0] >= caps[0] else Status.EVENT_CAP
+    if status == MEMORY_CAPPED:
+        return Status.MEMORY_CAP
     return Status.INTERRUPTED if status == run_state.RUNNING else STATUS_OF_CODE[status]

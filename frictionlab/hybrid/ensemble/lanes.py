@@ -1,42 +1,35 @@
-"""Many runs of one structure, their arrays and their kernels: those in the same mode take their steps side by
-side.
+"""Many runs of one structure, their kernels: those in the same mode take their steps side by side.
 
-`BatchRuns` has a row for each run; `Lanes` holds those that step side by side, whose last axis is the lane.
 Runs wait in a queue for each mode.  Up to LANE_COUNT of the longest queue are loaded into lanes; a step of
 all lanes is one call of the mode's native code (:mod:`frictionlab.hybrid.codegen.step_codegen`).  A run that
-meets an event, or anything rare, leaves its lane, goes through the kernels of single runs and to the queue of
-its next mode, and the lane is given to the next run in the queue.  Every run takes the steps that it would
-take alone, so its numbers depend on no other run.
+meets an event leaves its lane, which is given to the next run in the queue.  The kernels of single runs find
+the event in the jets of the lane and choose the next mode, by few orders of its series; all of them come in
+lanes again, with what counts as zero after the event.  Rare steps are taken by the kernels of single runs.
+Every run takes the steps that it would take alone, so its numbers depend on no other run.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import NamedTuple
-
-import numpy as np
-
 from frictionlab.hybrid.codegen.jet_codegen import (
     CONTROL_ROWS,
-    GUARD_TOL,
     LANE_COUNT,
     LEFT,
     LENGTH,
-    LOG_TOL,
+    MEASURED,
     REGULAR,
-    TOL,
+    SUITED,
 )
-from frictionlab.hybrid.codegen.native_cache import NativeCode, native_code
-from frictionlab.hybrid.compilation import kernel
-from frictionlab.hybrid.kernels import run_state, step_length
+from frictionlab.hybrid.compilation import inlined, kernel
+from frictionlab.hybrid.ensemble.arrays import FREE
 from frictionlab.hybrid.kernels.arithmetic import call_lane_step
-from frictionlab.hybrid.kernels.event_handling import count_repeat
-from frictionlab.hybrid.kernels.event_location import COEFFICIENT_ROUNDING
-from frictionlab.hybrid.kernels.jets import JET_COLUMNS, copy_vector
+from frictionlab.hybrid.kernels.event_handling import count_repeat, handle_event
+from frictionlab.hybrid.kernels.event_location import COEFFICIENT_ROUNDING, LOW_ORDER, NO_GUARD, first_event
+from frictionlab.hybrid.kernels.jets import JET_COLUMNS, copy_vector, mode_jets
 from frictionlab.hybrid.kernels.mode_selection import NO_MODE, Rounding, forget_zeros, select_mode
+from frictionlab.hybrid.kernels.remainder import needs_remainder
 from frictionlab.hybrid.kernels.run_state import (
     END,
+    ENTERED,
     EVENTS,
     FINISHED,
     JETS_READY,
@@ -46,136 +39,13 @@ from frictionlab.hybrid.kernels.run_state import (
     RUNNING,
     STEPS,
     RunState,
+    Truncation,
     advance_clock,
-    jet_columns,
-    new_record,
-    new_scratch,
     remaining_time,
 )
-from frictionlab.hybrid.kernels.taylor_steps import advance_taylor
-from frictionlab.hybrid.methods.taylor import Taylor
-from frictionlab.hybrid.problem import Problem
-from frictionlab.hybrid.tape.program import Numbers, Program, System
-
-FREE = -1
-
-CACHE_LINE_BYTES = 64  # bytes
-
-
-@dataclass(frozen=True, eq=False)
-class Batch:
-    """Runs that can be advanced repeatedly, with the program and method that they share."""
-
-    program: Program
-    method: Taylor
-    native: NativeCode
-    runs: BatchRuns
-    lanes: Lanes
-    record: run_state.Record
-    scratch: run_state.Scratch
-    alone: tuple[Problem, ...] = ()  # of each run, where modes are derived as runs come to them
-
-
-def new_batch(problems: Sequence[Problem], method: Taylor) -> Batch:
-    """Runs at time 0 of problems that share a program."""
-    constants, terms = (np.array(rows) for rows in zip(*(problem.numbers for problem in problems)))
-    numbers, states = Numbers(constants, terms), np.array([problem.x0 for problem in problems])
-    program, order = problems[0].program, method.degree
-    code = program.code
-    return Batch(
-        program,
-        method,
-        native_code(program),
-        _new_runs(program, numbers, states, method),
-        _new_lanes(program, numbers, method),
-        new_record(code, 1, 2, 0),
-        new_scratch(program.slots, code, order),
-        tuple(problems) if problems[0].derive is not None else (),
-    )
-
-
-def select_runs(group: Batch, which: np.ndarray) -> Batch:
-    """A batch of some of the runs."""
-    shared = ("signs", "caps", "queue", "queued")
-    rows = {name: array[which] for name, array in group.runs._asdict().items() if name not in shared}
-    queue = np.zeros((len(group.runs.queued), len(rows["status"])), dtype=np.int64)
-    alone = tuple(group.alone[i] for i in np.arange(len(group.runs.status))[which]) if group.alone else ()
-    return replace(group, runs=group.runs._replace(**rows, queue=queue), alone=alone)
-
-
-def _new_runs(program: Program, numbers: Numbers, states: np.ndarray, method: Taylor) -> BatchRuns:
-    count, modes = len(states), len(program.modes)
-    counts = np.zeros((count, run_state.COUNTS), dtype=np.int64)
-    counts[:, run_state.JETS_READY], counts[:, run_state.STOPS_AT_ZENO] = 1, method.raises
-    return BatchRuns(
-        states=states.copy(),
-        sizes=np.abs(states),
-        times=np.tile(run_state.initial_times(0.0, method.limits), (count, 1)),
-        counts=counts,
-        signs=np.zeros(0, dtype=np.int64),
-        constants=numbers.constants,
-        terms=numbers.terms,
-        sizes_of_constants=np.abs(numbers.constants),
-        sizes_of_terms=np.abs(numbers.terms),
-        totals=np.zeros((count, 2), dtype=np.int64),
-        caps=np.array([method.max_steps, method.max_events]),
-        status=np.full(count, run_state.RUNNING),
-        queue=np.zeros((modes, count), dtype=np.int64),
-        queued=np.zeros(modes, dtype=np.int64),
-    )
-
-
-def _new_lanes(program: Program, numbers: Numbers, method: Taylor) -> Lanes:
-    control = aligned_zeros(CONTROL_ROWS, LANE_COUNT)
-    control[TOL], control[LOG_TOL] = method.tol, step_length.log2_of_tolerance(method.tol)
-    control[GUARD_TOL] = method.tol * step_length.FUNCTION_TOL_FACTOR
-    return Lanes(
-        runs=np.full(LANE_COUNT, FREE),
-        z=aligned_zeros(program.code.inputs, LANE_COUNT),
-        constants=aligned_zeros(numbers.constants.shape[1], LANE_COUNT),
-        terms=aligned_zeros(numbers.terms.shape[1], LANE_COUNT),
-        jets=aligned_zeros(program.slots, jet_columns(method.degree), LANE_COUNT),
-        control=control,
-    )
-
-
-class BatchRuns(NamedTuple):
-    """All runs, one row each."""
-
-    states: np.ndarray
-    sizes: np.ndarray  # these, times and counts as in RunState
-    times: np.ndarray
-    counts: np.ndarray
-    signs: np.ndarray
-    constants: np.ndarray
-    terms: np.ndarray
-    sizes_of_constants: np.ndarray  # absolute values
-    sizes_of_terms: np.ndarray
-    totals: np.ndarray  # (runs, 2) steps and events
-    caps: np.ndarray  # (2,)
-    status: np.ndarray
-    queue: np.ndarray  # (modes, runs)
-    queued: np.ndarray  # (modes,)
-
-
-class Lanes(NamedTuple):
-    """The runs that step together; the last axis of all arrays is the lane."""
-
-    runs: np.ndarray  # index of the run in each lane, FREE where there is none
-    z: np.ndarray
-    constants: np.ndarray
-    terms: np.ndarray
-    jets: np.ndarray
-    control: np.ndarray
-
-
-def aligned_zeros(*shape: int) -> np.ndarray:
-    """Zeros that begin with a cache line, so that no vector of lanes lies across two."""
-    size = int(np.prod(shape))
-    room = np.zeros(size + CACHE_LINE_BYTES // 8)
-    first = -room.ctypes.data % CACHE_LINE_BYTES // 8
-    return room[first : first + size].reshape(shape)
-
+from frictionlab.hybrid.kernels.step_length import function_step
+from frictionlab.hybrid.kernels.taylor_steps import advance_taylor, step_to_event
+from frictionlab.hybrid.tape.program import Numbers, System
 
 MIN_RUNS_FOR_LANES = 2  # fewer than these in a mode go one by one
 SINGLE_STEPS = 20  # steps of a run alone, after which the kernel looks for the longest queue again
@@ -220,55 +90,82 @@ def enqueue(runs, i):
 
 
 @kernel
-def advance_single(code, truncation, runs, i, most, record, scratch):
-    """Up to `most` steps of one run, and on while its jets are at hand; then it waits, or is over."""
-    system, run = system_of_run(code, runs, i), run_state_of(runs, i)
-    while most > 0 or runs.counts[i, JETS_READY]:
-        most -= 1  # the record has room for one step
-        status = advance_taylor(system, truncation, run, record, scratch)
-        if record_step_end(runs, i, status):
-            return
-    enqueue(runs, i)
+def keep_zeros(runs, i, scratch):
+    """Keep what counts as zero in the next step of a run, whose jets in `scratch` will be overwritten."""
+    runs.counts[i, JETS_READY] = 0
+    copy_vector(scratch.leading_zeros, runs.zeros[i])
 
 
 @kernel
-def begin_run(code, truncation, runs, i, initial, record, scratch):
-    """Choose the first mode of a run, and take its first step."""
+def advance_single(code, truncation, runs, i, most, record, scratch):
+    """Up to `most` steps of one run, and on while its jets are at hand; then it waits, or is over."""
+    system, run = system_of_run(code, runs, i), run_state_of(runs, i)
+    mode_jets(code, system.numbers, runs.counts[i, MODE], truncation.order, run.state, scratch.jets)
+    copy_vector(runs.zeros[i], scratch.leading_zeros)
+    runs.counts[i, JETS_READY] = 1
+    over = False
+    while not over and (most > 0 or runs.counts[i, JETS_READY]):
+        most -= 1  # the record has room for one step
+        over = record_step_end(runs, i, advance_taylor(system, truncation, run, record, scratch))
+    if runs.counts[i, JETS_READY] == 0:
+        scratch.leading_zeros[:] = 0
+    keep_zeros(runs, i, scratch)
+    if not over:
+        enqueue(runs, i)
+
+
+@kernel
+def begin_run(code, truncation, runs, i, initial, scratch):
+    """Choose the first mode of a run."""
     system, z = system_of_run(code, runs, i), runs.states[i]
     forget_zeros(scratch)
     rounding = Rounding(z, COEFFICIENT_ROUNDING)
     mode, _ = select_mode(system, initial, z, rounding, truncation.order, scratch)
-    runs.counts[i, MODE], runs.counts[i, JETS_READY] = mode, 1
+    runs.counts[i, MODE] = mode
+    keep_zeros(runs, i, scratch)
     if mode == NO_MODE:
         runs.status[i] = NO_ADMISSIBLE_MODE
     else:
-        advance_single(code, truncation, runs, i, 0, record, scratch)
+        enqueue(runs, i)
 
 
 @kernel
-def begin_runs(code, truncation, runs, which, initial, record, scratch):
+def begin_runs(code, truncation, runs, which, initial, scratch):
     """Begin some of the runs."""
     for i in which:
-        begin_run(code, truncation, runs, i, initial, record, scratch)
+        begin_run(code, truncation, runs, i, initial, scratch)
 
 
 @kernel
-def load_lane(runs, lanes, lane, i):
-    """Load a run into a lane."""
+def load_lane(code, runs, lanes, mode, lane, i):
+    """Load a run into a lane, of its numbers those of its mode."""
     lanes.runs[lane] = i
     copy_vector(runs.states[i], lanes.z[:, lane])
-    copy_vector(runs.constants[i], lanes.constants[:, lane])
-    copy_vector(runs.terms[i], lanes.terms[:, lane])
+    copy_vector(runs.zeros[i], lanes.control[CONTROL_ROWS:, lane])
+    for k in range(code.mode_ops[mode], code.mode_ops[mode + 1]):
+        lanes.constants[k, lane] = runs.constants[i, k]
+    for k in range(lanes.first_terms[mode], lanes.first_terms[mode + 1]):
+        lanes.terms[k, lane] = runs.terms[i, k]
+
+
+@inlined
+def unload_lane(runs, lanes, lane):
+    """Free a lane; returns the run that was in it."""
+    i = lanes.runs[lane]
+    lanes.runs[lane] = FREE
+    copy_vector(lanes.z[:, lane], runs.states[i])
+    copy_vector(lanes.control[CONTROL_ROWS:, lane], runs.zeros[i])
+    return i
 
 
 @kernel
-def load_lanes(runs, lanes, mode):
+def load_lanes(code, runs, lanes, mode):
     """Load runs from the queue of the mode into free lanes; returns the number of occupied lanes."""
     taken = 0
     for lane in range(LANE_COUNT):
         if lanes.runs[lane] == FREE and runs.queued[mode] > 0:
             runs.queued[mode] -= 1
-            load_lane(runs, lanes, lane, runs.queue[mode, runs.queued[mode]])
+            load_lane(code, runs, lanes, mode, lane, runs.queue[mode, runs.queued[mode]])
         if lanes.runs[lane] != FREE:
             taken += 1
             i = lanes.runs[lane]
@@ -280,11 +177,8 @@ def load_lanes(runs, lanes, mode):
 def release_lanes(runs, lanes):
     """Free all lanes; their runs return to the queue."""
     for lane in range(LANE_COUNT):
-        i = lanes.runs[lane]
-        if i != FREE:
-            copy_vector(lanes.z[:, lane], runs.states[i])
-            enqueue(runs, i)
-        lanes.runs[lane] = FREE
+        if lanes.runs[lane] != FREE:
+            enqueue(runs, unload_lane(runs, lanes, lane))
 
 
 @kernel
@@ -294,28 +188,114 @@ def accept_lane_step(runs, lanes, lane):
     goes_on = advance_clock(runs.times[i], lanes.control[LENGTH, lane], lanes.control[LEFT, lane])
     runs.counts[i, STEPS] = 1
     if record_step_end(runs, i, RUNNING if goes_on else count_repeat(runs.counts[i])):
-        copy_vector(lanes.z[:, lane], runs.states[i])
-        lanes.runs[lane] = FREE
+        unload_lane(runs, lanes, lane)
+
+
+@inlined
+def copy_jet(lanes, lane, slot, order, scratch):
+    """Copy a slot's jet from a lane."""
+    copy_vector(lanes.jets[slot, : order + 1, lane], scratch.jets[slot])
+
+
+@inlined
+def copy_needed_jets(lanes, lane, mode, order, scratch):
+    """Copy the jets by which events are found, and how many leading coefficients of guards count as zero."""
+    for slot in lanes.needed[mode]:
+        if slot == FREE:
+            break
+        copy_jet(lanes, lane, slot, order, scratch)
+    copy_vector(lanes.control[CONTROL_ROWS:, lane], scratch.leading_zeros)
+
+
+@inlined
+def shorter_length(code, truncation, lanes, lane, mode, scratch):
+    """Length of a lane's step that its guards make shorter; 0 where more than these matters."""
+    h, left = lanes.control[LENGTH, lane], lanes.control[LEFT, lane]
+    if lanes.control[SUITED, lane] == 0.0 or code.powers[mode]:
+        return 0.0
+    h = function_step(code, truncation.order, truncation.tol, mode, h, scratch.jets)
+    return 0.0 if needs_remainder(code, truncation.order, mode, h, left) else h
 
 
 @kernel
 def finish_lane_step(code, truncation, runs, lanes, lane, record, scratch):
-    """Complete a step that was not regular, from the jets that the lane has computed."""
-    i = lanes.runs[lane]
+    """Complete a step that was not regular, to its event if there is one."""
+    i, order, measured = lanes.runs[lane], truncation.order, lanes.control[MEASURED, lane] != 0.0
+    mode, h, left = runs.counts[i, MODE], lanes.control[LENGTH, lane], lanes.control[LEFT, lane]
+    copy_needed_jets(lanes, lane, mode, order, scratch)
+    if not measured:
+        h = shorter_length(code, truncation, lanes, lane, mode, scratch)
+        if h == 0.0:
+            unload_lane(runs, lanes, lane)
+            advance_single(code, truncation, runs, i, 1, record, scratch)
+            return
+    system, run = system_of_run(code, runs, i), run_state_of(runs, i)
+    copy_vector(lanes.jets[: code.inputs, 0, lane], run.state)
+    zero = first_event(system, mode, run.state, order, h, scratch)
+    lanes.control[CONTROL_ROWS:, lane] = 0.0
+    if measured and zero.guard == NO_GUARD:
+        accept_lane_step(runs, lanes, lane)
+        return
+    for slot in range(code.inputs):
+        copy_jet(lanes, lane, slot, order, scratch)
     lanes.runs[lane] = FREE
-    for slot in range(scratch.jets.shape[0]):
-        copy_vector(lanes.jets[slot, : truncation.order + 1, lane], scratch.jets[slot])
-    scratch.leading_zeros[:] = 0
-    copy_vector(lanes.z[:, lane], runs.states[i])
-    runs.counts[i, JETS_READY] = 1
-    advance_single(code, truncation, runs, i, 0, record, scratch)
+    runs.zeros[i] = 0.0
+    event, status = step_to_event(system, truncation, zero, left, run, record, scratch)
+    if event.guard != NO_GUARD:
+        status = change_mode(system, truncation, event, run, lanes.counts, record, scratch)
+        keep_zeros(runs, i, scratch)
+    if not record_step_end(runs, i, status):
+        enqueue(runs, i)
+
+
+@kernel
+def change_mode(system, truncation, event, run, before, record, scratch):
+    """Handle an event; the next mode is chosen by few orders of the series unless they are all zero.
+
+    `before` is scratch.
+    """
+    counts, times = run.counts, run.times
+    few = Truncation(min(LOW_ORDER, truncation.order), truncation.tol)
+    copy_vector(counts, before)
+    entered = times[ENTERED]
+    status = handle_event(system, few, event, run, record, scratch)
+    if status != NO_ADMISSIBLE_MODE and is_undecided(system.code, counts[MODE], few.order, scratch):
+        copy_vector(before, counts)
+        times[ENTERED] = entered
+        copy_vector(record.event_states[counts[EVENTS], 0], run.state)
+        status = handle_event(system, truncation, event, run, record, scratch)
+    return status
+
+
+@inlined
+def is_undecided(code, mode, order, scratch):
+    """Whether all coefficients of a guard up to an order count as zero."""
+    for g in range(code.mode_guards[mode + 1] - code.mode_guards[mode]):
+        if scratch.leading_zeros[g] > order:
+            return True
+    return False
+
+
+@inlined
+def longest_queue(runs):
+    """The mode in which most runs wait."""
+    mode = 0
+    for other in range(1, runs.queued.shape[0]):
+        if runs.queued[other] > runs.queued[mode]:
+            mode = other
+    return mode
 
 
 @kernel
 def advance_lanes(code, truncation, runs, lanes, mode, record, scratch):
-    """Advance the runs in a mode until few are left in it; returns the number of calls."""
+    """Advance the runs in a mode until others fill more lanes, or few are left; returns the number of
+    calls."""
     calls = 0
-    while calls < MAX_CALLS and load_lanes(runs, lanes, mode) >= MIN_RUNS_FOR_LANES:
+    while calls < MAX_CALLS:
+        taken = load_lanes(code, runs, lanes, mode)
+        others_fill_lanes = runs.queued[longest_queue(runs)] >= LANE_COUNT
+        if taken < MIN_RUNS_FOR_LANES or (taken < LANE_COUNT and others_fill_lanes):
+            break
         calls += 1
         arrays = lanes.z, lanes.constants, lanes.terms, lanes.jets, lanes.control
         call_lane_step(code.lanes[mode], *arrays, truncation.order)
@@ -334,10 +314,7 @@ def advance_lanes(code, truncation, runs, lanes, mode, record, scratch):
 def advance_batch_kernel(code, truncation, runs, lanes, record, scratch, rounds):
     """Go on for about so many steps; returns whether any run is left."""
     while rounds > 0:
-        mode = 0
-        for other in range(1, runs.queued.shape[0]):
-            if runs.queued[other] > runs.queued[mode]:
-                mode = other
+        mode = longest_queue(runs)
         if runs.queued[mode] == 0:
             return False
         if (

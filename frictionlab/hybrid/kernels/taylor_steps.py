@@ -182,14 +182,14 @@ def power_onset_step(system, truncation, mode, left, run, scratch):
 def take_taylor_step(system, truncation, run, record, scratch):
     """One step, up to an event if there is one; returns how the run goes on."""
     code, order, J = system.code, truncation.order, scratch.jets
-    times, counts = run.times, run.counts
+    counts = run.counts
     mode = counts[MODE]
     if counts[JETS_READY] == 0:
         mode_jets(code, system.numbers, mode, order, run.state, J)
         for g in range(scratch.leading_zeros.shape[0]):
             scratch.leading_zeros[g] = 0
     counts[JETS_READY] = 0
-    left = remaining_time(times)
+    left = remaining_time(run.times)
     h = step_length(code, order, truncation.tol, J)
     if not h > 0.0:
         return NOT_FINITE
@@ -199,8 +199,25 @@ def take_taylor_step(system, truncation, run, record, scratch):
     elif needs_remainder(code, order, mode, h, left):
         visible = polynomials_visible(code, order, mode, h, left)
         h = remainder_step(system, truncation, mode, h, visible, J, scratch.bounds)
-    goes_on = False
-    h, guard, multiplicity = first_event(system, mode, run.state, order, h, scratch)
+    zero = first_event(system, mode, run.state, order, h, scratch)
+    event, status = step_to_event(system, truncation, zero, left, run, record, scratch)
+    if event.guard == NO_GUARD:
+        return status
+    if has_modes_on_demand(code):
+        return leave_event(event, run)
+    return handle_event(system, truncation, event, run, record, scratch)
+
+
+@inlined
+def step_to_event(system, truncation, zero, left, run, record, scratch):
+    """Go on to the first zero of the guards' series, by `left` at most, along the jets in `scratch`.
+
+    Returns the event, which is yet to be handled, and how the run goes on where there is none.
+    """
+    code, order, J = system.code, truncation.order, scratch.jets
+    times, counts = run.times, run.counts
+    mode, goes_on = counts[MODE], False
+    h, guard, multiplicity = zero
     if guard != NO_GUARD and multiplicity == 1 and is_guard_truncated(code, guard, mode, order, h, J):
         h = refine_event_time(system, mode, guard, order, h, scratch)
         if h > left:  # not within this run
@@ -218,12 +235,10 @@ def take_taylor_step(system, truncation, run, record, scratch):
         goes_on = advance_clock(times, h, left)
         if guard != NO_GUARD:
             record_sizes(record.step_states[row], run)
-    if guard == NO_GUARD:
-        return RUNNING if goes_on else count_repeat(counts)
-    event = GuardZero(h, guard, multiplicity)
-    if has_modes_on_demand(code):
-        return leave_event(event, run)
-    return handle_event(system, truncation, event, run, record, scratch)
+    status = RUNNING
+    if guard == NO_GUARD and not goes_on:
+        status = count_repeat(counts)
+    return GuardZero(h, guard, multiplicity), status
 
 
 @kernel

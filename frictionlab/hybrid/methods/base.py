@@ -308,4 +308,6 @@ class Method(ABC):
             return status
         if pieces.steps >= self.max_steps:
             return Status.STEP_CAP
-        return Status.EVENT_CAP if pieces.events >= self.max_events else status
+        if pieces.events >= self.max_events:
+            return Status.EVENT_CAP
+        return Status.MEMORY_CAP if pieces.fills_memory() else status

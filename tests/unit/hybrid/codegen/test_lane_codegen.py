@@ -10,7 +10,7 @@ from frictionlab.hybrid import compilation
 from frictionlab.hybrid.codegen import native_cache
 from frictionlab.hybrid.codegen.jet_codegen import LANE_COUNT, LEFT, LENGTH, REGULAR
 from frictionlab.hybrid.compilation import kernel
-from frictionlab.hybrid.ensemble.lanes import new_batch
+from frictionlab.hybrid.ensemble.arrays import new_batch
 from frictionlab.hybrid.kernels.arithmetic import call_lane_step
 from frictionlab.hybrid.kernels.run_state import END, Truncation, new_record, new_run_state, new_scratch
 from frictionlab.hybrid.kernels.step_length import step_length

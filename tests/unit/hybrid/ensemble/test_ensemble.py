@@ -6,9 +6,9 @@ import sympy as sp
 
 import frictionlab as fl
 from frictionlab.analysis.ensemble import advance_group, start_group
-from frictionlab.automaton import HybridAutomaton, Mode
+from frictionlab.automaton import Event, HybridAutomaton, Mode, Reset
 from frictionlab.hybrid.codegen import native_cache
-from frictionlab.hybrid.ensemble.lanes import select_runs
+from frictionlab.hybrid.ensemble.arrays import select_runs
 from frictionlab.hybrid.tape.packing import program_of
 from tests.differential.laws import Smooth
 from tests.helpers.automata import ball
@@ -147,6 +147,26 @@ def test_steps_heed_every_function_as_those_of_a_run_alone():
             alone = fl.solve(automaton, 10.0, x0=[1.0, 0.5], method=method, progress=False)
             np.testing.assert_array_equal(end, alone.final_state)
             assert steps == alone.stats["steps"]
+
+
+@pytest.mark.plain_python
+@pytest.mark.parametrize("powers", [(1,), (3,), (3, 30)])
+def test_guards_that_begin_with_zeros_are_those_of_a_run_alone(powers):
+    """Of y^3 at y = 0 three coefficients are zero, of y^30 all: the next mode is known by later orders or by
+    none."""
+    t, y, a = sp.symbols("t y a")
+    back = Event("over", 2 - t, ("waits",), Reset({t: sp.S.Zero, y: sp.S.Zero}))
+    flat = tuple(Event(f"power {n}", y**n, ("waits",)) for n in powers)
+    waits = Mode("waits", (a, sp.S.Zero), (Event("goes", 1 - t, ("goes",)),))
+    goes = Mode("goes", (a, a * sp.Rational(3, 2)), (*flat, back))
+    automata = [HybridAutomaton((t, y), (waits, goes), {a: value}, 1) for value in np.linspace(0.7, 1.9, 7)]
+    compiled(automata[0])
+    ends = fl.ensemble(automata, 20.0, x0=[0.5, 0.0], progress=False)
+    for i, automaton in enumerate(automata):
+        alone = fl.solve(automaton, 20.0, x0=[0.5, 0.0], progress=False)
+        np.testing.assert_array_equal(ends.states[i], alone.final_state)
+        assert (ends.steps[i], ends.events[i]) == (alone.stats["steps"], len(alone.events))
+        assert ends.events[i] > 10
 
 
 def test_the_grouping_makes_no_difference():

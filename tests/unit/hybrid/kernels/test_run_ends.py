@@ -5,6 +5,8 @@ import pytest
 import sympy as sp
 
 import frictionlab as fl
+from frictionlab.hybrid import free_memory, problem
+from frictionlab.hybrid.methods.base import RECORD_CAPACITY
 from tests.helpers.automata import ONCE, V, X, automaton, coulomb, oscillator
 
 
@@ -23,6 +25,35 @@ def test_the_event_cap_keeps_what_was_computed():
     assert run.status is fl.Status.EVENT_CAP
     assert len(run.events) == 3
     assert run.t[-1] == run.events.t[-1]
+
+
+@ONCE
+def test_a_run_that_would_fill_the_memory_keeps_what_was_computed(monkeypatch):
+    monkeypatch.setattr(problem, "BYTES_BETWEEN_LOOKS", 1000)
+    free = iter([1e9, 1e9, 0.0])
+    monkeypatch.setattr(problem, "free_memory", lambda: next(free))
+    run = fl.solve(oscillator(), 1e5, x0=[1.0, 0.0], method=fl.Taylor(), progress=False)
+    assert run.status is fl.Status.MEMORY_CAP
+    assert run.stats["steps"] == 3 * RECORD_CAPACITY
+    assert 0 < run.t[-1] < 1e5
+    assert "memory" in str(run.status)
+    on = fl.solve(oscillator(), 1.0, x0=run.final_state, progress=False)
+    assert on.status is fl.Status.FINISHED
+
+
+def test_the_free_memory_is_what_the_system_tells(monkeypatch, tmp_path):
+    information, group = tmp_path / "meminfo", tmp_path / "group"
+    monkeypatch.setattr(free_memory, "MEMORY_INFORMATION", information)
+    monkeypatch.setattr(free_memory, "GROUP", group)
+    assert free_memory.free_memory() > 0.0  # by sysconf, or unknown
+    information.write_text("MemTotal: 9 kB\nMemAvailable:   2000 kB\n")
+    assert free_memory.free_memory() == 2000 * 1024
+    group.mkdir()
+    (group / "memory.max").write_text("max\n")
+    (group / "memory.current").write_text("1000\n")
+    assert free_memory.free_memory() == 2000 * 1024
+    (group / "memory.max").write_text("5000\n")
+    assert free_memory.free_memory() == 4000.0
 
 
 @ONCE

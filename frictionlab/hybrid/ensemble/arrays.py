@@ -1,0 +1,167 @@
+"""Many runs of one structure: the arrays of all of them, and of the lanes in which some step side by side.
+
+`BatchRuns` has a row for each run; `Lanes` holds those that step together, whose last axis is the lane.  The
+kernels are in :mod:`frictionlab.hybrid.ensemble.lanes`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+
+from frictionlab.hybrid.codegen.jet_codegen import CONTROL_ROWS, GUARD_TOL, LANE_COUNT, LOG_TOL, TOL
+from frictionlab.hybrid.codegen.native_cache import NativeCode, native_code
+from frictionlab.hybrid.kernels import run_state, step_length
+from frictionlab.hybrid.kernels.run_state import jet_columns, new_record, new_scratch
+from frictionlab.hybrid.methods.taylor import Taylor
+from frictionlab.hybrid.problem import Problem
+from frictionlab.hybrid.tape.functions import POWER, QUOTIENT
+from frictionlab.hybrid.tape.program import Code, Numbers, Program
+
+FREE = -1  # stands for no run, and for no slot
+CACHE_LINE_BYTES = 64  # bytes
+
+
+@dataclass(frozen=True, eq=False)
+class Batch:
+    """Runs that can be advanced repeatedly, with the program and method that they share."""
+
+    program: Program
+    method: Taylor
+    native: NativeCode
+    runs: BatchRuns
+    lanes: Lanes
+    record: run_state.Record
+    scratch: run_state.Scratch
+    alone: tuple[Problem, ...] = ()  # of each run, where modes are derived as runs come to them
+
+
+def new_batch(problems: Sequence[Problem], method: Taylor) -> Batch:
+    """Runs at time 0 of problems that share a program."""
+    constants, terms = (np.array(rows) for rows in zip(*(problem.numbers for problem in problems)))
+    numbers, states = Numbers(constants, terms), np.array([problem.x0 for problem in problems])
+    program, order = problems[0].program, method.degree
+    code = program.code
+    return Batch(
+        program,
+        method,
+        native_code(program),
+        _new_runs(program, numbers, states, method),
+        _new_lanes(program, numbers, method),
+        new_record(code, 1, 2, 0),
+        new_scratch(program.slots, code, order),
+        tuple(problems) if problems[0].derive is not None else (),
+    )
+
+
+def select_runs(group: Batch, which: np.ndarray) -> Batch:
+    """A batch of some of the runs."""
+    shared = ("signs", "caps", "queue", "queued")
+    rows = {name: array[which] for name, array in group.runs._asdict().items() if name not in shared}
+    queue = np.zeros((len(group.runs.queued), len(rows["status"])), dtype=np.int64)
+    alone = tuple(group.alone[i] for i in np.arange(len(group.runs.status))[which]) if group.alone else ()
+    return replace(group, runs=group.runs._replace(**rows, queue=queue), alone=alone)
+
+
+def _new_runs(program: Program, numbers: Numbers, states: np.ndarray, method: Taylor) -> BatchRuns:
+    count, modes = len(states), len(program.modes)
+    counts = np.zeros((count, run_state.COUNTS), dtype=np.int64)
+    counts[:, run_state.JETS_READY], counts[:, run_state.STOPS_AT_ZENO] = 1, method.raises
+    return BatchRuns(
+        states=states.copy(),
+        sizes=np.abs(states),
+        times=np.tile(run_state.initial_times(0.0, method.limits), (count, 1)),
+        counts=counts,
+        signs=np.zeros(0, dtype=np.int64),
+        constants=numbers.constants,
+        terms=numbers.terms,
+        sizes_of_constants=np.abs(numbers.constants),
+        sizes_of_terms=np.abs(numbers.terms),
+        totals=np.zeros((count, 2), dtype=np.int64),
+        caps=np.array([method.max_steps, method.max_events]),
+        status=np.full(count, run_state.RUNNING),
+        zeros=np.zeros((count, most_guards(program.code))),
+        queue=np.zeros((modes, count), dtype=np.int64),
+        queued=np.zeros(modes, dtype=np.int64),
+    )
+
+
+def _new_lanes(program: Program, numbers: Numbers, method: Taylor) -> Lanes:
+    control = aligned_zeros(CONTROL_ROWS + most_guards(program.code), LANE_COUNT)
+    control[TOL], control[LOG_TOL] = method.tol, step_length.log2_of_tolerance(method.tol)
+    control[GUARD_TOL] = method.tol * step_length.FUNCTION_TOL_FACTOR
+    return Lanes(
+        runs=np.full(LANE_COUNT, FREE),
+        needed=needed_slots(program),
+        first_terms=np.cumsum([0, *(len(tape.terms) for tape in program.tapes)]),
+        counts=np.zeros(run_state.COUNTS, dtype=np.int64),
+        z=aligned_zeros(program.code.inputs, LANE_COUNT),
+        constants=aligned_zeros(numbers.constants.shape[1], LANE_COUNT),
+        terms=aligned_zeros(numbers.terms.shape[1], LANE_COUNT),
+        jets=aligned_zeros(program.slots, jet_columns(method.degree), LANE_COUNT),
+        control=control,
+    )
+
+
+class BatchRuns(NamedTuple):
+    """All runs, one row each."""
+
+    states: np.ndarray
+    sizes: np.ndarray  # these, times and counts as in RunState
+    times: np.ndarray
+    counts: np.ndarray
+    signs: np.ndarray
+    constants: np.ndarray
+    terms: np.ndarray
+    sizes_of_constants: np.ndarray  # absolute values
+    sizes_of_terms: np.ndarray
+    totals: np.ndarray  # (runs, 2) steps and events
+    caps: np.ndarray  # (2,)
+    status: np.ndarray
+    zeros: np.ndarray  # (runs, guards of a mode) leading coefficients that count as zero in the next step
+    queue: np.ndarray  # (modes, runs)
+    queued: np.ndarray  # (modes,)
+
+
+class Lanes(NamedTuple):
+    """The runs that step together; the last axis is the lane, but for the slots."""
+
+    runs: np.ndarray  # index of the run in each lane, FREE where there is none
+    needed: np.ndarray  # (modes, slots) those by whose jets events are found, then FREE
+    first_terms: np.ndarray  # (modes + 1,) range of the terms of each mode
+    counts: np.ndarray  # scratch: those of a run before its event
+    z: np.ndarray
+    constants: np.ndarray
+    terms: np.ndarray
+    jets: np.ndarray
+    control: np.ndarray
+
+
+def most_guards(code: Code) -> int:
+    """Guards of the mode that has most."""
+    return max(1, int(np.diff(code.mode_guards).max()))
+
+
+def needed_slots(program: Program) -> np.ndarray:
+    """Of each mode the slots of the guards, and of what majorants need of the jets."""
+    code = program.code
+    needed = np.full((len(program.modes), program.slots), FREE)
+    for mode, tape in enumerate(program.tapes[: len(program.modes)]):
+        first, last = code.mode_guards[mode : mode + 2]
+        slots = set(code.function_slots[first:last].tolist())
+        for i, (kind, a, b) in enumerate(tape.ops):
+            if kind >= QUOTIENT:
+                slots |= {tape.inputs + i, a if kind == POWER else b}
+        needed[mode, : len(slots)] = sorted(slots)
+    return needed
+
+
+def aligned_zeros(*shape: int) -> np.ndarray:
+    """Zeros that begin with a cache line, so that no vector of lanes lies across two."""
+    size = int(np.prod(shape))
+    room = np.zeros(size + CACHE_LINE_BYTES // 8)
+    first = -room.ctypes.data % CACHE_LINE_BYTES // 8
+    return room[first : first + size].reshape(shape)
