@@ -20,7 +20,7 @@ from frictionlab.hybrid.solve import method_of, problem_of, with_chatter_limit
 from frictionlab.hybrid.tape.automaton_checks import check_automaton
 from frictionlab.hybrid.tape.packing import program_of
 from frictionlab.interruption import Progress, interruption
-from frictionlab.models.coercion import automaton_of
+from frictionlab.models.model import automaton_of
 from frictionlab.validation import check_number
 
 __all__ = ["BatchResult", "ensemble"]

@@ -12,7 +12,7 @@ from frictionlab.automaton import HybridAutomaton
 from frictionlab.hybrid.solve import solve
 from frictionlab.hybrid.variational.tangent_flow import tangent_growth
 from frictionlab.interruption import interruption, progress_bar
-from frictionlab.models.coercion import automaton_of
+from frictionlab.models.model import automaton_of
 from frictionlab.presentation import Drawable, shorten
 from frictionlab.validation import check_number
 

@@ -15,7 +15,8 @@ from frictionlab.hybrid.solve import RunOptions, method_of, run_automaton, state
 from frictionlab.hybrid.storage import StoredRun, read_run_file
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models import Model
-from frictionlab.models.coercion import automaton_from_structure_data, automaton_of, require_model
+from frictionlab.models.model import automaton_of, require_model
+from frictionlab.models.symbols import automaton_from_structure_data
 from frictionlab.stability import equilibrium
 from frictionlab.validation import abbreviate, check_choice, float_array, plain_number
 

@@ -27,7 +27,7 @@ from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.hybrid.problem import Status
 from frictionlab.hybrid.solve import method_of, solve
 from frictionlab.hybrid.trajectory import Trajectory
-from frictionlab.models.coercion import automaton_of
+from frictionlab.models.model import automaton_of
 from frictionlab.presentation import Drawable
 from frictionlab.validation import check_number
 

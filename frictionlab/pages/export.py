@@ -28,7 +28,7 @@ from frictionlab.hybrid.llvm_instructions import EXP2_COEFFICIENTS
 from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.hybrid.tape.functions import FUNCTIONS
 from frictionlab.models import Model
-from frictionlab.models.coercion import require_model
+from frictionlab.models.model import require_model
 from frictionlab.models.mechanism import Mechanism, TiltingBelt
 from frictionlab.pages.controls import preset_data, slider_data, structures, switch_names
 from frictionlab.pages.structure import structure_data

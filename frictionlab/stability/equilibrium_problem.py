@@ -20,8 +20,8 @@ from numpy.typing import NDArray
 
 from frictionlab.components.component import check_value
 from frictionlab.models import Model
-from frictionlab.models.coercion import check_parameter_name
 from frictionlab.models.composition import parameter_metadata
+from frictionlab.models.model import check_parameter_name
 from frictionlab.stability.flow import Flow
 
 Array = NDArray[np.float64]

@@ -20,7 +20,7 @@ from frictionlab.hybrid.methods.base import Method
 from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models import SliderOnBelt
-from frictionlab.models.coercion import require_model
+from frictionlab.models.model import require_model
 from frictionlab.models.serialisation import is_public
 from frictionlab.stability import Eigenvalues, eigenvalues
 

@@ -24,7 +24,7 @@ from frictionlab.analysis.simulate import validate_initial_state
 from frictionlab.analysis.sweeps.journal import read_journal, write_journal
 from frictionlab.file_writing import name_written_file
 from frictionlab.hybrid.methods.taylor import Taylor
-from frictionlab.models.coercion import automaton_of
+from frictionlab.models.model import automaton_of
 from frictionlab.presentation import Drawable, shorten
 from frictionlab.validation import abbreviate, check_choice, check_mapping, check_number, float_array
 

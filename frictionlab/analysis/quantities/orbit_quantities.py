@@ -31,7 +31,7 @@ from frictionlab.analysis.steady_state.steady_state import steady_state
 from frictionlab.hybrid.solve import solve
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.hybrid.variational.tangent_flow import end_rates
-from frictionlab.models.coercion import automaton_of
+from frictionlab.models.model import automaton_of
 from frictionlab.presentation import state_unit
 from frictionlab.stability.equilibrium_points.equilibria import equilibrium_problem
 from frictionlab.validation import check_choice

@@ -22,8 +22,8 @@ from frictionlab.hybrid.methods.base import Method
 from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.interruption import deferred_interrupts, progress_bar
 from frictionlab.models import Model
-from frictionlab.models.coercion import require_model
 from frictionlab.models.composition import parameter_unit
+from frictionlab.models.model import require_model
 from frictionlab.presentation import Drawable, count, dataframe, dataset, span, tally
 from frictionlab.validation import check_choice
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from frictionlab.lazy_names import sympy
 from frictionlab.models import Model
-from frictionlab.models.coercion import automaton_of
+from frictionlab.models.model import automaton_of
 from frictionlab.presentation import Drawable, shorten, state_unit
 from frictionlab.stability.equilibrium_points.followed_equilibria import (
     FINEST_SHARE,

@@ -11,7 +11,7 @@ import frictionlab as fl
 from frictionlab.hybrid.tape import automaton_data
 from frictionlab.hybrid.tape.automaton_data import automaton_from_data, automaton_to_data, storable_automaton
 from frictionlab.hybrid.tape.packing import program_of
-from frictionlab.models.coercion import automaton_from_structure_data
+from frictionlab.models.symbols import automaton_from_structure_data
 from tests.helpers.automata import automaton, ball, coulomb
 from tests.helpers.linear_automata import linear
 from tests.helpers.lorenz import lorenz
