@@ -216,7 +216,7 @@ def _derived_automaton(stored: StoredRun, data: Mapping[str, Any]) -> HybridAuto
     parameters = stored.about.get("parameters")
     if not isinstance(parameters, dict) or not all(type(value) is float for value in parameters.values()):
         raise ValueError(f"its parameters are {abbreviate(parameters)}")
-    automaton = automaton_from_structure_data(data[DERIVED_FROM], parameters)
+    automaton = automaton_from_structure_data(data[DERIVED_FROM], Model, parameters)
     if data.get("coordinates") != automaton.coordinates:
         raise ValueError(f"it has {data.get('coordinates')} coordinates instead of {automaton.coordinates}")
     return automaton

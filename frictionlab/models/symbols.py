@@ -198,8 +198,15 @@ def _automaton_with_values(key: Structure, values: Mapping[str, float]) -> Hybri
 NO_STRUCTURE = ValueError, TypeError, AttributeError, LookupError, ArithmeticError, RecursionError
 
 
-def automaton_from_structure_data(data: Any, parameters: Mapping[str, float]) -> HybridAutomaton:
+def automaton_from_structure_data(data: Any, kind: type, parameters: Mapping[str, float]) -> HybridAutomaton:
     """The automaton, with these numbers, of the model whose structure `structure_to_data` described.
+
+    Parameters
+    ----------
+    data : mapping
+    kind : type
+        What the class of the model has to be derived from.
+    parameters : mapping of str to float
 
     Raises
     ------
@@ -207,7 +214,7 @@ def automaton_from_structure_data(data: Any, parameters: Mapping[str, float]) ->
         If the data is malformed, or a class in it is not loaded.
     """
     try:
-        key = _structure_from_data(data, Component)
+        key = _structure_from_data(data, kind)
         found = automaton_of_structure(key)
     except NO_STRUCTURE as error:
         raise ValueError(f"the model of its automaton cannot be made, {error}") from error

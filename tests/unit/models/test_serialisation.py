@@ -13,10 +13,11 @@ BASES = {SingleMass, PlanarSlider}  # of models; there are no objects of these a
 
 
 def derived(kind):
-    """All laws and models of the library below a class."""
+    """All laws and models of the library below a class that a user can make."""
     found = [other for below in kind.__subclasses__() for other in (below, *derived(below))]
     homes = "frictionlab.components.", "frictionlab.models."
-    return [one for one in found if one.__module__.startswith(homes) and one not in BASES]
+    known = [one for one in found if one.__module__.startswith(homes) and one not in BASES]
+    return [one for one in known if not one.__name__.startswith("_")]
 
 
 def test_every_law_and_model_of_the_library_has_its_public_name():
