@@ -310,8 +310,9 @@ def _run_independently(
 
 def _groups(left: Sequence[int], models: Sequence[Any], method: Method) -> list[Sequence[int]]:
     """Groups of values whose transients are run side by side, which is quicker for models without events."""
-    alike = isinstance(method, Taylor) and not any(mode.events for mode in models[0].automaton().modes)
-    size = ENSEMBLE_SIZE if alike else 1
+    automaton = models[0].automaton()
+    smooth = len(automaton.names) == 1 and not automaton.modes[0].events  # else modes need not be derived
+    size = ENSEMBLE_SIZE if smooth and isinstance(method, Taylor) else 1
     return [left[i : i + size] for i in range(0, len(left), size)]
 
 
@@ -392,7 +393,7 @@ def _sweep_arguments(
 ) -> Any:
     start = named_state(x0)
     values = [getattr(m, parameter) for m in models]
-    states = [symbol.name for symbol in model.automaton().states]
+    states = list(model.automaton().state_names)
     about = {"model": model.to_dict(), "parameter": parameter, "values": values, "x0": start}
     asked = {
         name: getattr(options, name) for name in ("transient", "window", "t_max", "section", "tolerance")
