@@ -31,6 +31,7 @@ for text in {models!r}:
     if model.statics is not None:
         modes = fl.eigenvalues(model)
         found.append([modes.values.real.tolist(), modes.values.imag.tolist(), modes.equilibrium.q.tolist()])
+        found[-1] += [[c.value, c.frequency] for c in fl.stability_changes(model, "mu_k", (0.0, 3.0))]
 print(json.dumps(["sympy.core" in sys.modules, found]))
 """
 MODELS = (

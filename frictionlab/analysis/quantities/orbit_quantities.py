@@ -108,7 +108,7 @@ def _rest_point(model: Any, names: tuple[str, ...], count: int) -> tuple[Array, 
     """The coordinates (c,) of the equilibrium, and their derivatives (c, P)."""
     problem = equilibrium_problem(model)
     found = derivatives_at(problem)
-    places, moves = [symbol.name for symbol in problem.flow.parameters], found.state()[:count]
+    places, moves = problem.parameter_names, found.state()[:count]
     slopes = [moves[:, places.index(p)] if p in places else np.zeros(count) for p in names]
     return found.x[:count], np.array(slopes).T
 

@@ -167,7 +167,7 @@ def _linearised_flow(model: Any) -> tuple[Jacobian, Sequence[float]]:
     """The state matrix as a function, and the values of the parameters."""
     if not by_penetration(model):
         problem = equilibrium_problem(model)
-        return problem.flow.derivative, problem.values
+        return problem.state_matrix(), problem.values
     equations = sliding_equations(model)
     values = equations.values(model)
     if equations.rests(values):
