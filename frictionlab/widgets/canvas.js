@@ -84,7 +84,7 @@ function render({ model, el }) {
     place = phasePlane(c, width, height, scene, frames);
   }
   function tick(now) {
-    if (last !== null) time = (time + (now - last) / 1000 * Number(pace.value)) % (frames.count * scene.step);
+    if (last !== null && frames) time = (time + (now - last) / 1000 * Number(pace.value)) % (frames.count * scene.step);
     last = now;
     if (seen) show();
     request = requestAnimationFrame(tick);

@@ -61,6 +61,17 @@ def changed(page, root, before, pictures=1, words=True):
         page.wait_for_timeout(100)
 
 
+def come_to(page, expected, look):
+    """Wait until `look()` gives what is expected; returns what it gives, that or the last it gave.
+
+    A layout comes to rest over several frames, of which a slow machine draws a few a second.
+    """
+    end = time.monotonic() + PATIENCE / 2000
+    while (now := look()) != expected and time.monotonic() < end:
+        page.wait_for_timeout(100)
+    return now
+
+
 # Texts, fields, buttons and pictures that reach beyond the window or beyond a box that cuts them off.  What
 # one scrolls is no fault: the strip of panels on a narrow screen, and the picture where it is higher than the
 # window.

@@ -2,13 +2,14 @@
 
 import re
 from importlib.util import find_spec
+from itertools import combinations
 from types import SimpleNamespace
 
 import pytest
 
 import frictionlab as fl
 from frictionlab.widgets.panels.tile import AXES_RECTANGLE
-from tests.browser.screen import PATIENCE, changed, flip, press, seen, settled
+from tests.browser.screen import PATIENCE, changed, come_to, flip, press, seen, settled
 from tests.browser.servers import (
     CLICKED,
     app,
@@ -198,17 +199,23 @@ def test_nothing_overlaps_and_the_picture_stays_in_sight(shown, width, height):
     # JupyterLab scrolls a panel, not the page
     top = "e => { for (let p = e; p; p = p.parentElement) p.scrollTop = 0 }"
     page.locator(shown.root).first.evaluate(top)
-    page.wait_for_timeout(500)
     names = (*LABELS, "mu_s", *(f"switch-{name}" for name in SWITCHES), "compare", "equilibrium", "duration")
-    boxes = [box_of(page, f"{shown.root} .fl-{name}") for name in names]
-    boxes.append(picture := box_of(page, f"{shown.root} .fl-picture"))
-    assert not [(a, b) for i, a in enumerate(boxes) for b in boxes[:i] if overlap(a, b)]
-    assert all(box["x"] >= 0 and box["x"] + box["width"] <= width for box in boxes)
+
+    def misplaced():
+        boxes = {name: box_of(page, f"{shown.root} .fl-{name}") for name in (*names, "picture")}
+        pairs = [(a, b) for a, b in combinations(boxes, 2) if overlap(boxes[a], boxes[b])]
+        return pairs + [a for a, box in boxes.items() if box["x"] < 0 or box["x"] + box["width"] > width]
+
+    assert come_to(page, [], misplaced) == []
+    picture = box_of(page, f"{shown.root} .fl-picture")
     page.locator(f"{shown.root} .fl-coordinate").scroll_into_view_if_needed()
-    page.wait_for_timeout(300)
-    below = box_of(page, f"{shown.root} .fl-picture")
-    visible = min(below["y"] + below["height"], height) - max(below["y"], 0)
-    assert visible > 0.75 * min(picture["height"], height)
+
+    def stays_in_sight():
+        below = box_of(page, f"{shown.root} .fl-picture")
+        visible = min(below["y"] + below["height"], height) - max(below["y"], 0)
+        return visible > 0.75 * min(picture["height"], height)
+
+    assert come_to(page, True, stays_in_sight)
     page.set_viewport_size({"width": 1280, "height": 720})
 
 

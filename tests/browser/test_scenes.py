@@ -15,7 +15,7 @@ from frictionlab.plotting.appearance import DARK, contrast
 from frictionlab.widgets.panels.picture import PANEL_WIDTH
 from frictionlab.widgets.panels.tile import FONT_SIZE
 from frictionlab.widgets.scenes import Scenes
-from tests.browser.screen import PATIENCE, cut_off, faults, press, settled
+from tests.browser.screen import PATIENCE, come_to, cut_off, faults, press, settled
 from tests.browser.servers import (
     SCENES,
     app,
@@ -154,15 +154,13 @@ def test_full_screen_fills_the_window_and_is_left(page):
     page.wait_for_function("document.fullscreenElement?.matches('.fl-scenes')")
     settled(page, ROOT)
     assert page.evaluate("innerWidth") == page.evaluate("document.fullscreenElement.clientWidth")
-    assert cut_off(page, ".fl-scenes") == []
+    assert come_to(page, [], lambda: cut_off(page, ".fl-scenes")) == []
     letters = page.evaluate(
         "parseFloat(getComputedStyle(document.querySelector('.fl-equilibrium b')).fontSize)"
     )
     assert letters >= 18
-    page.wait_for_timeout(1000)
-    settled(page, ROOT)
-    wide = page.evaluate("document.querySelector('.fl-panel img').getBoundingClientRect().width")
-    assert FONT_SIZE / 72 * wide / PANEL_WIDTH >= 20  # pixels
+    width = "document.querySelector('.fl-panel img').getBoundingClientRect().width"
+    page.wait_for_function(f"{width} >= {20 * 72 / FONT_SIZE * PANEL_WIDTH}")  # letters of 20 pixels
     press_button(page, "leave full screen")
     page.wait_for_function("!document.fullscreenElement")
     page.get_by_role("button", name="full screen", exact=True).wait_for()
@@ -210,7 +208,7 @@ def test_two_scenes_at_once(page):
     press_button(page, "swap")
     page.wait_for_function(READS, arg=["mu_k", "1.4"])
     page.wait_for_function(SAYS, arg=[".fl-comparison", f"dotted, kept: mu_k = {now}"])
-    assert cut_off(page, ".fl-scenes") == []
+    assert come_to(page, [], lambda: cut_off(page, ".fl-scenes")) == []
     press_button(page, "compare")
     page.wait_for_function("document.querySelectorAll('.fl-canvas').length === 1")
 
@@ -220,10 +218,9 @@ def test_two_scenes_at_once(page):
 def test_nothing_is_clipped(page, scene, width):
     choose(page, scene)
     page.set_viewport_size({"width": width, "height": SIZES[width]})
-    page.wait_for_timeout(500)
     settled(page, ROOT)
     open_all(page)
-    assert cut_off(page, ".fl-scenes") == []
+    assert come_to(page, [], lambda: cut_off(page, ".fl-scenes")) == []
 
 
 def test_a_slider_and_its_number_are_in_one_row(page):
