@@ -28,8 +28,7 @@ from frictionlab.hybrid.solve import (
 from frictionlab.hybrid.tape.automaton_data import DERIVED_FROM, automaton_from_data
 from frictionlab.hybrid.tape.packing import program_of, program_of_modes
 from frictionlab.hybrid.trajectory import Trajectory
-from frictionlab.models import Model
-from frictionlab.models.model import automaton_of, require_model
+from frictionlab.models.model import Model, automaton_of, require_model
 from frictionlab.models.symbols import automaton_from_structure_data
 from frictionlab.stability import equilibrium
 from frictionlab.validation import abbreviate, check_choice, float_array, plain_number

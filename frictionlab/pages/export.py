@@ -27,9 +27,8 @@ from frictionlab.hybrid.kernels.jets import LOG2_LEAST_RATIO
 from frictionlab.hybrid.llvm_instructions import EXP2_COEFFICIENTS
 from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.hybrid.tape.functions import FUNCTIONS
-from frictionlab.models import Model
 from frictionlab.models.mechanism import Mechanism, TiltingBelt
-from frictionlab.models.model import require_model
+from frictionlab.models.model import Model, require_model
 from frictionlab.pages.page_data import preset_data, slider_data, structure_data, structures, switch_names
 from frictionlab.plotting.animation.parts import MARKS, WIDTH
 from frictionlab.plotting.animation.tilting_belt import SPRING_LABELS

@@ -21,9 +21,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionlab.components.component import check_value
-from frictionlab.models import Model
 from frictionlab.models.composition import parameter_metadata
-from frictionlab.models.model import check_parameter_name
+from frictionlab.models.model import Model, check_parameter_name
 from frictionlab.stability.flow import Flow, Jacobian
 
 Array = NDArray[np.float64]

@@ -21,9 +21,8 @@ from frictionlab.file_writing import name_written_file
 from frictionlab.hybrid.methods.base import Method
 from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.interruption import deferred_interrupts, progress_bar
-from frictionlab.models import Model
 from frictionlab.models.composition import parameter_unit
-from frictionlab.models.model import require_model
+from frictionlab.models.model import Model, require_model
 from frictionlab.presentation import Drawable, count, dataframe, dataset, span, tally
 from frictionlab.validation import check_choice
 

@@ -18,8 +18,7 @@ from frictionlab.automaton import HybridAutomaton, Mode
 from frictionlab.automaton.mode import ModesOnDemand, Regime
 from frictionlab.hybrid.elementary.parameter_functions import OF_ARRAYS
 from frictionlab.lazy_names import sympy
-from frictionlab.models import Model
-from frictionlab.models.model import automaton_of
+from frictionlab.models.model import Model, automaton_of
 from frictionlab.stability.equilibrium_points.newton import find_zeros, follow_zero, newton_step
 from frictionlab.stability.equilibrium_points.real_roots import UNKNOWN, Polynomial
 from frictionlab.stability.equilibrium_points.static_equations import (
