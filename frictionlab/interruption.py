@@ -30,6 +30,9 @@ from weakref import WeakSet
 
 POLL_TIME = 0.1  # seconds between two looks at ctrl-C while something else computes
 
+# Without the enums of the module `signal`, which take longer than all else of a short run's handlers.
+SIGNALS: Any = sys.modules.get("_signal", signal)
+
 _LAST: list[Any] = [None]  # the result of the last interruption
 # of the sweep in whose thread a run is: set when the sweep no longer waits for it
 STOP_SIGN: ContextVar[threading.Event | None] = ContextVar("STOP_SIGN", default=None)
@@ -92,15 +95,15 @@ def deferred_interrupts(limit: int) -> Iterator[Presses]:
     """
     presses, previous = Presses(limit), None
     if threading.current_thread() is threading.main_thread():
-        previous = signal.getsignal(signal.SIGINT)
+        previous = SIGNALS.getsignal(signal.SIGINT)
     presses.installed = callable(previous)
     if presses.installed:
-        signal.signal(signal.SIGINT, presses.note)
+        SIGNALS.signal(signal.SIGINT, presses.note)
     try:
         yield presses
     finally:
         if presses.installed:
-            signal.signal(signal.SIGINT, previous)
+            SIGNALS.signal(signal.SIGINT, previous)
 
 
 def call_in_background(function: Callable[[], Any], abandoned: Callable[[], Any]) -> Future[Any]:

@@ -6,6 +6,7 @@ import logging
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cache
 from typing import Any, TypedDict, Unpack
 
 import numpy as np
@@ -34,6 +35,8 @@ from frictionlab.validation import (
     float_array,
 )
 
+NAMED_METHODS: dict[str, type[Method]] = {"taylor": Taylor, "rk4": RK4}
+
 
 def method_of(method: Any) -> Method:
     """The method itself, or the one of that name, in small letters or large ones, with its default settings.
@@ -45,16 +48,23 @@ def method_of(method: Any) -> Method:
     """
     if isinstance(method, Method):
         return method
-    named = {"taylor": Taylor, "rk4": RK4}
-    known = [*named, *INTEGRATORS]
-    spelt = {name.lower(): name for name in known}
-    name = spelt.get(method.lower(), "") if isinstance(method, str) else ""
-    if name:
-        return named[name]() if name in named else Scipy(name)
+    found = _method_named(method.lower()) if isinstance(method, str) else None
+    if found is not None:
+        return found
+    known = [*NAMED_METHODS, *INTEGRATORS]
     names = ", ".join(map(repr, known))
     raise ValueError(
         f"method must be a frictionlab method or one of {names}, got {method!r}{did_you_mean(method, known)}"
     )
+
+
+@cache
+def _method_named(name: str) -> Method | None:
+    """The method of a name in small letters, None where there is none; methods never change."""
+    integrators = {each.lower(): each for each in INTEGRATORS}
+    if name in integrators:
+        return Scipy(integrators[name])
+    return NAMED_METHODS[name]() if name in NAMED_METHODS else None
 
 
 LOGGER = logging.getLogger(__name__)

@@ -65,14 +65,14 @@ def structure_values(model: Any) -> tuple[float, ...]:
     return tuple(values[name] for name in structure_of_component(model).parameters)
 
 
-def check_laws(model: Any) -> None:
-    """Raise ValueError where a law of a model has no real value at the values of its parameters."""
-    values = model.parameters
-    for place, part in _doubtful_parts(structure_of_component(model)):
+def check_laws(key: Structure, values: Mapping[str, float]) -> None:
+    """Raise ValueError where a law of a model of this structure has no real value at those of its
+    parameters."""
+    for place, part in _doubtful_parts(key):
         if what := part.words(values):
             raise ValueError(
-                f"{place} of this {type(model).__name__} has {what}: give it another value; in a law of your "
-                "own, fl.parameter(..., minimum=...) says which are allowed"
+                f"{place} of this {key.component.__name__} has {what}: give it another value; in a law of "
+                "your own, fl.parameter(..., minimum=...) says which are allowed"
             )
 
 
@@ -172,19 +172,19 @@ def automaton_of_model(model: Any) -> HybridAutomaton:
     ValueError
         Where a law has no real value at the values of the parameters.
     """
-    check_laws(model)
-    key = structure_of_component(model)
-    kept = derivations_of(key, tuple(model.parameters))
+    key, parameters = structure_of_component(model), model.parameters
+    check_laws(key, parameters)
+    kept = derivations_of(key, tuple(parameters))
     known = kept.get("automaton")
     if known is None:
         derived = automaton_of_structure(key)
         if derived.on_demand or not kept.keeps:
-            numbers = {symbol(name): value for name, value in model.parameters.items()}
+            numbers = {symbol(name): value for name, value in parameters.items()}
             numbers |= dict(derived.parameters)
             return HybridAutomaton(derived.states, derived.modes, numbers, derived.coordinates)
         known = _outline(derived)
         kept.keep("automaton", known)
-    values = {**model.parameters, **known["parameters"]}
+    values = {**parameters, **known["parameters"]}
     return late_automaton(Late(known, values, partial(_automaton_with_values, key), kept))
 
 

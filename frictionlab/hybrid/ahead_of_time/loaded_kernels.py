@@ -10,8 +10,8 @@ import sys
 from array import array
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
-from functools import update_wrapper
-from typing import Any
+from functools import cache, update_wrapper
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -28,11 +28,9 @@ from frictionlab.hybrid.ahead_of_time.targets import targets_of_machine
 LOGGER = logging.getLogger(__name__)
 GAPS = "with gaps"  # the type of an array whose elements do not follow each other
 FLOAT, INTEGER = ["<f8", 0], ["<i8", 0]
-MANY = 20  # parts of a tuple whose words are remembered
 ENTRY = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_void_p)
 DATA_OFFSET = 16  # bytes of an array's object before the address of its data (numpy's PyArrayObject)
-# some of these tuples (kept, so that no other is taken for one), each with its words and their types
-_REMEMBERED: list[tuple[Any, list[int], list[Any]]] = [(None, [], [])] * 16
+T = TypeVar("T", bound=tuple)
 
 
 @dataclass(frozen=True)
@@ -249,10 +247,12 @@ def _append(arguments: Iterable[Any], words: list[int], kinds: list[Any]) -> Non
             kinds.append(_TYPES[each.dtype] if each.flags.c_contiguous else GAPS)
             kinds.append(len(shape))
         elif isinstance(each, tuple):
-            if len(each) < MANY:
+            known = getattr(each, "table", None)
+            if known is None:
                 _append(each, words, kinds)
             else:
-                _append_remembered(each, words, kinds)
+                words.extend(known[0])
+                kinds.extend(known[1])
         elif isinstance(each, (float, np.floating)):
             words.append(struct.unpack("q", struct.pack("d", each))[0])
             kinds += FLOAT
@@ -261,17 +261,19 @@ def _append(arguments: Iterable[Any], words: list[int], kinds: list[Any]) -> Non
             kinds += INTEGER
 
 
-def _append_remembered(many: tuple[Any, ...], words: list[int], kinds: list[Any]) -> None:
-    """The same of a tuple of many arrays, such as a program's, which is passed again and again."""
-    place = id(many) // 16 % len(_REMEMBERED)
-    known, more, their = _REMEMBERED[place]
-    if known is not many:
-        more, their = [], []
-        for part in many:  # not the tuple itself, of which one word after the other would be asked again
-            _append((part,), more, their)
-        _REMEMBERED[place] = many, more, their
-    words.extend(more)
-    kinds.extend(their)
+@cache
+def _with_table(kind: type) -> type:
+    """A named tuple that may have an attribute."""
+    return type(kind.__name__, (kind,), {"table": None})
+
+
+def remember_words(arrays: T) -> T:
+    """The same named tuple of arrays, which knows its words: for those that are passed again and again."""
+    words, kinds = [], []
+    _append(arrays, words, kinds)
+    known = _with_table(type(arrays))(*arrays)
+    known.table = words, kinds
+    return known
 
 
 def _leaves(arguments: Iterable[Any]) -> Iterator[Any]:

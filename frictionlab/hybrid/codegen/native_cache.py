@@ -15,13 +15,14 @@ from contextlib import contextmanager
 from functools import cache
 from itertools import accumulate
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 from weakref import WeakKeyDictionary, ref
 
 import numpy as np
 
 from frictionlab import cache_folder
 from frictionlab.hybrid import compilation, llvm_instructions
+from frictionlab.hybrid.ahead_of_time.loaded_kernels import remember_words
 from frictionlab.hybrid.codegen import jet_codegen, remainder_codegen, step_codegen
 from frictionlab.hybrid.codegen.jet_codegen import ModeTape, jets_module
 from frictionlab.hybrid.codegen.remainder_codegen import StepStructure
@@ -31,6 +32,7 @@ from frictionlab.hybrid.tape import functions, tape
 from frictionlab.hybrid.tape.program import Code, Program
 
 LOGGER = logging.getLogger(__name__)
+T = TypeVar("T", bound=tuple)
 # number of a mode's jets after which compiling pays: interpreted, they take as long as the compilation
 COMPILE_AFTER = 20_000
 # Terms of affine sums, as of finite elements: with more, the kernel's loops take no longer, and LLVM takes
@@ -46,8 +48,8 @@ class NativeCode:
 
     Attributes
     ----------
-    code : Code
-        The program's arrays, with the addresses of what is compiled.
+    interpreted, code : Code
+        The program's arrays, without and with the addresses of what is compiled.
     tapes : dict of int to ModeTape
         By mode, what its jets are compiled from.
     requested : dict of int to Future
@@ -61,7 +63,8 @@ class NativeCode:
         self._of_steps = {mode: _step_structure(program.code, mode) for mode in modes}
         self.requested: dict[int, Future[None]] = {}
         self._used, addresses, steps = np.zeros((3, count), dtype=np.int64)
-        self.code: Code = program.code._replace(native=addresses, lanes=steps)
+        self.interpreted = passed_again(program.code)
+        self.code: Code = passed_again(program.code._replace(native=addresses, lanes=steps))
         # of this program, and of all with modes before or behind these; weak, as only the last one is in use
         self._family: list[ref[NativeCode]] = [] if before is None else before._family
         self._family.append(ref(self))
@@ -124,6 +127,11 @@ class NativeCode:
         for mode in modes if compilation.HAS_MACHINE_CODE else ():
             if not (self.code.lanes[mode] or self.code.powers[mode]) and ~mode not in self.requested:
                 self.requested[~mode] = _worker().submit(self.compile_step, mode)
+
+
+def passed_again(arrays: T) -> T:
+    """A named tuple of arrays that kernels take at every run."""
+    return arrays if compilation.LOADED is None else remember_words(arrays)
 
 
 def native_code(program: Program) -> NativeCode:

@@ -8,12 +8,13 @@ The mode at t = 0 is chosen by the rule that follows every event.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from dataclasses import asdict, dataclass, field, fields, is_dataclass, replace
 from typing import Any, ClassVar
 
 import numpy as np
 
-from frictionlab.hybrid.codegen.native_cache import NativeCode, native_code
+from frictionlab.hybrid.codegen.native_cache import NativeCode, native_code, passed_again
 from frictionlab.hybrid.kernels import run_state
 from frictionlab.hybrid.kernels.event_handling import handle_event, handle_event_on_demand
 from frictionlab.hybrid.kernels.event_location import COEFFICIENT_ROUNDING, GuardZero
@@ -42,6 +43,50 @@ STATUS_OF_CODE = {
     run_state.ZENO: Status.ACCUMULATED,
     run_state.NOT_FINITE: Status.NOT_FINITE,
 }
+MOST_SPARES = 8  # programs, or sizes, of which arrays are kept
+
+
+class SpareArrays:
+    """Arrays of runs that are over, for the next run of the same sizes.
+
+    Their memory is there already, and how kernels take them is known.
+    """
+
+    def __init__(self) -> None:
+        self._kept: dict[Any, list[Any]] = {}
+
+    def take(self, sizes: Any, make: Callable[[], Any]) -> Any:
+        """Those of a run that is over, or new ones; each is given to one run only."""
+        try:
+            return self._kept[sizes].pop()
+        except (KeyError, IndexError):
+            return passed_again(make())
+
+    def give(self, sizes: Any, arrays: Any) -> None:
+        """Keep arrays that nothing refers to any more."""
+        if sizes not in self._kept and len(self._kept) == MOST_SPARES:
+            self._kept.clear()
+        self._kept.setdefault(sizes, []).append(arrays)
+
+
+SPARE_SCRATCH, SPARE_RECORDS = SpareArrays(), SpareArrays()
+
+
+def clear_scratch(scratch: run_state.Scratch) -> None:
+    """Forget what a run before has left; jets, bounds and roots are written before they are read."""
+    scratch.structural_zeros[:] = scratch.leading_zeros[:] = 0
+    scratch.ended[:] = -1, 0
+
+
+def _record_sizes(record: run_state.Record) -> tuple[int, ...]:
+    return (
+        record.step_states.shape[1],
+        len(record.step_modes),
+        len(record.event_times),
+        len(record.point_times),
+    )
+
+
 _COUNTED = [run_state.STEPS, run_state.EVENTS, run_state.POINTS]
 
 
@@ -63,7 +108,7 @@ class ActiveRun:
 
     def without_native_code(self) -> ActiveRun:
         """The run whose modes are all interpreted."""
-        return replace(self, system=self.system._replace(code=self.problem.program.code))
+        return replace(self, system=self.system._replace(code=self.native.interpreted))
 
     def handle_event(
         self, truncation: run_state.Truncation, event: GuardZero, record: run_state.Record
@@ -197,6 +242,9 @@ class Method(ABC):
                 status = Status.INTERRUPTED
             elif end == run_state.MODE_NOT_DERIVED:
                 run = self._prepare(run.with_missing_mode(), run.cursor, run.event_left())
+        SPARE_SCRATCH.give((run.problem.program, self.degree), run.scratch)
+        if record is not None and pieces.copied and len(record.step_modes) == RECORD_CAPACITY:
+            SPARE_RECORDS.give(_record_sizes(record), record)
         mode = int(counts[run_state.MODE])
         return pieces.raw(run.problem.program.code, times[run_state.NOW], run.cursor.state, mode, status)
 
@@ -225,7 +273,11 @@ class Method(ABC):
     ) -> ActiveRun:
         program = problem.program
         native, system = native_code(program), system_of(program.code, problem.numbers)
-        scratch, queue = new_scratch(program.slots, program.code, self.degree), new_queue(program.demand)
+        degree, queue = self.degree, new_queue(program.demand)
+        scratch = SPARE_SCRATCH.take(
+            (program, degree), lambda: new_scratch(program.slots, program.code, degree)
+        )
+        clear_scratch(scratch)
         return ActiveRun(problem, native, system._replace(code=native.code), cursor, scratch, queue, event)
 
     def _record(self, run: ActiveRun, pieces: RecordList, last: run_state.Record | None) -> run_state.Record:
@@ -243,7 +295,8 @@ class Method(ABC):
         ):
             return last
         points = (self.degree + 2) * code.sections.shape[1]
-        return new_record(code, steps, events, points + (RECORD_CAPACITY if points else 0))
+        sizes = code.inputs, steps, events, points + (RECORD_CAPACITY if points else 0)
+        return SPARE_RECORDS.take(sizes, lambda: new_record(code, *sizes[1:]))
 
     def _status(self, status: Status, pieces: RecordList) -> Status:
         if status is not Status.RUNNING:

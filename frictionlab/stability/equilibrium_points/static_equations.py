@@ -86,8 +86,8 @@ class SlidingEquations:
 
     def values(self, model: Any) -> tuple[float, ...]:
         """The model's parameters, in the order of `parameters`; ValueError where a law has no value there."""
-        check_laws(model)
         known = model.parameters
+        check_laws(self.key, known)
         return tuple(known[name] for name in self.key.parameters)
 
     @cached_property
