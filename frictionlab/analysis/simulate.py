@@ -43,8 +43,8 @@ def model_initial_state(model: Any, x0: Any, automaton: Any = None) -> Any:
 
     Give the model's automaton where it is at hand, to save its assembly.
     """
-    if not isinstance(model, Model):  # an automaton, whose start is an array or by name
-        return x0
+    if not isinstance(model, Model):
+        return _automaton_initial_state(model, x0)
     automaton = model.automaton() if automaton is None else automaton
     if isinstance(x0, Mapping):
         return state_from_mapping(automaton, x0, model_initial_state(model, "rest", automaton))
@@ -61,6 +61,15 @@ def model_initial_state(model: Any, x0: Any, automaton: Any = None) -> Any:
     return start
 
 
+def _automaton_initial_state(automaton: HybridAutomaton, x0: Any) -> Any:
+    if isinstance(x0, Mapping):
+        return state_from_mapping(automaton, x0, np.zeros(len(automaton.state_names)))
+    if isinstance(x0, str):
+        check_choice("x0", x0, ("rest",), "or give numbers, one for each state")
+        return np.zeros(len(automaton.state_names))
+    return x0
+
+
 def named_state(x0: Any) -> Any:
     """An initial state as data that JSON can hold; names stay names."""
     if isinstance(x0, Mapping):
@@ -68,29 +77,15 @@ def named_state(x0: Any) -> Any:
     return x0 if isinstance(x0, str) else np.asarray(x0, dtype=float).tolist()
 
 
-def initial_state_of(model: Any, x0: Any) -> np.ndarray:
-    """The initial state (n,) that :func:`simulate` would begin with; raises for one that it refuses."""
-    return validate_initial_state(model, x0, automaton_of(model))
-
-
-def validate_initial_state(model: Any, x0: Any, automaton: HybridAutomaton) -> np.ndarray:
-    """The initial state of a model, or of an automaton, that :func:`simulate` would take; else ValueError."""
+def initial_state_of(model: Any, x0: Any, automaton: HybridAutomaton | None = None) -> np.ndarray:
+    """The initial state (n,) that a run of a model or an automaton would begin with; raises for others."""
+    automaton = automaton_of(model) if automaton is None else automaton
     names, size = ", ".join(automaton.state_names), len(automaton.state_names)
     rule = f"a finite number for each of the states {names}"
-    start = float_array("x0", resolve_initial_state(model, x0, automaton), f"give {rule}")
+    start = float_array("x0", model_initial_state(model, x0, automaton), f"give {rule}")
     if start.shape != (size,) or not np.isfinite(start).all():
         raise ValueError(f"x0 must hold {rule}, got {abbreviate(x0)}: give {size} numbers, in this order")
     return start
-
-
-def resolve_initial_state(model: Any, x0: Any, automaton: HybridAutomaton | None = None) -> Any:
-    """The state (2n,) that a name stands for, of a model or an automaton."""
-    if isinstance(model, HybridAutomaton) and isinstance(x0, Mapping):
-        return state_from_mapping(model, x0, np.zeros(len(model.state_names)))
-    if isinstance(model, HybridAutomaton) and isinstance(x0, str):
-        check_choice("x0", x0, ("rest",), "or give numbers, one for each state")
-        return np.zeros(len(model.states))
-    return model_initial_state(model, x0, automaton)
 
 
 def simulate(
