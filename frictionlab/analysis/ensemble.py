@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from frictionlab.analysis.simulate import validate_initial_state
+from frictionlab.analysis.simulate import initial_state_of
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.automaton.mode import ModeNames
 from frictionlab.hybrid.compilation import needs_compilation
@@ -21,7 +21,7 @@ from frictionlab.hybrid.solve import method_of, problem_of, with_chatter_limit
 from frictionlab.hybrid.tape.automaton_checks import check_automaton
 from frictionlab.hybrid.tape.packing import program_of
 from frictionlab.interruption import Progress, interruption
-from frictionlab.models.coercion import automaton_of
+from frictionlab.models.model import automaton_of
 from frictionlab.validation import check_number
 
 __all__ = ["BatchResult", "ensemble"]
@@ -136,7 +136,7 @@ def _problems(models: Sequence[Any], x0: Any, t_end: float, method: Taylor) -> l
         first.setdefault(id(model), i)
     automata = {key: _check_model(models[i], i) for key, i in first.items()}
     limit = method.limits[1]
-    starts = [validate_initial_state(model, x0, automata[id(model)]) for model, x0 in zip(models, each)]
+    starts = [initial_state_of(model, x0, automata[id(model)]) for model, x0 in zip(models, each)]
     made = {
         key: problem_for_batch(with_chatter_limit(one, limit), starts[first[key]], t_end)
         for key, one in automata.items()

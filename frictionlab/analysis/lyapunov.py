@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from frictionlab.analysis.simulate import validate_initial_state
+from frictionlab.analysis.simulate import initial_state_of
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.hybrid.solve import solve
 from frictionlab.hybrid.variational.tangent_flow import tangent_growth
 from frictionlab.interruption import interruption, progress_bar
-from frictionlab.models.coercion import automaton_of
+from frictionlab.models.model import automaton_of
 from frictionlab.presentation import Drawable, shorten
 from frictionlab.validation import check_number
 
@@ -104,7 +104,7 @@ def lyapunov(
     t_end = check_number("t_end", t_end, above=0.0, cure="give the seconds to average over")
     blocks = check_number("blocks", blocks, integer=True, least=2, cure="20 parts are usual")
     automaton = automaton_of(model)
-    state = validate_initial_state(model, x0, automaton)
+    state = initial_state_of(model, x0, automaton)
     if transient:
         state = _run(automaton, transient, state, progress).final_state
     motion = _run(automaton, t_end / blocks, state, progress).states

@@ -10,16 +10,31 @@ import numpy as np
 
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.hybrid.methods.base import Method
-from frictionlab.hybrid.run_file import automaton_in_file, trajectory_from_file
-from frictionlab.hybrid.solve import RunOptions, method_of, run_automaton, state_from_mapping
-from frictionlab.hybrid.storage import StoredRun, read_run_file
+from frictionlab.hybrid.problem import Problem, RunData, Sampling, Status
+from frictionlab.hybrid.run_file import (
+    STORED_ARRAYS,
+    StoredRun,
+    check_arrays,
+    rates_by_mode,
+    read_run_file,
+)
+from frictionlab.hybrid.solve import (
+    RunOptions,
+    method_of,
+    run_automaton,
+    state_from_mapping,
+    with_chatter_limit,
+)
+from frictionlab.hybrid.tape.automaton_data import DERIVED_FROM, automaton_from_data
+from frictionlab.hybrid.tape.packing import program_of, program_of_modes
 from frictionlab.hybrid.trajectory import Trajectory
-from frictionlab.models import Model
-from frictionlab.models.coercion import automaton_from_structure_data, automaton_of, require_model
+from frictionlab.models.model import Model, automaton_of, require_model
+from frictionlab.models.symbols import automaton_from_structure_data
 from frictionlab.stability import equilibrium
 from frictionlab.validation import abbreviate, check_choice, float_array, plain_number
 
 NEAR_EQUILIBRIUM_FACTOR = 1.01  # "near": the equilibrium displaced by one percent
+RATES_RTOL = 1e-9  # rates by the same equations agree to rounding, on every processor
 
 
 def model_initial_state(model: Any, x0: Any, automaton: Any = None) -> Any:
@@ -28,8 +43,8 @@ def model_initial_state(model: Any, x0: Any, automaton: Any = None) -> Any:
 
     Give the model's automaton where it is at hand, to save its assembly.
     """
-    if not isinstance(model, Model):  # an automaton, whose start is an array or by name
-        return x0
+    if not isinstance(model, Model):
+        return _automaton_initial_state(model, x0)
     automaton = model.automaton() if automaton is None else automaton
     if isinstance(x0, Mapping):
         return state_from_mapping(automaton, x0, model_initial_state(model, "rest", automaton))
@@ -46,6 +61,15 @@ def model_initial_state(model: Any, x0: Any, automaton: Any = None) -> Any:
     return start
 
 
+def _automaton_initial_state(automaton: HybridAutomaton, x0: Any) -> Any:
+    if isinstance(x0, Mapping):
+        return state_from_mapping(automaton, x0, np.zeros(len(automaton.state_names)))
+    if isinstance(x0, str):
+        check_choice("x0", x0, ("rest",), "or give numbers, one for each state")
+        return np.zeros(len(automaton.state_names))
+    return x0
+
+
 def named_state(x0: Any) -> Any:
     """An initial state as data that JSON can hold; names stay names."""
     if isinstance(x0, Mapping):
@@ -53,29 +77,15 @@ def named_state(x0: Any) -> Any:
     return x0 if isinstance(x0, str) else np.asarray(x0, dtype=float).tolist()
 
 
-def initial_state_of(model: Any, x0: Any) -> np.ndarray:
-    """The initial state (n,) that :func:`simulate` would begin with; raises for one that it refuses."""
-    return validate_initial_state(model, x0, automaton_of(model))
-
-
-def validate_initial_state(model: Any, x0: Any, automaton: HybridAutomaton) -> np.ndarray:
-    """The initial state of a model, or of an automaton, that :func:`simulate` would take; else ValueError."""
+def initial_state_of(model: Any, x0: Any, automaton: HybridAutomaton | None = None) -> np.ndarray:
+    """The initial state (n,) that a run of a model or an automaton would begin with; raises for others."""
+    automaton = automaton_of(model) if automaton is None else automaton
     names, size = ", ".join(automaton.state_names), len(automaton.state_names)
     rule = f"a finite number for each of the states {names}"
-    start = float_array("x0", resolve_initial_state(model, x0, automaton), f"give {rule}")
+    start = float_array("x0", model_initial_state(model, x0, automaton), f"give {rule}")
     if start.shape != (size,) or not np.isfinite(start).all():
         raise ValueError(f"x0 must hold {rule}, got {abbreviate(x0)}: give {size} numbers, in this order")
     return start
-
-
-def resolve_initial_state(model: Any, x0: Any, automaton: HybridAutomaton | None = None) -> Any:
-    """The state (2n,) that a name stands for, of a model or an automaton."""
-    if isinstance(model, HybridAutomaton) and isinstance(x0, Mapping):
-        return state_from_mapping(model, x0, np.zeros(len(model.state_names)))
-    if isinstance(model, HybridAutomaton) and isinstance(x0, str):
-        check_choice("x0", x0, ("rest",), "or give numbers, one for each state")
-        return np.zeros(len(model.states))
-    return model_initial_state(model, x0, automaton)
 
 
 def simulate(
@@ -166,11 +176,8 @@ def load(path: str | Path, model: Any = None) -> Trajectory:
     stored = read_run_file(path)
     if model is None and "model" in stored.description:
         model = _model_in_file(stored)
-    if model is None:
-        automaton = automaton_in_file(stored, automaton_from_structure_data)
-    else:
-        automaton = automaton_of(model)
-    return trajectory_from_file(stored, automaton, model if isinstance(model, Model) else None)
+    automaton = _automaton_in_file(stored) if model is None else automaton_of(model)
+    return _trajectory_in_file(stored, automaton, model if isinstance(model, Model) else None)
 
 
 def _model_in_file(stored: StoredRun) -> Model:
@@ -178,3 +185,103 @@ def _model_in_file(stored: StoredRun) -> Model:
         return Model.from_dict(stored.description["model"])
     except (ValueError, TypeError, RecursionError) as error:
         raise ValueError(f"{stored.path} holds a run of a model that cannot be made: {error}") from error
+
+
+def _automaton_in_file(stored: StoredRun) -> HybridAutomaton:
+    """The automaton that a file holds; ValueError where it holds none, or it is damaged."""
+    data = stored.about.get("automaton")
+    if not isinstance(data, dict):
+        reason = f", {data}" if isinstance(data, str) else ""
+        raise ValueError(
+            f"{stored.path} holds a run without its automaton{reason}: give it as load(path, model=automaton)"
+        )
+    try:
+        if DERIVED_FROM in data:
+            return _derived_automaton(stored, data)
+        automaton = automaton_from_data(data)
+        program_of(automaton)  # which checks that it is well formed, and is remembered
+        return automaton
+    except (ValueError, ArithmeticError) as error:
+        raise ValueError(f"{stored.path} is damaged, {error}: save the run again") from error
+
+
+def _derived_automaton(stored: StoredRun, data: Mapping[str, Any]) -> HybridAutomaton:
+    """That of a model with several contacts, whose modes a file cannot hold."""
+    parameters = stored.about.get("parameters")
+    if not isinstance(parameters, dict) or not all(type(value) is float for value in parameters.values()):
+        raise ValueError(f"its parameters are {abbreviate(parameters)}")
+    automaton = automaton_from_structure_data(data[DERIVED_FROM], Model, parameters)
+    if data.get("coordinates") != automaton.coordinates:
+        raise ValueError(f"it has {data.get('coordinates')} coordinates instead of {automaton.coordinates}")
+    return automaton
+
+
+def _trajectory_in_file(stored: StoredRun, automaton: HybridAutomaton, source: Model | None) -> Trajectory:
+    """The run that a file holds, on the automaton that made it; ValueError where that is another, or the
+    file is damaged.
+    """
+    try:
+        return _trajectory(stored, automaton, source)
+    except (KeyError, TypeError, AttributeError, IndexError) as error:
+        raise ValueError(f"{stored.path} is damaged, {error!r}: save the run again") from error
+
+
+def _trajectory(stored: StoredRun, automaton: HybridAutomaton, source: Model | None) -> Trajectory:
+    about = stored.about
+    # The one parameter that is a setting of the method, not of the model.
+    automaton = with_chatter_limit(automaton, about["parameters"].get("chatter", 0.0))
+    _check_same(stored, "states", list(automaton.state_names))
+    saved = about["mode_names"]  # by which steps and events are numbered
+    known = automaton.on_demand and all(name in automaton.names for name in saved)
+    _check_same(stored, "mode_names", saved if known else list(automaton.names))
+    _check_same(stored, "parameters", {name: float(value) for name, value in automaton.values.items()})
+    program, numbers = program_of_modes(automaton, tuple(saved)) if known else program_of(automaton)
+    _check_same(stored, "guards", list(program.guards))
+    check_arrays(stored, len(program.guards))
+    arrays = {name: stored.arrays[name] for name in STORED_ARRAYS}
+    raw = RunData(**arrays, t=float(about["t"]), mode=int(about["mode"]), status=Status[about["status"]])
+    start = raw.step_states[0] if len(raw.step_states) else raw.state
+    problem = Problem(program, numbers, start, raw.t)
+    _check_rates(stored, rates_by_mode(problem, raw))
+    samples = about["samples"]
+    return Trajectory(
+        automaton,
+        problem,
+        raw,
+        Sampling(
+            int(samples["order"]),
+            int(samples["parts"]),
+            stored.arrays.get("t_eval"),
+            tuple(samples["sections"]),
+        ),
+        quadratures=dict(about["quadratures"]),
+        description={k: v for k, v in stored.description.items() if k != "model" or source is None},
+        source=source,
+        wall_time=float(about["wall_time"]),
+    )
+
+
+def _check_same(stored: StoredRun, what: str, given: Any) -> None:
+    """Raise ValueError unless the automaton has what the run had."""
+    saved = stored.about[what]
+    if given == saved:
+        return
+    if isinstance(saved, dict):
+        names = sorted(name for name in {**saved, **given} if saved.get(name) != given.get(name))
+        saved, given = ({name: values.get(name) for name in names} for values in (saved, given))
+    raise ValueError(
+        f"{stored.path} holds a run with the {what.replace('_', ' ')} {saved}, got {given}: "
+        "give load(path, model=...) the model or automaton of that run"
+    )
+
+
+def _check_rates(stored: StoredRun, rates: dict[str, list[float]]) -> None:
+    """Raise ValueError unless the equations give the rates that were saved."""
+    for mode, saved in stored.about["rates"].items():
+        room = RATES_RTOL * np.abs(saved).max()
+        if not np.allclose(rates[mode], saved, rtol=0.0, atol=room, equal_nan=True):
+            raise ValueError(
+                f"{stored.path} holds a run by other equations: at its first step in mode {mode!r} the rates "
+                f"of the states were {saved}, now they are {rates[mode]}: give load(path, model=...) the "
+                "model or automaton of that run"
+            )

@@ -19,7 +19,7 @@ from frictionlab.analysis.run_comparison import (
     longest_stay,
     mode_stays,
 )
-from frictionlab.analysis.simulate import validate_initial_state
+from frictionlab.analysis.simulate import initial_state_of
 from frictionlab.hybrid.kernels.jets import MACHINE_EPSILON, MAX_ORDER
 from frictionlab.hybrid.methods.base import Method
 from frictionlab.hybrid.methods.scipy_methods import Scipy
@@ -27,7 +27,7 @@ from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.hybrid.problem import Status
 from frictionlab.hybrid.solve import method_of, solve
 from frictionlab.hybrid.trajectory import Trajectory
-from frictionlab.models.coercion import automaton_of
+from frictionlab.models.model import automaton_of
 from frictionlab.presentation import Drawable
 from frictionlab.validation import check_number
 
@@ -135,7 +135,7 @@ def verify(
     """
     chosen = method_of(method)
     t_end = check_number("t_end", t_end, above=0.0, cure="give the length of the run in seconds")
-    start = validate_initial_state(model, x0, automaton_of(model))
+    start = initial_state_of(model, x0)
     motion = _RunSetup(model, start, float(t_end), progress)
     run = motion.run(chosen)
     if not run.raw.t > 0.0:

@@ -2,8 +2,7 @@
 
 What `lambdify` has written is a list of assignments with no branch but in signs.  It is read once, operation
 by operation; what is read does the same operations on the same numbers in the same sequence, so that the
-results have the same bits.  Sympy is not needed.  What is called often is written as a function of Python
-again, of which no word comes from the data: they hold numbers, places, and names that are looked up here.
+results have the same bits.  Nothing of the data is run as Python, and sympy is not needed.
 """
 
 from __future__ import annotations
@@ -26,17 +25,6 @@ OPERATORS: dict[str, Callable[..., Any]] = {
     "UAdd": operator.pos,
     "IfEqual": lambda a, b, yes, no: yes if a == b else no,
 }
-SPELLINGS = {  # of the operators in Python
-    "Add": "{} + {}",
-    "Sub": "{} - {}",
-    "Mult": "{} * {}",
-    "Div": "{} / {}",
-    "Pow": "{} ** {}",
-    "USub": "-{}",
-    "UAdd": "+{}",
-    "IfEqual": "{2} if {0} == {1} else {3}",
-}
-WRITTEN_AFTER = 30  # calls: to write and compile the function takes as long as so many save
 MATH: Mapping[str, Any] = {name: value for name, value in vars(math).items() if not name.startswith("_")}
 
 
@@ -156,46 +144,23 @@ class StraightLine:
     """
 
     def __init__(self, data: Data, functions: Mapping[str, Callable[..., Any]]) -> None:
-        self._data, self._functions = data, functions
         self._count, self._numbers, self._returns = data["arguments"], data["numbers"], data["returns"]
-        self._operations = [(OPERATORS.get(name) or functions[name], of) for name, *of in data["operations"]]
-        self._calls, self._written = 0, None
+        self._operations = [
+            (OPERATORS.get(name) or functions[name], of[0], of[1] if len(of) == 2 else None, of)
+            for name, *of in data["operations"]
+        ]
 
     def __call__(self, *arguments: Any) -> Any:
         if len(arguments) != self._count:
             raise TypeError(f"{self._count} arguments are needed, got {len(arguments)}")
-        if self._written is not None:
-            return self._written(*arguments)
-        self._calls += 1
-        if self._calls == WRITTEN_AFTER:
-            self._written = _python_function(self._data, self._functions)
         values = [*arguments, *self._numbers]
-        for operation, of in self._operations:
-            values.append(operation(*[values[i] for i in of]))
+        append = values.append
+        for operation, a, b, of in self._operations:
+            if b is not None:  # nearly all have two operands
+                append(operation(values[a], values[b]))
+            else:
+                append(operation(*[values[i] for i in of]))
         return _mapped(values.__getitem__, self._returns)
-
-
-def _python_function(data: Data, functions: Mapping[str, Callable[..., Any]]) -> Callable[..., Any]:
-    """The same as a function of Python, with a line for each operation; a name vN holds the value N."""
-    count, known = data["arguments"], dict[str, Any](__builtins__={})
-    known |= {f"v{count + i}": number for i, number in enumerate(data["numbers"])}
-    lines = [f"def written({', '.join(f'v{i}' for i in range(count))}):"]
-    for i, (name, *of) in enumerate(data["operations"], count + len(data["numbers"])):
-        places = [f"v{int(place)}" for place in of]
-        if name not in SPELLINGS:
-            known[f"f{i}"] = functions[name]
-        spelling = SPELLINGS.get(name) or f"f{i}({', '.join(places)})"
-        lines.append(f"    v{i} = {spelling.format(*places)}")
-    lines.append(f"    return {_mapped(lambda place: _Name(int(place)), data['returns'])}")
-    exec("\n".join(lines), known)
-    return known["written"]
-
-
-class _Name(int):
-    """The name of a value, as it is written."""
-
-    def __repr__(self) -> str:
-        return f"v{int(self)}"
 
 
 def _mapped(function: Callable[[Any], Any], nested: Any) -> Any:

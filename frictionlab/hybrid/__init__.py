@@ -24,9 +24,9 @@ Data pass in this order, and each part imports only from those before it:
     its events and its named outputs.
 ``methods``
     `Taylor`, `RK4`, `Scipy`: classes that fill records of steps and events.
-``trajectory``, ``storage``, ``run_file``, ``accuracy``
-    `Trajectory`, the result of a run with samples, events, dense output; runs on disk, and whether what a
-    file holds is a run; the defect of its steps and the violation of its modes' conditions.
+``trajectory``, ``run_file``, ``accuracy``
+    `Trajectory`, the result of a run with samples, events, dense output; runs on disk, and whether the arrays
+    of a file can be those of a run; the defect of its steps and the violation of its modes' conditions.
 ``ensemble``
     Many runs of one structure side by side.
 ``variational``

@@ -1,152 +1,113 @@
-"""The run that a file holds: whether its arrays belong together, and to the automaton that is given."""
+"""Runs on disk: one npz file of arrays, with a description as JSON among them.
+
+A file is written beside its place and renamed, so that a full disk leaves what was there.  What is read is
+checked before kernels see it, as they check no indices; errors name the path.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import io
+import json
+import tokenize
+import zipfile
+import zlib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from frictionlab.automaton import HybridAutomaton
-from frictionlab.hybrid.kernels.jets import MAX_ORDER
-from frictionlab.hybrid.problem import Problem, RunData, Sampling, Status
-from frictionlab.hybrid.solve import with_chatter_limit
-from frictionlab.hybrid.storage import STORED_ARRAYS, StoredRun, rates_by_mode
-from frictionlab.hybrid.tape.automaton_data import DERIVED_FROM, automaton_from_data
-from frictionlab.hybrid.tape.packing import program_of, program_of_modes
-from frictionlab.hybrid.trajectory import Trajectory
-from frictionlab.validation import abbreviate
+from frictionlab._version import __version__
+from frictionlab.file_writing import write_file
+from frictionlab.hybrid.kernels.jets import MAX_ORDER, state_rates
+from frictionlab.hybrid.problem import Problem, RunData
+from frictionlab.validation import with_cure
 
-MAX_PARTS = 1000  # of a step, in samples: methods take eight at most
+FILE_FORMAT = 2
+STORED_ARRAYS = (*RunData._fields[:9], "state")  # of a run, beside the end's time and mode
 INTEGER_ARRAYS = "step_modes", "event_codes", "point_sections"
-RATES_RTOL = 1e-9  # rates by the same equations agree to rounding, on every processor
+MAX_PARTS = 1000  # of a step, in samples: methods take eight at most
+
+# What archives, arrays and JSON raise where they are no such thing.
+DAMAGED = (
+    *(zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, RuntimeError, OSError, MemoryError),
+    *(ValueError, TypeError, KeyError, AttributeError, SyntaxError, OverflowError, tokenize.TokenError),
+)
 
 
-Derive = Callable[[Any, Mapping[str, float]], HybridAutomaton]
+@dataclass(frozen=True)
+class StoredRun:
+    """The content of a file: its path, what is said of the run, and its arrays by name."""
+
+    path: Path
+    about: dict[str, Any]
+    arrays: dict[str, np.ndarray]
+
+    @property
+    def description(self) -> dict[str, Any]:
+        """The description of the run: its method, its end time, its model if it had one."""
+        return self.about["description"]
 
 
-def automaton_in_file(stored: StoredRun, derive: Derive) -> HybridAutomaton:
-    """The automaton that a file holds.
+def write_run_file(path: str | Path, about: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> Path:
+    """Write what JSON can hold, and arrays; the suffix .npz is added where it is missing."""
+    path = Path(path)
+    path = path if path.suffix == ".npz" else path.with_name(path.name + ".npz")
+    text = json.dumps({"format": FILE_FORMAT, "version": __version__, **about})
+    everything: dict[str, Any] = {"about": np.array(text), **arrays}
+    with write_file(path) as beside, open(beside, "wb") as stream:
+        np.savez_compressed(stream, **everything)
+    return path
 
-    Parameters
-    ----------
-    stored : StoredRun
-    derive : callable
-        The automaton of what modes on demand are derived from, as data, with parameters by name.
+
+def read_run_file(path: str | Path) -> StoredRun:
+    """Read a file that :func:`write_run_file` wrote.
 
     Raises
     ------
+    OSError
+        Where there is none, or it cannot be read.
     ValueError
-        Where it holds none, or it is damaged.
+        Where it is not such a file.
     """
-    data = stored.about.get("automaton")
-    if not isinstance(data, dict):
-        reason = f", {data}" if isinstance(data, str) else ""
+    try:
+        content = io.BytesIO(Path(path).read_bytes())
+    except OSError as error:
+        raise with_cure(error, path, "give a file that run.save(path) wrote") from error
+    try:
+        with zipfile.ZipFile(content) as file:
+            # each is read whole, so that its checksum is compared before numpy reads what it holds
+            arrays = {
+                name.removesuffix(".npy"): np.lib.format.read_array(
+                    io.BytesIO(file.read(name)), allow_pickle=False
+                )
+                for name in file.namelist()
+            }
+        about = json.loads(str(arrays.pop("about")))
+    except DAMAGED as error:
+        raise ValueError(f"{path} is no saved run: write one with run.save(path)") from error
+    if not isinstance(about, dict) or about.get("format") != FILE_FORMAT:
+        about = about if isinstance(about, dict) else {}
         raise ValueError(
-            f"{stored.path} holds a run without its automaton{reason}: give it as load(path, model=automaton)"
+            f"{path} has format {about.get('format')}, this version reads {FILE_FORMAT}: read it with "
+            f"frictionlab {about.get('version')}"
         )
-    try:
-        if DERIVED_FROM in data:
-            return _derived_automaton(stored, data, derive)
-        automaton = automaton_from_data(data)
-        program_of(automaton)  # which checks that it is well formed, and is remembered
-        return automaton
-    except (ValueError, ArithmeticError) as error:
-        raise ValueError(f"{stored.path} is damaged, {error}: save the run again") from error
+    return StoredRun(Path(path), about, arrays)
 
 
-def _derived_automaton(stored: StoredRun, data: Mapping[str, Any], derive: Derive) -> HybridAutomaton:
-    """That of a model with several contacts, whose modes a file cannot hold."""
-    parameters = stored.about.get("parameters")
-    if not isinstance(parameters, dict) or not all(type(value) is float for value in parameters.values()):
-        raise ValueError(f"its parameters are {abbreviate(parameters)}")
-    automaton = derive(data[DERIVED_FROM], parameters)
-    if data.get("coordinates") != automaton.coordinates:
-        raise ValueError(f"it has {data.get('coordinates')} coordinates instead of {automaton.coordinates}")
-    return automaton
+def rates_by_mode(problem: Problem, raw: RunData) -> dict[str, list[float]]:
+    """Rates of the states at the first step in each mode that was visited: they tell equations apart."""
+    program, found = problem.program, {}
+    jets, rates = np.zeros((program.slots, 1)), np.empty(raw.state.size)
+    for mode in np.unique(raw.step_modes):
+        state = raw.step_states[np.argmax(raw.step_modes == mode)]
+        state_rates(program.code, problem.numbers, int(mode), state, jets, rates)
+        found[program.modes[mode]] = rates.tolist()
+    return found
 
 
-def trajectory_from_file(stored: StoredRun, automaton: HybridAutomaton, source: Any = None) -> Trajectory:
-    """The run that a file holds, on the automaton that made it.
-
-    Raises
-    ------
-    ValueError
-        Where the file is damaged, or the automaton is another than that of the run.
-    """
-    try:
-        return _trajectory(stored, automaton, source)
-    except (KeyError, TypeError, AttributeError, IndexError) as error:
-        raise ValueError(f"{stored.path} is damaged, {error!r}: save the run again") from error
-
-
-def _trajectory(stored: StoredRun, automaton: HybridAutomaton, source: Any) -> Trajectory:
-    about = stored.about
-    # The one parameter that is a setting of the method, not of the model.
-    automaton = with_chatter_limit(automaton, about["parameters"].get("chatter", 0.0))
-    _check_same(stored, "states", list(automaton.state_names))
-    saved = about["mode_names"]  # by which steps and events are numbered
-    known = automaton.on_demand and all(name in automaton.names for name in saved)
-    _check_same(stored, "mode_names", saved if known else list(automaton.names))
-    _check_same(stored, "parameters", {name: float(value) for name, value in automaton.values.items()})
-    program, numbers = program_of_modes(automaton, tuple(saved)) if known else program_of(automaton)
-    _check_same(stored, "guards", list(program.guards))
-    _check_arrays(stored, len(program.guards))
-    arrays = {name: stored.arrays[name] for name in STORED_ARRAYS}
-    raw = RunData(**arrays, t=float(about["t"]), mode=int(about["mode"]), status=Status[about["status"]])
-    start = raw.step_states[0] if len(raw.step_states) else raw.state
-    problem = Problem(program, numbers, start, raw.t)
-    _check_rates(stored, rates_by_mode(problem, raw))
-    samples = about["samples"]
-    return Trajectory(
-        automaton,
-        problem,
-        raw,
-        Sampling(
-            int(samples["order"]),
-            int(samples["parts"]),
-            stored.arrays.get("t_eval"),
-            tuple(samples["sections"]),
-        ),
-        quadratures=dict(about["quadratures"]),
-        description={k: v for k, v in stored.description.items() if k != "model" or source is None},
-        source=source,
-        wall_time=float(about["wall_time"]),
-    )
-
-
-def _check_same(stored: StoredRun, what: str, given: Any) -> None:
-    """Raise ValueError unless the automaton has what the run had."""
-    saved = stored.about[what]
-    if given == saved:
-        return
-    if isinstance(saved, dict):
-        names = sorted(name for name in {**saved, **given} if saved.get(name) != given.get(name))
-        saved, given = ({name: values.get(name) for name in names} for values in (saved, given))
-    raise ValueError(
-        f"{stored.path} holds a run with the {what.replace('_', ' ')} {saved}, got {given}: "
-        "give load(path, model=...) the model or automaton of that run"
-    )
-
-
-def _ascend(times: np.ndarray) -> bool:
-    """Whether times are an ascending list, from 0 on."""
-    return times.ndim == 1 and bool((np.diff(times, prepend=0.0) >= 0.0).all())
-
-
-def _check_rates(stored: StoredRun, rates: dict[str, list[float]]) -> None:
-    """Raise ValueError unless the equations give the rates that were saved."""
-    for mode, saved in stored.about["rates"].items():
-        room = RATES_RTOL * np.abs(saved).max()
-        if not np.allclose(rates[mode], saved, rtol=0.0, atol=room, equal_nan=True):
-            raise ValueError(
-                f"{stored.path} holds a run by other equations: at its first step in mode {mode!r} the rates "
-                f"of the states were {saved}, now they are {rates[mode]}: give load(path, model=...) the "
-                "model or automaton of that run"
-            )
-
-
-def _check_arrays(stored: StoredRun, guards: int) -> None:
+def check_arrays(stored: StoredRun, guards: int) -> None:
     """Raise ValueError unless lengths agree and indices are in range: the kernels check none."""
     about, arrays = stored.about, stored.arrays
     states, modes = len(about["states"]), len(about["mode_names"])
@@ -179,3 +140,8 @@ def _check_arrays(stored: StoredRun, guards: int) -> None:
             wrong.append(name)
     if wrong:
         raise ValueError(f"{stored.path} is damaged, its {', '.join(wrong)} cannot be: save the run again")
+
+
+def _ascend(times: np.ndarray) -> bool:
+    """Whether times are an ascending list, from 0 on."""
+    return times.ndim == 1 and bool((np.diff(times, prepend=0.0) >= 0.0).all())

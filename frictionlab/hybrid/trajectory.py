@@ -22,7 +22,7 @@ from frictionlab.hybrid.codegen.native_cache import native_code
 from frictionlab.hybrid.kernels.run_state import StepData, jet_columns
 from frictionlab.hybrid.kernels.taylor_steps import sample_states, subdivide_steps
 from frictionlab.hybrid.problem import Events, Problem, RunData, Sampling, SectionPoints, evaluate_output
-from frictionlab.hybrid.storage import STORED_ARRAYS, rates_by_mode, write_run_file
+from frictionlab.hybrid.run_file import STORED_ARRAYS, rates_by_mode, write_run_file
 from frictionlab.hybrid.tape.automaton_data import storable_automaton
 from frictionlab.hybrid.tape.packing import program_of, program_of_modes
 from frictionlab.presentation import (

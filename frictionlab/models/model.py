@@ -1,4 +1,5 @@
-"""What every model has: one namespace of parameters, copies with changes, a description, an automaton."""
+"""What every model has: one namespace of parameters, copies with changes, a description, an automaton; and
+what tells models and automata, as arguments, from anything else."""
 
 from __future__ import annotations
 
@@ -8,8 +9,10 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self, TypeVar
 
+from frictionlab.automaton import HybridAutomaton
 from frictionlab.components.component import Component, parameters_of, value_repr
 from frictionlab.models.mechanical.mechanics import SlidingStatics
+from frictionlab.validation import unknown_parameter
 
 from .composition import (
     Nonlinearity,
@@ -17,6 +20,7 @@ from .composition import (
     check_component,
     model_signature,
     nonlinearities_of,
+    owner_among_laws,
     parameter_owners,
     parameter_table,
     refuse_positional,
@@ -31,7 +35,6 @@ from .mechanism import Mechanism, TiltingBelt
 from .serialisation import component_from_dict, component_to_dict
 
 if TYPE_CHECKING:
-    from frictionlab.automaton import HybridAutomaton
     from frictionlab.models.equations import Equations
 
 M = TypeVar("M", bound="Model")
@@ -273,6 +276,41 @@ def with_signature(cls: type[M]) -> type[M]:
     """Give a model class the signature that help and tab completion show."""
     cls.__signature__ = model_signature(cls, {role: getattr(cls, role) for role in cls.roles})
     return cls
+
+
+def require_model(
+    model: Any, kinds: str = "a model such as SliderOnBelt", cure: str = "make one, such as fl.SliderOnBelt()"
+) -> Model:
+    """The model itself; TypeError, with the `kinds` that are taken, for anything else."""
+    if isinstance(model, Model):
+        return model
+    if isinstance(model, type) and issubclass(model, Model):
+        got, cure = f"the class {model.__name__}", f"write {model.__name__}()"
+    else:
+        got = repr(model)
+    raise TypeError(f"model must be {kinds}, got {got}: {cure}")
+
+
+def check_parameter_name(model: Any, name: Any) -> None:
+    """Raise TypeError unless it names a parameter of the model or automaton, and suggest the nearest."""
+    of_model = isinstance(model, Model)
+    known = list(model.parameters) if of_model else [each.name for each in automaton_of(model).parameters]
+    if name not in known:
+        hint = owner_among_laws(name, model.roles, model.components) if of_model else ""
+        raise unknown_parameter(type(model).__name__, name, known, hint)
+
+
+def automaton_of(model: Any) -> HybridAutomaton:
+    """The automaton of a model, or the automaton itself.
+
+    Raises
+    ------
+    TypeError
+        If it is neither.
+    """
+    if isinstance(model, HybridAutomaton):
+        return model
+    return require_model(model, "a model such as SliderOnBelt or a HybridAutomaton").automaton()
 
 
 def _differences(model: Model) -> list[str]:

@@ -11,12 +11,21 @@ from dataclasses import fields
 from enum import Enum
 from typing import Any
 
+import frictionlab
 from frictionlab.components.component import Component
 
 
+def is_public(cls: type) -> bool:
+    """Whether the class is a name of frictionlab's namespace."""
+    return cls.__module__.startswith("frictionlab.") and cls.__qualname__ in frictionlab.__all__
+
+
 def class_path(cls: type) -> str:
-    """The class as "module:qualified name"."""
-    return f"{cls.__module__}:{cls.__qualname__}"
+    """The class as "module:qualified name"; of the library's, that of its public name.
+
+    So a file is read after the library's classes have moved among its modules.
+    """
+    return f"{'frictionlab' if is_public(cls) else cls.__module__}:{cls.__qualname__}"
 
 
 def component_to_dict(component: Component) -> dict[str, Any]:

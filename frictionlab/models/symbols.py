@@ -31,6 +31,7 @@ from frictionlab.components import ContactLaw, FrictionLaw, ImpactLaw
 from frictionlab.components.component import Component, parameters_of, structure_of
 from frictionlab.lazy_names import sympy
 
+from .serialisation import loaded_class, value_from_data
 from .structure_data import Structure, derivations_of, structure_of_component
 
 LAW_METHODS = ("force", "kinetic", "static_limit", "impulse", "friction")
@@ -191,6 +192,55 @@ def _automaton_with_values(key: Structure, values: Mapping[str, float]) -> Hybri
     derived = automaton_of_structure(key)
     numbers = {symbol(name): value for name, value in values.items()}
     return HybridAutomaton(derived.states, derived.modes, numbers, derived.coordinates)
+
+
+# What deriving may raise where the values of a structure are others than any model's.
+NO_STRUCTURE = ValueError, TypeError, AttributeError, LookupError, ArithmeticError, RecursionError
+
+
+def automaton_from_structure_data(data: Any, kind: type, parameters: Mapping[str, float]) -> HybridAutomaton:
+    """The automaton, with these numbers, of the model whose structure `structure_to_data` described.
+
+    Parameters
+    ----------
+    data : mapping
+    kind : type
+        What the class of the model has to be derived from.
+    parameters : mapping of str to float
+
+    Raises
+    ------
+    ValueError
+        If the data is malformed, or a class in it is not loaded.
+    """
+    try:
+        key = _structure_from_data(data, kind)
+        found = automaton_of_structure(key)
+    except NO_STRUCTURE as error:
+        raise ValueError(f"the model of its automaton cannot be made, {error}") from error
+    needed = dict.fromkeys((*key.parameters, *found.values))
+    if missing := [name for name in needed if name not in parameters]:
+        raise ValueError(f"it lacks the parameters {', '.join(missing)}")
+    numbers = {symbol(name): value for name, value in parameters.items()}
+    return HybridAutomaton(found.states, found.modes, numbers, found.coordinates)
+
+
+def _structure_from_data(data: Any, base: type) -> Structure:
+    if not isinstance(data, Mapping) or not isinstance(data.get("structure"), Mapping):
+        raise ValueError(f"a {base.__name__} must be a mapping with 'class' and 'structure', got {data!r}")
+    cls, values = loaded_class(data.get("class"), base), data["structure"]
+    names, roles = structure_of(cls), getattr(cls, "roles", {})
+    if sorted(values) != sorted(names):
+        raise ValueError(f"a {cls.__name__} has {', '.join(names)}, got {', '.join(values)}")
+    return Structure(
+        cls,
+        tuple(
+            _structure_from_data(values[name], roles[name])
+            if name in roles
+            else value_from_data(values[name])
+            for name in names
+        ),
+    )
 
 
 def _outline(derived: HybridAutomaton) -> dict[str, Any]:

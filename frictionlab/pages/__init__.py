@@ -3,10 +3,9 @@
 ``javascript``
     Expressions of sympy as JavaScript, to the last bit what Python computes of parameters; what a model
     checks when these are set, in the same words.
-``structure``
-    One structure of a model as data: the tape's arrays, its numbers, outputs and equilibria.
-``controls``
-    The sliders, switches and presets of a page, checked.
+``page_data``
+    What a page holds as data: structures of a model, with the tape's arrays, numbers, outputs and equilibria;
+    sliders, switches and presets, checked.
 ``export``
     `export_page`: all of these in one file, with the kernels as WebAssembly.
 ``scripts/``

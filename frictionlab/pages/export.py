@@ -27,11 +27,9 @@ from frictionlab.hybrid.kernels.jets import LOG2_LEAST_RATIO
 from frictionlab.hybrid.llvm_instructions import EXP2_COEFFICIENTS
 from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.hybrid.tape.functions import FUNCTIONS
-from frictionlab.models import Model
-from frictionlab.models.coercion import require_model
 from frictionlab.models.mechanism import Mechanism, TiltingBelt
-from frictionlab.pages.controls import preset_data, slider_data, structures, switch_names
-from frictionlab.pages.structure import structure_data
+from frictionlab.models.model import Model, require_model
+from frictionlab.pages.page_data import preset_data, slider_data, structure_data, structures, switch_names
 from frictionlab.plotting.animation.parts import MARKS, WIDTH
 from frictionlab.plotting.animation.tilting_belt import SPRING_LABELS
 from frictionlab.validation import check_number

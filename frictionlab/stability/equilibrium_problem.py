@@ -1,7 +1,8 @@
 """Equilibria and state matrices as functions of the parameters, on which all stability analyses work, and
 eigenvalues, vectors and growth rates of stacks of these matrices.
 
-Give a flow and `solve`, and all analyses work.  Also the checks of parameter names, values and bounds.
+Give a state matrix and `solve`, and all analyses work; those of further derivatives ask for the flow as
+expressions.  Also the checks of parameter names, values and bounds.
 
 Without damping the squares of the eigenvalues are computed, so that growth rates are exact zeros until two
 modes coalesce.  Single growth rates are zero where the backward error of the eigenvalue problem could explain
@@ -13,16 +14,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from frictionlab.components.component import check_value
-from frictionlab.models import Model
-from frictionlab.models.coercion import check_parameter_name
 from frictionlab.models.composition import parameter_metadata
-from frictionlab.stability.flow import Flow
+from frictionlab.models.model import Model, check_parameter_name
+from frictionlab.stability.flow import Flow, Jacobian
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complexfloating[Any, Any]]
@@ -144,38 +145,47 @@ class EquilibriumProblem:
     model : Model or HybridAutomaton
     names : tuple of str
         Names of the coordinates, or of all states where there are none.
-    flow : Flow
+    parameter_names : tuple of str
     values : tuple of float
         The parameters, in the flow's order.
     solve : callable
         Values (numbers or arrays (N,)), and N -> states (m, N) of the equilibrium; NaN where there is none.
-    guards : tuple of sympy.Expr
-        Functions that are positive while the motion stays in this mode: v_r, the penetration.
+    state_matrix : callable
+        Gives the Jacobian of the flow; of the library's models without sympy, as it is kept.
+    derive : callable
+        Gives the flow as expressions, and the functions that are positive while the motion stays in this
+        mode: v_r, the penetration.
     """
 
     model: Any
     names: tuple[str, ...]
-    flow: Flow
+    parameter_names: tuple[str, ...]
     values: tuple[float, ...]
     solve: Callable[[Sequence[Any], int], Array]
-    guards: tuple[Any, ...] = ()
+    state_matrix: Callable[[], Jacobian]
+    derive: Callable[[], tuple[Flow, tuple[Any, ...]]]
+
+    @cached_property
+    def flow(self) -> Flow:
+        """The flow as expressions, of which further derivatives are taken."""
+        return self.derive()[0]
 
     @property
     def parameters(self) -> dict[str, float]:
         """Name -> value."""
-        return {symbol.name: value for symbol, value in zip(self.flow.parameters, self.values)}
+        return dict(zip(self.parameter_names, self.values, strict=True))
 
     def at(self, changes: Mapping[str, Any]) -> tuple[tuple[Any, ...], int]:
         """The values with some changed to arrays (N,), and N."""
         arrays = {name: np.asarray(values, dtype=float).ravel() for name, values in changes.items()}
         count = max((len(a) for a in arrays.values()), default=1)
-        return tuple(arrays.get(s.name, v) for s, v in zip(self.flow.parameters, self.values)), count
+        return tuple(arrays.get(name, value) for name, value in self.parameters.items()), count
 
     def linearised(self, changes: Mapping[str, Any]) -> tuple[Array, Array]:
         """Equilibria (m, N) and state matrices (N, m, m); NaN where there is no equilibrium."""
         values, count = self.at(changes)
         x = self.solve(values, count)
-        matrices = self.flow.jacobian(x, values)
+        matrices = self.state_matrix().at(x, values)
         matrices[np.isnan(x).any(axis=0)] = np.nan  # entries that do not depend on x are still numbers
         return x, matrices
 

@@ -11,7 +11,7 @@ from functools import partial
 from typing import Any
 
 from frictionlab.hybrid.compilation import needs_compilation
-from frictionlab.models.coercion import check_parameter_name
+from frictionlab.models.model import check_parameter_name
 from frictionlab.widgets.controls import ComponentControls, ParameterControls, RunControls
 from frictionlab.widgets.number_control import equal_within_rounding
 from frictionlab.widgets.panels.bifurcation import BifurcationPanel

@@ -20,7 +20,8 @@ from frictionlab.hybrid.methods.base import Method
 from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models import SliderOnBelt
-from frictionlab.models.coercion import require_model
+from frictionlab.models.model import require_model
+from frictionlab.models.serialisation import is_public
 from frictionlab.stability import Eigenvalues, eigenvalues
 
 SIMULATED_PERIODS, SHOWN_PERIODS = (
@@ -139,7 +140,7 @@ def _with_package_prefix(text: str) -> str:
 def _import_lines(model: Any) -> Iterator[str]:
     """Import lines for laws that are not the package's own."""
     for cls in dict.fromkeys(_component_classes(model)):
-        if cls.__name__ in frictionlab.__all__ and cls.__module__.startswith("frictionlab."):
+        if is_public(cls):
             continue
         if cls.__module__ == "__main__":
             yield f"# run the cell that defines {cls.__name__} first"

@@ -23,7 +23,7 @@ from frictionlab.hybrid.methods.taylor import Taylor, is_affine
 from frictionlab.hybrid.problem import Status
 from frictionlab.hybrid.solve import with_chatter_limit
 from frictionlab.hybrid.tape.packing import program_of
-from frictionlab.pages import export, structure
+from frictionlab.pages import export, page_data
 from frictionlab.pages.export import solver_data
 from tests.digests.runs import Case, cases
 
@@ -60,8 +60,8 @@ def data_of(case: Case, run: Any) -> dict[str, Any]:
         "modes": list(program.modes),
         "affine": bool(is_affine(program)),
         "constants": len(program.code.ops),
-        "numbers": structure.tape_numbers(program, tuple(automaton.parameters), apart),
-        "arrays": structure.run_arrays(program, method),
+        "numbers": page_data.tape_numbers(program, tuple(automaton.parameters), apart),
+        "arrays": page_data.run_arrays(program, method),
     }
     with patch.object(export, "Taylor", lambda: method):
         described = export.method_data()

@@ -31,6 +31,9 @@ for text in {models!r}:
     if model.statics is not None:
         modes = fl.eigenvalues(model)
         found.append([modes.values.real.tolist(), modes.values.imag.tolist(), modes.equilibrium.q.tolist()])
+        found[-1] += [[c.value, c.frequency] for c in fl.stability_changes(model, "mu_k", (0.0, 3.0))]
+        found[-1] += [fl.root_locus(model, "mu_k", [0.1, 0.2]).values.imag.tolist()]
+        found[-1] += [fl.stability_map(model, ("mu_k", [0.1, 2.0]), ("k1", [1e4, 2e4])).growth.tolist()]
 print(json.dumps(["sympy.core" in sys.modules, found]))
 """
 MODELS = (

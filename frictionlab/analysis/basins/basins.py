@@ -20,11 +20,10 @@ from frictionlab.analysis.basins.attractors import (
 from frictionlab.analysis.basins.tasks import run_basin_tasks, state_names
 from frictionlab.analysis.motion_scales import Array
 from frictionlab.analysis.options import Execution, SteadyStateOptions, StudyKeywords, merge_keywords
-from frictionlab.analysis.simulate import validate_initial_state
+from frictionlab.analysis.simulate import initial_state_of
 from frictionlab.analysis.sweeps.journal import read_journal, write_journal
 from frictionlab.file_writing import name_written_file
 from frictionlab.hybrid.methods.taylor import Taylor
-from frictionlab.models.coercion import automaton_of
 from frictionlab.presentation import Drawable, shorten
 from frictionlab.validation import abbreviate, check_choice, check_mapping, check_number, float_array
 
@@ -371,7 +370,7 @@ def _initial_states(model: Any, names: Sequence[str], points: Array, x0: Any) ->
     """Initial states (N, n): the named states take their values from the columns of `points`, the others from
     `x0`."""
     known = state_names(model)
-    base = np.zeros(len(known)) if callable(x0) else validate_initial_state(model, x0, automaton_of(model))
+    base = np.zeros(len(known)) if callable(x0) else initial_state_of(model, x0)
     starts = np.repeat(base[None], len(points), axis=0)
     starts[:, [known.index(name) for name in names]] = points
     return _complete_states(x0, starts, known) if callable(x0) else starts

@@ -30,8 +30,7 @@ from frictionlab.analysis.sweeps.sweep import run_tasks
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.hybrid.ensemble.arrays import Batch, select_runs
 from frictionlab.hybrid.kernels.run_state import FINISHED
-from frictionlab.models import Model
-from frictionlab.models.coercion import automaton_of
+from frictionlab.models.model import Model, automaton_of
 
 from .attractors import UNDECIDED, AttractorCatalogue, AttractorData, attractor_scale, transient_ranges
 

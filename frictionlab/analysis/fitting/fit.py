@@ -24,7 +24,7 @@ from frictionlab.analysis.fitting.predictions import (
     motion_misfit,
 )
 from frictionlab.analysis.simulate import initial_state_of
-from frictionlab.models.coercion import automaton_of, require_model
+from frictionlab.models.model import automaton_of, require_model
 from frictionlab.presentation import Drawable, dataframe, text_table
 from frictionlab.stability.equilibrium_problem import check_parameter
 from frictionlab.validation import check_choice, check_mapping, check_number

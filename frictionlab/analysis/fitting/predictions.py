@@ -14,7 +14,7 @@ from frictionlab.analysis.parameter_flow import SampledFlow, sampled_flow
 from frictionlab.analysis.quantities.equilibrium_quantities import ModeFrequency
 from frictionlab.hybrid.solve import solve
 from frictionlab.hybrid.trajectory import Trajectory
-from frictionlab.models.coercion import automaton_of
+from frictionlab.models.model import automaton_of
 
 from .data import EventTimes, Frequencies, SpectrumRecord, TimeRecord, line_weights
 

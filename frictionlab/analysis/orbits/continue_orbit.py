@@ -27,7 +27,7 @@ from frictionlab.analysis.orbits.pseudo_arclength import (
 from frictionlab.analysis.orbits.shooting import floquet_multipliers
 from frictionlab.hybrid.solve import solve
 from frictionlab.interruption import interruption, progress_bar
-from frictionlab.models.coercion import automaton_of, check_parameter_name
+from frictionlab.models.model import automaton_of, check_parameter_name
 from frictionlab.presentation import Drawable, shorten
 from frictionlab.validation import check_number
 

@@ -9,12 +9,12 @@ import numpy as np
 
 from frictionlab.analysis.motion_scales import Array, state_scales
 from frictionlab.analysis.orbits.shooting import OrbitGuess, state_and_period
-from frictionlab.analysis.simulate import resolve_initial_state
+from frictionlab.analysis.simulate import model_initial_state
 from frictionlab.analysis.steady_state.steady_state import SteadyState
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.hybrid.solve import solve
 from frictionlab.hybrid.trajectory import Trajectory
-from frictionlab.models.coercion import automaton_of
+from frictionlab.models.model import automaton_of
 from frictionlab.presentation import Drawable, shorten
 from frictionlab.validation import check_number
 
@@ -154,7 +154,7 @@ def _check(model: Any, guess: Any, period: float | None, t_max: float, tolerance
         if run.names != names:
             raise ValueError(f"guess must have the model's states {names}, got {run.names}: run this model")
         return
-    state = np.asarray(resolve_initial_state(model, guess), dtype=float)
+    state = np.asarray(model_initial_state(model, guess), dtype=float)
     if state.shape != (len(names),) or not np.isfinite(state).all():
         raise ValueError(
             f"guess must be a SteadyState, a Trajectory, or a finite number for each of {', '.join(names)}, "
@@ -163,7 +163,7 @@ def _check(model: Any, guess: Any, period: float | None, t_max: float, tolerance
 
 
 def _guess_state(model: Any, guess: Any) -> Any:
-    return guess if isinstance(guess, (SteadyState, Trajectory)) else resolve_initial_state(model, guess)
+    return guess if isinstance(guess, (SteadyState, Trajectory)) else model_initial_state(model, guess)
 
 
 def _start_in_free_mode(automaton: HybridAutomaton, state: Array, period: float) -> OrbitGuess:

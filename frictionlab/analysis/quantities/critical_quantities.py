@@ -57,9 +57,8 @@ def fold_point(
     problem: EquilibriumProblem, parameter: str, bounds: tuple[float, float], fixed: Mapping[str, Any]
 ) -> FoldPoint | None:
     """The first fold between two values of a parameter; None where the equilibrium does not end in one."""
-    names = [symbol.name for symbol in problem.flow.parameters]
     values, _ = problem.at({**fixed, parameter: bounds[0]})
-    numbers, place = [float(np.ravel(v)[0]) for v in values], names.index(parameter)
+    numbers, place = [float(np.ravel(v)[0]) for v in values], problem.parameter_names.index(parameter)
     for end in _ends(problem, parameter, bounds, fixed):
         numbers[place] = end.value
         found = _newton(problem, end.x, numbers, place)
@@ -304,7 +303,7 @@ def _critical_slopes(
     problem: EquilibriumProblem, parameter: str, change: StabilityChange
 ) -> tuple[Array, Array]:
     """Derivatives (P,) of the critical value and of the frequency there by all parameters."""
-    place = [symbol.name for symbol in problem.flow.parameters].index(parameter)
+    place = problem.parameter_names.index(parameter)
     if change.kind == StabilityKind.FOLD:
         raise ValueError(
             "stability must be lost by flutter or divergence for the critical value to have derivatives, "

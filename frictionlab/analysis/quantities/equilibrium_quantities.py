@@ -138,8 +138,7 @@ def _check_mode(mode: Any) -> None:
 
 def gradient_of(problem: EquilibriumProblem, value: float, slopes: Any) -> Gradient:
     """A gradient from derivatives (P,) in the order of the flow's parameters."""
-    names = [symbol.name for symbol in problem.flow.parameters]
-    return Gradient(value, dict(zip(names, map(float, slopes), strict=True)))
+    return Gradient(value, dict(zip(problem.parameter_names, map(float, slopes), strict=True)))
 
 
 def derivatives_at(problem: EquilibriumProblem, **changes: float) -> EquilibriumDerivatives:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize
 
 from frictionlab.analysis.quantities.sensitivity import Gradient, Quantity
-from frictionlab.models.coercion import require_model
+from frictionlab.models.model import require_model
 from frictionlab.presentation import Drawable, text_table
 from frictionlab.stability.equilibrium_problem import check_bounds
 from frictionlab.validation import check_choice, check_mapping, check_number

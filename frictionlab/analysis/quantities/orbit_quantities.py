@@ -31,7 +31,7 @@ from frictionlab.analysis.steady_state.steady_state import steady_state
 from frictionlab.hybrid.solve import solve
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.hybrid.variational.tangent_flow import end_rates
-from frictionlab.models.coercion import automaton_of
+from frictionlab.models.model import automaton_of
 from frictionlab.presentation import state_unit
 from frictionlab.stability.equilibrium_points.equilibria import equilibrium_problem
 from frictionlab.validation import check_choice
@@ -108,7 +108,7 @@ def _rest_point(model: Any, names: tuple[str, ...], count: int) -> tuple[Array, 
     """The coordinates (c,) of the equilibrium, and their derivatives (c, P)."""
     problem = equilibrium_problem(model)
     found = derivatives_at(problem)
-    places, moves = [symbol.name for symbol in problem.flow.parameters], found.state()[:count]
+    places, moves = problem.parameter_names, found.state()[:count]
     slopes = [moves[:, places.index(p)] if p in places else np.zeros(count) for p in names]
     return found.x[:count], np.array(slopes).T
 

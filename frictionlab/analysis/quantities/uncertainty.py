@@ -18,7 +18,7 @@ from frictionlab.analysis.options import Execution, ExecutionKeywords, merge_key
 from frictionlab.analysis.quantities.sensitivity import Quantity, evaluate, evaluation_tasks
 from frictionlab.analysis.sweeps.journal import Journal
 from frictionlab.analysis.sweeps.sweep import check_function, function_name, own_name, run_tasks
-from frictionlab.models.coercion import require_model
+from frictionlab.models.model import require_model
 from frictionlab.presentation import Drawable, dataframe, text_table
 from frictionlab.stability.equilibrium_problem import check_parameter
 from frictionlab.validation import check_mapping, check_number

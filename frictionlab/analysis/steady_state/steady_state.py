@@ -25,7 +25,7 @@ from frictionlab.automaton import HybridAutomaton
 from frictionlab.hybrid.problem import SectionPoints
 from frictionlab.hybrid.solve import solve
 from frictionlab.hybrid.trajectory import Trajectory
-from frictionlab.models.coercion import automaton_of
+from frictionlab.models.model import automaton_of
 from frictionlab.presentation import Drawable
 from frictionlab.stability import equilibrium
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from frictionlab.analysis.options import Execution, ExecutionKeywords, merge_keywords
 from frictionlab.analysis.simulate import named_state
 from frictionlab.analysis.sweeps.sweep import function_name, run_tasks
-from frictionlab.models.coercion import require_model
+from frictionlab.models.model import require_model
 from frictionlab.presentation import Drawable, import_optional, text_table
 from frictionlab.validation import did_you_mean
 

@@ -21,9 +21,8 @@ from frictionlab.file_writing import name_written_file
 from frictionlab.hybrid.methods.base import Method
 from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.interruption import deferred_interrupts, progress_bar
-from frictionlab.models import Model
-from frictionlab.models.coercion import require_model
 from frictionlab.models.composition import parameter_unit
+from frictionlab.models.model import Model, require_model
 from frictionlab.presentation import Drawable, count, dataframe, dataset, span, tally
 from frictionlab.validation import check_choice
 
@@ -310,8 +309,9 @@ def _run_independently(
 
 def _groups(left: Sequence[int], models: Sequence[Any], method: Method) -> list[Sequence[int]]:
     """Groups of values whose transients are run side by side, which is quicker for models without events."""
-    alike = isinstance(method, Taylor) and not any(mode.events for mode in models[0].automaton().modes)
-    size = ENSEMBLE_SIZE if alike else 1
+    automaton = models[0].automaton()
+    smooth = len(automaton.names) == 1 and not automaton.modes[0].events  # else modes need not be derived
+    size = ENSEMBLE_SIZE if smooth and isinstance(method, Taylor) else 1
     return [left[i : i + size] for i in range(0, len(left), size)]
 
 
@@ -392,7 +392,7 @@ def _sweep_arguments(
 ) -> Any:
     start = named_state(x0)
     values = [getattr(m, parameter) for m in models]
-    states = [symbol.name for symbol in model.automaton().states]
+    states = list(model.automaton().state_names)
     about = {"model": model.to_dict(), "parameter": parameter, "values": values, "x0": start}
     asked = {
         name: getattr(options, name) for name in ("transient", "window", "t_max", "section", "tolerance")

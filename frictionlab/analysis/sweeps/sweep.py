@@ -27,8 +27,8 @@ from frictionlab.analysis.options import Execution, ExecutionKeywords, merge_key
 from frictionlab.analysis.simulate import initial_state_of, named_state
 from frictionlab.analysis.sweeps.journal import Journal
 from frictionlab.interruption import POLL_TIME, STOP_SIGN, Presses, deferred_interrupts, progress_bar, tell
-from frictionlab.models.coercion import require_model
 from frictionlab.models.composition import parameter_unit
+from frictionlab.models.model import require_model
 from frictionlab.presentation import Drawable, count, import_optional, shorten, span
 from frictionlab.validation import check_mapping, float_array
 

@@ -160,7 +160,7 @@ def state_of_scene(model: Any, full: Any, start: Any) -> Any:
     whole = initial_state_of(full, start)
     if isinstance(start, str):
         return start
-    names = [state.name for state in full.automaton().states]
+    names = list(full.automaton().state_names)
     given = start if isinstance(start, Mapping) else dict(zip(names, whole.tolist()))
-    known = {state.name for state in model.automaton().states}
+    known = set(model.automaton().state_names)
     return {name: value for name, value in given.items() if name in known}

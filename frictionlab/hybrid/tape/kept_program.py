@@ -1,4 +1,5 @@
-"""A packed program as data that JSON can hold, and back: its arrays, and its numbers as a straight line.
+"""What is kept of a packed program: its numbers at the last values of the parameters; and itself as data that
+JSON can hold, its arrays, and its numbers as a straight line.
 
 Of the tapes there are the operations, which native code is written from, without the expressions of their
 numbers.
@@ -6,15 +7,27 @@ numbers.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from array import array
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
 from frictionlab.automaton.straight_line import StraightLine, straight_line_data
 from frictionlab.hybrid.elementary.parameter_functions import OF_PARAMETERS
-from frictionlab.hybrid.tape.program import Code, Program
+from frictionlab.hybrid.tape.program import Code, Numbers, Program
 from frictionlab.hybrid.tape.tape import Tape
+
+
+def numbers_at(program: Program, values: Iterable[Any]) -> Numbers:
+    """The program's numbers at values of the parameters, into which nothing writes."""
+    return _numbers_at(program, array("d", values).tobytes())
+
+
+@lru_cache(maxsize=64)
+def _numbers_at(program: Program, values: bytes) -> Numbers:  # bits tell 0 from -0
+    return program.numbers(array("d", values).tolist())
 
 
 def program_to_data(program: Program, fill: Callable[..., Any]) -> dict[str, Any] | None:

@@ -27,7 +27,7 @@ from frictionlab.hybrid.tape.automaton_checks import (
     structural_zeros,
 )
 from frictionlab.hybrid.tape.functions import AFFINE
-from frictionlab.hybrid.tape.kept_program import program_from_data, program_to_data
+from frictionlab.hybrid.tape.kept_program import numbers_at, program_from_data, program_to_data
 from frictionlab.hybrid.tape.lowering import (
     LoweredMode,
     LoweredReset,
@@ -69,7 +69,7 @@ def program_of(
     if automaton.kept() is not None and not sections and not quadratures:
         with _ONE_AT_A_TIME:
             program = _kept_program(automaton)
-        return program, program.numbers(tuple(map(float, automaton.values.values())))
+        return program, numbers_at(program, automaton.values.values())
     modes, parameters = automaton.modes, tuple(automaton.parameters)
     asked = (tuple((sections or {}).values()), tuple((quadratures or {}).items()))
     about = parameters, automaton.coordinates, *asked
@@ -80,7 +80,7 @@ def program_of(
             program = _growing_program(automaton.states, modes, *about).with_known_modes()
         else:
             program = pack_program(automaton.states, chosen, *about, on_demand)
-    return program, program.numbers(tuple(map(float, automaton.parameters.values())))
+    return program, numbers_at(program, automaton.parameters.values())
 
 
 def _kept_program(automaton: HybridAutomaton) -> Program:

@@ -378,8 +378,8 @@ def _hopf_point(problem: EquilibriumProblem, parameter: str, change: StabilityCh
             f"one pair of eigenvalues must cross the imaginary axis at {parameter} = {change.value:.9g}, "
             "got two that coalesce, or others without growth or decay: give every mode some damping"
         )
-    values = {**problem.parameters, parameter: change.value}
-    at = ExpansionPoint(problem.flow, state, tuple(values[p.name] for p in problem.flow.parameters))
+    values, (flow, guards) = {**problem.parameters, parameter: change.value}, problem.derive()
+    at = ExpansionPoint(flow, state, tuple(values[name] for name in problem.parameter_names))
     return HopfPoint(
         problem.model,
         parameter,
@@ -389,7 +389,7 @@ def _hopf_point(problem: EquilibriumProblem, parameter: str, change: StabilityCh
         pair.right,
         eigenvalue_slope(at, matrix, pair, parameter),
         cubic_coefficient(at, matrix, pair),
-        _amplitude_at_guard(at, problem.guards, pair.right),
+        _amplitude_at_guard(at, guards, pair.right),
     )
 
 

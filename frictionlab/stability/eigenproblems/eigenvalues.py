@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,10 +10,8 @@ from numpy.typing import NDArray
 
 from frictionlab.presentation import Drawable, dataframe, dataset, shorten
 from frictionlab.stability.equilibrium_points.equilibria import Equilibrium, equilibrium, equilibrium_problem
-from frictionlab.stability.equilibrium_points.followed_equilibria import sliding_jacobian
 from frictionlab.stability.equilibrium_points.static_equations import by_penetration, sliding_equations
 from frictionlab.stability.equilibrium_problem import is_neutral
-from frictionlab.stability.flow import Jacobian
 
 Array = NDArray[np.float64]
 UNITS = {"growth_rate": "1/s", "frequency": "Hz"}  # in tables
@@ -150,29 +147,20 @@ def jacobian(model: Any, q: Array) -> Array:
     ValueError
         If the belt rests and the model has stick: friction has no derivative there.  If a law has none.
     """
-    found, values = _linearised_flow(model)
+    problem = equilibrium_problem(model)
+    if by_penetration(model) and sliding_equations(model).rests(problem.values):
+        raise ValueError("v must not be 0 for steady sliding, got 0.0: give the belt a speed")
+    found = problem.state_matrix()
     x = np.zeros(found.size)
     x[: len(q)] = q
     with np.errstate(all="ignore"):
-        matrix = found.at(x, values)
+        matrix = found.at(x, problem.values)
     if not np.isfinite(matrix).all():
         raise ValueError(
             f"the state matrix of {model!r} must be finite at its equilibrium, and is not: a law has no "
             "derivative there, or no value; change its parameters, or the law"
         )
     return matrix
-
-
-def _linearised_flow(model: Any) -> tuple[Jacobian, Sequence[float]]:
-    """The state matrix as a function, and the values of the parameters."""
-    if not by_penetration(model):
-        problem = equilibrium_problem(model)
-        return problem.flow.derivative, problem.values
-    equations = sliding_equations(model)
-    values = equations.values(model)
-    if equations.rests(values):
-        raise ValueError("v must not be 0 for steady sliding, got 0.0: give the belt a speed")
-    return sliding_jacobian(equations), values
 
 
 def mode_shapes(vectors: ComplexArray, n: int) -> ComplexArray:

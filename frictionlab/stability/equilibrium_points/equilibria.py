@@ -12,8 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionlab.lazy_names import sympy
-from frictionlab.models import Model
-from frictionlab.models.coercion import automaton_of
+from frictionlab.models.model import Model, automaton_of
 from frictionlab.presentation import Drawable, shorten, state_unit
 from frictionlab.stability.equilibrium_points.followed_equilibria import (
     FINEST_SHARE,

@@ -18,8 +18,7 @@ from frictionlab.automaton import HybridAutomaton, Mode
 from frictionlab.automaton.mode import ModesOnDemand, Regime
 from frictionlab.hybrid.elementary.parameter_functions import OF_ARRAYS
 from frictionlab.lazy_names import sympy
-from frictionlab.models import Model
-from frictionlab.models.coercion import automaton_of
+from frictionlab.models.model import Model, automaton_of
 from frictionlab.stability.equilibrium_points.newton import find_zeros, follow_zero, newton_step
 from frictionlab.stability.equilibrium_points.real_roots import UNKNOWN, Polynomial
 from frictionlab.stability.equilibrium_points.static_equations import (
@@ -68,10 +67,11 @@ def problem_from_equilibrium(
     return EquilibriumProblem(
         model,
         _state_names(automaton),
-        flow,
+        tuple(automaton.values),
         values,
         continuation_solver(flow, x, start, partial(_is_admissible, mode, flow)),
-        guards,
+        lambda: flow.derivative,
+        lambda: (flow, guards),
     )
 
 
@@ -302,17 +302,28 @@ def sliding_problem(model: Any, start: Array | None = None) -> EquilibriumProble
     Or at that whose coordinates are `start` (n,), followed from there.
     """
     equations = sliding_equations(model)
-    values, flow = equations.values(model), sliding_flow(equations)
-
+    values = equations.values(model)
     solve: Callable[[Sequence[Any], int], Array] = partial(_solve, equations)
-
-    def pressed(x: Array, values: Sequence[Any]) -> Any:
-        return (flow.margin(x, values) > 0) & ~equations.rests(values)
-
     if start is not None:
-        solve = continuation_solver(flow, np.append(start, np.zeros(len(start))), values, pressed)
-    guards = sliding_guards(equations, bool(equations.belt_speed(*values) > 0))
-    return EquilibriumProblem(model, equations.coordinates, flow, values, solve, guards)
+        x = np.append(start, np.zeros(len(start)))
+        solve = continuation_solver(sliding_flow(equations), x, values, partial(_is_pressed, equations))
+    return EquilibriumProblem(
+        model,
+        equations.coordinates,
+        equations.key.parameters,
+        values,
+        solve,
+        partial(sliding_jacobian, equations),
+        partial(_flow_and_guards, equations, bool(equations.belt_speed(*values) > 0)),
+    )
+
+
+def _is_pressed(equations: SlidingEquations, x: Array, values: Sequence[Any]) -> Any:
+    return (sliding_flow(equations).margin(x, values) > 0) & ~equations.rests(values)
+
+
+def _flow_and_guards(equations: SlidingEquations, forwards: bool) -> tuple[Flow, tuple[Any, ...]]:
+    return sliding_flow(equations), sliding_guards(equations, forwards)
 
 
 @cache

@@ -23,8 +23,8 @@ from frictionlab.analysis.steady_state.classification import MotionKind
 from frictionlab.analysis.sweeps.bifurcation import bifurcation, steady_state_task
 from frictionlab.analysis.sweeps.sweep import run_tasks
 from frictionlab.components.component import Parameter
-from frictionlab.models.coercion import check_parameter_name
 from frictionlab.models.composition import parameter_metadata
+from frictionlab.models.model import check_parameter_name
 from frictionlab.models.symbols import structure_of_component
 from frictionlab.plotting.figure import Curve, Drawing
 from frictionlab.plotting.studies.sweeps import EARLY_END_HEIGHT, MOTION_STYLES

@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 
 from frictionlab.analysis.motion_scales import highest_frequency
-from frictionlab.models.coercion import check_parameter_name
 from frictionlab.models.composition import parameter_metadata
+from frictionlab.models.model import check_parameter_name
 from frictionlab.models.symbols import structure_of_component
 from frictionlab.plotting.figure import Curve, Drawing, envelope
 from frictionlab.plotting.style import (

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from frictionlab.automaton.straight_line import MATH, WRITTEN_AFTER, StraightLine, straight_line_data
+from frictionlab.automaton.straight_line import MATH, StraightLine, straight_line_data
 from frictionlab.hybrid.elementary.parameter_functions import OF_ARRAYS, OF_OUTPUTS, OF_PARAMETERS
 from frictionlab.hybrid.expression_functions import array_function, function_of_parameters, numpy_function
 
@@ -41,28 +41,6 @@ def test_arrays_have_the_same_bits(make, names):
     found, expected = read_again(function, names)(*arrays), function(*arrays)
     assert [len(row) for row in found] == [2, 3]
     assert all((a == b).all() for row, other in zip(found, expected) for a, b in zip(row, other))
-
-
-@pytest.mark.parametrize(
-    ("make", "names"), [(function_of_parameters, OF_PARAMETERS), (array_function, OF_OUTPUTS)]
-)
-def test_what_is_called_often_keeps_its_bits(make, names):
-    function = read_again(make([A, B, RATE], EXPRESSIONS), names)
-    values = VALUES if make is function_of_parameters else np.random.default_rng(1).uniform(0.1, 3.0, (3, 50))
-    results = [function(*values) for _ in range(2 * WRITTEN_AFTER)]
-    assert all(np.array_equal(first, each) for result in results for first, each in zip(results[0], result))
-    with pytest.raises(TypeError, match="3 arguments are needed, got 1"):
-        function(1.0)
-
-
-def test_nothing_of_the_data_is_run_as_python():
-    """Where it is no number, place or known name, an error says so."""
-    good = straight_line_data(function_of_parameters([A, B], [A + B, sp.exp(A)]), OF_PARAMETERS)
-    with pytest.raises(KeyError):
-        StraightLine({**good, "operations": [["__import__", 0]]}, OF_PARAMETERS)
-    for bad in ({"operations": [["Add", "0); print(1", 1]]}, {"returns": ["v0; print(1)"]}):
-        with pytest.raises((TypeError, ValueError)):
-            [StraightLine({**good, **bad}, OF_PARAMETERS)(1.0, 2.0) for _ in range(2 * WRITTEN_AFTER)]
 
 
 def test_one_expression_gives_one_value():

@@ -24,7 +24,7 @@ def test_notebooks_and_their_data_are_copied_as_they_are(tmp_path, capsys):
 
 
 def test_models_of_the_kept_diagrams_are_those_of_this_version():
-    """Where a law has moved, `python tutorials/diagrams.py` writes the files anew."""
+    """Where a law has another name, `python tutorials/diagrams.py` writes the files anew."""
     diagrams = [
         path for path in ROOT.glob("tutorials/diagrams/*.jsonl") if b'"parameter"' in path.read_bytes()
     ]

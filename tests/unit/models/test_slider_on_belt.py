@@ -200,7 +200,7 @@ def test_reading_a_model_makes_nothing_but_components():
     data["fields"]["contact"] = {"class": "subprocess:Popen", "fields": {"args": "true"}}
     with pytest.raises(ValueError, match="no ContactLaw 'subprocess:Popen' is loaded: import subprocess"):
         SliderOnBelt.from_dict(data)
-    data["fields"]["contact"] = {"class": "frictionlab.components.friction:Coulomb", "fields": {}}
+    data["fields"]["contact"] = {"class": "frictionlab:Coulomb", "fields": {}}
     with pytest.raises(ValueError, match="no ContactLaw"):
         SliderOnBelt.from_dict(data)
 

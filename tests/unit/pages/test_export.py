@@ -5,7 +5,7 @@ import pytest
 import frictionlab as fl
 from frictionlab.hybrid.ahead_of_time import manifest
 from frictionlab.pages import export
-from frictionlab.pages.controls import preset_data, slider_data, structures, switch_names
+from frictionlab.pages.page_data import preset_data, slider_data, structures, switch_names
 
 
 def test_all_eight_structures_of_the_slider_are_there():

@@ -45,8 +45,10 @@ def test_the_root_against_thirty_digits():
     assert below < 0 < above
 
 
-def _growth(mu, F=200, k1=10**4, k2=5000, k3=6000, k4=10**4, k5=10**4, l=0.2, k_nl=10**4):
+def _growth(mu):
     """Largest growth rate at Table 1, with K of Eq. (19) as printed and Pi = F_N - A phi (x1 - x2)."""
+    F, l = 200, 0.2
+    k1, k2, k3, k4, k5, k_nl = 10**4, 5000, 6000, 10**4, 10**4, 10**4
     with mpmath.workdps(30):
         mu = mpmath.mpf(mu)
 

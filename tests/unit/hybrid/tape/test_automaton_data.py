@@ -11,7 +11,7 @@ import frictionlab as fl
 from frictionlab.hybrid.tape import automaton_data
 from frictionlab.hybrid.tape.automaton_data import automaton_from_data, automaton_to_data, storable_automaton
 from frictionlab.hybrid.tape.packing import program_of
-from frictionlab.models.coercion import automaton_from_structure_data
+from frictionlab.models.symbols import automaton_from_structure_data
 from tests.helpers.automata import automaton, ball, coulomb
 from tests.helpers.linear_automata import linear
 from tests.helpers.lorenz import lorenz
@@ -165,11 +165,11 @@ def test_a_file_of_modes_on_demand_that_cannot_be_is_refused(tmp_path, name, cha
 def test_a_structure_of_a_model_is_checked():
     model = fl.TwoBlocks()
     data, numbers = model.automaton().modes.origin(), model.parameters
-    assert automaton_from_structure_data(data, numbers).modes is model.automaton().modes
+    assert automaton_from_structure_data(data, fl.Model, numbers).modes is model.automaton().modes
     with pytest.raises(ValueError, match="a TwoBlocks has"):
-        automaton_from_structure_data({**data, "structure": {}}, numbers)
+        automaton_from_structure_data({**data, "structure": {}}, fl.Model, numbers)
     with pytest.raises(ValueError, match="it lacks the parameters m1, m2"):
-        automaton_from_structure_data(data, {})
+        automaton_from_structure_data(data, fl.Model, {})
 
 
 def test_a_product_that_shares_its_parts_is_too_long():

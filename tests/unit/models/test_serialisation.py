@@ -1,0 +1,47 @@
+"""Classes in files: those of the library by their public name, one's own by module and name."""
+
+import pytest
+
+import frictionlab as fl
+from frictionlab.components.component import Component
+from frictionlab.models.mechanical.mechanical_model import PlanarSlider, SingleMass
+from frictionlab.models.serialisation import class_path, loaded_class
+from tests.helpers.own_models import Chain, Fitted, Wear
+
+NAMES = {name: getattr(fl, name) for name in fl.__all__ if name[0].isupper()} | {"fl": fl}
+BASES = {SingleMass, PlanarSlider}  # of models; there are no objects of these alone
+
+
+def derived(kind):
+    """All laws and models of the library below a class that a user can make."""
+    found = [other for below in kind.__subclasses__() for other in (below, *derived(below))]
+    homes = "frictionlab.components.", "frictionlab.models."
+    known = [one for one in found if one.__module__.startswith(homes) and one not in BASES]
+    return [one for one in known if not one.__name__.startswith("_")]
+
+
+def test_every_law_and_model_of_the_library_has_its_public_name():
+    classes = set(derived(Component))
+    assert len(classes) > 30
+    for cls in classes:
+        assert class_path(cls) == f"frictionlab:{cls.__name__}"
+        assert getattr(fl, cls.__name__) is cls
+        assert loaded_class(class_path(cls), Component) is cls
+
+
+@pytest.mark.parametrize("row", fl.list_models().rows, ids=lambda row: row.call)
+def test_a_model_in_a_file_names_no_module(row):
+    assert "frictionlab." not in repr(eval(row.call, NAMES).to_dict())
+
+
+@pytest.mark.parametrize("cls", [Chain, Fitted, Wear])
+def test_a_class_of_ones_own_is_named_by_its_module(cls):
+    assert class_path(cls) == f"tests.helpers.own_models:{cls.__name__}"
+
+
+def test_a_class_of_ones_own_may_have_a_name_of_the_library():
+    class Coulomb(fl.FrictionLaw):
+        pass
+
+    assert class_path(Coulomb).startswith(f"{__name__}:")
+    assert loaded_class("frictionlab:Coulomb", fl.FrictionLaw) is fl.Coulomb
