@@ -31,7 +31,7 @@ from .layout import Layout, close_all
 from .messages import error_text
 from .result import Result, Settings, default_settings, starting_model
 from .state import Comparison, History, State, check_names, control_data, set_control, state_from_text
-from .update_scheduler import BusyIndicator, UpdateScheduler
+from .update_scheduler import EVENT_LOOP_PAUSE, PAUSE_AFTER_CHANGE, BusyIndicator, UpdateScheduler
 
 
 class Explorer:
@@ -240,12 +240,13 @@ class Explorer:
                 self.error, self.busy.left = error, None
                 self.layout.show_message(error_text(error))
                 return
+            moved = result is not self.result
             self.settings, self.result, self.error = settings, result, None
             self.running.widget.layout.display = "" if result.has_run else "none"
             self.updates += 1
             self._record()
         if self.busy.left:
-            self.scheduler.request_later()
+            self.scheduler.request_later(PAUSE_AFTER_CHANGE if moved else EVENT_LOOP_PAUSE)
 
     def _read(self) -> Settings:
         model = self.components.model()

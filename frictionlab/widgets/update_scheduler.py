@@ -16,11 +16,12 @@ from typing import Any
 import ipywidgets
 
 EVENT_LOOP_PAUSE = 0.01  # seconds in which messages from the browser are handled first
+PAUSE_AFTER_CHANGE = 0.15  # after a change, as a slider that moves on should not wait for a long update
 
 INDICATOR_DELAY = 0.3  # seconds
 INDICATOR_TEXT = "computing …"
 COMPILING_TEXT = "compiling the solver, once on this machine: some 30 s …"
-PROGRESS_BAR = '<progress value="{0}" max="{1}" style="width: 70px"></progress> {0} of {1}'
+PROGRESS_BAR = '<progress aria-label="done" value="{0}" max="{1}" style="width: 70px"></progress> {0} of {1}'
 
 
 class UpdateScheduler:
@@ -50,16 +51,16 @@ class UpdateScheduler:
             self._busy = False
             raise
 
-    def request_later(self) -> None:
-        """Update after the events waiting in the event loop, such as newer values; at once where there is no
-        loop."""
+    def request_later(self, pause: float = EVENT_LOOP_PAUSE) -> None:
+        """Update after a pause, and after what comes to the event loop in it, such as newer values; at once
+        where there is no loop."""
         self.cancel()
         try:
             loop = asyncio.get_running_loop()
         except RuntimeError:
             self.request()
         else:
-            self._timer = loop.call_later(EVENT_LOOP_PAUSE, self.request)
+            self._timer = loop.call_later(pause, self.request)
 
     def cancel(self) -> None:
         """Cancel a requested update."""

@@ -206,7 +206,7 @@ class Picture:
             return
         self.dpi, self.dark = dpi, dark
         self._make_tiles()
-        self._keep()
+        _keep(self.kept, self.tiles)
         self._show()
 
     def draw(self, result: Any) -> tuple[int, int] | None:
@@ -221,7 +221,17 @@ class Picture:
     def freeze(self) -> None:
         """Keep the present curves, dotted."""
         self.kept = self.shown
-        self._keep()
+        _keep(self.kept, self.tiles)
+
+    def figure_to_print(self) -> RunFigure:
+        """What is shown, as a figure of its own for any resolution; on white paper where only the page is
+        dark."""
+        figure, _, tiles = _make_tiles(self.panels, self.dpi, self._own_dark)
+        _keep(self.kept, tiles)
+        for name, drawing in self.shown.items():
+            tiles[name].show(drawing)
+        FigureCanvasAgg(figure)  # its texts are no copies
+        return figure
 
     def unfreeze(self) -> None:
         """Remove the curves that were kept, and show the picture without them."""
@@ -242,23 +252,7 @@ class Picture:
             self.images[name].value = encode_png(part, tile.colours, background(tile.ax))
 
     def _make_tiles(self) -> None:
-        columns = max(1, min(PANEL_COLUMNS, len(self.panels)))
-        rows = max(1, -(-len(self.panels) // columns))
-        places = [(i % columns, rows - 1 - i // columns) for i in range(len(self.panels))]
-        size = 1 / columns, 1 / rows
-        with theme(self.dark):
-            inches = columns * PANEL_WIDTH, rows * PANEL_HEIGHT
-            self.figure = RunFigure(figsize=inches, dpi=self.dpi)
-            self.canvas = TextCacheCanvas(self.figure)
-            self.canvas.draw()
-            self.tiles = {
-                name: Tile(self.figure, (x * size[0], y * size[1], *size))
-                for name, (x, y) in zip(self.panels, places)
-            }
-
-    def _keep(self) -> None:
-        for name, drawing in self.kept.items():
-            self.tiles[name].keep(drawing)
+        self.figure, self.canvas, self.tiles = _make_tiles(self.panels, self.dpi, self.dark)
 
     def _show(self) -> None:
         for name, drawing in self.shown.items():
@@ -266,6 +260,28 @@ class Picture:
             self.images[name].alt = _description(name, drawing)
         if self.shown:
             self.paint(self.panels)
+
+
+def _make_tiles(
+    panels: Iterable[str], dpi: float, dark: bool
+) -> tuple[RunFigure, TextCacheCanvas, dict[str, Tile]]:
+    """A figure with an empty tile for each panel, on a dark or light page."""
+    names = list(panels)
+    columns = max(1, min(PANEL_COLUMNS, len(names)))
+    rows = max(1, -(-len(names) // columns))
+    places = [(i % columns, rows - 1 - i // columns) for i in range(len(names))]
+    size = 1 / columns, 1 / rows
+    with theme(dark):
+        figure = RunFigure(figsize=(columns * PANEL_WIDTH, rows * PANEL_HEIGHT), dpi=dpi)
+        canvas = TextCacheCanvas(figure)
+        canvas.draw()
+        tiles = {name: Tile(figure, (x * size[0], y * size[1], *size)) for name, (x, y) in zip(names, places)}
+    return figure, canvas, tiles
+
+
+def _keep(kept: dict[str, Drawing], tiles: dict[str, Tile]) -> None:
+    for name, drawing in kept.items():
+        tiles[name].keep(drawing)
 
 
 def theme(dark: bool) -> Any:

@@ -100,10 +100,10 @@ def test_a_narrow_range_is_computed_more_finely_and_nothing_twice(diagram):
     panel = diagram.picture.panels["bifurcation"]
     diagram.controls["range"].value = (0.0, 1.2)
     coarse = dict(panel.found)
-    assert len(shown(diagram)) >= 24
+    assert len(shown(diagram)) >= 300
     diagram.controls["range"].value = (0.3, 0.6)
     fine = shown(diagram)
-    assert len(fine) >= 24
+    assert len(fine) >= 300
     assert (fine.min(), fine.max()) == (0.3, 0.6)
     assert all(panel.found[value] is coarse[value] for value in coarse)
     assert diagram.picture.tiles["bifurcation"].ax.get_xlim() == (0.3, 0.6)
@@ -140,7 +140,7 @@ def test_another_parameter_means_another_diagram(diagram):
     before = panel.found
     diagram.controls["F"].value = 250.0
     assert panel.found is not before
-    assert len(panel.found) == 24
+    assert len(panel.found) == 300
 
 
 def at(explorer, name, x, y):
@@ -176,17 +176,62 @@ def test_in_an_event_loop_the_diagram_fills_while_newer_values_are_heard():
             explorer.controls["transient"].value = value  # another diagram, before the first is done
         while explorer.busy.left:
             done = len(panel.found) - len(panel.sweep.unsettled)
-            assert f"{done} of 24" in explorer.busy.widget.value
+            assert f"{done} of 300" in explorer.busy.widget.value
             await asyncio.sleep(0.02)
         seen.append((len(panel.found), explorer.busy.widget.layout.visibility))
         return explorer, seen
 
     explorer, ((first, marked), last) = asyncio.run(browser())
-    assert 0 < first < 24
+    assert 0 < first < 300
     assert marked == "visible"
-    assert last == (24, "hidden")
+    assert last == (300, "hidden")
     assert explorer.error is None
     assert explorer.picture.panels["bifurcation"].sweep.options.transient == 5.0
+
+
+def test_a_coarse_diagram_comes_first_and_is_refined_evenly():
+    async def browser():
+        explorer = fl.explore_bifurcation(FLAT.replace(mu_k=0.5))
+        explorer.controls["transient"].value = 5.0
+        panel, seen = explorer.picture.panels["bifurcation"], []
+        while explorer.busy.left:
+            seen.append(dict(panel.found))
+            await asyncio.sleep(0.005)
+        return explorer, seen
+
+    explorer, seen = asyncio.run(browser())
+    every = np.linspace(*explorer.controls["range"].value, 300)
+    for found in seen:
+        order = [int(i) for i in np.searchsorted(every, list(found))]
+        coarse, between = order[:24], order[24:]
+        assert set(coarse) <= set(range(0, 300, 13))
+        rounds = [sorted(between[i : i + 23]) for i in range(0, len(between), 23)]
+        for one in rounds[:-1]:
+            assert len({i % 13 for i in one}) == 1  # one in each interval
+    last = explorer.picture.panels["bifurcation"].found
+    assert all(last[value] is kept for value, kept in seen[0].items())
+    assert sorted(last) == every.tolist()
+
+
+def test_what_a_slider_changes_is_shown_before_the_diagram_goes_on(monkeypatch):
+    monkeypatch.setattr("frictionlab.widgets.explorer.PAUSE_AFTER_CHANGE", 0.5)
+
+    async def browser():
+        explorer = fl.explore_bifurcation(FLAT.replace(mu_k=0.5))
+        explorer.controls["transient"].value = 5.0
+        panel, counts = explorer.picture.panels["bifurcation"], [0]
+        for value in (0.51, 0.52, 0.53):
+            explorer.controls["mu_k"].value = value
+            counts.append(len(panel.found))
+            await asyncio.sleep(0.05)
+        assert "of 300 values" in explorer.picture.tiles["bifurcation"].note.get_text()
+        while len(panel.found) == counts[-1]:
+            await asyncio.sleep(0.05)
+        explorer.close()
+        return counts
+
+    counts = asyncio.run(browser())
+    assert 0 < counts[1] == counts[2] == counts[3] < 300
 
 
 def test_an_explorer_that_is_closed_computes_no_more():
@@ -217,11 +262,11 @@ def test_motions_that_have_not_settled_are_marked_and_go_on_until_they_have():
         return explorer, notes
 
     explorer, notes = asyncio.run(browser())
-    filled = [(note, waiting) for count, note, waiting in notes if count == 24]
-    assert filled[0][0] == f"24 values, {len(filled[0][1])} not settled yet"
+    filled = [(note, waiting) for count, note, waiting in notes if count == 300]
+    assert filled[0][0] == f"300 values, {len(filled[0][1])} not settled yet"
     assert len(filled[0][1]) > 12
     assert [len(waiting) for _, waiting in filled] == sorted((len(w) for _, w in filled), reverse=True)
-    assert filled[-1] == ("24 values", set())
+    assert filled[-1] == ("300 values", set())
     panel, value = explorer.picture.panels["bifurcation"], max(filled[0][1])
     options = {"transient": 40.0, "window": 10.0, "t_max": LONGEST}
     options["method"] = panel.sweep.options.method
@@ -243,7 +288,7 @@ def test_what_never_settles_is_left_as_it_is_and_no_picture_waits_for_it(monkeyp
         panel, before = explorer.picture.panels["bifurcation"], None
         while explorer.busy.left:
             await asyncio.sleep(0.02)
-            if before is None and len(panel.found) == 24:
+            if before is None and len(panel.found) == 300:
                 before = dict(panel.found)
                 explorer.click("bifurcation", 0.75, 0.0)  # is shown before anything goes on
                 shown = explorer.model.mu_k, dict(panel.found)
