@@ -55,12 +55,10 @@ class UpdateScheduler:
         """Update after a pause, and after what comes to the event loop in it, such as newer values; at once
         where there is no loop."""
         self.cancel()
-        try:
-            loop = asyncio.get_running_loop()
-        except RuntimeError:
-            self.request()
+        if has_event_loop():
+            self._timer = asyncio.get_running_loop().call_later(pause, self.request)
         else:
-            self._timer = loop.call_later(pause, self.request)
+            self.request()
 
     def cancel(self) -> None:
         """Cancel a requested update."""
@@ -85,6 +83,15 @@ class UpdateScheduler:
             if not asked:
                 self._busy = False
             return asked
+
+
+def has_event_loop() -> bool:
+    """Whether an event loop runs, as in a notebook or an application: else nothing goes on by itself."""
+    try:
+        asyncio.get_running_loop()
+    except RuntimeError:
+        return False
+    return True
 
 
 class BusyIndicator:

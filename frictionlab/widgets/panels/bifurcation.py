@@ -39,6 +39,7 @@ from frictionlab.widgets.number_control import (
     slider_range,
 )
 from frictionlab.widgets.result import limit_steps, tighten_tolerance
+from frictionlab.widgets.update_scheduler import has_event_loop
 
 Array = NDArray[np.float64]
 BATCH_SIZE = os.cpu_count() or 1  # values, in threads
@@ -240,7 +241,9 @@ class BifurcationPanel:
         """The results in a range after some more work, how many there will be, and the progress where it is
         not complete."""
         sweep = self._sweep_for(result)
-        grid = np.linspace(low, high, GRID_VALUES).tolist()
+        # In a script nobody watches the diagram fill: the coarse one is all.
+        step = 1 if has_event_loop() else GRID_STEP
+        grid = np.linspace(low, high, GRID_VALUES)[::step].tolist()
         values = [*grid, *(v for v in sweep.found if low <= v <= high and v not in grid)]
         # A change by a slider or a click is shown first.
         if result is self._shown or not sweep.found:
