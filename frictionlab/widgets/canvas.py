@@ -195,7 +195,8 @@ def frame_data(
     scene |= _labels_and_colours(picture, colours) | {"note": picture.note, "speed": speed}
     scene |= {"start": float(picture.t[0]), "step": 1.0 / rate}
     scene["digits"] = max(0, int(np.ceil(np.log10(rate))))
-    modes = np.array([[*colours].index(mode) for mode in picture.mode], dtype=float)
+    places = {mode: float(i) for i, mode in enumerate(colours)}
+    modes = [places[mode] for mode in picture.mode.tolist()]
     return scene, np.column_stack([*rows, modes]).astype("<f4").tobytes()
 
 

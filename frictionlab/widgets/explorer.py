@@ -23,6 +23,7 @@ from frictionlab.widgets.panels.standard import (
     phase,
     response,
     select_panels,
+    spectrum,
 )
 
 from .canvas import MovingMechanism
@@ -362,9 +363,8 @@ def explore_stability(model: Any = None, parameter: str = "mu_k", over: str = "F
 def explore_bifurcation(model: Any = None, parameter: str = "mu_k") -> Explorer:
     """Zoom into a bifurcation diagram, and see the motion at any value of the parameter.
 
-    The range slider sets the range shown: 24 values at first and, in a notebook or an application, those
-    between, 300 in all; a narrower range has as many.  The parameter's own slider selects the value whose
-    response is shown, and so does a click into the diagram.
+    The range slider sets the range shown: 24 values at first, in a notebook or an application 300 in the end.
+    The parameter's own slider selects the value whose response is shown, and so does a click into it.
 
     Parameters
     ----------
@@ -391,7 +391,8 @@ def explore_bifurcation(model: Any = None, parameter: str = "mu_k") -> Explorer:
     """
     model = starting_model(model)
     check_parameter_name(model, parameter)
-    panels = {"bifurcation": BifurcationPanel(model, parameter), "response": response, "phase": phase}
+    panels = {"bifurcation": BifurcationPanel(model, parameter)}
+    panels |= {"response": response, "phase": phase, "spectrum": spectrum}
     explorer = Explorer(default_settings(model), panels)
     for name, slider in explorer.parameters.sliders.items():
         # Another parameter means another diagram: it is computed when the slider is let go.

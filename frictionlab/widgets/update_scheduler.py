@@ -125,9 +125,11 @@ class BusyIndicator:
 
     def announce_compilation(self, compiling: bool) -> None:
         """Say that the solver is compiled first, where it is, and at once: it takes half a minute."""
-        self.widget.value = COMPILING_TEXT if compiling else INDICATOR_TEXT
         if compiling:
+            self.widget.value = COMPILING_TEXT
             self._show()
+        elif not self.left:  # else how far it is stays, part for part
+            self.widget.value = INDICATOR_TEXT
 
     def _show(self) -> None:
         self.shown += 1
