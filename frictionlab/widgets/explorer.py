@@ -232,7 +232,8 @@ class Explorer:
                 settings = self._read()
                 self.busy.announce_compilation(needs_compilation(settings.method.entry))
                 result = self.result if settings == self.settings else Result(settings)
-                self.busy.left = self.picture.draw(result)
+                moved = result is not self.result
+                self.busy.left = self.picture.draw(result, goes_on=bool(self.busy.left) and not moved)
                 if self.mechanism is not None:
                     self.mechanism.show(result, self.picture.dark)
                 self.layout.describe(result)
@@ -241,7 +242,6 @@ class Explorer:
                 self.error, self.busy.left = error, None
                 self.layout.show_message(error_text(error))
                 return
-            moved = result is not self.result
             self.settings, self.result, self.error = settings, result, None
             self.running.widget.layout.display = "" if result.has_run else "none"
             self.updates += 1

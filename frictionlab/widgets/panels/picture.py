@@ -207,21 +207,25 @@ class Picture:
         self.dpi, self.dark = dpi, dark
         self._make_tiles()
         _keep(self.kept, self.tiles)
-        self._show()
+        self._show(self.shown)
 
-    def draw(self, result: Any) -> tuple[int, int] | None:
+    def draw(self, result: Any, goes_on: bool = False) -> tuple[int, int] | None:
         """Show a result in all panels; where one fails none is changed.
+
+        Where it goes on with the one that is shown, only in panels that are not complete, or have controls.
 
         Returns the parts done and their total where a panel is not complete.
         """
-        self.shown = {name: panel(result) for name, panel in self.panels.items()}
-        self._show()
+        names = [name for name in self.panels if not goes_on or self._may_change(name)]
+        self.shown |= {name: self.panels[name](result) for name in names}
+        self._show(names)
         return next((drawing.progress for drawing in self.shown.values() if drawing.progress), None)
 
     def freeze(self) -> None:
         """Keep the present curves, dotted."""
-        self.kept = self.shown
+        self.kept = dict(self.shown)
         _keep(self.kept, self.tiles)
+        self.paint(self.panels)
 
     def figure_to_print(self) -> RunFigure:
         """What is shown, as a figure of its own for any resolution; on white paper where only the page is
@@ -238,7 +242,7 @@ class Picture:
         self.kept = {}
         for tile in self.tiles.values():
             tile.forget()
-        self.paint(self.panels)
+        self._show(self.shown)
 
     def paint(self, names: Iterable[str]) -> None:
         """Draw tiles and send their images."""
@@ -254,12 +258,15 @@ class Picture:
     def _make_tiles(self) -> None:
         self.figure, self.canvas, self.tiles = _make_tiles(self.panels, self.dpi, self.dark)
 
-    def _show(self) -> None:
-        for name, drawing in self.shown.items():
-            self.tiles[name].show(drawing)
-            self.images[name].alt = _description(name, drawing)
+    def _may_change(self, name: str) -> bool:
+        return bool(self.shown[name].progress) or hasattr(self.panels[name], "controls")
+
+    def _show(self, names: Iterable[str]) -> None:
+        for name in names:
+            self.tiles[name].show(self.shown[name])
+            self.images[name].alt = _description(name, self.shown[name])
         if self.shown:
-            self.paint(self.panels)
+            self.paint(names)
 
 
 def _make_tiles(

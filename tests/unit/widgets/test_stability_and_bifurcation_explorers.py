@@ -219,9 +219,11 @@ def test_what_a_slider_changes_is_shown_before_the_diagram_goes_on(monkeypatch):
         explorer = fl.explore_bifurcation(FLAT.replace(mu_k=0.5))
         explorer.controls["transient"].value = 5.0
         panel, counts = explorer.picture.panels["bifurcation"], [0]
+        drawn = explorer.picture.images["response"].value
         for value in (0.51, 0.52, 0.53):
             explorer.controls["mu_k"].value = value
             counts.append(len(panel.found))
+            assert explorer.picture.images["response"].value != drawn
             await asyncio.sleep(0.05)
         assert "of 300 values" in explorer.picture.tiles["bifurcation"].note.get_text()
         while len(panel.found) == counts[-1]:
