@@ -55,6 +55,27 @@ def test_moving_the_point_computes_no_curve_anew(stability, monkeypatch):
     assert not stability.result.has_run
 
 
+def test_in_an_event_loop_the_critical_curve_becomes_finer():
+    async def browser():
+        explorer = fl.explore_stability()
+        line, seen = explorer.picture.tiles["critical"].lines["critical"], []
+        while explorer.busy.left:
+            seen.append(np.array(line.get_data()))
+            await asyncio.sleep(0.02)
+        return explorer, [*seen, np.array(line.get_data())]
+
+    explorer, seen = asyncio.run(browser())
+    assert explorer.error is None
+    assert explorer.busy.widget.layout.visibility == "hidden"
+    first, last = seen[0], seen[-1]
+    assert (first.shape[1], last.shape[1]) == (21, 87)
+    assert np.array_equal(first, last[:, 3::4], equal_nan=True)
+    steps = np.diff(last[0])
+    assert steps == pytest.approx(steps[0])
+    alone = fl.critical_value(fl.SliderOnBelt(F=float(last[0, 41])), "mu_k", (0, 3))
+    assert last[1, 41] == pytest.approx(alone, rel=1e-9)
+
+
 def test_a_click_moves_the_point_to_round_numbers(stability):
     stability.click("critical", 333.3, 1.2345)
     assert (stability.model.F, stability.model.mu_k) == (335.0, 1.23)
