@@ -37,6 +37,7 @@ import importlib.util
 from frictionlab.hybrid import compilation
 assert importlib.util.find_spec("numba") is None and compilation.LOADED is not None
 """
+NEED_THE_SOLVER = [f"tests/browser/test_{name}.py" for name in ("page", "page_frames", "axe")]
 PYTHON_VERSION = "import sys; print(*sys.version_info[:2], sep='.')"
 APT_FOR_ARM = """
 APT::Architecture "arm64";
@@ -93,13 +94,13 @@ def lowest(session: nox.Session) -> None:
 @nox.session
 def pages(session: nox.Session) -> None:
     """Exported pages in a Chromium, with the solver compiled for browsers (four minutes); the site with such
-    pages."""
+    pages; faults of both that keep people out."""
     install(session, "test,pages,docs")
     session.run("python", "-m", "frictionlab.hybrid.ahead_of_time", "--web", external=True)
-    run(session, "pytest", "-n", "auto", "-m", "browser", "tests/browser/test_page.py")
     if shutil.which("node"):
         session.run("python", "-m", "tests.digests.web", external=True)
     build_site(session)
+    run(session, "pytest", "-n", "auto", "-m", "browser", *NEED_THE_SOLVER)
 
 
 @nox.session

@@ -21,7 +21,7 @@ from frictionlab.presentation import markdown_table
 from frictionlab.widgets.controls import main_parameters
 from frictionlab.widgets.explorer import Explorer, explore
 
-LATENCY_PANELS = ("response", "phase", "forces", "spectrum")
+LATENCY_PANELS = ("mechanism", "response", "phase", "forces", "spectrum")
 STEPS_PER_SLIDER = 10  # steps of each slider
 PAPER_MODEL = SliderOnBelt()
 LATENCY_SCENES: Mapping[str, Any] = MappingProxyType(

@@ -6,9 +6,10 @@ const PACES = [1, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01];
 const LABEL = 13; // pixels of labels where letters are as high
 
 function render({ model, el }) {
-  let scene, numbers, columns, frames, time = 0, last = null, request = null, path = null, place = null, surfaces = null, audio = null, seen = true;
+  let scene, numbers, columns, frames, time = 0, last = null, request = null, path = null, place = null, surfaces = null, audio = null, seen = true, followed;
   const get = (i, name) => numbers[i * columns.length + columns.indexOf(name)];
   const whole = !model.get("plays"); // by itself, and not a panel of an explorer, where others have the legend of the modes
+  const follows = model.get("follows"); // the instant that the explorer's other mechanism shows
   const style = `flex: 1 1 300px; min-width: 0; min-height: 150px; ${whole ? "height: 340px" : "height: 0; width: 100%"}`;
   const pictures = Array.from({ length: whole ? 2 : 1 }, (_, i) => html("canvas", { style, role: "img", ariaLabel: ["mechanism", "phase plane"][i] }));
   const play = html("button", { textContent: "play", style: "width: 4.6em" });
@@ -19,7 +20,7 @@ function render({ model, el }) {
   const said = html("span", { role: "status" });
   const bar = (nodes) => html("div", { style: "display: flex; flex-wrap: wrap; gap: 4px 14px; align-items: center; margin: 4px" }, nodes);
   const row = html("div", { style: `display: flex; flex: 1 1 auto; min-height: 0; ${whole ? "flex-wrap: wrap" : "flex-direction: column"}` }, pictures);
-  const key = bar([]), box = html("div", { className: "fl-canvas" }, [bar([play, scrub, pace, sound, state]), row, key]);
+  const key = bar([]), box = html("div", { className: "fl-canvas" }, [bar([...(follows ? [] : [play, scrub, pace]), sound, state]), row, key]);
   el.append(box);
 
   const patch = (colour) => html("span", { style: `display: inline-block; width: 1em; height: 0.7em; margin-right: 0.3em; background: ${colour}` });
@@ -33,7 +34,8 @@ function render({ model, el }) {
     numbers = new Float32Array(bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.byteLength));
     frames = { count: numbers.length / columns.length, get };
     scrub.max = frames.count - 1;
-    time = Math.min(time, (frames.count - 1) * scene.step);
+    go(time);
+    followed = undefined;
     if (scene.speed !== before?.speed) {
       const paces = [...new Set([...PACES, scene.speed])].sort((a, b) => b - a);
       pace.replaceChildren(...paces.map((one) => html("option", { value: one, textContent: named(one), selected: one === scene.speed })));
@@ -42,6 +44,20 @@ function render({ model, el }) {
     key.replaceChildren(...entries.map(([text, colour]) => html("span", { style: "white-space: nowrap" }, [patch(colour), ...subscripted(text)])), said);
     box.style.cssText = `background: ${scene.paper}; color: ${scene.ink}; font-family: sans-serif; font-size: var(--jp-widgets-font-size, ${LABEL}px); padding: 4px; display: flex; flex-direction: column; height: 100%; box-sizing: border-box`;
     resize();
+  }
+  function go(to) { // seconds from the first frame; told to the mechanism beside, whose run may begin at another time
+    time = Math.min(Math.max(to, 0), frames.count * scene.step);
+    const panels = el.closest(".fl-picture");
+    if (panels && !follows) panels.instant = scene.start + time;
+  }
+  function follow() {
+    const instant = el.closest(".fl-picture")?.instant;
+    if (scene && instant !== undefined && instant !== followed) {
+      followed = instant;
+      go(instant - scene.start);
+      if (seen) show();
+    }
+    request = requestAnimationFrame(follow);
   }
   let due = false;
   function soon() { // both parts come in one message
@@ -84,7 +100,7 @@ function render({ model, el }) {
     place = phasePlane(c, width, height, scene, frames);
   }
   function tick(now) {
-    if (last !== null && frames) time = (time + (now - last) / 1000 * Number(pace.value)) % (frames.count * scene.step);
+    if (last !== null && frames) go((time + (now - last) / 1000 * Number(pace.value)) % (frames.count * scene.step));
     last = now;
     if (seen) show();
     request = requestAnimationFrame(tick);
@@ -106,13 +122,13 @@ function render({ model, el }) {
   }
   play.onclick = toggle;
   sound.onclick = () => { audio ??= new AudioContext(); sound.disabled = true; said.textContent = ""; model.send({ sound: true }); };
-  scrub.oninput = () => { time = Number(scrub.value) * scene.step; show(); };
+  scrub.oninput = () => { go(Number(scrub.value) * scene.step); show(); };
   el.addEventListener("keydown", (event) => event.stopPropagation()); // a notebook takes keys for its own commands
   model.on("change:scene", soon);
   model.on("change:rows", soon);
   model.on("msg:custom", hear);
   load();
-  if (model.get("plays") && !matchMedia("(prefers-reduced-motion: reduce)").matches) toggle();
+  if (follows) follow(); else if (!whole && !matchMedia("(prefers-reduced-motion: reduce)").matches) toggle();
   const observer = new ResizeObserver(resize), sight = new IntersectionObserver(([entry]) => { seen = entry.isIntersecting; });
   observer.observe(pictures[0]);
   sight.observe(el);

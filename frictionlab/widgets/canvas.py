@@ -49,6 +49,8 @@ class Canvas(anywidget.AnyWidget):
         32-bit floats (K, columns): what moves, in K frames.
     plays : bool
         Whether it moves as soon as it is shown, where the reader's system does not ask for rest.
+    follows : bool
+        Whether it shows the instant that the explorer's other mechanism shows, and has no clock of its own.
     run : Trajectory
         What it shows, and what is heard.
     """
@@ -64,6 +66,7 @@ class Canvas(anywidget.AnyWidget):
     scene = traitlets.Dict().tag(sync=True)
     rows = traitlets.Bytes().tag(sync=True)
     plays = traitlets.Bool(False).tag(sync=True)
+    follows = traitlets.Bool(False).tag(sync=True)
 
     def __init__(self, **traits: Any) -> None:
         super().__init__(**traits)
@@ -98,15 +101,16 @@ class MovingMechanism:
 
     Parameters
     ----------
-    title : str
-        Said beside the time.
+    kept : str
+        What is said beside the time of a scene that is kept: it follows the mechanism that moves.
     """
 
     name = "mechanism"
 
-    def __init__(self, title: str = "") -> None:
-        self._title = title
-        self.canvas = Canvas(plays=True).add_class("fl-panel").add_class("fl-panel-mechanism")
+    def __init__(self, kept: str = "") -> None:
+        self._title = kept
+        canvas = Canvas(plays=True, follows=bool(kept))
+        self.canvas = canvas.add_class("fl-panel").add_class("fl-panel-mechanism")
 
     def show(self, result: Any, dark: bool) -> None:
         """Show the end of what a result shows, at most twenty periods, on a page that is dark or light."""
@@ -191,7 +195,8 @@ def frame_data(
     scene |= _labels_and_colours(picture, colours) | {"note": picture.note, "speed": speed}
     scene |= {"start": float(picture.t[0]), "step": 1.0 / rate}
     scene["digits"] = max(0, int(np.ceil(np.log10(rate))))
-    modes = np.array([[*colours].index(mode) for mode in picture.mode], dtype=float)
+    places = {mode: float(i) for i, mode in enumerate(colours)}
+    modes = [places[mode] for mode in picture.mode.tolist()]
     return scene, np.column_stack([*rows, modes]).astype("<f4").tobytes()
 
 

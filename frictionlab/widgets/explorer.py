@@ -23,6 +23,7 @@ from frictionlab.widgets.panels.standard import (
     phase,
     response,
     select_panels,
+    spectrum,
 )
 
 from .canvas import MovingMechanism
@@ -31,7 +32,7 @@ from .layout import Layout, close_all
 from .messages import error_text
 from .result import Result, Settings, default_settings, starting_model
 from .state import Comparison, History, State, check_names, control_data, set_control, state_from_text
-from .update_scheduler import BusyIndicator, UpdateScheduler
+from .update_scheduler import EVENT_LOOP_PAUSE, PAUSE_AFTER_CHANGE, BusyIndicator, UpdateScheduler
 
 
 class Explorer:
@@ -231,7 +232,8 @@ class Explorer:
                 settings = self._read()
                 self.busy.announce_compilation(needs_compilation(settings.method.entry))
                 result = self.result if settings == self.settings else Result(settings)
-                self.busy.left = self.picture.draw(result)
+                moved = result is not self.result
+                self.busy.left = self.picture.draw(result, goes_on=bool(self.busy.left) and not moved)
                 if self.mechanism is not None:
                     self.mechanism.show(result, self.picture.dark)
                 self.layout.describe(result)
@@ -245,7 +247,7 @@ class Explorer:
             self.updates += 1
             self._record()
         if self.busy.left:
-            self.scheduler.request_later()
+            self.scheduler.request_later(PAUSE_AFTER_CHANGE if moved else EVENT_LOOP_PAUSE)
 
     def _read(self) -> Settings:
         model = self.components.model()
@@ -361,8 +363,8 @@ def explore_stability(model: Any = None, parameter: str = "mu_k", over: str = "F
 def explore_bifurcation(model: Any = None, parameter: str = "mu_k") -> Explorer:
     """Zoom into a bifurcation diagram, and see the motion at any value of the parameter.
 
-    The range slider sets the range shown; values in between are computed when it is narrowed.  The
-    parameter's own slider selects the value whose response is shown, and so does a click into the diagram.
+    The range slider sets the range shown: 24 values at first, in a notebook or an application 300 in the end.
+    The parameter's own slider selects the value whose response is shown, and so does a click into it.
 
     Parameters
     ----------
@@ -389,7 +391,8 @@ def explore_bifurcation(model: Any = None, parameter: str = "mu_k") -> Explorer:
     """
     model = starting_model(model)
     check_parameter_name(model, parameter)
-    panels = {"bifurcation": BifurcationPanel(model, parameter), "response": response, "phase": phase}
+    panels = {"bifurcation": BifurcationPanel(model, parameter)}
+    panels |= {"response": response, "phase": phase, "spectrum": spectrum}
     explorer = Explorer(default_settings(model), panels)
     for name, slider in explorer.parameters.sliders.items():
         # Another parameter means another diagram: it is computed when the slider is let go.

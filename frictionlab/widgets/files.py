@@ -58,14 +58,15 @@ class FileButton(anywidget.AnyWidget):
             self.send({"name": made.name, "type": made.type}, [made.content])
 
 
-FIGURES = {"svg": "image/svg+xml", "pdf": "application/pdf"}
+FIGURES = {"svg": "image/svg+xml", "pdf": "application/pdf", "png": "image/png"}
+PRINT_DPI = 300  # dots in an inch of a png
 DATA = {"csv": "text/csv", "parquet": "application/vnd.apache.parquet"}
 
 
 def figure_file(explorer: Any, kind: str) -> MadeFile:
-    """The picture as it is, in lines and letters."""
+    """The picture to print, on white paper: svg and pdf in lines and letters."""
     buffer = io.BytesIO()
-    explorer.picture.figure.savefig(buffer, format=kind)
+    explorer.picture.figure_to_print().savefig(buffer, format=kind, dpi=PRINT_DPI)
     return MadeFile(f"{_stem(explorer)}.{kind}", FIGURES[kind], buffer.getvalue())
 
 
@@ -159,7 +160,7 @@ class Files:
 
 
 HINTS = {
-    "figure": "the picture as it is, to print",
+    "figure": "the picture to print, on white paper",
     "data": "time, states, outputs and mode of the part of the run that is shown",
     "save": "what the controls are set to, as a file that is loaded here again",
     "copy": "the same as text",

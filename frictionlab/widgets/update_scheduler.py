@@ -16,11 +16,12 @@ from typing import Any
 import ipywidgets
 
 EVENT_LOOP_PAUSE = 0.01  # seconds in which messages from the browser are handled first
+PAUSE_AFTER_CHANGE = 0.15  # after a change, as a slider that moves on should not wait for a long update
 
 INDICATOR_DELAY = 0.3  # seconds
 INDICATOR_TEXT = "computing …"
 COMPILING_TEXT = "compiling the solver, once on this machine: some 30 s …"
-PROGRESS_BAR = '<progress value="{0}" max="{1}" style="width: 70px"></progress> {0} of {1}'
+PROGRESS_BAR = '<progress aria-label="done" value="{0}" max="{1}" style="width: 70px"></progress> {0} of {1}'
 
 
 class UpdateScheduler:
@@ -50,16 +51,14 @@ class UpdateScheduler:
             self._busy = False
             raise
 
-    def request_later(self) -> None:
-        """Update after the events waiting in the event loop, such as newer values; at once where there is no
-        loop."""
+    def request_later(self, pause: float = EVENT_LOOP_PAUSE) -> None:
+        """Update after a pause, and after what comes to the event loop in it, such as newer values; at once
+        where there is no loop."""
         self.cancel()
-        try:
-            loop = asyncio.get_running_loop()
-        except RuntimeError:
-            self.request()
+        if has_event_loop():
+            self._timer = asyncio.get_running_loop().call_later(pause, self.request)
         else:
-            self._timer = loop.call_later(EVENT_LOOP_PAUSE, self.request)
+            self.request()
 
     def cancel(self) -> None:
         """Cancel a requested update."""
@@ -84,6 +83,15 @@ class UpdateScheduler:
             if not asked:
                 self._busy = False
             return asked
+
+
+def has_event_loop() -> bool:
+    """Whether an event loop runs, as in a notebook or an application: else nothing goes on by itself."""
+    try:
+        asyncio.get_running_loop()
+    except RuntimeError:
+        return False
+    return True
 
 
 class BusyIndicator:
@@ -117,9 +125,11 @@ class BusyIndicator:
 
     def announce_compilation(self, compiling: bool) -> None:
         """Say that the solver is compiled first, where it is, and at once: it takes half a minute."""
-        self.widget.value = COMPILING_TEXT if compiling else INDICATOR_TEXT
         if compiling:
+            self.widget.value = COMPILING_TEXT
             self._show()
+        elif not self.left:  # else how far it is stays, part for part
+            self.widget.value = INDICATOR_TEXT
 
     def _show(self) -> None:
         self.shown += 1

@@ -299,6 +299,22 @@ def test_a_click_into_the_diagram_selects_the_value_there(shown):
     assert float(readout.input_value()) == pytest.approx(expected, abs=0.01 * (high - low))
 
 
+PICTURE = "document.querySelector('.diagram .fl-panel-response img').src"
+FILLING = "document.querySelector('.diagram .fl-busy').innerText.includes('of 300')"
+
+
+@CLICKABLE
+def test_sliders_answer_while_a_diagram_fills(shown):
+    page = shown.page
+    settled(page, ".diagram")
+    press(page, ".diagram", "F")  # another diagram
+    page.wait_for_function(FILLING, timeout=PATIENCE)
+    before = page.evaluate(PICTURE)
+    press(page, ".diagram", "mu_k")
+    page.wait_for_function(f"(before) => {PICTURE} !== before", arg=before, timeout=PATIENCE)
+    assert page.evaluate(FILLING)
+
+
 def click(page, selector, x, y):
     """Click at shares of a picture's width from the left and of its height from above."""
     picture = page.locator(selector)

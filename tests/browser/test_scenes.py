@@ -205,6 +205,14 @@ def test_two_scenes_at_once(page):
     page.wait_for_function(SAYS, arg=[".fl-comparison", f"solid, now: mu_k = {now}"])
     assert page.locator(".fl-canvas").count() == 2
     assert "kept: t = " in page.locator(".fl-canvas").nth(1).inner_text()
+    assert page.locator(".fl-canvas input[type=range]").count() == 1
+    press_button(page, "pause")
+    for key, time in (("Home", 19.0), ("ArrowRight", 19.001)):
+        page.locator(".fl-canvas input[type=range]").focus()
+        page.keyboard.press(key)
+        page.wait_for_timeout(200)
+        assert [time_of(page), time_of(page, 1)] == [time, time]
+    press_button(page, "play")
     press_button(page, "swap")
     page.wait_for_function(READS, arg=["mu_k", "1.4"])
     page.wait_for_function(SAYS, arg=[".fl-comparison", f"dotted, kept: mu_k = {now}"])

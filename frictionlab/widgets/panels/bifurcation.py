@@ -1,7 +1,8 @@
 """A bifurcation diagram that is refined in the range shown, computed in parts.
 
-`ProgressiveSweep` computes steady states a few at a time: every value once, then those that have not
-settled go on. `BifurcationPanel` has it compute some more at each update and draws the values found so far.
+`ProgressiveSweep` computes steady states a few at a time: a coarse diagram, the values between, and then
+those that have not settled go on. `BifurcationPanel` has it compute some more at each update and draws the
+values found so far.
 """
 
 from __future__ import annotations
@@ -38,6 +39,7 @@ from frictionlab.widgets.number_control import (
     slider_range,
 )
 from frictionlab.widgets.result import limit_steps, tighten_tolerance
+from frictionlab.widgets.update_scheduler import has_event_loop
 
 Array = NDArray[np.float64]
 BATCH_SIZE = os.cpu_count() or 1  # values, in threads
@@ -45,7 +47,8 @@ TIME_SLICE = 0.2  # seconds between two pictures of a diagram in progress
 WINDOWS_PER_EXTENSION = 10  # windows by which a motion that has not settled is extended at a time
 MAX_EXTENSIONS = 20  # most such extensions of a motion
 
-GRID_VALUES = 24  # values in the range shown
+GRID_VALUES, GRID_STEP = 300, 13  # values in the range shown; every 13th of them, 24, is the coarse diagram
+GOLDEN_STEP = 8  # of 13: multiples of it, modulo 13, fall one after the other into the widest gap left
 DEFAULT_TRANSIENT, MAX_TRANSIENT, TRANSIENT_STEP = (
     1000,
     5000,
@@ -144,8 +147,12 @@ class ProgressiveSweep:
 
 
 def _coarse_to_fine(values: Sequence[float]) -> list[float]:
-    """Every eighth value, then those half-way between, and so on."""
-    order = [i for step in (8, 4, 2, 1) for i in range(0, len(values), step)]
+    """The coarse diagram, every eighth of its values first and then those half-way between; then one value
+    more in each of its intervals, and so on."""
+    count = len(values)
+    order = [i for step in (8, 4, 2, 1) for i in range(0, count, step * GRID_STEP)]
+    starts = (GOLDEN_STEP * i % GRID_STEP for i in range(1, GRID_STEP))
+    order += [i for start in starts for i in range(start, count, GRID_STEP)]
     return [values[i] for i in dict.fromkeys(order)]
 
 
@@ -154,9 +161,9 @@ class BifurcationPanel:
     parameter.
 
     It is computed in parts, from coarse to fine, so that points appear while it is computed and newer
-    settings need not wait.  Motions that have not settled are drawn as such, and extended once all values are
-    computed.  Results are kept until another parameter changes, so that a narrower range only adds values in
-    between.
+    settings need not wait: 24 values in about a second, then those between, 300 in all.  Motions that have
+    not settled are drawn as such, and extended once all values are computed.  Results are kept until another
+    parameter changes, so that a narrower range only adds values in between.
 
     Attributes
     ----------
@@ -208,7 +215,7 @@ class BifurcationPanel:
         """The points in the range, by the kind of motion, and a line at the model's own value."""
         check_parameter_name(result.model, self.parameter)
         low, high = self.controls["range"].value
-        inside, progress = self._fill(result, low, high)
+        inside, wanted, progress = self._fill(result, low, high)
         name = result.settings.coordinate
         column = result.model.coordinates.index(name)
         kinds = [found.kind for found in inside.values()]
@@ -220,7 +227,8 @@ class BifurcationPanel:
             f"section of {state_label(name)} ({state_unit(name)})",
         )
         waiting = kinds.count(MotionKind.NOT_SETTLED)
-        note = f"{len(kinds)} values" + (f", {waiting} {MotionKind.NOT_SETTLED}" if waiting else "")
+        note = f"{len(kinds)} values" if len(kinds) == wanted else f"{len(kinds)} of {wanted} values"
+        note += f", {waiting} {MotionKind.NOT_SETTLED}" if waiting else ""
         return Drawing(*labels, curves, note=note, xlim=(low, high), progress=progress)
 
     def pick(self, x: float, _: float) -> dict[str, float]:
@@ -229,17 +237,20 @@ class BifurcationPanel:
 
     def _fill(
         self, result: Any, low: float, high: float
-    ) -> tuple[dict[float, SteadyStatePoints], tuple[int, int] | None]:
-        """The results in a range after some more work, and the progress where it is not complete."""
+    ) -> tuple[dict[float, SteadyStatePoints], int, tuple[int, int] | None]:
+        """The results in a range after some more work, how many there will be, and the progress where it is
+        not complete."""
         sweep = self._sweep_for(result)
-        grid = np.linspace(low, high, GRID_VALUES).tolist()
+        # In a script nobody watches the diagram fill: the coarse one is all.
+        step = 1 if has_event_loop() else GRID_STEP
+        grid = np.linspace(low, high, GRID_VALUES)[::step].tolist()
         values = [*grid, *(v for v in sweep.found if low <= v <= high and v not in grid)]
         # A change by a slider or a click is shown first.
         if result is self._shown or not sweep.found:
             sweep.work(values)
         self._shown, left = result, len(sweep.left(values))
         inside = {value: sweep.found[value] for value in values if value in sweep.found}
-        return inside, (len(values) - left, len(values)) if left else None
+        return inside, len(values), (len(values) - left, len(values)) if left else None
 
     def _sweep_for(self, result: Any) -> ProgressiveSweep:
         """The sweep of a result; a new one where anything but the parameter differs."""

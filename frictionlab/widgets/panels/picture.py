@@ -206,29 +206,43 @@ class Picture:
             return
         self.dpi, self.dark = dpi, dark
         self._make_tiles()
-        self._keep()
-        self._show()
+        _keep(self.kept, self.tiles)
+        self._show(self.shown)
 
-    def draw(self, result: Any) -> tuple[int, int] | None:
+    def draw(self, result: Any, goes_on: bool = False) -> tuple[int, int] | None:
         """Show a result in all panels; where one fails none is changed.
+
+        Where it goes on with the one that is shown, only in panels that are not complete, or have controls.
 
         Returns the parts done and their total where a panel is not complete.
         """
-        self.shown = {name: panel(result) for name, panel in self.panels.items()}
-        self._show()
+        names = [name for name in self.panels if not goes_on or self._may_change(name)]
+        self.shown |= {name: self.panels[name](result) for name in names}
+        self._show(names)
         return next((drawing.progress for drawing in self.shown.values() if drawing.progress), None)
 
     def freeze(self) -> None:
         """Keep the present curves, dotted."""
-        self.kept = self.shown
-        self._keep()
+        self.kept = dict(self.shown)
+        _keep(self.kept, self.tiles)
+        self.paint(self.panels)
+
+    def figure_to_print(self) -> RunFigure:
+        """What is shown, as a figure of its own for any resolution; on white paper where only the page is
+        dark."""
+        figure, _, tiles = _make_tiles(self.panels, self.dpi, self._own_dark)
+        _keep(self.kept, tiles)
+        for name, drawing in self.shown.items():
+            tiles[name].show(drawing)
+        FigureCanvasAgg(figure)  # its texts are no copies
+        return figure
 
     def unfreeze(self) -> None:
         """Remove the curves that were kept, and show the picture without them."""
         self.kept = {}
         for tile in self.tiles.values():
             tile.forget()
-        self.paint(self.panels)
+        self._show(self.shown)
 
     def paint(self, names: Iterable[str]) -> None:
         """Draw tiles and send their images."""
@@ -242,30 +256,39 @@ class Picture:
             self.images[name].value = encode_png(part, tile.colours, background(tile.ax))
 
     def _make_tiles(self) -> None:
-        columns = max(1, min(PANEL_COLUMNS, len(self.panels)))
-        rows = max(1, -(-len(self.panels) // columns))
-        places = [(i % columns, rows - 1 - i // columns) for i in range(len(self.panels))]
-        size = 1 / columns, 1 / rows
-        with theme(self.dark):
-            inches = columns * PANEL_WIDTH, rows * PANEL_HEIGHT
-            self.figure = RunFigure(figsize=inches, dpi=self.dpi)
-            self.canvas = TextCacheCanvas(self.figure)
-            self.canvas.draw()
-            self.tiles = {
-                name: Tile(self.figure, (x * size[0], y * size[1], *size))
-                for name, (x, y) in zip(self.panels, places)
-            }
+        self.figure, self.canvas, self.tiles = _make_tiles(self.panels, self.dpi, self.dark)
 
-    def _keep(self) -> None:
-        for name, drawing in self.kept.items():
-            self.tiles[name].keep(drawing)
+    def _may_change(self, name: str) -> bool:
+        return bool(self.shown[name].progress) or hasattr(self.panels[name], "controls")
 
-    def _show(self) -> None:
-        for name, drawing in self.shown.items():
-            self.tiles[name].show(drawing)
-            self.images[name].alt = _description(name, drawing)
+    def _show(self, names: Iterable[str]) -> None:
+        for name in names:
+            self.tiles[name].show(self.shown[name])
+            self.images[name].alt = _description(name, self.shown[name])
         if self.shown:
-            self.paint(self.panels)
+            self.paint(names)
+
+
+def _make_tiles(
+    panels: Iterable[str], dpi: float, dark: bool
+) -> tuple[RunFigure, TextCacheCanvas, dict[str, Tile]]:
+    """A figure with an empty tile for each panel, on a dark or light page."""
+    names = list(panels)
+    columns = max(1, min(PANEL_COLUMNS, len(names)))
+    rows = max(1, -(-len(names) // columns))
+    places = [(i % columns, rows - 1 - i // columns) for i in range(len(names))]
+    size = 1 / columns, 1 / rows
+    with theme(dark):
+        figure = RunFigure(figsize=(columns * PANEL_WIDTH, rows * PANEL_HEIGHT), dpi=dpi)
+        canvas = TextCacheCanvas(figure)
+        canvas.draw()
+        tiles = {name: Tile(figure, (x * size[0], y * size[1], *size)) for name, (x, y) in zip(names, places)}
+    return figure, canvas, tiles
+
+
+def _keep(kept: dict[str, Drawing], tiles: dict[str, Tile]) -> None:
+    for name, drawing in kept.items():
+        tiles[name].keep(drawing)
 
 
 def theme(dark: bool) -> Any:

@@ -35,6 +35,7 @@ from frictionlab.stability import CriticalCurve, critical_curve
 from frictionlab.validation import did_you_mean
 from frictionlab.widgets.canvas import MovingMechanism
 from frictionlab.widgets.number_control import round_to_step, slider_range
+from frictionlab.widgets.update_scheduler import has_event_loop
 
 STRIP_THICKNESS = 7.0  # points
 STRIP_SAMPLES = 400
@@ -45,7 +46,10 @@ ZERO_GROWTH_LINE: dict[str, Any] = {"color": GREY, "linewidth": 0.8, "zorder": 1
 
 NEUTRAL = 1e-12  # share of an eigenvalue below which its real part is rounding
 
-CURVE_POINTS = 21
+CURVE_POINTS, CURVE_PARTS = (
+    87,
+    4,
+)  # points of a critical curve; it is computed in parts, first every fourth point
 MAX_CACHED_CURVES = 16  # curves
 OPERATING_POINT: dict[str, Any] = {"linestyle": "none", "markersize": 8.0, "zorder": 3.0}
 
@@ -168,7 +172,8 @@ def eigenvalues(result: Any) -> Drawing:
 class CriticalValuePanel:
     """A panel: steady sliding is stable below the curve.
 
-    The curve does not depend on the two parameters, so moving the point computes nothing anew.
+    The curve does not depend on the two parameters, so moving the point computes nothing anew.  It is
+    computed in parts, first every fourth point, which in a script is all.
 
     Parameters
     ----------
@@ -185,7 +190,8 @@ class CriticalValuePanel:
         about = parameter_metadata(type(model), model.components)
         self.parameter, self.over = parameter, over
         self.bounds, self.sides = (slider_range(about[n], model.parameters[n]) for n in (parameter, over))
-        self._curve = lru_cache(MAX_CACHED_CURVES)(self._computed)
+        self._curve = lru_cache(MAX_CACHED_CURVES)(self._begun)
+        self._shown: Any = None
 
     def __call__(self, result: Any) -> Drawing:
         """The curve, and a point in the colour of its stability."""
@@ -193,6 +199,10 @@ class CriticalValuePanel:
         for name in (self.parameter, self.over):
             check_parameter_name(model, name)
         curve = self._curve(_ModelApartFrom(model, (self.parameter, self.over)))
+        # A change by a slider or a click is shown first; in a script nobody watches the curve become finer.
+        if not curve.at.size or (result is self._shown and has_event_loop()):
+            curve.work()
+        self._shown = result
         here = [model.parameters[self.over]], [model.parameters[self.parameter]]
         stable = found is not None and found.stable
         curves = {
@@ -201,16 +211,38 @@ class CriticalValuePanel:
             "here, unstable": _operating_point(here, found is not None and not stable, VERMILLION, "^"),
         }
         x, y = (parameter_label(model, name) for name in (self.over, self.parameter))
-        return Drawing(x, y, curves, xlim=self.sides, ylim=self.bounds)
+        progress = (curve.at.size, CURVE_POINTS) if curve.left and has_event_loop() else None
+        return Drawing(x, y, curves, xlim=self.sides, ylim=self.bounds, progress=progress)
 
     def pick(self, x: float, y: float) -> dict[str, float]:
         """The two parameters at a point of the picture, as round numbers."""
         return {self.over: round_to_step(x, self.sides), self.parameter: round_to_step(y, self.bounds)}
 
-    def _computed(self, others: _ModelApartFrom) -> CriticalCurve:
+    def _begun(self, others: _ModelApartFrom) -> _CurveInParts:
         # At the ends there may be no contact force, or a mass may be zero.
         at = np.linspace(*self.sides, CURVE_POINTS + 2)[1:-1]
-        return critical_curve(others.model, self.parameter, self.bounds, over=(self.over, at))
+
+        def compute(part: Any) -> CriticalCurve:
+            return critical_curve(others.model, self.parameter, self.bounds, over=(self.over, part))
+
+        return _CurveInParts(compute, [at[i - 1 :: CURVE_PARTS] for i in (4, 2, 1, 3)])
+
+
+class _CurveInParts:
+    """A critical curve (at, values) of the parts that are computed so far; those that are left."""
+
+    def __init__(self, compute: Callable[[Any], CriticalCurve], parts: list[Any]) -> None:
+        self.at = self.values = np.zeros(0)
+        self.left, self._compute = parts, compute
+
+    def work(self) -> None:
+        """Compute one part more, if there is one."""
+        if not self.left:
+            return
+        part, self.left = self._compute(self.left[0]), self.left[1:]
+        at, values = np.append(self.at, part.at), np.append(self.values, part.values)
+        order = np.argsort(at)
+        self.at, self.values = at[order], values[order]
 
 
 class _ModelApartFrom:

@@ -64,9 +64,13 @@ def test_in_jupyter_code_and_output_of_a_solution_are_hidden(path):
     assert all(c["metadata"]["jupyter"] == {"source_hidden": True, "outputs_hidden": True} for c in code)
 
 
-def minutes_to_read(path):
-    """Of all but exercises and solutions, by the words and the lines of code."""
-    cells = [c for c in cells_of(path) if not c["id"].startswith(("exercise", "solution"))]
+def to_read(path):
+    """All cells but exercises and solutions."""
+    return [c for c in cells_of(path) if not c["id"].startswith(("exercise", "solution"))]
+
+
+def minutes_to_read(cells):
+    """By the words and the lines of code."""
     words = sum(len(source(c).split()) for c in cells if c["cell_type"] == "markdown")
     lines = sum(len(source(c).splitlines()) for c in cells if c["cell_type"] == "code")
     return words / WORDS + lines / LINES
@@ -76,12 +80,32 @@ def minutes_to_read(path):
 def test_the_time_that_a_notebook_and_the_index_say_is_that_of_its_length(path):
     (title,) = [source(c) for c in cells_of(path) if c["id"] == "title"]
     said = int(re.search(r"\*\*Time:\*\* (\d+) minutes to read", title)[1])
-    assert said - 5 < minutes_to_read(path) <= said
+    assert said - 5 < minutes_to_read(to_read(path)) <= said
     (row,) = [line for line in source(cells_of(INDEX)[0]).splitlines() if f"({path.name})" in line]
     assert f"| {said} min |" in row
     exercises = next(source(c) for c in cells_of(path) if c["id"] == "exercises")
     count = len(re.findall(r"^\d+\. ", exercises, flags=re.MULTILINE))
     assert row.endswith(f"| {count} |")
+
+
+LONG = 35  # minutes: more is read in two sittings
+
+
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+def test_a_long_notebook_says_where_it_can_be_left_for_another_day(path):
+    cells, sections = to_read(path), [[]]
+    for cell in cells:
+        if source(cell).startswith("## "):
+            sections.append([])
+        sections[-1].append(cell)
+    sittings = re.findall(r"(\d+) to (\d+) \((\d+) minutes\)", source(cells[0]))
+    assert bool(sittings) == (minutes_to_read(cells) > LONG)
+    if sittings:
+        told = [int(n) for first, last, _ in sittings for n in range(int(first), int(last) + 1)]
+        assert told == [*range(1, len(sections))]
+    for first, last, said in sittings:
+        part = [cell for section in sections[int(first) : int(last) + 1] for cell in section]
+        assert abs(minutes_to_read(part) - int(said)) < 5
 
 
 def test_goals_stand_at_the_top_of_every_notebook():

@@ -83,6 +83,7 @@ def test_a_scene_is_kept_beside_another_and_exchanged(explorer):
         frames(explorer.comparison.mechanism.canvas)["x1"], frames_of(fl.SliderOnBelt(mu_k=1.4))
     )
     assert explorer.comparison.mechanism.canvas in explorer.layout.pictures.children
+    assert [m.canvas.follows for m in (explorer.mechanism, explorer.comparison.mechanism)] == [False, True]
     explorer.controls["swap"].click()
     assert explorer.model == fl.SliderOnBelt(mu_k=1.4)
     assert "solid, now: switch-cubic = on, F = 200" in words(explorer.layout.comparison.value).replace(

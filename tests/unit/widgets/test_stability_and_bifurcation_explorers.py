@@ -55,6 +55,27 @@ def test_moving_the_point_computes_no_curve_anew(stability, monkeypatch):
     assert not stability.result.has_run
 
 
+def test_in_an_event_loop_the_critical_curve_becomes_finer():
+    async def browser():
+        explorer = fl.explore_stability()
+        line, seen = explorer.picture.tiles["critical"].lines["critical"], []
+        while explorer.busy.left:
+            seen.append(np.array(line.get_data()))
+            await asyncio.sleep(0.02)
+        return explorer, [*seen, np.array(line.get_data())]
+
+    explorer, seen = asyncio.run(browser())
+    assert explorer.error is None
+    assert explorer.busy.widget.layout.visibility == "hidden"
+    first, last = seen[0], seen[-1]
+    assert (first.shape[1], last.shape[1]) == (21, 87)
+    assert np.array_equal(first, last[:, 3::4], equal_nan=True)
+    steps = np.diff(last[0])
+    assert steps == pytest.approx(steps[0])
+    alone = fl.critical_value(fl.SliderOnBelt(F=float(last[0, 41])), "mu_k", (0, 3))
+    assert last[1, 41] == pytest.approx(alone, rel=1e-9)
+
+
 def test_a_click_moves_the_point_to_round_numbers(stability):
     stability.click("critical", 333.3, 1.2345)
     assert (stability.model.F, stability.model.mu_k) == (335.0, 1.23)
@@ -167,26 +188,72 @@ def test_a_click_into_the_diagram_shows_the_motion_there(diagram):
     assert diagram.updates == updates
 
 
-def test_in_an_event_loop_the_diagram_fills_while_newer_values_are_heard():
+@pytest.fixture(scope="module")
+def filled():
+    """An explorer that was filled in an event loop, and meanwhile: values, how many, words, visibility."""
+
     async def browser():
-        explorer = fl.explore_bifurcation(FLAT.replace(mu_k=0.5))
-        panel, seen = explorer.picture.panels["bifurcation"], []
-        seen.append((len(panel.found), explorer.busy.widget.layout.visibility))
+        explorer, seen = fl.explore_bifurcation(FLAT.replace(mu_k=0.5)), []
+        panel, mark = explorer.picture.panels["bifurcation"], explorer.busy.widget
         for value in (4.0, 4.5, 5.0):
             explorer.controls["transient"].value = value  # another diagram, before the first is done
         while explorer.busy.left:
             done = len(panel.found) - len(panel.sweep.unsettled)
-            assert f"{done} of 24" in explorer.busy.widget.value
+            seen.append((dict(panel.found), done, mark.value, mark.layout.visibility))
             await asyncio.sleep(0.02)
-        seen.append((len(panel.found), explorer.busy.widget.layout.visibility))
         return explorer, seen
 
-    explorer, ((first, marked), last) = asyncio.run(browser())
-    assert 0 < first < 24
-    assert marked == "visible"
-    assert last == (24, "hidden")
+    return asyncio.run(browser())
+
+
+def test_in_an_event_loop_the_diagram_fills_while_newer_values_are_heard(filled):
+    explorer, seen = filled
+    assert 0 < len(seen[0][0]) < 300
+    for _, done, words, visibility in seen:
+        assert f"{done} of 300" in words
+        assert visibility == "visible"
+    panel = explorer.picture.panels["bifurcation"]
+    assert (len(panel.found), explorer.busy.widget.layout.visibility) == (300, "hidden")
+    assert explorer.picture.tiles["bifurcation"].note.get_text() == "300 values"
     assert explorer.error is None
-    assert explorer.picture.panels["bifurcation"].sweep.options.transient == 5.0
+    assert panel.sweep.options.transient == 5.0
+
+
+def test_a_coarse_diagram_comes_first_and_is_refined_evenly(filled):
+    explorer, seen = filled
+    every = np.linspace(*explorer.controls["range"].value, 300)
+    last = explorer.picture.panels["bifurcation"].found
+    assert sorted(last) == every.tolist()
+    order = np.searchsorted(every, list(last)).tolist()
+    assert sorted(order[:24]) == [*range(0, 300, 13)]
+    for i in range(24, 300, 23):
+        assert len({place % 13 for place in order[i : i + 23]}) == 1  # one in each interval
+    for found, *_ in seen:
+        kept = list(found)
+        assert kept == list(last)[: len(kept)]  # nothing is computed twice
+
+
+def test_what_a_slider_changes_is_shown_before_the_diagram_goes_on(monkeypatch):
+    monkeypatch.setattr("frictionlab.widgets.explorer.PAUSE_AFTER_CHANGE", 0.5)
+
+    async def browser():
+        explorer = fl.explore_bifurcation(FLAT.replace(mu_k=0.5))
+        explorer.controls["transient"].value = 5.0
+        panel, counts = explorer.picture.panels["bifurcation"], [0]
+        drawn = explorer.picture.images["response"].value
+        for value in (0.51, 0.52, 0.53):
+            explorer.controls["mu_k"].value = value
+            counts.append(len(panel.found))
+            assert explorer.picture.images["response"].value != drawn
+            await asyncio.sleep(0.05)
+        assert "of 300 values" in explorer.picture.tiles["bifurcation"].note.get_text()
+        while len(panel.found) == counts[-1]:
+            await asyncio.sleep(0.05)
+        explorer.close()
+        return counts
+
+    counts = asyncio.run(browser())
+    assert 0 < counts[1] == counts[2] == counts[3] < 300
 
 
 def test_an_explorer_that_is_closed_computes_no_more():
@@ -217,11 +284,11 @@ def test_motions_that_have_not_settled_are_marked_and_go_on_until_they_have():
         return explorer, notes
 
     explorer, notes = asyncio.run(browser())
-    filled = [(note, waiting) for count, note, waiting in notes if count == 24]
-    assert filled[0][0] == f"24 values, {len(filled[0][1])} not settled yet"
+    filled = [(note, waiting) for count, note, waiting in notes if count == 300]
+    assert filled[0][0] == f"300 values, {len(filled[0][1])} not settled yet"
     assert len(filled[0][1]) > 12
     assert [len(waiting) for _, waiting in filled] == sorted((len(w) for _, w in filled), reverse=True)
-    assert filled[-1] == ("24 values", set())
+    assert filled[-1] == ("300 values", set())
     panel, value = explorer.picture.panels["bifurcation"], max(filled[0][1])
     options = {"transient": 40.0, "window": 10.0, "t_max": LONGEST}
     options["method"] = panel.sweep.options.method
@@ -243,7 +310,7 @@ def test_what_never_settles_is_left_as_it_is_and_no_picture_waits_for_it(monkeyp
         panel, before = explorer.picture.panels["bifurcation"], None
         while explorer.busy.left:
             await asyncio.sleep(0.02)
-            if before is None and len(panel.found) == 24:
+            if before is None and len(panel.found) == 300:
                 before = dict(panel.found)
                 explorer.click("bifurcation", 0.75, 0.0)  # is shown before anything goes on
                 shown = explorer.model.mu_k, dict(panel.found)

@@ -2,12 +2,16 @@
 
 import io
 import json
+import re
 from pathlib import Path
 
 import numpy as np
 import pytest
+from PIL import Image
 
 import frictionlab as fl
+from frictionlab.widgets.files import PRINT_DPI
+from frictionlab.widgets.panels.picture import PANEL_WIDTH
 from frictionlab.widgets.state import History
 from tests.helpers.explorers import made
 
@@ -119,6 +123,24 @@ def test_the_figure_is_saved_with_its_curves(short):
     colour = short.picture.tiles["phase"].lines["stick"].get_color()
     assert colour.lower().encode() in svg.content.lower()
     assert short.files.buttons["figure pdf"].make().content.startswith(b"%PDF")
+
+
+def test_the_figure_is_saved_on_white_paper_from_a_dark_page_too(short):
+    short.controls["compare"].value = True
+    light = short.files.buttons["figure svg"].make().content
+    short.layout.screen.set_state({"pixels": 440, "dark": True})
+    dark = short.files.buttons["figure svg"].make().content
+    assert colours(dark) == colours(light)
+    assert {b"#ffffff", b"#000000"} <= colours(dark)
+    png = Image.open(io.BytesIO(short.files.buttons["figure png"].make().content)).convert("RGB")
+    assert png.getpixel((1, 1)) == (255, 255, 255)
+    assert png.width == round(PRINT_DPI * PANEL_WIDTH)
+    shown = Image.open(io.BytesIO(short.picture.images["phase"].value)).convert("RGB")
+    assert shown.getpixel((1, 1)) == (17, 17, 17)
+
+
+def colours(svg):
+    return set(re.findall(rb"(?:fill|stroke): (#[0-9a-f]{6})", svg))
 
 
 def test_data_are_saved_with_all_digits(short):

@@ -67,6 +67,25 @@ def line(top):
     return {"line": Curve(np.linspace(0.0, 1.0, 50), np.linspace(0.0, top, 50), {"color": "black"})}
 
 
+def test_where_a_diagram_goes_on_nothing_else_is_drawn_again():
+    calls = {"whole": 0, "in parts": 0}
+
+    def whole(result):
+        calls["whole"] += 1
+        return Drawing("x (m)", "y (m)", line(1.0))
+
+    def in_parts(result):
+        calls["in parts"] += 1
+        left = 3 - calls["in parts"]
+        return Drawing("x (m)", "y (m)", line(calls["in parts"]), progress=(3 - left, 3) if left else None)
+
+    picture = Picture({"whole": whole, "in parts": in_parts})
+    progress = [picture.draw(None), picture.draw(None, goes_on=True), picture.draw(None, goes_on=True)]
+    assert progress == [(1, 3), (2, 3), None]
+    assert calls == {"whole": 1, "in parts": 3}
+    assert [picture.tiles[name].lines["line"].get_ydata()[-1] for name in calls] == [1.0, 3.0]
+
+
 def test_axes_are_drawn_anew_only_where_limits_or_labels_change():
     picture = Picture({"one": None})
     tile = picture.tiles["one"]
