@@ -40,8 +40,8 @@ def shipped_models() -> Iterator[Any]:
 
 
 def derive(model: Any) -> None:
-    """Ask for all that a run, its picture and its summary ask for."""
-    automaton = model.automaton()
+    """Ask for all that a run, its picture and its summary ask for, and `without`."""
+    automaton, _ = model.automaton(), model.nonlinearities
     if automaton.kept() is None:  # of several contacts: modes are derived as a run comes to them
         return
     program_of(automaton)
@@ -55,7 +55,10 @@ def derive(model: Any) -> None:
 
 
 def write_archive(path: Path, library: Iterable[Any]) -> None:
-    """Derive the structures of models, in a cache folder of their own, and write its files to an archive."""
+    """Derive the structures of models, in a cache folder of their own, and write its files to an archive.
+
+    What is asked of a model before goes to the user's own folder: give models that are made one by one.
+    """
     with TemporaryDirectory() as folder:
         os.environ[cache_folder.FOLDER_VARIABLE] = folder
         for model in library:

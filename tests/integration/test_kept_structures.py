@@ -100,7 +100,7 @@ from pathlib import Path
 import frictionlab as fl
 from frictionlab import Stribeck, HertzContact
 from frictionlab.analysis.shipped_structures import write_archive
-write_archive(Path({path!r}), [{models}])
+write_archive(Path({path!r}), (eval(text) for text in {models!r}))
 print(1)
 """
 USE_ARCHIVE = """
@@ -114,7 +114,7 @@ def test_a_first_process_reads_what_a_wheel_carries(filled, tmp_path):
     """No sympy, the same bits, and nothing is written; of other sources it is not read."""
     *_, first = filled
     chosen, path = MODELS[:2], tmp_path / "structures.zip"
-    in_a_process(WRITE_ARCHIVE.format(path=str(path), models=", ".join(chosen)), tmp_path / "unused")
+    in_a_process(WRITE_ARCHIVE.format(path=str(path), models=chosen), tmp_path / "unused")
     run = USE_ARCHIVE.format(path=str(path)) + RUN.format(models=chosen)
     assert in_a_process(run, tmp_path / "cache") == [False, first[:4]]
     assert structure_files(tmp_path) == []
