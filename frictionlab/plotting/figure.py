@@ -127,27 +127,36 @@ def _extreme_indices(extreme: Any, y: Array, edges: NDArray[np.intp]) -> NDArray
     return places[np.unique(part[places], return_index=True)[1]]
 
 
+class SavingCanvas(FigureCanvasAgg):
+    """A canvas for a file, which has animated artists too."""
+
+    def is_saving(self) -> bool:
+        """Always."""
+        return True
+
+
 class RunFigure(Figure):
     """A matplotlib figure that a notebook displays whether or not pyplot was imported there."""
 
     def savefig(self, fname: Any, **options: Any) -> None:
         """Write a file or to a stream; see :meth:`matplotlib.figure.Figure.savefig`."""
         with write_file(fname) as beside:
-            if _is_plain_png(beside, options):
+            # A canvas of pixels that the figure has already may draw in a way of its own.
+            if _is_plain_png(beside, options) and not isinstance(self.canvas, FigureCanvasAgg):
                 self._write_png(beside, options.get("dpi") or rcParams["savefig.dpi"])
             else:
                 super().savefig(beside, **options)
 
     def _write_png(self, path: Any, dpi: Any) -> None:
         # Matplotlib draws twice, first without ink, as other formats need the layout beforehand.
-        with self._on_pixels(self.dpi if dpi == "figure" else dpi) as canvas:
+        with self._on(SavingCanvas, self.dpi if dpi == "figure" else dpi) as canvas:
             canvas.print_png(path, pil_kwargs={"compress_level": COMPRESSION})
 
     @contextmanager
-    def _on_pixels(self, dpi: float) -> Iterator[FigureCanvasAgg]:
-        """A canvas of pixels in place of the figure's own."""
+    def _on(self, kind: type[FigureCanvasAgg], dpi: float) -> Iterator[FigureCanvasAgg]:
+        """A canvas in place of the figure's own."""
         before, usual = self.canvas, self.dpi
-        canvas = FigureCanvasAgg(self)
+        canvas = kind(self)
         self.dpi = dpi
         try:
             yield canvas
@@ -238,7 +247,7 @@ class AnimatedFigure(RunFigure):
 
     def pixels(self, dpi: float) -> np.ndarray:
         """The picture as (height, width, 4) bytes."""
-        with self._on_pixels(dpi) as canvas:
+        with self._on(FigureCanvasAgg, dpi) as canvas:
             return self._drawn(canvas)
 
     def _drawn(self, canvas: FigureCanvasAgg) -> np.ndarray:

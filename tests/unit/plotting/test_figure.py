@@ -26,7 +26,7 @@ def of_equal_scales():
 
 def without_a_layout():
     figure = RunFigure(figsize=(3.0, 2.0), dpi=80, facecolor="yellow")
-    figure.add_subplot().semilogy([1.0, 1e-4])
+    figure.add_subplot().semilogy([1.0, 1e-4], animated=True)
     return figure
 
 
