@@ -31,13 +31,20 @@ NOT_PYTHON = (  # in the wheel
     *("plotting/animation/drawing.js", "widgets/canvas.js", "widgets/panels/panel_image.js"),
     *("widgets/layout.css", "widgets/screen.js", "widgets/number_control.js", "widgets/file_button.js"),
 )
-MOST_BYTES_OF_OBJECTS = 1_000_000  # machine code of the solver in a wheel
+# In a wheel: machine code of the solver, and what has been derived of the models.
+MOST_BYTES = {"/objects/": 1_000_000, "/structures.zip": 150_000}
 WITHOUT_COMPILER = """
 import importlib.util
 from frictionlab.hybrid import compilation
 assert importlib.util.find_spec("numba") is None and compilation.LOADED is not None
 """
 NEED_THE_SOLVER = [f"tests/browser/test_{name}.py" for name in ("page", "page_frames", "axe")]
+WITHOUT_SYMPY = """
+import sys
+from frictionlab.cli.command import main
+main(["run", "--quiet"])
+assert "sympy" not in sys.modules
+"""
 PYTHON_VERSION = "import sys; print(*sys.version_info[:2], sep='.')"
 APT_FOR_ARM = """
 APT::Architecture "arm64";
@@ -199,7 +206,9 @@ def build_site(session: nox.Session, *more: str) -> None:
 
 @nox.session
 def package(session: nox.Session) -> None:
-    """Wheel and source as they go to PyPI; the wheel alone runs the scene of the README, without numba.
+    """Wheel and source as they go to PyPI; the wheel alone runs the scene of the README.
+
+    It does so without numba, and from the first process on without sympy.
 
     A folder that follows ``--`` keeps both.
     """
@@ -209,16 +218,18 @@ def package(session: nox.Session) -> None:
         (wheel,), (source,) = Path(folder).glob("*.whl"), Path(folder).glob("*.tar.gz")
         session.run("twine", "check", "--strict", str(wheel), str(source))
         with zipfile.ZipFile(wheel) as content:
-            names = content.namelist()
-            objects = [one.compress_size for one in content.infolist() if "/objects/" in one.filename]
-        if not 0 < sum(objects) <= MOST_BYTES_OF_OBJECTS:
-            session.error(f"the wheel's objects have {sum(objects)} bytes")
-        if lacking := [name for name in NOT_PYTHON if f"frictionlab/{name}" not in names]:
+            sizes = {one.filename: one.compress_size for one in content.infolist()}
+        for part, most in MOST_BYTES.items():
+            if not 0 < (size := sum(sizes[name] for name in sizes if part in name)) <= most:
+                session.error(f"{part} has {size} bytes in the wheel, it may have {most}")
+        if lacking := [name for name in NOT_PYTHON if f"frictionlab/{name}" not in sizes]:
             session.error(f"the wheel lacks {', '.join(lacking)}")
         for kept in session.posargs:
             shutil.copytree(folder, kept, dirs_exist_ok=True)
         session.install(str(wheel))
         with session.chdir(folder):
+            empty = {"FRICTIONLAB_CACHE_DIR": str(Path(folder) / "cache")}
+            session.run("python", "-c", WITHOUT_SYMPY, env=empty)
             session.run("frictionlab", "run", "-o", "first-run.png")
             session.run("python", "-c", WITHOUT_COMPILER)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import gc
 import sys
 from collections.abc import Sequence
 
@@ -69,6 +70,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     finally:
         for stream in (sys.stdout, sys.stderr):
             discard_unwritten(stream)
+        if argv is not None:  # Python goes on: what is left behind is searched for cycles again
+            gc.unfreeze()
 
 
 def _parse_and_run(argv: Sequence[str]) -> int:

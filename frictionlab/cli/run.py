@@ -262,12 +262,14 @@ def run_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
 @contextmanager
 def _without_collection() -> Iterator[None]:
     """No search for cycles of objects: imports and derivations make many objects and few cycles, and the
-    searches take a tenth of their time."""
+    searches take a tenth of their time.  Nor are these searched later, which would take a process as long
+    once more when it ends."""
     before_this = gc.isenabled()
     gc.disable()
     try:
         yield
     finally:
+        gc.freeze()
         if before_this:
             gc.enable()
 

@@ -3,7 +3,9 @@
 Deriving the equations of a structure takes sympy half a second, and loading sympy a quarter.  What runs,
 equilibria and pictures need of it, tapes and formulas, is therefore kept in the user's cache folder, one file
 for each structure.  Its name is a digest of the structure, its folder's that of all sources that derive, and
-of sympy.  Of laws and models of one's own nothing is kept: their formulas are known by deriving only.
+of sympy.  A wheel carries such files of the library's models in an archive, which serves where these digests
+are those of its own sources.  Of laws and models of one's own nothing is kept: their formulas are known by
+deriving only.
 """
 
 from __future__ import annotations
@@ -11,12 +13,14 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
 from sys import modules
 from types import FunctionType
 from typing import Any, NamedTuple
+from zipfile import BadZipFile, ZipFile
 
 from frictionlab import cache_folder
 from frictionlab.automaton.straight_line import StraightLine, straight_line_data
@@ -30,6 +34,7 @@ SOURCES = "automaton", "components", "hybrid", "models", "stability"
 HOMES = tuple(f"frictionlab.{name}." for name in ("components", "models"))  # modules with laws and models
 PYTHONS = "abc", "builtins", "dataclasses", "enum", "typing"
 VERSIONS = ("sympy", "release.py"), ("mpmath", "__init__.py")
+ARCHIVE = PACKAGE / "models" / "structures.zip"  # what a wheel carries; a clone has none
 
 
 class Structure(NamedTuple):
@@ -145,8 +150,28 @@ class Derivations:
         return found
 
     def _read(self) -> dict[str, Any]:
-        content = None if self._path is None else cache_folder.read(self._path)
+        if self._path is None:
+            return {}
+        content = cache_folder.read(self._path) or archived(self._path.name)
         return {} if content is None else json.loads(content)
+
+
+def archived(name: str) -> bytes | None:
+    """What the wheel carries under a file's name, if it was derived from the sources that are loaded."""
+    if archive_digest(ARCHIVE) != LOADED.digest:
+        return None
+    with suppress(KeyError, OSError, BadZipFile), ZipFile(ARCHIVE) as archive:
+        return archive.read(name)
+    return None
+
+
+def archive_digest(path: Path) -> str | None:
+    """Digest of the sources that an archive was derived from; None where there is none that is whole."""
+    try:
+        with ZipFile(path) as archive:
+            return archive.comment.decode()
+    except (OSError, BadZipFile):
+        return None
 
 
 @cache

@@ -19,9 +19,11 @@ samples.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from io import BytesIO
+from os.path import splitext
 from textwrap import fill
 from typing import Any, Literal, NamedTuple
 
@@ -34,10 +36,11 @@ from matplotlib.image import imsave
 from numpy.typing import NDArray
 
 from frictionlab.file_writing import write_file
-from frictionlab.plotting.appearance import PANEL_SIZE, crowding, figure_size, font_size
+from frictionlab.plotting.appearance import PANEL_SIZE, crowding, figure_size, font_size, rcParams
 
 Array = NDArray[np.float64]
 ENVELOPE_BINS = 400  # about the width of a panel in pixels
+COMPRESSION = 3  # of PNG: zlib's usual 6 takes twice as long for files that are a fiftieth smaller
 
 
 class Curve(NamedTuple):
@@ -124,19 +127,59 @@ def _extreme_indices(extreme: Any, y: Array, edges: NDArray[np.intp]) -> NDArray
     return places[np.unique(part[places], return_index=True)[1]]
 
 
+class SavingCanvas(FigureCanvasAgg):
+    """A canvas for a file, which has animated artists too."""
+
+    def is_saving(self) -> bool:
+        """Always."""
+        return True
+
+
 class RunFigure(Figure):
     """A matplotlib figure that a notebook displays whether or not pyplot was imported there."""
 
     def savefig(self, fname: Any, **options: Any) -> None:
         """Write a file or to a stream; see :meth:`matplotlib.figure.Figure.savefig`."""
         with write_file(fname) as beside:
-            super().savefig(beside, **options)
+            # A canvas of pixels that the figure has already may draw in a way of its own.
+            if _is_plain_png(beside, options) and not isinstance(self.canvas, FigureCanvasAgg):
+                self._write_png(beside, options.get("dpi") or rcParams["savefig.dpi"])
+            else:
+                super().savefig(beside, **options)
+
+    def _write_png(self, path: Any, dpi: Any) -> None:
+        # Matplotlib draws twice, first without ink, as other formats need the layout beforehand.
+        with self._on(SavingCanvas, self.dpi if dpi == "figure" else dpi) as canvas:
+            canvas.print_png(path, pil_kwargs={"compress_level": COMPRESSION})
+
+    @contextmanager
+    def _on(self, kind: type[FigureCanvasAgg], dpi: float) -> Iterator[FigureCanvasAgg]:
+        """A canvas in place of the figure's own."""
+        before, usual = self.canvas, self.dpi
+        canvas = kind(self)
+        self.dpi = dpi
+        try:
+            yield canvas
+        finally:
+            self.dpi = usual
+            self.set_canvas(before)
 
     def _repr_png_(self) -> bytes:
         # IPython knows how to display a Figure only once pyplot has set up its inline backend.
         buffer = BytesIO()
         self.savefig(buffer, format="png")
         return buffer.getvalue()
+
+
+# Settings of matplotlib that change what is written, and what they are by default.
+PLAIN = {"savefig.bbox": None, "savefig.facecolor": "auto", "savefig.edgecolor": "auto"}
+
+
+def _is_plain_png(path: Any, options: Mapping[str, Any]) -> bool:
+    """Whether the picture is to be written as PNG as it is: whole, with the figure's own background."""
+    kind = options.get("format") or splitext(str(path))[1][1:]
+    plain = not rcParams["savefig.transparent"] and all(rcParams[name] == PLAIN[name] for name in PLAIN)
+    return kind.lower() == "png" and plain and {*options} <= {"format", "dpi"}
 
 
 class RunAxes(Axes):
@@ -204,13 +247,8 @@ class AnimatedFigure(RunFigure):
 
     def pixels(self, dpi: float) -> np.ndarray:
         """The picture as (height, width, 4) bytes."""
-        canvas, usual = self.canvas, self.dpi
-        self.dpi = dpi
-        try:
-            return self._drawn(FigureCanvasAgg(self))
-        finally:
-            self.dpi = usual
-            self.set_canvas(canvas)
+        with self._on(FigureCanvasAgg, dpi) as canvas:
+            return self._drawn(canvas)
 
     def _drawn(self, canvas: FigureCanvasAgg) -> np.ndarray:
         renderer, size = canvas.get_renderer(), canvas.get_width_height()

@@ -4,6 +4,7 @@ import json
 import os
 import subprocess
 import sys
+import zipfile
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -12,6 +13,7 @@ import pytest
 
 import frictionlab as fl
 from frictionlab import cache_folder
+from frictionlab.analysis.shipped_structures import shipped_models
 from frictionlab.components import FrictionLaw
 from frictionlab.models import structure_data
 from frictionlab.models.structure_data import derivations_of, structure_of_component
@@ -94,6 +96,52 @@ def test_a_damaged_file_is_derived_anew(filled, tmp_path):
     path.chmod(0o666)  # others may have written it
     assert in_a_process(RUN.format(models=model), tmp_path) == [True, first[:2]]
     assert in_a_process(RUN.format(models=model), tmp_path) == [False, first[:2]]
+
+
+WRITE_ARCHIVE = """
+from pathlib import Path
+import frictionlab as fl
+from frictionlab import Stribeck, HertzContact
+from frictionlab.analysis.shipped_structures import write_archive
+write_archive(Path({path!r}), (eval(text) for text in {models!r}))
+print(1)
+"""
+USE_ARCHIVE = """
+from pathlib import Path
+from frictionlab.models import structure_data
+structure_data.ARCHIVE = Path({path!r})
+"""
+
+
+def test_a_first_process_reads_what_a_wheel_carries(filled, tmp_path):
+    """No sympy, the same bits, and nothing is written; of other sources it is not read."""
+    *_, first = filled
+    chosen, path = MODELS[:2], tmp_path / "structures.zip"
+    in_a_process(WRITE_ARCHIVE.format(path=str(path), models=chosen), tmp_path / "unused")
+    run = USE_ARCHIVE.format(path=str(path)) + RUN.format(models=chosen)
+    assert in_a_process(run, tmp_path / "cache") == [False, first[:4]]
+    assert structure_files(tmp_path) == []
+    for spoil in (of_other_sources, damaged):
+        spoil(path)
+        assert in_a_process(run, tmp_path / spoil.__name__) == [True, first[:4]]
+        assert len(structure_files(tmp_path / spoil.__name__)) >= 2
+
+
+def of_other_sources(path):
+    with zipfile.ZipFile(path, "a") as archive:
+        archive.comment = b"0" * len(archive.comment)
+
+
+def damaged(path):
+    path.write_bytes(path.read_bytes()[:-100])
+
+
+def test_a_wheel_carries_the_models_of_the_table(filled):
+    """With their switches, but for one of several contacts, whose modes are derived as runs come to them."""
+    calls = [row.call for row in fl.list_models()]
+    chosen = [repr(model) for model in shipped_models()]
+    assert len(chosen) == len({*chosen}) > 2 * len(calls)
+    assert sum(text.startswith("SliderOnBelt(") for text in chosen) == 2**3
 
 
 @dataclass(frozen=True, repr=False)

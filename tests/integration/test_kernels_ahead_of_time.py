@@ -63,10 +63,11 @@ class App:
     def display_warning(self, text): print("warning:", text)
 
 hook = KernelBuildHook(sys.argv[1], {}, None, None, sys.argv[1], "wheel", App())
-data = {"pure_python": True, "artifacts": []}
+data = {"pure_python": True, "artifacts": [], "force_include": {}}
 hook.initialize(sys.argv[2], data)
 print(json.dumps(data))
 """
+PYTHON_ONLY = {"pure_python": True, "artifacts": [], "force_include": {}}
 
 
 def hooked(version, root=ROOT, **environment):
@@ -90,17 +91,19 @@ def test_objects_that_are_there_go_into_the_wheel():
     assert data["pure_python"] is False
     assert re.fullmatch(r"py3-none-(manylinux|macosx|win|linux)_?\w+", data["tag"])
     assert data["artifacts"] == ["/frictionlab/hybrid/ahead_of_time/objects/"]
+    (structures,) = data["force_include"].items()
+    assert structures == (str(ROOT / "build/structures.zip"), "frictionlab/models/structures.zip")
 
 
 def test_a_wheel_of_python_only_can_be_asked_for():
     said, data = hooked("standard", FRICTIONLAB_BUILD_KERNELS="0")
-    assert (said, data) == ("", {"pure_python": True, "artifacts": []})
+    assert (said, data) == ("", PYTHON_ONLY)
 
 
 def test_a_build_that_fails_makes_a_wheel_of_python_only_and_says_so(tmp_path):
     (tmp_path / "frictionlab.py").write_text("raise RuntimeError('no compiler')")
     said, data = hooked("standard", root=tmp_path)
-    assert data == {"pure_python": True, "artifacts": []}
+    assert data == PYTHON_ONLY
     assert "warning: the solver could not be compiled" in said
     assert "no compiler" in said
 

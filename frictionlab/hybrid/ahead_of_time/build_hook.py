@@ -1,9 +1,10 @@
-"""What hatchling calls when a wheel is made: compile the kernels, have the wheel carry them.
+"""What hatchling calls when a wheel is made: compile the kernels, derive the structures of the library's
+models, have the wheel carry both.
 
 They are compiled in a process of its own, for the machine at hand, unless the objects in the clone were made
 from these very sources.  Where that fails, or the variable ``FRICTIONLAB_BUILD_KERNELS`` is 0, the wheel
 holds Python only: numba compiles the kernels on the user's machine where it is installed, else they run as
-plain Python.
+plain Python, and what is needed of a structure is derived there.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ import platform
 import subprocess
 import sys
 import sysconfig
+from collections.abc import Sequence
 from typing import Any
 
 from hatchling.builders.hooks.plugin.interface import BuildHookInterface
@@ -20,6 +22,9 @@ from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 VARIABLE = "FRICTIONLAB_BUILD_KERNELS"
 COMMAND = "-m", "frictionlab.hybrid.ahead_of_time", "--if-changed"
 OBJECTS = "frictionlab/hybrid/ahead_of_time/objects"
+DERIVE = "-m", "frictionlab.analysis.shipped_structures"
+# Not made in its place: a clone derives, as whoever works on it edits sources.
+STRUCTURES, STRUCTURES_IN_WHEEL = "build/structures.zip", "frictionlab/models/structures.zip"
 
 
 class KernelBuildHook(BuildHookInterface):
@@ -32,18 +37,25 @@ class KernelBuildHook(BuildHookInterface):
         if os.environ.get(VARIABLE, "1") in ("", "0"):
             return
         self.app.display_info("frictionlab compiles its solver for this machine, some three minutes ...")
+        fails = "the solver could not be compiled, it will run by numba or as plain Python"
+        if not self._has_run(COMMAND, fails) or version == "editable":
+            return
+        build_data["pure_python"] = False
+        build_data["tag"] = f"py3-none-{self._platform()}"
+        build_data["artifacts"].append(f"/{OBJECTS}/")
+        path = os.path.join(self.root, STRUCTURES)
+        if self._has_run((*DERIVE, path), "the models' equations will be derived when they are first used"):
+            build_data["force_include"][path] = STRUCTURES_IN_WHEEL
+
+    def _has_run(self, arguments: Sequence[str], otherwise: str) -> bool:
+        """Whether Python did what the arguments say; if not, a warning says what follows."""
         try:
-            self._run(*COMMAND)
+            self._run(*arguments)
         except (OSError, subprocess.CalledProcessError) as error:
             said = getattr(error, "stderr", None) or str(error)
-            self.app.display_warning(
-                f"the solver could not be compiled, it will run by numba or as plain Python: {said[-2000:]}"
-            )
-            return
-        if version != "editable":
-            build_data["pure_python"] = False
-            build_data["tag"] = f"py3-none-{self._platform()}"
-            build_data["artifacts"].append(f"/{OBJECTS}/")
+            self.app.display_warning(f"{otherwise}: {said[-2000:]}")
+            return False
+        return True
 
     def _platform(self) -> str:
         """The tag of the machine's wheels."""

@@ -1,5 +1,6 @@
 """The command line: what it prints, writes and returns."""
 
+import gc
 import re
 import signal
 import subprocess
@@ -33,6 +34,13 @@ def test_summary_holds_the_numbers_of_the_run(capsys):
     assert f"stick {100 * run.time_in_mode['stick'] / 0.1:.2f} %" in out
     assert str(run.status) in out
     assert "icture" not in out
+
+
+def test_where_python_goes_on_cycles_are_searched_for_as_before(tmp_path):
+    """The command itself leaves them to the end of its process."""
+    assert command.main([*SHORT, "-o", str(tmp_path / "run.png")]) == 0
+    assert gc.isenabled()
+    assert gc.get_freeze_count() == 0
 
 
 def test_an_unstable_equilibrium_is_called_so(capsys):
