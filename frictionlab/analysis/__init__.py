@@ -4,8 +4,7 @@
 energy balance of a run) look at motions; `parameter_flow` gives the derivatives of a run by parameters.
 `verify` tells whether a run can be trusted: it runs a model again by other methods and from a neighbouring
 state; `run_comparison` compares two runs in their events and, between these, in their states, and samples
-the defects of steps of one run, for the sentence that steady states and explorers show.  What runs ask of the
-library's models is derived beforehand in `shipped_structures`, for a wheel to carry. All further analyses
+the defects of steps of one run, for the sentence that steady states and explorers show.All further analyses
 are packages: `steady_state` (what a motion settles to), `orbits` (periodic orbits, their multipliers, and
 how they follow a parameter), `sweeps` (many runs over parameters, in workers, resumable), `basins` (which
 initial states lead to which attractor), `quantities` (numbers with exact derivatives: sensitivity,

@@ -4,7 +4,8 @@
                         for each method on a scene
     peers/              the methods that are compared: ours, and other tools on the same automaton
     single_costs        the eight scenes without nonlinearities; first calls, native code of each mode; many
-                        eigenvalue problems at once; Floquet multipliers
+                        eigenvalue problems at once
+    sensitivity_costs   exact derivatives beside the quantity alone; Floquet multipliers
     many_runs           runs side by side in lanes; Fig. 9's sweep by one worker and by two; basin stability
                         by events, against a model made smooth
     many_contacts       growth with the number of contacts and of states

@@ -1,5 +1,5 @@
-"""What the exact derivatives of a quantity cost: processor time of `fl.sensitivity`, by all parameters,
-beside that of the quantity alone.
+"""What exact derivatives cost: processor time of `fl.sensitivity`, by all parameters, beside that of the
+quantity alone; Floquet multipliers by the tangent tape against finite differences.
 
 `python -m frictionlab.bench.sensitivity_costs` prints the table of docs/how-to/sensitivity.md.  Quantities of
 orbits are those near an orbit that is known, without the search for it, which both would share.
@@ -10,8 +10,11 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from statistics import median
 from typing import Any
+
+import numpy as np
 
 from frictionlab.analysis.orbits.periodic_orbit import PeriodicOrbit, periodic_orbit
 from frictionlab.analysis.quantities.critical_quantities import CriticalFrequency, CriticalValue, FoldValue
@@ -23,10 +26,14 @@ from frictionlab.analysis.quantities.equilibrium_quantities import (
 from frictionlab.analysis.quantities.orbit_quantities import OrbitAmplitude, OrbitIntensity, OrbitPeriod
 from frictionlab.analysis.quantities.sensitivity import Quantity, sensitivity
 from frictionlab.analysis.simulate import simulate
+from frictionlab.bench.harness import FULL_GAP_RATE_SLIDER, interleaved_medians, warm_up
 from frictionlab.components import PlasticImpact
+from frictionlab.hybrid.methods.taylor import Taylor
+from frictionlab.hybrid.variational.tangent_flow import tangent_flow
 from frictionlab.models import ImpactOscillator, MassOnBelt, ModeCoupling, SliderOnBelt, SliderOnRigidBelt
 from frictionlab.presentation import markdown_table
 
+DIFFERENCE_STEPS = (1e-4, 1e-6, 1e-8)
 LEAST_TIME = 0.02  # s: what takes less is done several times
 RANGE = (0.0, 4.0)  # of mu_k, in which stability is lost
 FOLDED = SliderOnBelt(mu_k=1.5, F=3000.0, k4=2e4, k5=2e3, k6=2e3, l1=0.05, l2=0.05)
@@ -110,6 +117,100 @@ def sensitivity_table(rows: Sequence[SensitivityCost]) -> str:
     )
     head = "model | quantity | parameters | the number | with all derivatives | extra evaluations"
     return markdown_table(head, lines)
+
+
+@dataclass(frozen=True)
+class MultiplierRow:
+    """A row of the table: method, wall time (s), runs over a period, errors of the multipliers 1 and 0, and
+    of the largest other."""
+
+    scene: str
+    name: str
+    seconds: float
+    runs: int
+    known: float
+    other: float
+
+
+def multiplier_times(repeats: int = 5) -> list[MultiplierRow]:
+    """Scenes A and B at mu_k = 1.4: a cycle of slip, stick, slip and flight."""
+    return [row for name in ("A", "B") for row in _scene_rows(name, repeats)]
+
+
+def _scene_rows(name: str, repeats: int) -> list[MultiplierRow]:
+    model = FULL_GAP_RATE_SLIDER.without("geometry") if name == "A" else FULL_GAP_RATE_SLIDER
+    warm_up(model.automaton(), Taylor())
+    orbit = periodic_orbit(model, simulate(model, 60.0, progress=False))
+    count = len(orbit.state)
+    ways: dict[str, tuple[Callable[[], np.ndarray], int]] = {
+        "tangent tape": (partial(monodromy_by_tape, orbit), 1)
+    }
+    for step in DIFFERENCE_STEPS:
+        ways[f"central differences, step {step:.0e}"] = (
+            partial(monodromy_by_differences, orbit, step),
+            2 * count,
+        )
+    seconds = interleaved_medians([way for way, _ in ways.values()], repeats)
+    reference = _largest_other(monodromy_extrapolated(orbit))
+    return [
+        _multiplier_row(name, text, spent, runs, way(), reference)
+        for (text, (way, runs)), spent in zip(ways.items(), seconds, strict=True)
+    ]
+
+
+def monodromy_by_tape(orbit: PeriodicOrbit) -> np.ndarray:
+    """Monodromy matrix of one run and its tangent flow."""
+    return tangent_flow(_run_period(orbit, orbit.state), progress=False).matrix
+
+
+def monodromy_by_differences(orbit: PeriodicOrbit, step: float) -> np.ndarray:
+    """Monodromy matrix of two runs for each state."""
+    size = np.ptp(orbit.trajectory.states, axis=0)
+    ends = [
+        (_state_after_period(orbit, off), _state_after_period(orbit, -off)) for off in step * np.diag(size)
+    ]
+    columns = [(plus - minus) / (2.0 * step) for plus, minus in ends]
+    return np.column_stack(columns) / size
+
+
+def monodromy_extrapolated(orbit: PeriodicOrbit) -> np.ndarray:
+    """Monodromy matrix from differences of two steps, extrapolated: the reference for errors."""
+    return (4.0 * monodromy_by_differences(orbit, 1e-5) - monodromy_by_differences(orbit, 2e-5)) / 3.0
+
+
+def _run_period(orbit: PeriodicOrbit, state: Any) -> Any:
+    return simulate(orbit.model, orbit.period, x0=state, progress=False)
+
+
+def _state_after_period(orbit: PeriodicOrbit, off: np.ndarray) -> np.ndarray:
+    return _run_period(orbit, orbit.state + off).final_state
+
+
+def _largest_other(matrix: np.ndarray) -> float:
+    """Size of the largest multiplier apart from that along the orbit."""
+    values = np.linalg.eigvals(matrix)
+    return float(np.abs(np.delete(values, np.argmin(np.abs(values - 1.0)))).max())
+
+
+def _multiplier_row(
+    scene: str, name: str, seconds: float, runs: int, matrix: np.ndarray, reference: float
+) -> MultiplierRow:
+    values = np.linalg.eigvals(matrix)
+    known = max(np.abs(values - 1.0).min(), np.abs(values).min())
+    return MultiplierRow(scene, name, seconds, runs, float(known), abs(_largest_other(matrix) - reference))
+
+
+def multiplier_table(rows: Sequence[MultiplierRow]) -> str:
+    """The rows as Markdown; times also as multiples of the scene's first."""
+    first = {row.scene: row.seconds for row in reversed(rows)}
+    lines = (
+        f"{r.scene} | {r.name} | {r.runs} | {1e3 * r.seconds:.3g} ms | {r.seconds / first[r.scene]:.2f} "
+        f"| {r.known:.1e} | {r.other:.1e}"
+        for r in rows
+    )
+    return markdown_table(
+        "scene | way | runs | wall time | x | error of 1 and 0 | of the largest other", lines
+    )
 
 
 if __name__ == "__main__":

@@ -1,5 +1,4 @@
-"""The cost of each nonlinearity, and the costs that arise once; many eigenvalue problems against a loop;
-Floquet multipliers against finite differences.
+"""The cost of each nonlinearity, and the costs that arise once; many eigenvalue problems against a loop.
 
 The eight scenes with and without nonlinearities: size of the tape and wall time; their first call in a
 fresh process; native code for each mode, compiled and loaded; what a process takes from its start on.
@@ -12,7 +11,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
@@ -23,7 +22,6 @@ from typing import Any
 
 import numpy as np
 
-from frictionlab.analysis.orbits.periodic_orbit import PeriodicOrbit, periodic_orbit
 from frictionlab.analysis.simulate import simulate
 from frictionlab.bench.harness import FULL_GAP_RATE_SLIDER, interleaved_medians, warm_up
 from frictionlab.hybrid import compilation
@@ -31,7 +29,6 @@ from frictionlab.hybrid.codegen.native_cache import NativeCode
 from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.hybrid.tape.packing import program_of
 from frictionlab.hybrid.tape.program import Program
-from frictionlab.hybrid.variational.tangent_flow import tangent_flow
 from frictionlab.models import SliderOnBelt
 from frictionlab.presentation import markdown_table
 from frictionlab.stability import eigenvalues, root_locus, stability_changes
@@ -255,7 +252,6 @@ LOOP_STRIDE = 20  # the loop solves one problem in so many and is scaled up
 EIGENPROBLEM_MODEL = SliderOnBelt()
 
 # step of finite differences, as a share of the motion's range in each state
-DIFFERENCE_STEPS = (1e-4, 1e-6, 1e-8)
 
 
 @dataclass(frozen=True)
@@ -308,97 +304,3 @@ def eigenproblem_table(rows: list[EigenproblemRow]) -> str:
         f"{r.name} | {r.seconds:.3g} s | {r.seconds / rows[0].seconds:.2g} | {r.difference:.0e}" for r in rows
     )
     return markdown_table("eigenvalue problems | wall time | x | difference, 1/s", lines)
-
-
-@dataclass(frozen=True)
-class MultiplierRow:
-    """A row of the table: method, wall time (s), runs over a period, errors of the multipliers 1 and 0, and
-    of the largest other."""
-
-    scene: str
-    name: str
-    seconds: float
-    runs: int
-    known: float
-    other: float
-
-
-def multiplier_times(repeats: int = 5) -> list[MultiplierRow]:
-    """Scenes A and B at mu_k = 1.4: a cycle of slip, stick, slip and flight."""
-    return [row for name in ("A", "B") for row in _scene_rows(name, repeats)]
-
-
-def _scene_rows(name: str, repeats: int) -> list[MultiplierRow]:
-    model = FULL_GAP_RATE_SLIDER.without("geometry") if name == "A" else FULL_GAP_RATE_SLIDER
-    warm_up(model.automaton(), Taylor())
-    orbit = periodic_orbit(model, simulate(model, 60.0, progress=False))
-    count = len(orbit.state)
-    ways: dict[str, tuple[Callable[[], np.ndarray], int]] = {
-        "tangent tape": (partial(monodromy_by_tape, orbit), 1)
-    }
-    for step in DIFFERENCE_STEPS:
-        ways[f"central differences, step {step:.0e}"] = (
-            partial(monodromy_by_differences, orbit, step),
-            2 * count,
-        )
-    seconds = interleaved_medians([way for way, _ in ways.values()], repeats)
-    reference = _largest_other(monodromy_extrapolated(orbit))
-    return [
-        _multiplier_row(name, text, spent, runs, way(), reference)
-        for (text, (way, runs)), spent in zip(ways.items(), seconds, strict=True)
-    ]
-
-
-def monodromy_by_tape(orbit: PeriodicOrbit) -> np.ndarray:
-    """Monodromy matrix of one run and its tangent flow."""
-    return tangent_flow(_run_period(orbit, orbit.state), progress=False).matrix
-
-
-def monodromy_by_differences(orbit: PeriodicOrbit, step: float) -> np.ndarray:
-    """Monodromy matrix of two runs for each state."""
-    size = np.ptp(orbit.trajectory.states, axis=0)
-    ends = [
-        (_state_after_period(orbit, off), _state_after_period(orbit, -off)) for off in step * np.diag(size)
-    ]
-    columns = [(plus - minus) / (2.0 * step) for plus, minus in ends]
-    return np.column_stack(columns) / size
-
-
-def monodromy_extrapolated(orbit: PeriodicOrbit) -> np.ndarray:
-    """Monodromy matrix from differences of two steps, extrapolated: the reference for errors."""
-    return (4.0 * monodromy_by_differences(orbit, 1e-5) - monodromy_by_differences(orbit, 2e-5)) / 3.0
-
-
-def _run_period(orbit: PeriodicOrbit, state: Any) -> Any:
-    return simulate(orbit.model, orbit.period, x0=state, progress=False)
-
-
-def _state_after_period(orbit: PeriodicOrbit, off: np.ndarray) -> np.ndarray:
-    return _run_period(orbit, orbit.state + off).final_state
-
-
-def _largest_other(matrix: np.ndarray) -> float:
-    """Size of the largest multiplier apart from that along the orbit."""
-    values = np.linalg.eigvals(matrix)
-    return float(np.abs(np.delete(values, np.argmin(np.abs(values - 1.0)))).max())
-
-
-def _multiplier_row(
-    scene: str, name: str, seconds: float, runs: int, matrix: np.ndarray, reference: float
-) -> MultiplierRow:
-    values = np.linalg.eigvals(matrix)
-    known = max(np.abs(values - 1.0).min(), np.abs(values).min())
-    return MultiplierRow(scene, name, seconds, runs, float(known), abs(_largest_other(matrix) - reference))
-
-
-def multiplier_table(rows: Sequence[MultiplierRow]) -> str:
-    """The rows as Markdown; times also as multiples of the scene's first."""
-    first = {row.scene: row.seconds for row in reversed(rows)}
-    lines = (
-        f"{r.scene} | {r.name} | {r.runs} | {1e3 * r.seconds:.3g} ms | {r.seconds / first[r.scene]:.2f} "
-        f"| {r.known:.1e} | {r.other:.1e}"
-        for r in rows
-    )
-    return markdown_table(
-        "scene | way | runs | wall time | x | error of 1 and 0 | of the largest other", lines
-    )

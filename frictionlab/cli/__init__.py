@@ -9,6 +9,7 @@
     course         `frictionlab course` and `frictionlab warmup`
     reports        `frictionlab figure`, `frictionlab reproduce` and `frictionlab bench`
     app            `frictionlab app`
+    shipped_structures   not a command of users: what a wheel carries of the models, derived beforehand
 
 Each command has `add_...`, which adds its options, and `..._command`, which checks them all, does the
 work and returns the exit status.  What a command needs beyond the options is imported when it runs.

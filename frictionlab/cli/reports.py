@@ -261,7 +261,7 @@ def _measure_scenes(chosen: argparse.Namespace, measured: Sequence[Any]) -> list
 
 
 def _measure_others(quick: bool, switched: list[Any], folder: Path | None) -> list[str]:
-    from frictionlab.bench import many_runs, single_costs, time_shares
+    from frictionlab.bench import many_runs, sensitivity_costs, single_costs, time_shares
 
     def costs() -> str:
         starts = single_costs.starts(repeats)
@@ -280,7 +280,9 @@ def _measure_others(quick: bool, switched: list[Any], folder: Path | None) -> li
         "Linear stability": lambda: single_costs.eigenproblem_table(
             single_costs.eigenproblem_times(10_000, repeats)
         ),
-        "Floquet multipliers": lambda: single_costs.multiplier_table(single_costs.multiplier_times(repeats)),
+        "Floquet multipliers": lambda: sensitivity_costs.multiplier_table(
+            sensitivity_costs.multiplier_times(repeats)
+        ),
         "Basins": lambda: many_runs.basin_table(many_runs.basin_times(10_000, 20 if quick else 200)),
         "A step of an explorer's slider": lambda: _explorer_table(3 if quick else 10),
         "A slider of an exported page": lambda: _page_table(20 if quick else 100),

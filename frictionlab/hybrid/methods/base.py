@@ -10,7 +10,6 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, field, fields, is_dataclass, replace
-from functools import cached_property
 from typing import Any, ClassVar
 
 import numpy as np
@@ -206,10 +205,6 @@ class Method(ABC):
 
     def describe(self) -> dict[str, Any]:
         """Name and settings, for the record."""
-        return dict(self._settings)
-
-    @cached_property
-    def _settings(self) -> dict[str, Any]:
         settings = {each.name: getattr(self, each.name) for each in fields(self)}
         return {"name": self.name} | {name: _as_data(value) for name, value in settings.items()}
 

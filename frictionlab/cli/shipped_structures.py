@@ -1,6 +1,6 @@
 """What runs, equilibria and pictures have to know of the library's models, derived beforehand.
 
-``python -m frictionlab.analysis.shipped_structures FILE`` writes it to an archive, which a wheel carries: the
+``python -m frictionlab.cli.shipped_structures FILE`` writes it to an archive, which a wheel carries: the
 first process on a machine then needs no sympy either.  What is asked for here is derived by the code that
 derives it for the cache folder, and its files are those of that folder.  See
 :mod:`frictionlab.models.structure_data`, which reads them, and of which sources they have to be.
@@ -19,20 +19,19 @@ from zipfile import ZIP_DEFLATED, ZipFile
 
 import numpy as np
 
-from frictionlab import cache_folder, components, models
+from frictionlab import cache_folder, models
+from frictionlab.cli.scenes import model_of
 from frictionlab.file_writing import write_file
 from frictionlab.hybrid.problem import evaluate_output
 from frictionlab.hybrid.tape.packing import program_of
 from frictionlab.models import structure_data
 from frictionlab.stability import eigenvalues
 
-NAMES = {name: getattr(home, name) for home in (components, models) for name in home.__all__}
-
 
 def shipped_models() -> Iterator[Any]:
     """The models of the table, each with all of its nonlinearities and with some of them left out."""
     for row in models.list_models():
-        model = eval(row.call.replace("fl.", ""), NAMES)
+        model = model_of(row.call)
         switches = tuple(model.nonlinearities)
         for count in range(len(switches) + 1):
             for names in combinations(switches, count):
