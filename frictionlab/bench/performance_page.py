@@ -93,7 +93,7 @@ MANY = """\
 `fl.ensemble`: runs of one structure whose mode is the same take their steps side by side, four in the lanes
 of one vector, on one core; every run is what it would be alone, to the last bit. Values of mu_k from 2 to 2.5
 (C, 1 s) and from 0.2 to 1 (B, 20 s), from rest. It pays most where no events come between, which are found
-and handled for one run after the other. Of few runs one that takes many more steps than the others ends alone.
+and handled for one run after the other. Of few runs one that takes many more steps than others ends alone.
 
 """
 
