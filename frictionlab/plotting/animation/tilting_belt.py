@@ -20,7 +20,6 @@ from matplotlib.patches import Circle, Polygon, Rectangle
 from matplotlib.quiver import Quiver
 
 from frictionlab.analysis.motion_scales import round_down_1_2_5
-from frictionlab.hybrid.problem import evaluate_output
 from frictionlab.plotting.appearance import (
     background,
     font_size,
@@ -75,10 +74,8 @@ class Frames:
 
 def sample_frames(run: Any, t: Array) -> Frames:
     """The frames of a run of a slider on a belt at times `t` (K,)."""
-    at, modes = run.states_and_modes(t)  # once, for all outputs
-    states = dict(zip(run.names, at.T, strict=True))
-    for name in ("penetration", *FORCE_OUTPUTS):
-        states[name] = evaluate_output(run.automaton, name, at, modes, run.mode_names)
+    states = dict(zip(run.names, run(t).T, strict=True))
+    states |= {name: run.output(name, t) for name in ("penetration", *FORCE_OUTPUTS)}
     states.setdefault("phi", np.zeros(len(t)))
     shown = {name: states[name] for name in (*SLIDER_COORDINATES, "phi", "penetration", *FORCE_OUTPUTS)}
     return Frames(t=t, rate=states["x1'"], mode=modes_at(run, t), **shown)

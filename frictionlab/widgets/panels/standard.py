@@ -54,9 +54,16 @@ MAX_CACHED_CURVES = 16  # curves
 OPERATING_POINT: dict[str, Any] = {"linestyle": "none", "markersize": 8.0, "zorder": 3.0}
 
 
+def _colours_of_modes(run: Any) -> dict[str, str]:
+    """Of the model's modes; of one with several contacts of those that the run visits: which others are known
+    depends on the runs before."""
+    colours = mode_colours(run)
+    return {mode: colours[mode] for mode in run.time_in_mode} if run.automaton.on_demand else colours
+
+
 def mode_strip(result: Any) -> dict[str, Curve]:
     """A thick line for every mode of the model, broken where the run is in other modes."""
-    colours = mode_colours(result.run)
+    colours = _colours_of_modes(result.run)
     t, modes = result.times(), result.modes
     kept = slice(None, None, max(1, len(t) // STRIP_SAMPLES))
     t, modes = t[kept], modes[kept]
@@ -118,7 +125,7 @@ def phase(result: Any) -> Drawing:
     """Coordinate against rate over the part that is shown, and the equilibrium of sliding."""
     name = result.settings.coordinate
     x, rate, modes = result.state(name), result.state(f"{name}'"), result.modes
-    curves = {m: _phase_curve(x, rate, modes == m, c) for m, c in mode_colours(result.run).items()}
+    curves = {m: _phase_curve(x, rate, modes == m, c) for m, c in _colours_of_modes(result.run).items()}
     cross = {"color": BLACK, "marker": "+", "markersize": 8.0, "linestyle": "none", "zorder": 3.0}
     curves["equilibrium"] = Curve(*_equilibrium_point(result, name), cross)
     xlabel, ylabel = (f"{state_label(n)} ({state_unit(n)})" for n in (name, f"{name}'"))

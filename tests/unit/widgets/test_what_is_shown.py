@@ -113,6 +113,17 @@ def test_legends_are_inside_their_tiles(name):
             assert box.y1 <= tile.box.y1
 
 
+def test_a_legend_has_no_modes_of_runs_before():
+    model = fl.TwoBlocks()
+    for start in ([3.0, -2.0, 5.0, -4.0], [-3.0, 2.0, -5.0, 4.0]):
+        fl.simulate(model, 50.0, x0=start, progress=False)
+    explorer = fl.explore(model, panels=("phase",))
+    legend = explorer.picture.tiles["phase"].ax.get_legend()
+    shown = {text.get_text() for text in legend.get_texts()} - {"equilibrium"}
+    assert shown == set(explorer.run.time_in_mode)
+    assert len(shown) < len(explorer.run.mode_names)  # those before had more
+
+
 def test_what_is_kept_for_comparison_is_dotted_and_of_no_modes_colour():
     explorer = fl.explore(fl.SliderOnBelt(mu_k=1.4), panels=("phase",))
     explorer.controls["compare"].value = True
