@@ -1,5 +1,5 @@
-"""What an explorer shows beside its picture, below it on a narrow screen: messages, buttons and code; full screen,
-and what the browser tells of the place.
+"""What an explorer shows beside its picture, below it on a narrow screen: messages, buttons and code; full
+screen, and what the browser tells of the place.
 
 The messages are texts of a result: the equilibrium and its stability, what the run does, why it ended.
 """
