@@ -1,5 +1,5 @@
-"""`frictionlab animate`, `sound`, `page` and `app`: a run to see, to hear, and to change in a browser, by a file
-or by the explorer without a visible notebook.
+"""`frictionlab animate`, `sound`, `page` and `app`: a run to see, to hear, and to change in a browser, by a
+file or by the explorer without a visible notebook.
 """
 
 from __future__ import annotations

@@ -1,5 +1,5 @@
-"""The state of an explorer as data: what its controls are set to, earlier states, one kept beside it; and what
-an explorer gives away, its state, its figure and its data as files, and what takes a state back.
+"""The state of an explorer as data: what its controls are set to, earlier states, one kept beside it; and
+what an explorer gives away, its state, its figure and its data as files, and what takes a state back.
 """
 
 from __future__ import annotations

@@ -1,5 +1,5 @@
-"""Compile the kernels: capture their instructions, make machine code of them for each target, write the folder
-of objects.
+"""Compile the kernels: capture their instructions, make machine code of them for each target, write the
+folder of objects.
 
 Run as ``python -m frictionlab.hybrid.ahead_of_time``, which has numba compile although there are objects.
 """
