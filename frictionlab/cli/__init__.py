@@ -2,10 +2,10 @@
 
     command        `main`: reads the arguments, calls the command, turns interruptions into exit statuses;
                    `frictionlab completion`
-    parsing        what the commands share: parser, spellings, options of sweeps, checks of files
-    scenes         `frictionlab models`; models by name, with their values, and JSON
+    parsing        what the commands share: parser, spellings, models by name with their values, options of
+                   sweeps, checks of files, JSON
+    models         `frictionlab models`, `frictionlab eig` and `frictionlab critical`
     run            `frictionlab run` and what it prints
-    stability      `frictionlab eig` and `frictionlab critical`
     media          `frictionlab animate`, `frictionlab sound`, `frictionlab page` and `frictionlab app`
     app_server     what `frictionlab app` serves
     course         `frictionlab course` and `frictionlab warmup`

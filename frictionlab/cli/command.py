@@ -1,5 +1,5 @@
-"""The command `frictionlab`: `main`, its commands, its exit statuses; and `frictionlab completion`, the script
-by which a shell completes commands, options and models.
+"""The command `frictionlab`: `main`, its commands, its exit statuses; and `frictionlab completion`, the
+script by which a shell completes commands, options and models.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from frictionlab._version import __version__
 
 from .course import add_course, add_warmup
 from .media import add_animate, add_app, add_page, add_sound
+from .models import add_critical, add_eig, add_models
 from .parsing import (
     OneLineParser,
     add_command,
@@ -21,13 +22,12 @@ from .parsing import (
     discard,
     discard_unwritten,
     flush_output,
+    model_names,
     normalise_arguments,
     unknown_option_text,
 )
 from .reports import add_bench, add_figure, add_reproduce
 from .run import add_run
-from .scenes import add_models, model_names
-from .stability import add_critical, add_eig
 
 PROGRAM = "frictionlab"
 EXIT_FAILED, EXIT_INTERRUPTED = 1, 130  # the latter 128 + SIGINT, as shells have it
@@ -113,10 +113,9 @@ def build_parsers() -> tuple[OneLineParser, dict[str, OneLineParser]]:
 def _run_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
     from .course import course_command, warmup_command
     from .media import animate_command, app_command, page_command, sound_command
+    from .models import critical_command, eig_command, models_command
     from .reports import bench_command, figure_command, reproduce_command
     from .run import run_command
-    from .scenes import models_command
-    from .stability import critical_command, eig_command
 
     does = {"models": models_command, "run": run_command, "eig": eig_command, "critical": critical_command}
     does |= {"animate": animate_command, "sound": sound_command, "app": app_command, "page": page_command}

@@ -14,8 +14,17 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
-from .parsing import OneLineParser, add_command, check_writable, complain
-from .scenes import add_json, add_model_options, model_data, model_from_options, print_json
+from .parsing import (
+    OneLineParser,
+    add_command,
+    add_json,
+    add_model_options,
+    check_writable,
+    complain,
+    model_data,
+    model_from_options,
+    print_json,
+)
 
 if TYPE_CHECKING:
     import socket

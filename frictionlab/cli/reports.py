@@ -12,8 +12,15 @@ from pathlib import Path
 from typing import Any
 
 from frictionlab.cli import parsing
-from frictionlab.cli.parsing import OneLineParser, add_command, add_sweep_options, check_workers, complain
-from frictionlab.cli.scenes import add_json, print_json
+from frictionlab.cli.parsing import (
+    OneLineParser,
+    add_command,
+    add_json,
+    add_sweep_options,
+    check_workers,
+    complain,
+    print_json,
+)
 
 EXIT_FAILED = 1
 
