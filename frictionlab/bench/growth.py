@@ -310,7 +310,7 @@ def draw_growths(rows: Sequence[Growth]) -> RunFigure:
 def _draw(ax: Any, row: Growth) -> None:
     from matplotlib.ticker import NullFormatter
 
-    from frictionlab.plotting.style import BLUE, GREY, VERMILLION
+    from frictionlab.plotting.appearance import BLUE, GREY, VERMILLION
 
     ax.loglog(row.sizes, row.seconds, "o-", color=BLUE, label=f"time, slope {row.slope(row.seconds):.2f}")
     ax.set(xlabel=row.of, ylabel="wall time (s)")

@@ -28,13 +28,7 @@ from typing import Any
 import numpy as np
 
 from frictionlab.analysis.simulate import simulate
-from frictionlab.bench.harness import (
-    FULL_GAP_RATE_SLIDER,
-    BenchScene,
-    interleaved_medians,
-    scenes,
-    warm_up,
-)
+from frictionlab.bench.harness import FULL_GAP_RATE_SLIDER, BenchScene, interleaved_medians, scenes, warm_up
 from frictionlab.hybrid import compilation
 from frictionlab.hybrid.codegen.native_cache import NativeCode, native_code
 from frictionlab.hybrid.kernels.run_state import StepData, jet_columns

@@ -1,5 +1,5 @@
-"""`frictionlab models`, `eig` and `critical`: what is known of models without a run, which there are and their
-parameters, steady sliding, and where it loses stability.
+"""`frictionlab models`, `eig` and `critical`: what is known of models without a run, which there are and
+their parameters, steady sliding, and where it loses stability.
 """
 
 from __future__ import annotations
