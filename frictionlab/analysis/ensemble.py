@@ -18,7 +18,7 @@ from frictionlab.hybrid.ensemble.lanes import advance_batch_kernel
 from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.hybrid.problem import Problem
 from frictionlab.hybrid.solve import method_of, problem_of, with_chatter_limit
-from frictionlab.hybrid.tape.automaton_checks import check_automaton
+from frictionlab.hybrid.tape.arguments import check_automaton
 from frictionlab.hybrid.tape.packing import program_of
 from frictionlab.interruption import Progress, interruption
 from frictionlab.models.model import automaton_of

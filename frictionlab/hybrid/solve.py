@@ -19,8 +19,11 @@ from frictionlab.hybrid.methods.one_step import RK4
 from frictionlab.hybrid.methods.scipy_methods import INTEGRATORS, Scipy
 from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.hybrid.problem import Problem, Sampling
-from frictionlab.hybrid.tape.automaton_checks import check_automaton, check_section_or_quadrature
-from frictionlab.hybrid.tape.expression_text import read_expression
+from frictionlab.hybrid.tape.arguments import (
+    check_automaton,
+    check_section_or_quadrature,
+    read_expression,
+)
 from frictionlab.hybrid.tape.packing import program_of
 from frictionlab.hybrid.tape.program import Numbers, Program, Section
 from frictionlab.hybrid.trajectory import Trajectory

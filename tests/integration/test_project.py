@@ -190,7 +190,7 @@ def test_no_list_of_parameters_and_no_file_is_long():
 
 
 def test_no_text_is_run_as_python():
-    """sympy does so: texts of users go to the parser of `expression_text`, and expressions are no texts."""
+    """sympy does so: texts of users go to the parser of `read_expression`, and expressions are no texts."""
     sources = {path: path.read_text(encoding="utf-8") for path in (ROOT / "frictionlab").rglob("*.py")}
     calls = [
         (path.name, node)

@@ -18,7 +18,7 @@ from frictionlab.analysis.orbits.pseudo_arclength import BranchPoint, continuati
 from frictionlab.analysis.orbits.shooting import floquet_multipliers
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.hybrid.expression_functions import array_function
-from frictionlab.hybrid.tape.automaton_checks import sign_normal_form
+from frictionlab.hybrid.tape.lowering import sign_normal_form
 from frictionlab.presentation import Kind
 
 LOCATION_XTOL = 1e-12  # share of the step to which a special point is located

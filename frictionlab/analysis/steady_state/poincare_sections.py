@@ -14,7 +14,7 @@ from frictionlab.analysis.motion_scales import Array
 from frictionlab.automaton import Mode
 from frictionlab.hybrid.expression_functions import array_function
 from frictionlab.hybrid.problem import SectionPoints
-from frictionlab.hybrid.tape.expression_text import read_expression
+from frictionlab.hybrid.tape.arguments import read_expression
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.validation import check_number
 

@@ -13,12 +13,10 @@
     `program_of`: packs the tapes of all modes and resets, and remembers the result by structure.
 ``lowering``
     The tape of one mode, or of one reset, and what the kernels need to know of it; the numbers in tapes as
-    functions of the parameters.
-``expression_text``
-    Expressions that are given as text, such as "x1' - v", read without being evaluated as Python.
-``automaton_checks``
-    One clear error for an automaton that is not well formed; which functions are zero by construction after
-    an event.
+    functions of the parameters; which functions are zero by construction after an event.
+``arguments``
+    What the solver is given: one clear error for an automaton that is not well formed; expressions as text,
+    such as "x1' - v", read without being evaluated as Python.
 ``automaton_data``
     An automaton as data for the file of a run, and back to the same tape; nothing in the file is evaluated.
 

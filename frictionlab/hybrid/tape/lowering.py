@@ -1,11 +1,12 @@
 """A mode and a reset lowered to their tapes, with what is asked of them as arrays; the numbers in tapes,
-constants and coefficients, as functions of the parameters.
+constants and coefficients, as functions of the parameters; which functions are zero after a reset, whatever
+the numbers, so that their zeros there are no events.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import Any
@@ -13,11 +14,13 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from frictionlab.automaton import Mode, Reset
-from frictionlab.automaton.expressions import combinations_of, undefined_part
+from frictionlab.automaton import Event, Mode, Reset
+from frictionlab.automaton.expressions import combinations_of, multiply_out, undefined_part
+from frictionlab.automaton.mode import Expr
 from frictionlab.hybrid.tape.functions import AFFINE, POWER
 from frictionlab.hybrid.tape.program import NOT_POLYNOMIAL, Section
 from frictionlab.hybrid.tape.tape import AffineTerms, ResetBuilder, Tape, TapeBuilder
+from frictionlab.lazy_names import sympy as sp
 
 
 @dataclass(frozen=True, eq=False)
@@ -236,3 +239,42 @@ class _NumberList:
 @lru_cache(maxsize=64)
 def _number_list(parameters: tuple[Any, ...]) -> _NumberList:
     return _NumberList(parameters)
+
+
+@lru_cache(maxsize=4096)
+def structural_zeros(mode: Mode, event: Event, reset: Reset) -> Mapping[Any, int]:
+    """How many leading Taylor coefficients are zero after the event's reset, by function up to its sign.
+
+    What the reset declares; besides, the function that triggered the event and the constraints of the
+    mode that ends were zero before it, and stay so unless the reset changes them.
+    """
+    zero: dict[Any, int] = {}
+    for function, count in reset.vanishing.items():
+        zero[sign_normal_form(function)] = max(count, zero.get(sign_normal_form(function), 0))
+    for function in (event.function, *mode.constraints):
+        if sign_normal_form(function) not in zero and _survives(function, reset):
+            zero[sign_normal_form(function)] = 1
+    return zero
+
+
+def _survives(function: Expr, reset: Reset) -> bool:
+    """Whether a function that was zero before the reset is zero after it."""
+    if function.free_symbols.isdisjoint(reset.jump):
+        return True
+    after: Any = sp.sympify(function.xreplace(dict(reset.jump)), strict=True)  # it may give numbers
+    somewhere = after.xreplace(_integers(after.free_symbols))
+    if somewhere.is_Rational and somewhere != 0:  # exact, and found sooner than all products are
+        return False
+    return multiply_out(after) in (0, 0.0)  # to sympy these are two numbers
+
+
+def _integers(symbols: set[Any]) -> dict[Any, Any]:
+    """A different integer for each symbol."""
+    return {name: sp.Integer(i) for i, name in enumerate(sorted(symbols, key=str), start=3)}
+
+
+@lru_cache(maxsize=4096)
+def sign_normal_form(function: Expr) -> Expr:
+    """The same for f and for -f, however they are written: both are zero together."""
+    expanded = multiply_out(function)
+    return -expanded if expanded.could_extract_minus_sign() else expanded

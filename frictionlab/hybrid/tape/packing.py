@@ -20,12 +20,7 @@ import numpy as np
 
 from frictionlab.automaton import Event, HybridAutomaton, Mode, Reset
 from frictionlab.automaton.mode import Combination, KnownModes, ModesOnDemand, Symbol
-from frictionlab.hybrid.tape.automaton_checks import (
-    check_mode,
-    check_structure,
-    sign_normal_form,
-    structural_zeros,
-)
+from frictionlab.hybrid.tape.arguments import check_mode, check_structure
 from frictionlab.hybrid.tape.functions import AFFINE
 from frictionlab.hybrid.tape.lowering import (
     LoweredMode,
@@ -35,7 +30,9 @@ from frictionlab.hybrid.tape.lowering import (
     int_array,
     lower_mode,
     lower_reset,
+    sign_normal_form,
     slot_array,
+    structural_zeros,
     undefined_number,
 )
 from frictionlab.hybrid.tape.program import (

@@ -5,7 +5,7 @@ import sympy
 from hypothesis import given
 from hypothesis import strategies as st
 
-from frictionlab.hybrid.tape.expression_text import names_in, parse_expression
+from frictionlab.hybrid.tape.arguments import names_in, parse_expression
 
 SYMBOLS = {name: sympy.Symbol(name) for name in ("x", "y", "x'", "mu_k", "lambda")}
 LEAVES = st.sampled_from(["x", "y**0.5", "mu_k", "2", "3", "0.25", "1e-3"])

@@ -1,0 +1,246 @@
+"""What the solver is given: an automaton, which is checked before any work is done, with one clear error; and
+expressions as text, such as a section "x1 - x2'", read by a parser that knows but arithmetic.
+
+sympy's own parser runs its text as Python, and computes 9**9**9. This one walks the tree of the text, knows
+numbers, the names it is given, + - * / ** and parentheses, and bounds all three.
+"""
+
+from __future__ import annotations
+
+import ast
+import operator
+import re
+from collections.abc import Callable, Mapping, Sequence
+from math import isfinite
+from typing import Any
+
+from frictionlab.automaton import Event, HybridAutomaton, Mode
+from frictionlab.automaton.mode import Symbol
+from frictionlab.lazy_names import sympy as sp
+from frictionlab.validation import abbreviate, check_number, did_you_mean_or_known
+
+NAME_PATTERN = re.compile(r"(?<![\w.])[A-Za-z_]\w*'?")  # x' is the rate of x
+MAX_LENGTH = 1000  # characters; a text that a person wrote is shorter
+MAX_EXPONENT = 100  # a power is a chain of as many products at most
+MAX_NUMBER = 1e300  # within the range of double precision, with room for products
+OPERATIONS: dict[type, Callable[..., Any]] = {
+    ast.Add: operator.add,
+    ast.Sub: operator.sub,
+    ast.Mult: operator.mul,
+    ast.Div: operator.truediv,
+    ast.UAdd: operator.pos,
+    ast.USub: operator.neg,
+}
+ARITHMETIC = "numbers, names, + - * / ** and parentheses are all that it may hold"
+
+
+def check_automaton(automaton: Any) -> None:
+    """Raise TypeError for what is none, ValueError for a parameter whose value is no finite number."""
+    if not isinstance(automaton, HybridAutomaton):
+        cure = "write solve(automaton, t_end, x0=...)"
+        cure = "use fl.simulate for a model" if hasattr(automaton, "automaton") else cure
+        raise TypeError(f"automaton must be a HybridAutomaton, got {abbreviate(automaton)}: {cure}")
+    for name, value in automaton.values.items():
+        if type(value) is float and isfinite(value):  # as those of models are, before every run
+            continue
+        number = float(value) if getattr(value, "is_real", False) else value  # of sympy, such as pi
+        check_number(f"the parameter {name}", number, cure=f"give it one, such as replace({name}=1.0)")
+
+
+def check_structure(
+    states: Sequence[Symbol],
+    modes: Sequence[Mode],
+    parameters: Sequence[Symbol],
+    coordinates: int,
+) -> None:
+    """Raise ValueError with what was got, what was expected and the cure."""
+    names = [mode.name for mode in modes]
+    if not modes:
+        raise ValueError("an automaton needs at least one mode, got none: add a frictionlab.Mode")
+    if len(set(names)) < len(names):
+        raise ValueError(f"mode names must differ, got {names}: rename one")
+    if not 0 <= 2 * coordinates <= len(states):
+        raise ValueError(
+            f"coordinates must leave room for as many velocities among the {len(states)} states, "
+            f"got {coordinates}: list the coordinates first, then their velocities"
+        )
+    known = tuple(names), tuple(states), frozenset((*states, *parameters))
+    for mode in modes:
+        check_mode(mode, *known)
+
+
+def check_section_or_quadrature(name: str, function: Any, automaton: HybridAutomaton) -> None:
+    """Raise ValueError where a section or quadrature asks for what the automaton does not have."""
+    outputs = automaton.outputs
+    known = {*automaton.states, *automaton.parameters}
+    if isinstance(function, str):
+        strange = [] if function in outputs else [function]
+    else:
+        strange = sorted(map(str, _symbols(name, function) - known))
+    if strange:
+        raise ValueError(
+            f"the section or quadrature {name!r} uses {strange}: write it with the states and parameters "
+            f"({', '.join(sorted(map(str, known)))}), or give an output's name "
+            f"({', '.join(outputs) or 'there is none'})"
+        )
+
+
+def _symbols(name: str, function: Any) -> set:
+    try:
+        return sp.sympify(function, strict=True).free_symbols
+    except (AttributeError, sp.SympifyError):
+        raise ValueError(
+            f"the section or quadrature {name!r} must be an expression of the states, or an output's name, "
+            f"got {abbreviate(function)}: write it with the automaton's symbols"
+        ) from None
+
+
+def check_mode(
+    mode: Mode, names: Sequence[str], states: tuple[Symbol, ...], known: frozenset[Symbol]
+) -> None:
+    """Raise ValueError for one mode; `names` are those of all modes, `known` the states and parameters."""
+    if len(mode.flow) != len(states):
+        raise ValueError(
+            f"the flow of mode {mode.name!r} must have one expression per state ({len(states)}), "
+            f"got {len(mode.flow)}: give each state its time derivative"
+        )
+    for event in mode.events:
+        if unknown := [name for name in event.targets if name not in names]:
+            raise ValueError(
+                f"event {event.name!r} of mode {mode.name!r} leads to {unknown}, "
+                f"but the modes are {list(names)}: correct its targets"
+            )
+        _check_resets(event, mode, states)
+    for what, expr in _expressions(mode):
+        if isinstance(expr, str):  # which sympy would run as Python
+            raise TypeError(
+                f"{what} of mode {mode.name!r} must be an expression, got the text {abbreviate(expr)}: "
+                "write it with the automaton's symbols"
+            )
+        if strange := sp.sympify(expr, strict=True).free_symbols - known:
+            raise ValueError(
+                f"{what} of mode {mode.name!r} uses {sorted(map(str, strange))}, which is neither a state "
+                "nor a parameter: add it to the automaton's parameters"
+            )
+
+
+def _check_resets(event: Event, mode: Mode, states: tuple[Symbol, ...]) -> None:
+    for reset in filter(None, (event.reset, event.accumulation)):
+        if strange := [symbol for symbol in reset.jump if symbol not in states]:
+            raise ValueError(
+                f"the reset of event {event.name!r} of mode {mode.name!r} may give values to states only "
+                f"({', '.join(sorted(map(str, states)))}), got one for {', '.join(map(str, strange))}: "
+                "take the symbol that the automaton's states hold, with the same assumptions"
+            )
+
+
+def _expressions(mode: Mode):
+    yield from (("the flow", expr) for expr in mode.flow)
+    yield from (("a constraint", expr) for expr in mode.constraints)
+    yield from ((f"output {name!r}", expr) for name, expr in mode.outputs.items())
+    for event in mode.events:
+        yield f"event {event.name!r}", event.function
+        for reset in filter(None, (event.reset, event.accumulation)):
+            yield from ((f"the reset of event {event.name!r}", expr) for expr in reset.jump.values())
+
+
+def read_expression(automaton: HybridAutomaton, text: Any, what: str) -> Any:
+    """The text as an expression of the automaton's states and parameters; x' is the rate of x.
+
+    The name of an output, and what is no text, is returned as it is.
+
+    Parameters
+    ----------
+    automaton : HybridAutomaton
+    text : str or object
+    what : str
+        What errors call it, such as "section".
+
+    Raises
+    ------
+    ValueError
+        For unknown names, for what is no arithmetic, and where no state is named.
+    """
+    if not isinstance(text, str) or text in automaton.outputs:
+        return text
+    states = [symbol.name for symbol in automaton.states]
+    symbols = {symbol.name: symbol for symbol in (*automaton.states, *automaton.parameters)}
+    unknown = [name for name in names_in(text) if name not in symbols]
+    if unknown:
+        hint = did_you_mean_or_known(unknown[0], [*states, *automaton.outputs])
+        raise ValueError(f"{what} {text!r} has the unknown name {unknown[0]!r}{hint}")
+    expected = f'{what} must be an expression of the states such as "x1 - x2", got {abbreviate(text)}'
+    try:
+        found = symbols.get(text) or parse_expression(text, symbols)
+    except ValueError as error:
+        raise ValueError(f"{expected}: {error}") from None
+    if not found.free_symbols & {*automaton.states}:
+        raise ValueError(f"{expected}: name one of {', '.join(states)}")
+    return found
+
+
+def names_in(text: str) -> list[str]:
+    """Names that a text mentions, with the primes of rates."""
+    return NAME_PATTERN.findall(text)
+
+
+def parse_expression(text: str, symbols: Mapping[str, Any]) -> Any:
+    """The text as a sympy expression of these symbols.
+
+    Parameters
+    ----------
+    text : str
+        Such as ``"(y2 - y1)/3 - mu_k*x1'**2"``.
+    symbols : mapping of str to Symbol
+        Those that it may mention, by their names.
+
+    Raises
+    ------
+    ValueError
+        For anything but arithmetic, for unknown names, and where numbers, exponents or the text are too
+        large; it says which.
+    """
+    if len(text) > MAX_LENGTH:
+        raise ValueError(f"it has {len(text)} characters, of which at most {MAX_LENGTH} are read")
+    # x' is no name for Python, and `lambda` none for us to refuse.
+    places = {name: f"_{i}" for i, name in enumerate(dict.fromkeys(names_in(text)))}
+    source = NAME_PATTERN.sub(lambda name: places[name[0]], " ".join(text.split()))
+    try:
+        tree = ast.parse(source, mode="eval").body
+        return _value(tree, {place: symbols[name] for name, place in places.items() if name in symbols})
+    except (SyntaxError, RecursionError, MemoryError):
+        raise ValueError(ARITHMETIC) from None
+
+
+def _value(node: ast.expr, symbols: Mapping[str, Any]) -> Any:
+    match node:
+        case ast.Constant(value=int() | float() as number) if not isinstance(number, bool):
+            return _bounded(sp.sympify(number, strict=True))
+        case ast.Name(id=name) if name in symbols:
+            return symbols[name]
+        case ast.UnaryOp(op=sign, operand=only) if type(sign) in OPERATIONS:
+            return OPERATIONS[type(sign)](_value(only, symbols))
+        case ast.BinOp(left=left, op=ast.Pow(), right=right):
+            exponent = _value(right, symbols)
+            _check_exponent(exponent)
+            return _bounded(_value(left, symbols) ** exponent)
+        case ast.BinOp(left=left, op=sign, right=right) if type(sign) in OPERATIONS:
+            return _bounded(OPERATIONS[type(sign)](_value(left, symbols), _value(right, symbols)))
+    raise ValueError(ARITHMETIC)
+
+
+def _bounded(found: Any) -> Any:
+    """What an operation gave, if the next one may take it: powers of powers grow without a bound."""
+    if found.has(sp.zoo, sp.nan, sp.oo, sp.I):
+        raise ValueError("it divides by zero, takes a root of a negative number, or is infinite")
+    for power in found.atoms(sp.Pow):
+        _check_exponent(power.exp)
+    for number in found.atoms(sp.Number):
+        if any(abs(part) > MAX_NUMBER for part in number.as_numer_denom()):
+            raise ValueError(f"its numbers may be at most {MAX_NUMBER:g}")
+    return found
+
+
+def _check_exponent(exponent: Any) -> None:
+    if exponent.is_number and abs(exponent) > MAX_EXPONENT:
+        raise ValueError(f"its exponents may be at most {MAX_EXPONENT}")
