@@ -182,7 +182,7 @@ def _linear(model: Any) -> BenchScene:
 
 BASE_METHOD = "frictionlab, tol 1e-15"
 SINGLE_RUN_ABOVE = 3.0  # s: a run longer than this is timed once
-# s: shorter runs are repeated for so long at each turn; the first ones find the caches cold of what ran before
+# s: shorter runs are repeated for so long at each turn, as the first find cold caches
 TURN_SECONDS = 0.1
 
 
