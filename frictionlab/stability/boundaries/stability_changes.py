@@ -229,7 +229,8 @@ def changes_on_lines(
     found = bracket_sign_changes(evaluate, low, high)
     roots = _roots(evaluate, found, bounds)
     stays = _is_there_beyond(evaluate, found, roots, bounds)
-    found, roots = Brackets(*(column[stays] for column in found)), roots[stays]
+    columns: Any = (column[stays] for column in found)
+    found, roots = Brackets(*columns), roots[stays]
     changes = _describe_changes(evaluate, found, roots, bounds)
     return [tuple(c for c, line in zip(changes, found.line, strict=True) if line == i) for i in range(count)]
 
