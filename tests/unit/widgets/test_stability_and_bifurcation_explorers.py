@@ -217,6 +217,7 @@ def test_in_an_event_loop_the_diagram_fills_while_newer_values_are_heard(filled)
     assert explorer.picture.tiles["bifurcation"].note.get_text() == "300 values"
     assert explorer.error is None
     assert panel.sweep.options.transient == 5.0
+    assert not panel.sweep.previews  # they would take as long
 
 
 def test_a_coarse_diagram_comes_first_and_is_refined_evenly(filled):
@@ -231,6 +232,33 @@ def test_a_coarse_diagram_comes_first_and_is_refined_evenly(filled):
     for found, *_ in seen:
         kept = list(found)
         assert kept == list(last)[: len(kept)]  # nothing is computed twice
+
+
+def test_a_preview_of_a_short_transient_comes_first_and_is_said_to_be_one():
+    async def browser():
+        explorer, seen = fl.explore_bifurcation(FLAT.replace(mu_k=0.5)), []
+        sweep, tile = explorer.picture.panels["bifurcation"].sweep, explorer.picture.tiles["bifurcation"]
+        while len(sweep.found) < 12:
+            await asyncio.sleep(0.02)
+            seen.append((len(sweep.previews), len(sweep.found), tile.note.get_text(), len(shown(explorer))))
+        explorer.close()
+        return sweep, seen
+
+    sweep, seen = asyncio.run(browser())
+    at_first = [previews for previews, found, *_ in seen if not found]
+    assert at_first == sorted(at_first)
+    assert at_first[-1] == 24
+    for previews, found, note, drawn in seen:
+        assert note.startswith(f"{previews} of 300 values")
+        assert note.endswith(f"{previews - found} of a short transient")
+        assert drawn == previews
+    assert (sweep.options.transient, sweep.options.window) == (100.0, 10.0)
+    options = {"transient": 10.0, "window": 10.0, "method": sweep.options.method, "progress": False}
+    value = max(sweep.previews)
+    alone = fl.bifurcation(sweep.model, "mu_k", [value], **options)
+    kind, states = sweep.previews[value]
+    assert kind == alone.kinds[0]
+    assert np.array_equal(states, alone.sections[0])
 
 
 def test_what_a_slider_changes_is_shown_before_the_diagram_goes_on(monkeypatch):
