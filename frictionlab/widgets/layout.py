@@ -13,6 +13,7 @@ import traitlets
 
 from .messages import equilibrium_text, run_end_text
 from .result import python_snippet, to_json
+from .update_scheduler import has_event_loop
 
 
 class Screen(anywidget.AnyWidget):
@@ -30,6 +31,11 @@ class Screen(anywidget.AnyWidget):
     _css = resources.files("frictionlab.widgets").joinpath("layout.css").read_text(encoding="utf-8")
     pixels = traitlets.Int(0).tag(sync=True)
     dark = traitlets.Bool(False).tag(sync=True)
+
+    @property
+    def is_watched(self) -> bool:
+        """Whether a browser shows it, or, as in a script, nothing could go on later."""
+        return self.pixels > 0 or not has_event_loop()
 
 
 class Layout:

@@ -258,7 +258,7 @@ class BifurcationPanel:
         note = f"{len(kinds)} values" if len(kinds) == wanted else f"{len(kinds)} of {wanted} values"
         note += f", {waiting} {MotionKind.NOT_SETTLED}" if waiting else ""
         previews = sum(value not in sweep.found for value in inside)
-        note += f", {previews} of a short transient" if previews else ""
+        note += f"\n{previews} of a short transient" if previews else ""
         return Drawing(*labels, curves, note=note, xlim=(low, high), progress=progress)
 
     def pick(self, x: float, _: float) -> dict[str, float]:
