@@ -248,7 +248,8 @@ def _in_blocks(rows: Array) -> Array:
 
 def _triangle(rows: Array) -> Array:
     """A lower matrix that has the same singular values and right singular vectors."""
-    return np.linalg.qr(_in_blocks(rows), mode="r").reshape(-1, rows.shape[1])
+    triangles: Any = np.linalg.qr(_in_blocks(rows), mode="r")
+    return triangles.reshape(-1, rows.shape[1])
 
 
 def _product(rows: Array, factor: Any) -> Any:
