@@ -36,7 +36,7 @@ SMOOTH = {"transient": 300.0, "window": 50.0}
 
 
 def falling_friction() -> fl.HybridAutomaton:
-    """The mass on a belt of notebooks 7 and 8, whose friction falls with speed."""
+    """The mass on a belt of notebooks 8 and 9, whose friction falls with speed."""
     import sympy as sp
 
     x, v = sp.symbols("x v")

@@ -16,10 +16,10 @@ FULL_GAP_RATE = 'SliderOnBelt(mu_k=1.4, impact=PlasticImpact(penetration_rate="f
 LIVE = {
     "00-one-mass": ("MassOnBelt()", "t_end=60"),
     "01-first-run": ("SliderOnBelt(mu_k=1.4)", "without=geometry&t_end=5"),
-    "02-why-brakes-squeal": ("SliderOnBelt(mu_k=1.4)", "x0=near&t_end=5"),
-    "04-ablation": (FULL_GAP_RATE, "t_end=5"),
-    "05-trust-your-solver": ("SliderOnBelt(mu_k=1.4)", "t_end=2"),
-    "07-limit-cycles": (FULL_GAP_RATE, "t_end=5"),
+    "03-what-eigenvalues-tell": ("SliderOnBelt(mu_k=1.4)", "x0=near&t_end=5"),
+    "05-ablation": (FULL_GAP_RATE, "t_end=5"),
+    "06-trust-your-solver": ("SliderOnBelt(mu_k=1.4)", "t_end=2"),
+    "08-limit-cycles": (FULL_GAP_RATE, "t_end=5"),
 }
 LIVE_PAGE = "```{{live-page}}\n:model: {model}\n:set: {setting}\n\n{note}\n```"
 

@@ -16,6 +16,7 @@ from sphinx.util import logging
 logger = logging.getLogger(__name__)
 TAG = re.compile(r"\\tag\{([^}]*)\}")  # the number that an equation has in the paper
 DISPLAY = "\\displaystyle"
+PUNCTUATED = re.compile(r'<span class="math">(?:(?!</span>).)*</span>[.,;:!?)]+', re.DOTALL)
 CELL = re.compile(r"(<td[^>]*>)\$([^$<]+)\$(?=</td>)")
 FAILED = re.compile(r"\\|<mi>&<")  # what is left of commands and environments that it does not know
 REWRITTEN = {  # what the converter does not know, or would draw in italics
@@ -67,9 +68,16 @@ def in_tables(app, pagename, templatename, context, doctree) -> None:
         )
 
 
+def keep_punctuation(app, pagename, templatename, context, doctree) -> None:
+    """No line begins with the full stop or the comma that follows a formula."""
+    if "body" in context:
+        context["body"] = PUNCTUATED.sub(r'<span class="punctuated">\g<0></span>', context["body"])
+
+
 def setup(app):
     app.add_html_math_renderer("mathml", (inline, None), (displayed, None))
     app.connect("html-page-context", in_tables)
+    app.connect("html-page-context", keep_punctuation)
     app.connect(
         "config-inited", lambda app, config: config.html_static_path.append(str(files("ziamath") / "fonts"))
     )

@@ -10,13 +10,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from enum import Enum
 from functools import cache
-from inspect import get_annotations
+from inspect import Parameter as Argument
+from inspect import get_annotations, signature
 from math import isfinite
 from numbers import Real
 from types import MappingProxyType
-from typing import Any, TypedDict, Unpack
+from typing import Any, Self, TypedDict, Unpack
 
-from frictionlab.validation import check_keywords, plain_number
+from frictionlab.validation import check_keywords, plain_number, unknown_parameter
 
 METADATA_KEY = "frictionlab parameter"
 
@@ -205,6 +206,14 @@ class Component:
     Two components are equal when they have the same class and the same values.
     """
 
+    def __new__(cls, *values: Any, **named: Any) -> Self:
+        """Refuse an unknown name with the one that was meant; Python's own error does not know that."""
+        known = _names_of_arguments(cls)
+        for name in named:
+            if known and name not in known:
+                raise unknown_parameter(cls.__name__, name, known)
+        return super().__new__(cls)
+
     def __post_init__(self) -> None:
         for name, about in parameters_of(type(self)).items():
             object.__setattr__(self, name, check_value(name, getattr(self, name), about))
@@ -223,6 +232,15 @@ class Component:
     def __repr__(self) -> str:
         values = (f"{f.name}={value_repr(getattr(self, f.name))}" for f in fields(self))
         return f"{type(self).__name__}({', '.join(values)})"
+
+
+@cache
+def _names_of_arguments(component: type) -> tuple[str, ...]:
+    """What a component is made of by name; none where it takes any name and checks it, as models do."""
+    arguments = signature(component.__init__).parameters.values()
+    if any(one.kind is Argument.VAR_KEYWORD for one in arguments):
+        return ()
+    return tuple(one.name for one in arguments)[1:]
 
 
 def _check_structure(owner: str, name: str, value: Any) -> None:

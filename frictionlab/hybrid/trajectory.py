@@ -34,7 +34,7 @@ from frictionlab.presentation import (
     output_unit,
     state_unit,
 )
-from frictionlab.validation import did_you_mean
+from frictionlab.validation import did_you_mean, float_array
 
 PICKLED = "automaton", "source", "raw", "status", "samples", "quadratures", "description", "_wall_time"
 
@@ -192,7 +192,7 @@ class Trajectory(Drawable):
         return states, self._modes_of_steps(steps)
 
     def _checked_times(self, t: Any) -> np.ndarray:
-        times = np.asarray(t, dtype=float).ravel()
+        times = float_array("t", t, "give times of the run, in seconds").ravel()
         if times.size and not (times.min() >= 0.0 and times.max() <= self.raw.t):
             raise ValueError(
                 f"t must lie within the run, 0 to {self.raw.t:g} s, got {times.min():g} to {times.max():g}: "

@@ -52,7 +52,7 @@ at 1.58 Hz, as the paper reports (its strongest line is the seventh harmonic); n
 step does, nor does locating the events. So a figure of a non-smooth system is to be trusted only where it
 stays the same when the step is halved *and* where the impact law leaves nothing to land between two steps.
 frictionlab locates every event to rounding, so that there is no step to choose: see
-[tutorials/05-trust-your-solver.ipynb](../tutorials/05-trust-your-solver.ipynb).
+[tutorials/06-trust-your-solver.ipynb](../tutorials/06-trust-your-solver.ipynb).
 """
 
 REPRODUCTION_PAGE = "reproduction.md"

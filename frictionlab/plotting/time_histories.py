@@ -30,7 +30,7 @@ from frictionlab.plotting.appearance import (
 from frictionlab.plotting.figure import axes_or_new
 from frictionlab.plotting.labels import coordinate_axis_label, secondary_axis_angles, state_label
 from frictionlab.presentation import is_angle, state_unit
-from frictionlab.validation import plain_number
+from frictionlab.validation import float_array, plain_number
 
 Array = NDArray[np.float64]
 
@@ -87,10 +87,18 @@ def window_limits(run: Any, window: Window = DEFAULT_WINDOW) -> tuple[float, flo
     if isinstance(window, (int, float)):
         start, stop = max(0.0, end - window), end
     else:
-        start, stop = window
+        start, stop = _two_times(window)
     if not 0.0 <= start <= stop <= end or (start == stop and end > 0):
         raise ValueError(f"window must lie within the run, 0 to {end:g} s, got {window!r}: change its times")
     return float(start), float(stop)
+
+
+def _two_times(window: Any) -> Array:
+    cure = "give seconds, Periods(10), (start, stop), or None for the whole run"
+    times = float_array("window", window, cure)
+    if times.shape != (2,):
+        raise ValueError(f"window must be one number or two, got {window!r}: {cure}")
+    return times
 
 
 def sample_times(start: float, stop: float, points: int = SAMPLES) -> Array:

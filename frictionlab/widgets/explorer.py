@@ -148,8 +148,7 @@ class Explorer:
 
     def swap(self) -> None:
         """Keep this scene, and set the controls to the one that was kept; nothing where none was."""
-        kept = self.comparison.state
-        if kept is not None:
+        if (kept := self.comparison.state) is not None:
             self._keep()
             self.set_values(kept)
 
@@ -244,7 +243,7 @@ class Explorer:
             self.running.widget.layout.display = "" if result.has_run else "none"
             self.updates += 1
             self._record()
-        if self.busy.left:
+        if self.busy.left and self.layout.screen.is_watched:
             self.scheduler.request_later(PAUSE_AFTER_CHANGE if moved else EVENT_LOOP_PAUSE)
 
     def _read(self) -> Settings:
@@ -265,12 +264,13 @@ class Explorer:
 
     def _restyle(self, _: Any) -> None:
         """Draw in the size and the colours that the page asks for."""
-        screen = self.layout.screen
-        dark_before = self.picture.dark
+        screen, dark_before = self.layout.screen, self.picture.dark
         self.picture.set_look(screen.pixels, screen.dark)
         if self.mechanism is not None and self.picture.dark != dark_before:
             self.mechanism.show(self.result, self.picture.dark)
             self.comparison.restyle()
+        if self.busy.left:  # what has waited until somebody looks
+            self.scheduler.request_later()
 
 
 def explore(model: Any = None, panels: Iterable[Any] | None = None) -> Explorer:

@@ -20,6 +20,7 @@ from frictionlab.analysis.run_comparison import defect_warning
 from frictionlab.presentation import state_unit
 
 from .result import python_snippet, time_of_rest, to_json
+from .update_scheduler import has_event_loop
 
 NOTHING_SLIDES = (
     "Steady sliding and its stability are not of this model: nothing in it slides on something that moves."
@@ -43,6 +44,11 @@ class Screen(anywidget.AnyWidget):
     _css = resources.files("frictionlab.widgets").joinpath("layout.css").read_text(encoding="utf-8")
     pixels = traitlets.Int(0).tag(sync=True)
     dark = traitlets.Bool(False).tag(sync=True)
+
+    @property
+    def is_watched(self) -> bool:
+        """Whether a browser shows it, or, as in a script, nothing could go on later."""
+        return self.pixels > 0 or not has_event_loop()
 
 
 class Layout:

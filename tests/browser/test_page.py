@@ -296,7 +296,7 @@ def test_the_ends_of_every_slider_give_a_run_or_say_why_not(page, end):
     model = fl.SliderOnBelt(mu_k=1.4)
     assert len(found) == len(model.parameters)
     for name, value, status, computed in found:
-        if status.startswith("the end was reached"):
+        if status.startswith("The end was reached"):
             assert computed == value == model.replace(**{name: value}).parameters[name]
         else:
             assert status == words_of(model, {name: value})

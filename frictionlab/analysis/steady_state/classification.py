@@ -10,7 +10,7 @@ decomposition of numerical and experimental data", J. Fluid Mechanics 656 (2010)
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,6 +45,9 @@ MIN_CROSSINGS = (
 
 # share of the largest singular value below which a direction in the samples is rounding
 SAMPLE_RANK_RTOL = 1e-10
+# Rows of a block: numpy computes what is as small in one thread.  For the whole matrix it starts threads of
+# its own, which stand in the way of a sweep's: two values at a time took longer than one after the other.
+ROWS = 64
 MIN_LOSS_SHARE = 1e-9  # share of its square that a decaying part has to lose
 MIN_RATE_RATIO = (
     0.5  # least rate of decay, as a share of the largest, where events between samples disturb the linear map
@@ -222,17 +225,35 @@ def _eigenvector_squares(samples: Array, size: Array) -> EigenvectorSquares | No
     steps = np.diff(samples / np.where(size > 0, size, 1.0), axis=0)
     if len(steps) < TREND_PARTS:
         return None
-    shares, spread, _ = np.linalg.svd(steps, full_matrices=False)
+    _, spread, directions = np.linalg.svd(_triangle(_triangle(steps)), full_matrices=False)
     kept = spread > SAMPLE_RANK_RTOL * spread[0]
-    shares, spread = shares[:, kept], spread[kept]
+    spread, directions = spread[kept], directions[kept]
     if not len(spread) or len(steps) <= 2 * len(spread):
         return None
-    first, later = shares[:-1], shares[1:]
-    step = np.linalg.solve(first.T @ first, first.T @ later)  # the columns are nearly orthonormal
-    factors, modes = np.linalg.eig(step)
+    shares = _product(steps, directions.T / spread)
+    first, later = _in_blocks(shares[:-1]), _in_blocks(shares[1:])
+    squares, products = ((first.transpose(0, 2, 1) @ other).sum(axis=0) for other in (first, later))
+    factors, modes = np.linalg.eig(np.linalg.solve(squares, products))  # the columns are nearly orthonormal
     lengths = (np.abs(np.linalg.pinv(modes) * spread) ** 2).sum(axis=1)
-    parts = np.array_split(np.abs(shares @ modes) ** 2 * lengths, TREND_PARTS)
+    parts = np.array_split(np.abs(_product(shares, modes)) ** 2 * lengths, TREND_PARTS)
     return EigenvectorSquares(np.array([part.mean(axis=0) for part in parts]), np.abs(factors) < 1.0)
+
+
+def _in_blocks(rows: Array) -> Array:
+    """A matrix (N, m) as (K, ROWS, m), with zeros at its end."""
+    blocks = np.zeros((-(-len(rows) // ROWS), ROWS, rows.shape[1]))
+    blocks.reshape(-1, rows.shape[1])[: len(rows)] = rows
+    return blocks
+
+
+def _triangle(rows: Array) -> Array:
+    """A lower matrix that has the same singular values and right singular vectors."""
+    triangles: Any = np.linalg.qr(_in_blocks(rows), mode="r")
+    return triangles.reshape(-1, rows.shape[1])
+
+
+def _product(rows: Array, factor: Any) -> Any:
+    return (_in_blocks(rows) @ factor).reshape(-1, factor.shape[1])[: len(rows)]
 
 
 REST_AMPLITUDE_RTOL = 1e-3  # size of a dying motion, as a share of the coordinates, that counts as at rest

@@ -71,11 +71,9 @@ def intensity(run: Trajectory, period: float) -> float:
     Runs of the Taylor method carry the integral as the quadrature `SQUARED_DISTANCE`.  NaN where there is no
     equilibrium.
     """
-    point = equilibrium_coordinates(run.source)
-    if point is None:
-        return float("nan")
     if SQUARED_DISTANCE not in run.quadratures:
-        return _intensity_of_samples(run, point, period)
+        point = equilibrium_coordinates(run.source)
+        return float("nan") if point is None else _intensity_of_samples(run, point, period)
     if np.isnan(period):
         return run.quadratures[SQUARED_DISTANCE] / run.raw.t
     start, square = run(run.raw.t - period), squared_distance(run.automaton)

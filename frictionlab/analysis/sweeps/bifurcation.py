@@ -24,7 +24,7 @@ from frictionlab.interruption import deferred_interrupts, progress_bar
 from frictionlab.models.composition import parameter_unit
 from frictionlab.models.model import Model, require_model
 from frictionlab.presentation import Drawable, count, dataframe, dataset, span, tally
-from frictionlab.validation import check_choice
+from frictionlab.validation import check_choice, float_array
 
 Array = NDArray[np.float64]
 INITIAL_STATES = ("rest", "near", "continue")
@@ -267,7 +267,7 @@ def bifurcation(
 
 def _models(model: Any, parameter: str, values: Any) -> list[Any]:
     require_model(model, cure="write bifurcation(model, parameter, values)")
-    values = np.asarray(values, dtype=float).ravel()
+    values = float_array("values", values, "give those of the parameter").ravel()
     if not len(values):
         raise ValueError("values must hold at least one number, got none: give those of the parameter")
     return [model.replace(**{parameter: float(value)}) for value in values]

@@ -22,7 +22,7 @@ function pictureOf(run, samples, parameters) { // {scene, row(sample, i), note},
 
 function colouredScene(run) {
   const { ink, paper, grey, pale, force } = theme();
-  return { ink, paper, grey, pale, colours: run.structure.colours, force_colours: [force, COLOURS.vermillion, ink] };
+  return { ink, paper, grey, pale, letters: px(0.87), colours: run.structure.colours, force_colours: [force, COLOURS.vermillion, ink] };
 }
 
 function tiltingBelt(run, samples, p) {

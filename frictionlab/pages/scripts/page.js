@@ -50,7 +50,11 @@ function build() {
     const does = { " ": "play", c: "copy", l: "link", d: "theme", f: "full", s: "sound" }[event.key];
     if (does && !(event.key === " " && event.target.tagName === "BUTTON")) { event.preventDefault(); $(does).click(); }
   };
-  new ResizeObserver(() => { resizePlots(); drawPhase(); showFrame(); }).observe(document.querySelector("main"));
+  let height = letters();
+  new ResizeObserver(() => {
+    if (letters() !== height && view.run) { height = letters(); redraw(); } // plots with larger letters
+    resizePlots(); drawPhase(); showFrame();
+  }).observe(document.querySelector("main"));
 }
 
 function showControls() {
@@ -106,7 +110,7 @@ function compute(dragging) {
     view.known = known;
     redraw(dragging);
     const { run } = view, how = run.status === RUNNING ? `stopped at ${run.end.toPrecision(4)} s: the run is long; take an earlier end` : STATUS[run.status];
-    say(`${how}. ${run.steps} steps, ${run.events} events; solved in ${run.milliseconds.toFixed(1)} ms, drawn in ${(performance.now() - began - run.milliseconds).toFixed(1)} ms`, run.status !== FINISHED);
+    say(`${how[0].toUpperCase()}${how.slice(1)}. ${run.steps} steps, ${run.events} events; solved in ${run.milliseconds.toFixed(1)} ms, drawn in ${(performance.now() - began - run.milliseconds).toFixed(1)} ms`, run.status !== FINISHED);
     view.times = [run.milliseconds, performance.now() - began];
   } catch (error) { say(error.message, true); }
   for (const { name } of SCENE.sliders) $(`row-${name}`).classList.toggle("absent", !structure.parameters.includes(name));
@@ -155,7 +159,7 @@ function showStability() {
 function drawPhase() { // the path; the instant is on a canvas of its own, over it
   if (!view.samples || !$("phase").clientWidth) return;
   const [c, width, height] = fit($("phase")), states = view.run.structure.states, first = states[0];
-  const scene = { axes: [first, `${written(first)} (${unitOf(first)})`, `${written(first + "'")} (${unitOf(first)}/s)`], line_colours: view.run.structure.colours, ink: theme().ink };
+  const scene = { axes: [first, `${written(first)} (${unitOf(first)})`, `${written(first + "'")} (${unitOf(first)}/s)`], line_colours: view.run.structure.colours, ink: theme().ink, letters: px(0.8) };
   view.place = phasePlane(c, width, height, scene, phaseFrames(view.run, view.samples));
 }
 

@@ -1,6 +1,9 @@
 // Plots by uPlot in the colours of the page; each is made once and given new data.
 const plots = {};
-const LEGEND = 34; // pixels under a plot
+const LEGEND = 2.3; // of the height of letters, under a plot
+
+const letters = () => parseFloat(getComputedStyle(document.body).fontSize); // pixels; more on a large screen
+const px = (share) => Math.round(share * letters());
 
 function seriesColours() {
   const { ink, force } = theme();
@@ -14,19 +17,19 @@ function axisOptions(label, log) {
   const { ink, grey } = theme(), filter = log ? { filter: onlyDecades } : {};
   return {
     label, stroke: ink, grid: { stroke: grey + "40", width: 1, ...filter }, ticks: { stroke: grey, width: 1, ...filter },
-    labelSize: 18, labelGap: 0, font: "11px system-ui", labelFont: "12px system-ui",
+    labelSize: px(1.2), labelGap: 0, font: `${px(0.75)}px system-ui`, labelFont: `${px(0.8)}px system-ui`,
     ...(log ? { values: (_, ticks) => ticks.map((v) => isDecade(v) ? v.toExponential(0) : "") } : {}),
   };
 }
 
 function showPlot(id, data, names, [xLabel, yLabel], options = {}) {
-  const host = document.getElementById(id), key = JSON.stringify([names, xLabel, yLabel]);
+  const host = document.getElementById(id), key = JSON.stringify([names, xLabel, yLabel, letters()]);
   if (plots[id]?.key !== key) {
     plots[id]?.chart.destroy();
-    const points = options.points, width = host.clientWidth || 300, height = host.clientHeight - (points ? 0 : LEGEND);
+    const points = options.points, width = host.clientWidth || 300, height = host.clientHeight - (points ? 0 : px(LEGEND));
     const series = names.map((label, i) => ({ label, stroke: seriesColours()[i % 6], width: 1, ...(points ? { paths: () => null, points: { show: true, size: 8, fill: seriesColours()[i % 6] } } : { points: { show: false } }) }));
     const y = options.log ? { distr: 3 } : {};
-    plots[id] = { key, chart: new uPlot({ width, height, series: [{ label: xLabel }, ...series], scales: { x: { time: false }, y }, axes: [{ ...axisOptions(xLabel), size: 32 }, { ...axisOptions(yLabel, options.log), size: 52 }], legend: { show: !points, live: false }, cursor: { drag: { x: true, y: false } } }, data, host) };
+    plots[id] = { key, chart: new uPlot({ width, height, series: [{ label: xLabel }, ...series], scales: { x: { time: false }, y }, axes: [{ ...axisOptions(xLabel), size: px(2.1) }, { ...axisOptions(yLabel, options.log), size: px(3.5) }], legend: { show: !points, live: false }, cursor: { drag: { x: true, y: false } } }, data, host) };
   } else plots[id].chart.setData(data);
 }
 
@@ -36,7 +39,7 @@ function forgetPlots() { // for other colours
 
 function resizePlots() {
   for (const [id, { chart }] of Object.entries(plots)) {
-    const host = document.getElementById(id), legend = host.querySelector(".u-legend") ? LEGEND : 0;
+    const host = document.getElementById(id), legend = host.querySelector(".u-legend") ? px(LEGEND) : 0;
     chart.setSize({ width: host.clientWidth, height: host.clientHeight - legend });
   }
 }

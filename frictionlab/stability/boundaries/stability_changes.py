@@ -22,6 +22,7 @@ from frictionlab.stability.equilibrium_problem import (
     growth_rates,
     unstable_pairs,
 )
+from frictionlab.validation import float_array
 
 from .sign_changes import Brackets, Evaluate, bracket_sign_changes
 
@@ -192,12 +193,15 @@ def critical_curve(model: Any, parameter: str, bounds: Any, *, over: tuple[str, 
     """
     problem = equilibrium_problem(model)
     low, high = check_bounds(problem.model, parameter, bounds)
-    name, at = over[0], np.asarray(over[1], dtype=float).ravel()
+    cure = 'give for example ("F", [100, 200])'
+    if not isinstance(over, (tuple, list)) or len(over) != 2:
+        raise ValueError(f"over must be a parameter and its values, got {over!r}: {cure}")
+    name, at = over[0], float_array("over", over[1], cure).ravel()
     check_parameter(problem.model, name, at.tolist())
     if name == parameter or not at.size:
         raise ValueError(
-            f"over must be another parameter than {parameter!r} and at least one value of it, got {over!r}: "
-            'give for example ("F", [100, 200])'
+            f"over must be another parameter than {parameter!r} and at least one value of it, "
+            f"got {over!r}: {cure}"
         )
     losses = map(first_loss, changes_on_lines(problem, parameter, (low, high), {name: at}))
     return CriticalCurve(

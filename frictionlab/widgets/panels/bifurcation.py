@@ -1,8 +1,8 @@
 """A bifurcation diagram that is refined in the range shown, computed in parts.
 
 `ProgressiveSweep` computes steady states a few at a time: a coarse diagram, the values between, and then
-those that have not settled go on. `BifurcationPanel` has it compute some more at each update and draws the
-values found so far.
+those that have not settled go on. Before that a preview, after a short transient, is there in a blink.
+`BifurcationPanel` has it compute some more at each update and draws the values found so far.
 """
 
 from __future__ import annotations
@@ -47,6 +47,10 @@ BATCH_SIZE = os.cpu_count() or 1  # values, in threads
 TIME_SLICE = 0.2  # seconds between two pictures of a diagram in progress
 WINDOWS_PER_EXTENSION = 10  # windows by which a motion that has not settled is extended at a time
 MAX_EXTENSIONS = 20  # most such extensions of a motion
+# A preview has one window in the place of the transient, where that is at least so many windows long: else it
+# would take hardly less than the result.
+LEAST_WINDOWS_OF_TRANSIENT = 4
+PREVIEW_BATCH_SIZE = 4 * BATCH_SIZE  # previews in threads, before the next picture
 
 GRID_VALUES, GRID_STEP = 300, 13  # values in the range shown; every 13th of them, 24, is the coarse diagram
 GOLDEN_STEP = 8  # of 13: multiples of it, modulo 13, fall one after the other into the widest gap left
@@ -78,7 +82,7 @@ class ProgressiveSweep:
     """Steady states of a model, those of :func:`frictionlab.bifurcation`, found a few at a time.
 
     First every value gets one window after the transient; then those that have not settled go on, window by
-    window as with `t_max`, the least advanced first.
+    window as with `t_max`, the least advanced first.  A preview of a value is what a short transient gives.
 
     Parameters
     ----------
@@ -90,14 +94,16 @@ class ProgressiveSweep:
     Attributes
     ----------
     found : dict of float to SteadyStatePoints
+    previews : dict of float to SteadyStatePoints
+        Of values, to be replaced by what is found.
     unsettled : dict of float to UnsettledMotion
-
-    Motions that are to be extended.
+        Motions that are to be extended.
     """
 
     def __init__(self, model: Any, parameter: str, x0: Any, options: SteadyStateOptions) -> None:
         self.model, self.parameter, self.x0, self.options = model, parameter, x0, options
         self.found: dict[float, SteadyStatePoints] = {}
+        self.previews: dict[float, SteadyStatePoints] = {}
         self.unsettled: dict[float, UnsettledMotion] = {}
 
     def left(self, values: Sequence[float]) -> list[float]:
@@ -105,6 +111,20 @@ class ProgressiveSweep:
         missing = [value for value in _coarse_to_fine(values) if value not in self.found]
         open_ones = [value for value in values if value in self.unsettled]
         return missing + sorted(open_ones, key=lambda value: self.unsettled[value].times)
+
+    def shown(self, value: float) -> SteadyStatePoints | None:
+        """What is known of a value so far."""
+        return self.found.get(value) or self.previews.get(value)
+
+    def preview(self, values: Sequence[float]) -> bool:
+        """Preview some values of which nothing is known; whether there were any, and it spares time."""
+        new = [value for value in _coarse_to_fine(values) if self.shown(value) is None]
+        options = self.options
+        if not new or options.transient < LEAST_WINDOWS_OF_TRANSIENT * options.window:
+            return False
+        results = self._compute(new[:PREVIEW_BATCH_SIZE], replace(options, transient=options.window))
+        self.previews |= {value: _points(result) for value, result in results.items()}
+        return True
 
     def work(self, values: Sequence[float]) -> None:
         """Compute for about the time between two pictures."""
@@ -117,9 +137,12 @@ class ProgressiveSweep:
                 self._extend(left[:BATCH_SIZE])
 
     def _start(self, values: list[float]) -> None:
-        done = bifurcation(self.model, self.parameter, values, self.x0, options=self.options, progress=False)
-        for i, value in enumerate(values):
-            self._keep(value, done.results[i], 0)
+        for value, result in self._compute(values, self.options).items():
+            self._keep(value, result, 0)
+
+    def _compute(self, values: list[float], options: SteadyStateOptions) -> dict[float, Any]:
+        done = bifurcation(self.model, self.parameter, values, self.x0, options=options, progress=False)
+        return {value: done.results[i] for i, value in enumerate(values)}
 
     def _extend(self, values: list[float]) -> None:
         # Half a window more, so that rounding takes none away.
@@ -140,11 +163,14 @@ class ProgressiveSweep:
         )
 
     def _keep(self, value: float, result: Any, times: int) -> None:
-        kind, states = result["kind"], result["section"]
-        self.found[value] = SteadyStatePoints(kind, np.array(states).reshape(-1, len(result["final"])))
+        self.found[value] = _points(result)
         self.unsettled.pop(value, None)
-        if kind == MotionKind.NOT_SETTLED and times < MAX_EXTENSIONS:
+        if result["kind"] == MotionKind.NOT_SETTLED and times < MAX_EXTENSIONS:
             self.unsettled[value] = UnsettledMotion(result["final"], times)
+
+
+def _points(result: Mapping[str, Any]) -> SteadyStatePoints:
+    return SteadyStatePoints(result["kind"], np.array(result["section"]).reshape(-1, len(result["final"])))
 
 
 def _coarse_to_fine(values: Sequence[float]) -> list[float]:
@@ -162,9 +188,10 @@ class BifurcationPanel:
     parameter.
 
     It is computed in parts, from coarse to fine, so that points appear while it is computed and newer
-    settings need not wait: 24 values in about a second, then those between, 300 in all.  Motions that have
-    not settled are drawn as such, and extended once all values are computed.  Results are kept until another
-    parameter changes, so that a narrower range only adds values in between.
+    settings need not wait: a preview of 24 values within a second, then those and the ones between, 300 in
+    all.  The note says how many are previews, of a short transient.  Motions that have not settled are drawn
+    as such, and extended once all values are computed.  Results are kept until another parameter changes, so
+    that a narrower range only adds values in between.
 
     Attributes
     ----------
@@ -216,7 +243,8 @@ class BifurcationPanel:
         """The points in the range, by the kind of motion, and a line at the model's own value."""
         check_parameter_name(result.model, self.parameter)
         low, high = self.controls["range"].value
-        inside, wanted, progress = self._fill(result, low, high)
+        sweep = self._sweep_for(result)
+        inside, wanted, progress = self._fill(sweep, result, (low, high))
         name = result.settings.coordinate
         column = result.model.coordinates.index(name)
         kinds = [found.kind for found in inside.values()]
@@ -230,6 +258,8 @@ class BifurcationPanel:
         waiting = kinds.count(MotionKind.NOT_SETTLED)
         note = f"{len(kinds)} values" if len(kinds) == wanted else f"{len(kinds)} of {wanted} values"
         note += f", {waiting} {MotionKind.NOT_SETTLED}" if waiting else ""
+        previews = sum(value not in sweep.found for value in inside)
+        note += f"\n{previews} of a short transient" if previews else ""
         return Drawing(*labels, curves, note=note, xlim=(low, high), progress=progress)
 
     def pick(self, x: float, _: float) -> dict[str, float]:
@@ -237,20 +267,23 @@ class BifurcationPanel:
         return {self.parameter: round_to_step(x, self.controls["range"].value)}
 
     def _fill(
-        self, result: Any, low: float, high: float
+        self, sweep: ProgressiveSweep, result: Any, limits: tuple[float, float]
     ) -> tuple[dict[float, SteadyStatePoints], int, tuple[int, int] | None]:
         """The results in a range after some more work, how many there will be, and the progress where it is
         not complete."""
-        sweep = self._sweep_for(result)
-        # In a script nobody watches the diagram fill: the coarse one is all.
-        step = 1 if has_event_loop() else GRID_STEP
-        grid = np.linspace(low, high, GRID_VALUES)[::step].tolist()
+        low, high = limits
+        fine = np.linspace(low, high, GRID_VALUES)
+        coarse = fine[::GRID_STEP]
+        # In a script nobody watches the diagram fill: the coarse one is all, and needs no preview.
+        watched = has_event_loop()
+        grid = (fine if watched else coarse).tolist()
         values = [*grid, *(v for v in sweep.found if low <= v <= high and v not in grid)]
         # A change by a slider or a click is shown first.
-        if result is self._shown or not sweep.found:
+        begun = bool(sweep.found or sweep.previews)
+        if (result is self._shown or not begun) and not (watched and sweep.preview(coarse.tolist())):
             sweep.work(values)
         self._shown, left = result, len(sweep.left(values))
-        inside = {value: sweep.found[value] for value in values if value in sweep.found}
+        inside = {value: known for value in values if (known := sweep.shown(value))}
         return inside, len(values), (len(values) - left, len(values)) if left else None
 
     def _sweep_for(self, result: Any) -> ProgressiveSweep:

@@ -299,7 +299,7 @@ def theme(dark: bool) -> Any:
 def _description(name: str, drawing: Drawing) -> str:
     """A panel in words: its name, its axes, its note."""
     axes = f"{drawing.ylabel} against {drawing.xlabel}"
-    return ": ".join(filter(None, [name, axes.replace("$", ""), drawing.note]))
+    return ": ".join(filter(None, [name, axes.replace("$", ""), drawing.note.replace("\n", ", ")]))
 
 
 def _panel_image(name: str, panel: Any) -> PanelImage:

@@ -8,6 +8,13 @@ import pytest
 import frictionlab as fl
 
 FLAT = fl.SliderOnBelt().without("geometry")
+PIXELS = 440  # of a panel's width, as a browser tells it
+
+
+def watched(explorer):
+    """The explorer, shown in a browser."""
+    explorer.layout.screen.pixels = PIXELS
+    return explorer
 
 
 @pytest.fixture(scope="module")
@@ -57,7 +64,7 @@ def test_moving_the_point_computes_no_curve_anew(stability, monkeypatch):
 
 def test_in_an_event_loop_the_critical_curve_becomes_finer():
     async def browser():
-        explorer = fl.explore_stability()
+        explorer = watched(fl.explore_stability())
         line, seen = explorer.picture.tiles["critical"].lines["critical"], []
         while explorer.busy.left:
             seen.append(np.array(line.get_data()))
@@ -193,7 +200,7 @@ def filled():
     """An explorer that was filled in an event loop, and meanwhile: values, how many, words, visibility."""
 
     async def browser():
-        explorer, seen = fl.explore_bifurcation(FLAT.replace(mu_k=0.5)), []
+        explorer, seen = watched(fl.explore_bifurcation(FLAT.replace(mu_k=0.5))), []
         panel, mark = explorer.picture.panels["bifurcation"], explorer.busy.widget
         for value in (4.0, 4.5, 5.0):
             explorer.controls["transient"].value = value  # another diagram, before the first is done
@@ -217,6 +224,7 @@ def test_in_an_event_loop_the_diagram_fills_while_newer_values_are_heard(filled)
     assert explorer.picture.tiles["bifurcation"].note.get_text() == "300 values"
     assert explorer.error is None
     assert panel.sweep.options.transient == 5.0
+    assert not panel.sweep.previews  # they would take as long
 
 
 def test_a_coarse_diagram_comes_first_and_is_refined_evenly(filled):
@@ -233,11 +241,38 @@ def test_a_coarse_diagram_comes_first_and_is_refined_evenly(filled):
         assert kept == list(last)[: len(kept)]  # nothing is computed twice
 
 
+def test_a_preview_of_a_short_transient_comes_first_and_is_said_to_be_one():
+    async def browser():
+        explorer, seen = watched(fl.explore_bifurcation(FLAT.replace(mu_k=0.5))), []
+        sweep, tile = explorer.picture.panels["bifurcation"].sweep, explorer.picture.tiles["bifurcation"]
+        while len(sweep.found) < 12:
+            await asyncio.sleep(0.02)
+            seen.append((len(sweep.previews), len(sweep.found), tile.note.get_text(), len(shown(explorer))))
+        explorer.close()
+        return sweep, seen
+
+    sweep, seen = asyncio.run(browser())
+    at_first = [previews for previews, found, *_ in seen if not found]
+    assert at_first == sorted(at_first)
+    assert at_first[-1] == 24
+    for previews, found, note, drawn in seen:
+        assert note.startswith(f"{previews} of 300 values")
+        assert note.endswith(f"{previews - found} of a short transient")
+        assert drawn == previews
+    assert (sweep.options.transient, sweep.options.window) == (100.0, 10.0)
+    options = {"transient": 10.0, "window": 10.0, "method": sweep.options.method, "progress": False}
+    value = max(sweep.previews)
+    alone = fl.bifurcation(sweep.model, "mu_k", [value], **options)
+    kind, states = sweep.previews[value]
+    assert kind == alone.kinds[0]
+    assert np.array_equal(states, alone.sections[0])
+
+
 def test_what_a_slider_changes_is_shown_before_the_diagram_goes_on(monkeypatch):
     monkeypatch.setattr("frictionlab.widgets.explorer.PAUSE_AFTER_CHANGE", 0.5)
 
     async def browser():
-        explorer = fl.explore_bifurcation(FLAT.replace(mu_k=0.5))
+        explorer = watched(fl.explore_bifurcation(FLAT.replace(mu_k=0.5)))
         explorer.controls["transient"].value = 5.0
         panel, counts = explorer.picture.panels["bifurcation"], [0]
         drawn = explorer.picture.images["response"].value
@@ -256,9 +291,24 @@ def test_what_a_slider_changes_is_shown_before_the_diagram_goes_on(monkeypatch):
     assert 0 < counts[1] == counts[2] == counts[3] < 300
 
 
+def test_what_nobody_looks_at_waits():
+    async def browser():
+        explorer, counts = fl.explore_bifurcation(FLAT.replace(mu_k=0.5)), []
+        for pixels in (0, PIXELS):
+            explorer.layout.screen.pixels = pixels
+            updates = explorer.updates
+            await asyncio.sleep(0.5)
+            counts.append(explorer.updates - updates)
+        explorer.close()
+        return counts
+
+    unseen, seen = asyncio.run(browser())
+    assert unseen == 0 < seen
+
+
 def test_an_explorer_that_is_closed_computes_no_more():
     async def browser():
-        explorer = fl.explore_bifurcation(FLAT.replace(mu_k=0.5))
+        explorer = watched(fl.explore_bifurcation(FLAT.replace(mu_k=0.5)))
         updates = explorer.updates
         explorer.close()
         await asyncio.sleep(0.1)
@@ -273,7 +323,7 @@ FULL = fl.SliderOnBelt(mu_k=0.5, impact=fl.PlasticImpact("full"))
 @pytest.mark.slow
 def test_motions_that_have_not_settled_are_marked_and_go_on_until_they_have():
     async def browser():
-        explorer = fl.explore_bifurcation(FULL)
+        explorer = watched(fl.explore_bifurcation(FULL))
         panel, notes = explorer.picture.panels["bifurcation"], []
         explorer.controls["range"].value = (0.5, 1.0)
         explorer.controls["transient"].value = 40.0
@@ -304,7 +354,7 @@ def test_what_never_settles_is_left_as_it_is_and_no_picture_waits_for_it(monkeyp
     monkeypatch.setattr("frictionlab.widgets.panels.bifurcation.WINDOWS_PER_EXTENSION", 1)
 
     async def browser():
-        explorer = fl.explore_bifurcation(FULL)
+        explorer = watched(fl.explore_bifurcation(FULL))
         explorer.controls["range"].value = (0.5, 1.0)
         explorer.controls["transient"].value = 5.0
         panel, before = explorer.picture.panels["bifurcation"], None
