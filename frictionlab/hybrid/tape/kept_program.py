@@ -14,9 +14,10 @@ from typing import Any
 
 import numpy as np
 
-from frictionlab.automaton.straight_line import StraightLine, straight_line_data
+from frictionlab.automaton.straight_line import Data, StraightLine, side_by_side, straight_line_data
 from frictionlab.hybrid.elementary.parameter_functions import OF_PARAMETERS
-from frictionlab.hybrid.tape.program import Code, Numbers, Program
+from frictionlab.hybrid.tape.lowering import FunctionsApart
+from frictionlab.hybrid.tape.program import Code, Demand, Numbers, Program
 from frictionlab.hybrid.tape.tape import Tape
 
 
@@ -32,9 +33,10 @@ def _numbers_at(program: Program, values: bytes) -> Numbers:  # bits tell 0 from
 
 def program_to_data(program: Program, fill: Callable[..., Any]) -> dict[str, Any] | None:
     """The program, with the function that gives its numbers; None where that is no straight line."""
-    numbers = straight_line_data(fill, OF_PARAMETERS)
+    numbers = _numbers_to_data(fill)
     if numbers is None:
         return None
+    demand = program.demand
     return {
         "code": {name: _array_to_data(value) for name, value in program.code._asdict().items()},
         "tapes": [_tape_to_data(tape) for tape in program.tapes],
@@ -45,7 +47,16 @@ def program_to_data(program: Program, fill: Callable[..., Any]) -> dict[str, Any
         "guard_modes": _array_to_data(program.guard_modes),
         "initial": _array_to_data(program.initial),
         "numbers": numbers,
+        "demand": demand and [_array_to_data(value) for value in demand],
     }
+
+
+def _numbers_to_data(fill: Callable[..., Any]) -> Data | None:
+    if not isinstance(fill, FunctionsApart):
+        return straight_line_data(fill, OF_PARAMETERS)
+    lines = [straight_line_data(function, OF_PARAMETERS) for function in fill.functions]
+    known = [line for line in lines if line is not None]
+    return side_by_side(known, fill.where.tolist()) if len(known) == len(lines) else None
 
 
 def program_from_data(data: Mapping[str, Any], undefined: Callable[[Sequence[float]], str]) -> Program:
@@ -61,6 +72,7 @@ def program_from_data(data: Mapping[str, Any], undefined: Callable[[Sequence[flo
         _array_from_data(data["initial"]),
         StraightLine(data["numbers"], OF_PARAMETERS),
         undefined,
+        data["demand"] and Demand(*map(_array_from_data, data["demand"])),
     )
 
 

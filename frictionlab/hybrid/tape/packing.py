@@ -57,7 +57,7 @@ def program_of(
     """Program and numbers of an automaton; the program is remembered per structure.
 
     Of modes that are derived on demand it has all, in the automaton's order, where it is to be `complete`;
-    else those derived so far, in the order in which they were.
+    else those derived so far, in the order in which they were, or all that are kept.
 
     Raises
     ------
@@ -66,20 +66,19 @@ def program_of(
     TapeError
         Where an expression needs an operation that the tape lacks.
     """
-    if automaton.kept() is not None and not sections and not quadratures:
+    apart, grows = automaton.on_demand, automaton.on_demand and not complete
+    if automaton.kept() is not None and grows == apart and not sections and not quadratures:
         with _ONE_AT_A_TIME:
             program = _kept_program(automaton)
         return program, numbers_at(program, automaton.values.values())
     modes, parameters = automaton.modes, tuple(automaton.parameters)
     asked = (tuple((sections or {}).values()), tuple((quadratures or {}).items()))
     about = parameters, automaton.coordinates, *asked
-    on_demand = isinstance(modes, ModesOnDemand)
-    chosen = () if on_demand and not complete else tuple(modes)
     with _ONE_AT_A_TIME:  # else two threads might have two programs of one structure
-        if on_demand and not complete:
+        if grows:
             program = _growing_program(automaton.states, modes, *about).with_known_modes()
         else:
-            program = pack_program(automaton.states, chosen, *about, on_demand)
+            program = pack_program(automaton.states, tuple(modes), *about, apart)
     return program, numbers_at(program, automaton.parameters.values())
 
 
@@ -87,8 +86,10 @@ def _kept_program(automaton: HybridAutomaton) -> Program:
     """The program that files hold of the automaton's structure; if they do not yet, it is packed."""
 
     def packed() -> Program:
-        about = tuple(automaton.parameters), automaton.coordinates
-        return pack_program(automaton.states, tuple(automaton.modes), *about)
+        modes, about = automaton.modes, (tuple(automaton.parameters), automaton.coordinates)
+        if isinstance(modes, ModesOnDemand):
+            return _pack_modes(automaton.states, modes, modes.all(), *about)
+        return pack_program(automaton.states, modes, *about)
 
     kept = automaton.kept()
     if kept not in _KEPT_PROGRAMS:
@@ -121,9 +122,10 @@ def pack_program(
 
 def program_of_modes(automaton: HybridAutomaton, names: tuple[str, ...]) -> tuple[Program, Numbers]:
     """The same of some modes that are derived on demand, in this order: for runs that were made elsewhere."""
-    parameters = tuple(automaton.parameters)
+    modes, parameters = automaton.modes, tuple(automaton.parameters)
     with _ONE_AT_A_TIME:
-        program = _pack_modes(automaton.states, automaton.modes, names, parameters, automaton.coordinates)
+        chosen = modes.chosen(names)
+        program = _pack_modes(automaton.states, modes, chosen, parameters, automaton.coordinates)
     return program, program.numbers(tuple(automaton.parameters.values()))
 
 
@@ -131,16 +133,15 @@ def program_of_modes(automaton: HybridAutomaton, names: tuple[str, ...]) -> tupl
 def _pack_modes(
     states: tuple[Symbol, ...],
     modes: ModesOnDemand,
-    names: tuple[str, ...],
+    known: KnownModes,
     parameters: tuple[Symbol, ...],
     coordinates: int,
 ) -> Program:
-    packer, chosen = Packer(states, (), (), modes), tuple(map(modes.named, names))
-    for mode in chosen:
+    packer = Packer(states, (), (), modes)
+    for mode in known.modes:
         check_mode(mode, modes.names, states, frozenset((*states, *parameters)))
         packer.add(mode)
-    combinations = tuple(modes.names.combination_of(name) or () for name in names)
-    return packer.pack(parameters, coordinates, True, KnownModes(chosen, combinations, ()))
+    return packer.pack(parameters, coordinates, True, known)
 
 
 @lru_cache(maxsize=64)
