@@ -122,10 +122,10 @@ def pack_program(
 
 def program_of_modes(automaton: HybridAutomaton, names: tuple[str, ...]) -> tuple[Program, Numbers]:
     """The same of some modes that are derived on demand, in this order: for runs that were made elsewhere."""
-    modes, parameters = automaton.modes, tuple(automaton.parameters)
+    modes: Any = automaton.modes
+    about = tuple(automaton.parameters), automaton.coordinates
     with _ONE_AT_A_TIME:
-        chosen = modes.chosen(names)
-        program = _pack_modes(automaton.states, modes, chosen, parameters, automaton.coordinates)
+        program = _pack_modes(automaton.states, modes, modes.chosen(names), *about)
     return program, program.numbers(tuple(automaton.parameters.values()))
 
 
