@@ -3,12 +3,13 @@
     harness             scenes, runs with a known end; compiled code made ready, runs timed in turns, a row
                         for each method on a scene
     peers/              the methods that are compared: ours, and other tools on the same automaton
-    single_costs        the eight scenes without nonlinearities; first calls, native code of each mode; many
-                        eigenvalue problems at once
-    sensitivity_costs   exact derivatives beside the quantity alone; Floquet multipliers
+    single_costs        the eight scenes without nonlinearities; first calls, native code of each mode;
+                        where the time of a run goes
+    stability_costs     many eigenvalue problems at once; exact derivatives beside the quantity alone; Floquet
+                        multipliers
     many_runs           runs side by side in lanes; Fig. 9's sweep by one worker and by two; basin stability
                         by events, against a model made smooth
-    many_contacts       growth with the number of contacts and of states
+    growth              growth with contacts, states, events, length, values of a sweep, workers
     response_times      a step of an explorer's slider; size of exported pages, and how pictures
                         follow a slider
     performance_page, page_figures      docs/performance.md and docs/exact-and-fast.md, their pictures, and

@@ -182,9 +182,8 @@ def _linear(model: Any) -> BenchScene:
 
 BASE_METHOD = "frictionlab, tol 1e-15"
 SINGLE_RUN_ABOVE = 3.0  # s: a run longer than this is timed once
-WARM_RUN_BELOW = (
-    0.1  # s: a shorter one would be slowed down by what ran before it, which leaves the caches cold
-)
+# s: shorter runs are repeated for so long at each turn, as the first find cold caches
+TURN_SECONDS = 0.1
 
 
 def warm_up(automaton: HybridAutomaton, method: Method) -> None:
@@ -248,9 +247,7 @@ def measure(
     spent = {name: [seconds] if seconds > SINGLE_RUN_ABOVE else [] for name, (_, seconds) in runs.items()}
     for _ in range(repeats):
         for name in [name for name in methods if runs[name][1] <= SINGLE_RUN_ABOVE]:
-            if runs[name][1] < WARM_RUN_BELOW:
-                _time_run(scene, methods[name])
-            spent[name].append(_time_run(scene, methods[name])[1])
+            spent[name].append(_time_of_turn(scene, methods[name]))
     rows = [
         _measured_row(scene, way, methods[way.name], runs[way.name][0], spent[way.name])
         if way in there
@@ -277,6 +274,14 @@ def _time_run(scene: BenchScene, method: Method) -> tuple[Any, float]:
     begin = time.perf_counter()
     run = solve(scene.automaton, scene.t_end, x0=scene.x0, method=method, progress=False)
     return run, time.perf_counter() - begin
+
+
+def _time_of_turn(scene: BenchScene, method: Method) -> float:
+    """Median time of the runs that a turn has room for, of every method alike."""
+    spent: list[float] = []
+    while not spent or sum(spent) < TURN_SECONDS:
+        spent.append(_time_run(scene, method)[1])
+    return median(spent)
 
 
 def _measured_row(

@@ -21,7 +21,7 @@ from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models import SliderOnBelt
 from frictionlab.plotting import RunFigure
-from frictionlab.plotting.style import (
+from frictionlab.plotting.appearance import (
     BLACK,
     BLUE,
     DASHED,

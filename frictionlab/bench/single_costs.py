@@ -1,7 +1,12 @@
-"""The cost of each nonlinearity, and the costs that arise once; many eigenvalue problems against a loop.
+"""What a run costs: each nonlinearity, what arises once, and where the time of a run goes.
 
 The eight scenes with and without nonlinearities: size of the tape and wall time; their first call in a
 fresh process; native code for each mode, compiled and loaded; what a process takes from its start on.
+
+`TimeShares` stand next to the floor that the processor sets.  Jets and the states at the ends of steps are
+computed once more, apart, as dense output does; Python's share is the time of a run that is as good as over
+when it begins.  What is left of a scene without events is the choice of step lengths and the record; so much
+a step is taken for them in the others, whose events, guards included, have the rest.
 """
 
 from __future__ import annotations
@@ -11,10 +16,10 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import partial
+from functools import cache, partial
 from itertools import compress, product
 from statistics import median
 from types import MappingProxyType
@@ -23,18 +28,26 @@ from typing import Any
 import numpy as np
 
 from frictionlab.analysis.simulate import simulate
-from frictionlab.bench.harness import FULL_GAP_RATE_SLIDER, interleaved_medians, warm_up
+from frictionlab.bench.harness import FULL_GAP_RATE_SLIDER, BenchScene, interleaved_medians, scenes, warm_up
 from frictionlab.hybrid import compilation
-from frictionlab.hybrid.codegen.native_cache import NativeCode
+from frictionlab.hybrid.codegen.native_cache import NativeCode, native_code
+from frictionlab.hybrid.kernels.run_state import StepData, jet_columns
+from frictionlab.hybrid.kernels.taylor_steps import sample_states
 from frictionlab.hybrid.methods.taylor import Taylor
+from frictionlab.hybrid.solve import solve
+from frictionlab.hybrid.tape.functions import AFFINE, PRODUCT, QUOTIENT, RATE, SQUARE
 from frictionlab.hybrid.tape.packing import program_of
 from frictionlab.hybrid.tape.program import Program
-from frictionlab.models import SliderOnBelt
+from frictionlab.hybrid.tape.tape import Tape
+from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.presentation import markdown_table
-from frictionlab.stability import eigenvalues, root_locus, stability_changes
 
 NONLINEARITIES = ("cubic", "nonsmooth", "geometry")
 COMBINATIONS = tuple(tuple(compress(NONLINEARITIES, choice)) for choice in product((0, 1), repeat=3))
+MEASURED = ("C", "A", "B")  # first the one without events
+AT_ONCE_OVER = 1e-9  # s: length of a run that is as good as over when it begins
+MATRIX_SIZE = 400
+MATRIX_PRODUCTS = 20
 
 FRESH_PROCESS = """\
 import time
@@ -248,59 +261,106 @@ def start_table(rows: Sequence[Start]) -> str:
     return markdown_table("to the end of | first process | a later one | floor | x | the floor is", lines)
 
 
-LOOP_STRIDE = 20  # the loop solves one problem in so many and is scaled up
-EIGENPROBLEM_MODEL = SliderOnBelt()
-
-# step of finite differences, as a share of the motion's range in each state
-
-
 @dataclass(frozen=True)
-class EigenproblemRow:
-    """A row of the table: task, wall time (s), largest difference of an eigenvalue from those of the loop
-    (1/s)."""
+class TimeShares:
+    """Seconds of one run, and those in which the processor could do the operations of its jets."""
 
-    name: str
-    seconds: float
-    difference: float
+    scene: str
+    steps: int
+    events: int
+    total: float
+    python: float
+    jets: float
+    ends: float  # the states at the ends of the steps
+    floor: float
+
+    @property
+    def left(self) -> float:
+        """What is neither of these: step lengths, records, guards, events."""
+        return self.total - self.python - self.jets - self.ends
 
 
-def eigenproblem_times(count: int = 10_000, repeats: int = 3) -> list[EigenproblemRow]:
-    """Equilibrium and eigenvalues for `count` values of mu_k: tracked all at once, and in a loop."""
-    values = np.linspace(0.0, 3.0, count)
-    some = values[::LOOP_STRIDE]
-    at_once, loop, changes = interleaved_medians(
-        [
-            lambda: root_locus(EIGENPROBLEM_MODEL, "mu_k", values),
-            lambda: _eigenvalues_in_loop(some),
-            _find_changes,
-        ],
-        repeats,
+def time_shares(names: Sequence[str] = MEASURED, repeats: int = 25) -> list[TimeShares]:
+    """The shares of some scenes."""
+    return [_shares(scenes()[name], repeats) for name in names]
+
+
+def _shares(scene: BenchScene, repeats: int) -> TimeShares:
+    method = Taylor()
+    warm_up(scene.automaton, method)
+    begin = partial(solve, scene.automaton, x0=scene.x0, method=method, progress=False)
+    run = begin(scene.t_end)
+    ways = [partial(begin, scene.t_end), partial(begin, AT_ONCE_OVER)]
+    ways += [_sampling(run, method.degree, count) for count in (0, 1, 2)]
+    total, python, none, once, twice = interleaved_medians(ways, repeats)
+    jets, ends = (once - none) - (twice - once), twice - once
+    operations = operations_of_jets(run, method.degree)
+    counts = len(run.raw.step_modes), len(run.events)
+    return TimeShares(scene.name, *counts, total, python, jets, ends, operations / operations_a_second())
+
+
+def _sampling(run: Trajectory, order: int, count: int) -> Callable[[], None]:
+    """The states at `count` instants of every step."""
+    raw, program = run.raw, run.problem.program
+    steps = np.repeat(np.arange(len(raw.step_modes)), count)
+    times, out = raw.step_times[steps].sum(axis=1), np.empty((len(steps), raw.state.size))
+    stored, J = (
+        StepData(raw.step_times, raw.step_modes, raw.step_states),
+        np.zeros((program.slots, jet_columns(order))),
     )
-    scale = count / len(some)
-    return [
-        EigenproblemRow(f"{count} values, modes tracked (root_locus)", at_once, _largest_difference(some)),
-        EigenproblemRow(f"{count} values, one after another (eigenvalues)", loop * scale, 0.0),
-        EigenproblemRow("every stability change from mu_k 0 to 3 (stability_changes)", changes, 0.0),
-    ]
-
-
-def _eigenvalues_in_loop(values: Any) -> list[Any]:
-    return [eigenvalues(EIGENPROBLEM_MODEL.replace(mu_k=float(value))).values for value in values]
-
-
-def _find_changes() -> Any:
-    return stability_changes(EIGENPROBLEM_MODEL, "mu_k", (0.0, 3.0))
-
-
-def _largest_difference(values: Any) -> float:
-    tracked = np.sort_complex(root_locus(EIGENPROBLEM_MODEL, "mu_k", values).values)
-    upper = np.array([np.sort_complex(one[one.imag > 0]) for one in _eigenvalues_in_loop(values)])
-    return float(np.abs(tracked - upper).max())
-
-
-def eigenproblem_table(rows: list[EigenproblemRow]) -> str:
-    """The rows as Markdown; times also as multiples of the first."""
-    lines = (
-        f"{r.name} | {r.seconds:.3g} s | {r.seconds / rows[0].seconds:.2g} | {r.difference:.0e}" for r in rows
+    return partial(
+        sample_states, native_code(program).code, run.problem.numbers, order, stored, steps, times, out, J
     )
-    return markdown_table("eigenvalue problems | wall time | x | difference, 1/s", lines)
+
+
+def operations_of_jets(run: Trajectory, order: int) -> float:
+    """Multiplications and additions in the jets of all steps of a run."""
+    visits = np.bincount(run.raw.step_modes, minlength=len(run.problem.program.tapes))
+    each = [operations_of_tape(tape, order) for tape in run.problem.program.tapes]
+    return float(visits @ np.array(each, dtype=float))
+
+
+def operations_of_tape(tape: Tape, order: int) -> int:
+    """Multiplications and additions in the jets of one tape up to an order."""
+    orders = np.arange(order + 1)
+    total = tape.inputs * order  # rates divided by the order
+    for kind, a, b in tape.ops:
+        if kind == AFFINE:
+            total += 2 * (b - a) * (order + 1)
+        elif kind == SQUARE:
+            total += int((orders + 2).sum())
+        elif kind == RATE:
+            total += order
+        else:
+            total += int((2 * orders + 1).sum()) * (1 if kind in (PRODUCT, QUOTIENT) else 2)
+    return total
+
+
+@cache
+def operations_a_second() -> float:
+    """Multiplications and additions that one core does in a product of matrices."""
+    factor = np.random.default_rng(0).normal(size=(MATRIX_SIZE, MATRIX_SIZE))
+    rates = []
+    for _ in range(MATRIX_PRODUCTS):
+        begin = time.process_time()  # of all threads
+        np.matmul(factor, factor)
+        rates.append(2 * MATRIX_SIZE**3 / max(time.process_time() - begin, 1e-9))
+    return median(rates)
+
+
+def time_share_table(rows: Sequence[TimeShares]) -> str:
+    """The shares as Markdown; the first row must be of a scene without events."""
+    a_step = rows[0].left / rows[0].steps
+    cells = []
+    for row in rows:
+        length = a_step * row.steps
+        shares = [row.jets, row.ends, length, row.left - length, row.python]
+        parts = " | ".join(f"{1e6 * each:.0f} us ({100 * each / row.total:.0f} %)" for each in shares)
+        an_event = f"{1e6 * (row.left - length) / row.events:.2f} us" if row.events else "-"
+        floor = f"{1e6 * row.floor:.0f} us | {row.jets / row.floor:.1f}"
+        cells.append(f"{row.scene} | {1e6 * row.total:.0f} us | {parts} | {an_event} | {floor}")
+    heads = (
+        "scene | whole run | jets | states at the ends | step lengths, record | guards, events | Python "
+        "| an event | floor of the jets | jets / floor"
+    )
+    return markdown_table(heads, cells)

@@ -1,14 +1,15 @@
 """The command `frictionlab`: `main` is its entry point.
 
-    command        `main`: reads the arguments, calls the command, turns interruptions into exit statuses
-    parsing        what the commands share: parser, spellings, options of sweeps, checks of files
-    scenes         `frictionlab models`; models by name, with their values, and JSON
+    command        `main`: reads the arguments, calls the command, turns interruptions into exit statuses;
+                   `frictionlab completion`
+    parsing        what the commands share: parser, spellings, models by name with their values, options of
+                   sweeps, checks of files, JSON
+    models         `frictionlab models`, `frictionlab eig` and `frictionlab critical`
     run            `frictionlab run` and what it prints
-    stability      `frictionlab eig` and `frictionlab critical`
-    media          `frictionlab animate`, `frictionlab sound` and `frictionlab page`
+    media          `frictionlab animate`, `frictionlab sound`, `frictionlab page` and `frictionlab app`
+    app_server     what `frictionlab app` serves
     course         `frictionlab course` and `frictionlab warmup`
     reports        `frictionlab figure`, `frictionlab reproduce` and `frictionlab bench`
-    app            `frictionlab app`
     shipped_structures   not a command of users: what a wheel carries of the models, derived beforehand
 
 Each command has `add_...`, which adds its options, and `..._command`, which checks them all, does the

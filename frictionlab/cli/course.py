@@ -7,8 +7,7 @@ import time
 from pathlib import Path
 from typing import Any
 
-from .parsing import OneLineParser, add_command, complain
-from .scenes import add_json, print_json
+from .parsing import OneLineParser, add_command, add_json, complain, print_json
 
 EXIT_FAILED = 1
 NOTEBOOKS = "*.ipynb"

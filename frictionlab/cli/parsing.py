@@ -1,14 +1,17 @@
-"""What the commands share: a parser with errors of one line, spellings, checks before a run, and output to
-streams that may be closed or full.
+"""What the commands share: a parser with errors of one line, spellings, the options of a model (`--model`,
+`--set`, `--without`), checks before a run, and output, as JSON too, to streams that may be closed or full.
 """
 
 from __future__ import annotations
 
 import argparse
+import ast
+import json
+import math
 import os
 import re
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -16,7 +19,8 @@ from frictionlab.validation import nearest_name
 
 # Negative numbers, "-1e-3" and "-inf" included, and lists of them: argparse mistakes some for options.
 NEGATIVE_NUMBER = re.compile(r"-(\d|\.\d|inf|nan)", re.IGNORECASE)
-
+DEFAULT_MODEL = "SliderOnBelt"
+SHOWN = {"SliderOnBelt": {"mu_k": 1.4}}  # what its commands begin with, where the paper's cycle is
 PICTURE_FORMATS = (".png", ".pdf", ".svg", ".eps", ".jpg", ".webp")
 
 
@@ -140,3 +144,126 @@ def check_writable(path: Path, option: str) -> None:
         raise ValueError(f"{option} must be a file, {str(path)!r} is a folder: add a file name")
     if not os.access(path if path.exists() else folder, os.W_OK):
         raise ValueError(f"{option} cannot be written to {str(path)!r}: permission denied, choose another")
+
+
+def add_model_options(group: Any) -> None:
+    """Which model, with which values."""
+    text = f"of `frictionlab models`, with laws as in Python if you like (default: {DEFAULT_MODEL})"
+    group.add_argument("--model", metavar="NAME", default=DEFAULT_MODEL, help=text)
+    add_values(group)
+    text = "leave nonlinearities out: cubic, nonsmooth, geometry, as far as the model has them"
+    group.add_argument("--without", nargs="+", action="extend", default=[], metavar="NAME", help=text)
+
+
+def add_values(group: Any) -> None:
+    """Values of parameters, `--set mu_k=1.4 v=-1`."""
+    text = "values of parameters, such as mu_k=1.4 v=-1; `frictionlab models NAME` lists them"
+    group.add_argument(
+        "--set", nargs="+", action="extend", default=[], metavar="P=X", dest="values", help=text
+    )
+
+
+def add_json(group: Any) -> None:
+    """One JSON object instead of words."""
+    group.add_argument("--json", action="store_true", help="print one JSON object, and nothing else")
+
+
+def model_from_options(chosen: argparse.Namespace) -> Any:
+    """The model with its laws and values; ValueError or TypeError as the model raises."""
+    model = model_of(chosen.model)
+    given = SHOWN.get(chosen.model, {}) | values_of(chosen.values)
+    return model.without(*chosen.without).replace(**given) if chosen.without else model.replace(**given)
+
+
+def values_of(words: list[str]) -> dict[str, float]:
+    """Numbers by name of words such as mu_k=1.4; ValueError for any other."""
+    return dict(_value_of(word) for word in words)
+
+
+def _value_of(word: str) -> tuple[str, float]:
+    name, equals, text = word.partition("=")
+    try:
+        if not (name.isidentifier() and equals):
+            raise ValueError
+        return name, float(text)
+    except ValueError:
+        rule = "--set takes a parameter, = and a number without spaces"
+        raise ValueError(f"{rule}, got {word!r}: write --set mu_k=1.4") from None
+
+
+def model_of(text: str) -> Any:
+    """The model that a text names: `DenHartog` or `MassOnBelt(friction=Stribeck(v_s=0.1), c=0.1)`.
+
+    Raises
+    ------
+    ValueError, TypeError
+        For names that are no models or laws, and for values that the model refuses.
+    """
+    from frictionlab.validation import did_you_mean
+
+    name, known = text.partition("(")[0].strip().removeprefix("fl."), model_names()
+    if name not in known:
+        listed = ", ".join(known)
+        hint = did_you_mean(name, known) or ": `frictionlab models` says what each is"
+        raise ValueError(f"--model must be one of {listed}, got {name!r}{hint}")
+    try:
+        node = ast.parse(text if "(" in text else f"{text}()", mode="eval").body
+    except SyntaxError:
+        raise ValueError(f"--model must be a name or a call, got {text!r}: close what is open") from None
+    return _component(node, text)
+
+
+def model_names() -> list[str]:
+    """Names of the package's models, in the order of their table."""
+    from frictionlab.models.library.catalogue import MODEL_ROWS
+
+    return list(dict.fromkeys(row.call.partition("(")[0] for row in MODEL_ROWS))
+
+
+def _component(node: ast.expr, text: str) -> Any:
+    """A model or law that is called with numbers, texts and laws by name; else the value of a literal."""
+    import frictionlab as fl
+    from frictionlab.components.component import Component
+
+    if not isinstance(node, ast.Call):
+        return _literal(node, text)
+    name = node.func.id if isinstance(node.func, ast.Name) else getattr(node.func, "attr", "")
+    kind = getattr(fl, name) if name in fl.__all__ else None
+    if node.args or not (isinstance(kind, type) and issubclass(kind, Component)):
+        laws = "laws by their names, values as keywords"
+        raise ValueError(
+            f"--model takes {laws}, got {ast.unparse(node)!r}: write MassOnBelt(friction=Stribeck())"
+        )
+    return kind(**{str(each.arg): _component(each.value, text) for each in node.keywords})
+
+
+def _literal(node: ast.expr, text: str) -> Any:
+    try:
+        return ast.literal_eval(node)
+    except ValueError:
+        rule = "--model takes numbers, texts and laws as values"
+        raise ValueError(f"{rule}, got {ast.unparse(node)!r} in {text!r}: write numbers out") from None
+
+
+def model_data(model: Any) -> dict[str, Any]:
+    """What JSON says of a model."""
+    return {"model": type(model).__name__, "call": repr(model), "parameters": dict(model.parameters)}
+
+
+def print_json(data: Mapping[str, Any]) -> None:
+    """One JSON object on standard output; numbers as numpy has them too."""
+    print(json.dumps(_plain(data), indent=2, ensure_ascii=True, allow_nan=False))
+
+
+def _plain(value: Any) -> Any:
+    """The same as what JSON knows: lists, objects, texts, finite numbers, and null for those that are not."""
+    value = value.tolist() if hasattr(value, "tolist") else value
+    if isinstance(value, Mapping):
+        return {str(name): _plain(each) for name, each in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(each) for each in value]
+    if isinstance(value, complex):
+        return {"real": _plain(value.real), "imag": _plain(value.imag)}
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    return value if value is None or isinstance(value, bool | int) else str(value)

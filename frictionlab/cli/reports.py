@@ -12,8 +12,15 @@ from pathlib import Path
 from typing import Any
 
 from frictionlab.cli import parsing
-from frictionlab.cli.parsing import OneLineParser, add_command, add_sweep_options, check_workers, complain
-from frictionlab.cli.scenes import add_json, print_json
+from frictionlab.cli.parsing import (
+    OneLineParser,
+    add_command,
+    add_json,
+    add_sweep_options,
+    check_workers,
+    complain,
+    print_json,
+)
 
 EXIT_FAILED = 1
 
@@ -261,7 +268,7 @@ def _measure_scenes(chosen: argparse.Namespace, measured: Sequence[Any]) -> list
 
 
 def _measure_others(quick: bool, switched: list[Any], folder: Path | None) -> list[str]:
-    from frictionlab.bench import many_runs, sensitivity_costs, single_costs, time_shares
+    from frictionlab.bench import many_runs, single_costs, stability_costs
 
     def costs() -> str:
         starts = single_costs.starts(repeats)
@@ -269,19 +276,19 @@ def _measure_others(quick: bool, switched: list[Any], folder: Path | None) -> li
 
     repeats = 1 if quick else 3
     measured = {
-        "Where the time goes": lambda: time_shares.time_share_table(
-            time_shares.time_shares(repeats=5 * repeats)
+        "Where the time goes": lambda: single_costs.time_share_table(
+            single_costs.time_shares(repeats=5 * repeats)
         ),
         "What each nonlinearity costs": costs,
         "Native code": lambda: single_costs.native_table(single_costs.native_code_times(repeats)),
         "Starting": lambda: single_costs.start_table(single_costs.start_times(repeats)),
         "Many runs": lambda: many_runs.ensemble_table(many_runs.ensemble_times(repeats=repeats)),
         "Fig. 9's sweep": lambda: many_runs.sweep_table(many_runs.sweep_times(30.0 if quick else 300.0, 1)),
-        "Linear stability": lambda: single_costs.eigenproblem_table(
-            single_costs.eigenproblem_times(10_000, repeats)
+        "Linear stability": lambda: stability_costs.eigenproblem_table(
+            stability_costs.eigenproblem_times(10_000, repeats)
         ),
-        "Floquet multipliers": lambda: sensitivity_costs.multiplier_table(
-            sensitivity_costs.multiplier_times(repeats)
+        "Floquet multipliers": lambda: stability_costs.multiplier_table(
+            stability_costs.multiplier_times(repeats)
         ),
         "Basins": lambda: many_runs.basin_table(many_runs.basin_times(10_000, 20 if quick else 200)),
         "A step of an explorer's slider": lambda: _explorer_table(3 if quick else 10),

@@ -16,9 +16,18 @@ from functools import partial
 from typing import Any
 
 from . import parsing
-from .parsing import OneLineParser, complain
-from .scenes import DEFAULT_MODEL, add_json, add_model_options, model_data, model_of, print_json, values_of
-from .stability import equilibrium_lines, stability_data
+from .models import equilibrium_lines, stability_data
+from .parsing import (
+    DEFAULT_MODEL,
+    OneLineParser,
+    add_json,
+    add_model_options,
+    complain,
+    model_data,
+    model_of,
+    print_json,
+    values_of,
+)
 
 RUN_DESCRIPTION = """\
 Simulate the 5-degree-of-freedom slider on a moving belt of Liu & Ouyang (2020),

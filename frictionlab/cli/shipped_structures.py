@@ -21,7 +21,7 @@ from zipfile import ZIP_DEFLATED, ZipFile
 import numpy as np
 
 from frictionlab import cache_folder, models
-from frictionlab.cli.scenes import model_of
+from frictionlab.cli.parsing import model_of
 from frictionlab.file_writing import write_file
 from frictionlab.hybrid.problem import evaluate_output
 from frictionlab.hybrid.tape.packing import program_of

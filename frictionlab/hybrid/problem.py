@@ -2,7 +2,8 @@
 
 A `Problem` is a program with its numbers, an initial state and an end.  Kernels fill records of fixed
 capacity; `RecordList` joins these to `RunData`, the arrays that a
-:class:`~frictionlab.hybrid.trajectory.Trajectory` wraps, and `Status` says in a sentence how the run ended.
+:class:`~frictionlab.hybrid.trajectory.Trajectory` wraps, and sees that they do not fill the memory
+(`free_memory`).  `Status` says in a sentence how the run ended.
 `Events` and `SectionPoints` are what happened, and when.  Named quantities are formulas of each mode as
 functions of arrays of states; powers in them are those of the tape: a base that is below zero by rounding
 counts as zero.
@@ -10,18 +11,21 @@ counts as zero.
 
 from __future__ import annotations
 
+import math
+import os
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from enum import Enum
 from functools import lru_cache
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from frictionlab.automaton import HybridAutomaton, Mode
 from frictionlab.hybrid.elementary.parameter_functions import OF_OUTPUTS
-from frictionlab.hybrid.free_memory import free_memory
 from frictionlab.hybrid.kernels.run_state import Record, new_record
 from frictionlab.hybrid.tape.program import Code, Numbers, Program
 from frictionlab.presentation import MAX_ROWS, count, dataframe, shorten, span, state_unit
@@ -123,6 +127,9 @@ class Status(Enum):
 
 
 BYTES_BETWEEN_LOOKS = 2**26  # by which a run grows before it is seen again whether memory ends
+BYTES_PER_KILOBYTE = 1024
+MEMORY_INFORMATION = Path("/proc/meminfo")
+GROUP = Path("/sys/fs/cgroup")  # of a container, whose limit may be lower than what the machine has
 
 
 class RecordList:
@@ -162,6 +169,28 @@ class RecordList:
         arrays = parts[0] if len(parts) == 1 else map(np.concatenate, zip(*parts, strict=True))
         joined = dict(zip(Record._fields, arrays))
         return RunData(**joined, t=float(t), state=state, mode=mode, status=status)
+
+
+def free_memory() -> float:
+    """Bytes that a process may yet take; infinite where the system does not tell."""
+    return min(_free_on_machine(), _free_in_group())
+
+
+def _free_on_machine() -> float:
+    with suppress(OSError, ValueError, IndexError):
+        for line in MEMORY_INFORMATION.read_text().splitlines():
+            if line.startswith("MemAvailable:"):
+                return float(line.split()[1]) * BYTES_PER_KILOBYTE
+    with suppress(OSError, ValueError, AttributeError):
+        return float(os.sysconf("SC_AVPHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
+    return math.inf
+
+
+def _free_in_group() -> float:
+    with suppress(OSError, ValueError):
+        limit, used = ((GROUP / f"memory.{name}").read_text() for name in ("max", "current"))
+        return float(limit) - float(used)  # the limit is a word where there is none
+    return math.inf
 
 
 MAX_KINDS = 6  # kinds of events that a summary counts

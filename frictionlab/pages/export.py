@@ -19,8 +19,7 @@ from typing import Any
 from frictionlab._version import __version__
 from frictionlab.analysis.motion_scales import oscillation_period, round_down_1_2_5
 from frictionlab.file_writing import write_text
-from frictionlab.hybrid.ahead_of_time.manifest import changed_sources, read_manifest, read_object
-from frictionlab.hybrid.ahead_of_time.targets import WEB
+from frictionlab.hybrid.ahead_of_time.manifest import WEB, changed_sources, read_manifest, read_object
 from frictionlab.hybrid.elementary.parameter_functions import KERNELS as ELEMENTARY
 from frictionlab.hybrid.kernels.event_location import COEFFICIENT_ROUNDING
 from frictionlab.hybrid.kernels.jets import LOG2_LEAST_RATIO

@@ -30,7 +30,7 @@ from frictionlab.models import Model
 from frictionlab.models.composition import parameter_metadata
 from frictionlab.models.symbols import structure_of_component, symbolic_copy
 from frictionlab.pages.javascript import javascript_function, javascript_function_apart, rule_data
-from frictionlab.plotting.style import mode_colours
+from frictionlab.plotting.appearance import mode_colours
 from frictionlab.stability import equilibrium
 from frictionlab.validation import check_mapping, check_number, did_you_mean_or_known
 

@@ -22,9 +22,9 @@ from frictionlab.analysis.steady_state.classification import MotionKind
 from frictionlab.analysis.steady_state.steady_state import steady_state
 from frictionlab.hybrid.methods.base import Method
 from frictionlab.hybrid.methods.one_step import RK4
-from frictionlab.plotting.appearance import ink, legible
+from frictionlab.plotting.appearance import BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILLION, ink, legible
 from frictionlab.plotting.figure import legend_beside, new_figure
-from frictionlab.plotting.style import BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILLION, parameter_label
+from frictionlab.plotting.labels import parameter_label
 
 from . import scenes
 from .scenes import IMPACTS, RETURN_TOLERANCES, Setting, sweep_results

@@ -4,8 +4,9 @@ None of them uses pyplot, so a figure is freed with its last reference and no wi
 
     figure                  figures that show themselves in a notebook, the axes to draw into, legends; a
                             panel as data: curves, labels, limits (the explorers' panels give these)
-    appearance              `fl.style`, the user's settings of matplotlib, colours on dark backgrounds
-    style                   lines and colours of coordinates and modes, symbols of states and parameters
+    appearance              `fl.style`, the user's settings of matplotlib, colours on dark backgrounds;
+                            lines and colours of coordinates and modes
+    labels                  symbols, meanings and units of states and parameters at axes and in legends
     time_histories          which part of a run is shown, its samples and modes; displacements, rates and
                             contact forces against time
     overview                a coordinate against its rate, coloured by mode; the amplitude spectrum of a

@@ -8,7 +8,7 @@ they were changed.  On a dark background a colour that could not be seen is repl
 
 from __future__ import annotations
 
-from types import TracebackType
+from types import MappingProxyType, TracebackType
 from typing import Any
 
 import matplotlib
@@ -18,6 +18,7 @@ from matplotlib.colors import to_hex, to_rgb, to_rgba
 from matplotlib.patheffects import Normal, Stroke
 from matplotlib.rcsetup import cycler
 
+from frictionlab.presentation import is_angle
 from frictionlab.validation import check_choice
 
 # Okabe & Ito 2008: colours that colour-blind readers can tell apart
@@ -27,7 +28,32 @@ YELLOW, WHITE = "#F0E442", "#FFFFFF"
 
 LINE_COLOURS = (BLACK, VERMILLION, BLUE, GREEN)
 LINE_WIDTH = 1.2  # points
+DASHED = (0, (4, 1.5))
 PANEL_SIZE = 7.0, 4.0  # inches of a figure with one panel
+MODE_COLOURS = MappingProxyType(
+    {
+        "stick": ORANGE,
+        "slip+": GREY,
+        "slip": GREY,
+        "slip-": PURPLE,
+        "separation": SKY,
+        "chatter": YELLOW,
+    },
+)
+# Those of energies, of the works that change them, and for names that are a model's own.
+ENERGY_COLOURS = MappingProxyType(
+    {"kinetic": BLUE, "springs": GREEN, "contact": VERMILLION, "preload": ORANGE},
+)
+WORK_COLOURS = MappingProxyType(
+    {
+        "belt drive": BLUE,
+        "friction": VERMILLION,
+        "dampers": GREEN,
+        "impacts": ORANGE,
+        "moving load": PURPLE,
+    },
+)
+SPARE_COLOURS = (SKY, PURPLE, GREEN, ORANGE, YELLOW)
 
 MIN_CONTRAST = 4.5  # ratio of luminances that WCAG 2 asks for between a text and its background
 LIGHT_LUMINANCE = 0.18  # of a background: above, black is seen better than white
@@ -242,6 +268,30 @@ def marker_size(size: float) -> float:
 def pen(colour: str = BLACK, width: float = LINE_WIDTH, ax: Axes | None = None) -> dict[str, Any]:
     """Colour and width of a line in `ax`, as keywords of matplotlib."""
     return {"color": legible(colour, ax), "linewidth": line_width(width)}
+
+
+def mode_colours(run: Any) -> dict[str, str]:
+    """A colour for every mode that a run knows: its own, or for modes of other automata one of the palette.
+
+    They are in the automaton's order and taken in turn by it, so that a mode looks the same in all runs.
+    """
+    spare = (GREY, SKY, ORANGE, PURPLE, YELLOW, GREEN, BLUE, VERMILLION, BLACK)
+    places = sorted(zip(run.mode_places, run.mode_names, strict=True))
+    return {name: MODE_COLOURS.get(name, spare[place % len(spare)]) for place, name in places}
+
+
+def line_style(index: int, name: str, ax: Axes | None = None) -> dict[str, Any]:
+    """Colour, width and dashes of a coordinate's line in `ax`: angles, of another unit, are dashed.
+
+    What the user has set in ``axes.prop_cycle`` takes the place of the package's colours.
+    """
+    own = cycled_style(index)
+    if own is not None:
+        usual = {"color": legible(BLACK, ax), "linestyle": "-", "linewidth": line_width()}
+        return usual | own | ({"linestyle": DASHED} if is_angle(name) else {})
+    colour = legible(LINE_COLOURS[index % len(LINE_COLOURS)], ax)
+    dashed = is_angle(name) or index >= len(LINE_COLOURS)
+    return {"color": colour, "linestyle": DASHED if dashed else "-", "linewidth": line_width()}
 
 
 def crowding() -> float:

@@ -20,21 +20,23 @@ from frictionlab.analysis.motion_scales import Spectrum, amplitude_spectrum, hig
 from frictionlab.analysis.run_comparison import largest_sound_defect
 from frictionlab.analysis.verify import TRUSTED_DEVIATION
 from frictionlab.hybrid.kernels.jets import MACHINE_EPSILON
-from frictionlab.plotting.appearance import crowding, font_size, legible, marker_size, pen
-from frictionlab.plotting.figure import axes_or_new, legend_beside, new_figure, set_long_title
-from frictionlab.plotting.style import (
+from frictionlab.plotting.appearance import (
     BLACK,
     BLUE,
     DASHED,
-    GREEN,
-    ORANGE,
-    PURPLE,
-    SKY,
+    ENERGY_COLOURS,
+    SPARE_COLOURS,
     VERMILLION,
-    YELLOW,
+    WORK_COLOURS,
+    crowding,
+    font_size,
+    legible,
+    marker_size,
     mode_colours,
-    state_label,
+    pen,
 )
+from frictionlab.plotting.figure import axes_or_new, legend_beside, new_figure, set_long_title
+from frictionlab.plotting.labels import state_label
 from frictionlab.plotting.time_histories import (
     DEFAULT_WINDOW,
     Array,
@@ -268,17 +270,6 @@ def _title(figure: Figure, run: Any) -> None:
     figure.legend(handles=handles, loc="outside lower center", ncols=len(handles) or 1, frameon=False)
 
 
-ENERGIES = {"kinetic": BLUE, "springs": GREEN, "contact": VERMILLION, "preload": ORANGE}
-SPARE = (SKY, PURPLE, GREEN, ORANGE, YELLOW)  # for names that are a model's own
-WORKS = {
-    "belt drive": BLUE,
-    "friction": VERMILLION,
-    "dampers": GREEN,
-    "impacts": ORANGE,
-    "moving load": PURPLE,
-}
-
-
 def plot_energies(audit: Any, ax: Axes | None = None) -> list[Line2D]:
     """Draw every energy of an audit against time, and their sum, dashed.
 
@@ -300,7 +291,9 @@ def plot_energies(audit: Any, ax: Axes | None = None) -> list[Line2D]:
     >>> [line.get_label() for line in plot_energies(audit)]
     ['kinetic', 'springs', 'preload', 'contact', 'sum']
     """
-    return _draw_contributions(audit, ax, audit.energies, ENERGIES, audit.total, "energy (J)", "Energies")
+    return _draw_contributions(
+        audit, ax, audit.energies, ENERGY_COLOURS, audit.total, "energy (J)", "Energies"
+    )
 
 
 def plot_works(audit: Any, ax: Axes | None = None) -> list[Line2D]:
@@ -327,7 +320,7 @@ def plot_works(audit: Any, ax: Axes | None = None) -> list[Line2D]:
     """
     title = f"Work since the start; the balance misses {audit.error:.1g} of the energy turned over"
     return _draw_contributions(
-        audit, ax, audit.works, WORKS, audit.total - audit.total[0], "work from 0 to $t$ (J)", title
+        audit, ax, audit.works, WORK_COLOURS, audit.total - audit.total[0], "work from 0 to $t$ (J)", title
     )
 
 
@@ -342,7 +335,7 @@ def _draw_contributions(
 ) -> list[Line2D]:
     ax = axes_or_new(ax, (8.0, 4.0))
     taken, lines = {colours.get(name) for name in parts}, []
-    spare = cycle(colour for colour in SPARE if colour not in taken)
+    spare = cycle(colour for colour in SPARE_COLOURS if colour not in taken)
     for name, values in parts.items():
         colour = colours.get(name) or next(spare)
         lines += ax.plot(audit.t, values, label=name, **pen(colour, ax=ax))

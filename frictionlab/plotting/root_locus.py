@@ -17,16 +17,22 @@ from matplotlib.lines import Line2D
 
 from frictionlab.models import Model
 from frictionlab.plotting.animation.animate import BeltPicture, picture_of
-from frictionlab.plotting.appearance import ink, legible, line_width, marker_size, pen
-from frictionlab.plotting.figure import axes_or_new, legend_beside
-from frictionlab.plotting.style import (
+from frictionlab.plotting.appearance import (
     BLACK,
     BLUE,
     GREY,
     MODE_COLOURS,
     VERMILLION,
-    coordinate_axis_label,
+    ink,
+    legible,
     line_style,
+    line_width,
+    marker_size,
+    pen,
+)
+from frictionlab.plotting.figure import axes_or_new, legend_beside
+from frictionlab.plotting.labels import (
+    coordinate_axis_label,
     parameter_label,
     parameter_value_text,
     secondary_axis_angles,

@@ -16,18 +16,6 @@ from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from frictionlab.plotting.appearance import (
-    add_halo,
-    background,
-    crowding,
-    font_size,
-    is_dark,
-    legible,
-    marker_size,
-    pen,
-)
-from frictionlab.plotting.figure import axes_or_new, legend_beside, wrap_label
-from frictionlab.plotting.studies.sweeps import SPECIAL_POINT_STYLES
-from frictionlab.plotting.style import (
     BLACK,
     BLUE,
     DASHED,
@@ -35,12 +23,24 @@ from frictionlab.plotting.style import (
     ORANGE,
     SKY,
     VERMILLION,
-    distinguishing_labels,
+    add_halo,
+    background,
+    crowding,
+    font_size,
+    is_dark,
+    legible,
     line_style,
+    marker_size,
+    pen,
+)
+from frictionlab.plotting.figure import axes_or_new, legend_beside, wrap_label
+from frictionlab.plotting.labels import (
+    distinguishing_labels,
     parameter_label,
     parameter_value_text,
     state_label,
 )
+from frictionlab.plotting.studies.sweeps import SPECIAL_POINT_STYLES
 from frictionlab.presentation import state_unit
 from frictionlab.validation import check_choice
 

@@ -16,19 +16,19 @@ from numpy.typing import NDArray
 
 from frictionlab.analysis.motion_scales import oscillation_period
 from frictionlab.hybrid.trajectory import Trajectory
-from frictionlab.plotting.appearance import is_dark, legible, pen
-from frictionlab.plotting.figure import axes_or_new
-from frictionlab.plotting.style import (
+from frictionlab.plotting.appearance import (
     BLUE,
     GREEN,
     ORANGE,
     VERMILLION,
-    coordinate_axis_label,
+    is_dark,
+    legible,
     line_style,
     mode_colours,
-    secondary_axis_angles,
-    state_label,
+    pen,
 )
+from frictionlab.plotting.figure import axes_or_new
+from frictionlab.plotting.labels import coordinate_axis_label, secondary_axis_angles, state_label
 from frictionlab.presentation import is_angle, state_unit
 from frictionlab.validation import plain_number
 

@@ -6,9 +6,8 @@
     number_control      label, slider, field and message of one number; in the browser number_control.js
     panels/             functions of a Result that return a `Drawing`, and from Drawings to PNGs
     scenes              a menu of all models and scenes above the explorer, and links that set it
-    state               what the controls are set to, undo and redo
-    files               figures, data and states as files
-    layout, messages    the arrangement of all widgets, full screen and themes; the texts beside the picture
+    state               what the controls are set to, undo and redo; figures, data and states as files
+    layout              the arrangement of all widgets, full screen and themes; the texts beside the picture
     update_scheduler    updates of which only the latest is computed; the busy indicator
     canvas, sound       `fl.watch` and `fl.listen`
 

@@ -13,8 +13,7 @@ from frictionlab.analysis.motion_scales import oscillation_period, rounded_perio
 from frictionlab.plotting.animation.animate import BeltPicture, frame_times, mechanism_of, picture_of
 from frictionlab.plotting.animation.parts import MARKS, WIDTH, Parts
 from frictionlab.plotting.animation.tilting_belt import COLUMNS, FORCE_COLOURS, SPRING_LABELS, belt_colour
-from frictionlab.plotting.appearance import background, ink, legible
-from frictionlab.plotting.style import GREY, mode_colours
+from frictionlab.plotting.appearance import GREY, background, ink, legible, mode_colours
 from frictionlab.plotting.time_histories import Periods, Window, window_limits
 from frictionlab.presentation import state_unit
 from frictionlab.validation import check_number

@@ -27,11 +27,9 @@ from frictionlab.widgets.panels.standard import (
 )
 
 from .canvas import MovingMechanism
-from .files import Files
-from .layout import Layout, close_all
-from .messages import error_text
+from .layout import Layout, close_all, error_text
 from .result import Result, Settings, default_settings, starting_model
-from .state import Comparison, History, State, check_names, control_data, set_control, state_from_text
+from .state import Comparison, Files, History, State, check_names, control_data, set_control, state_from_text
 from .update_scheduler import EVENT_LOOP_PAUSE, PAUSE_AFTER_CHANGE, BusyIndicator, UpdateScheduler
 
 

@@ -17,9 +17,8 @@ from frictionlab.models.library.catalogue import PRESETS, ROW_MODELS, list_model
 from frictionlab.validation import did_you_mean_or_known
 
 from .explorer import Explorer, explore
-from .files import FileButton
-from .messages import error_text
-from .state import State, state_from_text
+from .layout import error_text
+from .state import FileButton, State, state_from_text
 
 SCENE = "scene"  # the name in a link
 LINK_VARIABLE = "QUERY_STRING"  # of the environment of a kernel that Voila starts: what follows the address

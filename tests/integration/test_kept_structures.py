@@ -66,7 +66,7 @@ def in_a_process(code, folder):
 TABLE = """
 import json, sys
 import frictionlab as fl
-from frictionlab.cli.scenes import model_of
+from frictionlab.cli.parsing import model_of
 def answer(function, *asked):
     try:
         return function(*asked)

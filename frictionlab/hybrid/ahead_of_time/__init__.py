@@ -5,19 +5,18 @@ A build step compiles the entry points of the kernels once; the package carries 
 frictionlab.hybrid.ahead_of_time`` compiles for this machine, with ``--all`` for every target, with
 ``--target`` for one, with ``--web`` for browsers.
 
-``targets``
-    Processors and systems, and which of them this machine is.
 ``manifest``
-    What has been compiled, the file beside the objects, and the sources that it depends on.
+    What has been compiled, the file beside the objects; the sources that it depends on; processors and
+    systems, and which of them this machine is.
 ``loaded_kernels``
     The object that fits this machine, its functions as Python calls them.  It needs llvmlite only.
 ``entry_points``
     The list of what is compiled.
-``flat_functions``, ``emit``
+``flat_functions``
     numba's instructions of the kernels before any optimisation; functions of one table of numbers and
-    addresses around them; machine code of each target.
+    addresses around them.
 ``build``, ``build_hook``
-    All of this in turn, as a command and when a wheel is made.
+    All of this in turn, and machine code of each target; as a command, and when a wheel is made.
 
 How a function is called, in an object and in a browser (``objects/kernels.wasm``): ``int name(int64
 *table)``, which returns 0. A table has words of 64 bits, little end first: first the results, then the

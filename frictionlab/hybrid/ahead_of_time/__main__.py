@@ -3,8 +3,7 @@
 import argparse
 import os
 
-from frictionlab.hybrid.ahead_of_time.manifest import lacking_objects
-from frictionlab.hybrid.ahead_of_time.targets import TARGETS, WEB, targets_of_machine
+from frictionlab.hybrid.ahead_of_time.manifest import TARGETS, WEB, lacking_objects, targets_of_machine
 
 
 def main() -> None:

@@ -1,41 +1,57 @@
-"""Compile the kernels: capture their instructions, make objects of them, write the folder of objects.
+"""Compile the kernels: capture their instructions, make machine code of them for each target, write the
+folder of objects.
 
 Run as ``python -m frictionlab.hybrid.ahead_of_time``, which has numba compile although there are objects.
 """
 
 from __future__ import annotations
 
+import lzma
 import os
+import re
+import subprocess
+import sys
 import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from itertools import repeat
 from multiprocessing import get_context
 from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
 
 import llvmlite.binding as llvm
 
-from frictionlab.hybrid.ahead_of_time import emit, flat_functions
+from frictionlab.hybrid.ahead_of_time import flat_functions
 from frictionlab.hybrid.ahead_of_time.entry_points import entry_points, symbols
 from frictionlab.hybrid.ahead_of_time.flat_functions import flat_function, scalar_function
 from frictionlab.hybrid.ahead_of_time.manifest import (
     FILE,
+    TARGETS,
+    WEB,
     Function,
     Manifest,
+    Target,
     digest,
     kernel_sources,
     objects_folder,
     source_files,
 )
-from frictionlab.hybrid.ahead_of_time.targets import WEB, Target
 
 # How the instructions and the tables are made.
 BUILDERS = tuple(
     f"frictionlab.hybrid.ahead_of_time.{name}"
-    for name in ("emit", "entry_points", "flat_functions", "targets")
+    for name in ("build", "entry_points", "flat_functions", "manifest")
 )
 # With more targets it pays to optimise once what holds for all processors; that takes as long as one.
 MOST_WITHOUT_SIMPLIFICATION = 2
+OPTIMISATION = 2  # 3 makes no run shorter and objects longer
+COMMON = TARGETS[1]  # x86-64 without extensions
+# Kernels that take longer than a call and are called in many places.
+CALLED = "run_tape", "function_value", "function_range", "power"
+STACK_BYTES, MEMORY_BYTES = 1 << 18, 1 << 25  # in a browser; the memory grows
+LINKER = ("wasm-ld", "--no-entry", "--allow-undefined", "--export-table", "--growable-table", "--strip-all")
+SCALARS = {"int64": "i64", "float64": "double"}
 
 
 def build(targets: Sequence[Target], report: Callable[[str], None]) -> None:
@@ -62,13 +78,13 @@ def _machine_code(instructions: str, exports: list[str], targets: Sequence[Targe
     """The file of each target; several at once where there are several processors."""
     of_processors = instructions
     if sum(target != WEB for target in targets) > MOST_WITHOUT_SIMPLIFICATION:
-        of_processors = emit.simplified(instructions, exports)
+        of_processors = simplified(instructions, exports)
     given = [instructions if target == WEB else of_processors for target in targets]
     count = min(len(targets), os.cpu_count() or 1)
     if count == 1:
-        return [emit.object_file(*each) for each in zip(given, repeat(exports), targets)]
+        return [object_file(*each) for each in zip(given, repeat(exports), targets)]
     with ProcessPoolExecutor(count, get_context("spawn")) as pool:
-        return list(pool.map(emit.object_file, given, repeat(exports), targets))
+        return list(pool.map(object_file, given, repeat(exports), targets))
 
 
 def _capture() -> tuple[str, dict[str, Function], list[str]]:
@@ -79,10 +95,10 @@ def _capture() -> tuple[str, dict[str, Function], list[str]]:
         scalar = [(each, scalar_function(each)) for each in called]
         module = flat_functions.linked(libraries)
     for function in flat:
-        module.link_in(llvm.parse_assembly(emit.shim(function.name, function.symbol)))
+        module.link_in(llvm.parse_assembly(shim(function.name, function.symbol)))
     for symbol, function in scalar:
-        shim = emit.scalar_shim(symbol.name, function.symbol, symbol.signature)
-        module.link_in(llvm.parse_assembly(shim))
+        text = scalar_shim(symbol.name, function.symbol, symbol.signature)
+        module.link_in(llvm.parse_assembly(text))
     return str(module), {each.name: each.table for each in flat}, [each.name for each, _ in scalar]
 
 
@@ -90,3 +106,110 @@ def _sources() -> dict[str, str]:
     """Digests of the files that the kernels and their objects depend on."""
     files = kernel_sources() | source_files(BUILDERS)
     return {path: digest(content) for path, content in sorted(files.items())}
+
+
+def shim(name: str, symbol: str) -> str:
+    """Function ``int name(int64 *table)`` in LLVM's language: numba's own takes two pointers more."""
+    return f"""
+declare i32 @"{symbol}"(ptr, ptr, ptr)
+define i32 @{name}(ptr %table) {{
+  %result = alloca [4 x i64]
+  %error = alloca ptr
+  %status = call i32 @"{symbol}"(ptr %result, ptr %error, ptr %table)
+  ret i32 %status
+}}
+"""
+
+
+def scalar_shim(name: str, symbol: str, signature: str) -> str:
+    """Function of numbers as C has it, ``double name(int64, double)``, of numba's text of the signature."""
+    words = re.findall(r"\w+", signature)
+    result, *kinds = (SCALARS[word] for word in words)
+    declared = ", ".join(["ptr", "ptr", *kinds])
+    named = ", ".join(f"{kind} %a{i}" for i, kind in enumerate(kinds))
+    return f"""
+declare i32 @"{symbol}"({declared})
+define {result} @{name}({named}) {{
+  %result = alloca {result}
+  %error = alloca ptr
+  %status = call i32 @"{symbol}"(ptr %result, ptr %error, {named})
+  %value = load {result}, ptr %result
+  ret {result} %value
+}}
+"""
+
+
+def simplified(instructions: str, exports: list[str]) -> str:
+    """The instructions, optimised as far as holds for all processors of 64 bits; done once for them."""
+    machine = _machine(COMMON)
+    return str(_optimised(instructions, exports, COMMON, machine, vectorise=False))
+
+
+def object_file(instructions: str, exports: list[str], target: Target) -> bytes:
+    """Content of a target's file: a compressed object, or a module of WebAssembly."""
+    code = emit_object(instructions, exports, target)
+    return link_for_web(code, exports) if target == WEB else lzma.compress(code, preset=9)
+
+
+def emit_object(instructions: str, exports: list[str], target: Target) -> bytes:
+    """Object file of a target, in which only the exports are seen from outside."""
+    machine = _machine(target)
+    return machine.emit_object(_optimised(instructions, exports, target, machine, vectorise=True))
+
+
+def _optimised(
+    instructions: str, exports: list[str], target: Target, machine: Any, *, vectorise: bool
+) -> Any:
+    module = llvm.parse_assembly(_adapted(instructions, target, machine))
+    for function in module.functions:
+        if not function.is_declaration:
+            function.linkage = "external" if function.name in exports else "internal"
+            if _is_called(function.name):
+                function.add_function_attribute("noinline")
+    for variable in module.global_variables:
+        if not variable.name.startswith("llvm."):
+            variable.linkage = "internal"
+    options = llvm.create_pipeline_tuning_options(speed_level=OPTIMISATION)
+    options.loop_vectorization = options.slp_vectorization = vectorise
+    builder = llvm.create_pass_builder(machine, options)
+    builder.getModulePassManager().run(module, builder)
+    module.verify()
+    return module
+
+
+def _is_called(symbol: str) -> bool:
+    """Whether a function is one of :data:`CALLED`, whose names numba writes behind their lengths."""
+    return any(f"{len(name)}{name}B" in symbol for name in CALLED)
+
+
+def _machine(target: Target) -> Any:
+    llvm.initialize_all_targets()
+    llvm.initialize_all_asmprinters()
+    web = target == WEB
+    place: dict[str, Any] = {"reloc": "static"}
+    if not web:
+        place = {"reloc": "pic", "codemodel": "default", "jit": True}
+    known = llvm.Target.from_triple(target.triple)
+    return known.create_target_machine(opt=OPTIMISATION, cpu=target.cpu, features=target.features, **place)
+
+
+def _adapted(instructions: str, target: Target, machine: Any) -> str:
+    """The instructions with the target's layout, and null for addresses of this process."""
+    text = re.sub(r'target datalayout = ".*"', f'target datalayout = "{machine.target_data}"', instructions)
+    text = re.sub(r'target triple = ".*"', f'target triple = "{target.triple}"', text)
+    return re.sub(r"inttoptr \(i64 \d+ to ptr\)", "null", text)
+
+
+def link_for_web(code: bytes, exports: list[str]) -> bytes:
+    """An object of :data:`WEB` as a module of WebAssembly, by the linker that comes with zig."""
+    with TemporaryDirectory() as folder:
+        given, made = Path(folder) / "kernels.o", Path(folder) / "kernels.wasm"
+        given.write_bytes(code)
+        sizes = ["-z", f"stack-size={STACK_BYTES}", f"--initial-memory={MEMORY_BYTES}"]
+        shown = [f"--export={name}" for name in [*exports, "__heap_base"]]
+        files = [str(given), "-o", str(made)]
+        command = [sys.executable, "-m", "ziglang", *LINKER, "--gc-sections", "-O2", *sizes, *shown, *files]
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        if done.returncode:
+            raise RuntimeError(f"the linker for WebAssembly failed: {done.stderr[:2000]}")
+        return made.read_bytes()

@@ -62,7 +62,7 @@ class KernelBuildHook(BuildHookInterface):
         if sys.platform == "linux" and platform.libc_ver()[0] != "glibc":
             return sysconfig.get_platform().replace("-", "_")
         sys.path.insert(0, self.root)
-        from frictionlab.hybrid.ahead_of_time.targets import targets_of_machine
+        from frictionlab.hybrid.ahead_of_time.manifest import targets_of_machine
 
         return targets_of_machine()[0].wheel
 

@@ -22,8 +22,8 @@ from frictionlab.hybrid.ahead_of_time.manifest import (
     digest,
     read_manifest,
     read_object,
+    targets_of_machine,
 )
-from frictionlab.hybrid.ahead_of_time.targets import targets_of_machine
 
 LOGGER = logging.getLogger(__name__)
 GAPS = "with gaps"  # the type of an array whose elements do not follow each other

@@ -8,11 +8,11 @@
     subexpressions share a slot.
 ``program``
     `Program`: the arrays of a whole automaton (`Code`), and `Numbers`, its coefficients for one set of
-    values.
+    values; a program as data, which is kept for later processes, and back.
+``kept_modes``
+    The same of a program of modes on demand.
 ``packing``
     `program_of`: packs the tapes of all modes and resets, and remembers the result by structure.
-``kept_program``
-    A program as data, which is kept for later processes, and back.
 ``lowering``
     The tape of one mode, or of one reset, and what the kernels need to know of it; the numbers in tapes as
     functions of the parameters.

@@ -14,7 +14,7 @@ from functools import lru_cache, partial
 from itertools import accumulate
 from threading import Lock
 from typing import Any
-from weakref import WeakKeyDictionary, ref
+from weakref import ref
 
 import numpy as np
 
@@ -27,7 +27,7 @@ from frictionlab.hybrid.tape.automaton_checks import (
     structural_zeros,
 )
 from frictionlab.hybrid.tape.functions import AFFINE
-from frictionlab.hybrid.tape.kept_program import numbers_at, program_from_data, program_to_data
+from frictionlab.hybrid.tape.kept_modes import kept_program_on_demand
 from frictionlab.hybrid.tape.lowering import (
     LoweredMode,
     LoweredReset,
@@ -39,12 +39,20 @@ from frictionlab.hybrid.tape.lowering import (
     slot_array,
     undefined_number,
 )
-from frictionlab.hybrid.tape.program import NO_RESET, Code, Demand, Numbers, Program, Section
+from frictionlab.hybrid.tape.program import (
+    NO_RESET,
+    Code,
+    Demand,
+    Numbers,
+    Program,
+    Section,
+    kept_program,
+    numbers_at,
+)
 from frictionlab.lazy_names import sympy as sp
 
 NO_MODE = -1  # "no mode" in the arrays
 _ONE_AT_A_TIME = Lock()
-_KEPT_PROGRAMS: WeakKeyDictionary[Any, Program] = WeakKeyDictionary()  # by what files hold of a structure
 
 
 def program_of(
@@ -66,10 +74,12 @@ def program_of(
     TapeError
         Where an expression needs an operation that the tape lacks.
     """
-    apart, grows = automaton.on_demand, automaton.on_demand and not complete
-    if automaton.kept() is not None and grows == apart and not sections and not quadratures:
+    kept, apart = automaton.kept(), automaton.on_demand
+    grows = apart and not complete
+    if kept is not None and grows == apart and not sections and not quadratures:
         with _ONE_AT_A_TIME:
-            program = _kept_program(automaton)
+            keeping = kept_program_on_demand if apart else kept_program
+            program = keeping(kept, partial(_packed, automaton))
         return program, numbers_at(program, automaton.values.values())
     modes, parameters = automaton.modes, tuple(automaton.parameters)
     asked = (tuple((sections or {}).values()), tuple((quadratures or {}).items()))
@@ -82,24 +92,11 @@ def program_of(
     return program, numbers_at(program, automaton.parameters.values())
 
 
-def _kept_program(automaton: HybridAutomaton) -> Program:
-    """The program that files hold of the automaton's structure; if they do not yet, it is packed."""
-
-    def packed() -> Program:
-        modes, about = automaton.modes, (tuple(automaton.parameters), automaton.coordinates)
-        if isinstance(modes, ModesOnDemand):
-            return _pack_modes(automaton.states, modes, modes.all(), *about)
-        return pack_program(automaton.states, modes, *about)
-
-    kept = automaton.kept()
-    if kept not in _KEPT_PROGRAMS:
-        data = kept.get("program")
-        if data is not None:
-            program = program_from_data(data, lambda values: packed()._undefined(values))
-        elif (data := program_to_data(program := packed(), program._fill)) is not None:
-            kept.keep("program", data)
-        _KEPT_PROGRAMS[kept] = program
-    return _KEPT_PROGRAMS[kept]
+def _packed(automaton: HybridAutomaton) -> Program:
+    modes, about = automaton.modes, (tuple(automaton.parameters), automaton.coordinates)
+    if isinstance(modes, ModesOnDemand):
+        return _pack_modes(automaton.states, modes, modes.all(), *about)
+    return pack_program(automaton.states, modes, *about)
 
 
 @lru_cache(maxsize=256)

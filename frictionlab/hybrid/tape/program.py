@@ -1,16 +1,25 @@
 """The arrays that the kernels run on: an automaton's structure as integers, its coefficients as floats.
 
-Arrays of `Code` have one row for each operation, function, guard or mode; shapes stand at each field.
+Arrays of `Code` have one row for each operation, function, guard or mode; shapes stand at each field.  A
+`Program` is these, with the function that gives its `Numbers`; those at the last values of the parameters are
+remembered (`numbers_at`).  It is kept for later processes (`kept_program`) as data that JSON can hold, its
+numbers as a straight line: of the tapes there are then the operations, which native code is written from,
+without the expressions of their numbers.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from array import array
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any, NamedTuple
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
+from frictionlab.automaton.straight_line import StraightLine, straight_line_data
+from frictionlab.hybrid.elementary.parameter_functions import OF_PARAMETERS
 from frictionlab.hybrid.tape.tape import Tape
 
 NO_RESET = -1  # "no reset" in the arrays
@@ -147,3 +156,84 @@ class Program:
             | {"guards": int(first[i + 1] - first[i]), "states": self.code.inputs}
             for i, name in enumerate(self.modes)
         }
+
+
+_KEPT_PROGRAMS: WeakKeyDictionary[Any, Program] = WeakKeyDictionary()  # by what files hold of a structure
+
+
+def numbers_at(program: Program, values: Iterable[Any]) -> Numbers:
+    """The program's numbers at values of the parameters, into which nothing writes."""
+    return _numbers_at(program, array("d", values).tobytes())
+
+
+@lru_cache(maxsize=64)
+def _numbers_at(program: Program, values: bytes) -> Numbers:  # bits tell 0 from -0
+    return program.numbers(array("d", values).tolist())
+
+
+def kept_program(kept: Any, packed: Callable[[], Program]) -> Program:
+    """The program that files hold of a structure, `kept`; if they do not yet, what `packed` gives."""
+    if kept not in _KEPT_PROGRAMS:
+        data = kept.get("program")
+        if data is not None:
+            program = program_from_data(data, lambda values: packed()._undefined(values))
+        elif (data := program_to_data(program := packed(), program._fill)) is not None:
+            kept.keep("program", data)
+        _KEPT_PROGRAMS[kept] = program
+    return _KEPT_PROGRAMS[kept]
+
+
+def program_to_data(program: Program, fill: Callable[..., Any]) -> dict[str, Any] | None:
+    """The program, with the function that gives its numbers; None where that is no straight line."""
+    numbers = straight_line_data(fill, OF_PARAMETERS)
+    if numbers is None:
+        return None
+    return {
+        "code": {name: _array_to_data(value) for name, value in program.code._asdict().items()},
+        "tapes": [_tape_to_data(tape) for tape in program.tapes],
+        "resets": [_tape_to_data(tape) for tape in program.resets],
+        "slots": program.slots,
+        "modes": program.modes,
+        "guards": program.guards,
+        "guard_modes": _array_to_data(program.guard_modes),
+        "initial": _array_to_data(program.initial),
+        "numbers": numbers,
+    }
+
+
+def program_from_data(data: Mapping[str, Any], undefined: Callable[[Sequence[float]], str]) -> Program:
+    """The program that :func:`program_to_data` described; `undefined` says which number has no value."""
+    return Program(
+        Code(**{name: _array_from_data(value) for name, value in data["code"].items()}),
+        tuple(map(_tape_from_data, data["tapes"])),
+        tuple(map(_tape_from_data, data["resets"])),
+        data["slots"],
+        tuple(data["modes"]),
+        tuple(data["guards"]),
+        _array_from_data(data["guard_modes"]),
+        _array_from_data(data["initial"]),
+        StraightLine(data["numbers"], OF_PARAMETERS),
+        undefined,
+    )
+
+
+def _array_to_data(value: Any) -> Any:
+    if not isinstance(value, np.ndarray):
+        return value
+    return [value.dtype.str, value.shape, value.ravel().tolist()]
+
+
+def _array_from_data(data: Any) -> Any:
+    if not isinstance(data, list):
+        return data
+    kind, shape, elements = data
+    return np.array(elements, dtype=kind).reshape(shape)
+
+
+def _tape_to_data(tape: Tape) -> list[Any]:
+    return [tape.inputs, tape.ops, [slot for slot, _ in tape.terms]]
+
+
+def _tape_from_data(data: Sequence[Any]) -> Tape:
+    inputs, ops, slots = data
+    return Tape(inputs, [(kind, a, b) for kind, a, b in ops], terms=[(slot, None) for slot in slots])

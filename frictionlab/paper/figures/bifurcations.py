@@ -27,9 +27,9 @@ from frictionlab.plotting import (
     plot_intensity,
     plot_phase_plane,
 )
-from frictionlab.plotting.appearance import ink
+from frictionlab.plotting.appearance import BLUE, ink
 from frictionlab.plotting.figure import legend_beside, new_figure
-from frictionlab.plotting.style import BLUE, parameter_value_text, state_label
+from frictionlab.plotting.labels import parameter_value_text, state_label
 from frictionlab.presentation import state_unit
 
 RESPONSE_TIME = 60.0  # of Fig. 7

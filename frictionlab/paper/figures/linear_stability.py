@@ -25,10 +25,10 @@ from matplotlib.lines import Line2D
 from frictionlab.models import SliderOnBelt
 from frictionlab.paper.registry import PaperFigure
 from frictionlab.plotting import RunFigure, plot_critical, plot_frequencies, plot_growth_rates
-from frictionlab.plotting.appearance import ink, legible
+from frictionlab.plotting.appearance import BLACK, BLUE, DASHED, VERMILLION, ink, legible
 from frictionlab.plotting.figure import legend_beside, new_figure
+from frictionlab.plotting.labels import parameter_symbol, parameter_value_text
 from frictionlab.plotting.root_locus import growing_legend_handle
-from frictionlab.plotting.style import BLACK, BLUE, DASHED, VERMILLION, parameter_symbol, parameter_value_text
 from frictionlab.stability import (
     CriticalCurve,
     RootLocus,

@@ -22,8 +22,9 @@ from frictionlab.paper import scenes
 from frictionlab.paper.registry import PaperFigure
 from frictionlab.paper.scenes import Setting, intervals_text, sweep_results
 from frictionlab.plotting import RunFigure, plot_bifurcation, plot_intensity
+from frictionlab.plotting.appearance import BLUE, DASHED, VERMILLION
 from frictionlab.plotting.figure import new_figure
-from frictionlab.plotting.style import BLUE, DASHED, VERMILLION, parameter_label, state_label
+from frictionlab.plotting.labels import parameter_label, state_label
 from frictionlab.presentation import state_unit
 from frictionlab.stability import critical_value, root_locus
 

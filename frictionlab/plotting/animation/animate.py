@@ -18,10 +18,17 @@ from frictionlab.file_writing import name_written_file, write_file
 from frictionlab.interruption import progress_bar
 from frictionlab.models import Model
 from frictionlab.models.mechanism import Mechanism, TiltingBelt
-from frictionlab.plotting.appearance import background, figure_size, font_size, ink, marker_size
+from frictionlab.plotting.appearance import (
+    BLACK,
+    background,
+    figure_size,
+    font_size,
+    ink,
+    marker_size,
+    mode_colours,
+)
 from frictionlab.plotting.figure import AnimatedFigure
 from frictionlab.plotting.overview import plot_phase_plane
-from frictionlab.plotting.style import BLACK, mode_colours
 from frictionlab.plotting.time_histories import (
     SAMPLING_RTOL,
     Array,

@@ -17,8 +17,18 @@ from matplotlib.patches import Patch, Polygon
 
 from frictionlab.analysis.motion_scales import round_down_1_2_5
 from frictionlab.models.mechanism import Belt, Block, Forces, Mechanism, Place, Spring, Wall
-from frictionlab.plotting.appearance import add_halo, background, ink, line_width, marker_size, pen
-from frictionlab.plotting.style import BLACK, BLUE, GREY, VERMILLION
+from frictionlab.plotting.appearance import (
+    BLACK,
+    BLUE,
+    GREY,
+    VERMILLION,
+    add_halo,
+    background,
+    ink,
+    line_width,
+    marker_size,
+    pen,
+)
 from frictionlab.plotting.time_histories import Array, modes_at
 
 REACH = 0.5  # largest displacement drawn

@@ -21,6 +21,10 @@ from matplotlib.quiver import Quiver
 
 from frictionlab.analysis.motion_scales import round_down_1_2_5
 from frictionlab.plotting.appearance import (
+    BLACK,
+    BLUE,
+    GREY,
+    VERMILLION,
     background,
     font_size,
     ink,
@@ -30,7 +34,6 @@ from frictionlab.plotting.appearance import (
     marker_size,
     pen,
 )
-from frictionlab.plotting.style import BLACK, BLUE, GREY, VERMILLION
 from frictionlab.plotting.time_histories import Array, modes_at
 
 from .parts import spring_outline

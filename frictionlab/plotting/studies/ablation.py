@@ -17,19 +17,24 @@ from frictionlab.analysis.steady_state.steady_state import SteadyState
 from frictionlab.analysis.sweeps.bifurcation import Bifurcation
 from frictionlab.analysis.sweeps.switches import all_of
 from frictionlab.plotting.appearance import (
+    BLUE,
+    GREY,
+    ORANGE,
+    VERMILLION,
     add_halo_to_errors,
     background,
     crowding,
     font_size,
     ink,
     legible,
+    line_style,
     pen,
 )
 from frictionlab.plotting.figure import RunAxes, axes_or_new, legend_beside, new_figure, wrap_label
+from frictionlab.plotting.labels import parameter_label
 from frictionlab.plotting.overview import plot_amplitudes
 from frictionlab.plotting.studies.state_space import plot_steady_state
 from frictionlab.plotting.studies.sweeps import LOG_SCALE_RATIO, plot_bifurcation
-from frictionlab.plotting.style import BLUE, GREY, ORANGE, VERMILLION, line_style, parameter_label
 
 MAX_BARS = 15  # effects that are drawn: the largest
 

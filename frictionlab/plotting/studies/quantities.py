@@ -10,9 +10,18 @@ import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 
-from frictionlab.plotting.appearance import add_halo_to_errors, ink, legible, pen
+from frictionlab.plotting.appearance import (
+    BLUE,
+    GREY,
+    ORANGE,
+    VERMILLION,
+    add_halo_to_errors,
+    ink,
+    legible,
+    pen,
+)
 from frictionlab.plotting.figure import axes_or_new, legend_beside
-from frictionlab.plotting.style import BLUE, GREY, ORANGE, VERMILLION, parameter_symbol
+from frictionlab.plotting.labels import parameter_symbol
 
 
 def plot_sensitivity(found: Any, ax: Axes | None = None, *, most: int = 12) -> list[Artist]:

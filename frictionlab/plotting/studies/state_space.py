@@ -17,6 +17,15 @@ from matplotlib.patches import Patch
 
 from frictionlab.analysis.steady_state.classification import MotionKind
 from frictionlab.plotting.appearance import (
+    BLACK,
+    BLUE,
+    GREEN,
+    GREY,
+    ORANGE,
+    PURPLE,
+    SKY,
+    VERMILLION,
+    YELLOW,
     add_halo,
     add_halo_to_errors,
     background,
@@ -28,19 +37,8 @@ from frictionlab.plotting.appearance import (
     pen,
 )
 from frictionlab.plotting.figure import axes_or_new, legend_beside
+from frictionlab.plotting.labels import state_label
 from frictionlab.plotting.overview import label_phase_plane, plot_phase_plane
-from frictionlab.plotting.style import (
-    BLACK,
-    BLUE,
-    GREEN,
-    GREY,
-    ORANGE,
-    PURPLE,
-    SKY,
-    VERMILLION,
-    YELLOW,
-    state_label,
-)
 from frictionlab.presentation import state_unit
 from frictionlab.validation import check_choice
 

@@ -17,9 +17,7 @@ from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from frictionlab.analysis.steady_state.classification import MotionKind
-from frictionlab.plotting.appearance import background, legible, marker_size, pen
-from frictionlab.plotting.figure import axes_or_new, legend_beside
-from frictionlab.plotting.style import (
+from frictionlab.plotting.appearance import (
     BLACK,
     BLUE,
     DASHED,
@@ -29,10 +27,14 @@ from frictionlab.plotting.style import (
     PURPLE,
     SKY,
     VERMILLION,
+    background,
+    legible,
     line_style,
-    parameter_label,
-    state_label,
+    marker_size,
+    pen,
 )
+from frictionlab.plotting.figure import axes_or_new, legend_beside
+from frictionlab.plotting.labels import parameter_label, state_label
 from frictionlab.presentation import state_unit
 
 Array = NDArray[np.float64]

@@ -34,6 +34,9 @@ INSIDE_SHARE = 1e-9  # of a bracket: how far "just inside" is, and as a share of
 MIN_INSIDE_RTOL = 1e-12
 DECAY_RTOL = 1e-13  # share of the largest eigenvalue: a rate below minus this decays
 MAX_ROOT_STEPS = 200
+# Of a root, or of the bounds: an equilibrium that is not there that far beyond a root ends at the root.
+# Two equilibria that annihilate each other are one, to rounding, up to some 1e-9 beyond that.
+END_RTOL = 1e-8
 
 
 class StabilityKind(Kind):
@@ -75,7 +78,8 @@ def stability_changes(
 ) -> tuple[StabilityChange, ...]:
     """Every change of stability of one equilibrium as a parameter grows.
 
-    It is followed from the model's own value of the parameter, as far as it exists.  The range is scanned,
+    It is followed from the model's own value of the parameter, as far as it exists.  Where it ends and no
+    other takes over, nothing changes its stability: :class:`FoldValue` tells where.  The range is scanned,
     more finely where growth rates come near zero or two eigenvalues near each other, down to some 1e-9 of
     it; each change is then solved for to rounding.
 
@@ -116,8 +120,8 @@ def critical_value(
 ) -> float | None:
     """The first value at which one equilibrium loses stability as a parameter grows.
 
-    None where that does not happen in the range: the equilibrium is stable throughout, or unstable from
-    the start; :func:`stability_changes` and :func:`eigenvalues` tell which.
+    None where that does not happen in the range: the equilibrium is stable as far as it exists, or unstable
+    from the start; :func:`stability_changes`, :func:`eigenvalues` and :class:`FoldValue` tell which.
 
     Parameters
     ----------
@@ -223,7 +227,10 @@ def changes_on_lines(
 
     low, high = (np.full(count, bound) for bound in bounds)
     found = bracket_sign_changes(evaluate, low, high)
-    changes = _describe_changes(evaluate, found, _roots(evaluate, found, bounds), bounds)
+    roots = _roots(evaluate, found, bounds)
+    stays = _is_there_beyond(evaluate, found, roots, bounds)
+    found, roots = Brackets(*(column[stays] for column in found)), roots[stays]
+    changes = _describe_changes(evaluate, found, roots, bounds)
     return [tuple(c for c, line in zip(changes, found.line, strict=True) if line == i) for i in range(count)]
 
 
@@ -240,6 +247,15 @@ def _roots(evaluate: Evaluate, found: Brackets, bounds: tuple[float, float]) -> 
     solved = find_root(rate, (start, growing), args=(found.line, found.rank, shift), maxiter=MAX_ROOT_STEPS)
     # Where there is no root, the equilibrium ends.
     return np.where(np.isfinite(solved.x), solved.x, 0.5 * (found.low + found.high))
+
+
+def _is_there_beyond(evaluate: Evaluate, found: Brackets, roots: Array, bounds: tuple[float, float]) -> Any:
+    """Whether an equilibrium is there on both sides of each root: one that ends does not change stability."""
+    if not found.line.size:
+        return np.zeros(0, dtype=bool)
+    step = END_RTOL * np.maximum(np.abs(roots), bounds[1] - bounds[0])
+    sides = (evaluate(found.line, np.clip(roots + sign * step, *bounds)) for sign in (-1, 1))
+    return np.logical_and(*(np.isfinite(growth_rates(side)[:, 0]) for side in sides))
 
 
 def _bracket_sides(evaluate: Evaluate, found: Brackets) -> tuple[Array, Array]:

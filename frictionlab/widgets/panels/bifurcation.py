@@ -27,9 +27,10 @@ from frictionlab.components.component import Parameter
 from frictionlab.models.composition import parameter_metadata
 from frictionlab.models.model import check_parameter_name
 from frictionlab.models.symbols import structure_of_component
+from frictionlab.plotting.appearance import GREY
 from frictionlab.plotting.figure import Curve, Drawing
+from frictionlab.plotting.labels import parameter_label, state_label
 from frictionlab.plotting.studies.sweeps import EARLY_END_HEIGHT, MOTION_STYLES
-from frictionlab.plotting.style import GREY, parameter_label, state_label
 from frictionlab.presentation import state_unit
 from frictionlab.widgets.number_control import (
     NumberControl,

@@ -16,15 +16,10 @@ from frictionlab.analysis.motion_scales import highest_frequency
 from frictionlab.models.composition import parameter_metadata
 from frictionlab.models.model import check_parameter_name
 from frictionlab.models.symbols import structure_of_component
+from frictionlab.plotting.appearance import BLACK, BLUE, GREY, VERMILLION, line_style, mode_colours
 from frictionlab.plotting.figure import Curve, Drawing, envelope
-from frictionlab.plotting.style import (
-    BLACK,
-    BLUE,
-    GREY,
-    VERMILLION,
+from frictionlab.plotting.labels import (
     coordinate_axis_label,
-    line_style,
-    mode_colours,
     parameter_label,
     secondary_axis_angles,
     state_label,

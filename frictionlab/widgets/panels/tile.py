@@ -18,9 +18,8 @@ from matplotlib.ticker import NullFormatter
 from matplotlib.transforms import Bbox
 
 from frictionlab.analysis.motion_scales import ROUND_NUMBER_RTOL
-from frictionlab.plotting.appearance import background, ink, legible
+from frictionlab.plotting.appearance import GREY, background, ink, legible
 from frictionlab.plotting.figure import Curve, Drawing
-from frictionlab.plotting.style import GREY
 
 Limits = tuple[float, float]
 MIN_FILL = 0.35  # share of the axis that the data have to fill, else it shrinks

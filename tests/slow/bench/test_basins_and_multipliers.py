@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from frictionlab.bench import many_runs, sensitivity_costs
+from frictionlab.bench import many_runs, stability_costs
 
 
 def test_the_smooth_model_agrees_where_it_is_narrow():
@@ -21,8 +21,8 @@ def test_the_smooth_model_agrees_where_it_is_narrow():
 
 
 def test_multipliers_of_all_ways_agree():
-    rows = sensitivity_costs.multiplier_times(repeats=1)
+    rows = stability_costs.multiplier_times(repeats=1)
     assert [row.runs for row in rows] == [1, 16, 16, 16, 1, 20, 20, 20]
     for row in rows:
         assert max(row.known, row.other) < (1e-9 if row.runs == 1 else 1e-5)
-    assert len(sensitivity_costs.multiplier_table(rows).splitlines()) == 10
+    assert len(stability_costs.multiplier_table(rows).splitlines()) == 10

@@ -6,8 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from frictionlab.hybrid.ahead_of_time.manifest import lacking_objects
-from frictionlab.hybrid.ahead_of_time.targets import WEB
+from frictionlab.hybrid.ahead_of_time.manifest import WEB, lacking_objects
 
 pytest.importorskip("sphinx", reason="the site is built by sphinx")
 pytestmark = pytest.mark.slow

@@ -11,7 +11,7 @@ import sympy as sp
 import frictionlab as fl
 from frictionlab.analysis.run_comparison import ModeStays, defect_warning, first_event_difference
 from frictionlab.hybrid.trajectory import Trajectory
-from frictionlab.widgets.messages import run_end_text
+from frictionlab.widgets.layout import run_end_text
 from tests.helpers.automata import V, X, automaton
 from tests.helpers.known_motions import logistic
 

@@ -7,7 +7,7 @@ import sympy as sp
 import frictionlab as fl
 from frictionlab.bench.growth import Growth, growth_table
 from frictionlab.bench.harness import WorkPrecisionRow, ratio_table
-from frictionlab.bench.time_shares import TimeShares, operations_of_tape, time_share_table
+from frictionlab.bench.single_costs import TimeShares, operations_of_tape, time_share_table
 from frictionlab.hybrid.tape.packing import program_of
 
 

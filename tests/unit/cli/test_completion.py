@@ -7,7 +7,7 @@ import sys
 import pytest
 
 from frictionlab.cli.command import build_parsers, main
-from frictionlab.cli.scenes import model_names
+from frictionlab.cli.parsing import model_names
 
 COMMANDS = sorted(build_parsers()[1])
 ASK_BASH = """

@@ -30,8 +30,8 @@ from frictionlab.plotting.animation.tilting_belt import (
     spring_ends,
     to_picture_frame,
 )
+from frictionlab.plotting.appearance import MODE_COLOURS
 from frictionlab.plotting.figure import AnimatedFigure
-from frictionlab.plotting.style import MODE_COLOURS
 
 MODEL = fl.SliderOnBelt(mu_k=1.4)
 SCENES = {

@@ -10,8 +10,8 @@ from matplotlib.figure import Figure
 
 import frictionlab as fl
 from frictionlab import plotting
+from frictionlab.plotting.labels import parameter_label, parameter_value_text
 from frictionlab.plotting.root_locus import GROWING_LINE_WIDTH
-from frictionlab.plotting.style import parameter_label, parameter_value_text
 
 MODEL = fl.SliderOnBelt(F=1000.0, l1=0.1, l2=0.3)
 AXIS = r"coefficient of kinetic friction $\mu_{\mathrm{k}}$"

@@ -14,7 +14,7 @@ import pytest
 import sympy as sp
 
 import frictionlab as fl
-from frictionlab.plotting.style import BLUE, GREY, MODE_COLOURS
+from frictionlab.plotting.appearance import BLUE, GREY, MODE_COLOURS
 from tests.helpers.canvas_page import open_canvas, picture_of, pixels_of, scrub
 
 MODEL = fl.SliderOnBelt(mu_k=1.4)

@@ -10,9 +10,8 @@ import pytest
 from PIL import Image
 
 import frictionlab as fl
-from frictionlab.widgets.files import PRINT_DPI
 from frictionlab.widgets.panels.picture import PANEL_WIDTH
-from frictionlab.widgets.state import History
+from frictionlab.widgets.state import PRINT_DPI, History
 from tests.helpers.explorers import made
 
 

@@ -5,7 +5,7 @@ import pytest
 import sympy as sp
 
 import frictionlab as fl
-from frictionlab.hybrid import free_memory, problem
+from frictionlab.hybrid import problem
 from frictionlab.hybrid.methods.base import RECORD_CAPACITY
 from tests.helpers.automata import ONCE, V, X, automaton, coulomb, oscillator
 
@@ -43,17 +43,17 @@ def test_a_run_that_would_fill_the_memory_keeps_what_was_computed(monkeypatch):
 
 def test_the_free_memory_is_what_the_system_tells(monkeypatch, tmp_path):
     information, group = tmp_path / "meminfo", tmp_path / "group"
-    monkeypatch.setattr(free_memory, "MEMORY_INFORMATION", information)
-    monkeypatch.setattr(free_memory, "GROUP", group)
-    assert free_memory.free_memory() > 0.0  # by sysconf, or unknown
+    monkeypatch.setattr(problem, "MEMORY_INFORMATION", information)
+    monkeypatch.setattr(problem, "GROUP", group)
+    assert problem.free_memory() > 0.0  # by sysconf, or unknown
     information.write_text("MemTotal: 9 kB\nMemAvailable:   2000 kB\n")
-    assert free_memory.free_memory() == 2000 * 1024
+    assert problem.free_memory() == 2000 * 1024
     group.mkdir()
     (group / "memory.max").write_text("max\n")
     (group / "memory.current").write_text("1000\n")
-    assert free_memory.free_memory() == 2000 * 1024
+    assert problem.free_memory() == 2000 * 1024
     (group / "memory.max").write_text("5000\n")
-    assert free_memory.free_memory() == 4000.0
+    assert problem.free_memory() == 4000.0
 
 
 @ONCE

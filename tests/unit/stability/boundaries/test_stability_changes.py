@@ -201,6 +201,16 @@ def test_an_equilibrium_that_gives_way_to_another_is_a_fold():
     assert folds[0].value == pytest.approx(low, rel=1e-8)
 
 
+@pytest.mark.parametrize("bounds", [(10, 200), (20, 400), (5, 1000), (90, 100)])
+@pytest.mark.parametrize(("a1", "a2"), [(5e3, -1.5e5), (5e3, -1e5), (8e3, -2e5), (5e3, -1.4e5)])
+def test_where_an_equilibrium_ends_and_none_takes_over_nothing_changes(a1, a2, bounds):
+    """A contact that softens bears no more than some force; how near to it the scan looks is chance."""
+    model = S(contact=fl.PolynomialContact(a1=a1, a2=a2))
+    fold = fl.FoldValue("F", (10, 200))(model)
+    assert not fl.equilibria(model.replace(F=1.01 * fold))
+    assert fl.stability_changes(model, "F", bounds) == ()
+
+
 @pytest.mark.slow
 def test_reversing_the_belt_is_a_fold_too():
     """At v = 0 friction jumps from one side to the other, and there is no steady sliding."""

@@ -1,4 +1,6 @@
-"""`frictionlab eig` and `frictionlab critical`: steady sliding, and where it loses stability."""
+"""`frictionlab models`, `eig` and `critical`: what is known of models without a run, which there are and
+their parameters, steady sliding, and where it loses stability.
+"""
 
 from __future__ import annotations
 
@@ -7,8 +9,28 @@ import math
 from collections.abc import Iterator
 from typing import Any
 
-from .parsing import OneLineParser, add_command
-from .scenes import add_json, add_model_options, model_data, model_from_options, print_json
+from .parsing import (
+    OneLineParser,
+    add_command,
+    add_json,
+    add_model_options,
+    model_data,
+    model_from_options,
+    model_of,
+    print_json,
+)
+
+MODELS_DESCRIPTION = """\
+List the models, each with a line and a reference; with a NAME the parameters
+of that model, with symbol, value, unit and meaning."""
+
+MODELS_EPILOG = """\
+examples:
+  frictionlab models
+  frictionlab models DenHartog
+  frictionlab models "MassOnBelt(friction=Stribeck())" --json
+
+exit status: 0 listed; 2 bad arguments."""
 
 EIG_DESCRIPTION = """\
 Print the equilibrium of steady sliding and its eigenvalues: frequencies,
@@ -35,6 +57,16 @@ examples:
 exit status: 0 computed; 2 bad arguments, or there is no steady sliding."""
 
 
+def add_models(commands: Any) -> OneLineParser:
+    """Add the command `models`; returns its parser."""
+    parser = add_command(
+        commands, "models", "list the models, or the parameters of one", MODELS_DESCRIPTION, MODELS_EPILOG
+    )
+    parser.add_argument("name", nargs="?", metavar="NAME", help="a model, with laws if you like")
+    add_json(parser)
+    return parser
+
+
 def add_eig(commands: Any) -> OneLineParser:
     """Add the command `eig`; returns its parser."""
     parser = add_command(commands, "eig", "eigenvalues of steady sliding", EIG_DESCRIPTION, EIG_EPILOG)
@@ -53,6 +85,45 @@ def add_critical(commands: Any) -> OneLineParser:
     add_model_options(parser)
     add_json(parser)
     return parser
+
+
+def models_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
+    """Print the list, or one model; returns the exit status."""
+    try:
+        data, text = _all_models() if chosen.name is None else _one_model(chosen.name)
+    except (ValueError, TypeError) as error:
+        parser.error(str(error).replace("--model", "NAME"))
+    print_json(data) if chosen.json else print(text)
+    return 0
+
+
+def _all_models() -> tuple[dict[str, Any], str]:
+    from frictionlab.models.library.catalogue import MODEL_ROWS
+
+    rows = [{**row._asdict(), "call": row.call.replace("fl.", "")} for row in MODEL_ROWS]
+    lines = [f"{row['call']}\n    {row['about']}\n    {row['reference']}" for row in rows]
+    hint = "\nRun one: frictionlab run --model DenHartog; its parameters: frictionlab models DenHartog"
+    return {"models": rows}, "\n".join([*lines, hint])
+
+
+def _one_model(name: str) -> tuple[dict[str, Any], str]:
+    model = model_of(name)
+    rows = [
+        {"name": row.name, "value": row.value, "unit": row.unit, "meaning": row.meaning}
+        for row in model.describe()
+    ]
+    width = max(len(row["name"]) for row in rows)
+    lines = [
+        f"  {row['name']:{width}}  {row['value']:>10g} {row['unit']:7} {row['meaning']}".rstrip()
+        for row in rows
+    ]
+    head = [f"{model!r}", f"coordinates {', '.join(model.coordinates)}; without: {_switches(model)}"]
+    about = {"coordinates": list(model.coordinates), "nonlinearities": list(model.nonlinearities)}
+    return {**model_data(model), **about, "described": rows}, "\n".join([*head, *lines])
+
+
+def _switches(model: Any) -> str:
+    return ", ".join(model.nonlinearities) or "nothing"
 
 
 def eig_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:

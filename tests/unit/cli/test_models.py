@@ -6,7 +6,7 @@ import pytest
 
 import frictionlab as fl
 from frictionlab.cli.command import main
-from frictionlab.cli.scenes import model_names, model_of
+from frictionlab.cli.parsing import model_names, model_of
 
 STRIBECK = "MassOnBelt(friction=Stribeck(mu_k=0.5, mu_s=1.0), c=0.1)"
 

@@ -1,7 +1,8 @@
-"""What exact derivatives cost: processor time of `fl.sensitivity`, by all parameters, beside that of the
-quantity alone; Floquet multipliers by the tangent tape against finite differences.
+"""What stability and exact derivatives cost: many eigenvalue problems against a loop; processor time of
+`fl.sensitivity`, by all parameters, beside that of the quantity alone; Floquet multipliers by the tangent
+tape against finite differences.
 
-`python -m frictionlab.bench.sensitivity_costs` prints the table of docs/how-to/sensitivity.md.  Quantities of
+`python -m frictionlab.bench.stability_costs` prints the table of docs/how-to/sensitivity.md.  Quantities of
 orbits are those near an orbit that is known, without the search for it, which both would share.
 """
 
@@ -32,7 +33,10 @@ from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.hybrid.variational.tangent_flow import tangent_flow
 from frictionlab.models import ImpactOscillator, MassOnBelt, ModeCoupling, SliderOnBelt, SliderOnRigidBelt
 from frictionlab.presentation import markdown_table
+from frictionlab.stability import eigenvalues, root_locus, stability_changes
 
+LOOP_STRIDE = 20  # the loop solves one problem in so many and is scaled up
+EIGENPROBLEM_MODEL = SliderOnBelt()
 DIFFERENCE_STEPS = (1e-4, 1e-6, 1e-8)
 LEAST_TIME = 0.02  # s: what takes less is done several times
 RANGE = (0.0, 4.0)  # of mu_k, in which stability is lost
@@ -43,6 +47,58 @@ CYCLES = (
     (MassOnBelt(c=0.05), "x"),
     (ImpactOscillator(Omega=2.8, e=0.6, d=0.05, c=0.02), "x"),
 )
+
+
+@dataclass(frozen=True)
+class EigenproblemRow:
+    """A row of the table: task, wall time (s), largest difference of an eigenvalue from those of the loop
+    (1/s)."""
+
+    name: str
+    seconds: float
+    difference: float
+
+
+def eigenproblem_times(count: int = 10_000, repeats: int = 3) -> list[EigenproblemRow]:
+    """Equilibrium and eigenvalues for `count` values of mu_k: tracked all at once, and in a loop."""
+    values = np.linspace(0.0, 3.0, count)
+    some = values[::LOOP_STRIDE]
+    at_once, loop, changes = interleaved_medians(
+        [
+            lambda: root_locus(EIGENPROBLEM_MODEL, "mu_k", values),
+            lambda: _eigenvalues_in_loop(some),
+            _find_changes,
+        ],
+        repeats,
+    )
+    scale = count / len(some)
+    return [
+        EigenproblemRow(f"{count} values, modes tracked (root_locus)", at_once, _largest_difference(some)),
+        EigenproblemRow(f"{count} values, one after another (eigenvalues)", loop * scale, 0.0),
+        EigenproblemRow("every stability change from mu_k 0 to 3 (stability_changes)", changes, 0.0),
+    ]
+
+
+def _eigenvalues_in_loop(values: Any) -> list[Any]:
+    return [eigenvalues(EIGENPROBLEM_MODEL.replace(mu_k=float(value))).values for value in values]
+
+
+def _find_changes() -> Any:
+    return stability_changes(EIGENPROBLEM_MODEL, "mu_k", (0.0, 3.0))
+
+
+def _largest_difference(values: Any) -> float:
+    tracked = np.sort_complex(root_locus(EIGENPROBLEM_MODEL, "mu_k", values).values)
+    upper = np.array([np.sort_complex(one[one.imag > 0]) for one in _eigenvalues_in_loop(values)])
+    return float(np.abs(tracked - upper).max())
+
+
+def eigenproblem_table(rows: list[EigenproblemRow]) -> str:
+    """The rows as Markdown; times also as multiples of the first."""
+    lines = (
+        f"{r.name} | {r.seconds:.3g} s | {r.seconds / rows[0].seconds:.2g} | {r.difference:.0e}" for r in rows
+    )
+    return markdown_table("eigenvalue problems | wall time | x | difference, 1/s", lines)
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""Line styles, colours of modes, symbols of states and of parameters.
+"""Labels of axes, legends and titles: symbols of states and of parameters, with their units and values.
 
 States are named by their letters, parameters by the symbol, meaning and unit of their own metadata.
 """
@@ -8,43 +8,12 @@ from __future__ import annotations
 import re
 from collections.abc import Container, Sequence
 from textwrap import fill
-from types import MappingProxyType
 from typing import Any
-
-from matplotlib.axes import Axes
 
 from frictionlab.models.composition import parameter_metadata
 from frictionlab.models.symbols import structure_of_component
 from frictionlab.presentation import ANGLE_LETTERS, is_angle
 
-from .appearance import (
-    BLACK,
-    BLUE,
-    GREEN,
-    GREY,
-    LINE_COLOURS,
-    ORANGE,
-    PURPLE,
-    SKY,
-    VERMILLION,
-    YELLOW,
-    cycled_style,
-    legible,
-    line_width,
-)
-
-DASHED = (0, (4, 1.5))
-
-MODE_COLOURS = MappingProxyType(
-    {
-        "stick": ORANGE,
-        "slip+": GREY,
-        "slip": GREY,
-        "slip-": PURPLE,
-        "separation": SKY,
-        "chatter": YELLOW,
-    },
-)
 LEGEND_WIDTH = 36  # characters of a line in a legend
 
 
@@ -59,30 +28,6 @@ def coordinate_axis_label(names: Sequence[str]) -> str:
     return (
         "displacement (m)" if secondary_axis_angles(names) or not any(map(is_angle, names)) else "angle (rad)"
     )
-
-
-def mode_colours(run: Any) -> dict[str, str]:
-    """A colour for every mode that a run knows: its own, or for modes of other automata one of the palette.
-
-    They are in the automaton's order and taken in turn by it, so that a mode looks the same in all runs.
-    """
-    spare = (GREY, SKY, ORANGE, PURPLE, YELLOW, GREEN, BLUE, VERMILLION, BLACK)
-    places = sorted(zip(run.mode_places, run.mode_names, strict=True))
-    return {name: MODE_COLOURS.get(name, spare[place % len(spare)]) for place, name in places}
-
-
-def line_style(index: int, name: str, ax: Axes | None = None) -> dict[str, Any]:
-    """Colour, width and dashes of a coordinate's line in `ax`: angles, of another unit, are dashed.
-
-    What the user has set in ``axes.prop_cycle`` takes the place of the package's colours.
-    """
-    own = cycled_style(index)
-    if own is not None:
-        usual = {"color": legible(BLACK, ax), "linestyle": "-", "linewidth": line_width()}
-        return usual | own | ({"linestyle": DASHED} if is_angle(name) else {})
-    colour = legible(LINE_COLOURS[index % len(LINE_COLOURS)], ax)
-    dashed = is_angle(name) or index >= len(LINE_COLOURS)
-    return {"color": colour, "linestyle": DASHED if dashed else "-", "linewidth": line_width()}
 
 
 def state_label(name: str) -> str:
