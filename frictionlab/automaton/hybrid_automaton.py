@@ -8,7 +8,7 @@ from typing import Any, ClassVar, NamedTuple
 
 from frictionlab.validation import unknown_parameter
 
-from .mode import Mode, ModesOnDemand, Symbol, check_elements
+from .mode import Mode, ModesOnDemand, Symbol, check_elements, names_of_regimes
 
 
 class Late(NamedTuple):
@@ -17,7 +17,8 @@ class Late(NamedTuple):
     Parameters
     ----------
     known : mapping
-        Names of its "states", "modes" and "outputs", and how many "coordinates" it has.
+        Names of its "states", "modes" and "outputs", and how many "coordinates" it has; the names of the
+        "regimes" of each part where modes are derived on demand, else None.
     values : mapping of str to float
         The parameters.
     derive : callable
@@ -118,13 +119,16 @@ class HybridAutomaton:
     @property
     def on_demand(self) -> bool:
         """Whether modes are derived as a run comes to them."""
-        return self._late is None and isinstance(self.modes, ModesOnDemand)
+        if self._late is not None:
+            return self._late.known["regimes"] is not None
+        return isinstance(self.modes, ModesOnDemand)
 
     @property
     def names(self) -> Sequence[str]:
         """Names of the modes, in order."""
         if self._late is not None:
-            return tuple(self._late.known["modes"])
+            regimes, names = self._late.known["regimes"], self._late.known["modes"]
+            return tuple(names) if regimes is None else names_of_regimes(regimes, names)
         if isinstance(self.modes, ModesOnDemand):
             return self.modes.names
         return tuple(mode.name for mode in self.modes)

@@ -231,6 +231,13 @@ class ModeNames(Sequence[str]):
         return JOINT.join("/".join(names) for names in self._names)
 
 
+def names_of_regimes(regimes: Sequence[Sequence[str]], names: Sequence[str]) -> ModeNames:
+    """The names of all modes where these are all, as there are few."""
+    allowed = {*names}
+    found = ModeNames(tuple(map(tuple, regimes)), lambda combination: found.name_of(combination) in allowed)
+    return found
+
+
 def check_mode_name(mode: Any, names: Sequence[str], others: Sequence[str] = ()) -> None:
     """Raise ValueError unless there is a mode of that name, or it is one of the `others`."""
     if mode in names or mode in others:
@@ -297,6 +304,19 @@ class ModesOnDemand(Sequence[Mode]):
         """What is known by now; what was known before comes first, in the same order."""
         with self._one_at_a_time:
             return KnownModes(tuple(self._derived.values()), tuple(self._derived), tuple(self._refused))
+
+    def all(self) -> KnownModes:
+        """The same with all combinations, in order."""
+        every = tuple(product(*(range(len(part)) for part in self.parts)))
+        modes = {one: mode for one in every if (mode := self.mode(one)) is not None}
+        return KnownModes(
+            tuple(modes.values()), tuple(modes), tuple(one for one in every if one not in modes)
+        )
+
+    def chosen(self, names: Sequence[str]) -> KnownModes:
+        """The same with the modes of these names, in this order."""
+        combinations = tuple(self.names.combination_of(name) or () for name in names)
+        return KnownModes(tuple(map(self.named, names)), combinations, ())
 
     def mode(self, combination: Combination) -> Mode | None:
         """The mode of a combination; None where it is none."""

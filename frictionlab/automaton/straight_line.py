@@ -12,6 +12,7 @@ import inspect
 import math
 import operator
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from typing import Any
 
 Data = dict[str, Any]
@@ -131,6 +132,28 @@ def _is_sign(yes: ast.expr, no: ast.expr) -> bool:
     """Whether a branch is that of a sign, `0.0 if x == 0 else copysign(1, x)`, of which both have values."""
     called = isinstance(no, ast.Call) and ast.unparse(no.func) == "copysign"
     return called and isinstance(yes, ast.Constant)
+
+
+def side_by_side(lines: Sequence[Data], chosen: Sequence[int]) -> Data:
+    """Functions of the same arguments, each of one value, as one that returns those `chosen` by number."""
+    count = lines[0]["arguments"]
+    numbers: list[float] = [number for one in lines for number in one["numbers"]]
+    operations: list[list[Any]] = []
+    returned, before = [], 0  # the numbers of the functions before
+    for one in lines:
+        results = count + len(one["numbers"])  # where its results begin
+        moves = (0, before, len(numbers) - len(one["numbers"]) + len(operations))
+        move = partial(_moved, bounds=(count, results), moves=moves)
+        operations += [[name, *map(move, of)] for name, *of in one["operations"]]
+        returned.append(move(one["returns"]))
+        before += len(one["numbers"])
+    returns = [returned[i] for i in chosen]
+    return {"arguments": count, "numbers": numbers, "operations": operations, "returns": returns}
+
+
+def _moved(place: int, bounds: tuple[int, int], moves: tuple[int, int, int]) -> int:
+    """A place among arguments, numbers or results, which `bounds` part, moved by what belongs to its part."""
+    return place + moves[sum(place >= bound for bound in bounds)]
 
 
 class StraightLine:

@@ -11,6 +11,7 @@ from __future__ import annotations
 import argparse
 import os
 from collections.abc import Iterable, Iterator
+from contextlib import suppress
 from itertools import combinations
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -41,15 +42,13 @@ def shipped_models() -> Iterator[Any]:
 def derive(model: Any) -> None:
     """Ask for all that a run, its picture and its summary ask for, and `without`."""
     automaton, _ = model.automaton(), model.nonlinearities
-    if automaton.kept() is None:  # of several contacts: modes are derived as a run comes to them
-        return
-    program_of(automaton)
+    program_of(automaton, complete=False)
     count = len(automaton.names)
     states = np.ones((count, len(automaton.state_names)))
     with np.errstate(all="ignore"):
         for name in automaton.outputs:
             evaluate_output(automaton, name, states, np.arange(count), automaton.names)
-    if model.statics is not None:
+    with suppress(ValueError):  # there need be no equilibrium
         eigenvalues(model)
 
 

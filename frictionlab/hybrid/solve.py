@@ -162,6 +162,10 @@ def run_automaton(
     if any(asked) and not method.records_sections:
         raise ValueError(f"sections and quadratures need method='taylor', got {method!r}: change the method")
     automaton = with_chatter_limit(automaton, method.limits[1])
+    if (
+        any(asked) and automaton.on_demand
+    ):  # modes are then numbered as they are derived, not as they are kept
+        automaton = automaton.derived()
     if options.mode is not None:
         check_mode_name(options.mode, automaton.names)
     with_integrals = np.concatenate([state, np.zeros(len(asked[1]))])
@@ -292,13 +296,12 @@ def problem_of(
         program, numbers = program_of(automaton, *asked)
         return Problem(program, numbers, x0, t_end, None if mode is None else program.modes.index(mode))
 
-    modes: Any = automaton.modes
-
     def derive(combination: tuple[int, ...]) -> tuple[Program, Numbers]:
+        modes: Any = automaton.modes
         modes.mode(combination)
         return program_of(automaton, *asked, complete=False)
 
     if mode is not None:
-        modes.named(mode)
+        automaton.mode(mode)
     program, numbers = program_of(automaton, *asked, complete=False)
     return Problem(program, numbers, x0, t_end, None if mode is None else program.modes.index(mode), derive)

@@ -119,7 +119,8 @@ class Trajectory(Drawable):
     def mode_names(self) -> tuple[str, ...]:
         """Names of the modes by the numbers that `raw` has for them.
 
-        Of a model with several contacts those that were derived, in that order; else all of the automaton.
+        Of a model with several contacts those that were derived, in that order; else, and where all modes are
+        kept, all of the automaton.
         """
         return self.problem.program.modes
 

@@ -146,6 +146,8 @@ def _with_explanation(method: Callable[..., Any], law: str) -> Callable[..., Any
 
 
 LOGGER = logging.getLogger(__name__)
+# Of several contacts so many modes are all derived, to be kept; of more only those that runs come to.
+MOST_KEPT_MODES = 27
 
 
 def state_symbols(coordinates: tuple[str, ...]) -> tuple[Any, ...]:
@@ -178,7 +180,8 @@ def automaton_of_model(model: Any) -> HybridAutomaton:
     known = kept.get("automaton")
     if known is None:
         derived = automaton_of_structure(key)
-        if derived.on_demand or not kept.keeps:
+        modes: Any = derived.modes
+        if not kept.keeps or (derived.on_demand and modes.names.more_than(MOST_KEPT_MODES)):
             numbers = {symbol(name): value for name, value in parameters.items()}
             numbers |= dict(derived.parameters)
             return HybridAutomaton(derived.states, derived.modes, numbers, derived.coordinates)
@@ -245,9 +248,11 @@ def _structure_from_data(data: Any, base: type) -> Structure:
 
 def _outline(derived: HybridAutomaton) -> dict[str, Any]:
     """What a :class:`Late` automaton knows beforehand."""
+    modes: Any = derived.modes
     return {
         "states": derived.state_names,
-        "modes": derived.names,
+        "modes": tuple(derived.names),
+        "regimes": [[regime.name for regime in part] for part in modes.parts] if derived.on_demand else None,
         "outputs": derived.outputs,
         "parameters": derived.values,
         "coordinates": derived.coordinates,

@@ -7,7 +7,8 @@ With x' = f(x, p) and its Jacobian A = f_x at the equilibrium f = 0,
 
 for the right vector r and the left vector l of a simple eigenvalue, l r = 1.  The second term needs one
 solution of A^T w = l f_xx r, however many parameters there are (the adjoint equation).  sympy derives the
-entries of f_p, f_xp and f_xx that are not zero, once for a flow.
+entries of f_p, f_xp and f_xx that are not zero, once for a flow.  What finds equilibria and eigenvalues, the
+flow and its Jacobian as functions, is kept of models of the library (`late_flow`).
 """
 
 from __future__ import annotations
@@ -15,13 +16,15 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from frictionlab.automaton.expressions import combinations_of
+from frictionlab.hybrid.elementary.parameter_functions import OF_ARRAYS
 from frictionlab.lazy_names import sympy
+from frictionlab.models.structure_data import Derivations
 from frictionlab.models.symbols import derivatives
 
 Array = NDArray[np.float64]
@@ -58,6 +61,24 @@ class Jacobian(NamedTuple):
         return np.moveaxis(matrix, (0, 1), (-2, -1))
 
 
+class LateFlow(NamedTuple):
+    """A flow whose expressions are derived when they are asked for.
+
+    Parameters
+    ----------
+    kept : Derivations
+        What files hold of its model's structure.
+    name : str
+        What tells it from other flows of that structure.
+    derive : callable
+        The flow with its expressions.
+    """
+
+    kept: Derivations
+    name: str
+    derive: Callable[[], Flow]
+
+
 @dataclass(frozen=True, eq=False)
 class Flow:
     """x' = rhs(x) and its Jacobian, for N states and N values of the parameters.
@@ -78,6 +99,15 @@ class Flow:
     expressions: tuple[Any, ...]
     margins: tuple[Any, ...]
     coordinates: int
+    _late: ClassVar[LateFlow | None] = None
+
+    def __getattr__(self, name: str) -> Any:  # of what is derived late
+        if self._late is None or name not in self.__match_args__:
+            raise AttributeError(f"a Flow has no attribute {name!r}")
+        derived = self._late.derive()
+        for each in self.__match_args__:
+            object.__setattr__(self, each, getattr(derived, each))
+        return getattr(derived, name)
 
     @cached_property
     def _partial(self) -> dict[tuple[int, int], Any]:
@@ -89,49 +119,74 @@ class Flow:
         }
 
     @cached_property
+    def _outline(self) -> dict[str, Any]:
+        """What is known of the flow but its functions, as data that JSON can hold."""
+
+        def derive() -> dict[str, Any]:
+            states, partial = {*self.states}, self._partial
+            changing = {j for (_, j), entry in partial.items() if not states.isdisjoint(entry.free_symbols)}
+            return {
+                "size": len(self.states),
+                "places": [*partial],
+                "nonlinear": sorted(changing),
+                "bounded": bool(self.margins),
+            }
+
+        late = self._late
+        return derive() if late is None else late.kept.value(f"flow of {late.name}", derive)
+
+    @property
+    def size(self) -> int:
+        """How many states there are."""
+        return self._outline["size"]
+
+    @cached_property
     def free(self) -> list[int]:
         """The states whose rates depend on no state."""
-        return sorted({*range(len(self.states))} - {row for row, _ in self._partial})
+        return sorted({*range(self.size)} - {row for row, _ in self._outline["places"]})
 
     @cached_property
     def unseen(self) -> list[int]:
         """The states on which no rate depends."""
-        return sorted({*range(len(self.states))} - {column for _, column in self._partial})
+        return sorted({*range(self.size)} - {column for _, column in self._outline["places"]})
 
-    @cached_property
+    @property
     def linear(self) -> bool:
         """Whether the Jacobian is the same at every state."""
-        states = {*self.states}
-        return all(states.isdisjoint(entry.free_symbols) for entry in self._partial.values())
+        return not self.nonlinear
 
-    @cached_property
+    @property
     def nonlinear(self) -> list[int]:
         """The states that enter nonlinearly: columns of the Jacobian that are not the same at every state."""
-        states = {*self.states}
-        return sorted(
-            {j for (_, j), entry in self._partial.items() if not states.isdisjoint(entry.free_symbols)}
-        )
+        return self._outline["nonlinear"]
 
     @cached_property
     def derivative(self) -> Jacobian:
         """The Jacobian as a function."""
-        return Jacobian(len(self.states), tuple(self._partial), self.compiled(tuple(self._partial.values())))
+        entries = self._function("Jacobian", lambda: tuple(self._partial.values()))
+        return Jacobian(self.size, self._outline["places"], entries)
 
     @cached_property
-    def _nonlinear_partial(self) -> dict[tuple[int, int], Any]:
-        return {place: entry for place, entry in self._partial.items() if place[1] in self.nonlinear}
+    def _nonlinear_places(self) -> list[tuple[int, int]]:
+        return [(i, j) for i, j in self._outline["places"] if j in self.nonlinear]
 
     @cached_property
     def _nonlinear_entries(self) -> Callable[..., Any]:
-        return self.compiled(tuple(self._nonlinear_partial.values()))
+        places = self._nonlinear_places
+        return self._function("nonlinear columns", lambda: [self._partial[place] for place in places])
 
     @cached_property
     def _rhs(self) -> Callable[..., Any]:
-        return self.compiled(self.expressions)
+        return self._function("rates", lambda: self.expressions)
 
     @cached_property
     def _margins(self) -> Callable[..., Any]:
-        return self.compiled(self.margins)
+        return self._function("margins", lambda: self.margins)
+
+    def _function(self, name: str, expressions: Callable[[], Sequence[Any]]) -> Callable[..., Any]:
+        """A function as `compiled` gives it, or as it is kept."""
+        late, derive = self._late, lambda: self.compiled(expressions())
+        return derive() if late is None else late.kept.function(f"{name} of {late.name}", OF_ARRAYS, derive)
 
     def compiled(self, expressions: Sequence[Any]) -> Callable[..., Any]:
         """A numpy function of all states, then all parameters."""
@@ -153,7 +208,7 @@ class Flow:
 
     def margin(self, x: Any, values: Sequence[Any]) -> Array:
         """The least of the margins, (...)."""
-        if not self.margins:
+        if not self._outline["bounded"]:
             return np.full(np.shape(x[0]), np.inf)
         return _stacked(self._margins(*x, *values), np.shape(x[0])).min(axis=0)
 
@@ -164,10 +219,17 @@ class Flow:
     def nonlinear_columns(self, x: Array, values: Sequence[Any]) -> Array:
         """The columns `nonlinear` of the Jacobian as (N, m, k), at states (m, N)."""
         columns = {j: k for k, j in enumerate(self.nonlinear)}
-        found = np.zeros((x.shape[1], len(self.states), len(columns)))
-        for (i, j), entry in zip(self._nonlinear_partial, self._nonlinear_entries(*x, *values)):
+        found = np.zeros((x.shape[1], self.size, len(columns)))
+        for (i, j), entry in zip(self._nonlinear_places, self._nonlinear_entries(*x, *values)):
             found[:, i, columns[j]] = entry
         return found
+
+
+def late_flow(late: LateFlow) -> Flow:
+    """A flow of which the functions are kept; its expressions are derived when they are asked for."""
+    made = object.__new__(Flow)
+    object.__setattr__(made, "_late", late)
+    return made
 
 
 def _stacked(parts: Sequence[Any], shape: tuple[int, ...]) -> Array:

@@ -5,7 +5,7 @@ import os
 import subprocess
 import sys
 import zipfile
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +17,7 @@ from frictionlab.cli.shipped_structures import shipped_models
 from frictionlab.components import FrictionLaw
 from frictionlab.models import structure_data
 from frictionlab.models.structure_data import derivations_of, structure_of_component
+from frictionlab.models.symbols import automaton_of_structure
 
 ROOT = Path(__file__).parents[2]
 # Of each run the bits of all that a picture or a summary asks for.
@@ -59,6 +60,58 @@ def in_a_process(code, folder):
     done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout.splitlines()[-1])
+
+
+# Of each model of the table the bits of what the commands run, eig and critical print, and why there is none.
+TABLE = """
+import json, sys
+import frictionlab as fl
+from frictionlab.cli.parsing import model_of
+def answer(function, *asked):
+    try:
+        return function(*asked)
+    except ValueError as error:
+        return str(error)
+def found_of(model):
+    run = fl.simulate(model, 2.0, progress=False)
+    name, value = next((n, v) for n, v in model.parameters.items() if v)
+    points, modes = answer(fl.equilibria, model), answer(fl.eigenvalues, model)
+    shown = [[*e.q.tolist(), e.penetration, e.normal_force, e.friction_force, e.residual] for e in points]
+    changes = answer(fl.stability_changes, model, name, (0.5 * value, 1.5 * value))
+    outputs = [run.output(name, [0.1, 0.3]).tolist() for name in run.automaton.outputs]
+    values = modes if isinstance(modes, str) else [modes.values.real.tolist(), modes.values.imag.tolist()]
+    moments = [run.events.t.tolist(), list(run.events.target), dict(run.time_in_mode)]
+    return [repr(model), run.final_state.tolist(), moments, outputs, repr(shown), values, repr(changes)]
+rows = [found_of(model_of(row.call)) for row in fl.list_models()]
+print(json.dumps(["sympy.core" in sys.modules, rows]))
+"""
+
+
+def test_no_model_of_the_table_needs_sympy_in_a_second_process(tmp_path):
+    derived, first = in_a_process(TABLE, tmp_path)
+    again, second = in_a_process(TABLE, tmp_path)
+    assert (derived, again) == (True, False)
+    assert second == first
+    assert len(first) == len(fl.list_models())
+    eigenvalues = [row[-2] for row in first]
+    assert sum(isinstance(values, list) for values in eigenvalues) > 5
+
+
+@pytest.mark.parametrize("x0", [[0.1, 0.0, 0.0, 0.0], [0.3, -0.2, 0.0, 0.4]])
+def test_a_run_with_all_modes_kept_is_one_that_derives_those_it_comes_to(x0):
+    late = fl.TwoBlocks().automaton()
+    derived = automaton_of_structure.__wrapped__(structure_of_component(fl.TwoBlocks()))
+    few = replace(derived, parameters=late.parameters)
+    run, other = (fl.solve(each, 20.0, x0=x0) for each in (late, few))
+    assert late.kept() is not None
+    assert late.on_demand
+    assert set(few.modes.derived) < set(run.mode_names)
+    assert run.final_state.tolist() == other.final_state.tolist()
+    for name in ("t", "guard", "target", "state"):
+        assert getattr(run.events, name).tolist() == getattr(other.events, name).tolist()
+    assert dict(run.time_in_mode) == dict(other.time_in_mode)
+    assert late.names == few.names
+    assert repr(late) == repr(few)
 
 
 @pytest.fixture(scope="module")
@@ -137,7 +190,7 @@ def damaged(path):
 
 
 def test_a_wheel_carries_the_models_of_the_table(filled):
-    """With their switches, but for one of several contacts, whose modes are derived as runs come to them."""
+    """With their switches."""
     calls = [row.call for row in fl.list_models()]
     chosen = [repr(model) for model in shipped_models()]
     assert len(chosen) == len({*chosen}) > 2 * len(calls)

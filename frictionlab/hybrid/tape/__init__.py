@@ -9,6 +9,8 @@
 ``program``
     `Program`: the arrays of a whole automaton (`Code`), and `Numbers`, its coefficients for one set of
     values; a program as data, which is kept for later processes, and back.
+``kept_modes``
+    The same of a program of modes on demand.
 ``packing``
     `program_of`: packs the tapes of all modes and resets, and remembers the result by structure.
 ``lowering``

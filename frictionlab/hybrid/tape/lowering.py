@@ -9,7 +9,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import Any
+from typing import Any, NamedTuple
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -202,8 +202,18 @@ def fill_function(
     numbers = _number_list(parameters)
     constants, terms = zip(*(numbers.places(one) for one in every))
     used, where = np.unique(np.concatenate([*constants, *terms]), return_inverse=True)
-    functions = [numbers.functions[i] for i in used]
-    return lambda *values: np.array([function(*values) for function in functions], dtype=float)[where]
+    return FunctionsApart(tuple(numbers.functions[i] for i in used), where)
+
+
+class FunctionsApart(NamedTuple):
+    """Functions of one number each, and which of them gives each of many numbers."""
+
+    functions: tuple[Callable[..., float], ...]
+    where: np.ndarray
+
+    def __call__(self, *values: float) -> np.ndarray:
+        """All numbers."""
+        return np.array([function(*values) for function in self.functions], dtype=float)[self.where]
 
 
 class _NumberList:

@@ -22,6 +22,7 @@ from frictionlab.automaton import Event, HybridAutomaton, Mode, Reset
 from frictionlab.automaton.mode import Combination, KnownModes, ModesOnDemand, Symbol
 from frictionlab.hybrid.tape.arguments import check_mode, check_structure
 from frictionlab.hybrid.tape.functions import AFFINE
+from frictionlab.hybrid.tape.kept_modes import kept_program_on_demand
 from frictionlab.hybrid.tape.lowering import (
     LoweredMode,
     LoweredReset,
@@ -61,7 +62,7 @@ def program_of(
     """Program and numbers of an automaton; the program is remembered per structure.
 
     Of modes that are derived on demand it has all, in the automaton's order, where it is to be `complete`;
-    else those derived so far, in the order in which they were.
+    else those derived so far, in the order in which they were, or all that are kept.
 
     Raises
     ------
@@ -70,28 +71,29 @@ def program_of(
     TapeError
         Where an expression needs an operation that the tape lacks.
     """
-    kept = automaton.kept()
-    if kept is not None and not sections and not quadratures:
+    kept, apart = automaton.kept(), automaton.on_demand
+    grows = apart and not complete
+    if kept is not None and grows == apart and not sections and not quadratures:
         with _ONE_AT_A_TIME:
-            program = kept_program(kept, partial(_packed, automaton))
+            keeping = kept_program_on_demand if apart else kept_program
+            program = keeping(kept, partial(_packed, automaton))
         return program, numbers_at(program, automaton.values.values())
     modes, parameters = automaton.modes, tuple(automaton.parameters)
     asked = (tuple((sections or {}).values()), tuple((quadratures or {}).items()))
     about = parameters, automaton.coordinates, *asked
-    on_demand = isinstance(modes, ModesOnDemand)
-    chosen = () if on_demand and not complete else tuple(modes)
     with _ONE_AT_A_TIME:  # else two threads might have two programs of one structure
-        if on_demand and not complete:
+        if grows:
             program = _growing_program(automaton.states, modes, *about).with_known_modes()
         else:
-            program = pack_program(automaton.states, chosen, *about, on_demand)
+            program = pack_program(automaton.states, tuple(modes), *about, apart)
     return program, numbers_at(program, automaton.parameters.values())
 
 
 def _packed(automaton: HybridAutomaton) -> Program:
-    return pack_program(
-        automaton.states, tuple(automaton.modes), tuple(automaton.parameters), automaton.coordinates
-    )
+    modes, about = automaton.modes, (tuple(automaton.parameters), automaton.coordinates)
+    if isinstance(modes, ModesOnDemand):
+        return _pack_modes(automaton.states, modes, modes.all(), *about)
+    return pack_program(automaton.states, modes, *about)
 
 
 @lru_cache(maxsize=256)
@@ -114,9 +116,10 @@ def pack_program(
 
 def program_of_modes(automaton: HybridAutomaton, names: tuple[str, ...]) -> tuple[Program, Numbers]:
     """The same of some modes that are derived on demand, in this order: for runs that were made elsewhere."""
-    parameters = tuple(automaton.parameters)
+    modes: Any = automaton.modes
+    about = tuple(automaton.parameters), automaton.coordinates
     with _ONE_AT_A_TIME:
-        program = _pack_modes(automaton.states, automaton.modes, names, parameters, automaton.coordinates)
+        program = _pack_modes(automaton.states, modes, modes.chosen(names), *about)
     return program, program.numbers(tuple(automaton.parameters.values()))
 
 
@@ -124,16 +127,15 @@ def program_of_modes(automaton: HybridAutomaton, names: tuple[str, ...]) -> tupl
 def _pack_modes(
     states: tuple[Symbol, ...],
     modes: ModesOnDemand,
-    names: tuple[str, ...],
+    known: KnownModes,
     parameters: tuple[Symbol, ...],
     coordinates: int,
 ) -> Program:
-    packer, chosen = Packer(states, (), (), modes), tuple(map(modes.named, names))
-    for mode in chosen:
+    packer = Packer(states, (), (), modes)
+    for mode in known.modes:
         check_mode(mode, modes.names, states, frozenset((*states, *parameters)))
         packer.add(mode)
-    combinations = tuple(modes.names.combination_of(name) or () for name in names)
-    return packer.pack(parameters, coordinates, True, KnownModes(chosen, combinations, ()))
+    return packer.pack(parameters, coordinates, True, known)
 
 
 @lru_cache(maxsize=64)

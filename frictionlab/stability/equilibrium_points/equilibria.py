@@ -11,17 +11,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionlab.lazy_names import sympy
 from frictionlab.models.model import Model, automaton_of
 from frictionlab.presentation import Drawable, shorten, state_unit
 from frictionlab.stability.equilibrium_points.followed_equilibria import (
     FINEST_SHARE,
     excess_polynomial,
-    first_mode_equilibria,
     nearest_equilibrium_problem,
     newton_residual,
     no_equilibrium_error,
-    parameter_values,
     polish_roots,
     problem_from_equilibrium,
     search_range,
@@ -34,6 +31,11 @@ from frictionlab.stability.equilibrium_points.static_equations import (
     sliding_equations,
     static_residual,
     statics_for_values,
+)
+from frictionlab.stability.equilibrium_points.steady_modes import (
+    SteadyMode,
+    first_mode_equilibria,
+    parameter_values,
 )
 from frictionlab.stability.equilibrium_problem import EquilibriumProblem
 
@@ -97,18 +99,17 @@ def equilibrium_branches(model: Any, parameter: str, bounds: tuple[float, float]
         return [equilibrium_problem(model)]
     automaton = automaton_of(model)
     at, found = np.linspace(*bounds, BRANCH_SEARCH_POINTS), []
+    modes: list[SteadyMode] = []
     # states (m, BRANCH_SEARCH_POINTS) of each branch, NaN where it does not exist
     branch_states: list[Array] = []
     for i, value in enumerate(at):
         changed = {parameter: float(value)}
-        mode, flow, points = first_mode_equilibria(automaton.replace(**changed), isinstance(model, Model))
+        mode, points = first_mode_equilibria(automaton.replace(**changed), isinstance(model, Model))
         for x in points.T:
-            if any(
-                problem.flow is flow and _same_state(way[:, i], x)
-                for problem, way in zip(found, branch_states)
-            ):
+            if any(one is mode and _same_state(way[:, i], x) for one, way in zip(modes, branch_states)):
                 continue
-            found.append(problem_from_equilibrium(model, automaton, mode, flow, x, **changed))
+            modes.append(mode)
+            found.append(problem_from_equilibrium(model, automaton, mode, x, **changed))
             branch_states.append(found[-1].solve(*found[-1].at({parameter: at})))
     if not found:
         raise no_equilibrium_error(model)
@@ -239,20 +240,15 @@ def equilibrium(model: Any) -> Equilibrium:
 
 def _automaton_equilibria(model: Any) -> tuple[Equilibrium, ...]:
     automaton = automaton_of(model)
-    mode, flow, points = first_mode_equilibria(automaton, isinstance(model, Model))
-    n, values = automaton.coordinates or len(automaton.states), parameter_values(automaton)
-    names = tuple(str(state) for state in automaton.states[:n])
-    outputs = [
-        mode.outputs.get(name, sympy.nan) for name in ("penetration", "normal_force", "friction_force")
-    ]
-    evaluated = flow.compiled(outputs)
+    mode, points = first_mode_equilibria(automaton, isinstance(model, Model))
+    n, values = automaton.coordinates or len(automaton.state_names), parameter_values(automaton)
     return tuple(
         Equilibrium(
             x[:n],
-            *map(float, evaluated(*x, *values)),
-            residual=newton_residual(flow, x, values),
+            *mode.shown(x, values),
+            residual=newton_residual(mode.flow, x, values),
             model=model,
-            names=names,
+            names=automaton.state_names[:n],
         )
         for x in points.T
     )

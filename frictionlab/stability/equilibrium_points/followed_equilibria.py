@@ -7,19 +7,16 @@ method on the original equation; with other laws changes of sign are searched fo
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from functools import cache, lru_cache, partial
+from collections.abc import Callable, Sequence
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionlab.automaton import HybridAutomaton, Mode
-from frictionlab.automaton.mode import ModesOnDemand, Regime
-from frictionlab.hybrid.elementary.parameter_functions import OF_ARRAYS
-from frictionlab.lazy_names import sympy
+from frictionlab.automaton import HybridAutomaton
 from frictionlab.models.model import Model, automaton_of
-from frictionlab.stability.equilibrium_points.newton import find_zeros, follow_zero, newton_step
+from frictionlab.stability.equilibrium_points.newton import follow_zero, newton_step
 from frictionlab.stability.equilibrium_points.real_roots import UNKNOWN, Polynomial
 from frictionlab.stability.equilibrium_points.static_equations import (
     SlidingEquations,
@@ -28,11 +25,16 @@ from frictionlab.stability.equilibrium_points.static_equations import (
     static_residual,
     statics_groups,
 )
+from frictionlab.stability.equilibrium_points.steady_modes import (
+    SteadyMode,
+    first_mode_equilibria,
+    parameter_values,
+    steady_modes,
+)
 from frictionlab.stability.equilibrium_problem import EquilibriumProblem
-from frictionlab.stability.flow import Flow, Jacobian
+from frictionlab.stability.flow import Flow, Jacobian, LateFlow, late_flow
 
 Array = NDArray[np.float64]
-CONSTRAINT_RTOL = 1e-9  # share of its terms to which a constraint has to hold at an equilibrium
 
 
 def nearest_equilibrium_problem(model: Any, closest_to: Array | None = None) -> EquilibriumProblem:
@@ -47,7 +49,7 @@ def nearest_equilibrium_problem(model: Any, closest_to: Array | None = None) -> 
         If no mode has one.
     """
     automaton = automaton_of(model)
-    mode, flow, points = first_mode_equilibria(automaton, isinstance(model, Model))
+    mode, points = first_mode_equilibria(automaton, isinstance(model, Model))
     if not points.size:
         raise no_equilibrium_error(model)
     i = (
@@ -55,93 +57,34 @@ def nearest_equilibrium_problem(model: Any, closest_to: Array | None = None) -> 
         if closest_to is None
         else int(np.argmin(np.linalg.norm(points[: len(closest_to)] - closest_to[:, None], axis=0)))
     )
-    return problem_from_equilibrium(model, automaton, mode, flow, points[:, i])
+    return problem_from_equilibrium(model, automaton, mode, points[:, i])
 
 
 def problem_from_equilibrium(
-    model: Any, automaton: HybridAutomaton, mode: Mode, flow: Flow, x: Array, **changes: float
+    model: Any, automaton: HybridAutomaton, mode: SteadyMode, x: Array, **changes: float
 ) -> EquilibriumProblem:
     """The steady state of a mode followed from `x` (m,), where it is with some parameters changed."""
-    guards, values = tuple(event.function for event in mode.events), parameter_values(automaton)
+    flow, values = mode.flow, parameter_values(automaton)
     start = parameter_values(automaton.replace(**changes)) if changes else values
     return EquilibriumProblem(
         model,
         _state_names(automaton),
         tuple(automaton.values),
         values,
-        continuation_solver(flow, x, start, partial(_is_admissible, mode, flow)),
+        continuation_solver(flow, x, start, mode.admits),
         lambda: flow.derivative,
-        lambda: (flow, guards),
+        lambda: (flow, mode.guards),
     )
 
 
 def no_equilibrium_error(model: Any) -> ValueError:
     """The error for a model or an automaton that has none."""
-    modes = equilibrium_modes(automaton_of(model), not isinstance(model, HybridAutomaton))
+    modes = steady_modes(automaton_of(model), not isinstance(model, HybridAutomaton))
     what = "the automaton" if isinstance(model, HybridAutomaton) else type(model).__name__
     return ValueError(
         f"{what} must have a mode with an equilibrium inside its guards, "
         f"got none in {', '.join(mode.name for mode in modes)}: change its parameters"
     )
-
-
-def equilibrium_modes(automaton: HybridAutomaton, sliding: bool) -> Iterator[Mode]:
-    """The modes in which equilibria are searched for, derived one by one.
-
-    For a model those without constraints (`sliding`): in stick every position within the friction cone is an
-    equilibrium.
-    """
-    if isinstance(automaton.modes, ModesOnDemand):
-        return automaton.modes.select(
-            lambda regime: not (sliding and regime.holds) and _can_rest(automaton, regime)
-        )
-    return (mode for mode in automaton.modes if not (sliding and (mode.constraints or mode.limit)))
-
-
-def first_mode_equilibria(automaton: HybridAutomaton, sliding: bool) -> tuple[Mode, Flow, Array]:
-    """The first mode with equilibria inside its guards, its flow, and them (m, K); else K is 0."""
-    values = tuple(automaton.parameters.items())
-    return _mode_equilibria(automaton.modes, sliding, automaton.states, values, automaton.coordinates)
-
-
-@lru_cache(maxsize=64)
-def _mode_equilibria(
-    modes: tuple[Mode, ...] | ModesOnDemand, sliding: bool, states: Any, parameters: Any, coordinates: int
-) -> tuple[Mode, Flow, Array]:
-    """The same of these modes; remembered, as one question about a model leads to several."""
-    automaton = HybridAutomaton(states, modes, dict(parameters), coordinates)
-    mode = next(equilibrium_modes(automaton, sliding), None) or modes[0]
-    flow = _flow_in_automaton(automaton, mode)
-    for mode in (m for m in equilibrium_modes(automaton, sliding) if _allows_rest(automaton, m)):
-        flow = _flow_in_automaton(automaton, mode)
-        points = find_zeros(flow, parameter_values(automaton))
-        points = points[:, _is_admissible(mode, flow, points, parameter_values(automaton))]
-        if points.size:
-            return mode, flow, points
-    return mode, flow, np.zeros((len(automaton.states), 0))
-
-
-def _allows_rest(automaton: HybridAutomaton, mode: Mode) -> bool:
-    """Whether a mode's constraints can hold at zero velocities: not in stick on a running belt."""
-    return all(c == 0 for c in _constants_at_rest(automaton, mode.constraints))
-
-
-def _can_rest(automaton: HybridAutomaton, regime: Regime) -> bool:
-    """Whether a regime's conditions can hold at zero velocities: not in slip against a running belt."""
-    return not any(c < 0 for c in _constants_at_rest(automaton, regime.conditions))
-
-
-def _constants_at_rest(automaton: HybridAutomaton, functions: Sequence[Any]) -> list[Any]:
-    """The values at zero velocities of those functions that do not depend on other states."""
-    n = automaton.coordinates
-    at_rest = dict.fromkeys(automaton.states[n : 2 * n], 0)
-    held = [sympy.sympify(c, strict=True).subs(at_rest) for c in functions]
-    return [c.subs(automaton.parameters) for c in held if not c.free_symbols & set(automaton.states)]
-
-
-def parameter_values(automaton: HybridAutomaton) -> tuple[float, ...]:
-    """The parameters' values."""
-    return tuple(float(value) for value in automaton.values.values())
 
 
 def newton_residual(flow: Flow, x: Array, values: Sequence[float]) -> float:
@@ -161,37 +104,6 @@ def continuation_solver(
         return found
 
     return solve
-
-
-def _is_admissible(mode: Mode, flow: Flow, x: Array, values: Sequence[Any]) -> Any:
-    """Where a mode can last at states (m, N): inside its guards, with its constraints kept."""
-    with np.errstate(all="ignore"):
-        lasts = flow.margin(x, values) > 0
-        for held, size in zip(*(functions(*x, *values) for functions in _constraints(mode, flow))):
-            lasts = lasts & (np.abs(held) <= CONSTRAINT_RTOL * size)
-    return lasts
-
-
-@lru_cache(maxsize=256)
-def _constraints(mode: Mode, flow: Flow) -> tuple[Callable[..., Any], Callable[..., Any]]:
-    """The constraints of a mode, and the sizes of the terms that cancel in each."""
-    at_rest = dict.fromkeys(flow.states, 0)
-    held = [sympy.sympify(c, strict=True) for c in mode.constraints]
-    terms = [[c.subs(at_rest), *(sympy.diff(c, s) * s for s in flow.states)] for c in held]
-    sizes = [sum(abs(term) for term in some) for some in terms]
-    return flow.compiled(held), flow.compiled(sizes)
-
-
-def _flow_in_automaton(automaton: HybridAutomaton, mode: Mode) -> Flow:
-    return flow_of_mode(mode, automaton.states, tuple(automaton.parameters), automaton.coordinates)
-
-
-@lru_cache(maxsize=256)
-def flow_of_mode(mode: Mode, states: tuple[Any, ...], parameters: tuple[Any, ...], coordinates: int) -> Flow:
-    """The flow of a mode, with its margins, which have to stay positive: event functions and normal force."""
-    margins = [event.function for event in mode.events]
-    margins += [mode.outputs["normal_force"]] if "normal_force" in mode.outputs else []
-    return Flow(states, parameters, mode.flow, tuple(margins), coordinates)
 
 
 def _state_names(automaton: HybridAutomaton) -> tuple[str, ...]:
@@ -329,6 +241,10 @@ def _flow_and_guards(equations: SlidingEquations, forwards: bool) -> tuple[Flow,
 @cache
 def sliding_flow(equations: SlidingEquations) -> Flow:
     """Sliding whose friction force has the sign of the belt's speed, whatever else the model can do."""
+    return late_flow(LateFlow(equations.kept, "sliding", partial(_derive_sliding_flow, equations)))
+
+
+def _derive_sliding_flow(equations: SlidingEquations) -> Flow:
     from frictionlab.models.mechanical.contact_regimes import regime  # which load sympy
     from frictionlab.models.mechanical.modes import flow_and_forces
 
@@ -337,18 +253,9 @@ def sliding_flow(equations: SlidingEquations) -> Flow:
     return Flow(found.states, equations.parameters, flow, (found.rubbing.pressing,), len(found.q))
 
 
-@cache
 def sliding_jacobian(equations: SlidingEquations) -> Jacobian:
     """The state matrix of this flow."""
-    kept = equations.kept
-
-    def about() -> list[Any]:
-        found = sliding_flow(equations).derivative
-        return [found.size, found.places]
-
-    size, places = kept.value("sliding states", about)
-    entries = kept.function("sliding", OF_ARRAYS, lambda: sliding_flow(equations).derivative.entries)
-    return Jacobian(size, places, entries)
+    return sliding_flow(equations).derivative
 
 
 @cache

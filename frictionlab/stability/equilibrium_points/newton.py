@@ -69,7 +69,7 @@ class LowRankNewton:
 
 def low_rank_newton(flow: Flow, values: Sequence[float], x: Array) -> LowRankNewton | None:
     """Newton's steps by one inverse, at one of the points (m, N); None where that does not pay or serve."""
-    m = len(flow.states)
+    m = flow.size
     if m < LEAST_STATES or flow.linear or len(flow.nonlinear) > MOST_NONLINEAR_SHARE * m:
         return None
     for point in x.T[:REFERENCES_TRIED]:
@@ -238,7 +238,7 @@ def find_zeros(flow: Flow, values: Sequence[float]) -> Array:
     from what is found until that finds nothing more.
     """
     if _has_no_zero(flow, values):
-        return np.zeros((len(flow.states), 0))
+        return np.zeros((flow.size, 0))
     with np.errstate(all="ignore"):  # a start may lead out of the range of floats; it is dropped then
         random = np.random.default_rng(0)
         x, scale = _starts(flow, values, random)
@@ -315,7 +315,7 @@ def follow_zero(flow: Flow, x: Array, base: Sequence[float], values: Sequence[An
 
 def _has_no_zero(flow: Flow, values: Sequence[float]) -> bool:
     """Whether some rate is a constant that is not zero, as that of time, so that the flow has no zero."""
-    rates = flow.rhs(np.zeros(len(flow.states)), values)
+    rates = flow.rhs(np.zeros(flow.size), values)
     return bool((rates[flow.free] != 0).any())
 
 
@@ -327,7 +327,7 @@ def _starts(flow: Flow, values: Sequence[float], random: np.random.Generator) ->
     The sizes are where the linearised flow's zero lies.  The points lie in all decades about them: half of
     them in one decade with all their coordinates, the others with each in one of its own.
     """
-    origin = np.zeros((len(flow.states), 1))
+    origin = np.zeros((flow.size, 1))
     scale = _replace_unknown(np.abs(newton_step(flow, origin, values)))
     if flow.linear:
         return origin, scale

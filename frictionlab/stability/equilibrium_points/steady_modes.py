@@ -1,0 +1,244 @@
+"""The modes in which equilibria are searched for: the flow of each, what has to hold in it, and its outputs.
+
+All of it as functions of the states and the parameters, which are kept of models of the library, so that
+sympy is not needed to find their equilibria again.  Of a model these are the modes without constraints, as in
+stick every position within the friction cone is an equilibrium; of an automaton all.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property, lru_cache, partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from frictionlab.automaton import HybridAutomaton, Mode
+from frictionlab.automaton.mode import ModesOnDemand, Regime
+from frictionlab.hybrid.elementary.parameter_functions import OF_ARRAYS
+from frictionlab.lazy_names import sympy
+from frictionlab.models.structure_data import Derivations
+from frictionlab.stability.equilibrium_points.newton import find_zeros
+from frictionlab.stability.flow import Flow, LateFlow, late_flow
+
+Array = NDArray[np.float64]
+CONSTRAINT_RTOL = 1e-9  # share of its terms to which a constraint has to hold at an equilibrium
+SHOWN = "penetration", "normal_force", "friction_force"  # outputs that an equilibrium shows
+
+
+@dataclass(frozen=True, eq=False)
+class SteadyMode:
+    """A mode in which equilibria are searched for, as functions.
+
+    Parameters
+    ----------
+    name : str
+    holds : bool
+        Whether it has constraints.
+    flow : Flow
+        With the margins that have to stay positive: event functions and normal force.
+    kept : Derivations
+        What files hold of its structure.
+    derive : callable
+        The mode.
+    """
+
+    name: str
+    holds: bool
+    flow: Flow
+    kept: Derivations
+    derive: Callable[[], Mode]
+
+    @property
+    def guards(self) -> tuple[Any, ...]:
+        """The event functions."""
+        return tuple(event.function for event in self.derive().events)
+
+    def shown(self, x: Array, values: Sequence[float]) -> tuple[float, ...]:
+        """The outputs `SHOWN` at a state (m,); NaN where the mode has no such output."""
+
+        def derive() -> Callable[..., Any]:
+            outputs = self.derive().outputs
+            return self.flow.compiled([outputs.get(name, sympy.nan) for name in SHOWN])
+
+        return tuple(map(float, self.kept.function(f"shown in {self.name}", OF_ARRAYS, derive)(*x, *values)))
+
+    def admits(self, x: Array, values: Sequence[Any]) -> Any:
+        """Where the mode can last at states (m, N): inside its guards, with its constraints kept."""
+        with np.errstate(all="ignore"):
+            lasts = self.flow.margin(x, values) > 0
+            for held, size in zip(*(functions(*x, *values) for functions in self._constraints)):
+                lasts = lasts & (np.abs(held) <= CONSTRAINT_RTOL * size)
+        return lasts
+
+    @cached_property
+    def _constraints(self) -> tuple[Callable[..., Any], ...]:
+        """The constraints, and the sizes of the terms that cancel in each."""
+        if not self.holds:
+            return ()
+        at_rest = dict.fromkeys(self.flow.states, 0)
+        held = [sympy.sympify(c, strict=True) for c in self.derive().constraints]
+        terms = [[c.subs(at_rest), *(sympy.diff(c, s) * s for s in self.flow.states)] for c in held]
+        sizes = [sum(abs(term) for term in some) for some in terms]
+        return self.flow.compiled(held), self.flow.compiled(sizes)
+
+
+def steady_modes(automaton: HybridAutomaton, sliding: bool) -> Iterator[SteadyMode]:
+    """The modes in which equilibria are searched for, derived one by one.
+
+    For a model (`sliding`) those without constraints.
+    """
+    kept = automaton.kept()
+    if sliding and kept is not None:
+        return _kept_modes(automaton, kept)
+    return (_derived_mode(automaton, mode) for mode in _modes(automaton, sliding))
+
+
+def parameter_values(automaton: HybridAutomaton) -> tuple[float, ...]:
+    """The parameters' values."""
+    return tuple(float(value) for value in automaton.values.values())
+
+
+@dataclass(frozen=True)
+class Question:
+    """What equilibria an automaton has; two are the same where structures and values are.
+
+    Parameters
+    ----------
+    structure : hashable
+    values : tuple of float
+    sliding : bool
+    automaton : HybridAutomaton
+    """
+
+    structure: Any
+    values: tuple[float, ...]
+    sliding: bool
+    automaton: HybridAutomaton = field(compare=False)
+
+
+def first_mode_equilibria(automaton: HybridAutomaton, sliding: bool) -> tuple[SteadyMode, Array]:
+    """The first mode with equilibria inside its guards, and them (m, K); else K is 0."""
+    structure = automaton.kept() if sliding else None
+    if structure is None:
+        structure = automaton.modes, automaton.states, tuple(automaton.parameters), automaton.coordinates
+    return _first_mode_equilibria(Question(structure, parameter_values(automaton), sliding, automaton))
+
+
+@lru_cache(maxsize=64)
+def _first_mode_equilibria(question: Question) -> tuple[SteadyMode, Array]:
+    """The same; remembered, as one question about a model leads to several."""
+    automaton, mode = question.automaton, None
+    for mode in steady_modes(automaton, question.sliding):
+        if not mode.holds or _allows_rest(automaton, mode.derive()):
+            points = find_zeros(mode.flow, question.values)
+            points = points[:, mode.admits(points, question.values)]
+            if points.size:
+                return mode, points
+    mode = mode or _derived_mode(automaton, automaton.modes[0])
+    return mode, np.zeros((mode.flow.size, 0))
+
+
+# --- as they are kept
+
+
+def _kept_modes(automaton: HybridAutomaton, kept: Derivations) -> Iterator[SteadyMode]:
+    names = kept.value("steady modes", lambda: [m.name for m in automaton.modes if _is_free(m)])
+    found = (_kept_mode(Place(kept, name, automaton)) for name in names)
+    return (mode for mode in found if _can_last_at_rest(automaton, mode)) if automaton.on_demand else found
+
+
+@dataclass(frozen=True)
+class Place:
+    """A mode of a structure by its name; the automaton is any of the structure."""
+
+    kept: Derivations
+    name: str
+    automaton: HybridAutomaton = field(compare=False)
+
+
+@lru_cache(maxsize=256)
+def _kept_mode(place: Place) -> SteadyMode:
+    automaton, derive = place.automaton, partial(place.automaton.mode, place.name)
+    late = LateFlow(place.kept, place.name, lambda: _flow(automaton, derive()))
+    return SteadyMode(place.name, False, late_flow(late), place.kept, derive)
+
+
+def _can_last_at_rest(automaton: HybridAutomaton, mode: SteadyMode) -> bool:
+    """Whether conditions of all regimes of a mode can hold at zero velocities; see `_can_rest`."""
+
+    def derive() -> Callable[..., Any]:
+        modes: Any = automaton.modes
+        conditions = (
+            condition
+            for part, i in zip(modes.parts, modes.names.combination_of(mode.name))
+            for condition in part[i].conditions
+        )
+        return mode.flow.compiled(_without_states(automaton, tuple(conditions)))
+
+    function = mode.kept.function(f"at rest in {mode.name}", OF_ARRAYS, derive)
+    zeros = np.zeros(mode.flow.size)
+    return not any(value < 0 for value in function(*zeros, *parameter_values(automaton)))
+
+
+# --- as they are derived
+
+
+def _modes(automaton: HybridAutomaton, sliding: bool) -> Iterator[Mode]:
+    if isinstance(automaton.modes, ModesOnDemand):
+        return automaton.modes.select(
+            lambda regime: not (sliding and regime.holds) and _can_rest(automaton, regime)
+        )
+    return (mode for mode in automaton.modes if not sliding or _is_free(mode))
+
+
+def _is_free(mode: Mode) -> bool:
+    return not (mode.constraints or mode.limit)
+
+
+def _derived_mode(automaton: HybridAutomaton, mode: Mode) -> SteadyMode:
+    return _steady_mode(mode, automaton.states, tuple(automaton.parameters), automaton.coordinates)
+
+
+@lru_cache(maxsize=256)
+def _steady_mode(
+    mode: Mode, states: tuple[Any, ...], parameters: tuple[Any, ...], coordinates: int
+) -> SteadyMode:
+    flow = Flow(states, parameters, mode.flow, _margins(mode), coordinates)
+    return SteadyMode(mode.name, mode.holds, flow, Derivations(None), lambda: mode)
+
+
+def _flow(automaton: HybridAutomaton, mode: Mode) -> Flow:
+    parameters = tuple(automaton.parameters)
+    return Flow(automaton.states, parameters, mode.flow, _margins(mode), automaton.coordinates)
+
+
+def _margins(mode: Mode) -> tuple[Any, ...]:
+    margins = [event.function for event in mode.events]
+    margins += [mode.outputs["normal_force"]] if "normal_force" in mode.outputs else []
+    return tuple(margins)
+
+
+def _allows_rest(automaton: HybridAutomaton, mode: Mode) -> bool:
+    """Whether a mode's constraints can hold at zero velocities: not in stick on a running belt."""
+    return all(c == 0 for c in _constants_at_rest(automaton, mode.constraints))
+
+
+def _can_rest(automaton: HybridAutomaton, regime: Regime) -> bool:
+    """Whether a regime's conditions can hold at zero velocities: not in slip against a running belt."""
+    return not any(c < 0 for c in _constants_at_rest(automaton, regime.conditions))
+
+
+def _constants_at_rest(automaton: HybridAutomaton, functions: Sequence[Any]) -> list[Any]:
+    """The values at zero velocities of those functions that do not depend on other states."""
+    return [c.subs(automaton.parameters) for c in _without_states(automaton, functions)]
+
+
+def _without_states(automaton: HybridAutomaton, functions: Sequence[Any]) -> list[Any]:
+    """Functions at zero velocities, those that depend on no other state."""
+    n = automaton.coordinates
+    at_rest = dict.fromkeys(automaton.states[n : 2 * n], 0)
+    held = [sympy.sympify(c, strict=True).subs(at_rest) for c in functions]
+    return [c for c in held if not c.free_symbols & set(automaton.states)]
