@@ -243,7 +243,10 @@ def stamps() -> tuple[Any, ...]:
 
 def _files() -> Iterator[Path]:
     for name in SOURCES:
-        yield from sorted((PACKAGE / name).rglob("*.py"))
+        folder = PACKAGE / name
+        if not folder.is_dir():  # in a zip file a search finds nothing, and says nothing
+            raise FileNotFoundError(folder)
+        yield from sorted(folder.rglob("*.py"))
     yield from (_beside(package, name) for package, name in VERSIONS)
 
 
