@@ -30,7 +30,7 @@ from .canvas import MovingMechanism
 from .layout import Layout, close_all, error_text
 from .result import Result, Settings, default_settings, starting_model
 from .state import Comparison, Files, History, State, check_names, control_data, set_control, state_from_text
-from .update_scheduler import EVENT_LOOP_PAUSE, PAUSE_AFTER_CHANGE, BusyIndicator, UpdateScheduler
+from .update_scheduler import PAUSE_AFTER_CHANGE, BusyIndicator, UpdateScheduler, in_this_thread
 
 
 class Explorer:
@@ -67,16 +67,16 @@ class Explorer:
         self.comparison = Comparison(self.picture, self.layout)
         for control in self._others.values():
             control.observe(self._changed, names="value")
-        self.layout.compare.observe(self._compare, names="value")
-        self.layout.screen.observe(self._restyle, names=("pixels", "dark"))
-        self.layout.reset.on_click(self.reset)
-        self.layout.swap.on_click(lambda _: self.swap())
-        self.layout.undo.on_click(lambda _: self.undo())
-        self.layout.redo.on_click(lambda _: self.redo())
+        self.layout.compare.observe(in_this_thread(self._compare), names="value")
+        self.layout.screen.observe(in_this_thread(self._restyle), names=("pixels", "dark"))
+        self.layout.reset.on_click(in_this_thread(self.reset))
+        self.layout.swap.on_click(in_this_thread(lambda _: self.swap()))
+        self.layout.undo.on_click(in_this_thread(lambda _: self.undo()))
+        self.layout.redo.on_click(in_this_thread(lambda _: self.redo()))
         self.files = Files(self, self._failed, self.load)
         for name, panel in drawn.items():
             if hasattr(panel, "pick"):
-                self.picture.images[name].on_click(partial(self._clicked, name))
+                self.picture.images[name].on_click(in_this_thread(partial(self._clicked, name)))
         shown = *self.extra.values(), *self.components.controls.values()
         shown = *shown, self.parameters.widget, self.running.widget
         seen = [self.picture.images[name] if name in drawn else panels[name].canvas for name in panels]
@@ -244,7 +244,7 @@ class Explorer:
             self.updates += 1
             self._record()
         if self.busy.left and self.layout.screen.is_watched:
-            self.scheduler.request_later(PAUSE_AFTER_CHANGE if moved else EVENT_LOOP_PAUSE)
+            self.scheduler.request_later(PAUSE_AFTER_CHANGE if moved else 0.0)
 
     def _read(self) -> Settings:
         model = self.components.model()

@@ -19,6 +19,7 @@ from frictionlab.validation import did_you_mean_or_known
 from .explorer import Explorer, explore
 from .layout import error_text
 from .state import FileButton, State, state_from_text
+from .update_scheduler import in_this_thread
 
 SCENE = "scene"  # the name in a link
 LINK_VARIABLE = "QUERY_STRING"  # of the environment of a kernel that Voila starts: what follows the address
@@ -68,7 +69,7 @@ class Scenes:
             scene, values, wrong = "", {}, error
         self.menu.value = scene or PRESETS[0].name
         self.explorer: Explorer = self._open(scene or PRESETS[0].name)
-        self.menu.observe(lambda change: self._open(change["new"]), names="value")
+        self.menu.observe(in_this_thread(lambda change: self._open(change["new"])), names="value")
         if wrong is not None:
             self._failed(wrong)
         elif values:

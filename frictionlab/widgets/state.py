@@ -24,6 +24,7 @@ from .canvas import MovingMechanism
 from .layout import Layout, verdict_text
 from .number_control import NumberControl, number_from_text
 from .panels.picture import Picture
+from .update_scheduler import in_this_thread
 
 SAME_MOVE = 0.7  # s: steps of one control that follow each other as fast are undone together
 MAX_STATES = 200  # states that are kept
@@ -258,7 +259,7 @@ class FileButton(anywidget.AnyWidget):
     ) -> None:
         super().__init__(label=label, hint=hint)
         self.make, self._failed = make, failed
-        self.on_msg(self._pressed)
+        self.on_msg(in_this_thread(self._pressed))
 
     def _pressed(self, *_: Any) -> None:
         try:
@@ -355,7 +356,7 @@ class Files:
         self.load = ipywidgets.FileUpload(accept=".json", description="load state", multiple=False)
         self.load.tooltip = "set all controls to what a saved state says"
         self._failed, self.take = failed, load
-        self.load.observe(self.load_state, names="value")
+        self.load.observe(in_this_thread(self.load_state), names="value")
         layout = ipywidgets.Layout(flex_flow="row wrap")
         self.widget = ipywidgets.Box([*self.buttons.values(), self.load], layout=layout)
 

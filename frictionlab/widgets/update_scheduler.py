@@ -2,7 +2,9 @@
 computed.
 
 `UpdateScheduler` runs one update at a time, and one more for all changes that arrived meanwhile; long updates
-are done in parts.  `BusyIndicator` is a line of text that appears where an update takes noticeably long.
+are done in parts.  `in_this_thread` keeps all that draws in the thread of the cells: JupyterLab hears widgets
+in threads of its own, and matplotlib serves one only.  `BusyIndicator` is a line of text that appears where
+an update takes noticeably long.
 """
 
 from __future__ import annotations
@@ -11,6 +13,7 @@ import asyncio
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from typing import Any
 
 import ipywidgets
@@ -24,8 +27,25 @@ COMPILING_TEXT = "compiling the solver, once on this machine: some 30 s …"
 PROGRESS_BAR = '<progress aria-label="done" value="{0}" max="{1}" style="width: 70px"></progress> {0} of {1}'
 
 
+def in_this_thread(function: Callable[..., object]) -> Callable[..., None]:
+    """The same function, called in the present thread by its event loop where another thread calls it.
+
+    A drawing's settings and its parser of formulas are those of the whole process, and a cell that draws uses
+    them meanwhile.  Without an event loop it is called where it is.
+    """
+    thread, loop = threading.get_ident(), running_loop()
+
+    def call(*values: Any) -> None:
+        if loop is None or loop.is_closed() or threading.get_ident() == thread:
+            function(*values)
+        else:
+            loop.call_soon_threadsafe(partial(function, *values))
+
+    return call
+
+
 class UpdateScheduler:
-    """Calls `update` on request, one call at a time.
+    """Calls `update` on request, one call at a time, in the thread that made it.
 
     The update reads the settings when it begins.  Requests while it runs, from within or from another thread,
     make it run once more.  A long update is done in parts, each of which requests the next one.
@@ -36,6 +56,7 @@ class UpdateScheduler:
         self._lock = threading.Lock()
         self._busy = self._asked = False
         self._timer: asyncio.TimerHandle | None = None
+        self._run = in_this_thread(self._update_all)
 
     def request(self) -> None:
         """Update now, or once more after the update that is running."""
@@ -44,6 +65,9 @@ class UpdateScheduler:
             if self._busy:
                 return
             self._busy = True
+        self._run()
+
+    def _update_all(self) -> None:
         try:
             while self._next():
                 self._update()
@@ -51,14 +75,15 @@ class UpdateScheduler:
             self._busy = False
             raise
 
-    def request_later(self, pause: float = EVENT_LOOP_PAUSE) -> None:
-        """Update after a pause, and after what comes to the event loop in it, such as newer values; at once
-        where there is no loop."""
+    def request_later(self, pause: float = 0.0) -> None:
+        """Update after a pause of EVENT_LOOP_PAUSE or more, and after what comes to the loop in it, such
+        as newer values; at once where there is no loop."""
         self.cancel()
-        if has_event_loop():
-            self._timer = asyncio.get_running_loop().call_later(pause, self.request)
-        else:
+        loop = running_loop()
+        if loop is None:
             self.request()
+        else:
+            self._timer = loop.call_later(max(pause, EVENT_LOOP_PAUSE), self.request)
 
     def cancel(self) -> None:
         """Cancel a requested update."""
@@ -87,11 +112,15 @@ class UpdateScheduler:
 
 def has_event_loop() -> bool:
     """Whether an event loop runs, as in a notebook or an application: else nothing goes on by itself."""
+    return running_loop() is not None
+
+
+def running_loop() -> asyncio.AbstractEventLoop | None:
+    """The event loop of the present thread."""
     try:
-        asyncio.get_running_loop()
+        return asyncio.get_running_loop()
     except RuntimeError:
-        return False
-    return True
+        return None
 
 
 class BusyIndicator:

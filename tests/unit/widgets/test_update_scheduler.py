@@ -1,12 +1,13 @@
 """The last value wins, and nothing is computed twice at once."""
 
+import asyncio
 import threading
 
 import pytest
 
 import frictionlab as fl
 from frictionlab.plotting.figure import Drawing
-from frictionlab.widgets.update_scheduler import UpdateScheduler
+from frictionlab.widgets.update_scheduler import UpdateScheduler, in_this_thread
 
 pytestmark = pytest.mark.plain_python
 
@@ -42,6 +43,35 @@ def test_changes_from_another_thread_lead_to_one_more():
     go_on.set()
     worker.join()
     assert seen == [0, 5]
+
+
+def test_changes_that_other_threads_hear_while_a_cell_runs_are_one_update_in_its_thread():
+    """JupyterLab hears widgets in threads of its own."""
+    seen = []
+
+    async def cell():
+        scheduler = UpdateScheduler(lambda: seen.append(threading.get_ident()))
+        for _ in range(5):
+            worker = threading.Thread(target=scheduler.request)
+            worker.start()
+            worker.join()
+        assert seen == []  # it is drawn when the cell is done
+        await asyncio.sleep(0)
+
+    asyncio.run(cell())
+    assert seen == [threading.get_ident()]
+
+
+def test_what_is_heard_after_the_event_loop_has_ended_is_done_where_it_is():
+    async def cell():
+        return in_this_thread(seen.append)
+
+    seen = []
+    heard = asyncio.run(cell())
+    worker = threading.Thread(target=heard, args=(1,))
+    worker.start()
+    worker.join()
+    assert seen == [1]
 
 
 def test_an_update_that_fails_does_not_end_all_updates():
