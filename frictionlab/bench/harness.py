@@ -184,6 +184,7 @@ BASE_METHOD = "frictionlab, tol 1e-15"
 SINGLE_RUN_ABOVE = 3.0  # s: a run longer than this is timed once
 # s: shorter runs are repeated for so long at each turn, as the first find cold caches
 TURN_SECONDS = 0.1
+SHORT_TURNS = 3  # times as many turns for these, as a neighbour on the machine slows down a turn or two
 
 
 def warm_up(automaton: HybridAutomaton, method: Method) -> None:
@@ -245,8 +246,9 @@ def measure(
             warm_up(scene.automaton, method)
     runs = {name: _time_run(scene, method) for name, method in methods.items()}
     spent = {name: [seconds] if seconds > SINGLE_RUN_ABOVE else [] for name, (_, seconds) in runs.items()}
-    for _ in range(repeats):
-        for name in [name for name in methods if runs[name][1] <= SINGLE_RUN_ABOVE]:
+    for turn in range(SHORT_TURNS * repeats):
+        longest = SINGLE_RUN_ABOVE if turn < repeats else TURN_SECONDS
+        for name in [name for name in methods if runs[name][1] <= longest]:
             spent[name].append(_time_of_turn(scene, methods[name]))
     rows = [
         _measured_row(scene, way, methods[way.name], runs[way.name][0], spent[way.name])

@@ -79,11 +79,11 @@ def problem_from_equilibrium(
 
 def no_equilibrium_error(model: Any) -> ValueError:
     """The error for a model or an automaton that has none."""
-    modes = steady_modes(automaton_of(model), not isinstance(model, HybridAutomaton))
+    modes = [each.name for each in steady_modes(automaton_of(model), not isinstance(model, HybridAutomaton))]
     what = "the automaton" if isinstance(model, HybridAutomaton) else type(model).__name__
     return ValueError(
         f"{what} must have a mode with an equilibrium inside its guards, "
-        f"got none in {', '.join(mode.name for mode in modes)}: change its parameters"
+        f"got none in {', '.join(modes)}: change its parameters, or simulate its motion"
     )
 
 
