@@ -321,7 +321,9 @@ def _draw(ax: Any, row: Growth) -> None:
         ax.plot([], [], "s--", color=VERMILLION, label=text)
         _show_decades(beside, row.megabytes)
     _show_decades(ax, row.seconds)
-    ax.set_xticks(row.sizes, [f"{size:g}" if size < 1e4 else f"{size:.0e}" for size in row.sizes])
+    ax.set_xticks(
+        row.sizes, [f"{size:g}" if size < 1e4 else f"$10^{{{np.log10(size):g}}}$" for size in row.sizes]
+    )
     ax.xaxis.set_minor_formatter(NullFormatter())
     ax.grid(alpha=0.3, color=GREY)
     ax.legend(loc="lower left", bbox_to_anchor=(-0.05, 1.0), ncols=2, frameon=False, fontsize=8.5)
