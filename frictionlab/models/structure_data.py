@@ -222,7 +222,7 @@ class Sources(NamedTuple):
 
 
 def sources() -> Sources:
-    """As they are now; there are none in a zip file."""
+    """As they are now; there are none in a zip file, nor of byte code alone."""
     try:
         digest = hashlib.sha256()
         for path in _files():
@@ -243,10 +243,10 @@ def stamps() -> tuple[Any, ...]:
 
 def _files() -> Iterator[Path]:
     for name in SOURCES:
-        folder = PACKAGE / name
-        if not folder.is_dir():  # in a zip file a search finds nothing, and says nothing
-            raise FileNotFoundError(folder)
-        yield from sorted(folder.rglob("*.py"))
+        found = sorted((PACKAGE / name).rglob("*.py"))
+        if not found:  # in a zip file, or of byte code alone; without them all versions would be one
+            raise FileNotFoundError(PACKAGE / name)
+        yield from found
     yield from (_beside(package, name) for package, name in VERSIONS)
 
 

@@ -245,6 +245,8 @@ def test_an_edit_of_a_source_or_another_sympy_names_another_folder(monkeypatch, 
         (tmp_path / "models" / "law.py").write_text(text)
         found.add(structure_data.sources().digest)
     assert len(found) == 4
+    (tmp_path / "models" / "law.py").unlink()  # byte code alone is installed, or the package is a zip file
+    assert structure_data.sources() == ("", ())
 
 
 def test_nothing_is_kept_once_a_source_was_edited(monkeypatch, tmp_path):
