@@ -71,7 +71,7 @@ def page(browser, slider):
 
 def check_same_bits(page, model, values, without=(), start="rest", end=SECONDS):
     found = page.evaluate(RUN, [values, list(without), start, end])
-    assert "the end was reached" in found["status"]
+    assert "The end was reached" in found["status"]
     run = fl.simulate(model, end)
     assert found["state"] == run.final_state.tolist()
     assert found["times"] == run.events.t.tolist()
