@@ -3,13 +3,15 @@
     ```{schematic} MassOnBelt()
     ```
 
-draws the parts of a model as they are at the start of a run, with the contact forces there, as an SVG.
+draws the parts of a model as they are at the start of a run, as an SVG; those of one with contact forces half
+a period later, with the forces that it has come to.
 """
 
 import ast
 import re
 from pathlib import Path
 
+import numpy as np
 from docutils import nodes
 from live_pages import SOURCES, model_of
 from sphinx.util.docutils import SphinxDirective
@@ -49,12 +51,12 @@ def draw(text: str, path: Path) -> None:
     path.parent.mkdir(exist_ok=True)
     model = model_of(ast.parse(text, mode="eval").body)
     run = frictionlab.simulate(model, 3.0 * model.period, progress=False)
-    picture = picture_of(run, mechanism_of(run, "a schematic"), run.t[:2])
+    picture = picture_of(run, mechanism_of(run, "a schematic"), np.array([0.0, model.period / 2]))
     figure = RunFigure(figsize=SIZE, layout="constrained")
     ax = figure.subplots()
-    picture.move(picture.draw(ax), 0, BODY)
-    ax.set_axis_off()
     handles = [*picture.handles()]
+    picture.move(picture.draw(ax), 1 if handles else 0, BODY)
+    ax.set_axis_off()
     for handle in handles:  # without how large they get in that run
         handle.set_label(handle.get_label().partition(",")[0])
     if handles:
