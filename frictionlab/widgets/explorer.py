@@ -55,7 +55,7 @@ class Explorer:
         self.settings, self.result, self.error = settings, Result(settings), None
         self.start_model, self.history = settings.model, History()
         self.updates = 0  # computed so far
-        self.scheduler = UpdateScheduler(self._update)
+        self.scheduler = UpdateScheduler(self._update, lambda: self.busy.show_waiting())
         self.components, self.running = ComponentControls(settings.model), RunControls(settings)
         self.parameters = ParameterControls(settings.model, self._changed)
         self.extra = {n: c for panel in panels.values() for n, c in getattr(panel, "controls", {}).items()}

@@ -23,6 +23,7 @@ PAUSE_AFTER_CHANGE = 0.15  # after a change, as a slider that moves on should no
 
 INDICATOR_DELAY = 0.3  # seconds
 INDICATOR_TEXT = "computing …"
+WAITING_TEXT = "waiting for the cell that runs …"
 COMPILING_TEXT = "compiling the solver, once on this machine: some 30 s …"
 PROGRESS_BAR = '<progress aria-label="done" value="{0}" max="{1}" style="width: 70px"></progress> {0} of {1}'
 
@@ -49,10 +50,16 @@ class UpdateScheduler:
 
     The update reads the settings when it begins.  Requests while it runs, from within or from another thread,
     make it run once more.  A long update is done in parts, each of which requests the next one.
+
+    Parameters
+    ----------
+    update : callable
+    wait : callable or None
+        Called where an update has to wait for the thread that made it.
     """
 
-    def __init__(self, update: Callable[[], None]) -> None:
-        self._update = update
+    def __init__(self, update: Callable[[], None], wait: Callable[[], None] | None = None) -> None:
+        self._update, self._wait, self._thread = update, wait, threading.get_ident()
         self._lock = threading.Lock()
         self._busy = self._asked = False
         self._timer: asyncio.TimerHandle | None = None
@@ -65,6 +72,8 @@ class UpdateScheduler:
             if self._busy:
                 return
             self._busy = True
+        if self._wait is not None and threading.get_ident() != self._thread:
+            self._wait()
         self._run()
 
     def _update_all(self) -> None:
@@ -137,29 +146,47 @@ class BusyIndicator:
         self.widget = ipywidgets.HTML(INDICATOR_TEXT, layout=ipywidgets.Layout(visibility="hidden"))
         self.widget.add_class("fl-busy")
         self.shown = 0  # times it has appeared
+        self._waiting: threading.Timer | None = None
+
+    def show_waiting(self) -> None:
+        """Say after INDICATOR_DELAY that an update waits for a cell, until it begins."""
+        self._waiting = _started_timer(partial(self._show, WAITING_TEXT))
 
     @contextmanager
     def show_while_busy(self) -> Iterator[None]:
         """Show the text after INDICATOR_DELAY until the block is done, or until the whole computation is."""
-        timer: Any = threading.Timer(INDICATOR_DELAY, self._show)
-        timer.daemon = True
-        timer.start()
+        if self._waiting is not None:
+            _end_timer(self._waiting)
+            self._waiting = None
+            self.widget.value = INDICATOR_TEXT
+        timer = _started_timer(self._show)
         try:
             yield
         finally:
-            timer.cancel()
-            timer.join()
+            _end_timer(timer)
             self.widget.value = PROGRESS_BAR.format(*self.left) if self.left else INDICATOR_TEXT
             self.widget.layout.visibility = "visible" if self.left else "hidden"
 
     def announce_compilation(self, compiling: bool) -> None:
         """Say that the solver is compiled first, where it is, and at once: it takes half a minute."""
         if compiling:
-            self.widget.value = COMPILING_TEXT
-            self._show()
+            self._show(COMPILING_TEXT)
         elif not self.left:  # else how far it is stays, part for part
             self.widget.value = INDICATOR_TEXT
 
-    def _show(self) -> None:
+    def _show(self, text: str = "") -> None:
         self.shown += 1
+        self.widget.value = text or self.widget.value
         self.widget.layout.visibility = "visible"
+
+
+def _started_timer(show: Callable[[], None]) -> threading.Timer:
+    timer = threading.Timer(INDICATOR_DELAY, show)
+    timer.daemon = True
+    timer.start()
+    return timer
+
+
+def _end_timer(timer: threading.Timer) -> None:
+    timer.cancel()
+    timer.join()

@@ -2,12 +2,19 @@
 
 import asyncio
 import threading
+import time
 
 import pytest
 
 import frictionlab as fl
 from frictionlab.plotting.figure import Drawing
-from frictionlab.widgets.update_scheduler import UpdateScheduler, in_this_thread
+from frictionlab.widgets.update_scheduler import (
+    INDICATOR_DELAY,
+    INDICATOR_TEXT,
+    WAITING_TEXT,
+    UpdateScheduler,
+    in_this_thread,
+)
 
 pytestmark = pytest.mark.plain_python
 
@@ -60,6 +67,24 @@ def test_changes_that_other_threads_hear_while_a_cell_runs_are_one_update_in_its
 
     asyncio.run(cell())
     assert seen == [threading.get_ident()]
+
+
+def test_a_slider_that_moves_while_a_cell_runs_is_told_to_wait():
+    async def cell():
+        explorer = fl.explore(fl.MassOnBelt(), panels=("phase",))
+        busy, updates = explorer.busy.widget, explorer.updates
+        worker = threading.Thread(target=lambda: setattr(explorer.controls["v"], "value", 0.7))
+        worker.start()
+        worker.join()
+        time.sleep(2 * INDICATOR_DELAY)  # the cell runs
+        assert (busy.value, busy.layout.visibility) == (WAITING_TEXT, "visible")
+        assert explorer.updates == updates
+        await asyncio.sleep(0.01)
+        assert (busy.value, busy.layout.visibility) == (INDICATOR_TEXT, "hidden")
+        assert explorer.updates == updates + 1
+        assert explorer.model.v == 0.7
+
+    asyncio.run(cell())
 
 
 def test_what_is_heard_after_the_event_loop_has_ended_is_done_where_it_is():
