@@ -208,3 +208,14 @@ class Drawable:
         ax = plotting.axes_or_new(ax)
         draw(self, ax, **options)
         return ax
+
+
+def three_digits(value: float) -> str:
+    """A positive number rounded to three digits, without a power of ten where it is large.
+
+    Examples
+    --------
+    >>> three_digits(0.0123456), three_digits(12345.6)
+    ('0.0123', '12300')
+    """
+    return f"{float(f'{value:.3g}'):.0f}" if value >= 1e3 else f"{value:.3g}"

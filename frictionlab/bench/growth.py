@@ -25,7 +25,7 @@ import numpy as np
 import frictionlab as fl
 from frictionlab.components.friction import FrictionLaw
 from frictionlab.models import Friction, MechanicalModel, Mechanics, quadratic_form, with_signature
-from frictionlab.presentation import markdown_table
+from frictionlab.presentation import markdown_table, three_digits
 from frictionlab.validation import check_choice
 
 if TYPE_CHECKING:
@@ -342,10 +342,12 @@ def growth_table(rows: Sequence[Growth]) -> str:
     """The ends of each, and its slopes, as Markdown."""
     lines = []
     for row in rows:
-        memory = [f"{row.megabytes[0]:.3g} to {row.megabytes[-1]:.3g} MB"] if row.megabytes else ["-"]
-        memory += [f"{row.slope(row.megabytes):.2f}" if row.megabytes else "-"]
+        memory = "- | -"
+        if row.megabytes:
+            first, last = three_digits(row.megabytes[0]), three_digits(row.megabytes[-1])
+            memory = f"{first} to {last} MB | {row.slope(row.megabytes):.2f}"
         seconds = f"{row.seconds[0]:.2g} to {row.seconds[-1]:.2g} s | {row.slope(row.seconds):.2f}"
-        lines.append(f"{row.of} | {row.sizes[0]:g} to {row.sizes[-1]:g} | {seconds} | {' | '.join(memory)}")
+        lines.append(f"{row.of} | {row.sizes[0]:.0f} to {row.sizes[-1]:.0f} | {seconds} | {memory}")
     return markdown_table("size | from, to | time | slope | memory | slope", lines)
 
 

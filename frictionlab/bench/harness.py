@@ -30,7 +30,7 @@ from frictionlab.hybrid.problem import Status
 from frictionlab.hybrid.solve import solve
 from frictionlab.hybrid.tape.packing import program_of
 from frictionlab.models import SliderOnBelt
-from frictionlab.presentation import markdown_table
+from frictionlab.presentation import markdown_table, three_digits
 
 # States at the end by tests/reference/slider_mpmath.py with 40 digits, which shares no code with the package.
 REFERENCES = {
@@ -332,7 +332,7 @@ def _ratio_text(row: WorkPrecisionRow, ours: Sequence[WorkPrecisionRow]) -> str:
     error = row.error or 0.0
     exact = [own.seconds for own in ours if own.seconds and (own.error or 0.0) <= error]
     best = min(ours, key=lambda own: own.error or 0.0).seconds
-    text = f"{(row.seconds or 0.0) / (min(exact) if exact else best or 1.0):.3g}"
+    text = three_digits((row.seconds or 0.0) / (min(exact) if exact else best or 1.0))
     return text if exact else f"({text})"
 
 
@@ -341,6 +341,6 @@ def _cells(row: WorkPrecisionRow, base: float | None) -> list[str]:
         return [row.method, row.note, *[""] * 6]
     error = row.note if row.error is None else f"{row.error:.1e}"
     missed = "-" if row.missed is None else str(row.missed)
-    times = [f"{1e3 * row.seconds:.3g} ms", f"{row.seconds / base:.3g}"]
+    times = [f"{three_digits(1e3 * row.seconds)} ms", three_digits(row.seconds / base)]
     each = f"{1e6 * row.seconds / row.steps:.2f} us" if row.steps else "-"
     return [row.method, *times, error, str(row.steps), each, str(row.events), missed]

@@ -194,8 +194,7 @@ TAIL = """\
 * A scene without any nonlinearity goes on by one affine map, computed once: a step is a product with a
   matrix.
 * Chatter is replaced by its limit, a mode of its own.
-* Neither parameter values nor toggles nor laws compile the kernels; those take half a minute, once on a
-  machine.
+* Neither parameter values nor toggles nor laws compile the kernels; those are compiled with the package.
 * The tolerance barely matters for the cost: the order follows it.
 """
 

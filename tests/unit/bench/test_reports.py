@@ -48,4 +48,4 @@ def test_the_slope_of_a_power_is_its_exponent():
     sizes = (1.0, 10.0, 100.0, 1000.0)
     growth = Growth("events", "events of a run", sizes, tuple(2.0 * np.array(sizes) ** 1.5), sizes)
     assert growth.slope(growth.seconds) == pytest.approx(1.5)
-    assert "| 1.50 | 1 to 1e+03 MB | 1.00 |" in growth_table([growth])
+    assert "| 1.50 | 1 to 1000 MB | 1.00 |" in growth_table([growth])
