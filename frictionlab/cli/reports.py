@@ -92,7 +92,7 @@ def _add_figure_options(group: Any) -> None:
 def figure_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
     """Check, compute, print and draw; returns the exit status."""
     from frictionlab.paper import figure
-    from frictionlab.paper.registry import check_figure
+    from frictionlab.paper.results import check_figure
 
     chosen.output = f"fig{chosen.number}.png" if chosen.output is None else chosen.output
     try:

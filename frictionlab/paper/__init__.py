@@ -9,7 +9,8 @@ Fig. 6: eigenvalues with and without the geometrical nonlinearity, F = 1000 N, l
 with GN: 0 -> 1 at mu_k 0.6897 (12.88 Hz), 1 -> 2 at 1.1943 (17.66 Hz), 2 -> 1 at 2.0890 (13.44 Hz)
 without GN: 0 -> 1 at mu_k 1.8717 (16.48 Hz)
 
-    registry         `figure` and `claims`: which there are, and the modules that compute them; `PaperFigure`
+    results          `figure` and `claims`: which there are, and the modules that compute them; PaperFigure,
+                     Claim, the table of verdicts; one claim by three ways of computing it
     scenes           solver settings, models and grids of parameters that the paper's computations use; their
                      steady states, computed once; results in words
     figures/         the figures as results: data, summary, picture
@@ -17,14 +18,13 @@ without GN: 0 -> 1 at mu_k 1.8717 (16.48 Hz)
     step_sizes       what a fixed step does to a motion
     report           all of it as pages: `frictionlab reproduce`
 
-A Setting goes down from registry or report; steady states come up from the sweeps; figures and checks
-make results of them.
+A Setting goes down from results or report; steady states come up from the sweeps; figures and checks
+give the numbers.
 """
 
 from __future__ import annotations
 
-from .checks.claim import Claim, Claims, Verdict
-from .registry import PaperFigure, claims, figure
+from .results import Claim, Claims, PaperFigure, Verdict, claims, figure
 from .step_sizes import StepStudy, step_study
 
 __all__ = ["Claim", "Claims", "PaperFigure", "StepStudy", "Verdict", "claims", "figure", "step_study"]

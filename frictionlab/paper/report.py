@@ -18,8 +18,16 @@ import numpy as np
 from frictionlab._version import __version__
 from frictionlab.file_writing import write_file, write_text
 from frictionlab.interruption import progress_bar
-from frictionlab.paper.checks.claim import Claim, Claims, Verdict
-from frictionlab.paper.registry import EVERY_CLAIM, FIGURES, WITHOUT_GEOMETRY, check, figure
+from frictionlab.paper.results import (
+    EVERY_CLAIM,
+    FIGURES,
+    WITHOUT_GEOMETRY,
+    Claim,
+    Claims,
+    Verdict,
+    check,
+    figure,
+)
 from frictionlab.paper.scenes import CHATTER_LIMIT, IMPACTS, PAPER_STEP, RETURN_TOLERANCES, Setting
 from frictionlab.paper.step_sizes import IMPACT_LAW_NAMES, StepStudy, step_study_with
 

@@ -12,13 +12,13 @@ from scipy.stats import spearmanr
 
 from frictionlab.analysis.steady_state.classification import MotionKind
 from frictionlab.paper import scenes
-from frictionlab.paper.checks.claim import Finding, Question
 from frictionlab.paper.figures.bifurcations import (
     PHASE_PLANE_MU_K,
     example_cycle,
     phase_plane_cycle,
     steady_state_text,
 )
+from frictionlab.paper.results import Finding, Question
 from frictionlab.paper.scenes import (
     Setting,
     count,

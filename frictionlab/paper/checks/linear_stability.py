@@ -22,10 +22,9 @@ from frictionlab.paper.figures.linear_stability import (
     stability_changes_text,
     two_pairs,
 )
+from frictionlab.paper.results import Claim, verdict_of_parts
 from frictionlab.paper.scenes import agrees_with_printed, list_text
 from frictionlab.stability import CriticalCurve, eigenvalues, equilibrium, stability_changes
-
-from .claim import Claim, verdict_of_parts
 
 EQUILIBRIA = {
     "C1": (0.3, "-0.0042 -0.0304 -0.0036 -0.0061 -0.0001"),

@@ -18,6 +18,7 @@ from frictionlab.paper.figures.stiff_structure import (
     ranges,
     steady_states_compared,
 )
+from frictionlab.paper.results import Finding, Question
 from frictionlab.paper.scenes import (
     Setting,
     agrees_with_printed,
@@ -27,8 +28,6 @@ from frictionlab.paper.scenes import (
     is_kind,
     is_vibration,
 )
-
-from .claim import Finding, Question
 
 MIN_RATIO = 2.0  # times: "much larger"
 MAX_DEVIATION = 0.02  # of the eigenfrequency: "close"

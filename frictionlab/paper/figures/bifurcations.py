@@ -18,7 +18,7 @@ from frictionlab.analysis.steady_state.classification import MotionKind
 from frictionlab.analysis.steady_state.steady_state import SteadyState
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.paper import scenes
-from frictionlab.paper.registry import PaperFigure
+from frictionlab.paper.results import PaperFigure
 from frictionlab.paper.scenes import Setting, intervals_text, is_vibration, regime_changes
 from frictionlab.plotting import (
     RunFigure,

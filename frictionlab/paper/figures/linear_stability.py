@@ -23,7 +23,7 @@ import numpy as np
 from matplotlib.lines import Line2D
 
 from frictionlab.models import SliderOnBelt
-from frictionlab.paper.registry import PaperFigure
+from frictionlab.paper.results import PaperFigure
 from frictionlab.plotting import RunFigure, plot_critical, plot_frequencies, plot_growth_rates
 from frictionlab.plotting.appearance import BLACK, BLUE, DASHED, VERMILLION, ink, legible
 from frictionlab.plotting.figure import legend_beside, new_figure

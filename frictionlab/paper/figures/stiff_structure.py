@@ -19,7 +19,7 @@ from frictionlab.analysis.steady_state.classification import MotionKind
 from frictionlab.analysis.steady_state.steady_state import SteadyState, steady_state
 from frictionlab.hybrid.methods.base import Method
 from frictionlab.paper import scenes
-from frictionlab.paper.registry import PaperFigure
+from frictionlab.paper.results import PaperFigure
 from frictionlab.paper.scenes import Setting, intervals_text, sweep_results
 from frictionlab.plotting import RunFigure, plot_bifurcation, plot_intensity
 from frictionlab.plotting.appearance import BLUE, DASHED, VERMILLION

@@ -5,7 +5,7 @@ import pytest
 
 import frictionlab as fl
 from frictionlab.paper import scenes
-from frictionlab.paper.registry import FIGURES, STEADY
+from frictionlab.paper.results import FIGURES, STEADY
 from frictionlab.paper.scenes import Setting, in_range, intervals_text, regime_changes
 
 GRIDS = {

@@ -4,8 +4,7 @@ import pytest
 
 import frictionlab as fl
 from frictionlab.paper.checks import nonsmooth
-from frictionlab.paper.checks.claim import Finding, Question, Verdict, compare
-from frictionlab.paper.registry import CLAIMS, EVERY_CLAIM, STEADY_CLAIMS
+from frictionlab.paper.results import CLAIMS, EVERY_CLAIM, STEADY_CLAIMS, Finding, Question, Verdict, compare
 from frictionlab.paper.scenes import Setting, steady_state_of
 
 USUAL = fl.SliderOnBelt()

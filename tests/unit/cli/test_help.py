@@ -6,7 +6,7 @@ import sys
 import pytest
 
 from frictionlab.cli.command import build_parsers
-from frictionlab.paper.registry import EVERY_FIGURE
+from frictionlab.paper.results import EVERY_FIGURE
 
 HELP = """
 import sys

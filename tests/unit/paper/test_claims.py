@@ -5,8 +5,7 @@ import pytest
 import frictionlab as fl
 from frictionlab.paper import Claim, Claims, Verdict
 from frictionlab.paper.checks import linear_stability
-from frictionlab.paper.checks.claim import verdict_of_parts
-from frictionlab.paper.registry import CLAIMS
+from frictionlab.paper.results import CLAIMS, verdict_of_parts
 from frictionlab.paper.scenes import agrees_with_printed
 
 IN_PART = {"C2", "C6", "C7"}

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import frictionlab as fl
-from frictionlab.paper.registry import EVERY_FIGURE, FIGURES
+from frictionlab.paper.results import EVERY_FIGURE, FIGURES
 
 CRITICAL = {0.0: 1.51752661, 1e4: 1.51378354, 1e7: 0.58293736}  # at F = 200 N, by k_nl
 

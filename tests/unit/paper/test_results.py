@@ -3,8 +3,8 @@
 import re
 from html import unescape
 
-from frictionlab.paper.checks.claim import Claim, Claims, Verdict
 from frictionlab.paper.report import LONGEST_SUMMARY, claim_blocks, claim_summary
+from frictionlab.paper.results import Claim, Claims, Verdict
 
 LONG = "the motion is periodic for 0.9 <= mu_k < 1.8 & non-periodic for all other values " * 4
 TABLE = Claims(
