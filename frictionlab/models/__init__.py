@@ -17,8 +17,7 @@ from __future__ import annotations
 from .library.catalogue import ModelTable, list_models
 from .library.dry_friction_oscillators import DenHartog, FreeCoulomb, MassOnBelt, TwoBlocks
 from .library.impact_oscillators import BouncingBall, ImpactOscillator
-from .library.planar_sliders import ModeCoupling, SliderOnRigidBelt
-from .library.slider_on_belt import SliderOnBelt
+from .library.sliders import ModeCoupling, SliderOnBelt, SliderOnRigidBelt
 from .mechanical.mechanical_model import MechanicalModel
 from .mechanical.mechanics import Friction, Mechanics, Stop, quadratic_form
 from .mechanism import Mechanism

@@ -12,8 +12,7 @@ from frictionlab.models.model import Model
 
 from .dry_friction_oscillators import DenHartog, FreeCoulomb, MassOnBelt, TwoBlocks
 from .impact_oscillators import BouncingBall, ImpactOscillator
-from .planar_sliders import ModeCoupling, SliderOnRigidBelt
-from .slider_on_belt import SliderOnBelt
+from .sliders import ModeCoupling, SliderOnBelt, SliderOnRigidBelt
 
 PAPANGELO_REFERENCE = "A. Papangelo, M. Ciavarella, N. Hoffmann, Nonlinear Dynamics 90 (2017)"
 
