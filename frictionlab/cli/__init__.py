@@ -8,9 +8,9 @@
     run            `frictionlab run` and what it prints
     media          `frictionlab animate`, `frictionlab sound`, `frictionlab page` and `frictionlab app`
     app_server     what `frictionlab app` serves
-    course         `frictionlab course` and `frictionlab warmup`
+    preparation    `frictionlab course` and `frictionlab warmup`; not a command of users: what a wheel carries
+                   of the models, derived beforehand
     reports        `frictionlab figure`, `frictionlab reproduce` and `frictionlab bench`
-    shipped_structures   not a command of users: what a wheel carries of the models, derived beforehand
 
 Each command has `add_...`, which adds its options, and `..._command`, which checks them all, does the
 work and returns the exit status.  What a command needs beyond the options is imported when it runs.

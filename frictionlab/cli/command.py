@@ -12,7 +12,6 @@ from typing import Any
 
 from frictionlab._version import __version__
 
-from .course import add_course, add_warmup
 from .media import add_animate, add_app, add_page, add_sound
 from .models import add_critical, add_eig, add_models
 from .parsing import (
@@ -26,6 +25,7 @@ from .parsing import (
     normalise_arguments,
     unknown_option_text,
 )
+from .preparation import add_course, add_warmup
 from .reports import add_bench, add_figure, add_reproduce
 from .run import add_run
 
@@ -111,9 +111,9 @@ def build_parsers() -> tuple[OneLineParser, dict[str, OneLineParser]]:
 
 
 def _run_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
-    from .course import course_command, warmup_command
     from .media import animate_command, app_command, page_command, sound_command
     from .models import critical_command, eig_command, models_command
+    from .preparation import course_command, warmup_command
     from .reports import bench_command, figure_command, reproduce_command
     from .run import run_command
 
