@@ -60,10 +60,10 @@ from .analysis.sweeps.ablation import ablation as ablation
 from .analysis.sweeps.bifurcation import Bifurcation as Bifurcation
 from .analysis.sweeps.bifurcation import bifurcation as bifurcation
 from .analysis.sweeps.bifurcation import load_bifurcation as load_bifurcation
-from .analysis.sweeps.factorial_effects import Effects as Effects
+from .analysis.sweeps.factorial_design import Effects as Effects
+from .analysis.sweeps.factorial_design import Switch as Switch
 from .analysis.sweeps.sweep import Sweep as Sweep
 from .analysis.sweeps.sweep import sweep as sweep
-from .analysis.sweeps.switches import Switch as Switch
 from .analysis.verify import Verification as Verification
 from .analysis.verify import verify as verify
 from .automaton import Event as Event

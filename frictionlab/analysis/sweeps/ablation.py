@@ -9,30 +9,30 @@ from itertools import product
 from typing import Any, Unpack
 
 import numpy as np
-from numpy.typing import NDArray
 
 from frictionlab.analysis.options import Execution, ExecutionKeywords, merge_keywords
 from frictionlab.analysis.simulate import named_state
-from frictionlab.analysis.sweeps.sweep import function_name, run_tasks
 from frictionlab.models.model import require_model
 from frictionlab.presentation import Drawable, import_optional, text_table
 from frictionlab.validation import did_you_mean
 
-from .factorial_effects import Effects, effects_of, numbers_of, table_of_numbers
-from .journal import Journal
-from .sweep import Sweep, grid_axes, studies_by_name
-from .switches import (
+from .factorial_design import (
+    Array,
+    Effects,
     Scene,
     Switch,
     all_scenes,
+    effects_of,
     left_out,
     model_of_scene,
+    numbers_of,
     scene_name,
     state_of_scene,
     switches_of,
+    table_of_numbers,
 )
-
-Array = NDArray[np.float64]
+from .journal import Journal
+from .sweep import Sweep, function_name, grid_axes, run_tasks, studies_by_name
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,7 +15,7 @@ from matplotlib.axes import Axes
 from frictionlab.analysis.motion_scales import Spectrum
 from frictionlab.analysis.steady_state.steady_state import SteadyState
 from frictionlab.analysis.sweeps.bifurcation import Bifurcation
-from frictionlab.analysis.sweeps.switches import all_of
+from frictionlab.analysis.sweeps.factorial_design import all_of
 from frictionlab.plotting.appearance import (
     BLUE,
     GREY,

@@ -1,13 +1,14 @@
-"""Effects, interactions and Shapley values of a full factorial study, with their standard errors.
+"""Full factorial designs: the switches of an ablation, what a model can have in one place, with all scenes,
+combinations of their levels; and effects, interactions and Shapley values with their standard errors.
 
 A study is an array of one axis for each switch, then conditions and repetitions, of one of the numbers in
-what the study returns.  Everything here is a function of its mean over repetitions.  Errors come from leaving
-out one repetition after the other (jackknife), which for means is the usual standard error.
+what the study returns.  Effects are functions of its mean over repetitions.  Errors come from leaving out one
+repetition after the other (jackknife), which for means is the usual standard error.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import chain, combinations, product
 from math import factorial
@@ -17,24 +18,171 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from frictionlab.analysis.simulate import initial_state_of
 from frictionlab.analysis.steady_state.steady_state import SteadyState
-from frictionlab.analysis.sweeps.switches import Switch
+from frictionlab.components.component import Component
 from frictionlab.presentation import Drawable, dataframe, text_table
+from frictionlab.validation import did_you_mean
 
+Array = NDArray[np.float64]
+Scene = tuple[int, ...]  # one level for each switch
+Term = tuple[tuple[int, int], ...]  # pairs of a switch and one of its levels
+WITH, WITHOUT = "with", "without"  # the two levels of a nonlinearity
 OF_STEADY_STATE = ("kind", "intensity", "period")
 
 
-def numbers_of(result: Any, name: str, within: str = "") -> dict[str, float]:
-    """Quantity -> number: a text is the quantity "name = text", which is 1 where it is that text.
+@dataclass(frozen=True)
+class Switch:
+    """A place in a model that has several alternatives.
 
     Parameters
     ----------
-    result : number, str, None, SteadyState, or mapping of these
-        None is a number that is not there.  Of anything else there are none.
     name : str
-        The study's.
-    within : str
-        What the names of a mapping's entries begin with.
+    levels : tuple of str
+        Names of the alternatives: "with" and "without" for a nonlinearity.
+    changes : tuple of mappings, or None
+        What ``replace`` is given for each level; None for a nonlinearity, which ``without`` takes away.
+    reference : int
+        The level that effects are counted from: "without", or the first alternative.
+    end : int
+        The level at the other end, to which Shapley values go: "with", or the last alternative.
+    """
+
+    name: str
+    levels: tuple[str, ...]
+    changes: tuple[Mapping[str, Any], ...] | None
+    reference: int
+    end: int
+
+    @property
+    def others(self) -> list[int]:
+        """The levels that have an effect: all but the reference."""
+        return [level for level in range(len(self.levels)) if level != self.reference]
+
+    def label(self, level: int) -> str:
+        """Words for a level: "contact HertzContact", "without geometry"."""
+        words = self.levels[level], self.name
+        return " ".join(words if self.changes is None else reversed(words))
+
+
+def switches_of(model: Any, switches: Any = None) -> tuple[Switch, ...]:
+    """The switches that `fl.ablation` was asked for; all nonlinearities where it was asked for none.
+
+    Raises
+    ------
+    TypeError
+        For what is neither names nor a mapping.
+    ValueError
+        For an unknown name, or fewer than two alternatives.
+    """
+    if switches is None:
+        return tuple(_on_off(name) for name in model.nonlinearities)
+    if isinstance(switches, str) or not isinstance(switches, (Mapping, Sequence)):
+        raise TypeError(
+            "switches must be names of nonlinearities or a mapping of names to alternatives, got "
+            f'{switches!r}: write ["cubic"] or {{"contact": [fl.LinearContact(), fl.CubicContact()]}}'
+        )
+    asked = switches if isinstance(switches, Mapping) else dict.fromkeys(switches)
+    if not asked:
+        raise ValueError("switches must name one at least, got none: leave it out for all nonlinearities")
+    return tuple(
+        _on_off(_known(model, n)) if a is None else _alternatives(model, n, a) for n, a in asked.items()
+    )
+
+
+def _known(model: Any, name: Any) -> str:
+    known = tuple(model.nonlinearities)
+    if name not in known:
+        hint = did_you_mean(name, known) if isinstance(name, str) else ""
+        raise ValueError(
+            f"switches must be nonlinearities of {type(model).__name__} "
+            f"({', '.join(known) or 'it has none'}) or have alternatives, "
+            f"got {name!r}{hint or ': give it a list of alternatives'}"
+        )
+    return name
+
+
+def _on_off(name: str) -> Switch:
+    return Switch(name, (WITH, WITHOUT), None, reference=1, end=0)
+
+
+def _alternatives(model: Any, name: str, given: Any) -> Switch:
+    if isinstance(given, (str, Component)) or not isinstance(given, (Mapping, Sequence)) or len(given) < 2:
+        raise ValueError(
+            f"switches[{name!r}] must be two alternatives at least, got {given!r}: give a list, or a mapping "
+            "of a label to each"
+        )
+    values = list(given.values()) if isinstance(given, Mapping) else list(given)
+    labels = [str(label) for label in given] if isinstance(given, Mapping) else _labels(values)
+    changes = tuple(dict(value) if isinstance(value, Mapping) else {name: value} for value in values)
+    for change in changes:
+        model.replace(**change)  # refuses what cannot be before any work is done
+    return Switch(name, tuple(labels), changes, reference=0, end=len(values) - 1)
+
+
+def _labels(values: Sequence[Any]) -> list[str]:
+    """Class names of components where these differ; else as they print."""
+    classes = [type(value).__name__ for value in values]
+    if all(isinstance(value, Component) for value in values) and len({*classes}) == len(classes):
+        return classes
+    return [_changes_text(value) if isinstance(value, Mapping) else str(value) for value in values]
+
+
+def _changes_text(changes: Mapping[str, Any]) -> str:
+    return ", ".join(f"{name}={value}" for name, value in changes.items()) or "as it is"
+
+
+def all_scenes(switches: Sequence[Switch]) -> tuple[Scene, ...]:
+    """Every combination of levels; the last switch changes first."""
+    return tuple(product(*(range(len(switch.levels)) for switch in switches)))
+
+
+def model_of_scene(model: Any, switches: Sequence[Switch], scene: Scene) -> Any:
+    """The model with one level of each switch."""
+    changes: dict[str, Any] = {}
+    for switch, level in zip(switches, scene, strict=True):
+        changes |= {} if switch.changes is None else switch.changes[level]
+    changed = model.replace(**changes) if changes else model
+    return changed.without(*left_out(switches, scene))
+
+
+def left_out(switches: Sequence[Switch], scene: Scene) -> tuple[str, ...]:
+    """The nonlinearities that a scene lacks."""
+    return tuple(
+        s.name for s, level in zip(switches, scene) if s.changes is None and s.levels[level] == WITHOUT
+    )
+
+
+def scene_name(switches: Sequence[Switch], scene: Scene) -> str:
+    """Words for a scene: "with all three", "without geometry", "contact HertzContact, without geometry"."""
+    without = left_out(switches, scene)
+    chosen = [s.label(level) for s, level in zip(switches, scene) if s.changes is not None]
+    if not without and not chosen:
+        return f"{WITH} {all_of(len(switches))}"
+    return ", ".join([*chosen, *([f"{WITHOUT} {', '.join(without)}"] if without else [])])
+
+
+def all_of(count: int) -> str:
+    """Words for all of so many nonlinearities."""
+    return {1: "it", 2: "both", 3: "all three"}.get(count, "all")
+
+
+def state_of_scene(model: Any, full: Any, start: Any) -> Any:
+    """An initial state of the full model, for a scene that may lack some of its coordinates."""
+    whole = initial_state_of(full, start)
+    if isinstance(start, str):
+        return start
+    names = list(full.automaton().state_names)
+    given = start if isinstance(start, Mapping) else dict(zip(names, whole.tolist()))
+    known = set(model.automaton().state_names)
+    return {name: value for name, value in given.items() if name in known}
+
+
+def numbers_of(result: Any, name: str, within: str = "") -> dict[str, float]:
+    """Quantity -> number, of the result of the study `name`, or of mappings of such results.
+
+    A text is the quantity "name = text", which is 1 where it is that text; None is a number that is not
+    there.  Names of a mapping's entries begin with `within`.  Of anything else there are none.
     """
     if result is None:
         return {name: float("nan")}
@@ -58,16 +206,8 @@ def table_of_numbers(results: Sequence[Mapping[str, float]]) -> dict[str, NDArra
 
 def _entry(result: Mapping[str, float], name: str) -> float:
     question, is_text, _ = name.partition(" = ")
-    another = 0.0 if is_text and _has_text(result, question) else float("nan")
-    return result.get(name, another)
-
-
-def _has_text(result: Iterable[str], question: str) -> bool:
-    return any(name.startswith(f"{question} = ") for name in result)
-
-
-Array = NDArray[np.float64]
-Term = tuple[tuple[int, int], ...]  # pairs of a switch and one of its levels
+    has_text = is_text and any(other.startswith(f"{question} = ") for other in result)
+    return result.get(name, 0.0 if has_text else float("nan"))
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,11 +295,8 @@ class Effects(Drawable):
             "share": of_switch(self.shares),
             "share_error": of_switch(self.share_errors),
         }
-        index = {
-            "effect": np.repeat(self.terms, conditions),
-            "condition": np.tile(np.arange(conditions), len(self.terms)),
-        }
-        return dataframe(columns, index, {})
+        effects, places = np.repeat(self.terms, conditions), np.tile(np.arange(conditions), len(self.terms))
+        return dataframe(columns, {"effect": effects, "condition": places}, {})
 
 
 def _with_error(value: float, error: float) -> str:
@@ -181,20 +318,10 @@ def effects_of(quantity: str, numbers: Array, switches: Sequence[Switch]) -> Eff
         for p in range(conditions)
     ]
     tables = [[np.stack(rows, axis=-1) for rows in zip(*kind)] for kind in zip(*columns)]
-    (values, errors), (shapley, shapley_errors), (shares, share_errors) = tables
-    return Effects(
-        quantity,
-        tuple(switch.name for switch in switches),
-        tuple(_term_name(term, switches) for term in terms),
-        np.array([len(term) for term in terms], dtype=int),
-        values,
-        errors,
-        shapley,
-        shapley_errors,
-        shares,
-        share_errors,
-        known.sum(axis=-1),
-    )
+    names = tuple(switch.name for switch in switches)
+    found = tuple(_term_name(term, switches) for term in terms)
+    orders = np.array([len(term) for term in terms], dtype=int)
+    return Effects(quantity, names, found, orders, *chain(*tables), used=known.sum(axis=-1))
 
 
 def _terms(switches: Sequence[Switch]) -> Iterator[Term]:
