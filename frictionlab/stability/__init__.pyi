@@ -1,7 +1,6 @@
 # The public names of frictionlab.stability, each once; `__init__.py` loads a name from its module when it is
 # first used, as the modules of all take a second to load.
 
-from .boundaries.boundary_curves import Boundary as Boundary
 from .boundaries.hopf import HopfPoint as HopfPoint
 from .boundaries.hopf import hopf as hopf
 from .boundaries.stability_changes import CriticalCurve as CriticalCurve
@@ -9,6 +8,7 @@ from .boundaries.stability_changes import StabilityChange as StabilityChange
 from .boundaries.stability_changes import critical_curve as critical_curve
 from .boundaries.stability_changes import critical_value as critical_value
 from .boundaries.stability_changes import stability_changes as stability_changes
+from .boundaries.stability_map import Boundary as Boundary
 from .boundaries.stability_map import StabilityMap as StabilityMap
 from .boundaries.stability_map import stability_map as stability_map
 from .eigenproblems.eigenvalues import Eigenvalues as Eigenvalues

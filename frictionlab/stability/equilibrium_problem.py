@@ -222,6 +222,20 @@ def check_path(problem: EquilibriumProblem, name: Any, values: Any) -> NDArray[n
     return at
 
 
+def check_axis(problem: EquilibriumProblem, which: str, given: tuple[str, Any]) -> Array:
+    """The values (N,) of a parameter along one side of a grid, given as its name and values; they ascend."""
+    try:
+        name, values = given[0], np.asarray(given[1], dtype=float).ravel()
+    except (TypeError, ValueError, IndexError):
+        raise ValueError(
+            f"{which} must be a parameter and its values, got {given!r}: ('F', [1, 2])"
+        ) from None
+    if len(values) < 2 or not (np.diff(values) > 0).all():
+        raise ValueError(f"the values of {which} must ascend, two at least, got {values}: sort them")
+    check_parameter(problem.model, name, values.tolist())
+    return values
+
+
 def check_bounds(model: Any, name: Any, bounds: Any) -> tuple[float, float]:
     """Two values of a parameter, in ascending order."""
     try:
