@@ -1,8 +1,8 @@
 """Periodic orbits, and their branches along a parameter.
 
-`shooting` makes a guess, state and period, of a steady state, a run or a state, corrects it by Newton's
-method with the tangent flow and checks the result; `periodic_orbit` gives the orbit with its monodromy
-matrix and Floquet multipliers.
+`periodic_orbit` makes a guess, state and period, of a steady state, a run or a state, corrects it by Newton's
+method with the tangent flow (shooting), checks the result, and gives the orbit with its monodromy matrix and
+Floquet multipliers.
 
 `continue_orbit` follows a branch both ways from an orbit; `branches` chooses the steps, ends a branch,
 locates folds, period doublings and Neimark-Sacker points between two points of it, and names what happens

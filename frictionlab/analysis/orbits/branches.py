@@ -14,8 +14,8 @@ import numpy as np
 from scipy.optimize import brentq
 
 from frictionlab.analysis.motion_scales import Array
+from frictionlab.analysis.orbits.periodic_orbit import floquet_multipliers
 from frictionlab.analysis.orbits.pseudo_arclength import BranchPoint, continuation_step, reversed_point
-from frictionlab.analysis.orbits.shooting import floquet_multipliers
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.hybrid.expression_functions import array_function
 from frictionlab.hybrid.tape.lowering import sign_normal_form

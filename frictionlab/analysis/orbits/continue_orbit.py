@@ -17,14 +17,13 @@ from frictionlab.analysis.orbits.branches import (
     SpecialPoint,
     follow_branch,
 )
-from frictionlab.analysis.orbits.periodic_orbit import PeriodicOrbit, mode_sequence
+from frictionlab.analysis.orbits.periodic_orbit import PeriodicOrbit, floquet_multipliers, mode_sequence
 from frictionlab.analysis.orbits.pseudo_arclength import (
     BranchPoint,
     first_point,
     reversed_point,
     with_parameter_as_state,
 )
-from frictionlab.analysis.orbits.shooting import floquet_multipliers
 from frictionlab.hybrid.solve import solve
 from frictionlab.interruption import interruption, progress_bar
 from frictionlab.models.model import automaton_of, check_parameter_name

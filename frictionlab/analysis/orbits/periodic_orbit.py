@@ -1,30 +1,45 @@
-"""`fl.periodic_orbit`: a periodic orbit, stable or not, and its Floquet multipliers."""
+"""`fl.periodic_orbit`: a periodic orbit, stable or not, and its Floquet multipliers, by single shooting:
+Newton's method on a Poincare section normal to the flow, from a state, a run or a steady state.
+
+The result is checked independently of how it was found: an orbit moves, returns in the mode in which it
+begins, keeps the conditions of its modes, and its monodromy matrix maps the direction of the flow on itself.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.optimize import minimize_scalar
 
-from frictionlab.analysis.motion_scales import Array, state_scales
-from frictionlab.analysis.orbits.shooting import OrbitGuess, state_and_period
+from frictionlab.analysis.motion_scales import AT_REST_RTOL, Array, state_groups, state_ranges, state_scales
 from frictionlab.analysis.simulate import model_initial_state
+from frictionlab.analysis.steady_state.classification import MotionKind
 from frictionlab.analysis.steady_state.steady_state import SteadyState
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.hybrid.solve import solve
 from frictionlab.hybrid.trajectory import Trajectory
+from frictionlab.hybrid.variational.tangent_flow import end_rates, tangent_flow
+from frictionlab.hybrid.variational.tangent_jets import SaltationError
 from frictionlab.models.model import automaton_of
 from frictionlab.presentation import Drawable, shorten
 from frictionlab.validation import check_number
 
-from .shooting import ShootingResult, check_motion, check_orbit, floquet_multipliers, shoot
-
 PERIOD_DIVISORS = (2, 3, 5, 7)
 SAME_STATE_RTOL = 1e-6  # share of the motion's size within which two states are one
-MULTIPLIER_RTOL = (
-    1e-6  # in a family of orbits the multiplier 1 is double, and so known only to the square root of rounding
-)
+RETURN_RTOL = 0.1  # share of the largest distance so far within which a state has returned
+MAX_ITERATIONS = 40
+MAX_HALVINGS = 8
+RESIDUAL_ROUNDING = 1e-14  # residual at the level of rounding, which cannot become smaller
+# relative singular values below this belong to a family of orbits: no step is taken in their directions
+FAMILY_RCOND = 1e-11
+# in a family of orbits the multiplier 1 is double, and so known only to the square root of rounding
+MULTIPLIER_RTOL = 1e-6
+MAX_PERIOD_FACTOR = 2.0  # factor by which the period may change in one iteration
+MIN_ORBIT_SIZE = 1e-3  # share of the guess's size below which an orbit is only an equilibrium
+MAX_VIOLATION = 1e-6  # share of a condition's terms by which it may be violated
+FLOW_DIRECTION_RTOL = 1e-6  # share by which the monodromy matrix may miss the direction of the flow
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,9 +138,8 @@ def periodic_orbit(
     """
     automaton = automaton_of(model)
     _check(model, guess, period, t_max, tolerance)
-    start = _start_in_free_mode(
-        automaton, *state_and_period(automaton, _guess_state(model, guess), period, t_max)
-    )
+    given = guess if isinstance(guess, (SteadyState, Trajectory)) else model_initial_state(model, guess)
+    start = _start_in_free_mode(automaton, *state_and_period(automaton, given, period, t_max))
     shot = shoot(automaton, start, tolerance)
     check_motion(shot, start)
     shot = _shortest_period(automaton, start, shot, tolerance)
@@ -160,10 +174,6 @@ def _check(model: Any, guess: Any, period: float | None, t_max: float, tolerance
             f"guess must be a SteadyState, a Trajectory, or a finite number for each of {', '.join(names)}, "
             f"got {guess!r}"
         )
-
-
-def _guess_state(model: Any, guess: Any) -> Any:
-    return guess if isinstance(guess, (SteadyState, Trajectory)) else model_initial_state(model, guess)
 
 
 def _start_in_free_mode(automaton: HybridAutomaton, state: Array, period: float) -> OrbitGuess:
@@ -203,3 +213,188 @@ def mode_sequence(run: Trajectory) -> tuple[tuple[str, float], ...]:
         return ((str(run.mode[0]), period),)
     lengths = np.diff(np.append(t, t[0] + period))
     return tuple((str(name), float(length)) for name, length in zip(run.events.target, lengths, strict=True))
+
+
+class OrbitGuess(NamedTuple):
+    """A state (n,) near the orbit, about its period (s), and the size of the motion in each state (n,)."""
+
+    state: Array
+    period: float
+    size: Array
+
+
+def state_and_period(
+    automaton: HybridAutomaton, guess: Any, period: float | None, t_max: float
+) -> tuple[Array, float]:
+    """State (n,) and period of the guess that :func:`frictionlab.periodic_orbit` was given.
+
+    Raises
+    ------
+    ValueError
+        Where the motion does not return to the state.
+    """
+    if isinstance(guess, SteadyState):
+        if guess.kind != MotionKind.PERIODIC:
+            raise ValueError(
+                f"guess must be periodic, the steady state is {guess.kind!r}: give another state"
+            )
+        return guess.trajectory.final_state, period or guess.period
+    if isinstance(guess, Trajectory):
+        return guess.final_state, period or first_return(guess, guess.raw.t, -1)
+    state = np.asarray(guess, dtype=float)
+    return state, period or first_return(solve(automaton, t_max, x0=state), 0.0, 1)
+
+
+def first_return(run: Trajectory, start: float, direction: int) -> float:
+    """Time from `start`, an end of the run, to where the state is close to that again.
+
+    Close means a small share of the largest distance reached before.
+    """
+    t = run.t[::direction]
+    away = _distances(run, t, start)
+    largest = np.maximum.accumulate(away, axis=0)
+    still = AT_REST_RTOL * np.abs(run.states).max()
+    share = np.where(largest > still, away / np.where(largest > still, largest, 1.0), 0.0).max(axis=1)
+    for i in 1 + np.flatnonzero((share[1:-1] <= share[:-2]) & (share[1:-1] < share[2:])):
+        low, high = sorted((t[i - 1], t[i + 1]))
+        scales = np.maximum(largest[i], still)
+        found: Any = minimize_scalar(
+            _relative_distance, args=(run, start, scales), bounds=(low, high), method="bounded"
+        )
+        if found.fun < RETURN_RTOL:
+            return float(abs(found.x - start))
+    raise ValueError(
+        f"guess must come back within {RETURN_RTOL:.0%} of the size of its motion, it does not in "
+        f"{run.raw.t:g} s: give a state nearer to the orbit, a larger t_max=, or about its period as period="
+    )
+
+
+def _relative_distance(t: float, run: Trajectory, start: float, scales: Array) -> float:
+    return float((_distances(run, [t], start) / scales).max())
+
+
+def _distances(run: Trajectory, t: Any, start: float) -> Array:
+    """Distances (N, 3) from the state at `start`: in the coordinates, in the velocities, in the rest."""
+    apart = np.abs(run(np.asarray(t)) - run(start))
+    parts = state_groups(run.automaton.coordinates)
+    return np.column_stack([apart[:, part].max(axis=1, initial=0.0) for part in parts])
+
+
+class ShootingResult(NamedTuple):
+    """A trial over one period: the run, its fundamental matrix, its residual by the motion's size."""
+
+    run: Trajectory
+    matrix: Array
+    residual: float
+
+
+def floquet_multipliers(monodromy: Array) -> Array:
+    """Eigenvalues of a monodromy matrix, the largest first."""
+    values = np.linalg.eigvals(monodromy).astype(complex)
+    return values[np.argsort(-np.abs(values), kind="stable")]
+
+
+def shoot(automaton: HybridAutomaton, guess: OrbitGuess, tolerance: float) -> ShootingResult:
+    """The periodic orbit near a guess: the state z and the period T, such that the flow after T is z again.
+
+    Raises
+    ------
+    ValueError
+        Where Newton's method does not get below the tolerance.
+    """
+    z, period = guess.state, guess.period
+    shot = run_one_period(automaton, z, period, guess.size)
+    for _ in range(MAX_ITERATIONS):
+        if shot.residual <= RESIDUAL_ROUNDING:
+            break
+        step = _newton_step(shot, period, guess.size)
+        better = _damped_step(automaton, z, period, step, guess.size, shot.residual)
+        if better is None:
+            break
+        z, period, shot = better
+    if not shot.residual <= tolerance:
+        raise ValueError(
+            "no periodic orbit found near the guess: Newton's method reached a residual of "
+            f"{shot.residual:.2g} of the motion's size at period {period:.6g} s, asked for is {tolerance:g}: "
+            "give a guess nearer to an orbit"
+        )
+    return shot
+
+
+def run_one_period(automaton: HybridAutomaton, z: Array, period: float, size: Array) -> ShootingResult:
+    """The motion from `z` for a period, and what it misses of `z`, in units of `size`.
+
+    Raises
+    ------
+    SaltationError
+        If the motion ends early.
+    """
+    run = solve(automaton, period, x0=z, progress=False)
+    if not run.status.ok:
+        raise SaltationError(f"a motion near the orbit ends after {run.raw.t:g} s: {run.status}")
+    missed = float(np.abs((run.final_state - z) / size).max())
+    return ShootingResult(run, tangent_flow(run, progress=False).matrix, missed)
+
+
+def _newton_step(shot: ShootingResult, period: float, size: Array) -> Array:
+    """Newton's step for (z / size, T / period): the shortest that closes the orbit.
+
+    At a periodic orbit it is normal to the flow, so that z moves on a Poincare section.
+    """
+    last = end_rates(shot.run)[1] / size
+    matrix = shot.matrix * size / size[:, None] - np.eye(len(size))
+    missed = (shot.run.final_state - shot.run.raw.step_states[0]) / size
+    return np.linalg.lstsq(np.column_stack([matrix, last * period]), -missed, rcond=FAMILY_RCOND)[0]
+
+
+def _damped_step(
+    automaton: HybridAutomaton, z: Array, period: float, step: Array, size: Array, residual: float
+) -> tuple[Array, float, ShootingResult] | None:
+    """The step, or the largest of its half, quarter, ... that reduces the residual; None where none does."""
+    for share in 0.5 ** np.arange(MAX_HALVINGS):
+        other, longer = z + share * step[:-1] * size, period * (1.0 + share * step[-1])
+        if not period / MAX_PERIOD_FACTOR < longer < period * MAX_PERIOD_FACTOR:
+            continue
+        try:
+            shot = run_one_period(automaton, other, longer, size)
+        except SaltationError:
+            continue
+        if shot.residual < residual:
+            return other, longer, shot
+    return None
+
+
+def check_motion(shot: ShootingResult, guess: OrbitGuess) -> None:
+    """Raise where the motion closes because it is an equilibrium."""
+    if (state_ranges(shot.run.states) / guess.size).max() < MIN_ORBIT_SIZE:
+        raise ValueError(
+            "no periodic orbit found near the guess: Newton's method reached an equilibrium, "
+            f"{shot.run.raw.step_states[0]}: give a guess nearer to an orbit"
+        )
+
+
+def check_orbit(shot: ShootingResult, guess: OrbitGuess) -> None:
+    """Raise for an orbit that ends in another mode than it begins in, that breaks a condition of its modes,
+    or whose monodromy matrix is too inexact.
+    """
+    # At zero relative velocity, with the force between kinetic and static friction, both slip and stick may
+    # begin: a motion that slips away from such a state and returns to stick there does not repeat.
+    names = shot.run.mode_names
+    begins, ends = names[int(shot.run.raw.step_modes[0])], names[shot.run.raw.mode]
+    if begins != ends:
+        raise ValueError(
+            f"no periodic orbit found near the guess: what Newton's method reached begins in mode {begins!r} "
+            f"and comes back to the same state in mode {ends!r}: give a guess nearer to an orbit"
+        )
+    if (amount := shot.run.violation) > MAX_VIOLATION:
+        raise ValueError(
+            f"the orbit found violates a condition of its modes by {amount:.2g}: give another guess"
+        )
+    first, last = (rate / guess.size for rate in end_rates(shot.run))
+    matrix = shot.matrix * guess.size / guess.size[:, None]
+    missed = np.abs(matrix @ first - last).max() / (np.abs(matrix) @ np.abs(first)).max()
+    if not missed < FLOW_DIRECTION_RTOL:
+        raise ValueError(
+            f"the monodromy matrix misses the flow's direction by {missed:.2g}: "
+            "the orbit is too unstable for single shooting; take other parameters"
+        )

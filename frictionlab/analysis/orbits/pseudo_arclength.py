@@ -16,7 +16,7 @@ import numpy as np
 import sympy as sp
 
 from frictionlab.analysis.motion_scales import AT_REST_RTOL, Array, state_ranges, state_scales
-from frictionlab.analysis.orbits.shooting import (
+from frictionlab.analysis.orbits.periodic_orbit import (
     RESIDUAL_ROUNDING,
     OrbitGuess,
     ShootingResult,
