@@ -4,7 +4,7 @@ what runs, equilibria and pictures have to know of the library's models is deriv
 ``python -m frictionlab.cli.preparation FILE`` writes it to an archive, which a wheel carries: the first
 process on a machine then needs no sympy either.  What is asked for here is derived by the code that derives
 it for the cache folder, and its files are those of that folder.  See
-:mod:`frictionlab.models.structure_data`, which reads them, and of which sources they have to be.
+:mod:`frictionlab.models.serialisation`, which reads them, and of which sources they have to be.
 """
 
 from __future__ import annotations
@@ -167,7 +167,7 @@ def write_archive(path: Path, library: Iterable[Any]) -> None:
     """
     from frictionlab import cache_folder
     from frictionlab.file_writing import write_file
-    from frictionlab.models import structure_data
+    from frictionlab.models import serialisation
 
     with TemporaryDirectory() as folder:
         os.environ[cache_folder.FOLDER_VARIABLE] = folder
@@ -175,19 +175,19 @@ def write_archive(path: Path, library: Iterable[Any]) -> None:
             derive(model)
         path.parent.mkdir(parents=True, exist_ok=True)
         with write_file(path) as beside, ZipFile(beside, "w", ZIP_DEFLATED, compresslevel=9) as archive:
-            archive.comment = structure_data.LOADED.digest.encode()
+            archive.comment = serialisation.LOADED.digest.encode()
             for kept in sorted(Path(folder).rglob("*.structure")):
                 archive.writestr(kept.name, cache_folder.read(kept) or b"")
 
 
 def main() -> None:
     """Write the archive, unless there is one that was derived from these sources."""
-    from frictionlab.models import structure_data
+    from frictionlab.models import serialisation
 
     parser = argparse.ArgumentParser(description="Derive the structures of the library's models beforehand.")
     parser.add_argument("file", type=Path, metavar="FILE", help="the archive")
     path = parser.parse_args().file
-    if structure_data.archive_digest(path) != structure_data.LOADED.digest:
+    if serialisation.archive_digest(path) != serialisation.LOADED.digest:
         write_archive(path, shipped_models())
 
 

@@ -1,11 +1,11 @@
 """Models: compositions of parameters and components, and what they mean as hybrid automata.
 
 `model` is the base of all models, and tells models and automata from anything else: one namespace of
-parameters and switches (`composition`), copies with changes, files (`serialisation`, `structure_data`).
+parameters and switches (`composition`), copies with changes, files (`serialisation`).
 A model is derived once for its structure, on a copy whose parameters are sympy symbols, with derivatives of
 long sums; the numbers are put back, which gives the `HybridAutomaton` that the solver runs (all in
 `symbols`).  What has been derived of a model of the library is kept in a file for later processes
-(`structure_data`).
+(`serialisation` too).
 `mechanical` derives automata from energies and contacts, `library` holds the nine models.  `equations` holds
 the equations of a mode, printed as text or LaTeX, and derives them from an automaton's flow;
 `lagrange_equations` writes those of mechanical models with their contact forces, and those of an impact, as

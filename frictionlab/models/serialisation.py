@@ -1,18 +1,45 @@
-"""A model as data that JSON can hold, and back.
+"""Models as data that JSON can hold: components with their values, for files of runs, sweeps and scenes; the
+structure of a model, and what has been derived of it, kept on disk.
 
 Reading creates only components: a class is looked up among the loaded subclasses of the base that its
 role asks for, so that a file can neither import a module nor call anything else.
+
+Deriving the equations of a structure takes sympy half a second, and loading sympy a quarter.  What runs,
+equilibria and pictures need of it, tapes and formulas, is therefore kept in the user's cache folder, one file
+for each structure.  Its name is a digest of the structure, its folder's that of all sources that derive, and
+of sympy.  A wheel carries such files of the library's models in an archive, which serves where these digests
+are those of its own sources.  Of laws and models of one's own nothing is kept: their formulas are known by
+deriving only.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+import hashlib
+import json
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import fields
 from enum import Enum
-from typing import Any
+from functools import cache
+from importlib.util import find_spec
+from pathlib import Path
+from sys import modules
+from types import FunctionType
+from typing import Any, NamedTuple
+from zipfile import BadZipFile, ZipFile
 
 import frictionlab
-from frictionlab.components.component import Component
+from frictionlab import cache_folder
+from frictionlab.automaton.straight_line import StraightLine, straight_line_data
+from frictionlab.components.component import Component, parameters_of, structure_of
+
+PACKAGE = Path(__file__).parents[1]
+# The folders of all that derives, lowers or reads the data; versions of sympy write sums in other orders.
+SOURCES = "automaton", "components", "hybrid", "models", "stability"
+HOMES = tuple(f"frictionlab.{name}." for name in ("components", "models"))  # modules with laws and models
+PYTHONS = "abc", "builtins", "dataclasses", "enum", "typing"
+VERSIONS = ("sympy", "release.py"), ("mpmath", "__init__.py")
+ARCHIVE = PACKAGE / "models" / "structures.zip"  # what a wheel carries; a clone has none
 
 
 def is_public(cls: type) -> bool:
@@ -115,3 +142,227 @@ def _subclasses(base: type) -> Iterator[type]:
     yield base
     for cls in base.__subclasses__():
         yield from _subclasses(cls)
+
+
+class Structure(NamedTuple):
+    """A component without its numbers; the key under which derivations are remembered."""
+
+    component: type
+    values: tuple[Any, ...]
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """Names of its parameters, and of those of its components."""
+        parts = (each for each in self.values if isinstance(each, Structure))
+        return (*parameters_of(self.component), *(name for part in parts for name in part.parameters))
+
+
+def structure_of_component(component: Component) -> Structure:
+    """The structure of a component, and of those that have roles in it; other fields are as they are."""
+    reduced = component.reduced()
+    roles = getattr(type(reduced), "roles", {})
+    values = {name: getattr(reduced, name) for name in structure_of(type(reduced))}
+    return Structure(
+        type(reduced), tuple(structure_of_component(v) if k in roles else v for k, v in values.items())
+    )
+
+
+def structure_to_data(key: Structure) -> dict[str, Any]:
+    """Classes of a model and its components, and those of their fields that are no parameters.
+
+    Raises
+    ------
+    TypeError
+        For a field that no file can hold.
+    """
+    names, owner = structure_of(key.component), key.component.__name__
+    values = {
+        name: structure_to_data(value)
+        if isinstance(value, Structure)
+        else value_to_data(value, f"{owner}.{name}")
+        for name, value in zip(names, key.values, strict=True)
+    }
+    return {"class": class_path(key.component), "structure": values}
+
+
+class Derivations:
+    """What is known of a structure by names, such as "program", in a file that JSON reads.
+
+    Parameters
+    ----------
+    path : Path or None
+        None where nothing is to be kept.
+    """
+
+    def __init__(self, path: Path | None) -> None:
+        self._path = path
+        self._known: dict[str, Any] | None = None
+        self._functions: dict[str, Callable[..., Any]] = {}
+
+    @property
+    def keeps(self) -> bool:
+        """Whether there is a file."""
+        return self._path is not None
+
+    def get(self, name: str) -> Any:
+        """What is known under a name; None where nothing is."""
+        if self._known is None:
+            self._known = self._read()
+        return self._known.get(name)
+
+    def keep(self, name: str, data: Any) -> None:
+        """Note something, beside what other processes may have noted meanwhile.
+
+        Not where a source has been edited since it was loaded: what was derived is not what it says now.
+        """
+        if self._path is not None and stamps() == LOADED.stamps:
+            self._known = self._read() | (self._known or {}) | {name: data}
+            cache_folder.write(self._path, json.dumps(self._known, separators=(",", ":")).encode())
+
+    def value(self, name: str, derive: Callable[[], Any]) -> Any:
+        """Data of JSON: what is known under a name, or as `derive` gives it."""
+        known = self.get(name)
+        if known is None:
+            known = derive()
+            self.keep(name, known)
+        return known
+
+    def function(
+        self, name: str, functions: Mapping[str, Any], derive: Callable[[], Callable[..., Any]]
+    ) -> Callable[..., Any]:
+        """A function of numbers or arrays, as `derive` gives it, or of the same bits as that gave it once.
+
+        Parameters
+        ----------
+        name : str
+        functions : mapping of str to callable
+            Those that it may call.
+        derive : callable
+            Gives what sympy's `lambdify` makes.
+        """
+        if name not in self._functions:
+            self._functions[name] = self._function(name, functions, derive)
+        return self._functions[name]
+
+    def _function(
+        self, name: str, functions: Mapping[str, Any], derive: Callable[[], Callable[..., Any]]
+    ) -> Callable[..., Any]:
+        known = self.get(f"{name}()")
+        if known is not None:
+            return StraightLine(known, functions)
+        found = derive()
+        data = straight_line_data(found, functions) if self.keeps else None
+        if data is not None:
+            self.keep(f"{name}()", data)
+        return found
+
+    def _read(self) -> dict[str, Any]:
+        if self._path is None:
+            return {}
+        content = cache_folder.read(self._path) or archived(self._path.name)
+        return {} if content is None else json.loads(content)
+
+
+def archived(name: str) -> bytes | None:
+    """What the wheel carries under a file's name, if it was derived from the sources that are loaded."""
+    if archive_digest(ARCHIVE) != LOADED.digest:
+        return None
+    with suppress(KeyError, OSError, BadZipFile), ZipFile(ARCHIVE) as archive:
+        return archive.read(name)
+    return None
+
+
+def archive_digest(path: Path) -> str | None:
+    """Digest of the sources that an archive was derived from; None where there is none that is whole."""
+    try:
+        with ZipFile(path) as archive:
+            return archive.comment.decode()
+    except (OSError, BadZipFile):
+        return None
+
+
+@cache
+def derivations_of(key: Structure, parameters: tuple[str, ...]) -> Derivations:
+    """What is known of a structure as functions of these parameters; nothing where a law is one's own."""
+    try:
+        about = [structure_to_data(key), parameters]
+        text = json.dumps(about) if all(map(_is_ours, _classes(key))) else ""
+    except TypeError:  # a field that no file can hold
+        text = ""
+    folder = cache_folder.digest_folder(LOADED.digest) if text and LOADED.digest else ""
+    name = f"{key.component.__name__}-{hashlib.sha256(text.encode()).hexdigest()[:24]}.structure"
+    return Derivations(Path(folder) / name if folder else None)
+
+
+def _classes(key: Structure) -> Iterator[type]:
+    """The classes of a structure, its components and its values."""
+    yield key.component
+    for value in key.values:
+        yield from _classes(value) if isinstance(value, Structure) else _classes_of_value(value)
+
+
+def _classes_of_value(value: Any) -> Iterator[type]:
+    yield type(value)
+    if isinstance(value, Component):
+        value = tuple(vars(value).values())
+    for each in value if isinstance(value, tuple) else ():
+        yield from _classes_of_value(each)
+
+
+def _is_ours(cls: type) -> bool:
+    """Whether a class is one of Python's values, or a law or model of the library as it was written."""
+    return all(map(_is_as_written, (each for each in cls.__mro__ if each.__module__ not in PYTHONS)))
+
+
+def _is_as_written(cls: type) -> bool:
+    found = getattr(modules.get(cls.__module__), cls.__qualname__, None)
+    methods = (getattr(each, "fget", None) or getattr(each, "__func__", each) for each in vars(cls).values())
+    homes = (each.__module__ for each in methods if isinstance(each, FunctionType))
+    return found is cls and all(home.startswith((*HOMES, *PYTHONS)) for home in (cls.__module__, *homes))
+
+
+class Sources(NamedTuple):
+    """All that the data depend on: digest, and when each file was changed; "" where they cannot be read."""
+
+    digest: str
+    stamps: tuple[Any, ...]
+
+
+def sources() -> Sources:
+    """As they are now; there are none in a zip file, nor of byte code alone."""
+    try:
+        digest = hashlib.sha256()
+        for path in _files():
+            digest.update(path.read_bytes())
+    except OSError:
+        return Sources("", ())
+    return Sources(digest.hexdigest()[: cache_folder.DIGEST_LENGTH], stamps())
+
+
+def stamps() -> tuple[Any, ...]:
+    """Time of the last change and size of each file."""
+    try:
+        found = ((path, path.stat()) for path in _files())
+        return tuple((path, info.st_mtime_ns, info.st_size) for path, info in found)
+    except OSError:
+        return ()
+
+
+def _files() -> Iterator[Path]:
+    for name in SOURCES:
+        found = sorted((PACKAGE / name).rglob("*.py"))
+        if not found:  # in a zip file, or of byte code alone; without them all versions would be one
+            raise FileNotFoundError(PACKAGE / name)
+        yield from found
+    yield from (_beside(package, name) for package, name in VERSIONS)
+
+
+def _beside(package: str, name: str) -> Path:
+    """A file of a package of others, which is not loaded."""
+    found = find_spec(package)
+    if found is None or found.origin is None:
+        raise FileNotFoundError(package)
+    return Path(found.origin).with_name(name)
+
+
+LOADED = sources()

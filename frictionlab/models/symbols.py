@@ -31,8 +31,7 @@ from frictionlab.components import ContactLaw, FrictionLaw, ImpactLaw
 from frictionlab.components.component import Component, parameters_of, structure_of
 from frictionlab.lazy_names import sympy
 
-from .serialisation import loaded_class, value_from_data
-from .structure_data import Structure, derivations_of, structure_of_component
+from .serialisation import Structure, derivations_of, loaded_class, structure_of_component, value_from_data
 
 LAW_METHODS = ("force", "kinetic", "static_limit", "impulse", "friction")
 

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from frictionlab.automaton.expressions import combinations_of
 from frictionlab.hybrid.elementary.parameter_functions import OF_ARRAYS
 from frictionlab.lazy_names import sympy
-from frictionlab.models.structure_data import Derivations
+from frictionlab.models.serialisation import Derivations
 from frictionlab.models.symbols import derivatives
 
 Array = NDArray[np.float64]

@@ -15,8 +15,8 @@ import frictionlab as fl
 from frictionlab import cache_folder
 from frictionlab.cli.preparation import shipped_models
 from frictionlab.components import FrictionLaw
-from frictionlab.models import structure_data
-from frictionlab.models.structure_data import derivations_of, structure_of_component
+from frictionlab.models import serialisation
+from frictionlab.models.serialisation import derivations_of, structure_of_component
 from frictionlab.models.symbols import automaton_of_structure
 
 ROOT = Path(__file__).parents[2]
@@ -161,8 +161,8 @@ print(1)
 """
 USE_ARCHIVE = """
 from pathlib import Path
-from frictionlab.models import structure_data
-structure_data.ARCHIVE = Path({path!r})
+from frictionlab.models import serialisation
+serialisation.ARCHIVE = Path({path!r})
 """
 
 
@@ -233,20 +233,20 @@ def test_a_law_whose_method_was_exchanged_is_ones_own(monkeypatch, tmp_path):
 
 
 def test_an_edit_of_a_source_or_another_sympy_names_another_folder(monkeypatch, tmp_path):
-    before = structure_data.sources().digest
+    before = serialisation.sources().digest
     assert len(before) == cache_folder.DIGEST_LENGTH
     (tmp_path / "release.py").write_text("__version__ = '0'")
-    monkeypatch.setattr(structure_data, "_beside", lambda package, name: tmp_path / "release.py")
-    found = {before, structure_data.sources().digest}
+    monkeypatch.setattr(serialisation, "_beside", lambda package, name: tmp_path / "release.py")
+    found = {before, serialisation.sources().digest}
     (tmp_path / "models").mkdir()
-    monkeypatch.setattr(structure_data, "SOURCES", ("models",))
-    monkeypatch.setattr(structure_data, "PACKAGE", tmp_path)
+    monkeypatch.setattr(serialisation, "SOURCES", ("models",))
+    monkeypatch.setattr(serialisation, "PACKAGE", tmp_path)
     for text in ("k = 1", "k = 2"):
         (tmp_path / "models" / "law.py").write_text(text)
-        found.add(structure_data.sources().digest)
+        found.add(serialisation.sources().digest)
     assert len(found) == 4
     (tmp_path / "models" / "law.py").unlink()  # byte code alone is installed, or the package is a zip file
-    assert structure_data.sources() == ("", ())
+    assert serialisation.sources() == ("", ())
 
 
 def test_nothing_is_kept_once_a_source_was_edited(monkeypatch, tmp_path):
@@ -254,15 +254,15 @@ def test_nothing_is_kept_once_a_source_was_edited(monkeypatch, tmp_path):
     (tmp_path / "models").mkdir()
     law = tmp_path / "models" / "law.py"
     law.write_text("k = 1")
-    monkeypatch.setattr(structure_data, "SOURCES", ("models",))
-    monkeypatch.setattr(structure_data, "PACKAGE", tmp_path)
-    monkeypatch.setattr(structure_data, "LOADED", structure_data.sources())
+    monkeypatch.setattr(serialisation, "SOURCES", ("models",))
+    monkeypatch.setattr(serialisation, "PACKAGE", tmp_path)
+    monkeypatch.setattr(serialisation, "LOADED", serialisation.sources())
     path = tmp_path / "x.structure"
-    kept = structure_data.Derivations(path)
+    kept = serialisation.Derivations(path)
     kept.keep("one", 1)
     law.write_text("k = 22")
     kept.keep("two", 2)
-    again = structure_data.Derivations(path)
+    again = serialisation.Derivations(path)
     assert (again.get("one"), again.get("two")) == (1, None)
 
 

@@ -17,7 +17,7 @@ from frictionlab.components import functions
 from frictionlab.components.contact import Interface, StickSlipSeparation
 from frictionlab.models.composition import Nonlinearity, nonlinearities_of
 from frictionlab.models.model import Model
-from frictionlab.models.structure_data import derivations_of, structure_of_component
+from frictionlab.models.serialisation import derivations_of, structure_of_component
 
 from .mechanics import Friction, Mechanics
 

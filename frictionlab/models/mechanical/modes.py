@@ -14,7 +14,7 @@ import sympy
 
 from frictionlab.automaton import Event, HybridAutomaton, Mode, Reset
 from frictionlab.automaton.mode import Combination, ModesOnDemand, Regime
-from frictionlab.models.structure_data import Structure, structure_of_component, structure_to_data
+from frictionlab.models.serialisation import Structure, structure_of_component, structure_to_data
 from frictionlab.models.symbols import automaton_of_structure, expand_products
 
 from .contact_regimes import CHATTER_TIME, ContactRegime, RegimeEnd, chatter_mode, impact_resets, stick_reset

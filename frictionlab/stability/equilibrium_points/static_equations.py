@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from frictionlab.hybrid.elementary.parameter_functions import OF_ARRAYS
 from frictionlab.lazy_names import sympy
 from frictionlab.models import Model
-from frictionlab.models.structure_data import Derivations, Structure, derivations_of, structure_of_component
+from frictionlab.models.serialisation import Derivations, Structure, derivations_of, structure_of_component
 from frictionlab.models.symbols import check_laws, parameter_symbols, symbolic_copy
 
 if TYPE_CHECKING:

@@ -19,7 +19,7 @@ from frictionlab.automaton import HybridAutomaton, Mode
 from frictionlab.automaton.mode import ModesOnDemand, Regime
 from frictionlab.hybrid.elementary.parameter_functions import OF_ARRAYS
 from frictionlab.lazy_names import sympy
-from frictionlab.models.structure_data import Derivations
+from frictionlab.models.serialisation import Derivations
 from frictionlab.stability.equilibrium_points.newton import find_zeros
 from frictionlab.stability.flow import Flow, LateFlow, late_flow
 
