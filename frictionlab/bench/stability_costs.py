@@ -19,13 +19,14 @@ import numpy as np
 
 from frictionlab.analysis.orbits.periodic_orbit import PeriodicOrbit, periodic_orbit
 from frictionlab.analysis.quantities.critical_quantities import CriticalFrequency, CriticalValue, FoldValue
-from frictionlab.analysis.quantities.equilibrium_quantities import (
+from frictionlab.analysis.quantities.orbit_quantities import OrbitAmplitude, OrbitIntensity, OrbitPeriod
+from frictionlab.analysis.quantities.quantities import (
     EquilibriumCoordinate,
     GrowthRate,
     ModeFrequency,
+    Quantity,
+    sensitivity,
 )
-from frictionlab.analysis.quantities.orbit_quantities import OrbitAmplitude, OrbitIntensity, OrbitPeriod
-from frictionlab.analysis.quantities.sensitivity import Quantity, sensitivity
 from frictionlab.analysis.simulate import simulate
 from frictionlab.bench.harness import FULL_GAP_RATE_SLIDER, interleaved_medians, warm_up
 from frictionlab.components import PlasticImpact

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from frictionlab.analysis.motion_scales import state_scales
 from frictionlab.analysis.parameter_flow import SampledFlow, sampled_flow
-from frictionlab.analysis.quantities.equilibrium_quantities import ModeFrequency
+from frictionlab.analysis.quantities.quantities import ModeFrequency
 from frictionlab.hybrid.solve import solve
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models.model import automaton_of

@@ -14,12 +14,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from frictionlab.analysis.quantities.equilibrium_quantities import (
+from frictionlab.analysis.quantities.quantities import (
     DEFECTIVE_PRODUCT,
+    Array,
+    Gradient,
+    Quantity,
     derivatives_at,
     gradient_of,
 )
-from frictionlab.analysis.quantities.sensitivity import Array, Gradient, Quantity
 from frictionlab.stability.boundaries.first_losses import FirstLosses, first_losses
 from frictionlab.stability.boundaries.stability_changes import (
     StabilityChange,

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
-from frictionlab.analysis.quantities.sensitivity import Gradient, Quantity
+from frictionlab.analysis.quantities.quantities import Gradient, Quantity
 from frictionlab.models.model import require_model
 from frictionlab.presentation import Drawable, text_table
 from frictionlab.stability.equilibrium_problem import check_bounds

@@ -24,8 +24,13 @@ from frictionlab.analysis.motion_scales import state_scales
 from frictionlab.analysis.options import SteadyStateOptions
 from frictionlab.analysis.orbits.periodic_orbit import PeriodicOrbit, periodic_orbit
 from frictionlab.analysis.parameter_flow import parameter_flow, sampled_flow, varied_names
-from frictionlab.analysis.quantities.equilibrium_quantities import derivatives_at, equilibrium_at
-from frictionlab.analysis.quantities.sensitivity import Array, Gradient, Quantity
+from frictionlab.analysis.quantities.quantities import (
+    Array,
+    Gradient,
+    Quantity,
+    derivatives_at,
+    equilibrium_at,
+)
 from frictionlab.analysis.steady_state.classification import MotionKind
 from frictionlab.analysis.steady_state.steady_state import steady_state
 from frictionlab.hybrid.solve import solve

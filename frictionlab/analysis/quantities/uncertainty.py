@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionlab.analysis.options import Execution, ExecutionKeywords, merge_keywords
-from frictionlab.analysis.quantities.sensitivity import Quantity, evaluate, evaluation_tasks
+from frictionlab.analysis.quantities.quantities import Quantity, evaluate, evaluation_tasks
 from frictionlab.analysis.sweeps.journal import Journal
 from frictionlab.analysis.sweeps.sweep import check_function, function_name, own_name, run_tasks
 from frictionlab.models.model import require_model
