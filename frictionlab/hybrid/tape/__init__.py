@@ -9,13 +9,12 @@
 ``program``
     `Program`: the arrays of a whole automaton (`Code`), and `Numbers`, its coefficients for one set of
     values; a program as data, which is kept for later processes, and back.
-``kept_modes``
-    The same of a program of modes on demand.
 ``packing``
     `program_of`: packs the tapes of all modes and resets, and remembers the result by structure.
 ``lowering``
     The tape of one mode, or of one reset, and what the kernels need to know of it; the numbers in tapes as
-    functions of the parameters; which functions are zero by construction after an event.
+    functions of the parameters; which functions are zero by construction after an event; a program of modes
+    on demand as data.
 ``arguments``
     What the solver is given: one clear error for an automaton that is not well formed; expressions as text,
     such as "x1' - v", read without being evaluated as Python.

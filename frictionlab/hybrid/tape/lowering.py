@@ -1,13 +1,16 @@
 """A mode and a reset lowered to their tapes, with what is asked of them as arrays; the numbers in tapes,
 constants and coefficients, as functions of the parameters; which functions are zero after a reset, whatever
 the numbers, so that their zeros there are no events.
+
+A program of modes on demand, whose numbers are a function each, is kept for later processes, and has all its
+modes: beside what is kept of any program there is what kernels need to choose among modes.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from typing import Any, NamedTuple
 from weakref import WeakKeyDictionary
@@ -17,10 +20,24 @@ import numpy as np
 from frictionlab.automaton import Event, Mode, Reset
 from frictionlab.automaton.expressions import combinations_of, multiply_out, undefined_part
 from frictionlab.automaton.mode import Expr
+from frictionlab.automaton.straight_line import side_by_side, straight_line_data
+from frictionlab.hybrid.elementary.parameter_functions import OF_PARAMETERS
 from frictionlab.hybrid.tape.functions import AFFINE, POWER
-from frictionlab.hybrid.tape.program import NOT_POLYNOMIAL, Section
+from frictionlab.hybrid.tape.program import (
+    NOT_POLYNOMIAL,
+    Demand,
+    Program,
+    Section,
+    program_from_data,
+    program_to_data,
+)
 from frictionlab.hybrid.tape.tape import AffineTerms, ResetBuilder, Tape, TapeBuilder
 from frictionlab.lazy_names import sympy as sp
+
+# Numbers from which on to write each as Python code takes seconds; they are then sums of a few expressions.
+MANY_NUMBERS = 1000
+ON_DEMAND = "program on demand"  # the name under which one is kept
+_KEPT: WeakKeyDictionary[Any, Program] = WeakKeyDictionary()  # by what files hold of a structure
 
 
 @dataclass(frozen=True, eq=False)
@@ -168,10 +185,6 @@ def slot_array(rows: Sequence[Any], columns: int | None = None) -> np.ndarray:
     return int_array(rows, columns, np.uint32)
 
 
-# Numbers from which on to write each as Python code takes seconds; they are then sums of a few expressions.
-MANY_NUMBERS = 1000
-
-
 def undefined_number(
     parameters: tuple[Any, ...], every: Sequence[LoweredTape], values: Sequence[float]
 ) -> str:
@@ -249,6 +262,42 @@ class _NumberList:
 @lru_cache(maxsize=64)
 def _number_list(parameters: tuple[Any, ...]) -> _NumberList:
     return _NumberList(parameters)
+
+
+def kept_program_on_demand(kept: Any, packed: Callable[[], Program]) -> Program:
+    """The program that files hold of a structure, `kept`; if they do not yet, what `packed` gives."""
+    if kept not in _KEPT:
+        data = kept.get(ON_DEMAND)
+        if data is not None:
+            _KEPT[kept] = _from_data(data, lambda values: packed()._undefined(values))
+        else:
+            program = _KEPT[kept] = packed()
+            if (data := _to_data(program)) is not None:
+                kept.keep(ON_DEMAND, data)
+    return _KEPT[kept]
+
+
+def _to_data(program: Program) -> dict[str, Any] | None:
+    """The program as data that JSON can hold; None where a number is no straight line."""
+    fill: Any = program._fill
+    assert isinstance(fill, FunctionsApart)
+    assert program.demand is not None
+    lines = [straight_line_data(function, OF_PARAMETERS) for function in fill.functions]
+    known = [line for line in lines if line is not None]
+    data = program_to_data(program, _no_numbers)
+    if data is None or len(known) < len(lines):
+        return None
+    demand = [[array.shape, array.ravel().tolist()] for array in program.demand]
+    return data | {"numbers": side_by_side(known, fill.where.tolist()), "demand": demand}
+
+
+def _no_numbers() -> list[float]:
+    return []
+
+
+def _from_data(data: dict[str, Any], undefined: Callable[..., str]) -> Program:
+    arrays = (np.array(elements, dtype=np.int64).reshape(shape) for shape, elements in data["demand"])
+    return replace(program_from_data(data, undefined), demand=Demand(*arrays))
 
 
 @lru_cache(maxsize=4096)

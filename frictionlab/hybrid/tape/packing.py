@@ -22,13 +22,13 @@ from frictionlab.automaton import Event, HybridAutomaton, Mode, Reset
 from frictionlab.automaton.mode import Combination, KnownModes, ModesOnDemand, Symbol
 from frictionlab.hybrid.tape.arguments import check_mode, check_structure
 from frictionlab.hybrid.tape.functions import AFFINE
-from frictionlab.hybrid.tape.kept_modes import kept_program_on_demand
 from frictionlab.hybrid.tape.lowering import (
     LoweredMode,
     LoweredReset,
     LoweredTape,
     fill_function,
     int_array,
+    kept_program_on_demand,
     lower_mode,
     lower_reset,
     sign_normal_form,
