@@ -158,13 +158,13 @@ class BusyIndicator:
         if self._waiting is not None:
             _end_timer(self._waiting)
             self._waiting = None
-            self.widget.value = INDICATOR_TEXT
+            self.widget.value = self._text()
         timer = _started_timer(self._show)
         try:
             yield
         finally:
             _end_timer(timer)
-            self.widget.value = PROGRESS_BAR.format(*self.left) if self.left else INDICATOR_TEXT
+            self.widget.value = self._text()
             self.widget.layout.visibility = "visible" if self.left else "hidden"
 
     def announce_compilation(self, compiling: bool) -> None:
@@ -173,6 +173,9 @@ class BusyIndicator:
             self._show(COMPILING_TEXT)
         elif not self.left:  # else how far it is stays, part for part
             self.widget.value = INDICATOR_TEXT
+
+    def _text(self) -> str:
+        return PROGRESS_BAR.format(*self.left) if self.left else INDICATOR_TEXT
 
     def _show(self, text: str = "") -> None:
         self.shown += 1

@@ -12,6 +12,7 @@ from frictionlab.widgets.update_scheduler import (
     INDICATOR_DELAY,
     INDICATOR_TEXT,
     WAITING_TEXT,
+    BusyIndicator,
     UpdateScheduler,
     in_this_thread,
 )
@@ -85,6 +86,21 @@ def test_a_slider_that_moves_while_a_cell_runs_is_told_to_wait():
         assert explorer.model.v == 0.7
 
     asyncio.run(cell())
+
+
+@pytest.mark.parametrize("pause", [0.0, 2 * INDICATOR_DELAY])
+def test_how_far_a_computation_is_stays_in_sight_while_a_change_is_shown(pause):
+    busy = BusyIndicator()
+    with busy.show_while_busy():
+        busy.left = 40, 300
+    words = busy.widget.value
+    assert "40 of 300" in words
+    busy.show_waiting()  # a change heard by another thread
+    time.sleep(pause)
+    with busy.show_while_busy():
+        assert (busy.widget.value, busy.widget.layout.visibility) == (words, "visible")
+        busy.left = None
+    assert (busy.widget.value, busy.widget.layout.visibility) == (INDICATOR_TEXT, "hidden")
 
 
 def test_what_is_heard_after_the_event_loop_has_ended_is_done_where_it_is():
