@@ -46,14 +46,14 @@ class ContactTerms:
     number : str
         Suffix that tells its outputs from those of other contacts.
     place : int
-        Which of the regimes in a mode's name is that of this contact.
+        Index of this contact's regime among those in a mode's name.
     speed : callable or None
         Speed of the belt (m/s) as a function of states and parameters; None for a stop.
     approach : callable or None
         Material penetration rate -W_N . q' (m/s); None where the contact cannot be lost.
     travel : callable or None
-        Full penetration rate less that (m/s), at which the contact does work of its own; None where it is
-        zero by construction.
+        Full less material penetration rate (m/s), with which F_N does work beyond that of the contact's
+        spring; None where it is zero by construction.
     penetration, law : callable or None
         The penetration (m) as a function of states and parameters, and F_N (N) as one of penetration and
         parameters.
@@ -79,7 +79,7 @@ class Terms:
 
 
 class Balance:
-    """The terms of a model's energy balance at states (N, states) in modes (N,), numbers in `mode_names`."""
+    """A model's energy balance at states (N, states) in modes (N,), which are indices into `mode_names`."""
 
     def __init__(self, model: Any, automaton: HybridAutomaton, mode_names: Sequence[str]) -> None:
         self.automaton, self.mode_names, self._values = automaton, mode_names, structure_values(model)
@@ -97,7 +97,7 @@ class Balance:
         return found
 
     def powers(self, states: Array, modes: Any) -> dict[str, Array]:
-        """The powers (W), each (N,), that change the sum of the energies, between events."""
+        """The powers (W), each (N,), that change the sum of the energies between events."""
         found = {name: self._at(power, states) for name, power in self._terms.powers.items()}
         for contact in self._terms.contacts:
             for name, power in self._contact_powers(contact, states, modes):
@@ -129,7 +129,7 @@ class Balance:
         )
         approaching = self._at(contact.approach, states)
         yield "impacts", np.where(pressed, 0.0, -normal * approaching)
-        # the energy that the contact stores is not known: all power of F_N counts as work
+        # without a law the energy that the contact stores is not known: all power of F_N counts as work
         if contact.law is None:
             yield "contact", np.where(pressed, -normal * approaching, 0.0)
         elif contact.travel is not None:
@@ -139,14 +139,14 @@ class Balance:
         """Energy stored by the contact (J): the integral of F_N from 0 to the penetration; none in flight."""
         law: Any = contact.law
         penetration = self._at(contact.penetration, states)
-        # in sqrt(penetration), in which penetration^1.5 is a polynomial too
+        # integrated over sqrt(penetration), in which penetration^1.5 is a polynomial too
         shares = (1.0 + CONTACT_NODES) / 2.0
         at = (law(penetration * share**2, *self._values) * share for share in shares)
         energy = penetration * sum(w * f for w, f in zip(CONTACT_WEIGHTS, at, strict=True))
         return np.where(self._modes_in_contact(contact)[modes], energy, 0.0)
 
     def _modes_in_contact(self, contact: ContactTerms) -> np.ndarray:
-        """Modes in which the contact's spring acts: not in flight, nor in the limit mode of many impacts."""
+        """Whether the contact's spring acts in each mode: not in flight, nor in the limit mode of chatter."""
         apart = "separation", CHATTER_MODE
         return np.array([name.split(JOINT)[contact.place] not in apart for name in self.mode_names])
 
@@ -214,17 +214,18 @@ class EnergyAudit(Drawable):
     t : array (N,)
         Times (s), those of the run.
     energies : mapping of str to array (N,)
-        J: "kinetic"; those that the model names, as "springs" and "preload", or "potential"; and "contact",
-        the integral of F_N over the penetration, none in flight.
+        J: "kinetic"; those that the model names, such as "springs" and "preload", else "potential"; and
+        "contact", the integral of F_N over the penetration, zero in flight.
     powers : mapping of str to array (N,)
-        W: "dampers"; "impacts", in the limit mode that replaces them; of contacts with friction "belt drive"
-        F_T v, v the speed of the belt, and "friction" -F_T v_r; where W_N is not the gradient of the gap
-        "moving load" F_N (penetration rate + W_N . q'), -F_N phi (x1' - x2') with the paper's; and "loads".
-        "contact" is the power of an F_N that is not given as a function of the penetration.
+        W: "dampers"; "loads"; "moving springs", of a potential that depends on time; "impacts", zero but in
+        the limit mode of chatter.  At contacts with friction "belt drive" F_T v, with the belt's speed v;
+        "friction" -F_T v_r; "moving load" F_N (penetration rate + W_N . q') where W_N is not the gradient of
+        the gap, which for the paper's model is -F_N phi (x1' - x2'); "contact", the power of an F_N that is
+        not given as a function of the penetration.
     works : mapping of str to array (N,)
-        J: the work of each from 0 to t, that of impacts with their jumps.
+        J: the work of each power from 0 to t; that of impacts includes the jumps of the kinetic energy.
     turned_over : float
-        J: the largest sum of the energies' sizes, plus the sizes of all works, whether in or out.
+        J: the largest sum of the energies' magnitudes, plus the magnitudes of all works, in or out.
     """
 
     drawn_by = "plot_energies"
@@ -257,14 +258,14 @@ class EnergyAudit(Drawable):
 
 
 def energy_audit(run: Trajectory, *, progress: bool = True) -> EnergyAudit:
-    """The energy balance of a run: energies, powers, the work of each, and what is missing.
+    """The energy balance of a run: energies, powers, the work of each, and the residual.
 
-    Of the slider on a belt d/dt (kinetic + springs + preload + contact) = F_T v - F_T v_r - 2 D
+    For the slider on a belt d/dt (kinetic + springs + preload + contact) = F_T v - F_T v_r - 2 D
     + F_N (penetration rate + W_N . q'), and velocities jump at impacts, Eqs. (10) to (12).  Every model that
     states its energies (`MechanicalModel`) has a balance, with the terms that it has.
 
-    Works are Gauss quadratures of the run's Taylor polynomials, step by step, exact to rounding.  Runs of
-    other methods are audited as they are: the residual is their error.
+    Works are Gauss quadratures of the run's Taylor polynomials, step by step, exact to rounding.  For runs of
+    other methods the residual shows their error.
 
     Parameters
     ----------
@@ -279,6 +280,8 @@ def energy_audit(run: Trajectory, *, progress: bool = True) -> EnergyAudit:
 
     Raises
     ------
+    TypeError
+        Where `run` is no Trajectory.
     ValueError
         For a run of an automaton, or of a model that gives only an automaton: it has no masses or springs.
 
@@ -325,7 +328,7 @@ def _balance(run: Any) -> Balance:
 
 
 def _work_integrals(run: Trajectory, balance: Balance, edges: Array, progress: bool) -> tuple[Any, float]:
-    """Works (contributions, edges) since the first edge, and the sum of all sizes, J."""
+    """Works (contributions, edges) since the first edge, and the sum of all magnitudes, J."""
     starts = range(0, len(edges) - 1, PIECES_PER_CHUNK)
     shown = progress_bar(starts, desc="energy audit", shown=progress)
     parts = [_work_of_pieces(run, balance, edges[i : i + PIECES_PER_CHUNK + 1]) for i in shown]
@@ -334,7 +337,7 @@ def _work_integrals(run: Trajectory, balance: Balance, edges: Array, progress: b
 
 
 def _work_of_pieces(run: Trajectory, balance: Balance, edges: Array) -> tuple[Array, float]:
-    """The work (contributions, pieces) on each piece of a run between two edges, and the sum of all sizes."""
+    """Works (contributions, pieces) on each piece of a run between two edges, and the sum of all sizes."""
     half = np.diff(edges)[:, None] / 2.0
     t = (edges[:-1, None] + half * (1.0 + PIECE_NODES)).ravel()
     found = balance.powers(*run.states_and_modes(t))

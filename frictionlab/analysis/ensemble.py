@@ -1,4 +1,4 @@
-"""`fl.ensemble`: many runs at once, of which only the ends are wanted."""
+"""`fl.ensemble`: many runs at once, of which only the final states are kept."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from frictionlab.validation import check_number
 
 __all__ = ["BatchResult", "ensemble"]
 
-MOST_MODES_IN_LANES = 81  # those of four contacts; of more, deriving all takes longer than lanes save
+MOST_MODES_IN_LANES = 81  # those of four contacts; deriving more takes longer than lanes save
 
 
 def ensemble(
@@ -46,28 +46,28 @@ def ensemble(
     Parameters
     ----------
     models : sequence of Model or HybridAutomaton
-        With the same laws and interface; their parameters may differ.  One model as often as there are
-        initial states: ``[model] * 100``.
+        With the same laws and interface; their parameters may differ.  For many initial states repeat one
+        model: ``[model] * 100``.
     t_end : float
         End time in seconds, positive.
     x0 : "rest", "near", mapping, array_like (2n,) or (N, 2n), or a sequence of the former
-        Initial state of all, or of each.
+        One initial state for all runs, or one for each.
     method : "taylor" or Taylor
     progress : bool
 
     Returns
     -------
     BatchResult
-        Also where some ended early: see ``status``.
+        Also if some runs ended early: see ``status``.
 
     Raises
     ------
     TypeError
-        For what are no models.
+        Where `models` is no sequence of models.
     ValueError
-        For other bad arguments; like the former before any work is done.
+        For other bad arguments.  Both are raised before any run starts.
     KeyboardInterrupt
-        After ctrl-C; :func:`partial_result` is then the BatchResult as far as the runs had come.
+        After ctrl-C; :func:`partial_result` then returns the BatchResult as far as the runs had come.
 
     Examples
     --------
@@ -145,7 +145,7 @@ def _problems(models: Sequence[Any], x0: Any, t_end: float, method: Taylor) -> l
 
 
 def problem_for_batch(automaton: HybridAutomaton, x0: np.ndarray, t_end: float = 0.0) -> Problem:
-    """A run with all modes, which lanes need; where these are many, with those that runs come to."""
+    """The problem with all modes, which lanes need; where these are too many, with those that runs enter."""
     if isinstance(automaton.names, ModeNames) and automaton.names.more_than(MOST_MODES_IN_LANES):
         return problem_of(automaton, x0, t_end)
     return Problem(*program_of(automaton), x0, t_end)

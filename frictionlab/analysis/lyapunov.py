@@ -28,9 +28,9 @@ class LyapunovSpectrum(Drawable):
     exponents : array (n,)
         1/s, the largest first; -inf for a direction that events remove (onsets of stick, plastic impacts).
     standard_errors : array (n,)
-        Of the mean over `blocks`; NaN where the exponent is -inf.
+        Of the exponents, from the scatter of `blocks`; NaN where the exponent is -inf.
     blocks : array (K, n)
-        Exponents over each part of the run.
+        Exponents of each of K parts of the run.
     final_state : array (n,)
         Where the run ended; give it as `x0` to go on.
     """
@@ -48,7 +48,7 @@ class LyapunovSpectrum(Drawable):
 
     @property
     def chaotic(self) -> bool:
-        """Whether the largest exponent is positive by three standard errors or more."""
+        """Whether the largest exponent is positive by more than three standard errors."""
         return bool(self.exponents[0] > 3.0 * self.standard_errors[0])
 
 
@@ -70,14 +70,14 @@ def lyapunov(
     ----------
     model : Model or HybridAutomaton
     x0 : "rest", "near", mapping or array_like (n,)
-        Of an automaton "rest" (all states zero) or an array.
+        For an automaton "rest" means all states zero, and there is no "near".
     transient : float
-        Seconds that are thrown away.
+        Seconds that are discarded.
     t_end : float
-        Seconds over which the exponents are averaged, after the transient and one block more, in which the
-        tangent vectors find their directions.
+        Seconds over which the exponents are averaged.  They begin after the transient and one extra block, in
+        which the tangent vectors find their directions.
     blocks : int
-        Parts of the run whose scatter gives the standard errors, two at least.
+        Number of parts of the run, at least two, whose scatter gives the standard errors.
     progress : bool
 
     Returns
@@ -87,10 +87,10 @@ def lyapunov(
     Raises
     ------
     ValueError
-        For bad arguments; where the run ends early or has no tangent flow, see `tangent_flow`.
+        For bad arguments; where the run ends early; where it has no tangent flow, see `tangent_flow`.
     KeyboardInterrupt
-        After ctrl-C; :func:`partial_result` is then the spectrum of the blocks that were done, None of less
-        than two.
+        After ctrl-C; :func:`partial_result` then returns the spectrum of the blocks that were done, or None
+        for fewer than two.
 
     Examples
     --------

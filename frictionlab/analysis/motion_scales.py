@@ -1,7 +1,7 @@
-"""Scales of a motion: the range of each state, by which differences are measured, the period of an
-oscillation, and its amplitude spectrum.
+"""Scales of a motion: the range of each state, the period of an oscillation, and its amplitude spectrum.
 
-States are measured in three groups, coordinates, velocities and others, as each group has a unit of its own.
+Differences between states are measured by the range of each state.  States form three groups, coordinates,
+velocities and others, as each group has a unit of its own.
 """
 
 from __future__ import annotations
@@ -19,18 +19,18 @@ from frictionlab.validation import check_choice
 
 Array = NDArray[np.float64]
 
-# Range of a coordinate, as a share of the largest of them, below which it counts as that.
+# Least scale of a state, as a share of the largest range in its group.
 MIN_RANGE_RTOL = 1e-6
-AT_REST_RTOL = 1e-9  # share of a coordinate's values below which it does not move
+AT_REST_RTOL = 1e-9  # a coordinate whose range is a smaller share of its values counts as at rest
 
-LEAST_MOTION_RTOL = 1e-6  # share of its values by which a coordinate is measured where it moves less
+LEAST_MOTION_RTOL = 1e-6  # least size of the motion of a group of states, as a share of its largest value
 
-DEFAULT_PERIOD = 0.1  # s, of the slider on a belt
-ROUND_NUMBER_RTOL = 1e-9  # share by which rounding may keep a number from the round one that it is
+DEFAULT_PERIOD = 0.1  # s, about that of the slider on a belt
+ROUND_NUMBER_RTOL = 1e-9  # share by which rounding errors may put a number below the round one it stands for
 
 
 def state_ranges(states: Any) -> Array:
-    """Range of each state over a motion; zero where there is none."""
+    """Range of each state over a motion; zeros for a motion without samples."""
     states = np.asarray(states, dtype=float)
     return states.max(axis=0) - states.min(axis=0) if len(states) else np.zeros(states.shape[1])
 
@@ -68,17 +68,17 @@ def motion_size(run: Trajectory, samples: int | None = None) -> Array:
 
 
 def oscillation_period(source: Any) -> float:
-    """About the period of an oscillation (s): the model's; for an automaton that of the slider on a belt."""
+    """Approximate period of oscillation (s) of a model; for an automaton, that of the slider on a belt."""
     return source.period if isinstance(source, Model) else DEFAULT_PERIOD
 
 
 def rounded_period(source: Any) -> float:
-    """The same as 1, 2 or 5 times a power of ten, from below."""
+    """That period, rounded down to 1, 2 or 5 times a power of ten."""
     return round_down_1_2_5(oscillation_period(source))
 
 
 def round_down_1_2_5(x: float) -> float:
-    """The next smaller of 1, 2, 5, 10, 20, ...
+    """A number rounded down to 1, 2 or 5 times a power of ten.
 
     >>> round_down_1_2_5(37.0), round_down_1_2_5(0.05)
     (20.0, 0.05)
@@ -88,9 +88,9 @@ def round_down_1_2_5(x: float) -> float:
     return float(f"{max(d for d in (1, 2, 5) if d * power <= limit) * power:.3g}")
 
 
-HARMONICS_SHOWN = 6.0  # multiples of the model's own frequency that are shown
+HARMONICS_SHOWN = 6.0  # a spectrum shows frequencies up to this multiple of the model's own
 MAX_PERIODS = (
-    # periods transformed at most: that resolves a thousandth of the frequency, more than a picture shows
+    # most periods transformed: they resolve a thousandth of the frequency, more than a figure shows
     1000.0
 )
 # samples per period of f_max, so that the high harmonics of kinks are not aliased into view
@@ -99,7 +99,7 @@ MIN_LINES = 5
 
 
 class Spectrum(NamedTuple):
-    """Amplitudes of the state `name` at frequencies (Hz) `resolution` apart, from `start` to `stop` (s)."""
+    """Amplitude spectrum of the state `name` from `start` to `stop` (s), lines `resolution` (Hz) apart."""
 
     frequencies: Array
     amplitudes: Array
@@ -151,10 +151,10 @@ def amplitude_spectrum(
     name : str or None
         The state, e.g. "x1" or "x1'"; None takes the first.
     f_max : float or None
-        Highest frequency kept, Hz; None takes six times about the model's own, of the slider on a belt 60 Hz.
+        Highest frequency kept, Hz; None takes about six times the model's own, 60 Hz for the slider.
     start : float or None
         Start (s) of the part that is transformed, which lasts to the end of the run; None takes the second
-        half, but no more than some thousand periods.
+        half, but no more than about a thousand periods.
 
     Returns
     -------

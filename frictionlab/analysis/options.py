@@ -1,7 +1,7 @@
-"""Settings that several analyses share: how a steady state is found, and how many of them are computed.
+"""Settings that several analyses share: how a steady state is found, and how a set of computations is run.
 
-`SteadyStateOptions` and `Execution` hold them, each checked once when it is made.  Analyses take them whole
-or field by field: `merge_keywords` puts the two together.
+`SteadyStateOptions` and `Execution` hold them, each checked once when it is made.  Analyses take such an
+object, its fields as keywords, or both: `merge_keywords` combines them.
 """
 
 from __future__ import annotations
@@ -21,26 +21,26 @@ from .steady_state.poincare_sections import Section
 
 @dataclass(frozen=True)
 class SteadyStateOptions:
-    """How a run is taken to what it settles to, and what that is.
+    """How a steady state is found and classified.
 
     Parameters
     ----------
     transient, window : float
-        Seconds that are thrown away, and that are looked at.
+        Seconds that are discarded, and seconds after them that are classified.
     t_max : float or None
-        Go on, window by window, until the motion has settled or so many seconds have passed; None looks at
-        one window only.  Not for basins.
+        Longest time: windows follow each other until the motion has settled or this many seconds have passed.
+        None takes one window only.  Not for basins.
     method : "taylor", Taylor, RK4, ...
-        A name becomes the method.
+        A name is replaced by the method of that name.
     section : None, "stick", str or (str, int)
-        Where recurrence is looked at: transitions from slip to stick, or where an expression of the states
-        (or an output, "penetration") passes zero.  None takes the first where there are such transitions,
+        Where recurrence is checked: transitions from slip to stick, or where an expression of the states
+        (or an output, "penetration") passes zero.  None takes the transitions where there are enough,
         else ("x1'", -1).
     tolerance : float
         Share of the motion's size within which a periodic motion returns.
     rtol : float
-        Share of the attractors' size within which a motion counts as having reached one, in every state.
-        For basins only.
+        A motion counts as having reached an attractor where every state is within this share of the
+        attractors' size.  For basins only.
 
     Raises
     ------
@@ -75,13 +75,13 @@ class SteadyStateOptions:
 
     @property
     def solver(self) -> Method:
-        """The method."""
+        """The method as an object, also where it was given by name."""
         return method_of(self.method)
 
 
 @dataclass(frozen=True)
 class Execution:
-    """How many independent computations are done.
+    """How a set of independent computations is run: in which workers, with which file and progress bar.
 
     Parameters
     ----------
@@ -91,15 +91,15 @@ class Execution:
         Used instead of threads, and left open: a ProcessPoolExecutor, or a cluster's, such as Dask's
         ``client.get_executor()``.
     resume : path or None
-        File in which results are kept as they come; if it is there, what it holds is not computed again.  In
-        the end it does not depend on the number of workers, or on how often the computation was cut off.
-        Damaged lines are computed again, with a RuntimeWarning.
+        File in which results are kept as they come; results that it already holds are not computed again.
+        The complete file does not depend on the number of workers, nor on how often the computation was
+        interrupted.  Results on damaged lines are computed again, with a RuntimeWarning.
     progress : bool
 
     Raises
     ------
     ValueError
-        For a number of workers that is none.
+        For a number of workers that is no positive integer.
 
     Examples
     --------
@@ -143,28 +143,28 @@ class ExecutionKeywords(TypedDict, total=False):
 
 
 class StudyKeywords(SteadyStateKeywords, ExecutionKeywords, total=False):
-    """The fields of both."""
+    """The fields of :class:`SteadyStateOptions` and :class:`Execution`."""
 
 
 def merge_keywords(
     function: str, given: Mapping[str, Any], unused: str = "", **bundles: tuple[type, Any]
 ) -> list[Any]:
-    """Each bundle of settings with the keywords that were given in the place of its fields.
+    """Each bundle of settings, its fields replaced by the keywords that were given for them.
 
     Parameters
     ----------
     function : str
-        What errors call the function that was given them.
+        Name of the calling function, for error messages.
     given : mapping of str to object
     unused : str
-        Names of fields that the function has no use for.
+        Names of fields that the function does not take, separated by spaces.
     **bundles : (class, object or None)
-        Of each argument its class and what was given; None stands for the defaults.
+        For each argument its class and the object that was given; None stands for the defaults.
 
     Raises
     ------
     TypeError
-        For a keyword that is no field, or an argument that is of another class.
+        For a keyword that is no field, or an argument of another class.
     """
     owners: dict[str, str] = {}
     for argument, (kind, bundle) in bundles.items():

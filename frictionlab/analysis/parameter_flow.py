@@ -1,13 +1,14 @@
-"""How a run depends on the parameters: its tangent flow with a small change of each parameter as a state.
+"""Derivatives of a run by the parameters: its tangent flow, with a small change of each parameter as a state.
 
-A parameter p becomes p + s e with a state e that is zero and stays so, s its size.  Only first order matters:
+A parameter p of size s becomes p + s e, with a state e that is and stays zero.  Only first order matters:
 every coefficient N(p) of the equations is replaced by N + sum of s_k e_k dN/dp_k, so that flows, guards,
-resets and constraints keep their form, and the saltation matrices hold what an event owes to the parameters.
-The run is that of the model itself, to the last bit; nothing is integrated again but the tangent vectors.
+resets and constraints keep their form, and the saltation matrices hold how events depend on parameters.
+The run is that of the model itself, to the last bit; only the tangent vectors are integrated anew.
 
 A power u^p whose exponent depends on a parameter becomes u^p (1 + log(u) dp).  At u = 0, where a contact with
-a force penetration^p begins, log(u) is no number while u^p log(u) is zero: there the tapes without this term
-are taken, at an event on the zero and in the first step from it, where the run takes the power for constant.
+a force penetration^p begins, log(u) is not finite while u^p log(u) is zero.  There the tapes without this
+term are used: at an event with u = 0, and in the first step from it, for which the run takes the power as
+constant.
 """
 
 from __future__ import annotations
@@ -39,11 +40,11 @@ from frictionlab.hybrid.variational.tangent_jets import (
 from frictionlab.models.symbols import derivatives
 
 Array = NDArray[np.float64]
-INNER = "chatter"  # a number of the solver, no parameter of the motion
+INNER = "chatter"  # a setting of the solver, not a parameter of the motion
 
 
 class ParameterFlow(NamedTuple):
-    """Derivatives of a run's end: by the state (n,) at its start, and by P parameters for a given start."""
+    """Derivatives of a run's end: by its initial state (n,), and by P parameters for a given start."""
 
     state: Array  # (n, n)
     parameters: Array  # (n, P)
@@ -70,8 +71,8 @@ def parameter_flow(
     integrands : sequence of sympy.Expr
         q functions of the states and parameters.
     free : bool
-        Whether the start is taken to keep no constraint: else, in a mode that has some (stick), the start
-        moves by the least that keeps them.
+        Whether changes of the start may violate the constraints of the first mode.  If not, and the mode has
+        some (stick), each change is corrected by the least that keeps them.
 
     Raises
     ------
@@ -94,7 +95,7 @@ def parameter_flow(
 class SampledFlow(NamedTuple):
     """States of a run at some times and the times of its events, with derivatives.
 
-    Directions are the n states at the start, then the P parameters.
+    Derivatives are by the n states at the start, then by the P parameters.
     """
 
     states: Array  # (m, n)
@@ -107,7 +108,7 @@ class SampledFlow(NamedTuple):
 def sampled_flow(run: Trajectory, names: Sequence[str], times: Array, free: bool = False) -> SampledFlow:
     """Derivatives of a run's states at ascending times, of the times of its events, and of its end.
 
-    At the time of an event they are those before it; `free` as for :func:`parameter_flow`.
+    At the time of an event the state's derivatives are those before it; `free` as for :func:`parameter_flow`.
 
     Raises
     ------
@@ -126,7 +127,7 @@ def sampled_flow(run: Trajectory, names: Sequence[str], times: Array, free: bool
 
 
 def _split_steps(run: Trajectory, times: Array, states: Array) -> Trajectory:
-    """The run with a step that begins at each of some times, so that tangent vectors can be seen there."""
+    """The run, its steps split at the given times, so that tangent vectors can be sampled there."""
     raw = run.raw
     starts, lengths = raw.step_times.T
     places = np.searchsorted(starts, times, side="right") - 1
@@ -172,7 +173,7 @@ def _sample(varied: _VariedRun, frame: Array, times: Array) -> tuple[Array, Arra
 
 
 def _event_time_slopes(varied: _VariedRun, i: int, rows: Array) -> Array:
-    """How the time of an event moves: the guard stays zero."""
+    """Derivatives of the time of an event, from the guard that stays zero."""
     for run in (one for one in varied if one is not None):
         program, guard = run.problem.program, int(run.raw.event_codes[i, 0])
         mode, before = int(program.guard_modes[guard]), run.raw.event_states[i, 0]
@@ -187,7 +188,7 @@ def _event_time_slopes(varied: _VariedRun, i: int, rows: Array) -> Array:
 def _first_frame(varied: _VariedRun, n: int, q: int, count: int, free: bool) -> Array:
     """Tangent vectors as columns: each of n states, then each of `count` parameters; q integrals are zero.
 
-    The states are moved by the least that keeps the constraints of the first mode.
+    Unless `free`, the states are corrected by the least that keeps the constraints of the first mode.
     """
     frame, run = np.zeros((n + q + count, n + count)), varied.run
     frame[:n, :n], frame[n + q :, n:] = np.eye(n), np.eye(count)
@@ -201,7 +202,7 @@ def _first_frame(varied: _VariedRun, n: int, q: int, count: int, free: bool) -> 
 
 
 class _VariedRun(NamedTuple):
-    """A run with changes of parameters as states; the same without those in exponents, if there are any."""
+    """A run with changes of parameters as states, and one without changes in exponents, if there are any."""
 
     run: Trajectory
     plain: Trajectory | None
@@ -238,7 +239,7 @@ def _scales(automaton: HybridAutomaton, names: Sequence[str]) -> Array:
 
 
 def _varied_run(run: Trajectory, names: tuple[str, ...], integrands: tuple[Any, ...]) -> _VariedRun:
-    """The run of the automaton with changes of parameters as states."""
+    """A run as one of the automaton with changes of parameters as states."""
     automaton = run.automaton
     modes = tuple(automaton.mode(name) for name in run.mode_names)
     symbols = {symbol.name: symbol for symbol in automaton.parameters}
@@ -352,6 +353,6 @@ class _Variation:
 
     def _linear(self, number: Any) -> Any:
         slopes = derivatives(number, self._chosen)
-        # A jump, as of the sign of the belt's speed, has no derivative where it happens, and elsewhere zero.
+        # A function that jumps, as the sign of the belt's speed, has no derivative there, zero elsewhere.
         smooth = {p: d.replace(sympy.DiracDelta, lambda *_: 0) for p, d in slopes.items()}
         return sympy.Add(*(_scale(p) * slope * _change(p) for p, slope in smooth.items()))

@@ -1,6 +1,6 @@
-"""How far a run can be trusted: a warning from the defects of a sample of its steps, and the comparison with
-another run of the same motion, in their events and in their states between events.
+"""How far a run can be trusted: a warning from the defects of its steps, and the comparison with another run.
 
+The two runs are of the same motion.  They are compared in their events and, between events, in their states.
 Events close together (two at once, the last bounces before a Zeno point) count as one.
 """
 
@@ -16,16 +16,16 @@ from frictionlab.hybrid.accuracy import defects
 from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.hybrid.trajectory import Trajectory
 
-SUSPECT_TOLERANCES = 1e4  # tolerances: the defects of sound steps are hundreds of times smaller
-HARMLESS_DEFECT = 1e-9  # share of the motion's size, below what any analysis here resolves
+SUSPECT_TOLERANCES = 1e4  # times the tolerance: the defects of sound steps are hundreds of times smaller
+HARMLESS_DEFECT = 1e-9  # share of the motion's size: smaller than any analysis here resolves
 STEPS_PER_MODE = 64  # steps of a mode that are sampled, so that the check costs next to nothing
 
 
 def defect_warning(run: Trajectory) -> str | None:
-    """A sentence where steps of a Taylor run are far less exact than asked, else None.
+    """A warning where steps of a Taylor run are far less exact than its tolerance, else None.
 
-    Some steps of each mode are sampled, only of modes with other functions than polynomials of the states:
-    for polynomials the series itself tells how long a step may be.
+    Some steps are sampled of each mode whose equations are not low-degree polynomials of the states; for
+    polynomials the series itself tells how long a step may be.
     """
     tol = run.description.get("method", {}).get("tol")
     if tol is None:
@@ -39,7 +39,7 @@ def defect_warning(run: Trajectory) -> str | None:
 
 
 def defect_message(defect: Mapping[str, float], tol: float) -> str | None:
-    """What is to be said of the defects of a run that was asked for a tolerance."""
+    """A warning where a defect is too large for a run with the tolerance `tol`, else None."""
     bad = {mode: size for mode, size in defect.items() if not size <= largest_sound_defect(tol)}
     if not bad:
         return None
@@ -51,7 +51,7 @@ def defect_message(defect: Mapping[str, float], tol: float) -> str | None:
 
 
 def largest_sound_defect(tol: float) -> float:
-    """The defect above which steps that were asked for a tolerance are suspect."""
+    """The defect above which steps of a run with the tolerance `tol` are suspect."""
     return max(SUSPECT_TOLERANCES * tol, HARMLESS_DEFECT)
 
 
@@ -61,11 +61,11 @@ def _evenly_spread(steps: np.ndarray) -> np.ndarray:
 
 
 SIMULTANEOUS_SHARE = 1e-5  # share of the longest stay in a mode: events nearer to each other count as one
-ACCUMULATION_SHARE = 1e-3  # share of the longest stay: stays so short that lead to a Zeno point belong to it
+ACCUMULATION_SHARE = 1e-3  # share of the longest stay: shorter stays before a Zeno point belong to it
 END_MARGIN_SHARE = (
-    1e-3  # share of the longest stay: so near to the end one run may have an event that the other has not
+    1e-3  # share of the longest stay: this near to the end one run may have an event that the other lacks
 )
-COMPARISON_TIMES = 2000  # times at which states are compared, besides some within every stay
+COMPARISON_TIMES = 2000  # times at which states are compared, in addition to some within every stay
 SAMPLES_WITHIN_STAY = np.array([0.1, 0.5, 0.9])
 
 
@@ -88,8 +88,11 @@ class RunComparison(NamedTuple):
 
 
 class ModeStays(NamedTuple):
-    """Events, those close together as one: times of the first and the last of them, the mode entered, whether
-    a Zeno accumulation was closed."""
+    """Groups of events close together, each of which counts as one event.
+
+    For each group: times of its first and of its last event, the mode entered by the last, and whether one of
+    them closed a Zeno accumulation.
+    """
 
     first: Array
     last: Array
@@ -115,8 +118,10 @@ def longest_stay(run: Trajectory, end: float) -> float:
 
 
 def accumulation_time(run: Trajectory) -> float:
-    """Time of a Zeno accumulation, between the last separate event and the first of those close together;
-    infinite without one."""
+    """A time just before the first Zeno accumulation; infinite where there is none.
+
+    It is midway between the last separate event and the first of those close together.
+    """
     found = mode_stays(run, ACCUMULATION_SHARE * longest_stay(run, run.raw.t))
     closed = np.flatnonzero(found.closed)
     if not len(closed):
@@ -130,7 +135,7 @@ def compare_runs(
 ) -> RunComparison:
     """Compare two runs up to `until`, to an event that differs, or to a deviation beyond `max_deviation`.
 
-    Where `other` is not of the Taylor method it is compared at the starts of its steps: between these its
+    A run `other` by another method than Taylor is compared at the starts of its steps only: between these its
     dense output, a series, may not converge, however exact the run is.
     """
     end = min(until, run.raw.t, other.raw.t)
@@ -158,8 +163,9 @@ def compare_runs(
 def first_event_difference(one: ModeStays, two: ModeStays, end: float, late: float) -> float:
     """Time at which two runs first have different events before `end`; infinite where they have the same.
 
-    Events number k of both are the same where they lead to the same mode, and each comes before number k + 1
-    of the other; so two missing events are noticed even if all others are alike.
+    The k-th events of both runs are the same if they lead to the same mode and each comes before event k + 1
+    of the other run; so two missing events are noticed even if all others are alike.  Differences within
+    `late` seconds of `end` do not count.
     """
     n = min(len(one.first), len(two.first))
     earlier = np.minimum(one.first[:n], two.first[:n])

@@ -38,10 +38,10 @@ RATES_RTOL = 1e-9  # rates by the same equations agree to rounding, on every pro
 
 
 def model_initial_state(model: Any, x0: Any, automaton: Any = None) -> Any:
-    """The state that a name stands for; of a mapping the states it leaves out are as at rest, of an array
-    zero.
+    """The initial state that a name, a mapping or an array stands for.
 
-    Give the model's automaton where it is at hand, to save its assembly.
+    States that a mapping leaves out are as at rest; those that an array leaves out are zero.  Give the
+    model's automaton where it is at hand, to save its assembly.
     """
     if not isinstance(model, Model):
         return _automaton_initial_state(model, x0)
@@ -78,7 +78,7 @@ def named_state(x0: Any) -> Any:
 
 
 def initial_state_of(model: Any, x0: Any, automaton: HybridAutomaton | None = None) -> np.ndarray:
-    """The initial state (n,) that a run of a model or an automaton would begin with; raises for others."""
+    """The initial state (n,) of a run of a model or an automaton; raises for a bad `x0`."""
     automaton = automaton_of(model) if automaton is None else automaton
     names, size = ", ".join(automaton.state_names), len(automaton.state_names)
     rule = f"a finite number for each of the states {names}"
@@ -108,7 +108,7 @@ def simulate(
     t_end : float
         End time in seconds, positive.
     x0 : "rest", "near", mapping or array_like (2n,)
-        "rest": coordinates and velocities zero, or where the model says it is released.  "near": the sliding
+        "rest": all states zero, but for those that `Model.release` gives.  "near": the sliding
         equilibrium with its coordinates displaced by one percent, velocities zero.  A mapping such as
         ``{"x1": 0.1, "x1'": -0.2}`` gives some states; the others are as at rest.  An array holds
         coordinates, then velocities; further states of a model, such as the phase of a force, are zero where
@@ -125,7 +125,7 @@ def simulate(
     Returns
     -------
     Trajectory
-        Also where the run ended early: see ``run.status``.
+        Also if the run ended early: see ``run.status``.
 
     Raises
     ------
@@ -134,7 +134,7 @@ def simulate(
     ValueError
         For bad arguments, or ``x0="near"`` where there is no equilibrium; before any work is done.
     KeyboardInterrupt
-        After ctrl-C; :func:`partial_result` is then the run up to there.
+        After ctrl-C; :func:`partial_result` then returns the run as far as it went.
 
     Examples
     --------
@@ -171,7 +171,7 @@ def load(path: str | Path, model: Any = None) -> Trajectory:
     OSError
         Where there is no such file, or it cannot be read.
     ValueError
-        Where the file is no saved run, is damaged, or its model cannot be made or is another than that given.
+        Where the file is no saved run or is damaged; where its model cannot be made, or is not the given one.
     """
     stored = read_run_file(path)
     if model is None and "model" in stored.description:
@@ -199,14 +199,14 @@ def _automaton_in_file(stored: StoredRun) -> HybridAutomaton:
         if DERIVED_FROM in data:
             return _derived_automaton(stored, data)
         automaton = automaton_from_data(data)
-        program_of(automaton)  # which checks that it is well formed, and is remembered
+        program_of(automaton)  # checks that it is well formed; the program is cached
         return automaton
     except (ValueError, ArithmeticError) as error:
         raise ValueError(f"{stored.path} is damaged, {error}: save the run again") from error
 
 
 def _derived_automaton(stored: StoredRun, data: Mapping[str, Any]) -> HybridAutomaton:
-    """That of a model with several contacts, whose modes a file cannot hold."""
+    """The automaton of a model with several contacts: a file holds its structure instead of its modes."""
     parameters = stored.about.get("parameters")
     if not isinstance(parameters, dict) or not all(type(value) is float for value in parameters.values()):
         raise ValueError(f"its parameters are {abbreviate(parameters)}")
@@ -217,8 +217,8 @@ def _derived_automaton(stored: StoredRun, data: Mapping[str, Any]) -> HybridAuto
 
 
 def _trajectory_in_file(stored: StoredRun, automaton: HybridAutomaton, source: Model | None) -> Trajectory:
-    """The run that a file holds, on the automaton that made it; ValueError where that is another, or the
-    file is damaged.
+    """The run that a file holds; ValueError where `automaton` is not the one that made it, or the file is
+    damaged.
     """
     try:
         return _trajectory(stored, automaton, source)
@@ -231,7 +231,7 @@ def _trajectory(stored: StoredRun, automaton: HybridAutomaton, source: Model | N
     # The one parameter that is a setting of the method, not of the model.
     automaton = with_chatter_limit(automaton, about["parameters"].get("chatter", 0.0))
     _check_same(stored, "states", list(automaton.state_names))
-    saved = about["mode_names"]  # by which steps and events are numbered
+    saved = about["mode_names"]  # steps and events give modes as places in this list
     known = automaton.on_demand and all(name in automaton.names for name in saved)
     _check_same(stored, "mode_names", saved if known else list(automaton.names))
     _check_same(stored, "parameters", {name: float(value) for name, value in automaton.values.items()})

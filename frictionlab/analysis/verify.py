@@ -1,4 +1,4 @@
-"""`fl.verify`: whether a run can be trusted, from two more runs and one from a neighbouring state."""
+"""`fl.verify`: whether a run can be trusted, judged by two other runs and one from a neighbouring state."""
 
 from __future__ import annotations
 
@@ -32,21 +32,21 @@ from frictionlab.presentation import Drawable
 from frictionlab.validation import check_number
 
 NEIGHBOUR_OFFSET = (
-    # share of the initial motion by which the neighbouring run starts off, to show how far the motion is
-    # predictable
+    # share of the initial motion by which the neighbouring run's start is changed, to show how far the motion
+    # is predictable
     1e-9
 )
-FIRST_SAMPLES = 80  # samples, of ten steps: some periods of the fastest vibration
+FIRST_SAMPLES = 80  # samples of the first ten steps: some periods of the fastest vibration
 UNPREDICTABLE_DEVIATION = (
-    # share of the motion's size: when the neighbouring run is so far away, the motion is no longer
+    # share of the motion's size: once the neighbouring run deviates by this, the motion is no longer
     # predictable
     1e-3
 )
-TRUSTED_DEVIATION = 1e-4  # share of the motion's size: runs that agree so well give one line in a plot
-EXTRA_ORDERS, TOLERANCE_FACTOR = 6, 0.1  # of the second run
+TRUSTED_DEVIATION = 1e-4  # share of the motion's size: runs that agree so well coincide in a plot
+EXTRA_ORDERS, TOLERANCE_FACTOR = 6, 0.1  # added to the order, and times the tolerance, for the second run
 INDEPENDENT_RTOL = 1e-12  # relative tolerance of the independent method
 MAX_INDEPENDENT_STEPS = 20_000  # of the independent method, some ten seconds
-TIME_RTOL = 1e-6  # share of a time by which two runs with the same events may differ
+TIME_RTOL = 1e-6  # share by which times in two runs with the same events may differ
 UNPREDICTABLE_MESSAGE = "a start changed by a billionth leads elsewhere."
 
 
@@ -59,17 +59,17 @@ class Verification(Drawable):
     run : Trajectory
         The run in question.
     error : float
-        Largest deviation from the other runs up to `until`, as a share of the motion's size, which is that of
-        the largest coordinate, velocity and other state.
+        Largest deviation from the second and the independent run up to `until`, as a share of the motion's
+        size: the largest range among coordinates, among velocities, and among other states.
     until : float
-        s: time up to which the motion can be predicted.  Beyond it an initial state changed by a billionth
-        leads elsewhere.
+        s: time up to which the motion can be predicted.  After it, a run from an initial state changed by a
+        billionth deviates.
     independent_until : float
-        s: time up to which the independent method was compared, at most to a Zeno point.
+        s: time up to which the run was compared with the independent one, at most up to a Zeno point.
     events_agree : bool
         Whether the events up to `until` are the same, in the same sequence.
     defect : mapping
-        Defect of the run: largest relative error of a step, by the mode.
+        Largest defect of the run's steps in each mode; see :attr:`Trajectory.defect`.
     ok : bool
         Whether the run can be trusted up to `until`.
     verdict : str
@@ -98,11 +98,11 @@ def verify(
 ) -> Verification:
     """Run a model, and check the run by others.
 
-    A second run has series of a higher order and a tighter tolerance.  A third is by DOP853 of scipy, which
-    shares the equations but neither series nor root finder nor steps; it cannot follow Zeno behaviour
-    (chatter, a ball that comes to rest), and is compared up to there. A fourth starts from an initial state
-    changed by a billionth and tells how far the motion can be predicted: beyond, a chaotic motion is not
-    compared.
+    The second run uses series of a higher order and a tighter tolerance.  The third is by DOP853 of scipy,
+    which shares the equations, but not the series, the root finder or the steps.  It cannot follow Zeno
+    behaviour (chatter, a ball that comes to rest) and is compared only up to there.  The fourth starts from
+    an initial state changed by a billionth and shows how far the motion can be predicted: a chaotic motion is
+    not compared beyond that time.
 
     Parameters
     ----------
@@ -110,9 +110,9 @@ def verify(
     t_end : float
         End time in seconds, positive.
     x0 : "rest", "near", mapping or array_like (n,)
-        Of an automaton "rest" (all states zero) or an array.
+        For an automaton "rest" means all states zero, and there is no "near".
     method : "taylor", Taylor, RK4, Scipy, ...
-        Of the run in question.
+        Method of the run in question.
     progress : bool
 
     Returns
@@ -124,7 +124,7 @@ def verify(
     ValueError
         For bad arguments, before any work is done.
     KeyboardInterrupt
-        After ctrl-C; :func:`partial_result` is then the run that was stopped.
+        After ctrl-C; :func:`partial_result` then returns the run that was stopped.
 
     Examples
     --------
@@ -160,7 +160,7 @@ def verify(
 
 
 class _RunSetup:
-    """The motion that several methods run."""
+    """What all runs of a verification share: the model, the initial state, the end time."""
 
     def __init__(self, model: Any, start: Array, t_end: float, progress: bool) -> None:
         self._model, self._automaton, self._progress = model, automaton_of(model), progress
@@ -179,9 +179,9 @@ class _RunSetup:
     def neighbouring_run(self, run: Trajectory) -> Trajectory:
         """A run by the same method from a neighbouring state, in the same mode.
 
-        In stick the velocities are constrained, at a stop a coordinate as well: all states are changed where
-        that is possible, else the coordinates, else the velocities; where none can be, the run itself is
-        returned.
+        In stick the velocities are constrained, at a stop a coordinate as well.  So coordinates and
+        velocities are changed together if the run then still starts in the same mode, else the coordinates
+        alone, else the velocities alone.  If none of these works, the run itself is returned.
         """
         method, n = method_of(Taylor(**_method_settings(run))), self._automaton.coordinates
         size = np.minimum(motion_size(run, FIRST_SAMPLES), motion_size(run))
@@ -200,7 +200,7 @@ def _method_settings(run: Trajectory) -> dict[str, Any]:
 
 
 def _more_exact_method(method: Method) -> Method:
-    """Another order and a tighter tolerance; of other methods the Taylor method itself."""
+    """A Taylor method with a higher order and a tighter tolerance; for other methods, the Taylor method."""
     if not isinstance(method, Taylor):
         return Taylor()
     order = min(MAX_ORDER, method.degree + EXTRA_ORDERS)
@@ -210,9 +210,10 @@ def _more_exact_method(method: Method) -> Method:
 def _independent_run(
     motion: _RunSetup, second: Trajectory, size: Array, until: float, share: float
 ) -> Trajectory | None:
-    """The run by an independent method, up to where it can follow; None where it cannot at all.
+    """The run by an independent method, up to where this can follow; None where it cannot follow at all.
 
-    Its steps are at most a `share` of the shortest stay in a mode, as long as that does not need too many.
+    Its steps are limited to a `share` of the shortest stay in a mode, but not to less than the whole time
+    divided by `MAX_INDEPENDENT_STEPS`.
     """
     end = min(until, accumulation_time(second))
     if not end > 0.0:
@@ -224,8 +225,10 @@ def _independent_run(
 
 
 def _compare_independent(run: Trajectory, third: Trajectory | None, size: Array) -> RunComparison:
-    """Compare with the independent run; that it misses a stay shorter than two of its steps is no
-    difference."""
+    """Compare with the independent run.
+
+    It may miss a stay that is shorter than two of its steps; that does not count as a difference.
+    """
     if third is None:
         return RunComparison(0.0, 0.0, np.inf)
     found = compare_runs(run, third, size, np.inf)
@@ -238,7 +241,7 @@ def _compare_independent(run: Trajectory, third: Trajectory | None, size: Array)
 
 
 def _stays_before(run: Trajectory, end: float) -> tuple[Array, Array]:
-    """Start and length of the stays before `end`; that at `end` is taken to last on."""
+    """Start and length of the stays that begin before `end`; the run's last stay reaches `end` at least."""
     found = mode_stays(run, SIMULTANEOUS_SHARE * longest_stay(run, end))
     begins = np.append(0.0, found.last)
     lengths = np.append(found.first, max(run.raw.t, end)) - begins
@@ -250,7 +253,7 @@ def _differ(found: RunComparison) -> bool:
 
 
 def _reason_for_doubt(run: Trajectory, second: Trajectory, same: RunComparison, other: RunComparison) -> str:
-    """The reason why a run is not to be trusted; empty where it is."""
+    """The reason why a run is not to be trusted; an empty text where it can be trusted."""
     for found, which in ((same, "a more exact one"), (other, "an independent one")):
         if found.differs_at < np.inf:
             return f"its events are not those of {which} from t = {found.differs_at:.4g} s on"

@@ -1,20 +1,20 @@
 """A hybrid automaton as plain data: modes with a flow, event functions that guard them, resets.
 
-The common language of the models, which write automata, and of the solver, which runs them.  It knows nothing
-of friction and computes nothing: expressions are sympy expressions in the symbols of states and parameters,
-which :mod:`frictionlab.hybrid` turns into numbers.
+It is what models produce and what the solver runs.  Nothing here knows of friction or computes motions:
+expressions are sympy expressions in the symbols of states and parameters, which :mod:`frictionlab.hybrid`
+turns into numbers.
 
 ``mode``
-    `Mode`, `Event`, `Reset`: one smooth regime, what ends it, what jumps then; `ModesOnDemand`: modes that
-    are derived when a run first tries to enter them, and `Regime`, what is known of a mode before.
+    `Mode`, `Event`, `Reset`: one smooth regime, what ends it, what jumps then.  `ModesOnDemand`: modes that
+    are derived when a run first tries to enter them; `Regime`: what is known of a mode before that.
 ``expressions``
-    `Combinations`: many sums of few expressions, as numbers times these; what finite elements need.
-    Expressions multiplied out, so far as that is short; parts of them that have no value.
+    `Combinations`: many sums of a few expressions, as numbers times these, for finite elements.  Also
+    products multiplied out, unless that gets too long, and parts of expressions that have no value.
 ``straight_line``
     `StraightLine`: a function that sympy has compiled, as data that a file can hold.
 ``hybrid_automaton``
     `HybridAutomaton`: the modes over one state space, with the values of the parameters; derived at once, or
-    when it is asked for.
+    when they are needed.
 """
 
 from __future__ import annotations

@@ -1,12 +1,10 @@
-"""What is done with expressions: long sums as numbers times few of them, products multiplied out, parts
-without a value.
+"""Expressions: long sums as numbers times a few of them, products multiplied out, parts without a value.
 
 The equations of a structure of finite elements have some ten thousand terms such as -12.5 E w_3, made of some
-hundred expressions E w_i.  What is done with all terms, multiplied by a matrix, evaluated, differentiated, is
-done with the numbers (`Combinations`); sympy sees the few expressions only.  Products are multiplied out
-unless that would take for ever: a law may be a high power of a long sum.  A formula that holds the root of a
-negative number, or the inverse of zero, has no value in any state, so that it can be told by the parameters
-before a run.
+hundred expressions E w_i.  Where all terms are multiplied by a matrix, evaluated or differentiated, that is
+done with the numbers (`Combinations`); sympy sees only the few expressions.  Products are multiplied out
+unless that would take too long: a law may be a high power of a long sum.  A formula with the root of a
+negative number or the inverse of zero has no value in any state, which can be told before a run.
 """
 
 from __future__ import annotations
@@ -28,13 +26,13 @@ Array = NDArray[np.float64]
 
 
 def unsorted_product(factors: Sequence[Expr]) -> Expr:
-    """The product of factors in the order that sympy gives them, as those of a product less one of them.
+    """The product of factors that are in sympy's order already, as those of a product less one of them.
 
-    Without the search for equal factors, which there are none of, it takes a tenth of the time.
+    No two may be equal: without the search for equal factors this takes a tenth of the time.
     """
     if len(factors) < 2:
         return factors[0] if factors else sympy.S.One
-    # a number is multiplied into a sum
+    # evaluated where there is a sum, since sympy multiplies a number into it
     return sympy.Mul(*factors, evaluate=any(factor.is_Add for factor in factors))
 
 
@@ -48,9 +46,9 @@ class Combinations:
     sums : int
         How many sums there are.
     places : array (terms, 2)
-        The sum that a term belongs to, and its expression.
+        For each term the index of its sum, and that of its expression.
     numbers : array (terms,)
-        The number in front of each.
+        The number in front of each term.
     """
 
     expressions: tuple[Expr, ...]
@@ -66,14 +64,14 @@ class Combinations:
         return found
 
     def values(self, of_expressions: Array) -> Array:
-        """The sums (sums,) where the expressions have these values; each runs from its first term on."""
+        """The sums (sums,) where the expressions have these values; each is added up from its first term."""
         terms = self.numbers * of_expressions[self.places[:, 1]]
         found: Array = np.bincount(self.places[:, 0], weights=terms, minlength=self.sums).astype(float)
         return found
 
 
 def combinations_of(sums: Sequence[Any], states: Sequence[Any]) -> Combinations:
-    """Sums as combinations; a sum of states times what depends on none is multiplied out."""
+    """Sums as combinations; a sum with states times factors without states is multiplied out."""
     entries: dict[tuple[int, Expr], float] = {}
     moving = frozenset(states)
     for i, total in enumerate(sums):
@@ -103,13 +101,13 @@ def _terms(expr: Expr, moving: frozenset[Any]) -> list[tuple[Expr, float]]:
 
 
 def expressions_of(matrix: Array, expressions: Sequence[Expr]) -> list[Expr]:
-    """The sums of a matrix (sums, expressions) of numbers times expressions."""
+    """The sums whose numbers are the rows of a matrix (sums, expressions)."""
     factors = [sympy.Mul.make_args(one) for one in expressions]
     return [_sum(row, factors) for row in matrix]
 
 
 def _sum(row: Array, factors: Sequence[tuple[Expr, ...]]) -> Expr:
-    # Neither sorted nor searched for equal terms, of which there are none: that takes longest.
+    # The terms are not sorted or compared, which would take longest: no two are equal.
     terms = [_multiple(float(row[i]), factors[i]) for i in np.flatnonzero(row).tolist()]
     return sympy.Add(*terms, evaluate=False) if len(terms) > 1 else sum(terms, sympy.S.Zero)
 
@@ -122,16 +120,16 @@ def _multiple(number: float, factors: tuple[Expr, ...]) -> Expr:
 
 
 def exact_number(number: float) -> Expr:
-    """A number for sympy: 1 and -1 as integers, which leave no factor; others as they are."""
+    """A number for sympy: 1 and -1 as integers, which leave no factor; others as floats."""
     return sympy.Integer(int(number)) if number in (1.0, -1.0) else sympy.Float(number)
 
 
-# Terms, most, that a product or a power of sums may have: sympy takes a tenth of a second for so many.
+# Most terms that a product or a power of sums may have: sympy takes a tenth of a second for so many.
 MOST_TERMS = 1000
 
 
 def multiply_out(expr: Expr | float, **hints: bool) -> Expr:
-    """The expression multiplied out; as it is where that has too many terms, as (x + y + 1)^50 with 1326.
+    """The expression multiplied out; unchanged if that has too many terms, as (x + y + 1)^50 with 1326.
 
     `hints` are those of sympy's `expand`.
     """
@@ -140,7 +138,7 @@ def multiply_out(expr: Expr | float, **hints: bool) -> Expr:
 
 
 def _term_count(expr: Any) -> float:
-    """Terms of an expression when it is multiplied out, at most; infinite where a part has too many."""
+    """Most terms that an expression can have when multiplied out; infinite where a part has too many."""
     counts = [_term_count(part) for part in expr.args]
     if inf in counts:
         return inf
@@ -153,19 +151,19 @@ def _term_count(expr: Any) -> float:
         total = comb(int(counts[0]) + exponent - 1, exponent)
     else:
         total = 1
-    return total if expr.is_Add or total <= MOST_TERMS else inf  # a sum is as long as it is written
+    return total if expr.is_Add or total <= MOST_TERMS else inf  # a sum needs no limit of its own
 
 
 class UndefinedPart(NamedTuple):
-    """A part of a formula that need not have a value: as text, with the names of its parameters and its value
-    as their function."""
+    """A part of a formula that may have no value: its text, the names of its parameters, and its value as a
+    function of these."""
 
     text: str
     names: tuple[str, ...]
     value: Callable[..., Any]
 
     def words(self, values: Mapping[str, float]) -> str:
-        """That it has no real value at these, as text; empty where it has one."""
+        """The message that it has no real value at these parameter values; empty where it has one."""
         if not self._is_undefined(values):
             return ""
         at = ", ".join(f"{name} = {values[name]:g}" for name in self.names)
@@ -180,7 +178,7 @@ class UndefinedPart(NamedTuple):
 
 
 def undefined_part(expression: Any, values: Mapping[Symbol, float]) -> str:
-    """The innermost part of an expression that has no real value, and where; empty where there is none.
+    """The innermost part of an expression that has no real value; empty where there is none.
 
     As text: "sqrt(a), which has no real value at a = -1".  Parts that hold a state are left out.
     """
@@ -191,7 +189,7 @@ def undefined_part(expression: Any, values: Mapping[Symbol, float]) -> str:
 
 @lru_cache(maxsize=4096)
 def doubtful_parts(expression: Any, symbols: frozenset[Symbol]) -> tuple[UndefinedPart, ...]:
-    """The parts that depend on parameters only and need not have a value, the innermost first."""
+    """The parts that depend on parameters only and may have no value, the innermost first."""
     return tuple(_parts(sympy.sympify(expression, strict=True), symbols))
 
 

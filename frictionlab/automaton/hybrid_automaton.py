@@ -1,4 +1,4 @@
-"""Modes over one state space, and the numbers they need; all of it at once, or when it is asked for."""
+"""Hybrid automata: modes over one state space and their parameters, derived at once or when needed."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ class Late(NamedTuple):
     values : mapping of str to float
         The parameters.
     derive : callable
-        The automaton with these, from the beginning.
+        Derives the automaton for given values of the parameters.
     kept : object
-        What files hold of its structure.
+        What has been derived of its structure and is kept in files.
     """
 
     known: Mapping[str, Any]
@@ -45,11 +45,11 @@ class HybridAutomaton:
     states : tuple of Symbol
         Coordinates first, then their velocities, then other states.
     modes : tuple of Mode, or ModesOnDemand
-        In the order in which they are tried where no event says otherwise, the start included.
-        What is derived from them is remembered per Mode object: build them once, vary `parameters`.
+        In the order in which they are tried, at the start too, after those that an event names first.
+        What is derived from them is cached per Mode object: build them once, vary `parameters`.
     parameters : mapping of Symbol to float
         Every symbol of the expressions that is not a state.  The solver sets one called ``chatter`` to the
-        dwell time (s) below which it replaces events in a row by their limit mode.
+        dwell time (s) below which it replaces a sequence of events by its limit mode.
     coordinates : int
         How many of the states are coordinates; as many velocities follow them.
 
@@ -83,7 +83,7 @@ class HybridAutomaton:
                     "expressions with these"
                 )
 
-    def __getattr__(self, name: str) -> Any:  # of what is derived late
+    def __getattr__(self, name: str) -> Any:  # for the fields that are derived late
         if self._late is None or name not in LATE_FIELDS:
             raise AttributeError(f"a HybridAutomaton has no attribute {name!r}")
         derived = self._late.derive(self._late.values)
@@ -91,15 +91,15 @@ class HybridAutomaton:
             object.__setattr__(self, each, getattr(derived, each))
         return getattr(derived, name)
 
-    def __reduce__(self) -> Any:  # a copy has all of it, as it may be used where nothing is kept
+    def __reduce__(self) -> Any:  # a copy is derived completely: where it is used nothing may be kept
         return HybridAutomaton, (self.states, self.modes, self.parameters, self.coordinates)
 
     def derived(self) -> HybridAutomaton:
-        """The same with all symbols and modes."""
+        """The automaton with all symbols and modes derived."""
         return HybridAutomaton(self.states, self.modes, self.parameters, self.coordinates)
 
     def kept(self) -> Any:
-        """What files hold of its structure; None where nothing is kept."""
+        """What has been derived of its structure and is kept in files; None where nothing is kept."""
         return None if self._late is None else self._late.kept
 
     @property
@@ -183,7 +183,7 @@ class HybridAutomaton:
 
 
 def late_automaton(late: Late) -> HybridAutomaton:
-    """An automaton of which names and numbers are known; symbols and modes are derived when asked for."""
+    """An automaton whose names and numbers are known; symbols and modes are derived when they are needed."""
     made = object.__new__(HybridAutomaton)
     object.__setattr__(made, "_late", late)
     object.__setattr__(made, "coordinates", late.known["coordinates"])

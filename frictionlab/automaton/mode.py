@@ -1,9 +1,7 @@
-"""A mode: its flow, the events that end it, what jumps at them; and modes that are derived when they are
-first asked for.
+"""Modes with their flows, events and resets, and modes that are derived on demand.
 
-N contacts of three regimes have 3^N modes, of which a run visits few.  So nothing is made for each mode but
-for those asked for: names are made as they are read, and :meth:`ModesOnDemand.known` grows by what runs
-come to.
+N contacts of three regimes have 3^N modes, of which a run visits few.  So a mode is derived, and even its
+name made, only when it is asked for; :meth:`ModesOnDemand.known` gives the modes derived so far.
 """
 
 from __future__ import annotations
@@ -33,8 +31,8 @@ class Reset:
     vanishing : mapping of Expr to int
         Functions of the state that are zero right after the event *by construction*, with the number
         of their leading Taylor coefficients (value, rate, ...) that vanish.  Those coefficients count
-        as zero, not as the rounding error they would be computed to.  The function that triggered the
-        event and the constraints of the mode it left need not be listed.
+        as zero: if computed, they would be rounding errors.  The function that triggered the event and
+        the constraints of the mode it left need not be listed.
     """
 
     jump: Mapping[Symbol, Expr] = field(default_factory=dict)
@@ -110,7 +108,7 @@ class Mode:
 
 
 def check_elements(what: str, given: Any, kind: type) -> None:
-    """Raise unless it is a sequence of that kind."""
+    """Raise TypeError unless all elements are of that class; `what` names the sequence in the message."""
     if isinstance(given, kind):
         raise TypeError(
             f"{what} must be a tuple, got the {kind.__name__} {given.name!r} alone: write it in brackets, "
@@ -123,22 +121,22 @@ def check_elements(what: str, given: Any, kind: type) -> None:
 
 
 JOINT = " | "  # separates the regimes in a mode's name
-NO_PARTS = "only"  # the name of the mode where there are no parts
-LISTED = 243  # modes that a message lists, most: those of five contacts
-Combination = tuple[int, ...]  # the number of a regime for each part
+NO_PARTS = "only"  # the name of the only mode where there are no parts
+LISTED = 243  # most modes that a message lists: those of five contacts
+Combination = tuple[int, ...]  # for each part the index of its regime
 
 LOGGER = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, eq=False)
 class Regime:
-    """A regime of one part, as stick of one contact: what is known of modes with it before they are derived.
+    """A regime of one part, such as stick of one contact, as known before the modes with it are derived.
 
     Parameters
     ----------
     name : str
     conditions : tuple of Expr
-        Functions of which none may be negative where a mode with this regime is entered.
+        Functions that must not be negative where a mode with this regime is entered.
     holds : bool
         Whether modes with it have constraints.
     """
@@ -152,7 +150,7 @@ Parts = tuple[tuple[Regime, ...], ...]
 
 
 class ModeNames(Sequence[str]):
-    """Names of all combinations of regimes, made as they are read.
+    """Names of all modes, which are combinations of regimes; each name is made when it is read.
 
     Parameters
     ----------
@@ -216,7 +214,7 @@ class ModeNames(Sequence[str]):
         return found
 
     def more_than(self, count: int) -> bool:
-        """Whether there are more modes; as many are looked at, however many there are."""
+        """Whether there are more modes than `count`, found without going through all of them."""
         return next(islice(self.combinations(), count, None), None) is not None
 
     def __eq__(self, other: object) -> bool:
@@ -232,7 +230,7 @@ class ModeNames(Sequence[str]):
 
 
 def names_of_regimes(regimes: Sequence[Sequence[str]], names: Sequence[str]) -> ModeNames:
-    """The names of all modes where these are all, as there are few."""
+    """`ModeNames` of an automaton with few modes, which `names` lists."""
     allowed = {*names}
     found = ModeNames(tuple(map(tuple, regimes)), lambda combination: found.name_of(combination) in allowed)
     return found
@@ -250,7 +248,7 @@ def check_mode_name(mode: Any, names: Sequence[str], others: Sequence[str] = ())
 
 
 class KnownModes(NamedTuple):
-    """Modes derived so far, the combination of each, and combinations seen to be no modes."""
+    """Modes derived so far, the combination of each, and combinations found not to be modes."""
 
     modes: tuple[Mode, ...]
     combinations: tuple[Combination, ...]
@@ -265,14 +263,15 @@ class ModesOnDemand(Sequence[Mode]):
     parts : tuple of tuple of Regime
         The regimes of each part, in the order in which they are tried.
     derive : callable
-        From a combination, the number of a regime for each part, to its mode.
+        Gives the mode of a combination, which has the index of a regime for each part.
     allows : callable
         Whether a combination is a mode.
     again : tuple of callable and arguments, or None
-        A call that gives these modes in another process, for pickles; None where they stay in this one.
+        A call that makes these modes again in another process, for pickling.  With None all modes are
+        derived and pickled.
     origin : callable or None
-        Gives what they are derived from, as data that JSON can hold, for files of runs; raises TypeError
-        where it cannot be such.
+        Gives what the modes are derived from as JSON data, for files of runs; raises TypeError where JSON
+        cannot hold it.
 
     Attributes
     ----------
@@ -293,20 +292,20 @@ class ModesOnDemand(Sequence[Mode]):
         self._derive, self._allows, self._again = derive, allows, again
         self._derived: dict[Combination, Mode] = {}
         self._refused: dict[Combination, None] = {}
-        self._one_at_a_time = Lock()  # else two threads might have two modes of one name
+        self._one_at_a_time = Lock()  # else two threads might derive one mode twice
 
     @property
     def derived(self) -> tuple[str, ...]:
-        """Names of those that are derived, in that order."""
+        """Names of the modes derived so far, in the order in which they were derived."""
         return tuple(map(self.names.name_of, tuple(self._derived)))
 
     def known(self) -> KnownModes:
-        """What is known by now; what was known before comes first, in the same order."""
+        """The modes known so far; those of an earlier call come first, in the same order."""
         with self._one_at_a_time:
             return KnownModes(tuple(self._derived.values()), tuple(self._derived), tuple(self._refused))
 
     def all(self) -> KnownModes:
-        """The same with all combinations, in order."""
+        """As :meth:`known`, after deriving all modes, and in order."""
         every = tuple(product(*(range(len(part)) for part in self.parts)))
         modes = {one: mode for one in every if (mode := self.mode(one)) is not None}
         return KnownModes(
@@ -314,12 +313,12 @@ class ModesOnDemand(Sequence[Mode]):
         )
 
     def chosen(self, names: Sequence[str]) -> KnownModes:
-        """The same with the modes of these names, in this order."""
+        """As :meth:`known`, but only the modes of these names, in this order."""
         combinations = tuple(self.names.combination_of(name) or () for name in names)
         return KnownModes(tuple(map(self.named, names)), combinations, ())
 
     def mode(self, combination: Combination) -> Mode | None:
-        """The mode of a combination; None where it is none."""
+        """The mode of a combination; None if the combination is no mode."""
         with self._one_at_a_time:
             if combination not in self._derived and combination not in self._refused:
                 if self._allows(combination):

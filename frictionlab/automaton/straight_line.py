@@ -1,8 +1,8 @@
 """Functions that sympy has compiled, as data that a file can hold: straight-line programs.
 
-What `lambdify` has written is a list of assignments with no branch but in signs.  It is read once, operation
-by operation; what is read does the same operations on the same numbers in the same sequence, so that the
-results have the same bits.  Nothing of the data is run as Python, and sympy is not needed.
+The source that `lambdify` writes is a list of assignments, with no branches but those of signs.  It is read
+once.  The program made of it does the same operations on the same numbers in the same order, so that its
+results are the same to the last bit.  It is data, not run as Python, and does not need sympy.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ def straight_line_data(function: Callable[..., Any], functions: Mapping[str, Any
     ----------
     function : callable
     functions : mapping of str to callable
-        The functions that it may call, by the names that it has for them.
+        The functions that it may call, by their names in its source.
 
     Examples
     --------
@@ -52,7 +52,7 @@ def straight_line_data(function: Callable[..., Any], functions: Mapping[str, Any
     """
     try:
         return _Reader(function, functions).data()
-    except (NotStraight, OSError, SyntaxError):  # another function's source may be a part of a line
+    except (NotStraight, OSError, SyntaxError):  # other functions may have no source, or part of a line
         return None
 
 
@@ -71,7 +71,7 @@ class _Reader:
         self._operations: list[tuple[str, list[Any]]] = []
 
     def data(self) -> Data:
-        """The program, with all values in one row: arguments, numbers, results."""
+        """The program; its places count all values in one row: arguments, then numbers, then results."""
         *assignments, last = self._body
         for each in assignments:
             match each:
@@ -124,22 +124,22 @@ class _Reader:
         return "number", len(self._numbers) - 1
 
     def _result(self, name: str, of: Sequence[ast.expr]) -> tuple[str, int]:
-        self._operations.append((name, [self._value(each) for each in of]))  # what it is of comes before it
+        self._operations.append((name, [self._value(each) for each in of]))  # its operands come before it
         return "result", len(self._operations) - 1
 
 
 def _is_sign(yes: ast.expr, no: ast.expr) -> bool:
-    """Whether a branch is that of a sign, `0.0 if x == 0 else copysign(1, x)`, of which both have values."""
+    """Whether a branch is a sign, `0.0 if x == 0 else copysign(1, x)`: both its alternatives have values."""
     called = isinstance(no, ast.Call) and ast.unparse(no.func) == "copysign"
     return called and isinstance(yes, ast.Constant)
 
 
 def side_by_side(lines: Sequence[Data], chosen: Sequence[int]) -> Data:
-    """Functions of the same arguments, each of one value, as one that returns those `chosen` by number."""
+    """Join functions of the same arguments, of one value each: the result returns those `chosen` by index."""
     count = lines[0]["arguments"]
     numbers: list[float] = [number for one in lines for number in one["numbers"]]
     operations: list[list[Any]] = []
-    returned, before = [], 0  # the numbers of the functions before
+    returned, before = [], 0  # how many numbers the functions before have
     for one in lines:
         results = count + len(one["numbers"])  # where its results begin
         moves = (0, before, len(numbers) - len(one["numbers"]) + len(operations))
@@ -152,18 +152,18 @@ def side_by_side(lines: Sequence[Data], chosen: Sequence[int]) -> Data:
 
 
 def _moved(place: int, bounds: tuple[int, int], moves: tuple[int, int, int]) -> int:
-    """A place among arguments, numbers or results, which `bounds` part, moved by what belongs to its part."""
+    """The place moved by the entry of `moves` for its part; `bounds` part arguments, numbers and results."""
     return place + moves[sum(place >= bound for bound in bounds)]
 
 
 class StraightLine:
-    """The function of numbers or arrays that :func:`straight_line_data` described.
+    """A function of numbers or arrays, made from the data of :func:`straight_line_data`.
 
     Parameters
     ----------
     data : mapping
     functions : mapping of str to callable
-        Those that it may call.
+        The functions that it may call.
     """
 
     def __init__(self, data: Data, functions: Mapping[str, Callable[..., Any]]) -> None:
@@ -187,7 +187,7 @@ class StraightLine:
 
 
 def _mapped(function: Callable[[Any], Any], nested: Any) -> Any:
-    """A function of all elements of lists of lists, or of the one element."""
+    """Apply a function to all elements of nested lists, or to a single element."""
     if isinstance(nested, list):
         return [_mapped(function, each) for each in nested]
     return function(nested)

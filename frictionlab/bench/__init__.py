@@ -1,7 +1,7 @@
 """Benchmarks: run time against error, other tools included; what `frictionlab bench` prints and writes.
 
-    harness             scenes, runs with a known end; compiled code made ready, runs timed in turns, a row
-                        for each method on a scene
+    harness             scenes, which are runs with a known final state; code compiled beforehand, runs timed
+                        in turns, a row for each method on a scene
     peers/              the methods that are compared: ours, and other tools on the same automaton
     single_costs        the eight scenes without nonlinearities; first calls, native code of each mode;
                         where the time of a run goes
@@ -9,11 +9,11 @@
                         multipliers
     many_runs           runs side by side in lanes; Fig. 9's sweep by one worker and by two; basin stability
                         by events, against a model made smooth
-    growth              growth with contacts, states, events, length, values of a sweep, workers
+    growth              time and memory against contacts, states, events, length, values of a sweep, workers
     response_times      a step of an explorer's slider; size of exported pages, and how pictures
                         follow a slider
     performance_page, page_figures      docs/performance.md and docs/exact-and-fast.md, their pictures, and
-                        one landing that a fixed step does not see
+                        a landing that a fixed step misses
 
-A scene and a method give rows, rows give tables and pictures, these the pages.
+A scene and a method give rows, rows give tables and pictures, and these make the pages.
 """

@@ -1,9 +1,10 @@
 """How time and memory grow: with states, contacts, events, the length of a run, values of a sweep, workers.
 
-Slopes are those of straight lines through the larger half of the points in logarithmic axes: 1 is a time in
-proportion.  Each row of chains of blocks and of rods is measured in a process of its own, as its memory is
-the largest that the process ever had: ``python -m frictionlab.bench.growth`` measures these and prints them
-as Markdown.  What they do not need, pictures and other tools, is therefore imported where it is used.
+Slopes are those of straight lines through the larger half of the points in logarithmic axes: 1 means that
+time is proportional to size.  Each row of chains of blocks and of rods is measured in a process of its own,
+as its memory is the largest that the process ever had: ``python -m frictionlab.bench.growth`` measures these
+and prints them as Markdown.  So that pictures and other tools, which these processes do not need, take none
+of their memory, they are imported where they are used.
 """
 
 from __future__ import annotations
@@ -35,7 +36,7 @@ CHAIN_CONTACTS = (2, 4, 6, 7, 8, 10, 20, 30)
 ROD_STATES = (20, 50, 100, 200)
 CHAIN_SECONDS = 20.0  # length of a run of a chain, in which it sticks and slips
 ROD_SECONDS = 0.005  # length of a run of a rod: a dozen periods of its first mode
-LONGEST = 600.0  # s: what takes longer is ended
+LONGEST = 600.0  # s: a process that takes longer is ended
 STATES, CONTACTS = (10, 20, 50, 100, 200), (2, 4, 6, 8, 10)
 EVENTS = tuple(10**n for n in range(2, 8))
 LENGTHS = tuple(10.0**n for n in range(6))  # s
@@ -48,7 +49,7 @@ BYTES_PER_MEGABYTE = 1e6
 @with_signature
 @dataclass(frozen=True, init=False, repr=False)
 class Chain(MechanicalModel):
-    """Blocks in a row on one belt, each on a spring of its own and one to the next, each with a contact."""
+    """Blocks in a row on one belt, each with a contact, a spring to the ground and one to the next block."""
 
     k: float = fl.parameter(1.0, unit="N/m", symbol="k", meaning="stiffness to the ground", range=(0.1, 10.0))
     kc: float = fl.parameter(1.2, unit="N/m", symbol="k_c", meaning="stiffness between", range=(0.1, 10.0))
@@ -101,7 +102,7 @@ class Rod(MechanicalModel):
         return tuple(f"u{i + 1}" for i in range(self.elements))
 
     def mechanics(self, q: Any, v: Any) -> Mechanics:
-        """The energies by matrices; those are of a rod of unit density and stiffness."""
+        """The energies, from the matrices of a rod with unit mass and unit axial stiffness per length."""
         mass, stiffness = rod_matrices(self.elements, self.length / self.elements)
         x, u = ([getattr(at, name) for name in self.coordinates] for at in (q, v))
         return Mechanics(
@@ -128,7 +129,7 @@ def rod(states: int) -> Rod:
 
 @dataclass(frozen=True)
 class GrowthRow:
-    """Seconds of one processor, the largest memory (MB), and counts of the run."""
+    """Processor times (s), the largest memory (MB), and counts of the run."""
 
     scene: str
     size: int
@@ -172,14 +173,14 @@ def measure_growth(scene: str, size: int) -> GrowthRow:
 def largest_memory() -> float:
     """The largest memory that this process ever had, MB."""
     status = Path("/proc/self/status")
-    if status.exists():  # resource would count the process that started this one, before it was replaced
+    if status.exists():  # resource would also count the parent process, of which this one began as a copy
         (line,) = (line for line in status.read_text().splitlines() if line.startswith("VmHWM:"))
         return int(line.split()[1]) / 1024
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
 
 
 def measure_apart(scene: str, size: int) -> GrowthRow | str:
-    """The same in a process of its own; what went wrong where it does not end well."""
+    """Measure one scene in a process of its own; returns a text that says what went wrong if that fails."""
     command = [sys.executable, "-m", "frictionlab.bench.growth", scene, str(size)]
     try:
         done = subprocess.run(command, capture_output=True, text=True, timeout=LONGEST, check=False)
@@ -205,7 +206,7 @@ def _cells(row: GrowthRow | str) -> str:
 
 @dataclass(frozen=True)
 class Growth:
-    """Seconds, and where it is known megabytes, for some sizes."""
+    """Seconds, and megabytes where they are known, for some sizes."""
 
     name: str
     of: str  # what the size is
@@ -220,7 +221,7 @@ class Growth:
 
 
 def growths(largest: float = np.inf) -> list[Growth]:
-    """All of them; of the sizes up to `largest`."""
+    """All measurements of growth; of events, length and values only sizes up to `largest`."""
     return [
         _of_apart("states of a rod", "rod", STATES, lambda row: row.run / row.steps, "s a step"),
         _of_apart("contacts of a chain", "chain", CONTACTS, lambda row: row.derivation + row.run, "s"),
@@ -276,7 +277,7 @@ def _timed_run(scene: Any, t_end: float, method: Any) -> tuple[float, float]:
 
 
 def _sweep(count: int) -> tuple[float, float]:
-    """Final amplitude of a mass on a belt for values of its friction."""
+    """Runs of 10 s of a mass on a belt, for so many values of its friction."""
     models = [fl.MassOnBelt(mu_k=float(mu)) for mu in np.linspace(0.1, 0.3, count)]
     begin = time.perf_counter()
     fl.ensemble(models, 10.0, progress=False)
@@ -330,7 +331,7 @@ def _draw(ax: Any, row: Growth) -> None:
 
 
 def _show_decades(ax: Any, values: Sequence[float]) -> None:
-    """Whole decades on the axis of values."""
+    """Extend the axis of values to whole decades."""
     from matplotlib.ticker import NullFormatter
 
     low, high = np.log10(min(values)), np.log10(max(values))
@@ -339,7 +340,7 @@ def _show_decades(ax: Any, values: Sequence[float]) -> None:
 
 
 def growth_table(rows: Sequence[Growth]) -> str:
-    """The ends of each, and its slopes, as Markdown."""
+    """First and last value of each, and its slopes, as Markdown."""
     lines = []
     for row in rows:
         memory = "- | -"

@@ -1,7 +1,7 @@
 """Work against precision: scenes x methods, timed in turns, errors against reference states.
 
-Whatever is compiled is compiled before anything is timed: kernels, and native code of all modes, as a
-long run has it. Times are medians of runs that are interleaved, so that a slow moment affects all.
+Everything is compiled before anything is timed: kernels, and native code of all modes, which a long run
+would have.  Times are medians of interleaved runs, so that a slow moment affects all methods.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ from frictionlab.hybrid.tape.packing import program_of
 from frictionlab.models import SliderOnBelt
 from frictionlab.presentation import markdown_table, three_digits
 
-# States at the end by tests/reference/slider_mpmath.py with 40 digits, which shares no code with the package.
+# Final states by tests/reference/slider_mpmath.py with 40 digits, which shares no code with the package.
 REFERENCES = {
     "A": (
         -0.0046648651406953490495,
@@ -70,7 +70,7 @@ REFERENCES = {
     ),
 }
 STIFF_SLIDER = SliderOnBelt(mu_k=2.5, k_nl=1e7, F=800.0, k4=5e6, k5=5e6, k6=5e6).without("nonsmooth")
-# Smallest and largest correct number of events: the last one of "Coulomb" may come just after the end.
+# Smallest and largest correct number of events: the last one of "Coulomb" may fall just after the end.
 EVENT_COUNTS = {"A": (885, 885), "B": (886, 886), "Coulomb": (1999, 2000)}
 COULOMB_PERIOD = 5 + 2 * np.pi - 2 * np.arctan(2.5)  # of the Coulomb mass on a belt
 
@@ -79,7 +79,7 @@ FULL_GAP_RATE_SLIDER = SliderOnBelt(mu_k=1.4, impact=PlasticImpact(penetration_r
 
 @dataclass(frozen=True, eq=False)
 class BenchScene:
-    """A run with a known end.
+    """A run with a known final state.
 
     Parameters
     ----------
@@ -90,7 +90,7 @@ class BenchScene:
     reference : callable
         State at `t_end`.
     model : SliderOnBelt or None
-        The model that the automaton is of, where it has non-smooth behaviours that can be regularised.
+        The automaton's model, if it has non-smooth behaviour that can be regularised.
     events : (int, int) or None
         Smallest and largest correct number of events, where it does not depend on the method.
     """
@@ -115,7 +115,7 @@ class BenchScene:
 
 @cache
 def scenes() -> dict[str, BenchScene]:
-    """All of them by name."""
+    """All scenes by name."""
     usual = SliderOnBelt(mu_k=1.4)
     bare = usual.without("cubic", "nonsmooth", "geometry")
     found = (
@@ -139,8 +139,8 @@ def _model(name: str, text: str, model: Any, t_end: float) -> BenchScene:
 
 
 def _chatter(model: Any) -> BenchScene:
-    """Without a closed form: the reference is the solver itself, of another order, with a much shorter limit
-    of chatter."""
+    """Chatter, which has no closed form: the reference is the solver itself with another order and a much
+    shorter limit of chatter."""
     automaton, rest, t_end = model.automaton(), np.zeros(10), 1.0
     finest = Taylor(order=34, chatter=1e-9)
 
@@ -152,7 +152,7 @@ def _chatter(model: Any) -> BenchScene:
 
 
 def _coulomb() -> BenchScene:
-    """A mass on a belt (m = k = 1, v = 0.2, friction 1 at rest and 0.5 in motion), 1000 of its cycles."""
+    """A thousand cycles of a mass on a belt: m = k = 1, v = 0.2, friction 1 in stick and 0.5 in slip."""
     x, v, belt = sympy.symbols("x v belt", real=True)
     held = Reset({v: belt})
     stick = Mode("stick", (v, sympy.S.Zero), (Event("pulled", 1 - x, ("slip",)),), (belt - v,))
@@ -163,7 +163,7 @@ def _coulomb() -> BenchScene:
 
 
 def _linear(model: Any) -> BenchScene:
-    """Everything left out: a linear system, solved by the exponential of its matrix."""
+    """All nonlinearities left out: a linear system, solved by the exponential of its matrix."""
     automaton, t_end = model.automaton(), 10.0
     rest = np.zeros(len(automaton.states))
 
@@ -182,9 +182,9 @@ def _linear(model: Any) -> BenchScene:
 
 BASE_METHOD = "frictionlab, tol 1e-15"
 SINGLE_RUN_ABOVE = 3.0  # s: a run longer than this is timed once
-# s: shorter runs are repeated for so long at each turn, as the first find cold caches
+# s: shorter runs are repeated for so long at each turn, as the first ones find cold caches
 TURN_SECONDS = 0.1
-SHORT_TURNS = 3  # times as many turns for these, as a neighbour on the machine slows down a turn or two
+SHORT_TURNS = 3  # times as many turns for these, as other work on the machine slows down a turn or two
 
 
 def warm_up(automaton: HybridAutomaton, method: Method) -> None:
@@ -198,14 +198,14 @@ def warm_up(automaton: HybridAutomaton, method: Method) -> None:
 
 
 def warm_up_lanes(automaton: HybridAutomaton, method: Taylor) -> None:
-    """The same for the steps of several runs side by side."""
+    """Compile what the steps of several runs side by side need."""
     native = native_code(program_of(automaton)[0])
     for mode in np.flatnonzero(native.code.lanes == 0) if HAS_MACHINE_CODE else ():
         native.compile_step(int(mode))
 
 
 def interleaved_medians(runs: Sequence[Callable[[], Any]], repeats: int) -> list[float]:
-    """Median wall time of each, after one run to warm up; in turns, so that a slow moment affects all."""
+    """Median wall time of each, after one call to warm up; in turns, so that a slow moment affects all."""
     for run in runs:
         run()
     spent = [[_time_call(run) for run in runs] for _ in range(repeats)]
@@ -279,7 +279,7 @@ def _time_run(scene: BenchScene, method: Method) -> tuple[Any, float]:
 
 
 def _time_of_turn(scene: BenchScene, method: Method) -> float:
-    """Median time of the runs that a turn has room for, of every method alike."""
+    """Median time of the runs that fit into a turn, which is equally long for every method."""
     spent: list[float] = []
     while not spent or sum(spent) < TURN_SECONDS:
         spent.append(_time_run(scene, method)[1])
@@ -299,7 +299,7 @@ def _measured_row(
 
 
 def as_json(rows: Sequence[WorkPrecisionRow]) -> list[dict[str, Any]]:
-    """The rows as JSON has them."""
+    """The rows as dictionaries, for JSON."""
     return [asdict(row) for row in rows]
 
 
@@ -316,7 +316,7 @@ OURS = "frictionlab"
 
 
 def ratio_table(rows: Sequence[WorkPrecisionRow]) -> str:
-    """A row for each tool, a column for each scene: its times divided by ours at an error not larger."""
+    """A row for each tool, a column for each scene: its times divided by ours at no larger error."""
     names = list(dict.fromkeys(row.scene for row in rows))
     lines = (" | ".join([family, *(_ratio_cell(rows, name, family) for name in names)]) for family in PEERS)
     return markdown_table(" | ".join(["tool", *names]), lines)

@@ -1,9 +1,9 @@
 """Many runs: side by side in lanes against one after another, Fig. 9's sweep by one worker and by two, and
 basin stability, each run until it is on an attractor, against a regularised model.
 
-Of basins: the bistable oscillator x'' + 0.1 x' + x = -sgn(v_r) (1 + exp(-2 |v_r|))/2 with v_r = x' - v_d
-sticks up to 1; regularised it has tanh(v_r/width) for the sign.  Random initial states in -2 < x < 2,
-0 < x' < 2.
+The basins are those of the bistable oscillator x'' + 0.1 x' + x = -sgn(v_r) (1 + exp(-2 |v_r|))/2 with
+v_r = x' - v_d, whose static friction is at most 1.  The regularised model has tanh(v_r/width) for the sign.
+Initial states are random in -2 < x < 2, 0 < x' < 2.
 """
 
 from __future__ import annotations
@@ -42,12 +42,12 @@ from frictionlab.presentation import markdown_table
 MU_K = np.round(np.arange(1, 61) * 0.05, 10)
 SWEEP_STARTS = ("rest", "near")
 HEYOKA_TOLERANCES = (1e-15, 1e-9)
-FIXED_STEP_STRIDE = 10  # the method of fixed steps runs one value in so many; its time is scaled up
+FIXED_STEP_STRIDE = 10  # fixed steps and heyoka run one value in so many; their times are scaled up
 
 
 @dataclass(frozen=True)
 class EnsembleScene:
-    """A scene, the values of mu_k between which its runs lie, and their length in s."""
+    """A scene: a model, the range of mu_k of its runs, and their length in s."""
 
     name: str
     model: Any
@@ -56,7 +56,7 @@ class EnsembleScene:
 
 
 def _variant_of_b(name: str, *without: str) -> EnsembleScene:
-    # Sliding only, the motion from rest grows without bounds where mu_k is above 1.
+    # With sliding only, the motion from rest grows without bounds where mu_k is above 1.
     return EnsembleScene(name, FULL_GAP_RATE_SLIDER.without(*without), (0.2, 1.0), 20.0)
 
 
@@ -82,7 +82,7 @@ class EnsembleRow:
 def ensemble_times(
     runs: Sequence[int] = (8, 16, 64), repeats: int = 5, share: float = 1.0
 ) -> list[EnsembleRow]:
-    """Values of mu_k, from rest; `share` of each scene's length."""
+    """Times of all scenes, for so many values of mu_k, from rest; runs have `share` of the scene's length."""
     return [
         _ensemble_row(scene, count, share * scene.t_end, repeats)
         for scene in ENSEMBLE_SCENES
@@ -140,7 +140,7 @@ def sweep_times(t_end: float = 300.0, repeats: int = 3) -> list[SweepRow]:
 
 
 def _heyoka_sweep(values: Any, t_end: float, tol: float) -> SweepRow:
-    """One run after another, with equations compiled for each value before."""
+    """The sweep by heyoka, one run after another; equations are compiled for each value beforehand."""
     models = [FULL_GAP_RATE_SLIDER.replace(mu_k=float(mu_k)) for mu_k in values]
     methods = [Heyoka(model.automaton(), tol) for model in models]
     for method in methods:
@@ -171,7 +171,7 @@ def sweep_table(rows: Sequence[SweepRow]) -> str:
 
 
 BELT_SPEED = 1.5
-EQUILIBRIUM_SHARE = 0.30713  # of the initial states that go to the equilibrium, known independently
+EQUILIBRIUM_SHARE = 0.30713  # share of initial states that go to the equilibrium, known independently
 RANGES = {"x": (-2.0, 2.0), "v": (0.0, 2.0)}
 WIDTHS = (1.0, 1e-1, 1e-2)
 T_END = 300.0  # of every run of the smooth model
@@ -181,8 +181,8 @@ RTOL = 1e-6
 
 @dataclass(frozen=True)
 class BasinRow:
-    """A row of the table: method, wall time (s) of the timed runs, their number, the share found, wrong
-    labels."""
+    """A row of the table: method, wall time (s) of the timed runs, their number, the share that came to rest,
+    wrong labels."""
 
     name: str
     seconds: float
@@ -192,7 +192,7 @@ class BasinRow:
 
 
 def oscillator(belt: float) -> HybridAutomaton:
-    """The automaton; a third state follows exp(-2 |v_r|), and is set to 1 where v_r = 0."""
+    """The oscillator's automaton; its third state is exp(-2 |v_r|), which is reset to 1 where v_r = 0."""
     x, v, w, v_d = sp.symbols("x v w v_d")
 
     def slip(name: str, sign: int, targets: tuple[str, ...]) -> Mode:
@@ -208,7 +208,7 @@ def oscillator(belt: float) -> HybridAutomaton:
 
 
 def basin_times(samples: int = 10_000, some: int = 200, widths: Sequence[float] = WIDTHS) -> list[BasinRow]:
-    """The automaton for all samples, the smooth models for the first of them; one worker each."""
+    """Times of our solver for all samples, of others and smooth models for the first `some`; one worker."""
     warm_up(oscillator(BELT_SPEED), Taylor())
     warm_up_lanes(oscillator(BELT_SPEED), Taylor())
     exact()
@@ -258,7 +258,7 @@ def _complete(z: Any) -> list[float]:
 
 
 def _basin_row(name: str, seconds: float, ends: np.ndarray, resting: np.ndarray) -> BasinRow:
-    """A row from the states at the end."""
+    """A row of the table from the final states of its runs."""
     at = (1.0 + np.exp(-2.0 * BELT_SPEED)) / 2.0
     found = np.hypot(ends[:, 0] - at, ends[:, 1]) < REST_DISTANCE
     return BasinRow(name, seconds, len(ends), float(found.mean()), int((found != resting).sum()))

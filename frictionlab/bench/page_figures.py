@@ -1,5 +1,6 @@
-"""Pictures of the pages: run time against error on every scene, and the three of docs/exact-and-fast.md, in
-which the names stand beside the data; and what one of these shows, a landing that a fixed step does not see.
+"""Pictures of the pages: error against run time on every scene, and the three pictures of
+docs/exact-and-fast.md, whose labels stand beside the data; and the data of one of these, a landing that a
+fixed step misses.
 """
 
 from __future__ import annotations
@@ -38,7 +39,7 @@ from frictionlab.presentation import markdown_table
 MISSED_EVENT_MODEL = SliderOnBelt(mu_k=1.4)  # Eq. (13) as printed: short hops after each landing
 T_END = 0.14  # s
 TIMES_NEAR_LANDING = np.linspace(-0.1e-3, 0.78e-3, 2001)  # s after the first landing
-TIMES_OF_ERRORS = np.linspace(-10e-3, 40e-3, 1000)  # start a little after the landing itself
+TIMES_OF_ERRORS = np.linspace(-10e-3, 40e-3, 1000)  # s after it; none is at the landing itself
 TABLE_TIMES = (-1e-3, 1e-3, 30e-3)
 REFERENCE = Taylor(order=34, chatter=1e-9)
 COMPARED_METHODS: tuple[tuple[str, Method], ...] = (
@@ -65,7 +66,7 @@ class MethodResult:
     moments : tuple of float
         The same at TABLE_TIMES.
     landings : int
-        Within TIMES_NEAR_LANDING, the first left out.
+        Landings within TIMES_NEAR_LANDING, without the first.
     """
 
     name: str
@@ -78,7 +79,7 @@ class MethodResult:
 
 @dataclass(frozen=True, eq=False)
 class MissedEvent:
-    """Time of the first landing in s, length of the first hop in s, largest state of the motion, methods."""
+    """Time (s) of the first landing, length (s) of the first hop, largest state of the motion, results."""
 
     landing: float
     hop: float
@@ -103,7 +104,7 @@ def _method_result(name: str, method: Method, exact: Trajectory, landing: float)
 
     landings = run.events.t[run.events.source == "separation"]
     ends, landings = (times - landing for times in (run.raw.step_times[:, 0], landings))
-    # The first landing is there by every method, earlier or later by its own error.
+    # Every method finds the first landing, earlier or later by its own error.
     later = (landings > 1e-6) & (landings < TIMES_NEAR_LANDING[-1])
     ends = ends[(ends > TIMES_NEAR_LANDING[0]) & (ends < TIMES_NEAR_LANDING[-1])]
     return MethodResult(
@@ -117,7 +118,7 @@ def _method_result(name: str, method: Method, exact: Trajectory, landing: float)
 
 
 def missed_event_table(found: MissedEvent) -> str:
-    """The methods as Markdown: the error around the landing."""
+    """The errors of the methods around the landing, as Markdown."""
     times = " | ".join(f"error {1e3 * abs(t):g} ms {'before' if t < 0 else 'after'}" for t in TABLE_TIMES)
     errors = [" | ".join(f"{error:.0e}" for error in course.moments) for course in found.results]
     lines = (f"{c.name} | {error} | {c.landings}" for c, error in zip(found.results, errors, strict=True))
@@ -267,7 +268,7 @@ def _draw_names(ax: Axes, found: MissedEvent) -> None:
 
 
 def draw_nonlinearity_costs(rows: Sequence[NonlinearityCost]) -> RunFigure:
-    """Cost of the eight scenes, the cheapest at the bottom, and how much there is to compute."""
+    """Wall time of the eight scenes, the cheapest at the bottom, and how much there is to compute."""
     picture = RunFigure(figsize=(9.5, 4.8), layout="constrained")
     ax = picture.subplots()
     ordered = sorted(rows, key=lambda row: row.nanoseconds)

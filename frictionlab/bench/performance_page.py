@@ -205,14 +205,14 @@ def load_average() -> str:
 
 
 def folded(title: str, text: str) -> str:
-    """A part of the page that is opened by a click."""
+    """A part of the page that a click unfolds."""
     return f"\n<details>\n<summary>{title}</summary>\n\n{text}\n</details>\n"
 
 
 def write_performance(
     folder: Path, rows: Sequence[WorkPrecisionRow], tables: Sequence[str], loads: Sequence[str]
 ) -> Path:
-    """Write the page and its picture; `tables` come in the order of their heads below."""
+    """Write the page and its picture; `tables` are in the order of their heads below."""
     (folder / PICTURE.parent).mkdir(parents=True, exist_ok=True)
     page_figures.draw_work_precision(rows).savefig(folder / PICTURE, dpi=110)
     ratios, loaded = harness.ratio_table(rows), ", ".join(loads)
@@ -370,7 +370,7 @@ COST_PICTURE, MISSED_PICTURE, SWITCHES_PICTURE = (
 def write_exact_and_fast(
     folder: Path, rows: Sequence[WorkPrecisionRow], switched: Sequence[NonlinearityCost]
 ) -> Path:
-    """Write the page and its pictures, from the rows of scene B and of the switches."""
+    """Write the page and its pictures, from the rows of scene B and the costs of the switches."""
     images = folder / IMAGES
     images.mkdir(parents=True, exist_ok=True)
     found = page_figures.missed_event()

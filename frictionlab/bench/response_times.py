@@ -1,5 +1,5 @@
-"""How explorers and exported pages follow a slider: the response time of an explorer and the share of the
-simulation; size of pages and the times of their pictures, in a Chromium that is installed.
+"""How explorers and exported pages follow a slider: the response time of an explorer, with the share of the
+simulation; the size of pages and the time from picture to picture, in an installed Chromium.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ def latencies(
 ) -> list[SliderStep]:
     """Move sliders step by step, as an arrow key does, and time each step.
 
-    Each slider is moved once before, uncounted, and is back at the model's value when its turn comes.
+    All sliders are first moved through their steps without being timed; each is reset before its turn.
 
     Parameters
     ----------
@@ -79,7 +79,7 @@ def latencies(
 
 
 def _slider_values(slider: Any, count: int) -> list[float]:
-    """Values at the next steps of a slider: up, or down where it would come to its end."""
+    """Values at the next steps of a slider: upwards, or downwards where too few steps are left."""
     positions = slider.positions
     here = min(range(len(positions)), key=lambda i: abs(positions[i] - slider.value))
     up = positions[here + 1 : here + 1 + count]
@@ -115,7 +115,7 @@ def _step_row(steps: Sequence[SliderStep]) -> str:
 
 CHROMIUM = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 SCREEN = {"width": 1280, "height": 900}
-# A model, and the values between which the slider of mu_k goes.
+# A model, and the range in which the slider of mu_k is moved.
 PAGE_SCENES: Mapping[str, tuple[Any, float, float]] = MappingProxyType(
     {
         "slider on a belt, no events": (SliderOnBelt(), 0.2, 0.36),
@@ -123,7 +123,7 @@ PAGE_SCENES: Mapping[str, tuple[Any, float, float]] = MappingProxyType(
         "mass on a belt": (MassOnBelt(), 0.3, 0.6),
     }
 )
-# Every frame has a new value, in leaps; the first frames, in which the browser compiles, are not counted.
+# Every frame has a new value, far from the last; the first frames, while the browser compiles, do not count.
 DRAG = """async ([count, low, high]) => {
   const slider = document.getElementById("slider-mu_k"), frames = [], solved = [], unseen = 20;
   let last = null;

@@ -1,12 +1,13 @@
-"""What a run costs: each nonlinearity, what arises once, and where the time of a run goes.
+"""What a run costs: each nonlinearity, what is done only once, and where the time of a run goes.
 
 The eight scenes with and without nonlinearities: size of the tape and wall time; their first call in a
-fresh process; native code for each mode, compiled and loaded; what a process takes from its start on.
+fresh process; native code for each mode, compiled and loaded; the time of a process from start to end.
 
-`TimeShares` stand next to the floor that the processor sets.  Jets and the states at the ends of steps are
-computed once more, apart, as dense output does; Python's share is the time of a run that is as good as over
-when it begins.  What is left of a scene without events is the choice of step lengths and the record; so much
-a step is taken for them in the others, whose events, guards included, have the rest.
+`TimeShares` are compared with the floor that the processor sets.  Jets, and the states at the ends of steps,
+are timed by computing them once more, separately, as dense output does.  Python's share is the time of a run
+that is over almost as soon as it begins.  In a scene without events the rest is the choice of step lengths
+and the record.  The same time per step is assumed for these in the other scenes, where what then remains is
+due to events, guards included.
 """
 
 from __future__ import annotations
@@ -44,8 +45,8 @@ from frictionlab.presentation import markdown_table
 
 NONLINEARITIES = ("cubic", "nonsmooth", "geometry")
 COMBINATIONS = tuple(tuple(compress(NONLINEARITIES, choice)) for choice in product((0, 1), repeat=3))
-MEASURED = ("C", "A", "B")  # first the one without events
-AT_ONCE_OVER = 1e-9  # s: length of a run that is as good as over when it begins
+MEASURED = ("C", "A", "B")  # the one without events has to come first
+AT_ONCE_OVER = 1e-9  # s: length of a run that is over almost as soon as it begins
 MATRIX_SIZE = 400
 MATRIX_PRODUCTS = 20
 
@@ -62,7 +63,7 @@ print(imported - begin, time.perf_counter() - imported)
 
 @dataclass(frozen=True)
 class NonlinearityCost:
-    """One of the eight scenes: the nonlinearities left out, and its costs; operations summed over modes."""
+    """One of the eight scenes: the nonlinearities left out, its costs; operations are summed over modes."""
 
     without: tuple[str, ...]
     states: int
@@ -104,7 +105,7 @@ def nonlinearity_table(rows: Sequence[NonlinearityCost], first: Sequence[float],
 
 @dataclass(frozen=True)
 class StartTimes:
-    """Fresh processes, warm caches: `import frictionlab`, then each scene's first simulated second, in s."""
+    """Times (s) in fresh processes with warm caches: the import, and each scene's first simulated second."""
 
     imported: float
     first: tuple[float, ...]
@@ -112,7 +113,7 @@ class StartTimes:
 
 @dataclass(frozen=True)
 class NativeCodeTime:
-    """A mode's machine code: compiling it, and loading it from the cache in a later process, in s."""
+    """A mode's native code: times (s) of compiling it, and of loading it from the cache later."""
 
     mode: str
     operations: int
@@ -121,7 +122,7 @@ class NativeCodeTime:
 
 
 def starts(repeats: int = 3) -> StartTimes:
-    """The eight scenes of the switches, each in processes of its own; medians."""
+    """Start times of the eight scenes, each in processes of its own; medians."""
     for without in COMBINATIONS:
         _time_fresh_process(without)  # warms the caches
     spent = [[_time_fresh_process(without) for without in COMBINATIONS] for _ in range(repeats)]
@@ -139,7 +140,7 @@ def _time_fresh_process(without: tuple[str, ...]) -> tuple[float, float]:
 
 
 def native_code_times(repeats: int = 3) -> list[NativeCodeTime]:
-    """Every mode of scene B, compiled into an empty cache and loaded from it; none without numba."""
+    """Times to compile every mode of scene B into an empty cache and to load it; empty without numba."""
     if not compilation.HAS_MACHINE_CODE:
         return []
     program = program_of(FULL_GAP_RATE_SLIDER.automaton())[0]
@@ -157,7 +158,7 @@ def _time_native_code(program: Program, mode: int) -> tuple[float, float]:
         begin = time.perf_counter()
         jets.compile(mode)
         done = time.perf_counter()
-        NativeCode(program)  # finds the mode that is there
+        NativeCode(program)  # loads the mode from the cache
         return done - begin, time.perf_counter() - done
 
 
@@ -201,7 +202,7 @@ FigureCanvasAgg(figure)
 figure.subplots(2, 2)
 figure.savefig("picture.png")
 """
-# Statements of a process, those of its floor, and what these are.
+# Statements of a process, those of its floor, and what the floor consists of.
 STARTS: Mapping[str, tuple[str, str, str]] = MappingProxyType(
     {
         "`import frictionlab`": ("import frictionlab", "", "Python"),
@@ -218,7 +219,7 @@ STARTS: Mapping[str, tuple[str, str, str]] = MappingProxyType(
 
 @dataclass(frozen=True)
 class Start:
-    """From the start of a process to its end, in s: with an empty cache folder, later, and at the least."""
+    """Times (s) from the start of a process to its end: with an empty cache folder, later, and its floor."""
 
     name: str
     first: float
@@ -230,7 +231,7 @@ class Start:
 def start_times(repeats: int = 5) -> list[Start]:
     """Each of `STARTS`; medians of interleaved processes."""
     spent = [[_time_starts(code, floor) for code, floor, _ in STARTS.values()] for _ in range(repeats + 1)]
-    del spent[0]  # a turn that has left byte code, as an installation does
+    del spent[0]  # the first turn leaves byte code behind, as an installation does
     found = []
     for (name, (*_, floor_name)), turns in zip(STARTS.items(), zip(*spent, strict=True), strict=True):
         first, later, floor = map(median, zip(*turns, strict=True))
@@ -239,7 +240,7 @@ def start_times(repeats: int = 5) -> list[Start]:
 
 
 def _time_starts(code: str, floor: str) -> tuple[float, float, float]:
-    """Three processes: with an empty cache folder, with what that has left, and the floor."""
+    """Times of three processes: with an empty cache folder, with what that one left in it, and the floor."""
     with tempfile.TemporaryDirectory() as folder:
         first, later, least = (_time_process(each, folder) for each in (code, code, floor))
         return first, later, least
@@ -263,7 +264,7 @@ def start_table(rows: Sequence[Start]) -> str:
 
 @dataclass(frozen=True)
 class TimeShares:
-    """Seconds of one run, and those in which the processor could do the operations of its jets."""
+    """Times (s) in one run; `floor` is that in which the processor could do the operations of its jets."""
 
     scene: str
     steps: int
@@ -276,12 +277,12 @@ class TimeShares:
 
     @property
     def left(self) -> float:
-        """What is neither of these: step lengths, records, guards, events."""
+        """The rest: step lengths, records, guards, events."""
         return self.total - self.python - self.jets - self.ends
 
 
 def time_shares(names: Sequence[str] = MEASURED, repeats: int = 25) -> list[TimeShares]:
-    """The shares of some scenes."""
+    """Where the time of a run goes, for some scenes."""
     return [_shares(scenes()[name], repeats) for name in names]
 
 
@@ -300,7 +301,7 @@ def _shares(scene: BenchScene, repeats: int) -> TimeShares:
 
 
 def _sampling(run: Trajectory, order: int, count: int) -> Callable[[], None]:
-    """The states at `count` instants of every step."""
+    """A call that computes the states at `count` instants of every step."""
     raw, program = run.raw, run.problem.program
     steps = np.repeat(np.arange(len(raw.step_modes)), count)
     times, out = raw.step_times[steps].sum(axis=1), np.empty((len(steps), raw.state.size))
@@ -338,7 +339,7 @@ def operations_of_tape(tape: Tape, order: int) -> int:
 
 @cache
 def operations_a_second() -> float:
-    """Multiplications and additions that one core does in a product of matrices."""
+    """Multiplications and additions that one core does in a second, in products of matrices."""
     factor = np.random.default_rng(0).normal(size=(MATRIX_SIZE, MATRIX_SIZE))
     rates = []
     for _ in range(MATRIX_PRODUCTS):

@@ -1,9 +1,9 @@
-"""What stability and exact derivatives cost: many eigenvalue problems against a loop; processor time of
-`fl.sensitivity`, by all parameters, beside that of the quantity alone; Floquet multipliers by the tangent
+"""What stability and exact derivatives cost: many eigenvalue problems at once against a loop; processor time
+of `fl.sensitivity`, by all parameters, against that of the quantity alone; Floquet multipliers by the tangent
 tape against finite differences.
 
 `python -m frictionlab.bench.stability_costs` prints the table of docs/how-to/sensitivity.md.  Quantities of
-orbits are those near an orbit that is known, without the search for it, which both would share.
+orbits start from a known orbit; the search for it, which both sides would share, is not timed.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ from frictionlab.stability import eigenvalues, root_locus, stability_changes
 LOOP_STRIDE = 20  # the loop solves one problem in so many and is scaled up
 EIGENPROBLEM_MODEL = SliderOnBelt()
 DIFFERENCE_STEPS = (1e-4, 1e-6, 1e-8)
-LEAST_TIME = 0.02  # s: what takes less is done several times
+LEAST_TIME = 0.02  # s: what takes less is repeated within a measurement
 RANGE = (0.0, 4.0)  # of mu_k, in which stability is lost
 FOLDED = SliderOnBelt(mu_k=1.5, F=3000.0, k4=2e4, k5=2e3, k6=2e3, l1=0.05, l2=0.05)
 CYCLES = (
@@ -61,7 +61,7 @@ class EigenproblemRow:
 
 
 def eigenproblem_times(count: int = 10_000, repeats: int = 3) -> list[EigenproblemRow]:
-    """Equilibrium and eigenvalues for `count` values of mu_k: tracked all at once, and in a loop."""
+    """Equilibrium and eigenvalues for `count` values of mu_k: all at once, with modes tracked; in a loop."""
     values = np.linspace(0.0, 3.0, count)
     some = values[::LOOP_STRIDE]
     at_once, loop, changes = interleaved_medians(
@@ -104,7 +104,7 @@ def eigenproblem_table(rows: list[EigenproblemRow]) -> str:
 
 @dataclass(frozen=True)
 class SensitivityCost:
-    """A quantity of a model: processor times (s) of the number alone, and with all derivatives."""
+    """Processor times (s) of a quantity of a model: the number alone, and with all derivatives."""
 
     model: str
     quantity: str
@@ -114,12 +114,12 @@ class SensitivityCost:
 
     @property
     def extra(self) -> float:
-        """By how many evaluations of the number the derivatives lengthen it."""
+        """Cost of the derivatives, in evaluations of the number alone."""
         return self.with_derivatives / self.alone - 1.0
 
 
 def sensitivity_costs(repeats: int = 9) -> list[SensitivityCost]:
-    """Every quantity of three models or more; medians of interleaved turns."""
+    """Costs of quantities of stability, equilibria, a fold and orbits; medians of interleaved turns."""
     return [_cost_of(model, quantity, repeats) for model, quantity in _cases()]
 
 
@@ -135,7 +135,7 @@ def _cases() -> Iterator[tuple[Any, Quantity]]:
         orbit = _orbit_of(model)
         yield model, OrbitPeriod(near=orbit)
         yield model, OrbitAmplitude(name, near=orbit)
-        if not isinstance(model, ImpactOscillator):  # it has no equilibrium to measure L_s from
+        if not isinstance(model, ImpactOscillator):  # which has no equilibrium, from which L_s is measured
             yield model, OrbitIntensity(near=orbit)
 
 
@@ -151,7 +151,7 @@ def _cost_of(model: Any, quantity: Quantity, repeats: int) -> SensitivityCost:
         return sensitivity(model, quantity)
 
     alone()
-    count = len(derivatives().parameters)  # equations are derived here, once for a structure
+    count = len(derivatives().parameters)  # this call derives the equations, once for a structure
     times = max(1, int(LEAST_TIME / max(_processor_time(alone, 1), 1e-6)))
     turns = [[_processor_time(way, times) for way in (alone, derivatives)] for _ in range(repeats)]
     first, second = (median(column) for column in zip(*turns, strict=True))
@@ -178,8 +178,8 @@ def sensitivity_table(rows: Sequence[SensitivityCost]) -> str:
 
 @dataclass(frozen=True)
 class MultiplierRow:
-    """A row of the table: method, wall time (s), runs over a period, errors of the multipliers 1 and 0, and
-    of the largest other."""
+    """A row of the table: method, wall time (s), runs over a period; error of the known multipliers, 1 and 0,
+    and of the largest other."""
 
     scene: str
     name: str
@@ -216,12 +216,12 @@ def _scene_rows(name: str, repeats: int) -> list[MultiplierRow]:
 
 
 def monodromy_by_tape(orbit: PeriodicOrbit) -> np.ndarray:
-    """Monodromy matrix of one run and its tangent flow."""
+    """Monodromy matrix by the tangent flow of one run."""
     return tangent_flow(_run_period(orbit, orbit.state), progress=False).matrix
 
 
 def monodromy_by_differences(orbit: PeriodicOrbit, step: float) -> np.ndarray:
-    """Monodromy matrix of two runs for each state."""
+    """Monodromy matrix by central differences, from two runs for each state."""
     size = np.ptp(orbit.trajectory.states, axis=0)
     ends = [
         (_state_after_period(orbit, off), _state_after_period(orbit, -off)) for off in step * np.diag(size)
@@ -231,7 +231,7 @@ def monodromy_by_differences(orbit: PeriodicOrbit, step: float) -> np.ndarray:
 
 
 def monodromy_extrapolated(orbit: PeriodicOrbit) -> np.ndarray:
-    """Monodromy matrix from differences of two steps, extrapolated: the reference for errors."""
+    """Monodromy matrix extrapolated from differences with two steps: the reference for errors."""
     return (4.0 * monodromy_by_differences(orbit, 1e-5) - monodromy_by_differences(orbit, 2e-5)) / 3.0
 
 

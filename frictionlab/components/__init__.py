@@ -1,9 +1,9 @@
 """Components: one small class for each law, in arithmetic that floats and sympy symbols share.
 
 `component` is the base of all, a frozen dataclass whose fields are parameters with unit, symbol and range.
-`contact`, `friction` and `impact` hold the laws; the regimes of contact (`Interface`), the coordinates and
-the directions of the contact forces (`Geometry`) are beside the contact laws.  `functions` are exp, tanh and
-the like for laws.  Nothing here imports sympy; numpy is imported in functions only.
+`contact`, `friction` and `impact` hold the laws.  `contact` also has the regimes of contact (`Interface`),
+and the coordinates and directions of the contact forces (`Geometry`).  `functions` has exp, tanh and the like
+for laws.  Nothing here imports sympy; numpy is imported only inside functions.
 """
 
 from __future__ import annotations

@@ -143,7 +143,7 @@ def _parameter_of_field(field: dataclasses.Field[Any]) -> Parameter | None:
 
 
 def is_decorated(component: type) -> bool:
-    """Whether a class that adds fields is decorated; without it they would silently not be parameters."""
+    """Whether a class that adds fields is a dataclass: else these would silently not be parameters."""
     return not get_annotations(component) or "__dataclass_fields__" in component.__dict__
 
 
@@ -207,7 +207,7 @@ class Component:
     """
 
     def __new__(cls, *values: Any, **named: Any) -> Self:
-        """Refuse an unknown name with the one that was meant; Python's own error does not know that."""
+        """Refuse an unknown argument and suggest the name that was meant; Python's own error does not."""
         known = _names_of_arguments(cls)
         for name in named:
             if known and name not in known:
@@ -222,7 +222,7 @@ class Component:
         self.check()
 
     def check(self) -> None:
-        """Raise ValueError where values contradict each other; a subclass may say how."""
+        """Raise ValueError where values contradict each other; subclasses may override it."""
 
     def reduced(self) -> Component:
         """A simpler law that this one equals at its values (a restitution of 0 is a plastic impact); else the
@@ -236,7 +236,7 @@ class Component:
 
 @cache
 def _names_of_arguments(component: type) -> tuple[str, ...]:
-    """What a component is made of by name; none where it takes any name and checks it, as models do."""
+    """Names of the constructor's arguments; none where it takes any keyword and checks it, as for models."""
     arguments = signature(component.__init__).parameters.values()
     if any(one.kind is Argument.VAR_KEYWORD for one in arguments):
         return ()
@@ -244,7 +244,7 @@ def _names_of_arguments(component: type) -> tuple[str, ...]:
 
 
 def _check_structure(owner: str, name: str, value: Any) -> None:
-    """Raise TypeError for a list, a mapping or an array: equations are derived once for every value."""
+    """Raise TypeError for a list, a mapping or an array: equations are derived once for each value."""
     try:
         hash(value)
     except TypeError:
@@ -255,7 +255,7 @@ def _check_structure(owner: str, name: str, value: Any) -> None:
 
 
 def value_repr(value: Any) -> str:
-    """An expression that makes the value of a field again: of an enum Kind.NAME."""
+    """The value of a field as a Python expression; an enum member as Kind.NAME."""
     if isinstance(value, tuple):
         return f"({', '.join(map(value_repr, value))}{',' * (len(value) == 1)})"
     return f"{type(value).__name__}.{value.name}" if isinstance(value, Enum) else repr(value)

@@ -1,6 +1,8 @@
-"""Contact: the laws of the normal force as a function of the penetration (linear, cubic, Hertz, polynomial);
-interfaces, which say as data, a tuple of mode names, which regimes of contact a model has; and geometries:
-the coordinates, the penetration of slider and belt, and where the contact forces act.
+"""Contact laws, interfaces and geometries.
+
+A contact law gives the normal force as a function of the penetration (linear, cubic, Hertz, polynomial).  An
+interface says which regimes of contact a model has, as a tuple of mode names.  A geometry gives the
+coordinates, the penetration of slider and belt, and where the contact forces act.
 """
 
 from __future__ import annotations
@@ -14,7 +16,7 @@ from frictionlab.validation import check_choice
 
 @dataclass(frozen=True, repr=False)
 class Interface(Component):
-    """Base of the interfaces: `modes` in the order in which they are tried where no event says otherwise."""
+    """Base of the interfaces: `modes` are tried in this order, after those that an event names first."""
 
     modes: ClassVar[tuple[str, ...]]
 
@@ -208,21 +210,22 @@ class MovingLoad(Geometry):
     """The slider travels along a belt that may tilt by phi: the geometrical nonlinearity of Eqs. (1), (2).
 
     The penetration is y2 - (x1 - x2) phi - y1, and W_N = (0, 1, 0, -1, x1 - x2).  As in the paper the normal
-    force acts vertically, so W_N is not the gradient of the gap, and the contact does work of its own
-    at the rate -F_N phi (x1' - x2'), see `fl.energy_audit`.  Normal to the tilted belt it has the components
-    F_N phi and -F_N phi along x1 and x2 as well: W_N = (phi, 1, -phi, -1, x1 - x2) is that gradient.
+    force acts vertically.  So W_N is not the gradient of the gap, and the contact does work beyond that of
+    its spring, at the rate -F_N phi (x1' - x2'), see `fl.energy_audit`.  With ``direction="normal"`` the
+    force acts normal to the tilted belt: it also has the components F_N phi and -F_N phi along x1 and x2, and
+    W_N = (phi, 1, -phi, -1, x1 - x2) is the gradient of the gap.
 
     Parameters
     ----------
     direction : {"vertical", "normal"}
-        Of the normal force: vertical as in the paper's Eq. (1), or normal to the belt.
+        Direction of the normal force: vertical as in the paper's Eq. (1), or normal to the belt.
     """
 
     coordinates: ClassVar[tuple[str, ...]] = ("x1", "y1", "x2", "y2", "phi")
     direction: str = "vertical"
 
     def check(self) -> None:
-        """The direction is one of two."""
+        """Refuse any other `direction`."""
         check_choice("direction", self.direction, DIRECTIONS, "'vertical' is that of Eq. (1)")
 
     def penetration(self, x1: Any, y1: Any, x2: Any, y2: Any, phi: Any) -> Any:
@@ -237,7 +240,7 @@ class MovingLoad(Geometry):
 
 @dataclass(frozen=True, repr=False)
 class FixedLoad(Geometry):
-    """The belt does not rotate: Eqs. (1), (2) with phi = 0 and without its equation.
+    """The belt does not rotate: Eqs. (1), (2) with phi = 0 and without the equation of phi.
 
     The penetration is y2 - y1, and W_N = (0, 1, 0, -1).
     """

@@ -1,5 +1,6 @@
-"""Friction laws: the friction force while sliding, and its limit while sticking; Coulomb, and laws that
-depend on speed or pressure.
+"""Friction laws: the friction force while sliding, and its limit while sticking.
+
+They are Coulomb's law, and laws that depend on speed or pressure.
 """
 
 from __future__ import annotations
@@ -52,7 +53,7 @@ class Coulomb(FrictionLaw):
     )
 
     def check(self) -> None:
-        """Static friction is never below kinetic friction."""
+        """Refuse static friction below kinetic friction."""
         if self.mu_s < self.mu_k:
             raise ValueError(
                 f"mu_s must be at least mu_k ({self.mu_k}), got {self.mu_s}: raise mu_s or lower mu_k"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from typing import Any
 
-NAMES_IN_NUMPY = {"atan": "arctan", "asinh": "arcsinh"}  # where they differ from sympy's
+NAMES_IN_NUMPY = {"atan": "arctan", "asinh": "arcsinh"}  # of those that sympy calls otherwise
 
 
 def _evaluate(name: str, x: Any) -> Any:

@@ -1,4 +1,4 @@
-"""Impact laws: the impulse of a re-contact; plastic, with restitution, and with friction in the impact."""
+"""Impact laws, which give the impulse of a re-contact: plastic, with restitution, and with friction."""
 
 from __future__ import annotations
 
@@ -39,7 +39,8 @@ class ImpactLaw(Component):
         impulse : float
             Normal impulse of the re-contact, N s.
         stopping_impulse : float
-            Tangential impulse that would bring the relative velocity to zero, N s; it has that one's sign.
+            Tangential impulse that would bring the relative velocity to zero, N s; it has the sign of that
+            velocity.
         """
         return 0
 
@@ -58,7 +59,7 @@ class PlasticImpact(ImpactLaw):
     penetration_rate: str = "material"
 
     def check(self) -> None:
-        """`penetration_rate` must be one of two."""
+        """Refuse any other `penetration_rate`."""
         check_choice(
             "penetration_rate", self.penetration_rate, PENETRATION_RATES, "'material' is that of Eq. (13)"
         )
@@ -84,7 +85,7 @@ class RestitutionImpact(ImpactLaw):
     )
 
     def reduced(self) -> ImpactLaw:
-        """At e = 0 the gap rate after the impact is zero by construction, not by rounding."""
+        """A plastic impact at e = 0: the gap rate after it is zero by construction, not to rounding."""
         return PlasticImpact("full") if self.e == 0 else self
 
     def impulse(self, material_rate: Any, penetration_rate: Any, compliance: Any) -> Any:
@@ -103,7 +104,7 @@ def _impact_friction_coefficient() -> Any:
 
 
 def clip_to_cone(stopping_impulse: Any, limit: Any) -> Any:
-    """The stopping impulse, cut to the friction cone where it exceeds the limit."""
+    """The stopping impulse, reduced to the friction cone's limit where it exceeds that."""
     return (abs(stopping_impulse + limit) - abs(stopping_impulse - limit)) / 2
 
 
@@ -111,9 +112,9 @@ def clip_to_cone(stopping_impulse: Any, limit: Any) -> Any:
 class FrictionalImpact(RestitutionImpact):
     """Newton's impact law with Coulomb's friction between the impulses: |p_T| <= mu_i p_N.
 
-    The tangential impulse stops the sliding where the cone allows it, and opposes it otherwise.  The normal
-    impulse is that for the velocities after the tangential one; the cone is that of the impulse without
-    it, which differs only by a share of the belt's angle, by which the two are coupled.
+    The tangential impulse stops the sliding where the friction cone allows it, and opposes it otherwise.  The
+    normal impulse is computed from the velocities after the tangential one.  The p_N of the cone is computed
+    from those before it; the two differ only in proportion to the belt's angle, which couples the impulses.
 
     Parameters
     ----------
@@ -130,13 +131,13 @@ class FrictionalImpact(RestitutionImpact):
     mu_i: float = _impact_friction_coefficient()
 
     def reduced(self) -> ImpactLaw:
-        """Without friction RestitutionImpact; at e = 0 the gap rate afterwards is zero by construction."""
+        """RestitutionImpact without friction; at e = 0 the gap rate afterwards is zero by construction."""
         if self.mu_i == 0:
             return super().reduced()
         return _PlasticFrictionalImpact(mu_i=self.mu_i) if self.e == 0 else self
 
     def friction(self, impulse: Any, stopping_impulse: Any) -> Any:
-        """Tangential impulse (N s): the stopping one, of mu_i times the normal impulse at most."""
+        """Tangential impulse (N s): the stopping one, but at most mu_i times the normal impulse."""
         return clip_to_cone(stopping_impulse, self.mu_i * impulse)
 
 

@@ -1,15 +1,18 @@
 """The solver: it runs any hybrid automaton and knows nothing of friction.
 
-Data pass in this order, and each part imports only from those before it:
+Data pass in this order, and each part imports only from those before it; only the build step in
+``ahead_of_time``, which compiles kernels of all parts, imports from those after it:
 
+``ahead_of_time``
+    Kernels compiled once for each kind of machine: their build, their objects, and how they are loaded.
 ``compilation``
-    The decorators of all kernels: compiled by numba where it is installed, plain Python where not.
+    The decorators of all kernels: compiled ahead of time, else by numba, else plain Python.
 ``llvm_instructions``
     Arithmetic, loops and branches in LLVM, for the intrinsics of the kernels and for ``codegen``.
 ``elementary``
     exp, log, sin, powers and the like, with the same bits on every machine.
 ``expression_functions``
-    Expressions of sympy as functions of numbers or arrays, as Python that sympy writes.
+    Sympy expressions as Python functions of numbers or arrays, whose code sympy writes.
 ``tape``
     Expressions become a tape, a list of operations on numbered slots; an automaton becomes a `Program`, the
     arrays of all its tapes, guards, resets and sections, and `Numbers`, the values of its parameters.
@@ -25,8 +28,8 @@ Data pass in this order, and each part imports only from those before it:
 ``methods``
     `Taylor`, `RK4`, `Scipy`: classes that fill records of steps and events.
 ``trajectory``, ``run_file``, ``accuracy``
-    `Trajectory`, the result of a run with samples, events, dense output; runs on disk, and whether the arrays
-    of a file can be those of a run; the defect of its steps and the violation of its modes' conditions.
+    `Trajectory`, the result of a run with samples, events, dense output; the file of a run, and the check of
+    arrays read from it; the defect of its steps and the violation of its modes' conditions.
 ``ensemble``
     Many runs of one structure side by side.
 ``variational``

@@ -1,10 +1,11 @@
 """How exact a run is: the defect of its steps, and how far samples violate the conditions of their modes.
 
-Between two stored states a run is a polynomial in time, its dense output.  Put into the equations it leaves a
-residual x' - f(x), and where another method than the series chose the next state, a jump at its end.  Either,
-over a step and as a share of the motion's size, is what the step adds to the error: it compares with the
-tolerance. Whether event functions are positive and constraints zero at the samples is checked by their values
-alone, independently of how events are located.
+Between two stored states a run is a polynomial in time, its dense output.  Put into the equations, it leaves
+a residual x' - f(x).  Where a method other than the series computed the next state, there is also a jump from
+the end of the polynomial to that state.  The residual times the length of the step, or the jump if it is
+larger, as a share of the motion's size, is what the step adds to the error: this defect compares with the
+tolerance.  Whether event functions are positive and constraints zero at the samples is checked by their
+values alone, independently of how events are located.
 """
 
 from __future__ import annotations
@@ -33,10 +34,10 @@ from frictionlab.hybrid.problem import Problem, RunData
 from frictionlab.hybrid.tape.program import system_of
 from frictionlab.presentation import FrozenMapping
 
-CHECK_POINTS = 8  # in a step, the zeros of a Chebyshev polynomial: dense towards its ends
-# Share of the terms of a sum that may be rounding, which is no defect.
+CHECK_POINTS = 8  # points in a step, zeros of a Chebyshev polynomial: dense towards its ends
+# Errors up to this share of a sum's absolute terms may be rounding, and do not count as a defect.
 RESIDUAL_ROUNDING = 8 * MACHINE_EPSILON
-UNKNOWN_END = np.nan  # end of a step too short for the clock, so that its event is not told from earlier ones
+UNKNOWN_END = np.nan  # end of a step without advance of time: its event cannot be told from an earlier one
 
 
 class StoredSteps(NamedTuple):
@@ -112,7 +113,7 @@ def measure_defects(system, order, steps, chosen, worst, scratch):
 
 @kernel
 def begin_step(system, order, mode, h, state, scratch):
-    """The series of a step, no errors yet, and the sizes at its start."""
+    """Compute the series of a step, set the errors to zero, and the sizes to those at its start."""
     step_series(system.code, system.numbers, mode, order, h, state, scratch.jets)
     for i in range(state.shape[0]):
         scratch.errors[i], scratch.sizes[i] = 0.0, abs(state[i])
@@ -129,7 +130,7 @@ def polynomial_magnitude(c, n, s):
 
 @inlined
 def slope_magnitude(c, n, s):
-    """Sum of the absolute terms of its derivative."""
+    """Sum of the absolute terms of a polynomial's derivative at s > 0."""
     total = n * abs(c[n])
     for k in range(n - 1, 0, -1):
         total = total * s + k * abs(c[k])
@@ -138,7 +139,7 @@ def slope_magnitude(c, n, s):
 
 @inlined
 def larger_or_infinite(error, worst):
-    """The larger of the two; infinite where the error is no number."""
+    """The larger of the two; infinite where the error is NaN."""
     if error <= worst:
         return worst
     return error if error == error else math.inf
@@ -146,7 +147,7 @@ def larger_or_infinite(error, worst):
 
 @kernel
 def states_and_sums(order, s, scratch):
-    """The states at time `s` of a step, and what their rounding errors are relative to."""
+    """Compute the states at time `s` of a step and the sums of their absolute terms; update the sizes."""
     states_at(scratch.jets, order, s, scratch.z)
     for i in range(scratch.z.shape[0]):
         scratch.sums[i] = polynomial_magnitude(scratch.jets[i], order, s)
@@ -191,26 +192,26 @@ def relative_defect(code, scratch):
 
 
 def condition_violation(problem: Problem, raw: RunData, states: np.ndarray, modes: np.ndarray) -> float:
-    """Most that samples of a run violate a condition of their modes, as a share of the condition's size.
+    """Largest violation, at samples of a run, of a condition of their modes, as a share of its size.
 
     Event functions must not be negative, constraints must be zero.  The size of a condition is the largest
-    sum of its absolute terms along the run, in whatever mode: where a flight begins the gap is all rounding,
-    and a flight may be as short as one likes.
+    sum of its absolute terms along the whole run, in all modes.  A flight's own samples would not do: where
+    it begins the gap is all rounding, and a flight can be arbitrarily short.
 
     Parameters
     ----------
     problem, raw : Problem, RunData
-        Of the run.
+        The problem and the data of the run.
     states : array (N, states)
-        Samples of it.
+        Samples of the run.
     modes : int array (N,)
-        The mode of each.
+        The mode of each sample.
     """
     worst = 0.0
     for mode in np.unique(modes):
         inside = states[modes == mode]
         amounts, terms = _condition_values(problem, mode, np.vstack([inside, raw.step_states]))
-        sizes = np.where(np.isfinite(terms), terms, 0.0).max(axis=0)  # elsewhere it may be none, as sqrt(gap)
+        sizes = np.where(np.isfinite(terms), terms, 0.0).max(axis=0)  # in other modes NaN, as sqrt(gap)
         shares = amounts[: len(inside), sizes > 0] / sizes[sizes > 0]
         worst = max(worst, shares.max(initial=0.0))
     return float(worst)

@@ -2,9 +2,9 @@
 
 Where there is an object that was compiled from these very sources for this processor and system
 (:mod:`frictionlab.hybrid.ahead_of_time`), its functions take the place of the kernels that Python calls, and
-numba is not imported.  Otherwise numba compiles; what it made is kept in a folder of the user, named by a
-digest of the versions and of all sources that kernels depend on, because a kernel's code holds that of
-functions *called* by it, in other files.
+numba is not imported.  Otherwise numba compiles, and the results are kept in a folder of the user.  Its name
+is a digest of the versions and of all sources that kernels depend on, because a kernel's code includes that
+of functions *called* by it, from other files.
 """
 
 from __future__ import annotations
@@ -27,8 +27,8 @@ from frictionlab.hybrid.ahead_of_time.loaded_kernels import LoadedKernels, load_
 from frictionlab.hybrid.ahead_of_time.manifest import kernel_sources
 
 LOGGER = logging.getLogger(__name__)
-DISABLE_VARIABLE = "FRICTIONLAB_DISABLE_NUMBA"  # kernels are plain Python, whatever there is
-COMPILE_VARIABLE = "FRICTIONLAB_COMPILE_KERNELS"  # numba compiles, although there may be an object
+DISABLE_VARIABLE = "FRICTIONLAB_DISABLE_NUMBA"  # kernels are plain Python, whatever is installed
+COMPILE_VARIABLE = "FRICTIONLAB_COMPILE_KERNELS"  # numba compiles, even where an object exists
 
 
 def _is_set(variable: str) -> bool:
@@ -42,7 +42,7 @@ def _numba() -> Any:
         if error.name not in ("numba", "llvmlite"):
             _warn_of_numba(error)
         return None
-    except Exception as error:  # its library cannot be loaded, or it does not fit to numpy
+    except Exception as error:  # its library cannot be loaded, or its version does not fit numpy's
         _warn_of_numba(error)
         return None
     return None if numba.config.DISABLE_JIT else numba
@@ -79,7 +79,7 @@ def _machine_code() -> tuple[LoadedKernels | None, Any]:
         numba = _numba()
     for warning in caught:
         warnings.warn(warning.message, stacklevel=2)
-    # Nobody is told who has switched numba's compilation off, nor where there is no numba to install.
+    # No warning where numba's compilation has been switched off, nor in a browser, which has no numba.
     if "numba" not in sys.modules and not caught and reason and sys.platform != "emscripten":
         _warn_of_plain_python(reason)
     return None, numba
@@ -99,7 +99,8 @@ def cache_folder(numba: Any) -> str:
 class KernelCache:
     """The cache of one kernel, in place of numba's: a file for each of its signatures and processors.
 
-    Numba's own finds the file of a signature by a second one, checks neither, and raises when one is damaged.
+    Numba's own cache finds the file of a signature by an index file, checks neither, and raises an error when
+    one is damaged.
     """
 
     def __init__(self, function: Callable, folder: str) -> None:
@@ -108,7 +109,7 @@ class KernelCache:
 
     def load_overload(self, signature: Any, context: Any) -> Any:
         """A compilation's result if an earlier process has kept it, else None."""
-        context.refresh()  # the types that the result is made of
+        context.refresh()  # registers the types that the result is made of
         path = self._path(signature, context)
         content = None if path is None else read(path)
         if content is None:
@@ -119,7 +120,7 @@ class KernelCache:
 
         try:
             return CompileResult._rebuild(context, *pickle.loads(content))
-        except Exception:  # of another numba, whose version is the same
+        except Exception:  # written by another build of the same version of numba
             return None
 
     def save_overload(self, signature: Any, result: Any) -> None:
@@ -131,7 +132,7 @@ class KernelCache:
             write(path, dumps(result._reduce()))
 
     def flush(self) -> None:
-        """Forget nothing: results of other sources have other names."""
+        """Delete nothing: results from other sources have other names."""
 
     def _path(self, signature: Any, context: Any) -> Path | None:
         function = self._function
@@ -145,7 +146,7 @@ class KernelCache:
 
 
 def has_kernel(folder: str, name: str) -> bool:
-    """Whether something is kept of a kernel of this name."""
+    """Whether the folder holds compiled code of a kernel of this name."""
     return any(Path(folder).glob(f"{name}-*.kernel"))
 
 
@@ -159,7 +160,7 @@ def _source_digest(file: str, loader: Any) -> str:
 
 LOADED, NUMBA = _machine_code()
 HAS_MACHINE_CODE = LOADED is not None or NUMBA is not None
-if LOADED is not None:  # the code of modes, compiled on this machine
+if LOADED is not None:  # for the native code of modes, which is compiled on this machine
     CACHE_FOLDER = digest_folder(LOADED.digest[:DIGEST_LENGTH])
 else:
     CACHE_FOLDER = cache_folder(NUMBA) if NUMBA else ""
@@ -176,8 +177,8 @@ def needs_compilation(function: Any) -> bool:
 
 
 def kernel(function: Callable) -> Callable:
-    """What was compiled ahead of time of a function; otherwise compile it on its first call, once per
-    machine; without numba return it as it is."""
+    """The function as compiled ahead of time; else numba compiles it on its first call, once per machine;
+    without numba the function itself."""
     return _compile(function, {})
 
 
@@ -187,11 +188,11 @@ def inlined(function: Callable) -> Callable:
 
 
 def c_address(name: str, function: Callable, signature: str) -> int:
-    """Address of a function as C code calls it, by its name where it has been compiled ahead of time."""
+    """Address at which C code calls a function; ahead of time it was compiled under this `name`."""
     return _c_function(function, signature).address if LOADED is None else LOADED.address(name)
 
 
-@cache  # keeps the function, whose code lives as long as it does
+@cache  # keeps the compiled function alive: its code is freed with it
 def _c_function(function: Callable, signature: str) -> Any:
     from numba.core.ccallback import CFunc
     from numba.core.sigutils import normalize_signature

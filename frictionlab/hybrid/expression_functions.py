@@ -1,9 +1,9 @@
-"""Expressions of sympy as functions of numbers or arrays, as Python that sympy writes.
+"""Sympy expressions as Python functions of numbers or arrays, whose code sympy writes.
 
-Numbers in tapes are functions of the parameters with this package's elementary functions, whose bits are the
-same everywhere (`function_of_parameters`).  Outputs, statics and Jacobians are functions of arrays, by numpy
-(`numpy_function`), and for outputs along a run with powers that are those of the tape (`array_function`): a
-base that is below zero by rounding counts as zero.
+The numbers in tapes are functions of the parameters.  They call this package's elementary functions, whose
+bits are the same everywhere (`function_of_parameters`).  Statics and Jacobians are functions of arrays that
+call numpy (`numpy_function`).  Outputs along a run are such functions too, but their powers follow the rule
+of the tape (`array_function`): a base that rounding has made negative counts as zero.
 """
 
 from __future__ import annotations
@@ -21,10 +21,10 @@ _SETTINGS = {"fully_qualified_modules": False, "inline": True, "allow_unknown_fu
 
 
 class ParameterPrinter(PythonCodePrinter):
-    """Prints expressions with powers as calls of the functions here; also for a language that names them
-    otherwise."""
+    """Prints powers as calls of `integer_power` and `real_power`; a subclass may print other names, for
+    another language."""
 
-    root, prefix = "sqrt", ""  # the square root, and what stands before the other functions
+    root, prefix = "sqrt", ""  # the square root's name, and the prefix of the power functions
 
     def __init__(self) -> None:
         super().__init__(_SETTINGS)
@@ -51,7 +51,7 @@ def function_of_parameters(parameters: Sequence[Any], expressions: Any) -> Calla
     Raises
     ------
     ArithmeticError, ValueError, TypeError
-        By the function, where there is no finite real value.
+        When the function is called, where a value is not finite and real.
 
     Examples
     --------

@@ -2,9 +2,9 @@
 
 A value is one number, or a vector with a number for each of several runs, which are the last axis of arrays.
 Values that a loop changes are passed to its body and returned by it.  The quick logarithm and power of two
-serve the choice of a step's length, for which six digits are plenty.  The same instructions stand in the
-kernels (:mod:`frictionlab.hybrid.kernels.arithmetic`) and in the code of lanes
-(:mod:`frictionlab.hybrid.codegen`), so that both take the same steps to the last bit.
+serve to choose the length of a step, for which six digits are plenty.  The kernels
+(:mod:`frictionlab.hybrid.kernels.arithmetic`) and the code of lanes (:mod:`frictionlab.hybrid.codegen`)
+contain the same instructions, so that both take the same steps to the last bit.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ Values = list[Any]
 
 
 def llvm_constant(ir: Any, kind: Any, value: float) -> Any:
-    """A constant of a scalar type, or one in every place of a vector type."""
+    """A constant of a scalar type, or of a vector type with the value in every place."""
     return ir.Constant(kind, [value] * kind.count if hasattr(kind, "count") else value)
 
 
@@ -49,7 +49,7 @@ def write_log2(ir: Any, build: Any, x: Any) -> Any:
 
 
 def write_exp2(ir: Any, build: Any, x: Any) -> Any:
-    """2^x within 1e-6, x cut to +-1000."""
+    """2^x within 1e-6; x is limited to +-1000."""
     kind, whole = x.type, _same_shape(ir, x.type, ir.IntType(64))
     low, high = llvm_constant(ir, kind, -EXPONENT_LIMIT), llvm_constant(ir, kind, EXPONENT_LIMIT)
     x = build.select(build.fcmp_ordered(">", x, low), x, low)
@@ -66,7 +66,7 @@ def write_exp2(ir: Any, build: Any, x: Any) -> Any:
 
 
 def _write_correction(ir: Any, build: Any, x: Any, coefficients: tuple[float, ...]) -> Any:
-    """x (1 - x) times a polynomial: what bends between two ends that are met exactly."""
+    """x (1 - x) times a polynomial: the correction to a straight line that is exact at both ends."""
     total = llvm_constant(ir, x.type, coefficients[-1])
     for c in coefficients[-2::-1]:
         total = build.fadd(build.fmul(total, x), llvm_constant(ir, x.type, c))
@@ -78,7 +78,7 @@ def _same_shape(ir: Any, kind: Any, element: Any) -> Any:
 
 
 def write_loop(build: Any, count: Any, carried: Values, body: Callable[[Any, Values], Values]) -> Values:
-    """Write `carried = body(i, carried)` for i from 0 to `count` - 1; returns what it is in the end."""
+    """Write `carried = body(i, carried)` for i from 0 to `count` - 1; returns `carried` at the end."""
     before, inside, after = _blocks(build)
     zero, one = count.type(0), count.type(1)
     build.cbranch(build.icmp_signed("<", zero, count), inside, after)
@@ -98,7 +98,7 @@ def write_loop(build: Any, count: Any, carried: Values, body: Callable[[Any, Val
 def write_while_loop(
     build: Any, goes_on: Any, carried: Values, body: Callable[[Values], tuple[Values, Any]]
 ) -> Values:
-    """Write `carried, goes_on = body(carried)` while `goes_on`; returns what is carried in the end."""
+    """Write `carried, goes_on = body(carried)` while `goes_on`; returns `carried` at the end."""
     before, inside, after = _blocks(build)
     build.cbranch(goes_on, inside, after)
     build.position_at_end(inside)
@@ -150,11 +150,11 @@ class Instructions:
         return self._intrinsic("fabs", a)
 
     def _multiply_add(self, a: Any, b: Any, c: Any) -> Any:
-        """a b + c, rounded twice, as not every processor rounds it once."""
+        """a b + c, rounded twice: not every processor can round it only once."""
         return self.build.fadd(self.build.fmul(a, b), c)
 
     def _intrinsic(self, name: str, *arguments: Any) -> Any:
-        """One instruction for a number or for a vector."""
+        """An LLVM intrinsic, of numbers or of vectors."""
         kind = arguments[0].type
         vector = f"v{kind.count}" if hasattr(kind, "count") else ""
         return self._called(f"llvm.{name}.{vector}f64", kind, *arguments)
@@ -175,7 +175,7 @@ class Instructions:
         return self._ahead(column, self.whole(slot * self.row))
 
     def _ahead(self, place: Any, count: Any) -> Any:
-        """The address a number of values further."""
+        """The address `count` values further on."""
         numbers = count if self.width == 1 else self.build.mul(count, self.whole(self.width))
         return self.build.gep(place, [numbers])
 
@@ -193,7 +193,7 @@ class Instructions:
         return self.build.bitcast(place, kind.as_pointer())
 
     def _spread(self, value: Any) -> Any:
-        """A number as a value."""
+        """A number as a value: in lanes, the same for all."""
         return value
 
     def _as_number(self, count: Any) -> Any:

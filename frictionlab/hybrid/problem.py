@@ -1,12 +1,12 @@
-"""The problem that a method integrates, and what it returns: arrays, events, named quantities.
+"""The problem that a method integrates, and what it returns: arrays, events, named outputs.
 
-A `Problem` is a program with its numbers, an initial state and an end.  Kernels fill records of fixed
-capacity; `RecordList` joins these to `RunData`, the arrays that a
-:class:`~frictionlab.hybrid.trajectory.Trajectory` wraps, and sees that they do not fill the memory
+A `Problem` is a program with its numbers, an initial state and an end time.  Kernels fill records of fixed
+capacity.  `RecordList` joins these into `RunData`, the arrays that a
+:class:`~frictionlab.hybrid.trajectory.Trajectory` wraps, and checks that they do not fill the memory
 (`free_memory`).  `Status` says in a sentence how the run ended.
-`Events` and `SectionPoints` are what happened, and when.  Named quantities are formulas of each mode as
-functions of arrays of states; powers in them are those of the tape: a base that is below zero by rounding
-counts as zero.
+`Events` and `SectionPoints` list what happened, and when.  Each mode has a formula for every output, which is
+evaluated at arrays of states.  Powers in these formulas follow the rule of the tape: a base that rounding has
+made negative counts as zero.
 """
 
 from __future__ import annotations
@@ -33,10 +33,10 @@ from frictionlab.presentation import MAX_ROWS, count, dataframe, shorten, span, 
 
 @dataclass(frozen=True)
 class Problem:
-    """A program with its numbers, the initial state, the mode to start in (None: choose) and the end.
+    """A program with its numbers, the initial state, the mode to start in (None: choose) and the end time.
 
-    Where only some modes are derived, `derive` gives program and numbers with that of one combination more;
-    all that were in the program keep their numbers.
+    Where modes are derived on demand, `derive` takes a combination of regimes and returns the program and its
+    numbers with the mode of that combination added.  The modes already in the program keep their indices.
     """
 
     program: Program
@@ -47,15 +47,17 @@ class Problem:
     derive: Callable[[tuple[int, ...]], tuple[Program, Numbers]] | None = None
 
     def with_mode(self, combination: np.ndarray) -> Problem:
-        """The problem with the mode of one combination more."""
+        """The problem with the mode of one more combination."""
         assert self.derive is not None
         program, numbers = self.derive(tuple(combination.tolist()))
         return replace(self, program=program, numbers=numbers)
 
 
 class Sampling(NamedTuple):
-    """How a run is sampled: order of the dense output, parts of a step, or the times asked for; the sections
-    whose crossings were recorded."""
+    """How a run is sampled: the order of its dense output, and at what times.
+
+    Samples cut each step into `parts`, or are at the times `t_eval`.  `sections` names the recorded ones.
+    """
 
     order: int
     parts: int
@@ -66,8 +68,8 @@ class Sampling(NamedTuple):
 class RunData(NamedTuple):
     """What a method computed, as arrays; :class:`~frictionlab.hybrid.trajectory.Trajectory` wraps it.
 
-    A step is its start time, its length, its mode and the state at its start; an event its time, the
-    guard, the mode entered (-1: none), whether it closed an accumulation, and the states around it.
+    A step has its start time, its length, its mode and the state at its start.  An event has its time, the
+    guard, the mode entered (-1: none), whether it closed an accumulation, and the states before and after.
     """
 
     step_times: np.ndarray  # (steps, 2)
@@ -126,10 +128,10 @@ class Status(Enum):
         return self is Status.FINISHED
 
 
-BYTES_BETWEEN_LOOKS = 2**26  # by which a run grows before it is seen again whether memory ends
+BYTES_BETWEEN_LOOKS = 2**26  # growth of a run between two checks of the free memory
 BYTES_PER_KILOBYTE = 1024
 MEMORY_INFORMATION = Path("/proc/meminfo")
-GROUP = Path("/sys/fs/cgroup")  # of a container, whose limit may be lower than what the machine has
+GROUP = Path("/sys/fs/cgroup")  # of a container, whose limit may be below the machine's memory
 
 
 class RecordList:
@@ -138,7 +140,7 @@ class RecordList:
     Attributes
     ----------
     copied : bool
-        Whether what is kept of the last record is a copy, so that it can be filled again.
+        Whether what is kept of the last record is a copy, so that the record can be filled again.
     """
 
     def __init__(self) -> None:
@@ -157,14 +159,14 @@ class RecordList:
         self.events += int(events)
 
     def fills_memory(self) -> bool:
-        """Whether memory would end before much more is kept: to join what there is takes as much again."""
+        """Whether memory would soon run out; to join the records takes as much again as they hold."""
         if self._bytes < self._next_look:
             return False
         self._next_look = self._bytes + BYTES_BETWEEN_LOOKS
         return free_memory() < self._bytes + 2 * BYTES_BETWEEN_LOOKS
 
     def raw(self, code: Code, t: float, state: np.ndarray, mode: int, status: Status) -> RunData:
-        """Everything joined."""
+        """All records joined, with the end of the run."""
         parts = self._parts or [new_record(code, 0, 0, 0)]
         arrays = parts[0] if len(parts) == 1 else map(np.concatenate, zip(*parts, strict=True))
         joined = dict(zip(Record._fields, arrays))
@@ -172,7 +174,7 @@ class RecordList:
 
 
 def free_memory() -> float:
-    """Bytes that a process may yet take; infinite where the system does not tell."""
+    """Bytes that this process can still allocate; infinite where the system does not tell."""
     return min(_free_on_machine(), _free_in_group())
 
 
@@ -189,7 +191,7 @@ def _free_on_machine() -> float:
 def _free_in_group() -> float:
     with suppress(OSError, ValueError):
         limit, used = ((GROUP / f"memory.{name}").read_text() for name in ("max", "current"))
-        return float(limit) - float(used)  # the limit is a word where there is none
+        return float(limit) - float(used)  # without a limit the first is the word "max"
     return math.inf
 
 
@@ -237,7 +239,7 @@ class Events:
         return len(self.t)
 
     def __getitem__(self, index: Any) -> Any:
-        """The event of a number; of a slice or an array of numbers or truth values the events."""
+        """One event for an integer; `Events` for a slice, or for an array of integers or truth values."""
         if isinstance(index, (int, np.integer)):
             t, source, target, guard, state, before, closed = (column[index] for column in self._columns())
             return RunEvent(float(t), str(source), str(target), str(guard), state, before, bool(closed))
@@ -296,7 +298,7 @@ def evaluate_output(
 ) -> np.ndarray:
     """Values (N,) of output `name` at `states` (N, n), each by the formula of its mode.
 
-    The modes are numbers in `mode_names`.
+    `modes` (N,) holds indices into `mode_names`.
     """
     values, numbers = np.empty(len(states)), automaton.values.values()
     for i in np.unique(modes):

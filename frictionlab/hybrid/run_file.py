@@ -1,7 +1,7 @@
 """Runs on disk: one npz file of arrays, with a description as JSON among them.
 
-A file is written beside its place and renamed, so that a full disk leaves what was there.  What is read is
-checked before kernels see it, as they check no indices; errors name the path.
+A file is written beside its place and then renamed, so that a full disk leaves what was there.  Arrays that
+are read are checked before kernels see them, as kernels check no indices; errors name the path.
 """
 
 from __future__ import annotations
@@ -25,11 +25,11 @@ from frictionlab.hybrid.problem import Problem, RunData
 from frictionlab.validation import with_cure
 
 FILE_FORMAT = 2
-STORED_ARRAYS = (*RunData._fields[:9], "state")  # of a run, beside the end's time and mode
+STORED_ARRAYS = (*RunData._fields[:9], "state")  # of a run; its last time, mode and status are in the JSON
 INTEGER_ARRAYS = "step_modes", "event_codes", "point_sections"
-MAX_PARTS = 1000  # of a step, in samples: methods take eight at most
+MAX_PARTS = 1000  # into which samples cut a step: methods use eight at most
 
-# What archives, arrays and JSON raise where they are no such thing.
+# What the readers of archives, arrays and JSON raise where the content is no such thing.
 DAMAGED = (
     *(zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, RuntimeError, OSError, MemoryError),
     *(ValueError, TypeError, KeyError, AttributeError, SyntaxError, OverflowError, tokenize.TokenError),
@@ -38,7 +38,7 @@ DAMAGED = (
 
 @dataclass(frozen=True)
 class StoredRun:
-    """The content of a file: its path, what is said of the run, and its arrays by name."""
+    """The content of a file: its path, the JSON about the run, and its arrays by name."""
 
     path: Path
     about: dict[str, Any]
@@ -51,7 +51,7 @@ class StoredRun:
 
 
 def write_run_file(path: str | Path, about: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> Path:
-    """Write what JSON can hold, and arrays; the suffix .npz is added where it is missing."""
+    """Write `about` as JSON, and arrays; returns the path, with the suffix .npz added where it is missing."""
     path = Path(path)
     path = path if path.suffix == ".npz" else path.with_name(path.name + ".npz")
     text = json.dumps({"format": FILE_FORMAT, "version": __version__, **about})
@@ -77,7 +77,7 @@ def read_run_file(path: str | Path) -> StoredRun:
         raise with_cure(error, path, "give a file that run.save(path) wrote") from error
     try:
         with zipfile.ZipFile(content) as file:
-            # each is read whole, so that its checksum is compared before numpy reads what it holds
+            # each is read whole, so that its checksum is compared before numpy reads its content
             arrays = {
                 name.removesuffix(".npy"): np.lib.format.read_array(
                     io.BytesIO(file.read(name)), allow_pickle=False
@@ -97,7 +97,7 @@ def read_run_file(path: str | Path) -> StoredRun:
 
 
 def rates_by_mode(problem: Problem, raw: RunData) -> dict[str, list[float]]:
-    """Rates of the states at the first step in each mode that was visited: they tell equations apart."""
+    """Rates of the states at the first step in each visited mode, to tell whether equations are the same."""
     program, found = problem.program, {}
     jets, rates = np.zeros((program.slots, 1)), np.empty(raw.state.size)
     for mode in np.unique(raw.step_modes):

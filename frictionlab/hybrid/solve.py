@@ -42,7 +42,7 @@ NAMED_METHODS: dict[str, type[Method]] = {"taylor": Taylor, "rk4": RK4}
 
 
 def method_of(method: Any) -> Method:
-    """The method itself, or the one of that name, in small letters or large ones, with its default settings.
+    """The method itself, or the one of that name with its default settings; upper or lower case.
 
     Raises
     ------
@@ -63,7 +63,7 @@ def method_of(method: Any) -> Method:
 
 @cache
 def _method_named(name: str) -> Method | None:
-    """The method of a name in small letters, None where there is none; methods never change."""
+    """The method of a lower-case name, None where there is none; cached, as methods never change."""
     integrators = {each.lower(): each for each in INTEGRATORS}
     if name in integrators:
         return Scipy(integrators[name])
@@ -84,7 +84,7 @@ class RunKeywords(TypedDict, total=False):
 
 @dataclass(frozen=True)
 class RunOptions:
-    """In which mode a run starts, what it records, whether it shows how far it is, the model that it is of.
+    """Options of a run: the mode it starts in, what it records, whether it shows its progress, its model.
 
     The fields are arguments of :func:`solve`.
     """
@@ -117,21 +117,22 @@ def solve(
     x0 : array_like or mapping
         Initial values of all states; or of some by name, ``{"x1": 0.1}``, the others zero.
     mode : str or None
-        Mode to start in; None takes the first admissible one, by the rule that follows every event.
+        Mode to start in; None takes the first admissible one, as after every event.
     method : "taylor", "rk4", the name of a scipy method, Taylor, RK4, Scipy
-        Names in small letters or large ones.
+        Names may be in upper or lower case.
     t_eval : array_like or None
         Ascending times of the samples, one at least; None samples every step.
     sections : mapping of name to expression or (expression, direction)
-        Zero crossings to record; they change no mode.  An expression of the states and parameters, of
-        sympy or as text such as "x1' - v" (x1' is the rate of x1), or an output's name; direction +1 rising,
-        -1 falling, 0 both.  Method "taylor" only, like `quadratures`.
+        Zero crossings to record; they change no mode.  Each expression is a sympy expression of the states
+        and parameters, a text such as "x1' - v" (x1' is the rate of x1), or the name of an output.
+        The direction is +1 for rising, -1 for falling, 0 for both.  Only method "taylor" takes `sections`
+        and `quadratures`.
     quadratures : mapping of name to expression
         Functions to be integrated over the run.  Step lengths take their accuracy into account too.
     progress : bool
         Show a progress bar on runs of more than a second.
     source : object
-        The model that the automaton is of, kept as ``run.source``; saved runs hold it by its ``to_dict()``.
+        The model that the automaton comes from, kept as ``run.source``; saved runs store its ``to_dict()``.
 
     Returns
     -------
@@ -141,11 +142,11 @@ def solve(
     Raises
     ------
     TypeError
-        For what is no automaton, or an unknown keyword.
+        Where `automaton` is no HybridAutomaton, or a keyword is unknown.
     ValueError
-        For other bad arguments; like the former before any work is done.
+        For other bad arguments.  Both are raised before any step is taken.
     KeyboardInterrupt
-        After ctrl-C; :func:`partial_result` is then the run up to there.
+        After ctrl-C; :func:`partial_result` then returns the run as far as it went.
     """
     check_keywords("solve", keywords, RunKeywords.__annotations__)
     return run_automaton(automaton, t_end, x0, method_of(method), RunOptions(mode, t_eval, **keywords))
@@ -162,9 +163,8 @@ def run_automaton(
     if any(asked) and not method.records_sections:
         raise ValueError(f"sections and quadratures need method='taylor', got {method!r}: change the method")
     automaton = with_chatter_limit(automaton, method.limits[1])
-    if (
-        any(asked) and automaton.on_demand
-    ):  # modes are then numbered as they are derived, not as they are kept
+    # Such a run numbers modes as they are derived, a kept program in the automaton's order.
+    if any(asked) and automaton.on_demand:
         automaton = automaton.derived()
     if options.mode is not None:
         check_mode_name(options.mode, automaton.names)
@@ -177,7 +177,7 @@ def run_automaton(
     counts = len(raw.step_modes), len(raw.event_times)
     LOGGER.debug("run to %g s: %d steps, %d events, %.3g s, %s", raw.t, *counts, wall_time, raw.status.name)
     integrals = dict(zip(asked[1], raw.state[len(state) :].tolist(), strict=True))
-    if any(asked) or automaton.on_demand:  # of which the run has derived some
+    if any(asked) or automaton.on_demand:  # without the integrals, with all modes that the run has derived
         problem = problem_of(automaton, state, float(t_end), options.mode)
     run = Trajectory(
         automaton,
@@ -195,12 +195,12 @@ def run_automaton(
 
 
 def with_chatter_limit(automaton: HybridAutomaton, limit: float) -> HybridAutomaton:
-    """The automaton with a method's dwell time of chatter (s), if it has that parameter."""
+    """The automaton with its parameter `chatter`, if it has one, set to a method's dwell time `limit` (s)."""
     return automaton.replace(chatter=limit) if "chatter" in automaton.values else automaton
 
 
 def state_from_mapping(automaton: HybridAutomaton, given: Mapping[str, Any], rest: Any) -> np.ndarray:
-    """The state with the values that are given by name, and those of `rest` for the others."""
+    """The state with the values `given` by name; the other states have those of `rest`."""
     state, names = np.array(rest, dtype=float), list(automaton.state_names)
     for name, value in given.items():
         if name not in names:
@@ -290,7 +290,7 @@ def problem_of(
 ) -> Problem:
     """The automaton as a program that runs from `x0`, with the sections and quadratures `asked` for.
 
-    Modes on demand are derived as the run comes to them.
+    Modes on demand are derived when the run comes to them.
     """
     if not automaton.on_demand:
         program, numbers = program_of(automaton, *asked)

@@ -1,4 +1,4 @@
-"""The result of a run: samples, events, dense output, named quantities.
+"""The result of a run: samples, events, dense output, named outputs.
 
 `RunData` holds the state at the start of every step; samples and dense output are computed from it when they
 are asked for, by the Taylor series of the step.
@@ -48,7 +48,7 @@ class Trajectory(Drawable):
 
     Attributes
     ----------
-    t : (N,) times: `t_eval` where it was given, else every step cut into eight
+    t : (N,) times: `t_eval` where it was given, else every step cut in parts, eight for Taylor
     q, v : (N, n) coordinates and velocities;  states : (N, 2n) both
     mode : (N,) names of the modes
     events : Events
@@ -56,8 +56,8 @@ class Trajectory(Drawable):
     final_state : (2n,) state at the end
     status : Status;  str(status) is a sentence
     stats : mapping: steps, events, Zeno accumulations closed, wall time in seconds
-    defect : mapping: largest relative error of a step, by the mode
-    violation : share of its size by which a sample violates a condition of its mode at most
+    defect : mapping: largest defect of a step in each mode
+    violation : largest violation of a mode's condition at a sample, as a share of the condition's size
     sections : mapping of name to SectionPoints;  quadratures : mapping of name to the integral up to the end
     automaton : the automaton that ran;  source : the model it came from, if any
     description : mapping that :meth:`save` writes beside the arrays: the method, the end time
@@ -81,7 +81,7 @@ class Trajectory(Drawable):
     """
 
     drawn_by = "plot_displacements"
-    _modes: Any  # of a copy, and `_start`: what `problem` is made of again
+    _modes: Any  # in a pickled copy: with `_start`, what `problem` is made from again
     _start: Any
 
     def __init__(
@@ -105,7 +105,7 @@ class Trajectory(Drawable):
 
     @cached_property
     def problem(self) -> Problem:
-        """What the method was given; made again in a copy, whose compiled functions no pickle can hold."""
+        """What the method was given; a pickled copy makes it again, as compiled functions are not pickled."""
         if self._modes is None:
             return Problem(*program_of(self.automaton), *self._start)
         return Problem(*program_of_modes(self.automaton, self._modes), *self._start)
@@ -117,16 +117,16 @@ class Trajectory(Drawable):
 
     @property
     def mode_names(self) -> tuple[str, ...]:
-        """Names of the modes by the numbers that `raw` has for them.
+        """Names of the modes, indexed by the mode numbers in `raw`.
 
-        Of a model with several contacts those that were derived, in that order; else, and where all modes are
-        kept, all of the automaton.
+        Of modes on demand: those that had been derived, in that order, or all where their program is kept for
+        later processes.  Otherwise all modes of the automaton.
         """
         return self.problem.program.modes
 
     @property
     def mode_places(self) -> tuple[int, ...]:
-        """The place of each of these in the automaton's order."""
+        """The place of each mode of `mode_names` in the automaton's order."""
         names = self.automaton.names
         return tuple(map(names.place_of if isinstance(names, ModeNames) else names.index, self.mode_names))
 
@@ -137,7 +137,7 @@ class Trajectory(Drawable):
 
     @cached_property
     def _samples(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Times, states and modes."""
+        """Times, states and modes of the samples."""
         raw = self.raw
         if self.samples.t_eval is not None:
             t = self.samples.t_eval[self.samples.t_eval <= raw.t]
@@ -179,7 +179,7 @@ class Trajectory(Drawable):
         return states.reshape(*np.shape(t), states.shape[1])
 
     def states_and_modes(self, t: Any) -> tuple[np.ndarray, np.ndarray]:
-        """States (N, states) and modes (N,) at N times, in any shape, the modes as numbers in `mode_names`.
+        """States (N, states) and modes (N,) at N times of any shape; the modes are indices into `mode_names`.
 
         Raises
         ------
@@ -202,7 +202,7 @@ class Trajectory(Drawable):
         return times
 
     def modes_at(self, t: Any) -> np.ndarray:
-        """Names of the modes at times `t` of the run, in its shape; at an event, of the mode entered."""
+        """Names of the modes at times `t`, in the shape of `t`; at an event, the mode entered."""
         names = self._mode_names(self._modes_of_steps(self._steps_at(self._checked_times(t))))
         return names.reshape(np.shape(t))[()]
 
@@ -229,14 +229,14 @@ class Trajectory(Drawable):
 
     @property
     def mode_indices(self) -> np.ndarray:
-        """The modes at the samples, as numbers in `mode_names`."""
+        """The modes at the samples, as indices into `mode_names`."""
         return self._samples[2]
 
     def _mode_names(self, codes: np.ndarray) -> np.ndarray:
         return np.array([*self.mode_names, ""])[codes]
 
     def __getitem__(self, name: str | Sequence[str]) -> np.ndarray:
-        """A state by name, e.g. ``run["x1'"]``, or an output, e.g. ``run["penetration"]``; sampled as `t`.
+        """A state by name, e.g. ``run["x1'"]``, or an output, e.g. ``run["penetration"]``, at the samples.
 
         Several names give an array with a column for each: ``run[["x1", "x2"]]``.
         """
@@ -260,8 +260,8 @@ class Trajectory(Drawable):
         return [*super().__dir__(), *self.automaton.outputs]
 
     def output(self, name: str, t: Any = None) -> Any:
-        """A named quantity of the model at the samples, or at times `t`: a number for one time, else an array
-        of their shape.
+        """An output of the model at the samples, or at times `t`: a number for one time, else an array of the
+        shape of `t`.
 
         Raises
         ------
@@ -298,7 +298,7 @@ class Trajectory(Drawable):
 
     @cached_property
     def time_in_mode(self) -> Mapping[str, float]:
-        """Seconds spent in each mode; of a model with several contacts in each that was visited."""
+        """Seconds spent in each mode; where modes are derived on demand, in each that was visited."""
         modes, lengths = self.raw.step_modes, self.raw.step_times[:, 1]
         on_demand = self.automaton.on_demand
         numbers = np.unique(modes).tolist() if on_demand else range(len(self.mode_names))
@@ -313,18 +313,18 @@ class Trajectory(Drawable):
 
     @cached_property
     def defect(self) -> Mapping[str, float]:
-        """Largest defect of the steps in each mode that was visited; of the run ``max(run.defect.values())``.
+        """Largest defect of the steps in each visited mode; for the whole run ``max(run.defect.values())``.
 
-        The residual |x' - f(x)| of the dense output times the length of the step, or the jump from its end
-        to the next state, as a share of the largest state of its group in that step: coordinates,
-        velocities, others.  What rounding explains does not count.  It compares with the tolerance.  The jump
-        tells of RK4 and scipy's methods, the residual of the Taylor series.
+        It is the residual |x' - f(x)| of the dense output times the length of the step, or the jump from its
+        end to the next state if that is larger, less rounding; as a share of the largest state of the group
+        (coordinates, velocities, others) in that step.  It compares with the tolerance.  The jump shows the
+        error of RK4 and scipy's methods, the residual that of the Taylor series.
         """
         return defects(self.problem, self.raw, self.samples.order)
 
     @cached_property
     def violation(self) -> float:
-        """Most that a sample violates a condition of its mode, as a share of the condition's terms."""
+        """Largest violation of a mode's condition at a sample, as a share of the condition's size."""
         return condition_violation(self.problem, self.raw, self.states, self.mode_indices)
 
     @cached_property

@@ -135,7 +135,7 @@ def reproduce(folder: str | Path, setting: Setting) -> Path:
     folder : path
         Takes reproduction.md and step-size.md, and the pictures in images/reproduction/.
     setting : Setting
-        Its algorithm and impact law are not used: all are.
+        Its algorithm and impact law are not used, as all are computed.
 
     Returns
     -------
@@ -164,7 +164,7 @@ def reproduce(folder: str | Path, setting: Setting) -> Path:
 
 
 def figure_variants() -> Iterator[tuple[int, str]]:
-    """Every figure, in each way that makes a difference to it."""
+    """The number of every figure, with the name of each solver variant that makes a difference to it."""
     for number in (*FIGURES, *range(7, 19)):
         for way, options in SOLVER_VARIANTS.items():
             if number in FIGURES and way != "exact":
@@ -199,7 +199,7 @@ def _write_step_size_page(folder: Path, setting: Setting) -> None:
 
 
 def _save_picture(picture: Any, path: Path) -> None:
-    """A PNG with a palette, where pillow is installed, as it is with matplotlib."""
+    """Save a PNG with a palette, by pillow, which is installed with matplotlib."""
     from PIL import Image
 
     drawn = BytesIO()

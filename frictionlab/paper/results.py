@@ -1,8 +1,8 @@
-"""Figures and claims of the paper as results: a figure's numbers, with the picture on demand; claims, their
-verdicts as a table; which there are, and the modules that compute them, imported when asked.
+"""Figures and claims of the paper as results, and the modules that compute them, imported when needed.
 
-A claim is computed in three ways, by the exact solver with either impact law, and by the paper's algorithm;
-the exact solver decides.
+A figure has its numbers, and draws the picture on demand; claims are a table with verdicts.  A claim is
+computed in three ways: by the exact solver with either impact law, and by the paper's algorithm; the exact
+solver with the law as printed decides.
 """
 
 from __future__ import annotations
@@ -140,7 +140,7 @@ class Finding(NamedTuple):
 class Question(NamedTuple):
     """A claim to be checked: where it stands, what it says, and what decides it.
 
-    `impacts` is whether the impact law can make a difference: not without the moving load.
+    `impacts` tells whether the impact law can make a difference: not without the moving load or impacts.
     """
 
     where: str
@@ -223,7 +223,7 @@ class PaperFigure:
     draw : callable
         Figure from this result.
     how : str
-        The solver and the impact law, where it takes a choice of them.
+        The solver and the impact law, where there is a choice of them.
     """
 
     number: int
@@ -246,11 +246,11 @@ class PaperFigure:
         return "\n".join([f"Fig. {self.number}: {self.caption}{how}", *self.summary])
 
     def _repr_png_(self) -> bytes:
-        # what draws gives a RunFigure, which has it; matplotlib's own class does not
+        # `draw` gives a RunFigure, which has this method; matplotlib's own class does not
         return self.plot()._repr_png_()  # type: ignore[attr-defined]
 
 
-# Number -> module and function of the number: linear stability, which no algorithm and no impact law changes.
+# Number -> module and function of the number: linear stability, on which algorithm and law have no effect.
 FIGURES = {
     2: "figures.linear_stability:coalescence_figure",
     3: "figures.linear_stability:coalescence_figure",

@@ -1,11 +1,12 @@
-"""Settings of solvers, models and grids of parameters of the paper's computations, and their steady states.
+"""Solver settings, models and parameter grids of the paper's computations, and their steady states.
 
 `Setting` says by which algorithm, with which impact law and how finely figures 7 to 18 are computed.  The
 paper gives no grids: mu_k goes in steps of 0.05 or 0.1, with further values that its text names, and the
 preload is varied over the range of Fig. 4.  What several figures and claims share is computed once:
-`steady_states` and `sweep_results` are `fl.bifurcation` and `fl.sweep` as a Setting says, kept in files where
-there is a folder; the others name what each figure needs.  Results in words have printed numbers as text, so
-that their last digit is known: a value agrees with one where it rounds to it.
+`steady_states` and `sweep_results` are `fl.bifurcation` and `fl.sweep` with the options of a Setting, and
+keep results in files where it has a folder; the other functions name what each figure needs.  The paper's
+printed numbers are kept as text, so that their last digit is known: a value agrees with one if it rounds to
+it.
 """
 
 from __future__ import annotations
@@ -37,15 +38,15 @@ from frictionlab.validation import check_choice
 ALGORITHMS = ("exact", "paper")
 IMPACTS = ("paper", "full gap rate")
 PAPER_STEP = 2e-4  # s, of the paper's algorithm: that at which it gives the paper's 1.58 Hz
-# s.  Under Eq. (13) there are thousands of ever shorter flights: replaced by their limit from here on, which
-# leaves
-# errors of 1e-8 in the usual structure.
+# s.  Under Eq. (13) there are thousands of ever shorter flights: below this dwell time their limit replaces
+# them, which leaves errors of 1e-8 in the usual structure.
 CHATTER_LIMIT = 1e-5
 MAX_EVENTS_AND_STEPS = 1_000_000  # events, and steps, of a run: one that grows without bound ends there
 TAYLOR = Taylor(chatter=CHATTER_LIMIT, max_events=MAX_EVENTS_AND_STEPS, max_steps=MAX_EVENTS_AND_STEPS)
 HIGHEST_FREQUENCY = 20.0  # Hz, of a mode of the usual structure
-# The exact solver returns to a state within rounding.  A fixed step detects an event up to a step late, while
-# a state moves by 2 pi f h of its size, 2.5 %: at both crossings, and at an event or more before each.
+# The exact solver returns to a state within rounding.  A fixed step detects an event up to a step late, in
+# which a state moves by 2 pi f h of its size, 2.5 %: at both crossings, and at an event or more before each,
+# hence the factor 4.
 RETURN_TOLERANCES = {"exact": 1e-6, "paper": round(4 * 2 * pi * HIGHEST_FREQUENCY * PAPER_STEP, 3)}
 
 Array = NDArray[Any]
@@ -53,15 +54,15 @@ USUAL = SliderOnBelt()
 STIFF = SliderOnBelt(F=800.0, k_nl=1e7, k4=5e6, k5=5e6, k6=5e6)  # Figs 16 to 18
 CONTACT_STIFFNESSES = (0.0, 1e4, 1e7)  # k_nl in N/m^3
 MU_K_NAMED_IN_TEXT = (0.05, 0.75)  # further mu_k that the text on Fig. 11 names
-MU_K_SMALL = (0.01, 0.02, 0.03, 0.04, 0.05, 0.38)  # and without GN: "very small", and where Fig. 13 begins
+MU_K_SMALL = (0.01, 0.02, 0.03, 0.04, 0.05, 0.38)  # without GN: "very small", and where Fig. 13 begins
 
 
-MU_K_AT_ONSET = (1.35, 1.4)  # and sliding only, where Fig. 17b begins
+MU_K_AT_ONSET = (1.35, 1.4)  # in sliding only: where Fig. 17b begins
 
 
 @dataclass(frozen=True)
 class Setting:
-    """What the figures 7 to 18 can be computed with; see :func:`frictionlab.paper.figure`."""
+    """The options with which Figs 7 to 18 can be computed; see :func:`frictionlab.paper.figure`."""
 
     algorithm: str = "exact"
     impact: str = "paper"
@@ -112,7 +113,7 @@ class Times(NamedTuple):
 
 USUAL_TIMES = Times(300.0, 100.0)  # by Eq. (13) the belt's rotation takes 200 s to settle
 FIXED_STEP_TIMES = Times(300.0, 60.0)
-STIFF_TIMES = Times(150.0, 50.0)  # at 30 Hz; sliding only it settles as slowly as the usual one
+STIFF_TIMES = Times(150.0, 50.0)  # at 30 Hz; in sliding only it settles as slowly as the usual one
 
 
 def times_of(model: Any, setting: Setting) -> Times:
@@ -129,12 +130,12 @@ def mu_k(setting: Setting) -> Array:
 
 
 def mu_k_coarse(setting: Setting, *further: float) -> Array:
-    """0.1, 0.2, ... 3 and the further values that a text names: where there are many sweeps."""
+    """0.1, 0.2, ... 3 and the further values that the text names, for figures of many sweeps."""
     return _sorted_grid(np.append(np.arange(1, 31)[_grid_slice(setting)] * 0.1, further))
 
 
 def mu_k_near(setting: Setting) -> Array:
-    """0.2, 0.4, ... 3, for the start near the equilibrium: eigenvalues say exactly where it is stable."""
+    """0.2, 0.4, ... 3, for starts near the equilibrium, whose stability the eigenvalues give exactly."""
     return mu_k(setting)[1::2] if setting.quick else mu_k(setting)[3::4]
 
 
@@ -144,7 +145,7 @@ def mu_k_stiff(setting: Setting) -> Array:
 
 
 def mu_k_sliding(setting: Setting) -> Array:
-    """Of the stiff structure, sliding only: as fine as for Fig. 9."""
+    """The values for the stiff structure in sliding only: as fine as for Fig. 9."""
     return np.union1d(mu_k(setting), MU_K_AT_ONSET)
 
 
@@ -167,7 +168,7 @@ CACHE: dict[str, Any] = {}
 START_NAMES = {"near": "near the equilibrium", "rest": "far from it (at rest)"}
 EXAMPLES = (0.3, 1.4, 2.5)  # mu_k of Fig. 7
 STICK_SECTION = "stick"
-TURNING_SECTION = "x1'"  # the section of Fig. 17b, passed either way
+TURNING_SECTION = "x1'"  # the section of Fig. 17b, crossed in either direction
 MU_K_PRELOAD = 2.5
 GEOMETRY_NAMES = {True: "with GN", False: "without GN"}
 
@@ -217,7 +218,7 @@ def steady_states(
 def sweep_results(
     name: str, function: Callable[[Any], Any], model: Any, over: dict[str, Any], setting: Setting
 ) -> Any:
-    """`fl.sweep` of a function; `name` says which, with all that it depends on but for the model."""
+    """`fl.sweep` of a function; `name` identifies it and all that it depends on except the model."""
     model = setting.adapt_model(model)
     asked = [name, model.to_dict(), {key: list(values) for key, values in over.items()}]
 
@@ -355,7 +356,7 @@ def _share_text(found: Any, kind: str) -> str:
 
 
 def regimes(found: Any) -> list[tuple[str, int]]:
-    """Kind, and the onsets of stick in a period where there is one, of all that has settled."""
+    """Kind of every motion that has settled, and the onsets of stick in its period if it has one."""
     settled = is_vibration(found) | is_kind(found, MotionKind.EQUILIBRIUM)
     return [(kind, int(n)) for kind, n, known in zip(found.kinds, found.onsets, settled) if known]
 

@@ -1,8 +1,8 @@
 """What a fixed step does to a motion: conditions checked at the end of each step, against events located.
 
 Erratum E5: with Eq. (13) as printed the slider leaves the belt again right after many impacts, in flights
-shorter than any step.  A fixed step jumps over those that fit into it, so that each step has a motion of
-its own.  With the full gap rate in the impact law there are no such flights, and all steps agree.
+shorter than any step.  A fixed step jumps over those that fit into it, so that each step size gives another
+motion.  With the full gap rate in the impact law there are no such flights, and all steps agree.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ class StepSeries:
     Parameters
     ----------
     step : float or None
-        Of the paper's algorithm, s; None: every event located.
+        Of the paper's algorithm, s; None where every event is located.
     impact : str
         "paper" (Eq. 13 as printed) or "full gap rate".
     kinds : tuple of str (N,)
@@ -81,7 +81,7 @@ class StepStudy:
         return tuple(s for s in self.series if s.impact == impact)
 
     def plot(self) -> Any:
-        """Draw both against mu_k, by impact law, into a new figure."""
+        """Draw L_s and the strongest frequency against mu_k, by impact law, into a new figure."""
 
         return draw_step_study(self)
 
@@ -127,7 +127,7 @@ def step_study(
 
 
 def step_study_with(setting: Setting, steps: Sequence[float] = STUDY_STEPS) -> StepStudy:
-    """The same by a setting, whose algorithm and impact law do not matter."""
+    """As :func:`step_study`, by a setting; its algorithm and impact law are not used."""
     values = MU_K[QUICK_SLICE] if setting.quick else MU_K
     ways = [(step, impact) for impact in IMPACTS for step in (*steps, None)]
     return StepStudy(values, tuple(_series(step, impact, values, setting) for step, impact in ways))

@@ -3,10 +3,10 @@
 None of them uses pyplot, so a figure is freed with its last reference and no window opens.
 
     figure                  figures that show themselves in a notebook, the axes to draw into, legends; a
-                            panel as data: curves, labels, limits (the explorers' panels give these)
+                            panel as data: curves, labels, limits (what the explorers' panels return)
     appearance              `fl.style`, the user's settings of matplotlib, colours on dark backgrounds;
                             lines and colours of coordinates and modes
-    labels                  symbols, meanings and units of states and parameters at axes and in legends
+    labels                  symbols, meanings and units of states and parameters on axes and in legends
     time_histories          which part of a run is shown, its samples and modes; displacements, rates and
                             contact forces against time
     overview                a coordinate against its rate, coloured by mode; the amplitude spectrum of a
@@ -20,7 +20,7 @@ None of them uses pyplot, so a figure is freed with its last reference and no wi
                             state space, sensitivities and uncertainties of quantities
     animation/              the slider on its belt, frame by frame
 
-A result of an analysis comes in, artists go out; nothing is computed here but samples of a run.
+Each function takes the result of an analysis and returns artists; all it computes are samples of a run.
 """
 
 from __future__ import annotations

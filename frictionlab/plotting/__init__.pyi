@@ -1,5 +1,5 @@
-# The public names of frictionlab.plotting, each once; `__init__.py` loads a name from its module when it is
-# first used, as the modules of all take a second to load.
+# The public names of frictionlab.plotting, each once.  `__init__.py` loads a name from its module when it is
+# first used, as loading all the modules takes a second.
 
 from .animation.animate import animate as animate
 from .figure import RunFigure as RunFigure

@@ -1,9 +1,9 @@
-"""How pictures look: `fl.style`, and what follows from matplotlib's settings that the user has changed.
+"""How pictures look: `fl.style`, and colours and sizes that follow the user's settings of matplotlib.
 
-Without a style and with matplotlib's own settings pictures have the package's colours on white.  A line's
-width, the sizes of texts, markers and figures, and the colours of lines follow ``matplotlib.rcParams`` where
-they were changed.  On a dark background a colour that could not be seen is replaced by one that can:
-`legible`.  Colours that mean something, as those of modes, are otherwise the same everywhere.
+With matplotlib's default settings, pictures have the package's colours on white.  Where settings in
+``matplotlib.rcParams`` were changed, the widths and colours of lines and the sizes of texts, markers and
+figures follow them.  On a dark background a colour that could not be seen is replaced by one that can:
+`legible`.  Otherwise colours that mean something, such as those of modes, are the same everywhere.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ MODE_COLOURS = MappingProxyType(
         "chatter": YELLOW,
     },
 )
-# Those of energies, of the works that change them, and for names that are a model's own.
+# Colours of energies, of the works that change them, and spare ones for names of a model's own.
 ENERGY_COLOURS = MappingProxyType(
     {"kinetic": BLUE, "springs": GREEN, "contact": VERMILLION, "preload": ORANGE},
 )
@@ -56,11 +56,11 @@ WORK_COLOURS = MappingProxyType(
 SPARE_COLOURS = (SKY, PURPLE, GREEN, ORANGE, YELLOW)
 
 MIN_CONTRAST = 4.5  # ratio of luminances that WCAG 2 asks for between a text and its background
-LIGHT_LUMINANCE = 0.18  # of a background: above, black is seen better than white
+LIGHT_LUMINANCE = 0.18  # of a background: on a lighter one black is seen better than white
 MIX_STEPS = 50  # shades tried between a colour and white
 HALO_WIDTH = 2.0  # points on both sides of a line together
 
-# Settings have names of matplotlib's own type, of which its stubs know more than its users.
+# Any, as matplotlib's stubs admit only its own type of names for settings.
 rcParams: Any = matplotlib.rcParams
 rcParamsDefault: Any = matplotlib.rcParamsDefault
 
@@ -70,14 +70,14 @@ _PAPER_KEYS = "figure.facecolor figure.edgecolor axes.facecolor"
 
 
 def _cycle(ink: str) -> Any:
-    """Colours of lines that a user draws beside ours."""
+    """Colours of lines that a user draws in addition to ours."""
     return cycler(color=[ink, VERMILLION, BLUE if ink == BLACK else SKY, GREEN, ORANGE, PURPLE])
 
 
 _SCREEN: dict[str, Any] = {"axes.prop_cycle": _cycle(BLACK)}
 STYLES: dict[str, dict[str, Any]] = {
     "screen": _SCREEN,
-    # seen from the last row: few inches, large letters
+    # legible from the last row: few inches, large letters
     "projector": _SCREEN
     | {
         "figure.figsize": (8.0, 4.5),
@@ -88,7 +88,7 @@ STYLES: dict[str, dict[str, Any]] = {
         "xtick.major.width": 1.4,
         "ytick.major.width": 1.4,
     },
-    # four panels are as wide as a page of two columns, 7.2 inches
+    # a figure of four panels, `plot_run`, is as wide as a page of two columns, 7.2 inches
     "paper": _SCREEN
     | {
         "figure.figsize": (4.2, 2.4),
@@ -99,7 +99,7 @@ STYLES: dict[str, dict[str, Any]] = {
         "xtick.major.width": 0.6,
         "ytick.major.width": 0.6,
         "savefig.dpi": 300.0,
-        "pdf.fonttype": 42,  # letters as letters, which journals ask for
+        "pdf.fonttype": 42,  # TrueType fonts, which journals ask for
     },
     "dark": {
         "axes.prop_cycle": _cycle(PALE),
@@ -129,7 +129,7 @@ class AppliedStyle:
 def style(name: str) -> AppliedStyle:
     """Draw pictures in a style, from now on or within a ``with`` block.
 
-    A style is a set of matplotlib's settings, so that what you draw beside has it too, and what you set
+    A style is a set of matplotlib's settings, so your own drawings have it too, and what you set
     afterwards in ``matplotlib.rcParams`` prevails.
 
     Parameters
@@ -164,13 +164,13 @@ def style(name: str) -> AppliedStyle:
 
 
 def background(ax: Axes | None = None) -> str:
-    """The colour on which lines in `ax` are seen, in hexadecimal; without axes that of new ones."""
+    """The background of lines in `ax`, in hexadecimal; without axes, that of new ones."""
     if ax is None:
         layers = rcParams["axes.facecolor"], rcParams["figure.facecolor"]
     else:
         figure: Any = ax.get_figure(root=True)
         patches = ax.patch, figure.patch
-        layers = tuple(patch.get_facecolor() for patch in patches if patch.get_visible())  # no twin's
+        layers = tuple(patch.get_facecolor() for patch in patches if patch.get_visible())  # a twin's is not
     return next((to_hex(layer) for layer in layers if to_rgba(layer)[3] > 0.5), WHITE)
 
 
@@ -187,14 +187,14 @@ def contrast(one: Any, other: Any) -> float:
 
 
 def is_dark(ax: Axes | None = None) -> bool:
-    """Whether the background is one on which white is seen better than black."""
+    """Whether white is seen better than black on the background."""
     return luminance(background(ax)) < LIGHT_LUMINANCE
 
 
 def legible(colour: Any, ax: Axes | None = None) -> Any:
-    """The colour; on a dark background that hides it, the shade of it next to it that is seen.
+    """The colour; where a dark background hides it, the nearest lighter shade of it that can be seen.
 
-    Greys are mirrored: black becomes white.
+    Greys are inverted instead: black becomes white.
     """
     behind = background(ax)
     if not is_dark(ax) or contrast(colour, behind) >= MIN_CONTRAST:
@@ -214,7 +214,7 @@ def _mixed_with_white(channels: Any, share: float) -> str:
 
 
 def ink(ax: Axes | None = None) -> str:
-    """Black, on a dark background white."""
+    """Black, or white on a dark background."""
     return legible(BLACK, ax)
 
 
@@ -226,7 +226,7 @@ def ink_on(fill: Any) -> str:
 def add_halo(line: Any, ax: Axes | None = None) -> None:
     """Give a line that crosses coloured areas edges in the colour of a dark background.
 
-    On light backgrounds there are none: black is seen on all colours of the package.
+    On a light background it gets none: black is seen on all colours of the package.
     """
     if is_dark(ax):
         edges = max(np.atleast_1d(line.get_linewidth())) + HALO_WIDTH
@@ -234,14 +234,14 @@ def add_halo(line: Any, ax: Axes | None = None) -> None:
 
 
 def add_halo_to_errors(errors: Any, ax: Axes | None = None) -> None:
-    """The same for the caps and spans of error bars, which cross bars."""
+    """Do the same for the caps and spans of error bars, which cross bars."""
     _, caps, spans = errors.lines
     for line in (*caps, *spans):
         add_halo(line, ax)
 
 
 def cycled_style(index: int) -> dict[str, Any] | None:
-    """What the user's own cycle of line properties has at an index; None where it was not changed."""
+    """Line properties at an index of the user's own ``axes.prop_cycle``; None where it was not changed."""
     cycle = rcParams["axes.prop_cycle"]
     if any(cycle == ours for ours in _CYCLES):
         return None
@@ -250,7 +250,7 @@ def cycled_style(index: int) -> dict[str, Any] | None:
 
 
 def line_width(width: float = LINE_WIDTH) -> float:
-    """A width in points: as given, or in proportion to the user's, which is that of plain lines."""
+    """A width in points: as given, or scaled so that lines of LINE_WIDTH have the user's width."""
     chosen = rcParams["lines.linewidth"]
     return width if chosen == rcParamsDefault["lines.linewidth"] else width * chosen / LINE_WIDTH
 
@@ -271,9 +271,10 @@ def pen(colour: str = BLACK, width: float = LINE_WIDTH, ax: Axes | None = None) 
 
 
 def mode_colours(run: Any) -> dict[str, str]:
-    """A colour for every mode that a run knows: its own, or for modes of other automata one of the palette.
+    """A colour for every mode that a run knows: that in MODE_COLOURS, or for other names one of a palette.
 
-    They are in the automaton's order and taken in turn by it, so that a mode looks the same in all runs.
+    Modes come in the automaton's order, and their places in it choose from the palette, so that a mode
+    looks the same in all runs.
     """
     spare = (GREY, SKY, ORANGE, PURPLE, YELLOW, GREEN, BLUE, VERMILLION, BLACK)
     places = sorted(zip(run.mode_places, run.mode_names, strict=True))
@@ -281,7 +282,7 @@ def mode_colours(run: Any) -> dict[str, str]:
 
 
 def line_style(index: int, name: str, ax: Axes | None = None) -> dict[str, Any]:
-    """Colour, width and dashes of a coordinate's line in `ax`: angles, of another unit, are dashed.
+    """Colour, width and dashes of a coordinate's line in `ax`: angles are dashed, as their unit differs.
 
     What the user has set in ``axes.prop_cycle`` takes the place of the package's colours.
     """
@@ -295,15 +296,15 @@ def line_style(index: int, name: str, ax: Axes | None = None) -> dict[str, Any]:
 
 
 def crowding() -> float:
-    """How much larger letters are beside a new figure than without a style, 1 at least.
+    """How much larger letters are, relative to a new figure, than without a style; at least 1.
 
-    What has a fixed number of letters, as a title or the ticks of an axis, has to give way by this factor.
+    What has a fixed number of letters, as a title or the ticks of an axis, has to shrink by this factor.
     """
     return max(1.0, font_size(1.0) * PANEL_SIZE[0] / figure_size()[0])
 
 
 def figure_size(width: float = PANEL_SIZE[0], height: float = PANEL_SIZE[1]) -> tuple[float, float]:
-    """Inches of a figure: as given, or the user's; in a style of the package in proportion to its own."""
+    """Size of a figure in inches: as given, scaled in a style of the package, or the user's own."""
     chosen = tuple(rcParams["figure.figsize"])
     if chosen == tuple(rcParamsDefault["figure.figsize"]):
         return width, height

@@ -1,10 +1,10 @@
 """Figures without pyplot, which show themselves in a notebook, with legends where they cover no data; and the
 content of a panel as data.
 
-`RunFigure` is what every function here makes where it is given no axes.  `AnimatedFigure` keeps the image of
+A plotting function that is given no axes draws into a new `RunFigure`.  `AnimatedFigure` keeps the image of
 the parts that do not move, for animations of many frames.  A panel of an explorer is a function that takes a
 result and returns a `Drawing`.  It makes no artists, so that it does not depend on how a picture is updated,
-and the same curves can be checked in a test or kept in grey for comparison::
+and the same curves can be checked in a test or kept for comparison::
 
     def penetration(result):
         t = result.times()
@@ -13,8 +13,8 @@ and the same curves can be checked in a test or kept in grey for comparison::
 
     fl.explore(panels=("response", penetration))
 
-`envelope` gives long curves in few points: the smallest and the largest value in each pixel's worth of
-samples.
+`envelope` reduces a long curve to few points: the smallest and the largest value of the samples that share a
+pixel.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ from frictionlab.plotting.appearance import PANEL_SIZE, crowding, figure_size, f
 
 Array = NDArray[np.float64]
 ENVELOPE_BINS = 400  # about the width of a panel in pixels
-COMPRESSION = 3  # of PNG: zlib's usual 6 takes twice as long for files that are a fiftieth smaller
+COMPRESSION = 3  # of PNG: zlib's default, 6, takes twice as long for files that are 2 percent smaller
 
 
 class Curve(NamedTuple):
@@ -51,9 +51,9 @@ class Curve(NamedTuple):
     x, y : array_like (N,)
         NaN breaks the line.
     style : mapping
-        Keywords of matplotlib's Line2D; those given when a curve is first drawn are kept.
+        Keywords of matplotlib's Line2D; a curve keeps those with which it is first drawn.
     axis : "left", "right" or "strip"
-        The axis of y; on a strip 0 is the bottom of the panel and 1 its top.
+        The axis of y; on "strip" 0 is the bottom of the panel and 1 its top.
     """
 
     x: Any
@@ -95,18 +95,18 @@ class Drawing:
 
 
 def envelope(x: Any, y: Any, bins: int = ENVELOPE_BINS) -> tuple[Array, Array]:
-    """The curve with at most two points for each of `bins` parts of it: its extremes, in their order.
+    """The curve in few points: both extremes of each of its `bins` parts, in order, and its ends.
 
     Parameters
     ----------
     x, y : array_like (N,)
-        At equal distances of x; finite.
+        Equally spaced in x; finite.
     bins : int
 
     Returns
     -------
     x, y : arrays
-        Samples of the curve: as given where they are no more than four for each part.
+        Samples of the curve: all of them where they are at most four for each part.
     """
     x, y = np.asarray(x, dtype=float), np.asarray(y, dtype=float)
     if len(y) <= 4 * bins:
@@ -128,7 +128,7 @@ def _extreme_indices(extreme: Any, y: Array, edges: NDArray[np.intp]) -> NDArray
 
 
 class SavingCanvas(FigureCanvasAgg):
-    """A canvas for a file, which has animated artists too."""
+    """A canvas that draws animated artists too, as a file needs."""
 
     def is_saving(self) -> bool:
         """Always."""
@@ -141,14 +141,14 @@ class RunFigure(Figure):
     def savefig(self, fname: Any, **options: Any) -> None:
         """Write a file or to a stream; see :meth:`matplotlib.figure.Figure.savefig`."""
         with write_file(fname) as beside:
-            # A canvas of pixels that the figure has already may draw in a way of its own.
+            # An Agg canvas that the figure has already may draw in its own way, so it is used.
             if _is_plain_png(beside, options) and not isinstance(self.canvas, FigureCanvasAgg):
                 self._write_png(beside, options.get("dpi") or rcParams["savefig.dpi"])
             else:
                 super().savefig(beside, **options)
 
     def _write_png(self, path: Any, dpi: Any) -> None:
-        # Matplotlib draws twice, first without ink, as other formats need the layout beforehand.
+        # Matplotlib's savefig draws twice, first without ink: other formats need the layout beforehand.
         with self._on(SavingCanvas, self.dpi if dpi == "figure" else dpi) as canvas:
             canvas.print_png(path, pil_kwargs={"compress_level": COMPRESSION})
 
@@ -176,14 +176,14 @@ PLAIN = {"savefig.bbox": None, "savefig.facecolor": "auto", "savefig.edgecolor":
 
 
 def _is_plain_png(path: Any, options: Mapping[str, Any]) -> bool:
-    """Whether the picture is to be written as PNG as it is: whole, with the figure's own background."""
+    """Whether the whole picture is to be written as PNG, with the figure's own background."""
     kind = options.get("format") or splitext(str(path))[1][1:]
     plain = not rcParams["savefig.transparent"] and all(rcParams[name] == PLAIN[name] for name in PLAIN)
     return kind.lower() == "png" and plain and {*options} <= {"format", "dpi"}
 
 
 class RunAxes(Axes):
-    """Axes that a notebook displays by their figure."""
+    """Axes that a notebook displays as their figure."""
 
     def _repr_png_(self) -> bytes | None:
         figure = self.get_figure(root=True)
@@ -217,19 +217,19 @@ def set_long_title(ax: Axes, text: str) -> None:
 
 
 def wrap_label(text: str, length: int) -> str:
-    """A label that has so many letters in a line; where letters are large it is broken into lines."""
+    """The label; where letters are large, broken into lines of ``length / crowding()`` letters."""
     return text if crowding() == 1.0 else fill(text, round(length / crowding()), break_long_words=False)
 
 
 class AnimatedFigure(RunFigure):
-    """A figure that keeps the image of its fixed parts, as drawing all of them in every frame takes far
+    """A figure that keeps the image of its fixed parts: drawing them again in every frame would take far
     longer."""
 
     moving_artists: Sequence[Artist] = ()
     _still: tuple[Any, Any] = (None, None)
 
     def savefig(self, fname: Any, *, transparent: bool | None = None, **options: Any) -> None:
-        """Write a file; from the kept image for PNG or raw pixels, which writers of animations use."""
+        """Write a file; PNG and raw pixels, which writers of animations use, come from the kept image."""
         kind = options.get("format")
         if (
             not self.moving_artists

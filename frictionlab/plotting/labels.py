@@ -18,20 +18,20 @@ LEGEND_WIDTH = 36  # characters of a line in a legend
 
 
 def secondary_axis_angles(names: Sequence[str]) -> tuple[str, ...]:
-    """The angles among coordinates that have an axis of their own: where there are lengths as well."""
+    """The angles that need an axis of their own: all angles where there are lengths too, else none."""
     angles = tuple(filter(is_angle, names))
     return () if len(angles) == len(names) else angles
 
 
 def coordinate_axis_label(names: Sequence[str]) -> str:
-    """What the axis on the left shows."""
+    """Label of the axis on the left, which shows coordinates."""
     return (
         "displacement (m)" if secondary_axis_angles(names) or not any(map(is_angle, names)) else "angle (rad)"
     )
 
 
 def state_label(name: str) -> str:
-    """The name as a reader expects it in a legend or at an axis: subscripts, dots, Greek letters.
+    """The name as a reader expects it in a legend or on an axis: subscripts, dots, Greek letters.
 
     A name that is more than letters and an index, such as "x_left" or "a$b", is shown as it is.
     """
@@ -47,7 +47,7 @@ def state_label(name: str) -> str:
 
 
 def parameter_symbol(model: Any, name: str) -> str:
-    """Symbol of a parameter as matplotlib sets it; of an automaton's, which has no metadata, the name."""
+    """Symbol of a parameter as matplotlib's mathtext; an automaton has no metadata, so there the name."""
     about = _parameter_metadata(model, name)
     return f"${about.symbol}$" if about else name
 
@@ -71,13 +71,13 @@ def parameter_value_text(model: Any, name: str, value: float) -> str:
 
 
 def distinguishing_labels(models: Sequence[Any], varied: Container[str] = ()) -> list[str]:
-    """Labels that distinguish models in a legend: the values that differ, else the models in short lines.
+    """Labels that distinguish models in a legend: parameter values that differ, else the models' reprs.
 
     Parameters
     ----------
     models : sequence of Model or HybridAutomaton
     varied : container of str
-        Parameters that are left out, as a picture shows them at its axes.
+        Parameters that are left out, since the axes show them.
     """
     alike = (
         all(hasattr(model, "components") for model in models)

@@ -72,7 +72,7 @@ def plot_phase_plane(
     name : str or None
         The coordinate; None takes the first.
     window : float, (float, float) or None
-        The last so many seconds, from one time to another, or the whole run; without it some twenty periods.
+        Seconds at the end, start and end time, or None for the whole run; by default some twenty periods.
 
     Returns
     -------
@@ -82,9 +82,9 @@ def plot_phase_plane(
     Raises
     ------
     TypeError
-        For what is no run.
+        If `run` is not a Trajectory.
     ValueError
-        For a name that is no coordinate's, or a window outside the run.
+        For a name that is not a coordinate, or a window outside the run.
     """
     check_run_with_coordinates(run)
     shown: str = run.names[0] if name is None else name
@@ -133,12 +133,12 @@ def plot_spectrum(
     name : str or None
         The state; None takes the first.
     f_max : float or None
-        Right end of the frequency axis, Hz; None takes six times about the model's own frequency.
+        Right end of the frequency axis, Hz; None takes about six times the model's own frequency.
 
     Returns
     -------
     list of Line2D
-        The spectrum; empty where the run is too short for one, which the panel then says.
+        The spectrum; empty where the run is too short for one, as the panel then says.
     """
     check_run(run)
     shown: str = run.names[0] if name is None else name
@@ -185,7 +185,7 @@ def _label_spectrum(ax: Axes, name: str, f_max: float) -> None:
 
 def _logarithmic(ax: Axes, amplitudes: Array) -> None:
     top = float(amplitudes.max())
-    if top > 0:  # a state at rest has no logarithm
+    if top > 0:  # at rest all are zero and have no logarithm
         ax.set_yscale("log")
         ax.set_ylim(top * 10.0**-DECADES, top * 2)
 
@@ -203,7 +203,8 @@ SIZE, FONT_SIZE = (12.0, 7.0), 9.0  # inches, points
 def plot_run(run: Any, figure: Figure | None = None, *, window: Window = DEFAULT_WINDOW) -> Figure:
     """Draw a run: displacements and contact forces against time, phase plane and spectrum of a coordinate.
 
-    Phase plane and spectrum are of the first coordinate.  Without contact forces there are rates instead.
+    Phase plane and spectrum are of the first coordinate.  Without contact forces
+    the rates are drawn instead.
 
     Parameters
     ----------
@@ -212,14 +213,14 @@ def plot_run(run: Any, figure: Figure | None = None, *, window: Window = DEFAULT
     figure : Figure or None
         Where to draw; None makes a new figure that belongs to no window.
     window : float, (float, float) or None
-        What the panels over time show: the last so many seconds, from one time to another, or the whole
-        run; without it some eight periods.
+        What the panels over time show: seconds at the end, start and end time, or None for the whole run;
+        by default some eight periods.
 
     Returns
     -------
     Figure
-        With the axes displacements, phase plane, forces, spectrum, in this order, and last the one of the
-        angle beside the displacements, if there is one; a notebook shows the figure.
+        Its axes are displacements, phase plane, forces, spectrum, in this order; where an angle has an axis
+        beside the displacements, that comes last.  A notebook shows the figure.
 
     Examples
     --------
@@ -243,7 +244,7 @@ def plot_run(run: Any, figure: Figure | None = None, *, window: Window = DEFAULT
     _legend_right_of(displacements, coordinates, right)
     _legend_right_of(forces, contact, right)
     for ax in panels.flat:
-        # In panels so wide no title meets the power of ten above an axis; to look takes a tenth of the time.
+        # In panels this wide no title meets the power of ten above an axis: to check takes 10 % of the time.
         place = {"y": 1.0} if own and ax is not phase else {}
         ax.set_title(ax.get_title(), fontsize=font_size(FONT_SIZE + 1) / crowding(), **place)
     _title(figure, run)
@@ -258,7 +259,7 @@ def _legend_right_of(ax: Axes, lines: list[Line2D], x: float) -> None:
 
 def _title(figure: Figure, run: Any) -> None:
     colours = mode_colours(run)
-    # Modes entered for a few thousandths of the time are listed too, though too short to be visible.
+    # Modes that last a few thousandths of the time are listed too, though too short to be visible.
     modes = [name for name, seconds in run.time_in_mode.items() if seconds > 0]
     handles = [Patch(facecolor=legible(colours[name]), alpha=0.6, label=name) for name in modes]
     what = "run" if run.source is None else repr(run.source)
@@ -297,7 +298,7 @@ def plot_energies(audit: Any, ax: Axes | None = None) -> list[Line2D]:
 
 
 def plot_works(audit: Any, ax: Axes | None = None) -> list[Line2D]:
-    """Draw the work of every contribution from 0 to t, and their sum, dashed: the energy that the system
+    """Draw the work of every contribution from 0 to t, and dashed their sum, the energy that the system
     gained.
 
     Parameters
@@ -348,7 +349,7 @@ def _draw_contributions(
 
 
 def plot_verification(found: Any, ax: Axes | None = None) -> list[Line2D]:
-    """Draw the deviation from other runs, and the defect in each mode, beside the largest that are trusted.
+    """Draw the deviation from other runs and the defect in each mode, with the largest values trusted.
 
     Parameters
     ----------
@@ -359,8 +360,8 @@ def plot_verification(found: Any, ax: Axes | None = None) -> list[Line2D]:
     Returns
     -------
     list of Line2D
-        What was found, and the limits; what is below rounding stands there.  Defects of methods without a
-        tolerance have no limit.
+        What was found, and the limits.  Values below the machine epsilon are drawn there.  Defects of methods
+        without a tolerance have no limit.
 
     Examples
     --------

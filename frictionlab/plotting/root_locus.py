@@ -43,8 +43,8 @@ from frictionlab.presentation import state_unit
 
 
 def plot_equilibrium(found: Any, ax: Axes | None = None) -> Sequence[Artist]:
-    """Draw the mechanism at an equilibrium, with the contact forces on the body; a model without one, or an
-    automaton, has its displacements drawn as bars.
+    """Draw the mechanism at an equilibrium, with the contact forces on the body; for an automaton, or a model
+    without a mechanism, the displacements as bars.
 
     Parameters
     ----------
@@ -81,7 +81,7 @@ def plot_equilibrium(found: Any, ax: Axes | None = None) -> Sequence[Artist]:
 
 @dataclass(frozen=True, eq=False)
 class _EquilibriumFrames:
-    """What a picture asks of a run, of one that slips in an equilibrium for a second."""
+    """Stands in for a run that slips at an equilibrium for one second: what a picture asks of a run."""
 
     events: ClassVar[tuple[Any, ...]] = ()
     time_in_mode: ClassVar[Mapping[str, float]] = {"slip": 1.0}
@@ -91,7 +91,7 @@ class _EquilibriumFrames:
 
     @property
     def automaton(self) -> Any:
-        """Of which a picture wants the values of the parameters alone."""
+        """A stand-in with the parameter values, all that a picture reads of an automaton."""
         return SimpleNamespace(values=self.found.model.parameters)
 
     @property
@@ -102,7 +102,7 @@ class _EquilibriumFrames:
         return np.tile(np.append(self.found.q, np.zeros(len(self.found.q))), (len(t), 1))
 
     def output(self, name: str, t: Array) -> Array:
-        """A force or the penetration; NaN where the equilibrium has none of that name."""
+        """A force or the penetration; NaN where the equilibrium does not have it."""
         return np.full(len(t), getattr(self.found, name, np.nan))
 
 
@@ -153,8 +153,8 @@ def plot_frequencies(
     modes : sequence of int or None
         Columns of ``locus.values``; None draws all modes.
     label : str or None
-        What the lines are called together, for several loci in one panel; None calls them mode 0, mode 1, ...
-    color, linestyle : matplotlib's, or None
+        One label for all lines, for several loci in one panel; None labels them mode 0, mode 1, ...
+    color, linestyle : as matplotlib takes them, or None
         For all lines; None gives each mode its own.
     legend : bool
         Whether to put a legend beside the panel.
@@ -249,7 +249,7 @@ def _label_locus_axes(locus: Any, ax: Axes, lines: list[Line2D], ylabel: str, le
 
 
 def growing_legend_handle(ax: Axes | None = None) -> Line2D:
-    """The heavy line's entry in a legend."""
+    """The legend entry of heavy lines."""
     return Line2D([], [], label=GROWING_LABEL, **pen(GREY, GROWING_LINE_WIDTH, ax))
 
 
@@ -258,7 +258,8 @@ def plot_root_locus(
 ) -> list[LineCollection]:
     """Draw the eigenvalues in the complex plane, coloured along the parameter, from dots to crosses.
 
-    Of a conjugate pair the one in the upper half-plane is drawn; to the right of the imaginary axis it grows.
+    Of a conjugate pair the one in the upper half-plane is drawn.  To the right of the imaginary axis a mode
+    grows.
 
     Parameters
     ----------
@@ -290,7 +291,7 @@ def plot_root_locus(
 
 
 def plot_eigenvalues(found: Any, ax: Axes | None = None) -> list[Line2D]:
-    """Draw eigenvalues in the complex plane; to the right of the imaginary axis they grow.
+    """Draw eigenvalues in the complex plane; to the right of the imaginary axis a mode grows.
 
     Of a conjugate pair the one in the upper half-plane is drawn.
 
@@ -303,7 +304,7 @@ def plot_eigenvalues(found: Any, ax: Axes | None = None) -> list[Line2D]:
     Returns
     -------
     list of Line2D
-        The points of those that do not grow, then of those that do, where there are such.
+        The points of modes that do not grow, then of those that do; either may be missing.
     """
     ax = axes_or_new(ax)
     ax.axvline(0.0, zorder=1, **pen(GREY, 0.8, ax))

@@ -1,5 +1,5 @@
 """Where stability is lost: critical values of one parameter against another, and maps over two parameters;
-and a Hopf point, the small vibration that is born where flutter sets in, by its normal form.
+and the small vibration born at a Hopf point, where flutter sets in, by its normal form.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ STABLE_COLOUR, STABLE_ON_DARK = "#F2F2F2", "#333333"
 COUNT_COLOURS = (STABLE_COLOUR, SKY, ORANGE, VERMILLION)  # none, one, two, more
 DOTTED = (0, (1, 1.5))
 HATCH = "////"
-LABEL_LENGTH = 45  # letters along the height of a figure
+LABEL_LENGTH = 45  # letters that fit along the height of a figure
 
 
 def plot_critical(
@@ -63,7 +63,7 @@ def plot_critical(
     ax : Axes or None
         None draws into a new figure, ``lines[0].axes.figure``.
     labels : sequence of str or None
-        A name for each curve; None takes what their models differ in.
+        A label for each curve; None takes what their models differ in.
     legend : bool
         Whether to put a legend beside the panel, where there is more than one curve.
 
@@ -125,8 +125,8 @@ class MapArtists(NamedTuple):
 def plot_stability_map(plane: Any, ax: Axes | None = None, *, legend: bool = True) -> MapArtists:
     """Draw how many modes grow over a plane of two parameters, and the exact boundaries between.
 
-    Solid lines are flutter, dashed ones divergence, dotted ones where the equilibrium itself ends; where
-    there is none the plane is hatched.
+    Solid lines are flutter, dashed ones divergence, and at dotted ones the equilibrium itself ends; where
+    there is no equilibrium the plane is hatched.
 
     Parameters
     ----------
@@ -194,7 +194,7 @@ def _map_legend_handles(plane: Any, boundary: list[Line2D], ax: Axes) -> list[An
     return patches + list({str(line.get_label()): line for line in boundary}.values())
 
 
-EDGE_GROWTH = 0.01  # growth in a radian, at the picture's edges: the vibration of the normal form is small
+EDGE_GROWTH = 0.01  # growth rate / angular frequency at the picture's edges: small, as a normal form needs
 POINTS = 201  # of each line
 
 
@@ -203,7 +203,7 @@ def plot_hopf(point: Any, ax: Axes | None = None, *, name: str | None = None) ->
 
     Solid lines are stable, dashed ones are not.  The vibration is drawn up to where it first reaches stick or
     separation, at most to where the equilibrium's growth rate is one percent of the angular frequency.  At a
-    degenerate point there is the equilibrium alone.
+    degenerate point only the equilibrium is drawn.
 
     Parameters
     ----------
@@ -240,7 +240,7 @@ def plot_hopf(point: Any, ax: Axes | None = None, *, name: str | None = None) ->
     text = f"Hopf point, {parameter_value_text(point.model, point.parameter, point.value)}"
     style: dict[str, Any] = {"color": legible(colour, ax), "markersize": marker_size(10.0)}
     lines += ax.plot(point.value, 0.0, marker, linestyle="none", label=text, **style)
-    # On the left, as on the right there may be an offset of the numbers.
+    # On the left, as the axis may show an offset of its numbers on the right.
     ax.set_xlabel(parameter_label(point.model, point.parameter), loc="left")
     # States of an automaton without coordinates may have any unit.
     unit = f" ({state_unit(shown)})" if point.model.coordinates else ""
@@ -256,7 +256,7 @@ def plot_hopf(point: Any, ax: Axes | None = None, *, name: str | None = None) ->
 
 
 def _distance(point: Any) -> float:
-    """From the critical value to the picture's edges."""
+    """Distance of the picture's edges from the critical value."""
     weak = EDGE_GROWTH * 2 * np.pi * point.frequency / abs(point.crossing_speed)
     return float(np.nanmin([weak, abs(point.valid_until - point.value)]))
 

@@ -1,7 +1,7 @@
 """Displacements, rates and contact forces of a run against time, with the modes shaded behind them.
 
-A window is the part of a run that a panel shows: the last so many seconds, two times, so many periods of the
-model at the end, or (None) the whole run.
+A window is the part of a run that a panel shows: a number of seconds or of the model's periods at the end,
+the part between two times, or (None) the whole run.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ Array = NDArray[np.float64]
 
 
 class Periods(NamedTuple):
-    """A window at the end of a run that is so many periods of the model long."""
+    """A window at the end of a run, as long as `count` periods of the model."""
 
     count: float
 
@@ -46,7 +46,7 @@ Window = float | tuple[float, float] | Periods | None
 DEFAULT_WINDOW = Periods(7.5)  # 0.75 s of the slider on a belt
 SAMPLES = 4001
 SHADE, DARK_SHADE = 0.35, 0.2  # opacity of the modes behind lines, on light and on dark backgrounds
-SAMPLING_RTOL = 1e-12  # share by which rounding may keep a window from holding one more whole step
+SAMPLING_RTOL = 1e-12  # rounding allowed for where the whole steps within a window are counted
 
 
 def end_time(run: Any) -> float:
@@ -75,7 +75,7 @@ def window_limits(run: Any, window: Window = DEFAULT_WINDOW) -> tuple[float, flo
     ValueError
         If the window is empty or lies outside the run.
     TypeError
-        For what is no run.
+        If `run` is not a Trajectory.
     """
     check_run(run)
     end = end_time(run)
@@ -102,7 +102,7 @@ def _two_times(window: Any) -> Array:
 
 
 def sample_times(start: float, stop: float, points: int = SAMPLES) -> Array:
-    """Evenly spaced times that never leave the window by rounding."""
+    """Evenly spaced times, kept within the window against rounding."""
     return np.clip(np.linspace(start, stop, points), start, stop)
 
 
@@ -119,7 +119,7 @@ def window_text(run: Any, start: float, stop: float) -> str:
 def mode_intervals(run: Any) -> tuple[Array, list[str]]:
     """Edges (n + 1,) of the intervals of a run spent in one mode, and their names.
 
-    Events that lead back into the same mode, such as the re-contacts of chatter, divide nothing.
+    Events that lead back into the same mode, such as the re-contacts of chatter, split no interval.
     """
     events, end = run.events, end_time(run)
     if len(events) == 0:
@@ -150,7 +150,7 @@ def shade_modes(run: Any, ax: Axes, window: Window = DEFAULT_WINDOW) -> list[Pol
     run : Trajectory
     ax : Axes
     window : float, (float, float) or None
-        The last so many seconds, from one time to another, or the whole run.
+        Seconds at the end, start and end time, or None for the whole run.
 
     Returns
     -------
@@ -183,7 +183,7 @@ def _intervals_in_window(
 def label_time_axes(
     run: Any, ax: Axes, span: tuple[float, float], shade: bool, what: str, ylabel: str
 ) -> None:
-    """Shade the modes, if wanted, and name the axes and what is drawn in which part of the run."""
+    """Shade the modes, if wanted; label the axes; say in the title what is drawn in which part of the run."""
     if shade:
         shade_modes(run, ax, span)
     ax.set(xlabel="time (s)", ylabel=ylabel, title=f"{what}, {window_text(run, *span)}")
@@ -200,8 +200,8 @@ def plot_displacements(
 ) -> list[Line2D]:
     """Draw all coordinates against time, with the modes shaded behind them.
 
-    Lengths belong to the axis on the left; an angle (named phi, theta or psi) is dashed, as it has another
-    unit and size, and where there are lengths belongs to an axis on the right.
+    Lengths belong to the axis on the left.  An angle (named phi, theta or psi) is dashed, as it has another
+    unit and size; where there are lengths it belongs to an axis on the right.
 
     Parameters
     ----------
@@ -209,7 +209,7 @@ def plot_displacements(
     ax : Axes or None
         None draws into a new figure, ``lines[0].axes.figure``.
     window : float, (float, float) or None
-        The last so many seconds, from one time to another, or the whole run; without it some eight periods.
+        Seconds at the end, start and end time, or None for the whole run; by default some eight periods.
     shade : bool
         Whether to shade the modes.
 
@@ -225,7 +225,7 @@ def plot_displacements(
     angles = secondary_axis_angles(names)
     right = _angle_axis(ax) if angles else ax
     for axis in (ax, right):
-        axis.ticklabel_format(axis="y", scilimits=(-3, 4))  # 1e-4 once rather than 0.00012 at every tick
+        axis.ticklabel_format(axis="y", scilimits=(-3, 4))  # 1e-4 once, not 0.00012 at every tick
     lines = []
     for i, name in enumerate(names):
         axis, text = right if name in angles else ax, f"{state_label(name)} ({state_unit(name)})"
@@ -252,7 +252,7 @@ def plot_rates(
     ax : Axes or None
         None draws into a new figure, ``lines[0].axes.figure``.
     window : float, (float, float) or None
-        The last so many seconds, from one time to another, or the whole run; without it some eight periods.
+        Seconds at the end, start and end time, or None for the whole run; by default some eight periods.
     shade : bool
         Whether to shade the modes.
 
@@ -304,7 +304,7 @@ def plot_contact_forces(
     ax : Axes or None
         None draws into a new figure, ``lines[0].axes.figure``.
     window : float, (float, float) or None
-        The last so many seconds, from one time to another, or the whole run; without it some eight periods.
+        Seconds at the end, start and end time, or None for the whole run; by default some eight periods.
     shade : bool
         Whether to shade the modes.
 

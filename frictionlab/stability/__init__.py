@@ -2,7 +2,7 @@
 
 All analyses work on an `EquilibriumProblem` (`equilibrium_problem`): equilibria and state matrices as
 functions of arrays of parameters, with the linear algebra on stacks of matrices that all of them use.
-`equilibrium_points` makes one of a model or an automaton, through the `Flow` of a mode (`flow`, with exact
+`equilibrium_points` makes one from a model or an automaton, by the `Flow` of a mode (`flow`, with exact
 derivatives by the parameters); `eigenproblems` gives eigenvalues and root loci; `boundaries` finds where
 stability changes along one parameter or in a plane of two, and the vibration that begins there (Hopf points).
 """

@@ -1,13 +1,13 @@
-"""Equilibria and state matrices as functions of the parameters, on which all stability analyses work, and
-eigenvalues, vectors and growth rates of stacks of these matrices.
+"""Equilibria and state matrices as functions of the parameters, on which all stability analyses work.
 
-Give a state matrix and `solve`, and all analyses work; those of further derivatives ask for the flow as
-expressions.  Also the checks of parameter names, values and bounds.
+An :class:`EquilibriumProblem` with a state matrix and `solve` is enough for most analyses; those that take
+further derivatives ask it for the flow as expressions.  Also here: eigenvalues, vectors and growth rates of
+stacks of state matrices, and the checks of parameter names, values and bounds.
 
 Without damping the squares of the eigenvalues are computed, so that growth rates are exact zeros until two
-modes coalesce.  Single growth rates are zero where the backward error of the eigenvalue problem could explain
-them: computed eigenvalues of A are exact ones of A + E, where |E| is about m eps |A|. Source: Golub and Van
-Loan, Matrix Computations, 4th ed., sections 7.2 and 7.5.
+modes coalesce.  A single growth rate counts as zero where the backward error of the eigenvalue problem could
+explain it (:func:`is_neutral`): computed eigenvalues of A are exact ones of A + E, where |E| is about
+m eps |A|.  Source: Golub and Van Loan, Matrix Computations, 4th ed., sections 7.2 and 7.5.
 """
 
 from __future__ import annotations
@@ -28,12 +28,12 @@ from frictionlab.stability.flow import Flow, Jacobian
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complexfloating[Any, Any]]
 
-SMALLEST_EIGENVALUE = 1e-280  # where all eigenvalues are zero
-# Growth rates below this share of the largest eigenvalue count as zero: no damping at all.
+SMALLEST_EIGENVALUE = 1e-280  # taken for the largest where all are zero
+# Growth rates below this share of the largest eigenvalue count as zero, as without damping.
 NEUTRAL_RTOL = 1e-10
 MACHINE_EPSILON = float(np.finfo(float).eps)  # spacing of floats at 1
-BALANCING_GAIN = 0.95  # factors that leave a larger share of the norm of a row and a column are left out
-BACKWARD_ERROR = 4.0 * MACHINE_EPSILON  # of both, with a factor of two to spare
+BALANCING_GAIN = 0.95  # a factor is used if it reduces the norm of a row and a column below this share
+BACKWARD_ERROR = 4.0 * MACHINE_EPSILON  # of the problem and of A itself, with a factor of two to spare
 
 
 def eigenvalues_of_matrices(matrices: Array) -> ComplexArray:
@@ -70,22 +70,23 @@ def _stiffness(matrices: Array) -> Array:
 
 
 def growth_rates(spectra: ComplexArray) -> Array:
-    """Growth rates; those that are zero but for rounding are a little below zero."""
+    """Growth rates; those that are zero but for rounding are set a little below zero."""
     bound = NEUTRAL_RTOL * np.abs(spectra).max(axis=-1, keepdims=True, initial=SMALLEST_EIGENVALUE)
     return np.where(np.abs(spectra.real) < bound, -bound, spectra.real)
 
 
 def unstable_pairs(spectra: ComplexArray) -> NDArray[np.int_]:
-    """Number of growing pairs of eigenvalues; real ones count two as one, and one alone as one."""
+    """Number of growing pairs of eigenvalues; two real ones count as a pair, and so does one alone."""
     return ((growth_rates(spectra) > 0).sum(axis=-1) + 1) // 2
 
 
 def is_neutral(matrix: Array, values: NDArray[np.complex128]) -> NDArray[np.bool_]:
     """Whether the real part of each eigenvalue (m,) of a real matrix (m, m) is nothing but rounding.
 
-    To first order E moves an eigenvalue by |E| times its condition number.  Where two coalesce that number
-    is infinite and tells nothing, as at critical damping: an E is required as well that puts an eigenvalue on
-    the imaginary axis at this frequency.  Both are evaluated for the balanced matrix.
+    To first order a perturbation E moves an eigenvalue by |E| times its condition number.  Where two
+    coalesce, as at critical damping, that number is infinite and tells nothing.  So it is required as well
+    that some E of this size puts an eigenvalue on the imaginary axis at this frequency.  Both conditions are
+    evaluated for the balanced matrix.
     """
     scaled = balanced(matrix)
     error = len(matrix) * BACKWARD_ERROR * np.linalg.norm(scaled, 2)
@@ -95,7 +96,7 @@ def is_neutral(matrix: Array, values: NDArray[np.complex128]) -> NDArray[np.bool
     neutral = np.abs(values.real) * _cosines(right)[nearest] <= error
     for i in np.flatnonzero(neutral):  # one by one: matrices of many states are large
         on_axis = scaled - 1j * values.imag[i] * np.eye(len(matrix))
-        # The least singular value is below what is left of any vector of length 1, which takes less time.
+        # The residual of a unit vector is no less than the least singular value, and takes less time.
         left_over = np.linalg.norm(on_axis @ right[:, nearest[i]])
         neutral[i] = left_over <= error or np.linalg.svd(on_axis, compute_uv=False)[-1] <= error
     return neutral
@@ -104,20 +105,20 @@ def is_neutral(matrix: Array, values: NDArray[np.complex128]) -> NDArray[np.bool
 def _cosines(right: ComplexArray) -> Array:
     """|w v| (m,) of the left and right vectors w, v of length 1: inverse condition numbers of eigenvalues.
 
-    `right` holds those as columns; where eigenvalues coalesce there is no basis, and w v = 0.
+    `right` holds the vectors v as columns.  Where eigenvalues coalesce these are no basis, and w v = 0.
     """
     try:
         left = np.linalg.inv(right)
     except np.linalg.LinAlgError:
         return np.zeros(len(right))
-    with np.errstate(over="ignore", invalid="ignore"):  # next to no basis
+    with np.errstate(over="ignore", invalid="ignore"):  # where they are hardly a basis
         return np.nan_to_num(1.0 / np.linalg.norm(left, axis=1))
 
 
 def balanced(matrix: Array) -> Array:
     """D^-1 A D with powers of two in the diagonal D that make norms of rows and columns alike.
 
-    That changes no eigenvalue and no digit.  R. James, J. Langou, B. R. Lowery, "On matrix balancing and
+    It changes no eigenvalue and rounds nothing.  R. James, J. Langou, B. R. Lowery, "On matrix balancing and
     eigenvector computation", arXiv:1401.5766 (2014), algorithm 3, which LAPACK's gebal is.
     """
     found = np.array(matrix, dtype=float)
@@ -149,9 +150,10 @@ class EquilibriumProblem:
     values : tuple of float
         The parameters, in the flow's order.
     solve : callable
-        Values (numbers or arrays (N,)), and N -> states (m, N) of the equilibrium; NaN where there is none.
+        Takes values of the parameters (numbers or arrays (N,)) and N; gives the states (m, N) of the
+        equilibrium, NaN where there is none.
     state_matrix : callable
-        Gives the Jacobian of the flow; of the library's models without sympy, as it is kept.
+        Gives the Jacobian of the flow; for the library's models it is kept in files and needs no sympy.
     derive : callable
         Gives the flow as expressions, and the functions that are positive while the motion stays in this
         mode: v_r, the penetration.
@@ -211,7 +213,7 @@ def check_parameter(model: Any, name: Any, values: Sequence[float]) -> None:
 
 
 def check_path(problem: EquilibriumProblem, name: Any, values: Any) -> NDArray[np.float64]:
-    """Values (N,) of a parameter that keep to its rule, one at least."""
+    """The values (N,) of a parameter, at least one, checked against its rule."""
     try:
         at = np.atleast_1d(np.asarray(values, dtype=float)).ravel()
     except (TypeError, ValueError):

@@ -1,5 +1,4 @@
-"""The flow of one mode as functions of arrays, with its derivatives by the state and by all parameters at
-once.
+"""The flow of one mode as functions of arrays, with its derivatives by the state and by all parameters.
 
 With x' = f(x, p) and its Jacobian A = f_x at the equilibrium f = 0,
 
@@ -7,8 +6,8 @@ With x' = f(x, p) and its Jacobian A = f_x at the equilibrium f = 0,
 
 for the right vector r and the left vector l of a simple eigenvalue, l r = 1.  The second term needs one
 solution of A^T w = l f_xx r, however many parameters there are (the adjoint equation).  sympy derives the
-entries of f_p, f_xp and f_xx that are not zero, once for a flow.  What finds equilibria and eigenvalues, the
-flow and its Jacobian as functions, is kept of models of the library (`late_flow`).
+entries of f_p, f_xp and f_xx that are not zero, once for a flow.  Equilibria and eigenvalues need only the
+flow and its Jacobian as functions; for models of the library these are kept in files (`late_flow`).
 """
 
 from __future__ import annotations
@@ -28,7 +27,7 @@ from frictionlab.models.serialisation import Derivations
 from frictionlab.models.symbols import derivatives
 
 Array = NDArray[np.float64]
-# Terms from which on to write each as Python code takes seconds; they are then sums of a few expressions.
+# From so many terms on, Python code of each takes seconds: they become sums of a few expressions instead.
 MANY_TERMS = 1000
 
 
@@ -41,7 +40,7 @@ class Jacobian(NamedTuple):
         How many states there are.
     places : sequence of (row, column)
     entries : callable
-        Their values, of all states, then all parameters.
+        Their values, as a function of all states, then all parameters.
     """
 
     size: int
@@ -67,11 +66,11 @@ class LateFlow(NamedTuple):
     Parameters
     ----------
     kept : Derivations
-        What files hold of its model's structure.
+        What has been derived of its model's structure and is kept in files.
     name : str
-        What tells it from other flows of that structure.
+        Tells it from other flows of that structure.
     derive : callable
-        The flow with its expressions.
+        Gives the flow with its expressions.
     """
 
     kept: Derivations
@@ -101,7 +100,7 @@ class Flow:
     coordinates: int
     _late: ClassVar[LateFlow | None] = None
 
-    def __getattr__(self, name: str) -> Any:  # of what is derived late
+    def __getattr__(self, name: str) -> Any:  # for the fields that are derived late
         if self._late is None or name not in self.__match_args__:
             raise AttributeError(f"a Flow has no attribute {name!r}")
         derived = self._late.derive()
@@ -120,7 +119,7 @@ class Flow:
 
     @cached_property
     def _outline(self) -> dict[str, Any]:
-        """What is known of the flow but its functions, as data that JSON can hold."""
+        """All that is known of the flow, except its functions, as data that JSON can hold."""
 
         def derive() -> dict[str, Any]:
             states, partial = {*self.states}, self._partial
@@ -184,7 +183,7 @@ class Flow:
         return self._function("margins", lambda: self.margins)
 
     def _function(self, name: str, expressions: Callable[[], Sequence[Any]]) -> Callable[..., Any]:
-        """A function as `compiled` gives it, or as it is kept."""
+        """A function as `compiled` gives it, or as it is kept in a file."""
         late, derive = self._late, lambda: self.compiled(expressions())
         return derive() if late is None else late.kept.function(f"{name} of {late.name}", OF_ARRAYS, derive)
 
@@ -195,7 +194,7 @@ class Flow:
         arguments = [*self.states, *self.parameters]
         if sum(len(sympy.Add.make_args(one)) for one in expressions) < MANY_TERMS:
             return numpy_function(arguments, list(expressions))
-        from scipy.sparse import csr_array  # not in every run's start
+        from scipy.sparse import csr_array  # imported here, as few flows need it
 
         sums = combinations_of(expressions, self.states)
         of = numpy_function(arguments, list(sums.expressions))
@@ -226,7 +225,7 @@ class Flow:
 
 
 def late_flow(late: LateFlow) -> Flow:
-    """A flow of which the functions are kept; its expressions are derived when they are asked for."""
+    """A flow whose functions are kept in files; its expressions are derived when they are needed."""
     made = object.__new__(Flow)
     object.__setattr__(made, "_late", late)
     return made
@@ -242,7 +241,7 @@ def _stacked(parts: Sequence[Any], shape: tuple[int, ...]) -> Array:
 ComplexArray = NDArray[np.complex128]
 Places = NDArray[np.intp]
 SINGULAR_RTOL = (
-    1e-13  # of the largest singular value: an equilibrium is no function of the parameters below it
+    1e-13  # of the largest singular value: below it the equilibrium is no function of the parameters
 )
 
 
@@ -330,7 +329,7 @@ class EquilibriumDerivatives(NamedTuple):
         return -solve_regular(self.matrix, self.by_parameter)
 
     def bilinear(self, left: Any, right: Any) -> ComplexArray:
-        """l (dA/dp) r (P,), with the equilibrium as it moves."""
+        """l (dA/dp) r (P,), including the shift of the equilibrium."""
         found = flow_derivatives(self.flow)
         mixed, second = found.mixed, found.second
         total: Any = np.zeros(len(self.flow.parameters), dtype=complex)
@@ -360,7 +359,7 @@ def solve_regular(matrix: Any, right: Any) -> Any:
     ValueError
         Where the matrix is singular, to rounding.
     """
-    # Rows and columns by their size, as stiffnesses stand beside ones in state matrices.
+    # Rows and columns are scaled by their size, as state matrices have stiffnesses beside ones.
     rows = 1.0 / np.maximum(np.abs(matrix).max(axis=1), np.finfo(float).tiny)
     columns = 1.0 / np.maximum(np.abs(rows[:, None] * matrix).max(axis=0), np.finfo(float).tiny)
     scaled = rows[:, None] * matrix * columns
@@ -386,7 +385,7 @@ class NullVectors(NamedTuple):
 def null_vectors(matrix: Array, value: complex) -> NullVectors:
     """The vectors of the eigenvalue nearest to a value, also where two coalesce and l r = 0.
 
-    The last singular vectors of A - lambda 1, in units in which velocities have the size of coordinates.
+    They are the last singular vectors of A - lambda 1, in units that give velocities the size of coordinates.
     """
     n, odd = divmod(len(matrix), 2)
     size = float(np.sqrt(np.linalg.norm(matrix, 2))) or 1.0

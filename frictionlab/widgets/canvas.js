@@ -1,15 +1,16 @@
 // A model's mechanism, its contact forces and its phase plane, played in a notebook. Python sends the sizes as `scene` and
-// the places as `rows`: 32-bit numbers, one row for every frame, with the columns of scene.columns; an explorer sends others
-// when its controls move, while this plays on.  What draws them stands in frictionlab/plotting/animation/drawing.js, which
-// canvas.py puts before this.  Colours are those of the style in which the scene was made.
+// the places as `rows`: 32-bit numbers, one row for every frame, with the columns of scene.columns.  An explorer sends new
+// ones when its controls move, while this plays on.  The functions that draw are those of drawing.js in
+// frictionlab/plotting/animation, which canvas.py puts before this file.  Colours are those of the style in which the scene
+// was made.
 const PACES = [1, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01];
-const LABEL = 13; // pixels of labels where letters are as high
+const LABEL = 13; // font size in pixels, unless the page sets one
 
 function render({ model, el }) {
   let scene, numbers, columns, frames, time = 0, last = null, request = null, path = null, place = null, surfaces = null, audio = null, seen = true, followed;
   const get = (i, name) => numbers[i * columns.length + columns.indexOf(name)];
-  const whole = !model.get("plays"); // by itself, and not a panel of an explorer, where others have the legend of the modes
-  const follows = model.get("follows"); // the instant that the explorer's other mechanism shows
+  const whole = !model.get("plays"); // it stands alone: in an explorer other panels have the legend of the modes
+  const follows = model.get("follows"); // it shows the instant that the explorer's other mechanism shows
   const style = `flex: 1 1 300px; min-width: 0; min-height: 150px; ${whole ? "height: 340px" : "height: 0; width: 100%"}`;
   const pictures = Array.from({ length: whole ? 2 : 1 }, (_, i) => html("canvas", { style, role: "img", ariaLabel: ["mechanism", "phase plane"][i] }));
   const play = html("button", { textContent: "play", style: "width: 4.6em" });
@@ -26,7 +27,7 @@ function render({ model, el }) {
   const patch = (colour) => html("span", { style: `display: inline-block; width: 1em; height: 0.7em; margin-right: 0.3em; background: ${colour}` });
   const times = (factor) => `${+factor.toPrecision(3)} times`;
   const named = (one) => (one === 1 ? "real time" : one > 1 ? `${times(one)} faster` : `${times(1 / one)} slower`);
-  function load() { // new data; what is set by hand stays
+  function load() { // new data; what the user has set stays
     if (!model.get("scene").columns) return; // nothing has been computed yet
     const before = scene, bytes = model.get("rows");
     scene = model.get("scene");
@@ -45,7 +46,7 @@ function render({ model, el }) {
     box.style.cssText = `background: ${scene.paper}; color: ${scene.ink}; font-family: sans-serif; font-size: var(--jp-widgets-font-size, ${LABEL}px); padding: 4px; display: flex; flex-direction: column; height: 100%; box-sizing: border-box`;
     resize();
   }
-  function go(to) { // seconds from the first frame; told to the mechanism beside, whose run may begin at another time
+  function go(to) { // seconds from the first frame; the other mechanism, whose frames may begin at another time, is told
     time = Math.min(Math.max(to, 0), frames.count * scene.step);
     const panels = el.closest(".fl-picture");
     if (panels && !follows) panels.instant = scene.start + time;
@@ -60,7 +61,7 @@ function render({ model, el }) {
     request = requestAnimationFrame(follow);
   }
   let due = false;
-  function soon() { // both parts come in one message
+  function soon() { // scene and rows change in one message: they are loaded once
     if (!due) queueMicrotask(() => { due = false; load(); });
     due = true;
   }

@@ -28,7 +28,7 @@ SECONDS = 2.0  # seconds that a period takes at first
 BELT = (*COLUMNS, "normal_force", "friction_force", "x1", "rate", "mode")
 SUBSCRIPTS = str.maketrans("0123456789'", "₀₁₂₃₄₅₆₇₈₉′")
 
-# Controls that are seen on any paper, with the letters of the page.
+# Controls that can be seen on any background, in the font of the page.
 CSS = """
 .fl-canvas :is(button, select) { font: inherit; color: inherit; background: transparent;
   border: 1px solid #808080; border-radius: 3px; padding: 0.25em 0.6em; }
@@ -38,7 +38,7 @@ CSS = """
 
 
 class Canvas(anywidget.AnyWidget):
-    """A picture that plays in the browser; it is sent its data once and asks for sound only.
+    """A picture that plays in the browser: it gets its data in one message and asks Python for sound only.
 
     Attributes
     ----------
@@ -47,11 +47,11 @@ class Canvas(anywidget.AnyWidget):
     rows : bytes
         32-bit floats (K, columns): what moves, in K frames.
     plays : bool
-        Whether it moves as soon as it is shown, where the reader's system does not ask for rest.
+        Whether it plays as soon as it is shown, unless the reader's system asks for reduced motion.
     follows : bool
         Whether it shows the instant that the explorer's other mechanism shows, and has no clock of its own.
     run : Trajectory
-        What it shows, and what is heard.
+        The run that is shown, and heard.
     """
 
     _esm = "".join(
@@ -92,7 +92,7 @@ class Canvas(anywidget.AnyWidget):
 
 
 class MovingMechanism:
-    """A panel of explorers: the mechanism, moving, over the part of the run that is shown.
+    """A panel of an explorer: the mechanism in motion, over the part of the run that is shown.
 
     Attributes
     ----------
@@ -101,7 +101,8 @@ class MovingMechanism:
     Parameters
     ----------
     kept : str
-        What is said beside the time of a scene that is kept: it follows the mechanism that moves.
+        For the mechanism of a kept scene: what is shown beside its time.  It then follows the explorer's
+        other mechanism.
     """
 
     name = "mechanism"
@@ -141,14 +142,14 @@ def watch(
         Of a model that has a `mechanism`: any model of the package, or one of your own with a few lines for
         its picture (:class:`~frictionlab.models.Mechanism`).
     window : float, (float, float) or None
-        The last so many seconds, from one time to another, or the whole run; by default twenty periods.
+        Seconds at the end, start and end time, or None for the whole run; by default twenty periods.
     speed : float or None
-        Seconds of the run in a second, at first; the canvas offers real time and slow motion.  None takes two
-        seconds for about a period.
+        Seconds of the run that are played in a second, at first; the canvas offers real time and slow motion.
+        None plays about one period in two seconds.
     rate : float or None
         Frames in a second of the run; None makes a hundred in a period of the model.
     magnify : float or None
-        Factor of the displacements; None makes the largest well visible.
+        Factor of the displacements; None makes the largest one well visible.
 
     Returns
     -------
@@ -200,7 +201,7 @@ def frame_data(
 
 
 def _belt(picture: BeltPicture) -> tuple[dict[str, Any], list[Any]]:
-    """Sizes of the slider on the tilting belt, and its columns but the mode."""
+    """Sizes of the slider on the tilting belt, and its columns except the mode."""
     names = ("size", "wheels", "radius", "block", "spring", "walls", "anchor", "limits", "reach")
     scene = {name: getattr(picture.sizes, name) for name in names} | {"columns": BELT}
     scene |= {
@@ -214,7 +215,7 @@ def _belt(picture: BeltPicture) -> tuple[dict[str, Any], list[Any]]:
 
 
 def _parts(picture: Parts) -> tuple[dict[str, Any], list[Any]]:
-    """The shapes of a mechanism, each with the place of its first number, and its columns but the mode."""
+    """The shapes of a mechanism, each with its first column, and all columns except the mode."""
     shapes, columns = [], []
     for i, shape in enumerate(picture.shapes):
         shapes.append({"kind": shape.kind, "colour": legible(shape.colour), "first": len(columns)})
@@ -225,7 +226,7 @@ def _parts(picture: Parts) -> tuple[dict[str, Any], list[Any]]:
 
 
 def _labels_and_colours(picture: BeltPicture | Parts, colours: dict[str, str]) -> dict[str, Any]:
-    """Colours and legend: the modes that occur, then the forces; what the phase plane shows."""
+    """Colours; the legend, modes that occur and then forces; the labels of the phase plane."""
     legend = [(name, colour) for name, colour in colours.items() if name in picture.mode]
     forces = [(str(h.get_label()).replace("$", ""), h.get_color()) for h in picture.handles()]
     labels = (

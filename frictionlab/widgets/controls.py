@@ -1,4 +1,4 @@
-"""Controls of an explorer: sliders, switches and lists made from what is known about a model; those of a run.
+"""Controls of an explorer: sliders, switches and lists, made from a model's metadata, and those of its run.
 
 `ParameterControls` and `ComponentControls` give a model, `RunControls` the Settings for it.
 """
@@ -22,7 +22,7 @@ from .number_control import label_control, remove_browser_rounding, slider
 from .result import QUICK_METHOD, WHAT_MOVES, Settings
 
 OPERATION_PARAMETERS = "F", "v"  # the model's own parameters that are changed most in operation
-MAX_UNFOLDED = 12  # most parameters of a model that are all always visible
+MAX_UNFOLDED = 12  # a model with more parameters has some of them folded away
 FOLDED_TITLE = "structure"
 
 IMPACT_LAWS: Mapping[str, Component] = MappingProxyType(
@@ -35,15 +35,15 @@ IMPACT_LAWS: Mapping[str, Component] = MappingProxyType(
 
 
 class ParameterControls:
-    """One slider for each parameter; those of a component that the model lacks are hidden, and keep their
-    value.
+    """One slider for each parameter; sliders of components that the model lacks are hidden and keep their
+    values.
 
     Attributes
     ----------
     sliders : dict of str to NumberControl
         By the parameter's name.
     main : Box
-        Those that are in sight.
+        The sliders that are always in sight.
     """
 
     def __init__(self, model: Any, changed: Callable[[Any], None]) -> None:
@@ -59,7 +59,7 @@ class ParameterControls:
         self.show(model)
 
     def show(self, model: Any) -> None:
-        """Show sliders for the parameters of this model, where they are not shown already."""
+        """Show the sliders for the parameters of this model, and no others."""
         names = tuple(model.parameters)
         if names == self._shown:
             return
@@ -84,18 +84,18 @@ class ParameterControls:
         }
 
     def reset(self) -> None:
-        """Reset to the initial values; sliders added later to the defaults of their law."""
+        """Reset the sliders to their initial values; those added later to the defaults of their law."""
         for name, control in self.sliders.items():
             control.value = self._start[name]
 
     def close(self) -> None:
-        """Forget the sliders."""
+        """Close the sliders."""
         for control in self.sliders.values():
             control.close()
 
 
 def main_parameters(model: Any) -> list[str]:
-    """Parameters of the friction law, of operation, then of the other components; all where they are few."""
+    """All parameters if they are few; else those of the friction law, of operation, of other components."""
     owner = parameter_owners(type(model), model.components)
     if len(owner) <= MAX_UNFOLDED:
         return list(owner)
@@ -105,7 +105,7 @@ def main_parameters(model: Any) -> list[str]:
 
 
 class ComponentControls:
-    """Checkboxes and a choice; what is not chosen here comes from the model.
+    """Checkboxes for nonlinearities and a list of impact laws; all other components are the model's.
 
     Attributes
     ----------
@@ -145,14 +145,14 @@ class ComponentControls:
         for name in found:
             if name not in off:
                 chosen |= self._full.get(name, {})
-        # A nonlinearity that the initial model lacks is left out by its own component.
+        # A nonlinearity that the initial model lacks is already left out by that model's components.
         lacking = {name for name in off if found[name].missing(self._model)}
         chosen |= without(self._model, tuple(name for name in off if name not in lacking))
         return self._model.replace(**chosen)
 
 
 def _with_all(model: Any) -> dict[str, dict[str, Any]]:
-    """Components that restore each nonlinearity that a model lacks: the defaults of its class."""
+    """Components that restore each nonlinearity a model lacks: the defaults of the model's class."""
     usual = type(model)()
     lacking = {name: one for name, one in model.nonlinearities.items() if one.missing(model)}
     return {name: {key: getattr(usual, key) for key in one.without(model)} for name, one in lacking.items()}
@@ -253,7 +253,7 @@ def _window_options(model: Any) -> list[tuple[str, float | str | None]]:
 
 
 def _duration_slider(settings: Settings) -> Any:
-    """From ten periods of the model to a thousand."""
+    """A slider from ten periods of the model to a thousand, or to the present duration if that is longer."""
     period, seconds = rounded_period(settings.model), settings.t_end
     ends = 10 * period, max(1000 * period, seconds)
     about = Parameter("", "s", "seconds that are simulated", exclusive_minimum=0.0, range=ends)

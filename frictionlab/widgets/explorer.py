@@ -1,7 +1,7 @@
 """`fl.explore`, `fl.explore_stability`, `fl.explore_bifurcation`: a model with sliders, and what it does.
 
-`Explorer` holds controls and picture together: a change of a control is read into Settings, a Result is
-made of them, the panels draw it.  The three functions differ in their panels.
+`Explorer` connects controls and picture: a change of a control is read into Settings, a Result is made of
+them, and the panels draw it.  The three functions differ in their panels.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ class Explorer:
     Attributes
     ----------
     result : Result
-        Of the last values that worked: ``result.run``, ``result.eigenvalues``, ``result.settings``.
+        That of the last values that worked: ``result.run``, ``result.eigenvalues``, ``result.settings``.
     error : Exception or None
         The error raised for the current values.
     controls : mapping of str to widget
@@ -90,7 +90,7 @@ class Explorer:
 
     @property
     def run(self) -> Any:
-        """Its run; simulated now where no panel has asked for it."""
+        """The run of that model; simulated now if no panel has asked for it."""
         return self.result.run
 
     @property
@@ -101,7 +101,7 @@ class Explorer:
 
     @property
     def _others(self) -> dict[str, Any]:
-        """Controls that exist throughout."""
+        """All controls but the sliders of parameters, which depend on the components."""
         return {**self.components.controls, **self.running.controls, **self.extra}
 
     def reset(self, _: Any = None) -> None:
@@ -113,13 +113,13 @@ class Explorer:
             self.layout.compare.value = False
 
     def values(self) -> State:
-        """What the controls are set to, as data; those of components that the model lacks are left out."""
+        """What the controls are set to, as data, without sliders of components that the model lacks."""
         names = self.components.model().parameters
         sliders = {name: self.parameters.sliders[name] for name in names if name in self.parameters.sliders}
         return {name: control_data(control) for name, control in {**self._others, **sliders}.items()}
 
     def changed(self) -> State:
-        """Those of them that differ from the values at the start."""
+        """The values that differ from those at the start."""
         return {name: value for name, value in self.values().items() if self.initial.get(name) != value}
 
     def set_values(self, values: State) -> None:
@@ -128,7 +128,7 @@ class Explorer:
         Raises
         ------
         ValueError
-            For a name that no control has, or a value that a control cannot have; then nothing is changed.
+            If no control has such a name, or a control cannot have its value; then nothing is changed.
         """
         before = self.values()
         with self.scheduler.batch():
@@ -139,15 +139,15 @@ class Explorer:
                 raise
 
     def undo(self) -> None:
-        """Back to what was set before; nothing where that is the start."""
+        """Set the controls back to the state before, if there is one."""
         self._step(-1)
 
     def redo(self) -> None:
-        """Forth to what was undone last."""
+        """Set the controls to the state that was undone last, if there is one."""
         self._step(1)
 
     def swap(self) -> None:
-        """Keep this scene, and set the controls to the one that was kept; nothing where none was."""
+        """Keep the present scene and set the controls to the one kept before, if there is one."""
         if (kept := self.comparison.state) is not None:
             self._keep()
             self.set_values(kept)
@@ -158,7 +158,7 @@ class Explorer:
         Raises
         ------
         ValueError
-            If it is none, or that of another model.
+            If `content` is no saved state, or that of another model.
         """
         model, changed = state_from_text(content)
         if model != self.start_model:
@@ -175,7 +175,7 @@ class Explorer:
     def close(self) -> None:
         """Close the widgets and free their resources.
 
-        All of them: a box that is left and whose parts are gone keeps a page from being shown.
+        All are closed: a box that stays open when its parts are closed keeps a page from being shown.
         """
         self.scheduler.cancel()
         self.parameters.close()
@@ -185,7 +185,7 @@ class Explorer:
         return self.widget._repr_mimebundle_(**options)
 
     def _set(self, values: State) -> None:
-        """Lists and switches first, as they bring sliders."""
+        """Set lists and switches first, as they decide which sliders there are."""
         others = self._others
         for name in values.keys() & others.keys():
             set_control(name, others[name], values[name])
@@ -196,13 +196,13 @@ class Explorer:
 
     def _step(self, by: int) -> None:
         present = self.history.present
-        # Values that gave no picture are not in the history: from them the last ones that did come first.
+        # Values that gave no picture are not in the history: undo leads from them to the last that did.
         state = present if by < 0 and self.values() != present else self.history.step(by)
         if state is not None:
             self.set_values(state)
 
     def _record(self) -> None:
-        """Note the state that has been shown."""
+        """Add the state that is shown to the history."""
         self.history.record(self.values())
         self.layout.mark(self.history.place > 0, self.history.place + 1 < len(self.history.states))
 
@@ -259,7 +259,7 @@ class Explorer:
         self.scheduler.request()
 
     def _keep(self) -> None:
-        """Keep the scene that is shown; values that gave no picture are not."""
+        """Keep the scene that is shown; values that gave no picture are not kept."""
         self.comparison.keep(self.history.present or self.values(), self.result, self.mechanism)
 
     def _restyle(self, _: Any) -> None:
@@ -269,19 +269,19 @@ class Explorer:
         if self.mechanism is not None and self.picture.dark != dark_before:
             self.mechanism.show(self.result, self.picture.dark)
             self.comparison.restyle()
-        if self.busy.left:  # what has waited until somebody looks
+        if self.busy.left:  # the rest has waited until a browser shows it
             self.scheduler.request_later()
 
 
 def explore(model: Any = None, panels: Iterable[Any] | None = None) -> Explorer:
     """Change a model with sliders and watch its motion.
 
-    Every parameter has a slider, made from its symbol, unit, meaning and range: those of your own laws too.
-    The mechanism moves beside its curves, and can be heard.  The nonlinearities can be switched off and on,
-    and the present scene kept, dotted, beside another one.  A button fills the screen.
-    The model and its run are ``explorer.model`` and ``explorer.run``; Python and JSON that give them are
-    shown to copy. The initial method is quick: to a tolerance of 1e-7, and flights too short to be seen are
-    replaced by their limit.
+    Every parameter has a slider, made from its symbol, unit, meaning and range; so have those of your own
+    laws.  The mechanism moves beside its curves, and can be heard.  The nonlinearities can be switched off
+    and on.  A scene can be kept, dotted, to compare others with it.  A button fills the screen.  The model
+    and its run are ``explorer.model`` and ``explorer.run``; Python and JSON that recreate them can be copied.
+    The initial method is quick: its tolerance is 1e-7, and flights too short to be seen are replaced by their
+    limit.
 
     Parameters
     ----------
@@ -300,7 +300,7 @@ def explore(model: Any = None, panels: Iterable[Any] | None = None) -> Explorer:
     Raises
     ------
     TypeError
-        If it is no model.
+        If `model` is not a model.
     ValueError
         For an unknown panel.
 
@@ -328,7 +328,7 @@ def explore_stability(model: Any = None, parameter: str = "mu_k", over: str = "F
     model : Model or None
         Where to start; None takes the paper's.
     parameter, over : str
-        The parameter whose critical value is drawn, against the other one.
+        The parameter whose critical value is drawn, and the one against which it is drawn.
 
     Returns
     -------
@@ -337,9 +337,9 @@ def explore_stability(model: Any = None, parameter: str = "mu_k", over: str = "F
     Raises
     ------
     TypeError
-        If it is no model, or has no such parameter.
+        If `model` is not a model, or has no such parameter.
     ValueError
-        For twice the same parameter.
+        If both are the same parameter.
 
     Examples
     --------
@@ -362,7 +362,7 @@ def explore_bifurcation(model: Any = None, parameter: str = "mu_k") -> Explorer:
     """Zoom into a bifurcation diagram, and see the motion at any value of the parameter.
 
     The range slider sets the range shown: 24 values at first, in a notebook or an application 300 in the end.
-    The parameter's own slider selects the value whose response is shown, and so does a click into it.
+    The parameter's own slider selects the value whose response is shown; so does a click into the diagram.
 
     Parameters
     ----------
@@ -377,7 +377,7 @@ def explore_bifurcation(model: Any = None, parameter: str = "mu_k") -> Explorer:
     Raises
     ------
     TypeError
-        If it is no model, or has no such parameter.
+        If `model` is not a model, or has no such parameter.
 
     Examples
     --------

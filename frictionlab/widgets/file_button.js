@@ -1,4 +1,4 @@
-// A button that asks Python for a file, or a text, and gives it to the browser: as a download, or to paste.
+// A button that asks Python for a file, or a text, and gives it to the browser: as a download, or on the clipboard.
 function render({ model, el }) {
   const button = document.createElement("button"), told = document.createElement("span");
   button.className = "jupyter-widgets jupyter-button widget-button";
@@ -9,7 +9,7 @@ function render({ model, el }) {
   el.append(button, told);
   const show = () => Object.assign(button, { textContent: model.get("label"), title: model.get("hint") });
   const say = (text) => { told.textContent = text; };
-  // What follows an address is a link where the page is nothing but the explorer.
+  // On a page that is nothing but the explorer a text that follows an address becomes a whole link.
   const whole = (text) => text.startsWith("?") && document.body.dataset.voila ? location.origin + location.pathname + text : text;
   function take(content, buffers) {
     if (content.text !== undefined) {

@@ -1,7 +1,7 @@
-"""What an explorer shows beside its picture, below it on a narrow screen: messages, buttons and code; full
-screen, and what the browser tells of the place.
+"""What an explorer shows beside its picture, or below it on a narrow screen: messages, buttons and code; the
+full screen, and what the browser tells about the page.
 
-The messages are texts of a result: the equilibrium and its stability, what the run does, why it ended.
+The messages describe a result: the equilibrium and its stability, what the run does, why it ended.
 """
 
 from __future__ import annotations
@@ -30,14 +30,14 @@ VERBS = {"stick": "sticks", "slip+": "slips", "slip-": "slips", "slip": "slips",
 
 
 class Screen(anywidget.AnyWidget):
-    """The button "full screen", and what the browser tells of the place where the explorer is.
+    """The button "full screen", and what the browser tells about the page around the explorer.
 
     Attributes
     ----------
     pixels : int
-        Of a panel's width; 0 before it is shown.
+        Width of a panel in pixels; 0 before it is shown.
     dark : bool
-        Whether the page around is dark.
+        Whether the page is dark.
     """
 
     _esm = resources.files("frictionlab.widgets").joinpath("screen.js").read_text(encoding="utf-8")
@@ -47,7 +47,7 @@ class Screen(anywidget.AnyWidget):
 
     @property
     def is_watched(self) -> bool:
-        """Whether a browser shows it, or, as in a script, nothing could go on later."""
+        """Whether a browser shows it; also true without an event loop, where nothing could go on later."""
         return self.pixels > 0 or not has_event_loop()
 
 
@@ -57,9 +57,9 @@ class Layout:
     Attributes
     ----------
     message, equilibrium, comparison : HTML
-        The error, if any; the sliding equilibrium and its stability; what is dotted.
+        The error, if any; the sliding equilibrium and its stability; which scene is dotted.
     python, json : Textarea
-        The state to copy.
+        Model and run, as code to copy.
     compare : ToggleButton
     swap, reset, undo, redo : Button
     screen : Screen
@@ -96,16 +96,16 @@ class Layout:
         _show(self.message, text)
 
     def show_comparison(self, text: str) -> None:
-        """Show what is dotted; nothing is where the text is empty."""
+        """Show which scene is dotted; an empty text says that none is."""
         _show(self.comparison, text)
         self.swap.disabled = not text
 
     def mark(self, before: bool, after: bool) -> None:
-        """Enable undo and redo where there is a state before and after."""
+        """Enable undo where there is a state before, redo where there is one after."""
         self.undo.disabled, self.redo.disabled = not before, not after
 
     def arrange(self, busy: Any, controls: Iterable[Any], panels: Iterable[Any], files: Any) -> Any:
-        """Controls and picture side by side where there is room."""
+        """The whole explorer: controls and picture side by side where there is room."""
         titles = "as Python", "as JSON", "figure, data, state"
         code = ipywidgets.Accordion([self.python, self.json, files], titles=titles)
         code.add_class("fl-code")
@@ -144,7 +144,7 @@ def _code_area(name: str) -> Any:
 
 
 def equilibrium_text(result: Any) -> str:
-    """Whether steady sliding is stable, where it is, and what the run at hand does."""
+    """The verdict on steady sliding and the run, then the coordinates and forces of the equilibrium."""
     found = result.eigenvalues
     if found is None:
         return no_sliding_text(result)
@@ -161,7 +161,7 @@ def equilibrium_text(result: Any) -> str:
 
 
 def verdict_text(result: Any) -> str:
-    """Whether steady sliding is stable, and what the run at hand does, in a sentence."""
+    """Whether steady sliding is stable, and what the run does, in a sentence."""
     found = result.eigenvalues
     if found is None:
         return no_sliding_text(result)
@@ -172,7 +172,7 @@ def verdict_text(result: Any) -> str:
 
 
 def no_sliding_text(result: Any) -> str:
-    """That there is no steady sliding, why, and what the run does; the cure where something can slide."""
+    """Why there is no steady sliding, and what the run does; with the cure, where something can slide."""
     happens = run_text(result)
     run = f" {happens[0].upper()}{happens[1:]}." if happens else ""
     if not can_slide_steadily(result.model):
@@ -191,7 +191,7 @@ def can_slide_steadily(model: Any) -> bool:
 
 
 def run_text(result: Any) -> str:
-    """What the run at hand does at its end, in a clause; empty where it settles to the equilibrium."""
+    """A clause: what the run does at its end; empty where it settles to the equilibrium."""
     if not result.has_run or not result.run.status.ok:
         return ""
     start = STARTS.get(result.settings.x0, "from your own state")
@@ -208,7 +208,7 @@ def run_text(result: Any) -> str:
 
 
 def _motion(result: Any) -> str:
-    """What the modes of the part that is shown say; empty where there is one only."""
+    """What the run does in the part shown, as its modes tell; empty where they tell nothing."""
     modes, times = set(result.modes), result.times()
     regimes = {regime for mode in modes for regime in mode.split(" | ")}
     struck = bool(np.any(result.run.events.t > times[0]))
@@ -233,7 +233,7 @@ def stability_text(found: Any) -> str:
 
 
 def error_text(error: Exception) -> str:
-    """The message of an error; that of other errors than bad values begins with their class."""
+    """The message of an error; its class comes first, except for ValueError and TypeError."""
     kind = "" if isinstance(error, (ValueError, TypeError)) else f"{type(error).__name__}: "
     return (
         f"<b>{escape(kind + (str(error) or type(error).__name__), quote=False)}</b><br>"
@@ -242,7 +242,7 @@ def error_text(error: Exception) -> str:
 
 
 def run_end_text(result: Any) -> str:
-    """A sentence where the run did not reach its end, or its steps are not as exact as they should be."""
+    """A warning if the run did not reach its end, or its steps are less exact than they should be."""
     if not result.has_run:
         return ""
     if result.run.status.ok:

@@ -1,6 +1,6 @@
 // A slider and a field for one number. The slider counts positions, whose values Python sends, so that it never computes a
-// value: it tells one only when it is moved, and the values it tells are Python's own. What is typed goes to Python as
-// text, which takes it or says why not.
+// value: it reports one only when it is moved, and that is one of Python's own. What is typed goes to Python as text;
+// Python takes it or says why not.
 const shown = (value) => String(Number(value.toPrecision(7)));
 
 function nearest(values, value) {
@@ -21,7 +21,7 @@ function render({ model, el }) {
   const message = make("div", { className: "fl-message" }, "flex: 1 1 100%; white-space: normal; line-height: 1.3; color: var(--jp-error-color1, #B00020)");
   range.setAttribute("role", "slider");
   message.setAttribute("role", "alert");
-  // A box of its own: JupyterLab takes the display that is set on the element itself away again.
+  // In a box of its own, as JupyterLab removes the display that is set on the element itself.
   const box = make("div", {}, "display: flex; flex-flow: row wrap; align-items: center; min-width: 0");
   box.append(range, field, message);
   el.append(box);

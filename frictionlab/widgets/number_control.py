@@ -1,8 +1,8 @@
 """A control of one number: its label, a slider, a field to type into, and a message where what is typed is
-no value.
+not accepted.
 
-A slider of the browser computes its value from where it stands, and so can tell a value that nobody chose.
-Here it counts positions, whose values are made in Python: to show a number changes none.
+A browser's slider computes its value from its position, and so may report a value that nobody chose.  This
+one counts positions, whose values Python makes: showing a number does not change it.
 """
 
 from __future__ import annotations
@@ -37,12 +37,12 @@ def number_from_text(name: str, text: str) -> float:
     Returns
     -------
     float
-        It may be infinite, where the text has more digits than a float.
+        Infinite where the number in the text is too large for a float.
 
     Raises
     ------
     ValueError
-        If it is no number, or one with a comma that may stand for thousands.
+        If it is no number, or its comma may separate thousands.
 
     Examples
     --------
@@ -68,13 +68,13 @@ class NumberField(anywidget.AnyWidget):
     positions : list of float
         The values that the slider can be moved to, ascending.
     unit, meaning : str
-        What a screen reader says of it.
+        What a screen reader says about it.
     hint : str
         Shown where the pointer rests on it.
     message : str
         Shown below.
     continuous_update : bool
-        Whether the slider tells values while it is held.
+        Whether the slider reports values while it is held.
     """
 
     _esm = resources.files("frictionlab.widgets").joinpath("number_control.js").read_text(encoding="utf-8")
@@ -93,20 +93,20 @@ class NumberControl(ipywidgets.HBox):
     Parameters
     ----------
     name : str
-        In messages, and the CSS class ``fl-<name>``.
+        Used in messages and in the CSS class ``fl-<name>``.
     about : Parameter
-        Symbol, unit, meaning, and the bounds that values keep to.
+        Symbol, unit, meaning, and the bounds of the value.
     value : float
     positions : sequence of float
-        The values that its slider can be moved to, ascending, among them `value`.
+        The values that its slider can be moved to, ascending; `value` is one of them.
     rule : callable or None
-        Takes a number that is typed and raises ValueError where it is none for this control; None asks for
-        the bounds.
+        Takes a number and raises ValueError where this control cannot have it; None checks the bounds of
+        `about`.
 
     Attributes
     ----------
     value : float
-        A value beyond the ends, set in Python, moves the end.
+        A value set in Python beyond an end of the slider moves that end.
     field : NumberField
     """
 
@@ -141,10 +141,10 @@ class NumberControl(ipywidgets.HBox):
 
     @description.setter
     def description(self, text: str) -> None:
-        # A label lays out symbol and unit side by side, and drops a plain space between them.
+        # The label sets symbol and unit side by side and would drop a plain space between them.
         self.label.value = text.replace(" ", "\N{NO-BREAK SPACE}")
 
-    # Not the trait of that name: the view of a box with a tooltip fails, for want of a description.
+    # Not the trait of that name: a box with a tooltip cannot be shown, as it has no description.
     @property
     def tooltip(self) -> str:
         """What is shown where the pointer rests on the control."""
@@ -171,12 +171,12 @@ class NumberControl(ipywidgets.HBox):
 
     @property
     def message(self) -> str:
-        """Why what was typed last is no value; empty where it was."""
+        """Why what was typed last is not accepted; empty where it is."""
         return self.field.message
 
     @property
     def continuous_update(self) -> bool:
-        """Whether values come while the slider is held."""
+        """Whether the slider reports values while it is held."""
         return self.field.continuous_update
 
     @continuous_update.setter
@@ -195,7 +195,7 @@ class NumberControl(ipywidgets.HBox):
         self.value = number
 
     def check(self, number: float) -> None:
-        """Raise ValueError for a number that breaks the rule of this control, whatever the slider's ends."""
+        """Raise ValueError for a number that breaks the control's rule; the slider's ends do not matter."""
         self._rule(number)
 
     def _check_inside(self, number: float) -> None:
@@ -225,20 +225,20 @@ class NumberControl(ipywidgets.HBox):
     def close(self) -> None:
         """Close all parts."""
         for name in ("label", "field"):
-            if part := getattr(self, name, None):  # none where it was never finished
+            if part := getattr(self, name, None):  # None where the constructor failed
                 part.close()
         super().close()
 
 
 MAX_SLIDER_STEPS = 300  # most steps of a slider from one end to the other
 STEPS_PER_DECADE, LOG_DIGITS = 50, 3
-# A browser computes the ends of a range from their places, 20.000000000000004 for 20, and sends them unasked
-# when it first shows them.
+# A browser computes the ends of a range from their positions, 20.000000000000004 for 20, and sends them
+# unasked when it first shows them.
 BROWSER_ROUNDING = 1e-11
 
 
 def slider(name: str, about: Parameter, value: float) -> NumberControl:
-    """A control for a parameter, its CSS class ``fl-<name>``; logarithmic where that fits.
+    """A control for a parameter, with the CSS class ``fl-<name>``; logarithmic where that fits.
 
     The range is that of the parameter, made wide enough for the value; without one it goes up to twice the
     value, within the parameter's bounds.
@@ -262,7 +262,7 @@ def slider_positions(low: float, high: float, value: float, logarithmic: bool) -
 
 
 def label_control(control: Any, name: str, text: str, tooltip: str) -> Any:
-    """A control with its label, its tooltip and its CSS class ``fl-<name>``."""
+    """Give a control its label, its tooltip and the CSS class ``fl-<name>``; returns it."""
     control.description, control.tooltip = text, tooltip
     control.style.description_width = LABEL_WIDTH
     control.layout.width, control.layout.max_width = CONTROL_WIDTH, "100%"
@@ -303,7 +303,7 @@ def _linear_values(low: float, high: float) -> list[float]:
 
 
 def _logarithmic_values(low: float, high: float) -> list[float]:
-    """Fifty a decade, to three digits, so that powers of ten are among them."""
+    """Fifty values in a decade, rounded to three digits, powers of ten among them."""
     first, last = (
         round_end(math.log10(end) * STEPS_PER_DECADE)
         for round_end, end in ((math.ceil, low), (math.floor, high))
@@ -312,7 +312,7 @@ def _logarithmic_values(low: float, high: float) -> list[float]:
 
 
 def round_step(span: float) -> float:
-    """The next 1, 2 or 5 times a power of ten that makes at most MAX_SLIDER_STEPS steps."""
+    """The smallest 1, 2 or 5 times a power of ten that makes at most MAX_SLIDER_STEPS steps."""
     if not span > 0:
         return 0.1
     least = span / MAX_SLIDER_STEPS
@@ -321,13 +321,13 @@ def round_step(span: float) -> float:
 
 
 def round_to_step(value: float, bounds: tuple[float, float]) -> float:
-    """A position between two bounds as a round number, in steps of at least a three-hundredth."""
+    """A value between two bounds, rounded to a multiple of :func:`round_step` of their distance."""
     step = round_step(bounds[1] - bounds[0])
     return min(max(float(f"{step * round(value / step):.9g}"), bounds[0]), bounds[1])
 
 
 def equal_within_rounding(a: Any, b: Any) -> bool:
-    """Whether two values of a control differ by a browser's rounding at most."""
+    """Whether two values of a control differ at most by a browser's rounding."""
     if isinstance(a, tuple) and isinstance(b, tuple):
         return len(a) == len(b) and all(map(equal_within_rounding, a, b))
     if isinstance(a, float) and isinstance(b, float):

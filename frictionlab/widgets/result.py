@@ -1,4 +1,4 @@
-"""The settings of an explorer, as data, as Python, as JSON; what is computed for them when first needed."""
+"""The settings of an explorer, as data, as Python and as JSON; results, each computed when first needed."""
 
 from __future__ import annotations
 
@@ -30,15 +30,16 @@ SIMULATED_PERIODS, SHOWN_PERIODS = (
 )  # of the model: simulated, and shown; 20 s and 1 s of the slider on a belt
 
 # Under Eq. (13) flights of the slider that are shorter than a third of the distance between two samples are
-# replaced by their limit: displacements are right to some 1e-5 of the motion, rates, which zigzag in flight,
-# to less than a pixel, and it is ten times as fast.  The tolerance makes less than 1e-5 of the motion over
-# 20 s, far less than a pixel; shorter series spare some 25 % where events leave them little time.
+# replaced by their limit.  Displacements are then right to some 1e-5 of the motion; rates, which zigzag in
+# flight, to less than a pixel; and the run is ten times as fast.  The error of the tolerance is below 1e-5 of
+# the motion over 20 s, far less than a pixel; its shorter series save some 25 % of the time where events cut
+# steps short.
 QUICK_METHOD = Taylor(tol=1e-7, chatter=4e-4)
-PERIODICITY_TOLERANCE = 1e-10  # tolerance where it is told whether a motion repeats
+PERIODICITY_TOLERANCE = 1e-10  # tolerance of runs that are tested for whether the motion repeats
 
-WHAT_MOVES = "moving"  # shown: the last periods, or of a motion that has come to rest the whole of it
+WHAT_MOVES = "moving"  # shows the last periods, or the whole of a motion that has come to rest
 
-MAX_STEPS = 300_000  # 100 s of the paper's system with all its chatter have 200 000
+MAX_STEPS = 300_000  # 100 s of the paper's system with all its chatter take 200 000 steps
 
 
 @dataclass(frozen=True)
@@ -54,8 +55,8 @@ class Settings:
         As :func:`frictionlab.simulate` takes it.
     method : Method
     window : float, "moving" or None
-        Seconds at the end that are shown; None shows the whole run, "moving" the last ten periods, or, where
-        nothing moves in them, the run from its start until a bit after it came to rest.
+        Seconds at the end that are shown.  None shows the whole run; "moving" the last ten periods, or, if
+        nothing moves in them, the run from its start until shortly after it came to rest.
     coordinate : str
         The coordinate of phase plane and spectrum.
     """
@@ -86,7 +87,7 @@ def starting_model(model: Any) -> Any:
 
 
 def limit_steps(method: Method) -> Method:
-    """The method with a cap on its steps, as a motion that grows without bounds takes ever shorter ones."""
+    """The method with at most MAX_STEPS steps: a motion that grows without bounds takes ever shorter ones."""
     return replace(method, max_steps=MAX_STEPS) if isinstance(method, Taylor) else method
 
 
@@ -125,7 +126,7 @@ def to_json(settings: Settings) -> str:
 
 
 def _method_argument(method: Method) -> str:
-    """The method as an argument, with what differs from its defaults."""
+    """The method as an argument, with the options that differ from its defaults."""
     usual = type(method)()
     differs = [f.name for f in fields(method) if getattr(method, f.name) != getattr(usual, f.name)]
     values = ", ".join(f"{name}={getattr(method, name)!r}" for name in differs)
@@ -133,7 +134,7 @@ def _method_argument(method: Method) -> str:
 
 
 def _with_package_prefix(text: str) -> str:
-    """The text with fl. before every class of the package's own that is called in it."""
+    """The text with "fl." put before every class of the package that is called in it."""
     return re.sub(r"\b([A-Z]\w*)\(", lambda m: f"fl.{m[0]}" if m[1] in frictionlab.__all__ else m[0], text)
 
 
@@ -158,15 +159,15 @@ Array = NDArray[np.float64]
 SAMPLES_PER_PERIOD, MIN_SAMPLES, MAX_SAMPLES = 40, 800, 20_000  # samples of what is shown
 
 
-AT_REST = 1e-9  # share of the range of a motion: what varies less has come to rest
-SEEN = 1e-3  # the same: what varies less is not seen in a picture
-AFTER_REST = 1.15  # how far beyond the end of a motion it is shown
+AT_REST = 1e-9  # share of the size of a motion: what varies less has come to rest
+SEEN = 1e-3  # share of the size of a motion: what varies less is not seen in a picture
+AFTER_REST = 1.15  # time shown of a motion that comes to rest, relative to the time until rest
 SAMPLES_AT_REST = 65
-STEADY = 0.95  # share of its size that a motion keeps over half a run at least, unless it decays
+STEADY = 0.95  # a motion that keeps less than this share of its size over half a run decays
 
 
 def is_at_rest(run: Trajectory, span: tuple[float, float]) -> bool:
-    """Whether no coordinate changes in a part of a run, measured by how far it is from where it began."""
+    """Whether no coordinate changes in a part of a run, relative to its size or distance from the start."""
     states = run(np.linspace(*span, SAMPLES_AT_REST))[:, : run.automaton.coordinates]
     began = run(np.zeros(1))[:, : run.automaton.coordinates]
     size = max(float(np.abs(states - began).max()), float(np.abs(states).max()))
@@ -174,12 +175,12 @@ def is_at_rest(run: Trajectory, span: tuple[float, float]) -> bool:
 
 
 def time_of_rest(run: Trajectory) -> float:
-    """When a run came to rest (s): from then on no coordinate is seen to leave its last value."""
+    """When a run came to rest (s): from then on no coordinate visibly differs from its last value."""
     q = run.states[:, : run.automaton.coordinates]
     away = np.abs(q - q[-1]).max(axis=1)
     moved = np.flatnonzero(away > SEEN * away.max())
     after = min(int(moved[-1]) + 1, len(q) - 1) if len(moved) else len(q) - 1
-    # The last event may come long after what is seen, as the impacts of a ball do.
+    # The last event may come long after the last visible change, as the impacts of a ball do.
     events = run.events.t
     return max(float(run.t[after]), float(events[-1]) if len(events) else 0.0)
 
@@ -204,7 +205,7 @@ class Result:
     @cached_property
     def run(self) -> Trajectory:
         s = self.settings
-        # No progress bar: one that is removed leaves "model not found" on Voila's page.
+        # Without a progress bar, as a removed one leaves "model not found" on Voila's page.
         return simulate(s.model, s.t_end, x0=s.x0, method=limit_steps(s.method), progress=False)
 
     @property

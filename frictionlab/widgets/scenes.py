@@ -1,7 +1,7 @@
 """The explorer of all models: a menu of scenes and models above it, and a link that sets it.
 
-`frictionlab app` shows it.  A link is the page's address with the scene and what was changed since, such as
-``?scene=two+fates&mu_k=1.5``.
+`frictionlab app` shows it.  A link is the page's address followed by the scene and what was changed in it,
+such as ``?scene=two+fates&mu_k=1.5``.
 """
 
 from __future__ import annotations
@@ -21,12 +21,12 @@ from .layout import error_text
 from .state import FileButton, State, state_from_text
 from .update_scheduler import in_this_thread
 
-SCENE = "scene"  # the name in a link
-LINK_VARIABLE = "QUERY_STRING"  # of the environment of a kernel that Voila starts: what follows the address
+SCENE = "scene"  # the name of the scene's entry in a link
+LINK_VARIABLE = "QUERY_STRING"  # environment variable in which Voila tells a kernel what follows the address
 
 
 def scene_models() -> dict[str, tuple[Any, str]]:
-    """The model and the sentence of every scene by its name: those worth seeing, then all models."""
+    """Model and description of every scene, by its name: the scenes worth seeing, then all models."""
     scenes = {preset.name: (preset.model, preset.about) for preset in PRESETS}
     models = {row.call: (model, row.about) for row, model in zip(list_models(), ROW_MODELS, strict=True)}
     return scenes | models
@@ -61,7 +61,7 @@ class Scenes:
             "copy link", "an address that opens this scene as it is", self.link, print
         )
         self.widget = ipywidgets.VBox().add_class("fl-scenes")
-        # A link's scene is the only one that is opened: an explorer takes a second to make.
+        # Only the link's scene is opened, not the first one before it: an explorer takes a second to make.
         try:
             scene, values = values_of_link(link, list(self._scenes))
             wrong = None
@@ -76,12 +76,12 @@ class Scenes:
             self._set(values)
 
     def link(self) -> str:
-        """What follows the page's address where it opens this scene with what was changed.
+        """What to put after the page's address to open this scene with the changes made in it.
 
         Raises
         ------
         ValueError
-            For a model that was loaded and is none of the menu's.
+            For a model that was loaded and is not in the menu.
         """
         if not self._has_link:
             raise ValueError("a link must be of a model of the menu, got one that was loaded: save its state")
@@ -158,7 +158,7 @@ def values_of_link(link: str, scenes: list[str]) -> tuple[str, State]:
 
 
 def open_scenes() -> Scenes:
-    """The explorer of all models, as the link of the page says that a browser opened."""
+    """The explorer of all models, set as the link says with which a browser opened the page."""
     return Scenes(os.environ.get(LINK_VARIABLE, ""))
 
 

@@ -1,6 +1,6 @@
-// A button for the full screen, and what Python has to know of the place where an explorer is: how many pixels a panel has,
-// and whether the page is dark.
-const PAUSE = 150; // milliseconds after which a size counts as chosen
+// A button for the full screen, and what Python has to know about the page: how many pixels wide a panel is, and whether
+// the page is dark.
+const PAUSE = 150; // milliseconds without a change after which a size is reported
 
 function isDark(element) { // the background that is seen
   for (let e = element; e; e = e.parentElement) {

@@ -37,9 +37,9 @@ class Sound:
     signal : str
         The quantity heard.
     pitch : float
-        Factor by which all frequencies are higher than in the motion, as it is played so much faster.
+        Factor by which all frequencies are higher than in the motion, which is played so much faster.
     window : (float, float)
-        The part of the run heard, s.
+        Start and end (s) of the part of the run that is heard.
     """
 
     samples: Array
@@ -50,7 +50,7 @@ class Sound:
 
     @property
     def duration(self) -> float:
-        """Seconds that it lasts."""
+        """Length of the sound, s."""
         return len(self.samples) / self.rate
 
     @property
@@ -99,12 +99,12 @@ def listen(
     run : Trajectory
     signal : str or None
         An output, such as "relative_velocity", "friction_force", "normal_force", or a state, such as "x1'".
-        None takes what the model's `sound` says: the relative velocity, or the first coordinate's rate.
+        None takes that of the model's `sound`: the relative velocity, or the first coordinate's rate.
     window : float, (float, float) or None
-        The last so many seconds, from one time to another, or the whole run.
+        Seconds at the end, start and end time, or None for the whole run.
     pitch : float or None
-        How much faster: 20 takes 11 Hz to 220 Hz, and 20 s of a run last 1 s.  None takes what the model's
-        `sound` says: its period is heard as 200 Hz.
+        How much faster: 20 takes 11 Hz to 220 Hz, and 20 s of a run last 1 s.  None takes that of the model's
+        `sound`, by which the model's period is heard as 200 Hz.
     rate : int
         Samples a second of the sound.
 
@@ -116,7 +116,7 @@ def listen(
     Raises
     ------
     TypeError
-        For what is no run.
+        If `run` is not a Trajectory.
     ValueError
         For an unknown signal, a window outside the run or too short, or a pitch or rate not above zero.
 
@@ -146,8 +146,8 @@ def listen(
 
 
 def _usual(run: Any) -> Tone:
-    """The default signal and pitch: those of the model; of an automaton the relative velocity, or the first
-    state."""
+    """The default signal and pitch: those of the model; for an automaton the relative velocity, or the first
+    state, as the signal."""
     if isinstance(run.source, Model):
         return run.source.sound
     signal = "relative_velocity" if "relative_velocity" in run.automaton.outputs else run.names[0]
@@ -156,7 +156,7 @@ def _usual(run: Any) -> Tone:
 
 def _signal_samples(run: Any, signal: str, t: Array) -> Array:
     """The signal less its mean; zero where it does not vary beyond rounding."""
-    # In parts, as all states of every sample would fill the memory.
+    # In parts, as all states at all samples would fill the memory.
     parts = np.array_split(t, len(t) // CHUNK_SAMPLES + 1)
     x = np.concatenate([_signal_at(run, signal, part) for part in progress_bar(parts, desc="listen")])
     return x - x.mean() if np.ptp(x) > SILENCE_LEVEL * np.abs(x).max() else np.zeros_like(x)

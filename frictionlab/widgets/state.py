@@ -1,5 +1,5 @@
-"""The state of an explorer as data: what its controls are set to, earlier states, one kept beside it; and
-what an explorer gives away, its state, its figure and its data as files, and what takes a state back.
+"""The state of an explorer as data: what its controls are set to, earlier states, and a state kept for
+comparison; state, figure and data saved as files, and the loading of a state.
 """
 
 from __future__ import annotations
@@ -26,8 +26,8 @@ from .number_control import NumberControl, number_from_text
 from .panels.picture import Picture
 from .update_scheduler import in_this_thread
 
-SAME_MOVE = 0.7  # s: steps of one control that follow each other as fast are undone together
-MAX_STATES = 200  # states that are kept
+SAME_MOVE = 0.7  # s: steps of one control that follow each other faster than this are undone together
+MAX_STATES = 200  # states of a history, at most
 FORMAT = "frictionlab explorer"
 KEPT, DOTTED, SOLID = "kept", "dotted, kept", "solid, now"
 FIGURES = {"svg": "image/svg+xml", "pdf": "application/pdf", "png": "image/png"}
@@ -43,15 +43,15 @@ State = dict[str, Any]
 
 
 class History:
-    """The states an explorer has been in, and where in them it is.
+    """The states an explorer has been in, and which of them is the present one.
 
     Attributes
     ----------
     states : list of dict
     place : int
-        Of the present one.
+        Index of the present state.
     initial : dict
-        The first one.
+        The first state.
     """
 
     def __init__(self) -> None:
@@ -66,7 +66,7 @@ class History:
         return self.states[self.place] if self.states else None
 
     def record(self, state: State) -> None:
-        """Note the present state; what had been undone is forgotten where it is a new one."""
+        """Record the present state; if it is a new one, the states that had been undone are dropped."""
         now, before = time.monotonic(), self.present
         if state == before:
             return
@@ -78,7 +78,7 @@ class History:
         self.place, self._moved, self._since = len(self.states) - 1, changed, now
 
     def step(self, by: int) -> State | None:
-        """The state before (-1) or after (1) the present one, which it becomes; None where there is none."""
+        """Make the state before (-1) or after (1) the present one; returns it, or None if there is none."""
         if not 0 <= self.place + by < len(self.states):
             return None
         self.place, self._moved = self.place + by, ""
@@ -86,7 +86,7 @@ class History:
 
 
 def _only_change(before: State | None, state: State) -> str:
-    """The name of the only control that differs; empty where there are others."""
+    """The name of the control that differs; empty unless it is exactly one."""
     if before is None or before.keys() != state.keys():
         return ""
     changed = [name for name in state if state[name] != before[name]]
@@ -94,7 +94,7 @@ def _only_change(before: State | None, state: State) -> str:
 
 
 def control_data(control: Any) -> Any:
-    """What a control is set to, as data that JSON can hold: of a list the label."""
+    """What a control is set to, as data that JSON can hold; for a list, the label chosen."""
     if isinstance(control, ipywidgets.Dropdown):
         return control.label
     return list(control.value) if isinstance(control.value, tuple) else control.value
@@ -137,7 +137,7 @@ def check_names(given: Mapping[str, Any], known: Mapping[str, Any]) -> None:
 
 
 def state_text(model: Any, changed: State) -> str:
-    """A file of the model at the start and what was changed since."""
+    """The text of a file with the model at the start and what was changed since."""
     return json.dumps({"format": FORMAT, "model": model.to_dict(), "changed": changed}, indent=1)
 
 
@@ -179,7 +179,7 @@ class Comparison:
         self.mechanism: MovingMechanism | None = None
 
     def keep(self, state: State, result: Any, beside: MovingMechanism | None) -> None:
-        """Keep a scene that is shown; its mechanism is shown beside the one that moves on."""
+        """Keep the scene that is shown; its mechanism is shown next to `beside`, the one that moves on."""
         self.state, self.result = state, result
         self._picture.freeze()
         if beside is not None:
@@ -191,7 +191,7 @@ class Comparison:
                 self._layout.pictures.children = shown
 
     def forget(self) -> None:
-        """Keep nothing any more."""
+        """Drop the kept scene."""
         self.state = self.result = None
         self._picture.unfreeze()
         self._layout.show_comparison("")
@@ -202,12 +202,12 @@ class Comparison:
             self.mechanism = None
 
     def restyle(self) -> None:
-        """Draw the mechanism in the colours of the page."""
+        """Draw the kept scene's mechanism in the colours of the page."""
         if self.mechanism is not None:
             self.mechanism.show(self.result, self._picture.dark)
 
     def describe(self, now: State) -> None:
-        """Say in what the two scenes differ, and what the kept one does."""
+        """Show in what the two scenes differ, and what the kept one does."""
         if self.state is None:
             return
         before = self.state
@@ -231,7 +231,7 @@ def _shown(value: Any) -> str:
 
 
 class MadeFile(NamedTuple):
-    """A file for a browser: its name, its media type, its content."""
+    """A file to be saved by the browser: its name, its media type, its content."""
 
     name: str
     type: str
@@ -239,15 +239,15 @@ class MadeFile(NamedTuple):
 
 
 class FileButton(anywidget.AnyWidget):
-    """Asks for a file, or a text, when it is pressed.
+    """A button that saves a file, or copies a text, when it is pressed.
 
     Parameters
     ----------
     label, hint : str
     make : callable
-        Gives a `MadeFile`, or a text to copy.
+        Returns a `MadeFile`, or a text to copy.
     failed : callable
-        Is given the error where `make` raises one.
+        Called with the error if `make` raises one.
     """
 
     _esm = resources.files("frictionlab.widgets").joinpath("file_button.js").read_text(encoding="utf-8")
@@ -264,7 +264,7 @@ class FileButton(anywidget.AnyWidget):
     def _pressed(self, *_: Any) -> None:
         try:
             made = self.make()
-        except Exception as error:  # told beside the picture: a missing library, a full disk
+        except Exception as error:  # shown beside the picture: a missing library, a full disk
             self._failed(error)
             return
         if isinstance(made, str):
@@ -274,7 +274,7 @@ class FileButton(anywidget.AnyWidget):
 
 
 def figure_file(explorer: Any, kind: str) -> MadeFile:
-    """The picture to print, on white paper: svg and pdf in lines and letters."""
+    """The picture to print, on white paper; svg and pdf hold lines and letters, not pixels."""
     buffer = io.BytesIO()
     explorer.picture.figure_to_print().savefig(buffer, format=kind, dpi=PRINT_DPI)
     return MadeFile(f"{_file_stem(explorer)}.{kind}", FIGURES[kind], buffer.getvalue())
@@ -294,7 +294,7 @@ def data_file(explorer: Any, kind: str) -> MadeFile:
 
 
 def state_file(explorer: Any) -> MadeFile:
-    """The state, which the explorer of the same model loads."""
+    """The state as a file, which an explorer of the same model can load."""
     text = state_text(explorer.start_model, explorer.changed())
     return MadeFile(f"{_file_stem(explorer)}.json", "application/json", text.encode())
 
@@ -311,7 +311,7 @@ def _columns(result: Any) -> dict[str, Any]:
 
 
 def _csv(columns: dict[str, Any]) -> bytes:
-    """A line for each time, numbers with all their digits."""
+    """A line of names, then one for each time; numbers have all their digits."""
     rows = zip(*(values.tolist() for values in map(np.asarray, columns.values())), strict=True)
     lines = (",".join(each if isinstance(each, str) else repr(each) for each in row) for row in rows)
     return "\n".join([",".join(columns), *lines, ""]).encode()
@@ -337,7 +337,7 @@ class Files:
     buttons : dict of str to FileButton
     load : FileUpload
     take : callable
-        Is given the content of a file that is loaded.
+        Called with the content of a file that is loaded.
     widget : Box
     """
 
@@ -361,7 +361,7 @@ class Files:
         self.widget = ipywidgets.Box([*self.buttons.values(), self.load], layout=layout)
 
     def load_state(self, change: Any) -> None:
-        """Take the files that were chosen, as an observer."""
+        """Load the files that were chosen; an observer of `load`."""
         for each in change["new"]:
             try:
                 self.take(bytes(each["content"]))

@@ -1,10 +1,10 @@
 """The scheduling of an explorer's updates: of the changes that arrive during an update only the last is
 computed.
 
-`UpdateScheduler` runs one update at a time, and one more for all changes that arrived meanwhile; long updates
-are done in parts.  `in_this_thread` keeps all that draws in the thread of the cells: JupyterLab hears widgets
-in threads of its own, and matplotlib serves one only.  `BusyIndicator` is a line of text that appears where
-an update takes noticeably long.
+`UpdateScheduler` runs one update at a time.  All changes that arrive during an update are handled by a single
+update after it; long updates are done in parts.  `in_this_thread` keeps all drawing in the thread that runs
+the cells, as JupyterLab receives messages of widgets in other threads and matplotlib works in one only.
+`BusyIndicator` is a line of text that appears when an update takes noticeably long.
 """
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ from typing import Any
 
 import ipywidgets
 
-EVENT_LOOP_PAUSE = 0.01  # seconds in which messages from the browser are handled first
-PAUSE_AFTER_CHANGE = 0.15  # after a change, as a slider that moves on should not wait for a long update
+EVENT_LOOP_PAUSE = 0.01  # seconds in which the event loop handles messages from the browser
+PAUSE_AFTER_CHANGE = 0.15  # seconds: a slider that moves on should not wait for a long update
 
 INDICATOR_DELAY = 0.3  # seconds
 INDICATOR_TEXT = "computing …"
@@ -29,10 +29,10 @@ PROGRESS_BAR = '<progress aria-label="done" value="{0}" max="{1}" style="width: 
 
 
 def in_this_thread(function: Callable[..., object]) -> Callable[..., None]:
-    """The same function, called in the present thread by its event loop where another thread calls it.
+    """The same function; where another thread calls it, the present thread's event loop runs it instead.
 
-    A drawing's settings and its parser of formulas are those of the whole process, and a cell that draws uses
-    them meanwhile.  Without an event loop it is called where it is.
+    Matplotlib's settings and its parser of formulas belong to the whole process, and a cell may be drawing
+    with them at the same time.  Without an event loop the function runs in the thread that calls it.
     """
     thread, loop = threading.get_ident(), running_loop()
 
@@ -46,7 +46,7 @@ def in_this_thread(function: Callable[..., object]) -> Callable[..., None]:
 
 
 class UpdateScheduler:
-    """Calls `update` on request, one call at a time, in the thread that made it.
+    """Calls `update` on request, one call at a time, in the thread in which the scheduler was made.
 
     The update reads the settings when it begins.  Requests while it runs, from within or from another thread,
     make it run once more.  A long update is done in parts, each of which requests the next one.
@@ -55,7 +55,7 @@ class UpdateScheduler:
     ----------
     update : callable
     wait : callable or None
-        Called where an update has to wait for the thread that made it.
+        Called where an update has to wait for that thread.
     """
 
     def __init__(self, update: Callable[[], None], wait: Callable[[], None] | None = None) -> None:
@@ -85,7 +85,7 @@ class UpdateScheduler:
             raise
 
     def request_later(self, pause: float = 0.0) -> None:
-        """Update after a pause of EVENT_LOOP_PAUSE or more, and after what comes to the loop in it, such
+        """Update after a pause of at least EVENT_LOOP_PAUSE, in which the event loop handles what comes, such
         as newer values; at once where there is no loop."""
         self.cancel()
         loop = running_loop()
@@ -95,7 +95,7 @@ class UpdateScheduler:
             self._timer = loop.call_later(max(pause, EVENT_LOOP_PAUSE), self.request)
 
     def cancel(self) -> None:
-        """Cancel a requested update."""
+        """Cancel an update that was requested for later."""
         if self._timer is not None:
             self._timer.cancel()
             self._timer = None
@@ -120,7 +120,7 @@ class UpdateScheduler:
 
 
 def has_event_loop() -> bool:
-    """Whether an event loop runs, as in a notebook or an application: else nothing goes on by itself."""
+    """Whether an event loop runs, as in a notebook or an application; without one nothing happens later."""
     return running_loop() is not None
 
 
@@ -138,7 +138,7 @@ class BusyIndicator:
     Attributes
     ----------
     left : (int, int) or None
-        Parts done and their total, where a computation goes on after the marked block.
+        Parts done and their total, where a computation goes on after the block of `show_while_busy`.
     """
 
     def __init__(self) -> None:
@@ -149,12 +149,12 @@ class BusyIndicator:
         self._waiting: threading.Timer | None = None
 
     def show_waiting(self) -> None:
-        """Say after INDICATOR_DELAY that an update waits for a cell, until it begins."""
+        """Say after INDICATOR_DELAY that an update waits for a running cell, until the update begins."""
         self._waiting = _started_timer(partial(self._show, WAITING_TEXT))
 
     @contextmanager
     def show_while_busy(self) -> Iterator[None]:
-        """Show the text after INDICATOR_DELAY until the block is done, or until the whole computation is."""
+        """Show the text after INDICATOR_DELAY, until the block, or a computation in parts, is done."""
         if self._waiting is not None:
             _end_timer(self._waiting)
             self._waiting = None
@@ -168,10 +168,10 @@ class BusyIndicator:
             self.widget.layout.visibility = "visible" if self.left else "hidden"
 
     def announce_compilation(self, compiling: bool) -> None:
-        """Say that the solver is compiled first, where it is, and at once: it takes half a minute."""
+        """If the solver has to be compiled first, say so at once, as that takes half a minute."""
         if compiling:
             self._show(COMPILING_TEXT)
-        elif not self.left:  # else how far it is stays, part for part
+        elif not self.left:  # else the progress stays in sight from part to part
             self.widget.value = INDICATOR_TEXT
 
     def _text(self) -> str:

@@ -1,5 +1,6 @@
-"""The attractor that the motion from a state leads to, in numbers that tell attractors apart (kind, period,
-ranges), and the catalogue of those known.
+"""Attractors that motions lead to, the features that tell them apart, and the catalogue of those known.
+
+The features are the kind, the period and the range of each state.
 """
 
 from __future__ import annotations
@@ -27,14 +28,14 @@ from frictionlab.presentation import count
 # points on an attractor, evenly in time: those of a sinusoid are 1.6e-4 of its range apart
 ATTRACTOR_POINTS = 20_000
 PATH_POINTS = 400  # points that are kept to draw it
-REST_CHANGE_RTOL = 1e-8  # share of its range in the transient by which a motion at rest may still move
-MAX_REST_TRANSIENTS = 20  # transients after which a motion is classified, settled or not
+REST_CHANGE_RTOL = 1e-8  # share of a state's range so far by which it may still change at rest
+MAX_REST_TRANSIENTS = 20  # most further transients in which a motion is to come to rest
 
 BasinSettings = Mapping[str, Any]  # the arguments of `fl.basins` by their names
 
 MIN_RANGE_SHARE = (
-    # least scale of a state, as a share of the largest range in its group, or over the motions to the
-    # attractors
+    # least scale of a state, as a share of the largest scale in its group, and of its own range over the
+    # motions to the attractors
     1e-2
 )
 PERIOD_RTOL = 1e-3
@@ -83,7 +84,7 @@ def classify_attractor(
 def _decays(run: Trajectory, kind: str, spread: Array, rtol: float) -> bool:
     """Whether a motion without events, already small beside its earlier range, shrinks all the time.
 
-    Measured by its own size alone, a motion that decays to zero never becomes small.
+    It is compared with its earlier range, since a motion that decays to zero is never small beside its own.
     """
     if kind != MotionKind.NOT_SETTLED or len(run.events):
         return False
@@ -95,8 +96,10 @@ def _decays(run: Trajectory, kind: str, spread: Array, rtol: float) -> bool:
 def _state_on_attractor(
     automaton: HybridAutomaton, state: Array, kind: str, spread: Array, settings: BasinSettings
 ) -> Array:
-    """A state closer to the attractor, which is known to a few digits so far: after one transient more, or at
-    rest."""
+    """A state closer to the attractor, which is known to a few digits so far.
+
+    It is the state after one more transient; for an equilibrium after as many as it takes to come to rest.
+    """
     size, moving = attractor_scale([], spread, automaton.coordinates), 2 * automaton.coordinates or None
     for _ in range(MAX_REST_TRANSIENTS if kind == MotionKind.EQUILIBRIUM else 1):
         before, state = state, _run(automaton, settings["transient"], state, settings).final_state
@@ -134,7 +137,7 @@ def add_ranges(found: AttractorData, points: Array) -> AttractorData:
 
 @dataclass(frozen=True, eq=False)
 class Attractor:
-    """An attractor, or one of the two outcomes that are none.
+    """An attractor, or one of the two outcomes that are no attractors.
 
     Parameters
     ----------
@@ -182,7 +185,7 @@ def transient_ranges(probed: Sequence[AttractorData]) -> Array:
 def attractor_scale(attractors: Sequence[AttractorData], spread: Array, coordinates: int) -> Array:
     """The range (n,) of each state over all attractors, or over the motions to them where none is known.
 
-    It is at least a share of the latter, below which no two attractors are told apart.
+    It is at least a share of the range over those motions: smaller differences tell no attractors apart.
     """
     known = [a for a in attractors if a["kind"] in RANGE_RTOL]
     size = np.array(spread)
@@ -233,8 +236,10 @@ class AttractorCatalogue:
         )
 
     def place(self, found: AttractorData, points: Array | None = None) -> int:
-        """Index of an attractor, which is added where it is new; by its points (K, n) runs are seen to have
-        reached it."""
+        """Index of an attractor, which is added where it is new.
+
+        With its points (K, n), :meth:`reached` recognises states on it.
+        """
         index = self.known(found)
         if index != UNDECIDED:
             return index
@@ -249,7 +254,7 @@ class AttractorCatalogue:
             if tree is None:
                 continue
             box = (scaled > tree.mins - 2 * self._rtol) & (scaled < tree.maxes + 2 * self._rtol)
-            about = np.flatnonzero(box.all(axis=1) & (index == UNDECIDED))  # a tree is slower than its box
+            about = np.flatnonzero(box.all(axis=1) & (index == UNDECIDED))  # faster to test than the tree
             if len(about):
                 distance = tree.query(scaled[about], p=np.inf, distance_upper_bound=self._rtol)[0]
                 index[about[distance < self._rtol]] = i

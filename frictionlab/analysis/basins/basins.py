@@ -1,4 +1,4 @@
-"""`fl.basins`: which initial states lead to which attractor; `fl.basin_stability`: how large a share does."""
+"""`fl.basins`: which initial states lead to which attractor; `fl.basin_stability`: what share does."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ from frictionlab.validation import abbreviate, check_choice, check_mapping, chec
 
 @dataclass(frozen=True, eq=False)
 class LabelledStates(Drawable):
-    """Initial states, each with the attractor it goes to; the base of both results."""
+    """Initial states, each with the attractor it goes to: the base class of both results."""
 
     labels: np.ndarray
     attractors: tuple[Attractor, ...]
@@ -40,7 +40,7 @@ class LabelledStates(Drawable):
 
     @property
     def fractions(self) -> dict[str, float]:
-        """Share p of the initial states that goes to each attractor, by its name."""
+        """Share p of the computed initial states that goes to each attractor, by its name."""
         done = max(1, int((self.labels != UNDECIDED).sum()))
         return {a.name: float((self.labels == i).sum()) / done for i, a in enumerate(self.attractors)}
 
@@ -68,7 +68,7 @@ class Basins(LabelledStates):
     specification : mapping
         All that determines the result.
     results : mapping of int to mapping
-        What was computed, by task.
+        Results of the tasks, by index.
     """
 
     drawn_by = "plot_basins"
@@ -118,7 +118,7 @@ def load_basins(path: str | Path) -> Basins | BasinStability:
     Raises
     ------
     ValueError
-        If the file is none.
+        If the file holds no basins, or is damaged.
     """
     specification, results = read_journal(path)
     if not {"coordinates", "probes", "group"} <= specification.keys():
@@ -206,26 +206,26 @@ def basins(
 ) -> Basins:
     """Basins of attraction in a plane of initial states.
 
-    First a dozen of the initial states are run to the end, which gives the attractors.  Then all are run side
-    by side (see :func:`ensemble`), each until it is on a known attractor; a motion that is on none after the
-    transient is classified as by :func:`steady_state`; it either has the features of a known attractor (kind,
-    period, range of each state) or is on a new one.
+    First a dozen of the initial states are run to the end, which gives the first attractors.  Then all are
+    run side by side (see :func:`ensemble`), each until it is on a known attractor.  A motion that is on none
+    after the transient is classified as by :func:`steady_state`: it either has the features of a known
+    attractor (kind, period, range of each state) or is on a new one.
 
     Parameters
     ----------
-    model : SliderOnBelt or HybridAutomaton
+    model : Model or HybridAutomaton
     x, y : (str, array_like)
         A state, such as "x1" or "x1'", and its initial values (N,) and (M,).
     x0 : "rest", "near", mapping, array_like (n,) or callable
-        Initial values of the other states.  A callable takes the state (n,) with the others zero, and returns
-        the complete initial state.
+        Initial values of the other states.  A callable takes the state (n,) with these zero, and returns the
+        complete initial state.
     options : SteadyStateOptions or None
-        With a method that is a Taylor.  The transient should be as long as the slowest motion takes to
-        settle; a longer one costs only those that have not settled.
+        Its method has to be a Taylor.  The transient should be as long as the slowest motion takes to settle;
+        a longer one costs time only for motions that have not settled.
     execution : Execution or None
-        Workers, executor, file and progress bar; None takes the usual ones.
+        Workers, executor, file and progress bar; None takes the defaults.
     **keywords
-        Fields of :class:`SteadyStateOptions` and :class:`Execution`, in the place of those of `options` and
+        Fields of :class:`SteadyStateOptions` and :class:`Execution`, which replace those of `options` and
         `execution`: ``transient=60.0, workers=2``.
 
     Returns
@@ -235,16 +235,16 @@ def basins(
     Raises
     ------
     TypeError
-        For what is no model, or an unknown keyword.
+        Where `model` is no model, or a keyword is unknown.
     ValueError
-        For other bad arguments, or a file of other basins; like the former before any work is done.
+        For other bad arguments, or a file of other basins.  Both are raised before any run starts.
     OSError
         Where the file cannot be written, or another sweep is using it.
     RuntimeError
-        Where a task fails, from its error; what was done before is in the file.
+        Where a task fails, raised from its error; the results before it are in the file.
     KeyboardInterrupt
-        After ctrl-C; :func:`partial_result` is then the Basins with -1 for what was not done, None where
-        nothing was.  A first press lets the tasks that have begun be finished, a second one leaves them.
+        After ctrl-C; :func:`partial_result` then returns the Basins with -1 for what was not done, or None
+        where nothing was.  A first press lets tasks that have begun finish, a second one abandons them.
 
     Examples
     --------
@@ -283,7 +283,7 @@ def basin_stability(
 
     Parameters
     ----------
-    model : SliderOnBelt or HybridAutomaton
+    model : Model or HybridAutomaton
     ranges : mapping of str to (float, float)
         States, such as "x1" or "x1'", and the interval in which each is uniformly distributed.
     samples : int
@@ -327,7 +327,7 @@ def basin_stability(
 def _settings(
     function: str, keywords: Mapping[str, Any], options: Any, execution: Any
 ) -> tuple[dict[str, Any], Execution]:
-    """What tasks and files need of the options, and how the tasks are done."""
+    """The options that tasks and files need, and how the tasks are run."""
     bundles = {"options": (SteadyStateOptions, options), "execution": (Execution, execution)}
     chosen, how = merge_keywords(function, keywords, "t_max", **bundles)
     if not isinstance(chosen.method, Taylor):

@@ -38,15 +38,15 @@ PROBE_COUNT = 12  # initial states of the probes, which look for the attractors 
 MIN_GROUP_SIZE, MAX_GROUP_SIZE = (
     250,
     1000,
-)  # initial states in a task: enough that the cost of a task by itself does not count,
-TARGET_TASK_COUNT = 16  # and few enough that every processor has several tasks
+)  # initial states in a task: enough that the overhead of a task does not matter
+TARGET_TASK_COUNT = 16  # tasks aimed at between these sizes, so that every processor has several
 
 CHECKS_PER_TRANSIENT = 20  # checks of the runs within the transient, evenly spaced
 EARLY_CHECKS = 4  # further checks before the first of them
 
 
 def state_names(model: Any) -> tuple[str, ...]:
-    """Names of the states, as a run has them."""
+    """Names of the states, as in a run."""
     return tuple(map(str, automaton_of(model).states))
 
 
@@ -58,12 +58,12 @@ def run_basin_tasks(
     execution: Execution,
     result_of: Callable[[dict[str, Any], dict[int, Any]], Any],
 ) -> Any:
-    """What `result_of` makes of what was asked and of the results of all tasks, the probes' first.
+    """Run the probes, then the groups; return what `result_of` makes of the specification and all results.
 
     Raises
     ------
     KeyboardInterrupt
-        After ctrl-C, with what it makes of the tasks that were done.
+        After ctrl-C, with what `result_of` makes of the results so far, None where there are none.
     """
     check_section(model, settings["section"])
     initial_state_of(model, starts[0])
@@ -88,7 +88,7 @@ def run_basin_tasks(
 def _run_probes(
     journal: Journal, probes: Sequence[tuple[Any, ...]], names: Sequence[str], execution: Execution
 ) -> bool:
-    """Find the attractors; whether all probes were done."""
+    """Find the attractors by the probes; True if all probes were done."""
     return run_tasks(
         probe_attractor,
         probes,
@@ -108,7 +108,7 @@ def _run_groups(
     probes: int,
     execution: Execution,
 ) -> bool:
-    """Label the initial states by the attractors that the probes found; whether all were done."""
+    """Label the initial states by the attractors to which they lead; True if all were done."""
     size, probed = len(groups[0]), [journal.results[i] for i in range(probes)]
     try:
         known = catalogue_of_probes(automaton, probed, settings)
@@ -127,7 +127,7 @@ def _run_groups(
 
 
 def probe_indices(count: int) -> list[int]:
-    """Initial states of the probes: some at random, as the rows of a grid may be alike."""
+    """Indices of the initial states to probe: chosen at random, as the rows of a grid may be alike."""
     drawn = np.random.default_rng(0).choice(count, min(PROBE_COUNT, count), replace=False)
     return np.sort(drawn).tolist()
 
@@ -176,8 +176,10 @@ def catalogue_of_probes(
 
 
 def check_times(transient: float) -> Array:
-    """Times at which the runs are checked: each twice the one before at first, for motions that settle
-    soon."""
+    """Times at which the runs are checked.
+
+    The first ones double, for motions that settle soon; then they are evenly spaced.
+    """
     even = transient / CHECKS_PER_TRANSIENT
     return np.array(
         [
@@ -218,7 +220,7 @@ def label_initial_states(
 
 
 def _labels_of_runs(group: Batch, catalogue: AttractorCatalogue) -> np.ndarray:
-    """The attractor that each run is on; runs that ended early are labelled so."""
+    """The index of the attractor that each run is on; "ended early" has one, too."""
     labels = catalogue.reached(group.runs.states)
     for i in np.flatnonzero(group.runs.status != FINISHED):
         labels[i] = catalogue.place(

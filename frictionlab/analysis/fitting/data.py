@@ -56,12 +56,12 @@ class TimeRecord:
 class SpectrumRecord:
     """Amplitudes of states at some frequencies, from samples of a part of the motion.
 
-    Of the samples x_j at the times t_j with the weights w_j of a window they are
+    For samples x_j at the times t_j, with the weights w_j of a window, they are
 
         a(f) = | 2 / sum w_j  sum w_j (x_j - m) exp(-2 pi i f t_j) |,    m = sum w_j x_j / sum w_j.
 
-    What a model predicts is the same sum, so that leakage between lines is the same on both sides; phases are
-    left out.
+    A model's prediction is the same sum, so that leakage between lines is the same on both sides.  Phases are
+    not used.
 
     Parameters
     ----------
@@ -72,11 +72,11 @@ class SpectrumRecord:
     values : mapping of str to array_like (F,)
         Measured amplitudes by the state's name, as "x1" or "x1'".
     error : float or mapping of str to float
-        Standard deviation of an amplitude.  Amplitudes have errors like a normal distribution's where they
-        are a few times as large as these: leave out lines that are all noise.
+        Standard deviation of an amplitude.  Errors are nearly normal only where the amplitude is a few times
+        as large: leave out lines that are all noise.
     window : "rectangular" or "hann"
-        That of the measurement.  With "hann" neighbouring lines share their noise, and intervals come out too
-        narrow unless every third line is taken.
+        The window of the measurement.  With "hann", neighbouring lines share their noise, and confidence
+        intervals come out too narrow unless only every third line is taken.
 
     Examples
     --------
@@ -109,7 +109,7 @@ class SpectrumRecord:
 
     @classmethod
     def from_record(cls, record: TimeRecord, frequencies: Any, window: str = "rectangular") -> SpectrumRecord:
-        """The lines of a time record, with the errors that follow from the record's."""
+        """The lines of a time record, with the errors that follow from those of the record."""
         lines = np.atleast_1d(np.asarray(frequencies, dtype=float))
         check_choice("window", window, WINDOWS, "take one of them")
         weights, w = line_weights(record.t, lines, window), _window(len(record.t), window)
@@ -124,7 +124,7 @@ class SpectrumRecord:
 
 
 def line_weights(t: Array, frequencies: Array, window: str) -> NDArray[np.complex128]:
-    """By what (F, N) the samples are multiplied in the sums whose absolute values are the amplitudes."""
+    """Factors (F, N) of the samples in the sums whose absolute values are the amplitudes."""
     share = _window(len(t), window)
     share = share / share.sum()
     turns = np.exp(-2j * np.pi * np.outer(frequencies, t))
@@ -138,7 +138,7 @@ def _window(count: int, window: str) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class EventTimes:
-    """Times of events, each known by the mode that it enters.
+    """Times of events that enter one mode.
 
     Parameters
     ----------
@@ -198,7 +198,7 @@ def as_data(data: Any) -> tuple[Any, ...]:
     Raises
     ------
     TypeError
-        For what is none.
+        Where one is no measurement.
     """
     found = tuple(data) if isinstance(data, Sequence) else (data,)
     for one in found or (data,):
@@ -211,12 +211,12 @@ def as_data(data: Any) -> tuple[Any, ...]:
 
 
 def _columns(values: Any, error: Any, count: int, of: str) -> tuple[dict[str, Array], dict[str, float]]:
-    """Measured numbers by state, `count` of each, and their errors.
+    """Measured values by state, `count` of each, and their errors.
 
     Raises
     ------
     ValueError
-        Where one is not finite, or there are more or fewer; for an error that is not above 0.
+        For values that are not finite, or not `count` of them; for an error that is not above 0.
     """
     check_mapping("values", values, 'give arrays by state, such as {"x1": measured}')
     kept = {n: float_array(f"values[{n!r}]", column, "give numbers") for n, column in values.items()}

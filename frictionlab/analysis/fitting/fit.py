@@ -1,5 +1,6 @@
-"""`fl.fit`: parameters from measurements, by multiple shooting with exact gradients through events; how sure
-they are, and which cannot be told apart.
+"""`fl.fit`: parameters from measurements, by multiple shooting with exact gradients through events.
+
+A `Fit` also tells how uncertain the parameters are, and which of them cannot be told apart.
 """
 
 from __future__ import annotations
@@ -30,9 +31,9 @@ from frictionlab.stability.equilibrium_problem import check_parameter
 from frictionlab.validation import check_choice, check_mapping, check_number
 
 Array = NDArray[np.float64]
-STRONG_CORRELATION = 0.95  # from here on two parameters are named as hard to tell apart
-RANK_RTOL = 1e-8  # singular values of the scaled derivatives below it: the data say nothing in that direction
-NULL_SHARE = 1e-4  # share of a direction that is not identifiable from which on a parameter is part of it
+STRONG_CORRELATION = 0.95  # above it two parameters are named as hard to tell apart
+RANK_RTOL = 1e-8  # the data do not determine directions of smaller relative singular values
+NULL_SHARE = 1e-4  # a parameter with a larger share in such a direction is part of it
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,18 +45,18 @@ class Fit(Drawable):
     model : Model
         With the fitted values.
     parameters : tuple of str
-        Then the states at the start that were fitted, as "x1 at 0".
+        The fitted parameters, then the fitted states at the start, such as "x1 at 0".
     values : array (P,)
     covariance : array (P, P)
-        inf for those that the data do not determine.
+        Its diagonal is inf for parameters that the data do not determine.
     residuals : array (N,)
         (predicted - measured) / error.
     times : array (N,)
         Of the measurements, s; NaN for frequencies and spectra.
     rank : int
-        How many combinations of parameters the data determine.
+        Number of combinations of parameters that the data determine.
     undetermined : tuple of tuple of str
-        Parameters that appear in each combination that they do not.
+        For each combination that the data do not determine, the parameters in it.
     message : str
         Why the search ended.
     """
@@ -91,12 +92,12 @@ class Fit(Drawable):
 
     @property
     def degrees_of_freedom(self) -> int:
-        """Measured numbers less determined combinations of parameters."""
+        """Number of measured values less number of determined combinations of parameters."""
         return len(self.residuals) - self.rank
 
     @property
     def chi_square(self) -> float:
-        """Sum of squared residuals by the degrees of freedom: near 1 where model and errors are right."""
+        """Sum of squared residuals over degrees of freedom: near 1 where model and errors are right."""
         return float(self.residuals @ self.residuals) / max(self.degrees_of_freedom, 1)
 
     @property
@@ -113,13 +114,13 @@ class Fit(Drawable):
         return tuple((names[i], names[j], float(found[i, j])) for i, j in pairs)
 
     def interval(self, parameter: str, level: float = 0.95) -> tuple[float, float]:
-        """The confidence interval of a parameter, by the measurements' errors.
+        """The confidence interval of a parameter, from the errors of the measurements.
 
         Parameters
         ----------
         parameter : str
         level : float
-            Share of such intervals that hold the truth.
+            Share of such intervals that contain the true value.
         """
         from scipy.stats import norm
 
@@ -158,7 +159,7 @@ def covariance_of(slopes: Array, names: tuple[str, ...], scales: Array) -> tuple
     return covariance, int(known.sum()), undetermined
 
 
-WEIGHTS = (1.0, 30.0, 1000.0)  # of what pieces miss of each other, over the measurement's error
+WEIGHTS = (1.0, 30.0, 1000.0)  # of the mismatch between pieces, relative to the measurement's error
 MAX_EVALUATIONS = 100
 FIT_RTOL = 1e-12
 
@@ -176,22 +177,22 @@ def fit(
     """Parameters of a model from measurements, by least squares.
 
     The time of the measurements is cut into segments that start at states of their own, which are unknowns as
-    well (multiple shooting): a wrong parameter then shifts no later onset of stick or impact, as it does in a
-    single run, whose squared error has many minima.  What the segments miss of each other is weighted more
-    and more, and at the end one run has to fit all.  Derivatives are those of the tangent flow with saltation
-    matrices, not differences.
+    well (multiple shooting).  A wrong parameter then does not shift all later onsets of stick and impacts, as
+    in a single run, whose squared error has many minima.  The mismatch between segments is weighted more and
+    more, and at the end one run has to fit all data.  Derivatives are those of the tangent flow with
+    saltation matrices, not finite differences, but for motions that have no derivative.
 
     Parameters
     ----------
     model : Model
-        Its values are where the search begins.
+        The search begins at its parameters.
     data : TimeRecord, SpectrumRecord, EventTimes, Frequencies, or a sequence of them
     parameters : sequence of str
         Those to be fitted.
     x0 : "rest", "near", mapping or array_like
         The state at the time 0.
     unknown : sequence of str
-        States whose value at the time 0 is fitted too; `x0` is the guess.
+        States whose value at the time 0 is fitted too, beginning from that in `x0`.
     segments : int
         Number of pieces; 1 is single shooting.
     bounds : mapping of str to (float, float)
@@ -204,9 +205,9 @@ def fit(
     Raises
     ------
     TypeError
-        For what is no model or no data.
+        Where `model` is no model, or `data` are no measurements.
     ValueError
-        For an unknown parameter or state, or where the search finds no run through the data.
+        For an unknown parameter or state; where a run with which a search begins ends before the data do.
 
     Notes
     -----
@@ -295,7 +296,7 @@ def _solve(task: Task, pieces: Pieces | None, first: Array, what: str) -> _Solut
 
 
 def _misfit_function(task: Task, pieces: Pieces | None) -> Callable[[Array], Misfit]:
-    """Residuals and derivatives at unknowns (u,); the last are remembered, as the solver asks for each."""
+    """Residuals and derivatives at unknowns (u,); the last are kept, as the solver asks for each in turn."""
     known: list[tuple[bytes, Misfit]] = []
 
     def evaluate(x: Array) -> Misfit:

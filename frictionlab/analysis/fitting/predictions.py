@@ -1,4 +1,4 @@
-"""What a model predicts of measurements, piece by piece, with exact derivatives through events."""
+"""What a model predicts for measurements, piece by piece, with exact derivatives through events."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ from frictionlab.models.model import automaton_of
 from .data import EventTimes, Frequencies, SpectrumRecord, TimeRecord, line_weights
 
 Array = NDArray[np.float64]
-DIFFERENCE_SHARE = 1e-6  # of a state or parameter: where a motion grazes, differences stand in
-END_MARGIN = 1e-6  # share of the last measured time that runs are longer, so that it lies inside
+DIFFERENCE_SHARE = 1e-6  # of a state or parameter: step of finite differences, where no derivative exists
+END_MARGIN = 1e-6  # share by which runs are longer than the last measured time, so that it lies inside
 PHASE = "phase"
 
 
@@ -42,11 +42,11 @@ class Pieces:
     unknown : tuple of int
         The states whose values at the time 0 are not known.
     start : array (n,)
-        The state at the time 0; of unknown ones a guess.
+        The state at the time 0; for unknown states a guess.
     size : array (n,)
         Size of the motion in each state.
     weight : float
-        Of what the pieces miss of each other, in units of `size`.
+        Weight of the mismatch between pieces, which is in units of `size`.
     """
 
     edges: Array
@@ -62,7 +62,7 @@ class Pieces:
 
 
 class Task(NamedTuple):
-    """What is fitted, checked."""
+    """The checked arguments of a fit."""
 
     model: Any
     data: tuple[Any, ...]
@@ -73,7 +73,7 @@ class Task(NamedTuple):
 
     @property
     def moving(self) -> bool:
-        """Whether there are data of a motion."""
+        """Whether some data are of a motion, not only of its equilibrium."""
         return any(not isinstance(one, Frequencies) for one in self.data)
 
     @property
@@ -82,20 +82,20 @@ class Task(NamedTuple):
         return np.array([abs(self.model.parameters[name]) or 1.0 for name in self.names])
 
     def first(self) -> Array:
-        """Where the search begins: parameters by their sizes, then unknown states at the start."""
+        """The unknowns where the search begins: parameters over their sizes, then unknown initial states."""
         values = np.array([self.model.parameters[name] for name in self.names]) / self.scales
         return np.concatenate([values, self.start[list(self.unknown)]])
 
     def at(self, unknowns: Array) -> Any:
-        """The model with the parameters of some unknowns."""
+        """The model with the parameters that are among some unknowns."""
         values = unknowns[: len(self.names)] * self.scales
         return self.model.replace(**dict(zip(self.names, map(float, values))))
 
 
 def even_pieces(task: Task, segments: int) -> Pieces:
-    """Even pieces of the time of the data, and the motion's size by the data where they tell."""
+    """The time of the data in even pieces, and the motion's size, from a run and from time records."""
     last = max(float(one.t[-1]) for one in task.data if not isinstance(one, Frequencies))
-    # Events that are measured have to happen within the run, though they come later at first.
+    # Measured events have to happen within the run, even if they come later with the first parameters.
     late = any(isinstance(one, EventTimes) for one in task.data)
     end = last * (1.0 + (0.05 if late else END_MARGIN))
     run = solve(automaton_of(task.model), end, x0=task.start, progress=False)
@@ -108,7 +108,7 @@ def even_pieces(task: Task, segments: int) -> Pieces:
 
 
 def first_states(task: Task, pieces: Pieces) -> Array:
-    """States (S - 1, n) at the start of the later pieces: measured, or else those of the model as it is."""
+    """States (S - 1, n) at the start of the later pieces: from time records, else from a run of the model."""
     run = solve(automaton_of(task.model), float(pieces.edges[-1]), x0=task.start, progress=False)
     found, n = run(pieces.edges[1:-1]).copy(), run.automaton.coordinates
     for record in (one for one in task.data if isinstance(one, TimeRecord)):
@@ -121,7 +121,7 @@ def first_states(task: Task, pieces: Pieces) -> Array:
 
 
 def inverse_error(task: Task, pieces: Pieces) -> float:
-    """Size of the motion over the measurement's error."""
+    """Size of the motion over the measurement's error, the median over all measured states."""
     names = tuple(map(str, automaton_of(task.model).states))
     shares = [
         one.error[name] / pieces.size[names.index(name)]
@@ -135,10 +135,10 @@ def inverse_error(task: Task, pieces: Pieces) -> float:
 def motion_misfit(
     model: Any, names: tuple[str, ...], data: Sequence[Any], pieces: Pieces, starts: Array
 ) -> Misfit:
-    """Residuals of records, event times and spectra, in their errors, and what the pieces miss of each other.
+    """Residuals of records, event times and spectra, over their errors, and the mismatch between pieces.
 
     Unknowns are the P parameters, the unknown states at the time 0, then the states (S - 1, n) at the start
-    of the other pieces, `starts` (S, n) being all of them.
+    of the other pieces.  `starts` (S, n) are the states at the start of all pieces.
 
     Raises
     ------
@@ -200,7 +200,7 @@ def _columns_of(piece: int, pieces: Pieces, count: int) -> tuple[list[int], slic
 def _spectrum_misfit(
     one: SpectrumRecord, samples: Sequence[Any], names: tuple[str, ...], unknowns: int
 ) -> Misfit:
-    """Residuals of amplitudes: the sums go over all pieces; d|a| = Re(a* da)/|a|."""
+    """Residuals of amplitudes, which are sums over all pieces; their derivatives d|a| = Re(a* da)/|a|."""
     weights, n = line_weights(one.t, one.frequencies, one.window), len(names)
     rows, slopes = [], []
     for name, measured in one.values.items():
@@ -222,7 +222,7 @@ def _spectrum_misfit(
 
 
 def _add_event_times(one: EventTimes, moments: Sequence[Any], n: int, add: Any) -> None:
-    """Residuals of the first events that enter a mode; those that do not happen are taken to, at the end."""
+    """Residuals of the first events that enter a mode; missing events are put at the end of the run."""
     k = 0
     for low, run, flow, piece in moments:
         for i in np.flatnonzero(run.events.target == one.target)[: len(one.t) - k]:
@@ -236,7 +236,7 @@ def _add_event_times(one: EventTimes, moments: Sequence[Any], n: int, add: Any) 
 
 
 def frequency_misfit(model: Any, names: tuple[str, ...], data: Sequence[Any], unknowns: int) -> Misfit:
-    """Residuals of eigenfrequencies, in their errors."""
+    """Residuals of eigenfrequencies, over their errors."""
     rows, slopes = [], []
     for one in (one for one in data if isinstance(one, Frequencies)):
         for mode, measured in one.values.items():
@@ -268,7 +268,7 @@ def _flow(model: Any, run: Trajectory, names: tuple[str, ...], times: Array) -> 
 
 
 def _differences(model: Any, run: Trajectory, names: tuple[str, ...], times: Array) -> SampledFlow:
-    """The same by differences, for motions at which it has no derivative."""
+    """The sampled flow by finite differences, for motions that have no derivative."""
     n, start = len(run.names), run.problem.x0
     times = np.minimum(times, run.raw.t)
     states, width = run(times) if len(times) else np.zeros((0, n)), n + len(names)
@@ -289,7 +289,7 @@ def _differences(model: Any, run: Trajectory, names: tuple[str, ...], times: Arr
 
 
 def _wrapped(run: Trajectory, missed: Array) -> Array:
-    """The phase of a force is the same after a turn."""
+    """Differences of states, with that of the phase of a force taken modulo a turn."""
     if PHASE in run.names:
         i = run.names.index(PHASE)
         missed[i] = (missed[i] + np.pi) % (2 * np.pi) - np.pi

@@ -1,8 +1,7 @@
-"""Branches of periodic orbits: step lengths along them, their ends, the special points
-between.
+"""Branches of periodic orbits: lengths of steps, special points, and ends.
 
 Folds, period doublings and Neimark-Sacker points are zeros of test functions.  Where the sequence of modes
-changes it is told why: a stay in a mode vanishes, or an orbit grazes a guard.
+changes, the reason is given: a stay in a mode vanishes, or an orbit grazes a guard.
 """
 
 from __future__ import annotations
@@ -23,7 +22,7 @@ from frictionlab.presentation import Kind
 
 LOCATION_XTOL = 1e-12  # share of the step to which a special point is located
 UNIT_CIRCLE_ATOL = (
-    1e-3  # how far from the unit circle the pair of a Neimark-Sacker point may be, with rounding
+    1e-3  # how far from the unit circle rounding may put the multipliers of a Neimark-Sacker point
 )
 
 NO_ORBIT = "no orbit found"
@@ -35,7 +34,7 @@ SAMPLES_PER_PERIOD = 4001
 
 
 def transverse_multipliers(point: BranchPoint) -> Array:
-    """The multipliers but for that along the orbit."""
+    """The multipliers, without that along the orbit."""
     values = floquet_multipliers(point.monodromy)
     return np.delete(values, np.argmin(np.abs(values - 1.0)))
 
@@ -88,7 +87,7 @@ def special_points_between(
 ) -> list[SpecialPoint]:
     """The special points between a point and the one a step after it, in their order.
 
-    Where one cannot be located, as no orbit is found within the step, it is put at the latter point.
+    One that cannot be located, as no orbit is found within the step, is put at the point `after`.
     """
     found = []
     for kind, test in TEST_FUNCTIONS.items():
@@ -114,16 +113,20 @@ def locate_zero(
 
 
 def _is_special(kind: SpecialKind, point: BranchPoint) -> bool:
-    """Whether a zero is a special point: two real multipliers whose product is 1 are no Neimark-Sacker
-    point."""
+    """Whether a zero of a test function is a special point.
+
+    Two real multipliers whose product is 1 make a zero that is no Neimark-Sacker point.
+    """
     values = transverse_multipliers(point)
     pairs = values[np.abs(values.imag) > 0.0]
     return kind != SpecialKind.NEIMARK_SACKER or bool((np.abs(np.abs(pairs) - 1.0) < UNIT_CIRCLE_ATOL).any())
 
 
 def branch_end_kind(automaton: HybridAutomaton, point: BranchPoint, other: BranchPoint | None) -> str:
-    """How the sequence of modes changes after an orbit, by the modes beyond the change where these are
-    known."""
+    """The kind of change of the sequence of modes after an orbit.
+
+    It is told from the orbit beyond the change where one is known, else from this orbit alone.
+    """
     if other is not None:
         few, many = sorted((point, other), key=lambda side: len(side.modes))
         more = len(many.modes) - len(few.modes)
@@ -165,11 +168,10 @@ def _grazes(automaton: HybridAutomaton, point: BranchPoint) -> bool:
 
 
 def _at_guard_limit(automaton: HybridAutomaton, point: BranchPoint) -> bool:
-    """Whether an event function of a mode is nearly zero where the mode is entered, though not by
-    construction.
+    """Whether an event function is nearly zero where its mode is entered, though not by construction.
 
-    So is the margin of friction where it has reached its static limit at an onset of stick: beyond, slip goes
-    on.
+    An example is the margin to the static limit of friction at an onset of stick: beyond the parameter's
+    value at which it is zero, slip goes on.
     """
     events, numbers = point.shot.run.events, automaton.parameters.values()
     modes = {
@@ -200,25 +202,24 @@ def _has_zero_minimum(values: Array) -> bool:
 
 
 BOUND, MAX_POINTS, INTERRUPTED = "bound", "most orbits", "interrupted"
-# share of the longest step below which a failed step means that the sequence of modes changes
+# the longest step over this: a shorter step that fails means that the sequence of modes changes
 SHORTEST_STEP_PARTS = 64
-END_BISECTIONS = 40  # halvings from there on, until both sides of such a change have met
+END_BISECTIONS = 40  # halvings of that step, until both sides of such a change have met
 FAST_ITERATIONS, SLOW_ITERATIONS = (
     3,
     6,
-)  # iterations of Newton's method below, and above, which the next step is made longer, or shorter
+)  # up to so many iterations of Newton's method the next step is longer, from so many on shorter
 RESTART_LENGTHS = 5  # lengths tried to step beyond such a change, each a quarter of the one before
 MAX_TANGENT_CHANGE = 0.3  # largest change of a component of the tangent in a step
 HOPF_FIT_POINTS, HOPF_FIT_SPARE = (
     12,
     3,
-)  # most orbits fitted; and orbits needed beyond the coefficients of a polynomial, to estimate the scatter
-HOPF_SIZE_RTOL = 1e-2  # share of the largest size so far below which an orbit has shrunk to an equilibrium
+)  # most orbits in a fit; and orbits it needs in excess of its coefficients, to estimate the scatter
+HOPF_SIZE_RTOL = 1e-2  # an orbit smaller than this share of the largest so far has shrunk to an equilibrium
 
 
 class BranchHalf(NamedTuple):
-    """One half of a branch, from its first orbit on: points and special points in their order, and why it
-    ended."""
+    """One half of a branch: points and special points in order from the first orbit on, and why it ended."""
 
     points: list[BranchPoint]
     special: list[SpecialPoint]
@@ -226,8 +227,10 @@ class BranchHalf(NamedTuple):
 
 
 class BranchStep(NamedTuple):
-    """A step along the branch: the orbit ahead, the length of the step, "bound" where the orbit is at a
-    bound, and where the sequence of modes changes the orbit beyond, if one is found.
+    """A step along the branch: the orbit `after` it, if one is found, and its length.
+
+    `end` is "bound" where that orbit is at a bound.  `edge` tells that the sequence of modes changes after
+    it, or the branch ends; `other` is then the orbit beyond, if one is found.
     """
 
     after: BranchPoint | None
@@ -281,8 +284,7 @@ def _next_step(
     max_step: float,
     bounds: tuple[float, float],
 ) -> BranchStep:
-    """The next orbit with the same modes; where there is none close by, the last one before the modes
-    change."""
+    """The next orbit with the same modes; if there is none close by, the last one before the modes change."""
     while True:
         at_bound = _step_to_bound(automaton, point, length, bounds)
         if at_bound is not None:
@@ -298,7 +300,7 @@ def _next_step(
 def _step_to_bound(
     automaton: HybridAutomaton, point: BranchPoint, length: float, bounds: tuple[float, float]
 ) -> BranchStep | None:
-    """The orbit at a bound, where the bound is within a step: beyond it there may be no model."""
+    """The orbit at a bound that is within a step; beyond the bound there may be no model."""
     speed = point.tangent[-1] * point.scale[-1]
     bound = bounds[int(speed > 0.0)]
     if speed == 0.0 or (bound - point.value) / speed > length:
@@ -311,8 +313,7 @@ def _step_to_bound(
 def _locate_mode_change(
     automaton: HybridAutomaton, point: BranchPoint, length: float, other: BranchPoint | None
 ) -> BranchStep:
-    """The orbits on both sides of where the modes change, or the branch ends, within a step, by halving
-    it."""
+    """The orbits on both sides of a change of modes, or of the branch's end, found by halving a step."""
     low, high, last = 0.0, length, None
     other = other if other is not None and other.modes != point.modes else None
     for _ in range(END_BISECTIONS):
@@ -335,8 +336,7 @@ def _try_step(
 
 
 def _continues(point: BranchPoint, after: BranchPoint | None) -> bool:
-    """Whether a point continues the branch: the same modes, and a tangent in line with that of the point
-    before.
+    """Whether a point continues the branch: it has the same modes and nearly the same tangent as before.
 
     The tangents are compared in period and parameter only, as the state has been moved along the orbit.
     """
@@ -346,11 +346,11 @@ def _continues(point: BranchPoint, after: BranchPoint | None) -> bool:
 
 
 def _hopf_value(points: list[BranchPoint]) -> float:
-    """The parameter at which the amplitude comes to zero: near there it is a smooth function of its square.
+    """The parameter at which the amplitude becomes zero; near there it is a smooth function of its square.
 
-    A line through the last two orbits would take their rounding to some five times itself.  So lines and
-    parabolas are fitted to the last dozen or fewer, and that with the least standard error at zero is taken:
-    more orbits average out rounding, fewer of them see less curvature.
+    A line through the last two orbits would amplify their rounding errors about five times.  So lines and
+    parabolas are fitted to the last twelve orbits or fewer, and the fit with the least standard error at zero
+    is taken: more orbits average out rounding, fewer are less affected by curvature.
     """
     last = [p for p in points[-HOPF_FIT_POINTS:] if p.modes == points[-1].modes]
     size = last[-1].scale[:-2]
@@ -383,8 +383,7 @@ def _next_length(length: float, after: BranchPoint, max_step: float) -> float:
 def _restart_beyond(
     automaton: HybridAutomaton, point: BranchPoint | None, length: float
 ) -> BranchPoint | None:
-    """The point with its tangent in the direction in which the modes stay the same; None where there is
-    none."""
+    """The point with its tangent in the direction in which the modes stay the same; None if neither does."""
     for part in length * 0.25 ** np.arange(RESTART_LENGTHS):
         for way in () if point is None else (point, reversed_point(point)):
             ahead = _try_step(automaton, way, float(part))

@@ -38,14 +38,14 @@ class SpecialOrbit:
     Parameters
     ----------
     kind : str
-        "fold", "period doubling", "Neimark-Sacker"; "grazing", where a stay in another mode, entered from and
-        left to one and the same mode, appears or vanishes; "mode change", another change of the modes;
-        "Hopf", where the orbit shrinks to an equilibrium.
+        "fold", "period doubling", "Neimark-Sacker"; "grazing", where a stay that interrupts a mode
+        appears or vanishes; "mode change", any other change of the sequence of modes; "Hopf", where the orbit
+        shrinks to an equilibrium.
     value : float
         Value of the parameter.
     orbit : PeriodicOrbit
-        The orbit there, or for "grazing", "mode change" and "Hopf" the last one before; the value of "Hopf"
-        is extrapolated to zero amplitude.
+        The orbit there; for "grazing", "mode change" and "Hopf" the last one before.  The value of "Hopf" is
+        extrapolated to zero amplitude.
     """
 
     kind: SpecialKind
@@ -114,20 +114,21 @@ def continue_orbit(
     """Follow a periodic orbit through a parameter, by pseudo-arclength continuation.
 
     The branch is followed both ways from the orbit, to the bounds or to where it ends.  The derivative by the
-    parameter is that of the tangent flow, with the parameter as an additional state.  Folds, period doublings
-    and Neimark-Sacker points are located by the multipliers, and where the sequence of modes changes by
-    halving the step until both sides meet.  Source: Seydel, Practical Bifurcation and Stability Analysis
-    (2010).
+    parameter is that of the tangent flow, with the parameter as an additional state.  Folds are located where
+    the parameter turns back, period doublings and Neimark-Sacker points by the multipliers, changes of the
+    sequence of modes by halving the step until both sides meet.  Source: Seydel, Practical Bifurcation and
+    Stability Analysis (2010).
 
     Parameters
     ----------
     orbit : PeriodicOrbit
     parameter : str
-        Of its model; it must not be one that the structure of the equations depends on.
+        A parameter of its model, on which the structure of the equations must not depend.
     bounds : (float, float)
         Smallest and largest value of the parameter.
     step : float
-        Longest step, as a share of the motion's size, the period and the distance of the bounds together.
+        Longest step, in the norm of all unknowns: the state by the motion's size, the period by its own, the
+        parameter by the distance of the bounds.
     max_points : int
         Largest number of orbits in each direction.
     progress : bool
@@ -140,12 +141,13 @@ def continue_orbit(
     Raises
     ------
     TypeError
-        For an unknown parameter, or what is no orbit.
+        For an unknown parameter, or where `orbit` is no PeriodicOrbit.
     ValueError
-        For other bad arguments; like the former before any work is done.
+        For other bad arguments, and for an orbit of a family at one value of the parameter.  All errors but
+        the last are raised before any orbit is computed.
     KeyboardInterrupt
-        After ctrl-C; :func:`partial_result` is then the OrbitBranch with the orbits found so far, whose
-        `ends` say where it was interrupted.
+        After ctrl-C; :func:`partial_result` then returns the OrbitBranch with the orbits found so far, whose
+        `ends` say which side was interrupted.
 
     Examples
     --------
@@ -189,7 +191,7 @@ def continue_orbit(
 
 
 def _check(orbit: Any, parameter: str, bounds: Any, step: float, max_points: int) -> float:
-    """The parameter's value, where all arguments are as they should be."""
+    """Check the arguments, and return the parameter's value at the orbit."""
     if not isinstance(orbit, PeriodicOrbit):
         raise TypeError(f"orbit must be a PeriodicOrbit, got {orbit!r}: find one with fl.periodic_orbit")
     check_parameter_name(orbit.model, parameter)
@@ -218,7 +220,7 @@ def _with_progress_bar(
 
 
 def _orbit_at(model: Any, parameter: str, point: BranchPoint) -> PeriodicOrbit:
-    """The periodic orbit of a branch point, of the model with the parameter's value there."""
+    """The periodic orbit of a branch point, for the model with the parameter's value there."""
     here = model.replace(**{parameter: point.value})
     start = point.shot.run.raw.step_states[0][:-1]
     run = solve(automaton_of(here), point.period, x0=start, progress=False)

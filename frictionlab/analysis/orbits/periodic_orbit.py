@@ -2,7 +2,7 @@
 Newton's method on a Poincare section normal to the flow, from a state, a run or a steady state.
 
 The result is checked independently of how it was found: an orbit moves, returns in the mode in which it
-begins, keeps the conditions of its modes, and its monodromy matrix maps the direction of the flow on itself.
+begins, keeps the conditions of its modes, and its monodromy matrix maps the flow's direction onto itself.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from frictionlab.validation import check_number
 
 PERIOD_DIVISORS = (2, 3, 5, 7)
 SAME_STATE_RTOL = 1e-6  # share of the motion's size within which two states are one
-RETURN_RTOL = 0.1  # share of the largest distance so far within which a state has returned
+RETURN_RTOL = 0.1  # a state has returned within this share of the largest distance so far
 MAX_ITERATIONS = 40
 MAX_HALVINGS = 8
 RESIDUAL_ROUNDING = 1e-14  # residual at the level of rounding, which cannot become smaller
@@ -37,8 +37,8 @@ FAMILY_RCOND = 1e-11
 # in a family of orbits the multiplier 1 is double, and so known only to the square root of rounding
 MULTIPLIER_RTOL = 1e-6
 MAX_PERIOD_FACTOR = 2.0  # factor by which the period may change in one iteration
-MIN_ORBIT_SIZE = 1e-3  # share of the guess's size below which an orbit is only an equilibrium
-MAX_VIOLATION = 1e-6  # share of a condition's terms by which it may be violated
+MIN_ORBIT_SIZE = 1e-3  # an orbit smaller than this share of the guess is in fact an equilibrium
+MAX_VIOLATION = 1e-6  # largest violation of a condition of a mode, as a share of the condition's terms
 FLOW_DIRECTION_RTOL = 1e-6  # share by which the monodromy matrix may miss the direction of the flow
 
 
@@ -59,7 +59,7 @@ class PeriodicOrbit(Drawable):
         Floquet multipliers, its eigenvalues, the largest first.  One is 1, along the orbit; with onsets of
         stick or plastic impacts one at least is 0.
     modes : tuple of (str, float)
-        The modes and the seconds spent in each, in their order, from the first event of `trajectory` on.
+        The modes, in order from the first event of `trajectory` on, and the seconds spent in each.
     residual : float
         How far the orbit is from closing, as a share of the size of the motion in each state.
     trajectory : Trajectory
@@ -101,7 +101,7 @@ def periodic_orbit(
 
     The monodromy matrix is that of :func:`frictionlab.tangent_flow`, so that events are accounted for.
     The result has been checked: it closes, keeps to the conditions of its modes, and its monodromy matrix
-    maps the flow's direction upon itself.
+    maps the flow's direction onto itself.
 
     Parameters
     ----------
@@ -124,9 +124,9 @@ def periodic_orbit(
     ------
     ValueError
         For bad arguments; for a guess to which the motion does not return; where Newton's method does not get
-        below the tolerance, with what it reached; where the motion has no derivative, see `tangent_flow`.
+        below the tolerance; where the motion has no derivative, see `tangent_flow`.
     KeyboardInterrupt
-        After ctrl-C; there is no result yet.
+        After ctrl-C; there is no partial result.
 
     Examples
     --------
@@ -196,7 +196,7 @@ def _start_in_free_mode(automaton: HybridAutomaton, state: Array, period: float)
 def _shortest_period(
     automaton: HybridAutomaton, guess: OrbitGuess, shot: ShootingResult, tolerance: float
 ) -> ShootingResult:
-    """The orbit with its shortest period, where the guess was several of them."""
+    """The orbit with its shortest period, where the guess was several periods long."""
     for fold in PERIOD_DIVISORS:
         period = shot.run.raw.t / fold
         while np.abs((shot.run(period) - shot.run.raw.step_states[0]) / guess.size).max() < SAME_STATE_RTOL:
@@ -207,7 +207,7 @@ def _shortest_period(
 
 
 def mode_sequence(run: Trajectory) -> tuple[tuple[str, float], ...]:
-    """Modes and dwell times; the first and the last stay are one."""
+    """Modes and dwell times; the run's first and last stay are parts of one."""
     t, period = run.events.t, run.raw.t
     if not len(t):
         return ((str(run.mode[0]), period),)
@@ -216,7 +216,7 @@ def mode_sequence(run: Trajectory) -> tuple[tuple[str, float], ...]:
 
 
 class OrbitGuess(NamedTuple):
-    """A state (n,) near the orbit, about its period (s), and the size of the motion in each state (n,)."""
+    """A state (n,) near the orbit, its approximate period (s), and the motion's size in each state (n,)."""
 
     state: Array
     period: float
@@ -246,9 +246,9 @@ def state_and_period(
 
 
 def first_return(run: Trajectory, start: float, direction: int) -> float:
-    """Time from `start`, an end of the run, to where the state is close to that again.
+    """Time from `start`, an end of the run, until the state is again close to that at `start`.
 
-    Close means a small share of the largest distance reached before.
+    Close means within a small share of the largest distance reached in between.
     """
     t = run.t[::direction]
     away = _distances(run, t, start)
@@ -281,7 +281,7 @@ def _distances(run: Trajectory, t: Any, start: float) -> Array:
 
 
 class ShootingResult(NamedTuple):
-    """A trial over one period: the run, its fundamental matrix, its residual by the motion's size."""
+    """A trial over one period: the run, its fundamental matrix, its residual over the motion's size."""
 
     run: Trajectory
     matrix: Array
@@ -322,7 +322,7 @@ def shoot(automaton: HybridAutomaton, guess: OrbitGuess, tolerance: float) -> Sh
 
 
 def run_one_period(automaton: HybridAutomaton, z: Array, period: float, size: Array) -> ShootingResult:
-    """The motion from `z` for a period, and what it misses of `z`, in units of `size`.
+    """The motion from `z` over a period, and how far it ends from `z`, in units of `size`.
 
     Raises
     ------
@@ -337,7 +337,7 @@ def run_one_period(automaton: HybridAutomaton, z: Array, period: float, size: Ar
 
 
 def _newton_step(shot: ShootingResult, period: float, size: Array) -> Array:
-    """Newton's step for (z / size, T / period): the shortest that closes the orbit.
+    """Newton's step for (z / size, T / period): the shortest one that closes the orbit.
 
     At a periodic orbit it is normal to the flow, so that z moves on a Poincare section.
     """
@@ -365,7 +365,7 @@ def _damped_step(
 
 
 def check_motion(shot: ShootingResult, guess: OrbitGuess) -> None:
-    """Raise where the motion closes because it is an equilibrium."""
+    """Raise where the motion closes only because it is an equilibrium."""
     if (state_ranges(shot.run.states) / guess.size).max() < MIN_ORBIT_SIZE:
         raise ValueError(
             "no periodic orbit found near the guess: Newton's method reached an equilibrium, "

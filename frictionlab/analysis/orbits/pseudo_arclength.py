@@ -1,9 +1,9 @@
-"""Pseudo-arclength steps along a branch of periodic orbits: tangent predictor, Newton corrector on a normal
-plane.
+"""Pseudo-arclength steps along a branch of periodic orbits: tangent predictor, corrector on a normal plane.
 
-The parameter is one more state, of zero rate, so that the tangent flow has the derivative by it, events
-included. The unknowns are the state z, the period T and the parameter; u = (z/size, T/period,
-parameter/span). Source: Seydel, Practical Bifurcation and Stability Analysis, 3rd ed., Springer 2010.
+The parameter is an additional state of zero rate, so that the tangent flow also has the derivatives by it,
+through events.  The corrector is Newton's method.  The unknowns are the state z, the period T and the
+parameter; scaled, they are u = (z/size, T/period, parameter/span).  Source: Seydel, Practical Bifurcation and
+Stability Analysis, 3rd ed., Springer 2010.
 """
 
 from __future__ import annotations
@@ -29,10 +29,10 @@ from frictionlab.hybrid.variational.tangent_flow import end_rates, tangent_flow
 
 MAX_CORRECTOR_ITERATIONS = 12
 RESIDUAL_TOLERANCE = 1e-9  # largest residual of an orbit, as a share of the motion's size
-# Least over largest singular value below which there are periodic orbits in every neighbourhood.
+# Least over largest singular value below which an orbit is one of a family at one value of the parameter.
 FAMILY_SINGULAR_RATIO = 1e-9
 CORRECTOR_RCOND = (
-    1e-13  # share of the largest singular value: smaller ones of a corrector's matrix are rounding
+    1e-13  # share of the largest singular value of the corrector's matrix: smaller ones are due to rounding
 )
 # How far from its prediction, beyond the length of the step, an orbit may be found.
 MAX_PREDICTION_ERROR = 0.01
@@ -42,8 +42,9 @@ MIN_CONTRACTION = 0.5  # a residual that shrinks less has reached rounding, or w
 class BranchPoint(NamedTuple):
     """A periodic orbit on a branch.
 
-    `state` (n + 1,) ends with the parameter; `scale` (n + 2,) divides the unknowns to give u, the period last
-    but one; `tangent` (n + 2,) is du/ds; `modes` are those entered at the events; `cost` counts iterations.
+    `state` (n + 1,) ends with the parameter.  `scale` (n + 2,) divides the unknowns to give u, in which the
+    period comes last but one; `tangent` (n + 2,) is du/ds.  `modes` are those entered at the events; `cost`
+    counts iterations.
     """
 
     shot: ShootingResult
@@ -79,12 +80,12 @@ def with_parameter_as_state(automaton: HybridAutomaton, parameter: str) -> Hybri
 
 @lru_cache(maxsize=64)
 def _modes_with_constant(modes: tuple[Mode, ...]) -> tuple[Mode, ...]:
-    """The modes with a state of zero rate after the others; remembered, as tapes are by the modes."""
+    """The modes with an additional last state of zero rate; cached, as tapes are kept by their modes."""
     return tuple(replace(mode, flow=(*mode.flow, sp.S.Zero)) for mode in modes)
 
 
 def first_point(automaton: HybridAutomaton, state: Array, period: float, span: float) -> BranchPoint:
-    """The point of a periodic orbit whose state ends with the parameter; its parameter grows along s."""
+    """The branch point of an orbit; `state` ends with the parameter, which grows along the tangent."""
     shot = run_one_period(automaton, state, period, np.ones(len(state)))
     scale = _point_scale(automaton, shot, period, span)
     tangent = _tangent(shot, state, period, scale)
@@ -110,8 +111,7 @@ def reversed_point(point: BranchPoint) -> BranchPoint:
 def continuation_step(
     automaton: HybridAutomaton, point: BranchPoint, step: float, value: float | None = None
 ) -> BranchPoint:
-    """The periodic orbit about `step` further along the branch, or near there at a given value of the
-    parameter.
+    """The periodic orbit about `step` further along the branch, or that at a given `value` of the parameter.
 
     Raises
     ------
@@ -154,7 +154,7 @@ def _next_point(
     period: float,
     cost: int,
 ) -> BranchPoint:
-    """The branch point of an orbit found: its tangent points forwards, its state is far from events."""
+    """The branch point of an orbit found, its tangent pointing forwards, its state moved away from events."""
     scale = _point_scale(automaton, shot, period, float(before.scale[-1]))
     tangent = _tangent(shot, state, period, scale)
     ahead = float(tangent @ (before.tangent * before.scale / scale)) < 0.0
@@ -194,7 +194,7 @@ def _tangent(shot: ShootingResult, state: Array, period: float, scale: Array) ->
 
 
 def _corrector_step(shot: ShootingResult, period: float, scale: Array, across: Array, off: Array) -> Array:
-    """Newton's step for u: it closes the orbit, normal to the flow, and stays on the plane `across`."""
+    """Newton's step for u: normal to the flow, it closes the orbit on the plane with the normal `across`."""
     missed = (shot.run.final_state - shot.run.raw.step_states[0])[:-1] / scale[:-2]
     matrix = np.vstack([_corrector_rows(shot, period, scale), across])
     left: Any = np.concatenate([missed, [0.0], [across @ off]])
@@ -202,7 +202,7 @@ def _corrector_step(shot: ShootingResult, period: float, scale: Array, across: A
 
 
 def _centre_in_stay(automaton: HybridAutomaton, point: BranchPoint) -> BranchPoint:
-    """The point with its state moved on to the middle of the longest stay without constraints."""
+    """The point with its state moved along the orbit to the middle of the longest unconstrained stay."""
     run, tangent, scale = point.shot.run, point.tangent, point.scale
     middle = _middle_of_free_stay(automaton, run)
     if not middle > 0.0:

@@ -1,9 +1,9 @@
-"""Quantities of the first loss of stability, the critical value of a parameter and the frequency there, and
-of folds, where an equilibrium meets another one and both end.
+"""Quantities at the first loss of stability (critical value of a parameter, frequency) and at folds.
 
-At a fold f(x, q) = 0 and A r = 0 for a vector r, with c r = 1 for a fixed row c: 2 m + 1 equations for x, r
-and the parameter q, regular at a quadratic fold.  The start is the last equilibrium that halving finds before
-it ends or gives way to another.
+At a fold an equilibrium meets another one and both end.  There f(x, q) = 0 and A r = 0 for a vector r, with
+c r = 1 for a fixed row c: 2 m + 1 equations for x, r and the parameter q, regular at a quadratic fold.  They
+are solved by Newton's method from the last equilibrium before it ends or gives way to another, which is found
+by halving intervals of the parameter.
 """
 
 from __future__ import annotations
@@ -42,13 +42,13 @@ SCAN_POINTS = 257
 HALVINGS = 40
 MAX_STEPS = 30
 STEP_RTOL = 1e-13
-JUMP_FACTOR = 8.0  # of the median between scanned values: a larger move may be a jump
-JUMP_SHARE = 0.05  # of it that is left after halving where it is one
-FOLD_RTOL = 1e-3  # share of the bounds by which the fold may miss where the equilibrium was seen to end
+JUMP_FACTOR = 8.0  # times the median change between scanned values: a larger change may be a jump
+JUMP_SHARE = 0.05  # share of such a change that is left after halving if it is a jump
+FOLD_RTOL = 1e-3  # share of the bounds' distance that the fold may be from where the equilibrium ended
 
 
 class FoldPoint(NamedTuple):
-    """The parameter's value at a fold, the equilibrium (m,) there, and derivatives (P,) of the value."""
+    """The parameter's value at a fold, the equilibrium (m,) there, and the value's derivatives (P,)."""
 
     value: float
     x: Array
@@ -64,7 +64,7 @@ def fold_point(
     for end in _ends(problem, parameter, bounds, fixed):
         numbers[place] = end.value
         found = _newton(problem, end.x, numbers, place)
-        # Elsewhere the equilibrium leaves its mode, or its law ends: no fold.
+        # Otherwise there is no fold: the equilibrium leaves its mode, or its law ends.
         if found is not None and abs(found[1] - end.value) < FOLD_RTOL * (bounds[1] - bounds[0]):
             numbers[place] = found[1]
             return _with_slopes(problem, found[0], numbers, place)
@@ -81,7 +81,7 @@ def _with_slopes(problem: EquilibriumProblem, x: Array, numbers: list[float], pl
 
 
 class _End(NamedTuple):
-    """A value at which an equilibrium (m,) is known, just before it ends."""
+    """The parameter's value next to where an equilibrium begins or ends, and the equilibrium (m,) there."""
 
     value: float
     x: Array
@@ -147,7 +147,7 @@ def _newton(
     return (x, float(numbers[place])) if np.isfinite(x).all() else None
 
 
-REAL_RTOL = 1e-6  # of its size: a slope of the critical value that is not real to this has no meaning
+REAL_RTOL = 1e-6  # a slope of the critical value with a larger share of imaginary part has no meaning
 
 
 @dataclass(frozen=True)
@@ -185,8 +185,8 @@ class _AtFirstLoss(Quantity):
 class CriticalValue(_AtFirstLoss):
     """The first value of a parameter at which stability is lost as it grows; see :func:`critical_value`.
 
-    Its derivatives hold where flutter sets in (a Hopf point), and where undamped modes coalesce; where the
-    equilibrium ends in a fold they are not known.
+    Its derivatives are known where flutter sets in (a Hopf point), at divergence, and where undamped modes
+    coalesce, but not where the equilibrium ends in a fold.
 
     Parameters
     ----------
@@ -253,14 +253,14 @@ class CriticalFrequency(_AtFirstLoss):
 class FoldValue(Quantity):
     """The first value of a parameter at which an equilibrium ends in a fold, or begins in one.
 
-    At a fold the state matrix A is singular, l A = 0; the equilibrium stays on it where l f_p dp = 0, so that
-    d(fold)/dp = -l f_p / l f_q with q the parameter.
+    At a fold the state matrix A is singular, l A = 0.  Changes dp of the parameters with l f_p dp = 0 keep
+    the equilibrium at the fold, so that d(fold)/dp = -l f_p / l f_q with q the parameter.
 
     Parameters
     ----------
     parameter : str
     bounds : (float, float)
-        Where it is looked for.
+        Range in which the fold is looked for.
 
     Examples
     --------
@@ -318,17 +318,18 @@ def _critical_slopes(
 
 
 def _flutter_slopes(at: EquilibriumDerivatives, place: int, critical: complex) -> tuple[Array, Array]:
-    """Where the eigenvalue stays on the imaginary axis: Re(l dA r / l r) = 0.
+    """Derivatives (P,) of the critical value and of the frequency, from Re(l dA r / l r) = 0.
 
-    Where two coalesce (without damping) l r = 0, and they stay double where l dA r = 0: a parameter that
-    would take them apart to both sides of the axis, as damping, has no derivative.
+    This keeps the eigenvalue on the imaginary axis.  Where two coalesce (without damping) l r = 0, and
+    l dA r = 0 keeps them double.  By a parameter that would move them apart to both sides of the axis, as
+    damping does, there is no derivative.
     """
     vectors = null_vectors(at.matrix, critical)
     slopes = at.bilinear(vectors.left, vectors.right)
     if abs(vectors.product) < DEFECTIVE_PRODUCT:
         ratio = -slopes / slopes[place]
         sizes = np.abs(np.array(at.values, dtype=float))
-        # What is zero but for rounding beside the critical value is real as well.
+        # A slope that is zero to rounding, compared with the critical value, counts as real.
         nothing = (np.abs(ratio) * sizes <= REAL_RTOL * sizes[place]) & (sizes > 0)
         real = (np.abs(ratio.imag) <= REAL_RTOL * np.abs(ratio)) | nothing
         return np.where(real, ratio.real, np.nan), np.full(len(slopes), np.nan)

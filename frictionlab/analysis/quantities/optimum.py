@@ -1,4 +1,4 @@
-"""`fl.optimum`: the least or largest of a quantity within bounds and constraints, by exact gradients."""
+"""`fl.optimum`: the least or largest value of a quantity under bounds and constraints, by exact gradients."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ from frictionlab.validation import check_choice, check_mapping, check_number
 Array = NDArray[np.float64]
 MAX_STEPS = 200
 STEP_TOL = 1e-12
-ACTIVE_RTOL = 1e-6  # share of its size within which a constraint or bound holds with equality
+ACTIVE_RTOL = 1e-6  # a constraint or bound holds with equality if met within this share of its size
 
 
 @dataclass(frozen=True)
 class ParameterValue(Quantity):
-    """A parameter itself, as what is to be least or largest, or kept within limits.
+    """A parameter itself, to be minimised, maximised or kept within limits.
 
     Parameters
     ----------
@@ -51,7 +51,7 @@ class ParameterValue(Quantity):
 
 
 class Limit(NamedTuple):
-    """A constraint: a quantity between two numbers."""
+    """A constraint: a quantity has to stay between two numbers."""
 
     quantity: Quantity
     low: float = -np.inf
@@ -60,24 +60,24 @@ class Limit(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Optimum(Drawable):
-    """The least or largest of a quantity.
+    """The least or largest value of a quantity, and where it is taken.
 
     Parameters
     ----------
     model : Model
-        With the best values.
+        With the best values of the parameters.
     quantity : str
     value : float
     parameters : tuple of str
     at : array (P,)
-        Their values.
+        Their best values.
     first : array (P,)
-        Those where the search began.
+        Their values where the search began.
     bounds : array (P, 2)
     active : tuple of str
-        Bounds and constraints that hold with equality: what keeps it from being better.
+        Bounds and constraints that hold with equality: without them the value could be better.
     evaluations : int
-        Of the quantity and its gradient.
+        How often the search asked for the quantity.
     message : str
     """
 
@@ -114,20 +114,20 @@ def optimum(
     *,
     goal: str = "least",
 ) -> Optimum:
-    """The least or largest of a quantity by parameters within bounds, near the model's values.
+    """The least or largest value of a quantity over parameters within bounds, from the model's values on.
 
     Sequential quadratic programming (SLSQP) with the exact gradients of :func:`sensitivity`, in parameters
-    scaled by their bounds.  What is found is a local optimum: begin at other values to look for better ones.
+    scaled by their bounds.  The result is a local optimum: begin at other values to look for better ones.
 
     Parameters
     ----------
     model : Model
         Where the search begins.
     quantity : Quantity
-        With derivatives, such as :class:`GrowthRate`, :class:`CriticalValue`, :class:`OrbitAmplitude`, or
+        One with derivatives, such as :class:`GrowthRate`, :class:`CriticalValue`, :class:`OrbitAmplitude`, or
         :class:`ParameterValue`.
     bounds : mapping of str to (float, float)
-        The parameters that may change.
+        The parameters that may change, and their limits.
     constraints : sequence of (Quantity, low, high)
         Quantities that have to stay between two numbers; -inf or inf leaves a side open.
     goal : "least" or "largest"
@@ -139,10 +139,10 @@ def optimum(
     Raises
     ------
     TypeError
-        For what is no model or no quantity.
+        Where `model` is no model, or a quantity is no :class:`Quantity`.
     ValueError
-        For bad bounds, where a quantity does not exist or has no derivative where the search begins, or where
-        no values keep to the constraints.
+        For bad bounds; where a quantity does not exist or has no derivative; where the search finds no values
+        that satisfy the constraints.
 
     Examples
     --------
@@ -194,7 +194,7 @@ def optimum(
 
 
 class _Task:
-    """What is optimised, in parameters u (P,) from 0 to 1 between their bounds."""
+    """An optimisation problem in scaled parameters u (P,), 0 at their lower and 1 at their upper bounds."""
 
     def __init__(self, model: Any, bounds: Mapping[str, Any], limits: Sequence[Limit]) -> None:
         self.model, self.names, self.limits = model, tuple(bounds), tuple(limits)
@@ -204,15 +204,15 @@ class _Task:
         self._known: dict[Any, tuple[float, Array]] = {}
 
     def values(self, u: Array) -> Array:
-        """The parameters."""
+        """The values (P,) of the parameters at u."""
         return self.low + u * (self.high - self.low)
 
     def at(self, u: Array) -> Any:
-        """The model with these."""
+        """The model with these values."""
         return self.model.replace(**dict(zip(self.names, map(float, self.values(u)))))
 
     def gradient(self, quantity: Quantity, u: Array) -> tuple[float, Array]:
-        """A quantity and its derivatives (P,) by u; the search asks for each several times."""
+        """A quantity and its derivatives (P,) by u; cached, as the search asks for each several times."""
         key = (id(quantity), np.clip(u, 0.0, 1.0).tobytes())
         if key not in self._known:
             found = quantity.gradient(self.at(np.clip(u, 0.0, 1.0)))
@@ -221,12 +221,12 @@ class _Task:
         return self._known[key]
 
     def margin(self, limit: Limit, side: float, size: float) -> Any:
-        """How far a quantity is within one of its limits, by its size."""
+        """A function of u: how far a quantity is inside one of its limits, divided by `size`."""
         end = limit.low if side < 0 else limit.high
         return lambda u: side * (end - self.gradient(limit.quantity, u)[0]) / size
 
     def margin_slopes(self, limit: Limit, side: float, size: float) -> Any:
-        """Its derivatives (P,)."""
+        """A function of u: the derivatives (P,) of that margin."""
         return lambda u: -side * self.gradient(limit.quantity, u)[1] / size
 
 
@@ -251,7 +251,7 @@ def _check(model: Any, quantity: Any, bounds: Any, constraints: Any, goal: Any) 
 
 
 def _size(task: _Task, limit: Limit) -> float:
-    """By what a constraint is measured: the largest of its limits, its value and its slopes at the start."""
+    """The scale of a constraint: the largest of its limits, and of its value and slopes at the start."""
     value, slopes = task.gradient(limit.quantity, task.first)
     ends = [abs(end) for end in (limit.low, limit.high) if np.isfinite(end)]
     return max(abs(value), np.abs(slopes).max(), *ends) or 1.0

@@ -1,5 +1,4 @@
-"""Quantities of a periodic orbit, its period, the amplitude of a coordinate, its intensity L_s, and their
-derivatives by all parameters.
+"""Quantities of a periodic orbit (period, amplitude of a coordinate, intensity L_s), with derivatives.
 
 The orbit closes, z(T; z0, p) = z0.  To first order, with the monodromy matrix M, the flow f at the end and
 the derivative B of the end by the parameters,
@@ -8,7 +7,7 @@ the derivative B of the end by the parameters,
     [  f^T    0 ] [ dT/dp  ]  =  [  0 ],
 
 a bordered system: the start moves on a Poincare section normal to the flow.  It is regular where the
-multiplier 1 is simple, of an unstable orbit too.
+multiplier 1 is simple, also for an unstable orbit.
 """
 
 from __future__ import annotations
@@ -41,12 +40,12 @@ from frictionlab.presentation import state_unit
 from frictionlab.stability.equilibrium_points.equilibria import equilibrium_problem
 from frictionlab.validation import check_choice
 
-SAME_TIME_SHARE = 1e-12  # of the period: a turn so near to an event is at it
-REGULAR_RTOL = 1e-9  # least singular value of the bordered matrix: below it orbits come in families
+SAME_TIME_SHARE = 1e-12  # share of the period: a turning point this near to an event is at the event
+REGULAR_RTOL = 1e-9  # least over largest singular value of the bordered matrix: smaller in a family of orbits
 
 
 class _OrbitDerivatives(NamedTuple):
-    """How an orbit moves: its start (n, P), on a section normal to the flow, and its period (P,)."""
+    """Derivatives of an orbit's start (n, P), on a section normal to the flow, and of its period (P,)."""
 
     start: Array
     period: Array
@@ -80,7 +79,7 @@ def _orbit_derivatives(orbit: PeriodicOrbit, by_state: Array, by_parameters: Arr
 
 
 class _Extreme(NamedTuple):
-    """The largest or least value of a coordinate along an orbit: when, and at which event, if at any."""
+    """The largest or least value of a coordinate along an orbit, its time, and its event if it is at one."""
 
     value: float
     t: float
@@ -119,8 +118,10 @@ def _rest_point(model: Any, names: tuple[str, ...], count: int) -> tuple[Array, 
 
 
 class _SquaredDistance(NamedTuple):
-    """An orbit, run with the squared distance from a point as an integral: that expression, its mean over the
-    period, and the mean distances (c,) of the coordinates.
+    """A run over one period of an orbit that integrates the squared distance from a point.
+
+    `expression` is that squared distance, `mean` its mean over the period, and `apart` (c,) the mean of each
+    coordinate's difference from the point.
     """
 
     run: Trajectory
@@ -147,7 +148,7 @@ def _squared_distance(orbit: PeriodicOrbit, point: Array) -> _SquaredDistance:
 
 @dataclass(frozen=True)
 class _OfOrbit(Quantity):
-    """A number of the periodic orbit near a given one, or of that to which the motion from rest settles."""
+    """A number of the periodic orbit near a given one, or of that to which the motion from `x0` settles."""
 
     near: PeriodicOrbit | None = field(default=None, kw_only=True)
     x0: Any = field(default="rest", kw_only=True)
@@ -159,7 +160,7 @@ class _OfOrbit(Quantity):
         Raises
         ------
         ValueError
-            Where the motion settles to none.
+            Where the motion does not settle to a periodic orbit.
         """
         if self.near is not None:
             return periodic_orbit(model, self.near.state, period=self.near.period)
@@ -203,8 +204,8 @@ class OrbitPeriod(_OfOrbit):
     Parameters
     ----------
     near : PeriodicOrbit, optional
-        An orbit near that which is meant, of this model or of others near by; stable or not.  By default the
-        one to which the motion from `x0` settles.
+        An orbit near the one in question, stable or not, of this model or of one with similar parameters.  By
+        default the orbit is the one to which the motion from `x0` settles.
     x0 : "rest", "near", mapping or array_like
     options : SteadyStateOptions
 

@@ -1,5 +1,7 @@
-"""What a quantity of a model is, a number with its exact gradient; those of an equilibrium, its coordinates,
-its eigenvalues' growth rates and frequencies; and `fl.sensitivity`: how much each parameter moves one.
+"""Quantities of a model, numbers with exact gradients; those of an equilibrium; and `fl.sensitivity`.
+
+The quantities of an equilibrium are its coordinates and the growth rates and frequencies of its eigenvalues.
+`fl.sensitivity` tells how much each parameter changes a quantity.
 """
 
 from __future__ import annotations
@@ -24,8 +26,8 @@ from frictionlab.stability.flow import (
 from frictionlab.validation import check_choice, check_number
 
 Array = NDArray[np.float64]
-BLOCK = 2500  # points that one task takes at once
-LISTED = 5  # parameters in the text of a result
+BLOCK = 2500  # points that one task computes together
+LISTED = 5  # parameters listed in the text of a result
 DEFECTIVE_PRODUCT = 1e-6  # |l r| below which two eigenvalues coalesce: single ones have no derivative
 
 
@@ -47,13 +49,13 @@ class Gradient:
 class Quantity(ABC):
     """A number that a model determines.
 
-    Called with a model it gives the number; None where there is none.
+    Called with a model it returns the number, or None where there is none.
     """
 
     @property
     @abstractmethod
     def label(self) -> str:
-        """What it is, with its unit."""
+        """Name of the quantity, with its unit."""
 
     @abstractmethod
     def gradient(self, model: Any) -> Gradient:
@@ -67,7 +69,7 @@ class Quantity(ABC):
 
     @abstractmethod
     def values(self, model: Any, changes: Mapping[str, Array]) -> Array:
-        """The numbers (N,) for N values of some parameters; NaN where there is none."""
+        """The numbers (N,) for N values of each parameter in `changes`; NaN where there is none."""
 
     def __call__(self, model: Any) -> float | None:
         value = float(self.values(model, {})[0])
@@ -75,7 +77,7 @@ class Quantity(ABC):
 
     @property
     def __name__(self) -> str:
-        """What studies and their files call it."""
+        """The name by which studies and their files know it."""
         return repr(self)
 
 
@@ -145,8 +147,8 @@ class GrowthRate(Quantity):
     Parameters
     ----------
     mode : int or None
-        Modes are counted from 0 by ascending frequency; None takes the largest growth rate, whose sign is the
-        stability.
+        Modes are counted from 0 by ascending frequency; None takes the largest growth rate, whose sign
+        decides stability.
 
     Examples
     --------
@@ -244,12 +246,12 @@ def equilibrium_at(problem: EquilibriumProblem, **changes: float) -> tuple[Array
 
 
 def _chosen(problem: EquilibriumProblem, mode: int | None, changes: Mapping[str, Array]) -> Any:
-    """One eigenvalue (N,) with Im >= 0 of each model."""
+    """One eigenvalue (N,) of each model, with Im >= 0."""
     return _of_mode(problem.spectra(changes), mode)
 
 
 def _of_mode(spectra: ComplexArray, mode: int | None) -> ComplexArray:
-    """The eigenvalue of a mode in each of some spectra (N, m), sorted by growth rate."""
+    """The eigenvalue (N,) of a mode in each of N spectra (N, m), which are sorted by growth rate."""
     if mode is None:
         return spectra[:, 0].real + 1j * np.abs(spectra[:, 0].imag)
     count = (spectra.shape[1] + 1) // 2
@@ -283,11 +285,11 @@ class Sensitivity(Drawable):
         Its label.
     value : float
     parameters : tuple of str
-        By descending |normalised|.
+        Sorted by descending |normalised|.
     at : array (P,)
         Values of the parameters.
     derivatives : array (P,)
-        d(quantity)/d(parameter), in their units; NaN where there is none, as by damping where undamped modes
+        d(quantity)/d(parameter), in their units; NaN where there is none, as for damping where undamped modes
         coalesce.
     """
 
@@ -304,7 +306,7 @@ class Sensitivity(Drawable):
     def normalised(self) -> Array:
         """p/Q dQ/dp (P,): percent of change of the quantity for a percent of the parameter.
 
-        0 for a parameter that is zero; where the quantity itself is zero p dQ/dp.
+        It is 0 for a parameter that is zero.  Where the quantity itself is zero, p dQ/dp is given instead.
         """
         return self.at * self.derivatives / (self.value or 1.0)
 
@@ -330,8 +332,8 @@ class Sensitivity(Drawable):
 def sensitivity(model: Any, quantity: Quantity) -> Sensitivity:
     """Exact derivatives of a quantity by all parameters of a model.
 
-    No differences are taken: the equations are differentiated by sympy, and linear systems give how
-    equilibria, eigenvalues and critical values follow,
+    No finite differences are used: sympy differentiates the equations, and linear systems give the
+    derivatives of equilibria, eigenvalues and critical values,
 
         dx/dp = -A^-1 f_p,    d(lambda)/dp = l (f_xp + f_xx dx/dp) r / l r,
         d(mu_c)/dp = -Re d(lambda)/dp / Re d(lambda)/d(mu).
@@ -353,7 +355,7 @@ def sensitivity(model: Any, quantity: Quantity) -> Sensitivity:
     Raises
     ------
     TypeError
-        For what is no quantity or no model.
+        Where `quantity` is no :class:`Quantity`, or `model` is no model.
     ValueError
         Where the quantity does not exist, or has no derivative.
 

@@ -1,7 +1,7 @@
 """`fl.uncertainty` and `fl.sobol_indices`: a quantity of a model whose parameters are not known exactly.
 
-Sobol points fill the unit cube evenly; each of eight groups is scrambled anew, so that the spread of their
-means is an error that can be trusted, which a single sequence does not give.  A. B. Owen, "Scrambled net
+Sobol points fill the unit cube evenly.  Each of eight groups of them is scrambled independently, so that the
+scatter of the groups gives a standard error, which a single sequence does not.  A. B. Owen, "Scrambled net
 variance for integrals of smooth functions", Annals of Statistics 25, 1997.
 """
 
@@ -33,7 +33,7 @@ def check_distributions(model: Any, distributions: Any) -> dict[str, Any]:
     Raises
     ------
     TypeError
-        For what is no mapping, or has no `ppf`.
+        Where `distributions` is no mapping, or one of them has no `ppf`.
     """
     cure = 'give each a frozen one of scipy.stats, such as {"mu_k": scipy.stats.norm(0.4, 0.05)}'
     check_mapping("distributions", distributions, cure)
@@ -49,7 +49,7 @@ def check_distributions(model: Any, distributions: Any) -> dict[str, Any]:
 
 
 def sobol_points(dimensions: int, count: int, seed: int) -> Array:
-    """Scrambled points (count, dimensions) of the open unit cube; their number has to be a power of two."""
+    """Scrambled points (count, dimensions) of the open unit cube; `count` has to be a power of two."""
     from scipy.stats import qmc
 
     return qmc.Sobol(dimensions, rng=np.random.default_rng(seed)).random(count)
@@ -99,7 +99,7 @@ class Uncertainty(Drawable):
     values : array (N,)
         The quantity; NaN where there is none, as where stability is never lost.
     groups : int
-        Into how many independent groups the points fall, one after the other, from which errors come.
+        Number of independent groups, stored one after the other, whose scatter gives the standard errors.
     """
 
     drawn_by = "plot_uncertainty"
@@ -123,24 +123,24 @@ class Uncertainty(Drawable):
 
     @property
     def mean(self) -> Estimate:
-        """Mean of the values that there are."""
+        """Mean of the values that exist."""
         return self._estimate(np.nanmean)
 
     @property
     def standard_deviation(self) -> Estimate:
-        """Standard deviation of the values that there are."""
+        """Standard deviation of the values that exist."""
         return self._estimate(lambda values: float(np.nanstd(values)))
 
     def probability(self, *, below: float | None = None, above: float | None = None) -> Estimate:
-        """Probability that the quantity is below or above a number; where there is none it is neither.
+        """Probability that the quantity is below or above a number; where it does not exist it is neither.
 
-        The probability of instability is that of a positive growth rate, ``probability(above=0)``, or that of
-        a critical value below the present one, ``probability(below=mu_k)``.
+        The probability of instability is that of a positive growth rate, ``probability(above=0)``, or of a
+        critical value below the parameter's actual value, ``probability(below=mu_k)``.
 
         Parameters
         ----------
         below, above : float or None
-            One of them at least; with both that of values in between.
+            At least one of them; with both, the probability of values between `above` and `below`.
         """
         if below is None and above is None:
             raise ValueError("below or above must be given, got neither: write probability(above=0.0)")
@@ -148,9 +148,9 @@ class Uncertainty(Drawable):
         return self._estimate(lambda values: float(((values > low) & (values < high)).mean()))
 
     def quantile(self, share: float) -> float:
-        """The number below which the quantity is with this probability; inf where it does not exist so often.
+        """The number below which the quantity is with this probability; inf if it too often does not exist.
 
-        Of a critical value the robust one: at ``quantile(0.05)`` 95 percent of the systems are stable.
+        Of a critical value ``quantile(0.05)`` is the one at which 95 percent of the systems are stable.
 
         Parameters
         ----------
@@ -186,24 +186,24 @@ def uncertainty(
 ) -> Uncertainty:
     """The distribution of a quantity when parameters have distributions.
 
-    At scrambled Sobol points, in eight groups that are independent of each other, from which the errors come.
-    Quantities of linear stability take all points at once: ten thousand critical values in seconds.
+    It is evaluated at scrambled Sobol points in eight independent groups, whose scatter gives the standard
+    errors.  Quantities of linear stability are fast: ten thousand critical values take seconds.
 
     Parameters
     ----------
     model : Model
     quantity : Quantity or callable
-        Such as :class:`CriticalValue`; or a function of a model that returns a number, None where there is
+        Such as :class:`CriticalValue`; or a function of a model that returns a number, or None where there is
         none.
     distributions : mapping of str to distribution
-        Of independent parameters: frozen distributions of ``scipy.stats``.
+        Frozen distributions of ``scipy.stats``; the parameters are independent.
     n : int
         Number of points, a power of two, 16 at least.
     seed : int
     execution : Execution or None
         Workers, executor, file and progress bar; see :func:`sweep`.
     **keywords
-        Fields of :class:`Execution`, in the place of those of `execution`.
+        Fields of :class:`Execution`, which replace those of `execution`.
 
     Returns
     -------
@@ -212,9 +212,9 @@ def uncertainty(
     Raises
     ------
     TypeError
-        For what is no model, no function, no distribution, or an unknown keyword.
+        Where an argument is no model, function or distribution, or a keyword is unknown.
     ValueError
-        For an unknown parameter, values that break its rule, or another number of points.
+        For an unknown parameter, values that break its rule, or an `n` that is no power of two.
     OSError, RuntimeError, KeyboardInterrupt
         As :func:`sweep`.
 
@@ -289,12 +289,12 @@ def sobol_indices(
     execution: Execution | None = None,
     **keywords: Unpack[ExecutionKeywords],
 ) -> SobolIndices:
-    """Which parameter's uncertainty matters: variance-based sensitivity indices.
+    """How much each parameter's uncertainty matters: variance-based sensitivity indices.
 
     .. math:: S_i = \\frac{V[E[Q | p_i]]}{V[Q]}, \\qquad S_{Ti} = 1 - \\frac{V[E[Q | p_{\\sim i}]]}{V[Q]}
 
-    by the estimators of Saltelli et al., Computer Physics Communications 181, 2010, of
-    :func:`scipy.stats.sobol_indices`.
+    They are computed by :func:`scipy.stats.sobol_indices` with the estimators of Saltelli et al., Computer
+    Physics Communications 181, 2010.
 
     Parameters
     ----------
@@ -342,7 +342,7 @@ def sobol_indices(
 
 
 def _indices(found: Array, seed: int) -> tuple[Array, Array, Array, Array]:
-    """First and total order, and their errors, of values (d + 2, n) at A, B and the mixed points."""
+    """Indices of first and total order and their errors, from values (d + 2, n) at A, B and mixed points."""
     from scipy.stats import sobol_indices as indices_of
 
     d, n = len(found) - 2, found.shape[1]
@@ -357,7 +357,7 @@ def _indices(found: Array, seed: int) -> tuple[Array, Array, Array, Array]:
 
 
 class _Task(NamedTuple):
-    """What is computed, checked."""
+    """The checked arguments of a computation."""
 
     model: Any
     quantity: Any
@@ -377,7 +377,7 @@ def _check_task(model: Any, quantity: Any, distributions: Any, n: Any, seed: Any
 
 
 def _evaluated(task: _Task, values: Array, how: Execution, title: str) -> Array:
-    """The quantity (N,) at values (N, d), in tasks that a file keeps; NaN where there is none."""
+    """The quantity (N,) at values (N, d), by tasks that can be resumed; NaN where there is none."""
     tasks, names = evaluation_tasks(task.model, task.quantity, tuple(task.distributions), values)
     specification = {"quantity": function_name(task.quantity), "model": task.model.to_dict()}
     specification |= {"parameters": list(task.distributions), "points": values.tolist()}

@@ -1,10 +1,10 @@
 """The kind of motion in a run: equilibrium, periodic, non-periodic, or not settled yet.
 
-Recurrence of the whole state at a section is checked first, the shortest period after which a motion repeats,
-then trends of one that does not repeat: crossings that drift one way, an amplitude that doubles or halves,
-and slow decay, told by the linear map from sample to sample (dynamic mode decomposition).  Near an
-equilibrium, or a periodic motion, that map is linear in what is left of the transient.  The part along each
-of its eigenvectors shrinks in every step, while coordinates beat.  Source: P. J. Schmid, "Dynamic mode
+Recurrence is checked first: the shortest period after which the whole state at a section repeats.  A motion
+that does not repeat is checked for trends: crossings that drift one way, an amplitude that doubles or halves,
+and slow decay.  Slow decay is found from the linear map from sample to sample (dynamic mode decomposition).
+Near an equilibrium, or a periodic motion, what is left of the transient follows such a map.  Its part along
+each eigenvector shrinks in every step, even while the coordinates beat.  Source: P. J. Schmid, "Dynamic mode
 decomposition of numerical and experimental data", J. Fluid Mechanics 656 (2010) 5-28.
 """
 
@@ -31,28 +31,28 @@ from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.presentation import Kind
 
 MIN_PERIODS_SEEN = 3  # periods that the window has to contain at least
-MAX_LAG = 500  # most crossings in a period
+MAX_LAG = 500  # largest number of crossings in a period
 NEAR_RECURRENCE_RTOL = 1e-3
 MIN_SETTLING_FACTOR = (
     # factor from each third of the window to the next by which the deviation shrinks where the motion still
     # settles
     1.5
 )
-TREND_PARTS = 8  # eight random numbers are in ascending or descending order twice in 40320 times
+TREND_PARTS = 8  # parts of the window: eight random numbers ascend or descend only twice in 40320 times
 MIN_CROSSINGS = (
     TREND_PARTS * MIN_PERIODS_SEEN
-)  # crossings below which a motion that does not repeat may still do so, or drift
+)  # with fewer crossings a motion that does not repeat may still turn out to do so, or to drift
 
-# share of the largest singular value below which a direction in the samples is rounding
+# share of the largest singular value below which a direction in the samples is due to rounding
 SAMPLE_RANK_RTOL = 1e-10
-# Rows of a block: numpy computes what is as small in one thread.  For the whole matrix it starts threads of
-# its own, which stand in the way of a sweep's: two values at a time took longer than one after the other.
+# Rows of a block, small enough for numpy to compute in one thread.  For the whole matrix it starts threads of
+# its own, which compete with a sweep's: two values side by side took longer than one after the other.
 ROWS = 64
-MIN_LOSS_SHARE = 1e-9  # share of its square that a decaying part has to lose
+MIN_LOSS_SHARE = 1e-9  # share of the motion's square that a decaying part has to lose
 MIN_RATE_RATIO = (
     0.5  # least rate of decay, as a share of the largest, where events between samples disturb the linear map
 )
-# the same where nothing is left in the end: a motion approaches a cycle ever more slowly
+# the same for single parts that all decay to zero; towards a cycle, decay becomes ever slower
 SINGLE_RATE_RATIO = 0.99
 SIGNIFICANT_SHARE = 1e-6  # share of the motion's square above which a part of it has to decay as well
 
@@ -65,11 +65,11 @@ class Recurrence(NamedTuple):
     lag : int
         Crossings in a period; 0 where there are too few to tell.
     period : float
-        Mean duration of so many crossings in s, over the second half of them; NaN where `lag` is 0.
+        Mean time of `lag` crossings in s, over the second half of all crossings; NaN where `lag` is 0.
     deviation : float
-        Largest difference of the state to that one period before, as a share of the motion's size, or of the
-        time between the two to the last such time, as a share of the longest such time; over the second half
-        of the crossings.
+        The larger of two deviations over the second half of the crossings.  One is the largest difference
+        between the state and that one period before, as a share of the motion's size.  The other compares the
+        times between such states: their largest difference from the last one, as a share of the longest.
     shrinking : float
         Least factor by which the deviation shrinks from each third of the crossings to the next: large where
         the motion still settles.
@@ -85,8 +85,9 @@ NO_RECURRENCE = Recurrence(0, np.nan, np.inf, 1.0)
 
 
 def find_recurrence(t: Array, states: Array, size: Array, tolerance: float) -> Recurrence:
-    """The shortest lag at which the motion repeats within a tolerance, or nearly and ever more closely; else
-    the closest lag.
+    """The recurrence at the shortest lag at which the motion repeats; else at the lag of least deviation.
+
+    To repeat it has to return within the tolerance, or nearly so and ever more closely.
 
     Parameters
     ----------
@@ -102,8 +103,8 @@ def find_recurrence(t: Array, states: Array, size: Array, tolerance: float) -> R
     repeating = next((r for r in found if is_periodic(r, tolerance)), None)
     if repeating is None:
         return min(found, key=lambda r: r.deviation, default=NO_RECURRENCE)
-    # Where the motion spirals inwards a long lag repeats first, but the deviation at a shorter one decays
-    # too.
+    # A motion that spirals inwards first repeats within the tolerance at a long lag, but the deviation at a
+    # shorter one decays too.
     return next((r for r in found[: repeating.lag] if r.shrinking > MIN_SETTLING_FACTOR), repeating)
 
 
@@ -118,7 +119,7 @@ def _recurrence_at_lag(t: Array, states: Array, lag: int) -> Recurrence:
     differences = np.maximum(
         np.abs(states[lag:] - states[:-lag]).max(axis=1), _time_deviations(t[lag:] - t[:-lag])
     )
-    half = min(len(differences) // 2, len(differences) - 2)  # times are compared with that of the last
+    half = min(len(differences) // 2, len(differences) - 2)  # two at least, as the last is the reference
     count = (len(t) - 1 - half) // lag
     period = float(t[-1] - t[-1 - count * lag]) / count
     return Recurrence(lag, period, float(differences[half:].max()), _settling_factor(differences))
@@ -142,8 +143,9 @@ def _settling_factor(differences: Array) -> float:
 
 
 def crossings_drift(states: Array, size: Array) -> bool:
-    """Whether a motion that does not repeat still drifts: its crossings of a section move, or spread, in one
-    direction throughout.
+    """Whether a motion that does not repeat still drifts.
+
+    It does if the mean of its crossings of a section, or their scatter, changes in one direction throughout.
 
     Parameters
     ----------
@@ -171,20 +173,19 @@ def amplitude_changes(states: Array) -> bool:
 
 
 class EigenvectorSquares(NamedTuple):
-    """Mean squares (TREND_PARTS, k) of the motion along k eigenvectors, and which of these shrink under the
-    map."""
+    """Mean squares (TREND_PARTS, k) of the motion along k eigenvectors, and which of them the map shrinks."""
 
     squares: Array
     inside: NDArray[np.bool_]
 
     @property
     def whole(self) -> float:
-        """The largest square of all parts together."""
+        """The largest sum of squares over all eigenvectors."""
         return float(self.squares.sum(axis=1).max())
 
 
 def part_decays(samples: Array, size: Array, *, evenly: bool = False) -> bool:
-    """Whether some part of a motion decays, or grows, throughout.
+    """Whether the shrinking part of a motion decays throughout, or its growing part grows throughout.
 
     Parameters
     ----------
@@ -193,8 +194,8 @@ def part_decays(samples: Array, size: Array, *, evenly: bool = False) -> bool:
     size : array (m,)
         Size of the motion in each state.
     evenly : bool
-        Whether it has to do so at about a constant rate: beats of a motion with events may look like decay
-        for a while.
+        Whether the rate has to be about constant: beats of a motion with events may look like decay for a
+        while.
     """
     found = _eigenvector_squares(samples, size)
     if found is None:
@@ -205,7 +206,7 @@ def part_decays(samples: Array, size: Array, *, evenly: bool = False) -> bool:
 
 
 def all_parts_decay(samples: Array, size: Array) -> bool:
-    """Whether all parts of a motion decay, each at a rate of its own."""
+    """Whether all parts of a motion decay, each at a constant rate of its own."""
     found = _eigenvector_squares(samples, size)
     if found is None:
         return False
@@ -221,7 +222,7 @@ def _decreases(course: Array, least: float, share: float) -> bool:
 
 
 def _eigenvector_squares(samples: Array, size: Array) -> EigenvectorSquares | None:
-    """None where there are too few samples to tell."""
+    """The motion's squares along the eigenvectors of its linear map; None where samples are too few."""
     steps = np.diff(samples / np.where(size > 0, size, 1.0), axis=0)
     if len(steps) < TREND_PARTS:
         return None
@@ -240,14 +241,14 @@ def _eigenvector_squares(samples: Array, size: Array) -> EigenvectorSquares | No
 
 
 def _in_blocks(rows: Array) -> Array:
-    """A matrix (N, m) as (K, ROWS, m), with zeros at its end."""
+    """A matrix (N, m) as K blocks (K, ROWS, m), filled up with zeros."""
     blocks = np.zeros((-(-len(rows) // ROWS), ROWS, rows.shape[1]))
     blocks.reshape(-1, rows.shape[1])[: len(rows)] = rows
     return blocks
 
 
 def _triangle(rows: Array) -> Array:
-    """A lower matrix that has the same singular values and right singular vectors."""
+    """A matrix of fewer rows with the same singular values and right singular vectors."""
     triangles: Any = np.linalg.qr(_in_blocks(rows), mode="r")
     return triangles.reshape(-1, rows.shape[1])
 
@@ -256,7 +257,7 @@ def _product(rows: Array, factor: Any) -> Any:
     return (_in_blocks(rows) @ factor).reshape(-1, factor.shape[1])[: len(rows)]
 
 
-REST_AMPLITUDE_RTOL = 1e-3  # size of a dying motion, as a share of the coordinates, that counts as at rest
+REST_AMPLITUDE_RTOL = 1e-3  # a decaying motion smaller than this share of the coordinates counts as at rest
 MIN_DECAY_FACTOR = 1.4  # by which factor it has to shrink from the first quarter of the window to the last
 EVEN_SAMPLES = 8001
 
@@ -274,7 +275,8 @@ class MotionKind(Kind):
 def kind_of_motion(run: Trajectory, crossings: Array, returns: Recurrence, tolerance: float) -> MotionKind:
     """The kind of motion in a run, from its crossings (K, m) of a section and their recurrence.
 
-    Crossings are those of :func:`frictionlab.analysis.steady_state.poincare_sections.phase_on_circle`.
+    Crossings are states with every phase on a circle, see
+    :func:`frictionlab.analysis.steady_state.poincare_sections.phase_on_circle`.
     """
     resting = _at_rest(run)
     if resting is not None:
@@ -292,13 +294,13 @@ def kind_of_motion(run: Trajectory, crossings: Array, returns: Recurrence, toler
 
 
 def _at_rest(run: Trajectory) -> bool | None:
-    """Whether a motion without events has come to rest; None where it does not decay."""
+    """Whether a motion has come to rest; None where it has events of its own or does not decay."""
     if not only_phase_resets(run):
         return None
     x = _even_samples(run)[:, : run.automaton.coordinates or None]
     first, *_, last = (float(state_ranges(part).max()) for part in np.array_split(x, 4))
     if state_ranges(x).max() <= AT_REST_RTOL * np.abs(x).max():
-        return covers_period(run)  # what a force holds now it may move later on
+        return covers_period(run)  # a periodic force may yet move what now rests
     if len(run.events):
         return None
     if last <= AT_REST_RTOL * np.abs(x).max():
@@ -346,8 +348,7 @@ def onsets_per_period(run: Trajectory, period: float) -> int:
 
 
 class MotionClass(NamedTuple):
-    """The classification of a run: crossings of a section, their recurrence, the kind of motion, its period
-    (s)."""
+    """A run's crossings of a section, their recurrence, and the kind and the period (s) of its motion."""
 
     section: SectionPoints
     returns: Recurrence
@@ -366,7 +367,7 @@ def classify_run(run: Trajectory, section: Section | None, tolerance: float) -> 
     crossings = section_crossings(run, section)
     states, returns = _section_recurrence(run, crossings, tolerance)
     if section == STICK and not is_periodic(returns, tolerance):
-        # Where the belt's speed is only touched, rounding decides whether stick begins.
+        # Where the slider only just reaches the belt's speed, rounding decides whether stick begins.
         turns, other = _section_recurrence(
             run, section_crossings(run, turning_section(run.automaton)), tolerance
         )
@@ -379,7 +380,7 @@ def classify_run(run: Trajectory, section: Section | None, tolerance: float) -> 
 def _section_recurrence(
     run: Trajectory, crossings: SectionPoints, tolerance: float
 ) -> tuple[Array, Recurrence]:
-    """The states at crossings of a section, phases as points on a circle, and their recurrence."""
+    """The states at crossings of a section, with phases on a circle, and their recurrence."""
     states, size = (
         phase_on_circle(run, crossings.state),
         state_ranges(phase_on_circle(run, run.raw.step_states)),

@@ -1,7 +1,7 @@
 """Poincare sections of a run: onsets of stick, or zeros of an expression of the states.
 
-The phase of a periodic force is a state, too: its reset once a period is no event of the motion, and for
-comparisons it is a point on a circle, so that the end of a period is its beginning.
+The phase of a periodic force is a state, too.  Its reset once a period does not count as an event of the
+motion.  For comparisons it is mapped to a circle, so that the end of a period coincides with its beginning.
 """
 
 from __future__ import annotations
@@ -52,13 +52,15 @@ def _other_states(run: Trajectory) -> set[Any]:
 
 
 def only_phase_resets(run: Trajectory) -> bool:
-    """Whether a motion stays in one mode without events but the resets of a phase."""
+    """Whether a motion stays in one mode, with no events but the resets of a phase."""
     return bool(phase_resets(run).all())
 
 
 def covers_period(run: Trajectory) -> bool:
-    """Whether every phase of a run without other events has gone through a whole period; true without
-    phases."""
+    """Whether every phase has gone through a whole period, in a run without events but its resets.
+
+    True where there is no phase.
+    """
     events, passed = run.events, run.final_state - run.raw.step_states[0]
     for guard in _phase_guards(run, run.automaton.mode(run.mode_names[run.raw.mode])):
         at = np.flatnonzero(events.guard == guard)
@@ -83,7 +85,7 @@ def phase_on_circle(run: Trajectory, states: Array) -> Array:
 
 
 def section_function(automaton: Any, section: Section) -> dict[str, Any]:
-    """The section as :func:`frictionlab.solve` takes it; nothing for the onset of stick, which is an event.
+    """The section as :func:`frictionlab.solve` takes it; empty for onsets of stick, which are events anyway.
 
     Parameters
     ----------
@@ -116,8 +118,10 @@ def _check_pair(section: Any) -> Any:
 
 
 def sections_to_record(automaton: Any, section: Section | None) -> dict[str, Any]:
-    """The sections that a run has to record to check recurrence: with onsets of stick the turning points
-    too."""
+    """The section that a run records to check recurrence.
+
+    It is the given one; turning points where there is none, or where it is "stick", whose onsets are events.
+    """
     return section_function(automaton, section or turning_section(automaton)) or section_function(
         automaton, turning_section(automaton)
     )
@@ -132,7 +136,7 @@ def turning_section(automaton: Any) -> tuple[str, int]:
 def section_crossings(run: Trajectory, section: Section) -> SectionPoints:
     """Crossings of the section in a run: times (K,), states (K, m).
 
-    At an onset of stick the state is that after it, at other events that before.
+    At an onset of stick the state is that after the event, at other events that before it.
     """
     if section == STICK:
         chosen = stick_onsets(run)
@@ -144,8 +148,10 @@ def section_crossings(run: Trajectory, section: Section) -> SectionPoints:
 
 
 def _states_before_events(run: Trajectory, found: SectionPoints) -> SectionPoints:
-    """The crossings, with the state before the event where one is at an event: the state after it may have
-    been found."""
+    """The crossings; one at an event gets the time of the event and the state before it.
+
+    The crossing found there may have the state after the event.
+    """
     events = run.events
     if not len(events):
         return found

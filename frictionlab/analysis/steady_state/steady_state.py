@@ -1,6 +1,6 @@
 """`fl.steady_state`: run a model until transients have died away, and classify the motion that is left.
 
-`SteadyState` has kind, period, intensity, section and time in each mode of the motion in a window.  The
+`SteadyState` holds kind, period, intensity, section points and time in each mode of that motion.  The
 intensity L_s, Eq. (20), is the mean squared distance from the sliding equilibrium.
 """
 
@@ -106,10 +106,10 @@ class SteadyState(Drawable):
         and rad^2).  Taken over the last period where there is one, else over the window.  NaN without an
         equilibrium, or where the run ended early.
     section : SectionPoints
-        Crossings of the section in the window: times (K,), states (K, 2n).  Of a run that ended early the
-        place where it ended.
+        Crossings of the section in the window: times (K,), states (K, 2n).  For a run that ended early, its
+        final state.
     deviation : float
-        How far the state is from that one period before, as a share of the motion's size.
+        Difference between the state and that one period before, as a share of the motion's size.
     time_in_mode : mapping
         Share of the window spent in each mode.
     trajectory : Trajectory
@@ -133,7 +133,7 @@ class SteadyState(Drawable):
 
     @cached_property
     def warning(self) -> str | None:
-        """A sentence where steps of the window are far less exact than asked; else None."""
+        """A warning where steps of the window are far less exact than the tolerance; else None."""
         return defect_warning(self.trajectory)
 
     @property
@@ -142,7 +142,7 @@ class SteadyState(Drawable):
         return self.kind in (MotionKind.EQUILIBRIUM, MotionKind.PERIODIC, MotionKind.NON_PERIODIC)
 
     def spectrum(self, name: str | None = None, *, f_max: float | None = None) -> Spectrum | None:
-        """Amplitude spectrum (the state's unit, over Hz) of the whole window, Hann-weighted; see
+        """Amplitude spectrum of the whole window: amplitudes in the state's unit at frequencies in Hz; see
         :func:`frictionlab.analysis.motion_scales.amplitude_spectrum`.
         """
         return amplitude_spectrum(self.trajectory, name, f_max=f_max, start=0.0)
@@ -185,24 +185,26 @@ def steady_state(
 ) -> SteadyState:
     """Run a model until transients have died away, and classify the motion that is left.
 
-    A motion is periodic where the whole state at a section returns within `tolerance` of the motion's size
-    for the second half of the window, or within a thousandth and ever more closely. It is at an equilibrium
-    where there are no more events and the remaining motion decays and is less than a thousandth of the
-    coordinates, or where friction holds it through a whole period of a force. It is not settled yet where it
-    is neither, but approaches one of them, repeats within a thousandth and no better, drifts in one
-    direction, doubles or halves its size, or has a part that decays or grows, however slowly; or where the
-    window has less than 24 crossings of the section.
+    A motion is periodic if, over the second half of the window, the whole state at a section returns within
+    `tolerance` of the motion's size, or within a thousandth and ever more closely.  It is at an equilibrium
+    if there are no more events and the remaining motion decays and is less than a thousandth of the
+    coordinates, or if friction holds it through a whole period of a force.
+
+    If it is neither, it is not settled yet where it approaches one of them, repeats within a thousandth but
+    no better, drifts in one direction, doubles or halves its size, or has a part that decays or grows,
+    however slowly; also where the window has fewer than 24 crossings of the section.  Else it is
+    non-periodic.
 
     Parameters
     ----------
     model : Model or HybridAutomaton
     x0 : "rest", "near", mapping or array_like (2n,)
-        Of an automaton "rest" (all states zero) or an array.
+        For an automaton "rest" means all states zero, and there is no "near".
     options : SteadyStateOptions or None
-        The transient, the window, the section and so on; None takes the usual ones.
+        The transient, the window, the section and so on; None takes the defaults.
     progress : bool
     **keywords
-        Fields of :class:`SteadyStateOptions`, in the place of those of `options`: ``transient=60.0``.
+        Fields of :class:`SteadyStateOptions`, which replace those of `options`: ``transient=60.0``.
 
     Returns
     -------
@@ -211,11 +213,11 @@ def steady_state(
     Raises
     ------
     TypeError
-        For what is no model, or an unknown keyword.
+        Where `model` is no model, or a keyword is unknown.
     ValueError
-        For other bad arguments; like the former before any work is done.
+        For other bad arguments.  Both are raised before any run starts.
     KeyboardInterrupt
-        After ctrl-C; :func:`partial_result` is then the run that was stopped, in the transient or the window.
+        After ctrl-C; :func:`partial_result` then returns the run that was stopped, transient or window.
 
     Examples
     --------
@@ -236,7 +238,7 @@ def check_section(model: Any, section: Section | None) -> None:
 
 
 def find_steady_state(model: Any, x0: Any, options: SteadyStateOptions, progress: bool) -> SteadyState:
-    """The steady state from an initial state (n,); arguments as of :func:`steady_state`, all checked."""
+    """The steady state from an initial state (n,); arguments as of :func:`steady_state`, already checked."""
     start, passed, t_max = x0, 0.0, options.t_max
     if options.transient > 0:
         run = _run_transient(model, start, options, progress)

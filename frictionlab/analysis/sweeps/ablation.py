@@ -37,7 +37,7 @@ from .sweep import Sweep, function_name, grid_axes, run_tasks, studies_by_name
 
 @dataclass(frozen=True, eq=False)
 class Ablation(Drawable):
-    """What studies gave for each scene: each combination of the levels of all switches.
+    """Results of studies for each scene, that is for each combination of the levels of all switches.
 
     Parameters
     ----------
@@ -48,8 +48,8 @@ class Ablation(Drawable):
     models : tuple
         The model of each scene.
     results : tuple
-        For each scene what the study returned; of several studies a mapping of their names to that; over
-        parameters or initial states a :class:`Sweep` of these.
+        For each scene what the study returned; with several studies, a mapping of their names to that; where
+        parameters or initial states vary, a :class:`Sweep` of these.
     studies : tuple of str
         Names of the studies.
     """
@@ -65,7 +65,7 @@ class Ablation(Drawable):
 
     def __getitem__(self, scene: str | tuple[str, ...] | Mapping[str, str]) -> Any:
         """The result of a scene: ``found["geometry"]`` without geometry, ``found[()]`` with all
-        nonlinearities, ``found[{"contact": "HertzContact"}]`` by the levels that are not the first.
+        nonlinearities, ``found[{"contact": "HertzContact"}]`` by all levels that are not the first.
         """
         asked = self._levels(scene)
         for levels, result in zip(self.scenes, self.results):
@@ -100,7 +100,7 @@ class Ablation(Drawable):
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Words for each scene."""
+        """A name in words for each scene."""
         return tuple(scene_name(self.factors, scene) for scene in self.scenes)
 
     def __iter__(self) -> Iterator[tuple[tuple[str, ...], Any]]:
@@ -115,13 +115,13 @@ class Ablation(Drawable):
 
     @property
     def conditions(self) -> Sweep | None:
-        """A Sweep over the same parameters and initial states as every scene's; None where there are none."""
+        """A Sweep with the parameters and initial states of every scene; None where none vary."""
         return next((result for result in self.results if isinstance(result, Sweep)), None)
 
     @property
     def quantities(self) -> tuple[str, ...]:
-        """Names of all numbers in the results: a study that returns one has its name, texts are questions
-        ("kind = periodic") that 1 or 0 answers.
+        """Names of all numbers in the results.  A single number has the name of its study; a text becomes a
+        quantity such as "kind = periodic", which is 1 where that is the text, else 0.
         """
         return tuple(self._numbers)
 
@@ -142,12 +142,12 @@ class Ablation(Drawable):
         Parameters
         ----------
         quantity : str or None
-            One of `quantities`; None where there is one only.
+            One of `quantities`; None where there is only one.
 
         Raises
         ------
         ValueError
-            For another name, or none where there are several.
+            For an unknown name, or for None where there are several.
         """
         name = self._quantity(quantity)
         sweep = self.conditions
@@ -169,8 +169,8 @@ class Ablation(Drawable):
     def effects(self, quantity: str | None = None) -> Effects:
         """Main effects, interactions, Shapley values and shares of the variance.
 
-        Averaged over the initial states, from which the standard errors come; a column for each value of the
-        parameters.
+        They are means over the initial states, whose scatter gives the standard errors; there is a column for
+        each combination of parameters.
 
         Parameters
         ----------
@@ -195,10 +195,10 @@ class Ablation(Drawable):
         return effects_of(name, numbers.reshape(*levels, *numbers.shape[1:]), self.factors)
 
     def leave_one_out(self, quantity: str | None = None) -> dict[str, float]:
-        """By how much a quantity changes where one switch alone leaves its first level, the largest first.
+        """How much a quantity changes if one switch alone leaves its first level, the largest change first.
 
-        Which switch removes the chaos: those of -1 in ``found.leave_one_out("kind = non-periodic")``.  Means
-        over parameters and initial states; `quantity` as for :meth:`numbers`.
+        A switch with -1 in ``found.leave_one_out("kind = non-periodic")`` ends all such motion.  Changes are
+        means over parameters and initial states; `quantity` is as for :meth:`numbers`.
         """
         means = dict(zip(self.scenes, self.numbers(quantity).mean(axis=(1, 2)).tolist()))
         first = (0,) * len(self.factors)
@@ -226,7 +226,7 @@ class Ablation(Drawable):
 
 
 def _cells(result: Any) -> list[Any]:
-    """What the studies returned for a scene, one for each condition."""
+    """What the studies returned for a scene, an entry for each condition."""
     return list(result.results.ravel()) if isinstance(result, Sweep) else [result]
 
 
@@ -246,14 +246,14 @@ def ablation(
     execution: Execution | None = None,
     **keywords: Unpack[ExecutionKeywords],
 ) -> Ablation:
-    """Put all combinations of a model's nonlinearities, or of other alternatives, through one study or more.
+    """Study a model with every combination of its nonlinearities, or of other alternatives.
 
-    A full factorial study: of a SliderOnBelt the eight scenes with the cubic contact, the non-smooth
-    behaviours and the moving load on or off.  :meth:`Ablation.effects` says what each does, alone and
+    This is a full factorial design.  A SliderOnBelt has eight scenes, with the cubic contact, the non-smooth
+    behaviours and the moving load each on or off.  :meth:`Ablation.effects` tells what each does, alone and
     together with others.
 
-    Where a system has several attractors, two scenes that differ in their fates from one initial state tell
-    nothing of a nonlinearity.  Give an ensemble of initial states: effects are then means, with errors.
+    Where a system has several attractors, a difference of two scenes from one initial state tells nothing of
+    a nonlinearity.  Give many initial states: effects are then means, with standard errors.
 
     Parameters
     ----------
@@ -261,23 +261,23 @@ def ablation(
         With all of its nonlinearities.
     studies : callable, or mapping of str to callable
         Called as ``study(model)``, or ``study(model, start)`` where `x0` is given: ``fl.steady_state``, or
-        functions of your own.  Effects are those on numbers, texts, mappings of these and steady states.
+        functions of your own.  Effects are known for numbers, texts, mappings of these, and steady states.
     switches : None, sequence of str, or mapping
-        None: all :attr:`~Model.nonlinearities`; a sequence names some of them.  A mapping gives each switch
-        its alternatives, the first being the reference: components or numbers for the field of that name, or
-        mappings of what ``replace`` takes; a mapping of labels to alternatives names them.  None in their
-        place stands for a nonlinearity, on and off.
+        None takes all :attr:`~Model.nonlinearities`, a sequence names some of them.  A mapping gives each
+        switch its alternatives, the first being the reference: components or numbers for the field of that
+        name, or mappings of arguments of ``replace``.  They are a list, or a mapping of labels to them.
+        None in their place stands for a nonlinearity, on and off.
     over : mapping of str to array_like
-        Parameters and values; each scene is studied at all of them.
+        Parameters and values; each scene is studied at all combinations of them.
     x0 : sequence
         Initial states: names, mappings, or arrays (2n,) for the full model.  Coordinates that a scene lacks
         are left out.
     execution : Execution or None
-        Workers, executor, file and progress bar; None takes the usual ones.  Results that the file of
-        `resume` keeps have to be numbers, texts, or lists and mappings of such.  Of studies the file knows
-        only the names, as for :func:`sweep`.
+        Workers, executor, file and progress bar; None takes the defaults.  Results that the file of `resume`
+        keeps have to be numbers, texts, or lists and mappings of such.  The file knows studies by their names
+        only, as for :func:`sweep`.
     **keywords
-        Fields of :class:`Execution`, in the place of those of `execution`: ``workers=2``.
+        Fields of :class:`Execution`, which replace those of `execution`: ``workers=2``.
 
     Returns
     -------
@@ -286,15 +286,15 @@ def ablation(
     Raises
     ------
     TypeError
-        For what is no model, no function, or an unknown keyword.
+        Where an argument is no model or function, or a keyword is unknown.
     ValueError
-        For a model that cannot be without one, unknown switches, a bad value or start, a file of another one.
+        For unknown switches, a bad value or initial state, an impossible scene, another ablation's file.
     OSError
         Where the file cannot be written, or another ablation is using it.
     RuntimeError
-        Where the study of a scene fails, from its error; what was done before is in the file.
+        Where the study of a scene fails, raised from its error; the results before it are in the file.
     KeyboardInterrupt
-        After ctrl-C; :func:`partial_result` is then the Ablation with None for the scenes that were not done.
+        After ctrl-C; :func:`partial_result` then returns the Ablation, None for scenes that were not done.
 
     Examples
     --------
@@ -354,7 +354,7 @@ class _Plan:
         return tuple(model_of_scene(self.model, self.factors, scene) for scene in self.scenes)
 
     def tasks(self, studies: Mapping[str, Any]) -> tuple[list[tuple[Any, ...]], list[str]]:
-        """Study, model and initial state of each, and its name; studies vary first, then initial states."""
+        """Tasks of study, model and initial state, and their names; studies vary fastest, then states."""
         tasks, names = [], []
         for scene, model in zip(self.scenes, self.models):
             starts = [(state_of_scene(model, self.model, start),) for start in self.x0] or [()]
@@ -368,7 +368,7 @@ class _Plan:
         return tasks, names
 
     def specification(self, studies: Mapping[str, Any]) -> dict[str, Any]:
-        """What a file tells ablations apart by."""
+        """What tells the files of different ablations apart."""
         return {
             "ablation": {name: function_name(study) for name, study in studies.items()},
             "model": self.model.to_dict(),
@@ -378,7 +378,7 @@ class _Plan:
         }
 
     def ablation(self, results: list[Any], studies: tuple[str, ...]) -> Ablation:
-        """The results of all tasks by scene."""
+        """The results of all tasks, sorted by scene."""
         count = len(studies)
         cells = [
             dict(zip(studies, results[i : i + count])) if count > 1 else results[i]

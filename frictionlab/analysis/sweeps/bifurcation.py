@@ -1,4 +1,4 @@
-"""`fl.bifurcation`: steady states against a parameter, in memory and in a file."""
+"""`fl.bifurcation`: steady states against a parameter, kept in memory and in a file."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from frictionlab.validation import check_choice, float_array
 Array = NDArray[np.float64]
 INITIAL_STATES = ("rest", "near", "continue")
 TITLE = "bifurcation"  # of the progress bar
-ENSEMBLE_SIZE = 16  # as many as two sets of lanes
+ENSEMBLE_SIZE = 16  # runs side by side: two sets of lanes
 MAX_SECTION_POINTS = 200  # section points kept for each value, the last ones
 
 
@@ -96,8 +96,8 @@ class Bifurcation(Drawable):
         name : str
             The state, e.g. "x1" or "x1'".
         kinds : str
-            Kinds of motion; without any, all but equilibria.  "equilibrium" gives the states of equilibria
-            instead.
+            Kinds of motion; without any, all but equilibria.  For "equilibrium" the points are the states of
+            equilibria.
 
         Raises
         ------
@@ -120,10 +120,10 @@ class Bifurcation(Drawable):
         return dataframe(self._columns() | self.shares, {self.parameter: self.values}, self._units())
 
     def to_xarray(self) -> Any:
-        """All of it as an xarray Dataset (needs the extra ``data``).
+        """The results as an xarray Dataset (needs the extra ``data``).
 
-        Dimensions: the parameter; "mode" of the shares; "point" and "state" of the section points, where
-        values with fewer of them than others are filled up with NaN.
+        Dimensions: the parameter; "mode" for the shares; "point" and "state" for the section points, which
+        are filled up with NaN where a value has fewer than others.
         """
         along = self.parameter
         longest = max((len(s) for s in self.sections), default=0)
@@ -205,15 +205,15 @@ def bifurcation(
     parameter : str
     values : array_like (N,)
     x0 : "rest", "near", "continue", mapping or array_like (2n,)
-        "continue" starts each value from where the one before ended, the first from rest, and so does one
-        after a run that ended early.  Values that ascend and then descend show hysteresis.  The values are
-        computed one after another, in one thread.
+        "continue" starts each value from where the one before ended; the first value, and one after a run
+        that ended early, start from rest.  The values are then computed one after another, in one thread.
+        Values that ascend and then descend show hysteresis.
     options : SteadyStateOptions or None
-        As :func:`steady_state`: with `t_max` values that have not settled go on, window by window.
+        As for :func:`steady_state`: with `t_max`, values that have not settled go on window by window.
     execution : Execution or None
-        Workers, executor, file and progress bar; None takes the usual ones.
+        Workers, executor, file and progress bar; None takes the defaults.
     **keywords
-        Fields of :class:`SteadyStateOptions` and :class:`Execution`, in the place of those of `options` and
+        Fields of :class:`SteadyStateOptions` and :class:`Execution`, which replace those of `options` and
         `execution`: ``transient=60.0, workers=2``.
 
     Returns
@@ -223,16 +223,16 @@ def bifurcation(
     Raises
     ------
     TypeError
-        For an unknown parameter or keyword, or what is no model.
+        For an unknown parameter or keyword, or where `model` is no model.
     ValueError
-        For other bad arguments, or a file of another sweep; like the others before any work is done.
+        For other bad arguments, or a file of another sweep.  Both are raised before any run starts.
     OSError
         Where the file cannot be written, or another sweep is using it.
     RuntimeError
-        Where a value fails, from its error; what was done before is in the file.
+        Where a value fails, raised from its error; the results before it are in the file.
     KeyboardInterrupt
-        After ctrl-C; :func:`partial_result` is then the Bifurcation with the values that were done.  A first
-        press lets those that have begun be finished, a second one leaves them.
+        After ctrl-C; :func:`partial_result` then returns the Bifurcation with the values that were done.  A
+        first press lets those that have begun finish, a second one abandons them.
 
     Examples
     --------
@@ -274,7 +274,7 @@ def _models(model: Any, parameter: str, values: Any) -> list[Any]:
 
 
 def _initial_states(models: Sequence[Any], x0: Any) -> list[np.ndarray]:
-    """The initial state of each model; a name stands for a state of each."""
+    """The initial state of each model; names and mappings are resolved for each."""
     first, named = initial_state_of(models[0], x0), isinstance(x0, (str, Mapping))
     return [first, *(initial_state_of(m, x0) if named else first for m in models[1:])]
 
@@ -289,7 +289,7 @@ def _run_independently(
     journal: Journal,
     execution: Execution,
 ) -> bool:
-    """Model, initial state and name of each value: all that are not done yet, in groups; whether all are."""
+    """Compute the values (model, initial state, name) that are not done yet; True if all then are."""
     models, starts, names = zip(*values)
     groups = _groups([i for i in range(len(models)) if i not in journal.results], models, options.solver)
 
@@ -310,7 +310,7 @@ def _run_independently(
 def _groups(left: Sequence[int], models: Sequence[Any], method: Method) -> list[Sequence[int]]:
     """Groups of values whose transients are run side by side, which is quicker for models without events."""
     automaton = models[0].automaton()
-    smooth = len(automaton.names) == 1 and not automaton.modes[0].events  # else modes need not be derived
+    smooth = len(automaton.names) == 1 and not automaton.modes[0].events  # several modes are not derived
     size = ENSEMBLE_SIZE if smooth and isinstance(method, Taylor) else 1
     return [left[i : i + size] for i in range(0, len(left), size)]
 
@@ -318,9 +318,9 @@ def _groups(left: Sequence[int], models: Sequence[Any], method: Method) -> list[
 def steady_states_task(
     models: Sequence[Any], starts: Sequence[np.ndarray], options: SteadyStateOptions
 ) -> list[dict[str, Any]]:
-    """One task: the steady states of some models, the same as each would have alone."""
+    """One task: the steady states of some models, the same as if each were computed alone."""
     transient, t_max = options.transient, options.t_max
-    method: Any = options.method  # a Taylor, where there are several models
+    method: Any = options.method  # a Taylor if there are several models
     if len(models) == 1 or transient == 0.0:
         return [steady_state_task(model, start, options) for model, start in zip(models, starts)]
     ends = ensemble(models, transient, x0=np.array(starts), method=method, progress=False)
@@ -355,7 +355,7 @@ def _run_continued(
     journal: Journal,
     execution: Execution,
 ) -> bool:
-    """The steady states one after another, each from where the one before ended; whether all were done.
+    """The steady states one after another, each from where the one before ended; True if all were done.
 
     Ctrl-C stops the run in progress; the values before it are kept.
     """
@@ -378,7 +378,7 @@ def _run_continued(
 def _named_task(
     name: str, model: Any, start: np.ndarray, options: SteadyStateOptions
 ) -> dict[str, Any] | None:
-    """The steady state at a value, whose name errors tell; None after ctrl-C."""
+    """The steady state at a value; None after ctrl-C.  An error gives the value's name."""
     try:
         return steady_state_task(model, start, options)
     except KeyboardInterrupt:

@@ -1,9 +1,9 @@
-"""Full factorial designs: the switches of an ablation, what a model can have in one place, with all scenes,
-combinations of their levels; and effects, interactions and Shapley values with their standard errors.
+"""Full factorial designs: switches, scenes, and the effects of switches with their standard errors.
 
-A study is an array of one axis for each switch, then conditions and repetitions, of one of the numbers in
-what the study returns.  Effects are functions of its mean over repetitions.  Errors come from leaving out one
-repetition after the other (jackknife), which for means is the usual standard error.
+The effects are main effects, interactions, Shapley values and shares of the variance.  They are computed from
+an array of one quantity, with one axis for each switch, one for conditions and one for repetitions (initial
+states), as functions of its mean over repetitions.  Errors come from leaving out one repetition after the
+other (jackknife), which for means gives the usual standard error.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ class Switch:
     levels : tuple of str
         Names of the alternatives: "with" and "without" for a nonlinearity.
     changes : tuple of mappings, or None
-        What ``replace`` is given for each level; None for a nonlinearity, which ``without`` takes away.
+        Arguments of ``replace`` for each level; None for a nonlinearity, which ``without`` removes.
     reference : int
         The level that effects are counted from: "without", or the first alternative.
     end : int
@@ -60,18 +60,18 @@ class Switch:
         return [level for level in range(len(self.levels)) if level != self.reference]
 
     def label(self, level: int) -> str:
-        """Words for a level: "contact HertzContact", "without geometry"."""
+        """A level in words: "contact HertzContact", "without geometry"."""
         words = self.levels[level], self.name
         return " ".join(words if self.changes is None else reversed(words))
 
 
 def switches_of(model: Any, switches: Any = None) -> tuple[Switch, ...]:
-    """The switches that `fl.ablation` was asked for; all nonlinearities where it was asked for none.
+    """The switches that `fl.ablation` was asked for; all nonlinearities where `switches` is None.
 
     Raises
     ------
     TypeError
-        For what is neither names nor a mapping.
+        Where `switches` is neither a sequence of names nor a mapping.
     ValueError
         For an unknown name, or fewer than two alternatives.
     """
@@ -116,12 +116,12 @@ def _alternatives(model: Any, name: str, given: Any) -> Switch:
     labels = [str(label) for label in given] if isinstance(given, Mapping) else _labels(values)
     changes = tuple(dict(value) if isinstance(value, Mapping) else {name: value} for value in values)
     for change in changes:
-        model.replace(**change)  # refuses what cannot be before any work is done
+        model.replace(**change)  # raises for impossible values before any work is done
     return Switch(name, tuple(labels), changes, reference=0, end=len(values) - 1)
 
 
 def _labels(values: Sequence[Any]) -> list[str]:
-    """Class names of components where these differ; else as they print."""
+    """Labels of alternatives: class names of components where these differ, else their texts."""
     classes = [type(value).__name__ for value in values]
     if all(isinstance(value, Component) for value in values) and len({*classes}) == len(classes):
         return classes
@@ -133,7 +133,7 @@ def _changes_text(changes: Mapping[str, Any]) -> str:
 
 
 def all_scenes(switches: Sequence[Switch]) -> tuple[Scene, ...]:
-    """Every combination of levels; the last switch changes first."""
+    """Every combination of levels; the last switch varies fastest."""
     return tuple(product(*(range(len(switch.levels)) for switch in switches)))
 
 
@@ -154,7 +154,7 @@ def left_out(switches: Sequence[Switch], scene: Scene) -> tuple[str, ...]:
 
 
 def scene_name(switches: Sequence[Switch], scene: Scene) -> str:
-    """Words for a scene: "with all three", "without geometry", "contact HertzContact, without geometry"."""
+    """A scene in words: "with all three", "without geometry", "contact HertzContact, without geometry"."""
     without = left_out(switches, scene)
     chosen = [s.label(level) for s, level in zip(switches, scene) if s.changes is not None]
     if not without and not chosen:
@@ -163,7 +163,7 @@ def scene_name(switches: Sequence[Switch], scene: Scene) -> str:
 
 
 def all_of(count: int) -> str:
-    """Words for all of so many nonlinearities."""
+    """The words for all of `count` nonlinearities."""
     return {1: "it", 2: "both", 3: "all three"}.get(count, "all")
 
 
@@ -179,10 +179,10 @@ def state_of_scene(model: Any, full: Any, start: Any) -> Any:
 
 
 def numbers_of(result: Any, name: str, within: str = "") -> dict[str, float]:
-    """Quantity -> number, of the result of the study `name`, or of mappings of such results.
+    """The quantities, by name, in the result of the study `name`.
 
-    A text is the quantity "name = text", which is 1 where it is that text; None is a number that is not
-    there.  Names of a mapping's entries begin with `within`.  Of anything else there are none.
+    A text gives the quantity "name = text", which is 1; None gives NaN.  A mapping gives those of its
+    entries, whose names begin with `within`; anything else gives none.
     """
     if result is None:
         return {name: float("nan")}
@@ -199,7 +199,7 @@ def numbers_of(result: Any, name: str, within: str = "") -> dict[str, float]:
 
 
 def table_of_numbers(results: Sequence[Mapping[str, float]]) -> dict[str, NDArray[np.float64]]:
-    """Quantity -> numbers of all results (N,); NaN where one lacks it, 0 where it has another text."""
+    """Each quantity's numbers (N,) in all results; NaN where one lacks it, 0 where it has another text."""
     names = dict.fromkeys(name for result in results for name in result)
     return {name: np.array([_entry(result, name) for result in results]) for name in names}
 
@@ -227,7 +227,7 @@ class Effects(Drawable):
         the nonlinearity, the first alternative) to this level, over all levels of the others.  Interaction
         of two: how much the effect of one changes with the other, averaged likewise; of three: how much that
         changes with the third.
-        Standard errors from the initial states; NaN where there is one only.  A column for each condition.
+        Standard errors come from several initial states, else they are NaN.  A column for each condition.
     shapley, shapley_errors : array (M, P)
         The whole change from all switches at their reference level to all at their last (with all
         nonlinearities), divided among the switches: the mean of what each adds, over all orders of switching.
@@ -235,7 +235,7 @@ class Effects(Drawable):
         Of the variance over all scenes, the part that is due to each switch, an interaction being divided
         equally among its switches.  They sum to 1.
     used : array of int (P,)
-        Initial states at which every scene has the quantity; the others are left out.
+        Number of initial states from which every scene has the quantity; the others are left out.
     """
 
     drawn_by = "plot_effects"
@@ -264,8 +264,8 @@ class Effects(Drawable):
 
     @property
     def strongest(self) -> str | None:
-        """The switch with the largest share of the variance, over all conditions; None where nothing varies
-        or a scene lacks the quantity.
+        """The switch with the largest mean share of the variance over all conditions; None where nothing
+        varies or a scene lacks the quantity.
         """
         if not np.isfinite(self.shares).any():
             return None
@@ -304,7 +304,7 @@ def _with_error(value: float, error: float) -> str:
 
 
 def effects_of(quantity: str, numbers: Array, switches: Sequence[Switch]) -> Effects:
-    """The effects in an array (levels of each switch ..., P conditions, S repetitions)."""
+    """The effects in an array (levels of each switch, ..., P conditions, S repetitions)."""
     conditions = numbers.shape[-2]
     terms = list(_terms(switches))
     known = np.asarray(np.isfinite(numbers).all(axis=tuple(range(len(switches)))))
@@ -383,7 +383,7 @@ def _shapley_values(mean: Array, switches: Sequence[Switch]) -> Array:
 
 
 def _variance_shares(mean: Array) -> Array:
-    """Sum over u with i of V_u / |u| / V, with V_u the variance that the switches u have together only.
+    """Sum over u with i of V_u / |u| / V; V_u is the variance due to the interaction of exactly u.
 
     A. B. Owen, "Sobol' indices and Shapley value", SIAM/ASA J. Uncertainty Quantification 2, 2014.
     """

@@ -1,12 +1,11 @@
-"""Results of a sweep in a file of JSON lines, written as they come, so that an interrupted sweep can be
-resumed.
+"""The journal of a sweep: a file of JSON lines to which results are written as they come, to be resumed.
 
-The first line holds the format, the version and the arguments of the sweep; each further one the result of
-one task; each ends with a checksum of itself.  When all are there the lines are put in order, so that the
-file does not depend on how often the sweep was interrupted.
+The first line holds the format, the version and the arguments of the sweep, each further line the result of
+one task.  Every line ends with its checksum.  At the end the lines are put in order, so that the file does
+not depend on how often the sweep was interrupted.
 
 A task depends on the arguments alone.  So a line that a power cut or a bad disk has damaged is left out, and
-its task computed again; only without the first line a file is of no use.
+its task is computed again; a file is useless only if its first line is damaged.
 """
 
 from __future__ import annotations
@@ -32,13 +31,13 @@ from frictionlab.validation import with_cure
 FORMAT = 1
 HEAD_KEYS = "frictionlab sweep", "version"  # of the first line, before the arguments of the sweep
 LINE = re.compile(rb'(\{.*), "crc32": "([0-9a-f]{8})"\}')
-SYNC_TIME = 1.0  # seconds of results that a power cut may take: each fsync takes some milliseconds
+SYNC_TIME = 1.0  # seconds of results that a power cut may destroy: each fsync takes some milliseconds
 
 
 class Journal:
     """The specification and results of a sweep so far, also on disk if there is a path.
 
-    A context in which no other process can write to the file.
+    It is a context manager that keeps other processes from writing to the file.
     """
 
     def __init__(self, specification: dict[str, Any], path: str | Path | None = None) -> None:
@@ -61,7 +60,7 @@ class Journal:
 
     def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:
         if self._file is not None:
-            with suppress(OSError):  # what the system could not keep it has said when it was written
+            with suppress(OSError):  # a failure to write was raised when the line was written
                 os.fsync(self._file.fileno())
             self._file.close()
         if self._lock is not None:
@@ -81,14 +80,14 @@ class Journal:
             raise _unusable(path, error) from error
 
     def keep(self, task: int, result: Any) -> None:
-        """Keep a result, in the form in which the file gives it back; it is in the file when this returns.
+        """Keep a result as the file would return it; it is in the file when this function returns.
 
         Raises
         ------
         TypeError
             For a result that the file cannot hold.
         OSError
-            Where the file cannot be written any more; what was in it still is.
+            Where the file cannot be written any more; the results in it are still there.
         """
         if self._path is None:
             self.results[task] = result
@@ -114,7 +113,7 @@ class Journal:
             ) from error
 
     def interruption(self, result: Any, count: int) -> KeyboardInterrupt:
-        """The error after ctrl-C, when so many tasks were asked for."""
+        """The error to raise after ctrl-C, for a sweep of `count` tasks."""
         file = "" if self._path is None else f"; resume={str(self._path)!r} goes on from there"
         return interruption(f"stopped after {len(self.results)} of {count} tasks", result, file)
 
@@ -124,12 +123,12 @@ class Journal:
             return
         try:
             write_journal(self._path, self._specification, self.results)
-        except OSError as error:  # all is in the file already
+        except OSError as error:  # all results are in the file already
             warnings.warn(f"{self._path} is complete, but not in order: {error}", RuntimeWarning, 3)
 
 
 class _Content(NamedTuple):
-    """What a file holds: the version that wrote it, and the numbers of the lines that are damaged."""
+    """What a file holds, the version that wrote it, and the numbers of its damaged lines."""
 
     specification: dict[str, Any]
     results: dict[int, Any]
@@ -144,7 +143,7 @@ class _Content(NamedTuple):
 
 
 def write_journal(path: str | Path, specification: dict[str, Any], results: dict[int, Any]) -> Path:
-    """Write all lines in order, atomically: a reader sees the old file or the new one, a power cut too."""
+    """Write all lines in order, atomically: even a power cut leaves the old file or the new one."""
     path = Path(path)
     head = dict(zip(HEAD_KEYS, (FORMAT, __version__))) | specification
     rows = ({"task": i, "result": results[i]} for i in sorted(results))
@@ -159,7 +158,7 @@ def read_journal(path: str | Path) -> tuple[dict[str, Any], dict[int, Any]]:
     Raises
     ------
     OSError
-        If there is none, or it cannot be read.
+        If there is no such file, or it cannot be read.
     ValueError
         If the file holds no sweep, or is damaged.
     """
@@ -176,7 +175,7 @@ def read_journal(path: str | Path) -> tuple[dict[str, Any], dict[int, Any]]:
 
 
 def _read(path: Path) -> _Content:
-    # Without what follows the last line feed: a line that was cut off.
+    # What follows the last line feed is a line that was cut off, and is left out.
     first, *rest = path.read_bytes().split(b"\n")[:-1] or [b""]
     head = _content(first)
     if head is None or HEAD_KEYS[0] not in head:
@@ -204,7 +203,7 @@ def _unusable(path: Path, error: OSError) -> OSError:
 
 
 def _json_line(content: dict[str, Any]) -> bytes:
-    """A line: the content with the checksum of its text as a last entry."""
+    """A line: the content, with the checksum of its text as the last entry."""
     text = json.dumps(content, default=_json_value).encode()[:-1]
     return b'%b, "crc32": "%08x"}\n' % (text, zlib.crc32(text))
 
@@ -218,7 +217,7 @@ def _content(line: bytes) -> dict[str, Any] | None:
 
 
 def _json_value(value: Any) -> Any:
-    """numpy's numbers and arrays as Python's."""
+    """Numbers and arrays of numpy as numbers and lists of Python."""
     if isinstance(value, (np.generic, np.ndarray)):
         return value.tolist()
     raise TypeError(
@@ -228,12 +227,12 @@ def _json_value(value: Any) -> Any:
 
 
 def _locked(path: Path) -> Any:
-    """The lock of a file, held; it is one of a file beside, which stays."""
+    """The acquired lock of a file; the lock file beside it is not removed."""
     from filelock import FileLock, Timeout
 
     lock = FileLock(path.with_name(path.name + ".lock"))
     try:
-        path.parent.stat()  # FileLock would make the folder
+        path.parent.stat()  # FileLock would create a missing folder
         lock.acquire(timeout=0)
     except Timeout:
         raise OSError(

@@ -1,9 +1,8 @@
-"""Many independent computations, and `fl.sweep`: any function of a model over a grid of parameters and
-initial states.
+"""`fl.sweep`: any function of a model over a grid; and `run_tasks`, which runs many independent computations.
 
-Tasks are done in threads by default, in any executor, resumable, with a progress bar. After a first ctrl-C
-those that have begun are finished; after a second one they are left, and their results lost; a third one
-interrupts wherever it is.
+Tasks run in threads, or in any given executor; they can be resumed and show a progress bar.  After a first
+ctrl-C those that have begun are finished.  A second one abandons them and their results.  A third one
+interrupts the computation at once.
 """
 
 from __future__ import annotations
@@ -36,8 +35,8 @@ TASKS_PER_WORKER = (
     2  # tasks handed to each worker at a time, so that ctrl-C does not have to wait for all of them
 )
 QUIETLY = Execution(progress=False)
-LEAVING_PRESS, URGENT_PRESS = 2, 3  # the presses of ctrl-C that leave tasks in progress, and that interrupt
-SILENT_TIME = 0.5  # seconds in which tasks may finish after ctrl-C before the user is told of them
+LEAVING_PRESS, URGENT_PRESS = 2, 3  # presses of ctrl-C that abandon running tasks, that interrupt at once
+SILENT_TIME = 0.5  # seconds after ctrl-C before the user is told that tasks are still running
 
 
 def run_tasks(
@@ -50,12 +49,12 @@ def run_tasks(
     execution: Execution = QUIETLY,
     title: str = "",
 ) -> bool:
-    """Call `function` on each task and hand every result to `keep` with its index, as soon as it is there.
+    """Call `function` on each task and hand every result to `keep` with its index, as soon as it is known.
 
     Parameters
     ----------
     function : callable
-        Called as ``function(*task)``.  An executor of processes needs to be able to pickle it.
+        Called as ``function(*task)``.  For an executor of processes it has to be picklable.
     tasks : sequence of tuples
     keep : callable of (index, result)
         Called in this thread only, and never interrupted by a first or a second ctrl-C.
@@ -64,19 +63,20 @@ def run_tasks(
     done : container of int
         Indices of the tasks that are left out.
     execution : Execution
-        Its workers, executor and progress; the solver's kernels run at the same time in threads.
+        Its workers, executor and progress.  Threads compute in parallel, as the solver's kernels release the
+        lock of the interpreter.
     title : str
         What the progress bar says.
 
     Returns
     -------
     bool
-        Whether all were done and nobody pressed ctrl-C; tasks already begun are still finished and kept.
+        Whether all were done without ctrl-C.  After a first ctrl-C tasks already begun are finished and kept.
 
     Raises
     ------
     RuntimeError
-        Where a task fails, from its error, once those already begun are finished and kept.
+        Where a task fails, raised from its error, once those already begun are finished and kept.
     """
     executor, count = execution.executor, execution.workers or os.cpu_count() or 1
     left = [(i, task) for i, task in enumerate(tasks) if i not in done]
@@ -103,7 +103,7 @@ def run_tasks(
 
 
 def _finish_tasks(running: Sized, presses: Presses, collect: Callable[[], None]) -> None:
-    """Collect the results of tasks that have begun, and say so where ctrl-C has asked for the end."""
+    """Collect the results of tasks that have begun; after ctrl-C, tell the user of the wait."""
     since, told = monotonic(), False
     while running and presses.count < LEAVING_PRESS:
         if presses.count and not told and monotonic() - since > SILENT_TIME:
@@ -114,13 +114,13 @@ def _finish_tasks(running: Sized, presses: Presses, collect: Callable[[], None])
 
 
 def check_function(name: str, function: Any, cure: str) -> None:
-    """Raise unless it can be called."""
+    """Raise unless `function` can be called."""
     if not callable(function):
         raise TypeError(f"{name} must be a function of a model, got {function!r}: {cure}")
 
 
 def function_name(function: Callable[..., Any]) -> str:
-    """What files tell functions apart by."""
+    """The name by which files tell functions apart."""
     name = getattr(function, "__name__", type(function).__name__)
     return getattr(function, "__qualname__", name)
 
@@ -163,7 +163,7 @@ def _submit_tasks(
 
 @contextmanager
 def _executor(given: Executor | None, workers: int, presses: Presses) -> Iterator[Executor]:
-    """The executor given, left open, or one of threads, whose runs stop where nobody waits for them."""
+    """The given executor, which is left open, or one of threads, whose runs stop if they are abandoned."""
     if given is not None:
         yield given
         return
@@ -198,7 +198,7 @@ class Sweep(Drawable):
     x0 : tuple
         Initial states, the last axis; empty where the function takes none.
     results : object array
-        What the function returned; None for what was not done, where ctrl-C stopped it.
+        What the function returned; None for what was not done before ctrl-C.
     model : Model
         With the values that are not in `over`.
     function : str
@@ -242,7 +242,7 @@ class Sweep(Drawable):
         """The table of :meth:`to_dataframe` as an xarray Dataset, a dimension for each parameter (needs the
         extra ``data``).
 
-        Values of a parameter have to differ.
+        The values of each parameter have to differ from each other.
         """
         import_optional("xarray", "to_xarray")
         return self.to_dataframe().to_xarray()
@@ -273,11 +273,11 @@ def sweep(
     x0 : sequence
         Initial states: names, or arrays (2n,), as :func:`simulate` takes them.
     execution : Execution or None
-        Workers, executor, file and progress bar; None takes the usual ones.  Results that the file of
-        `resume` keeps have to be numbers, texts, or lists and mappings of such.  Of the function the file
-        knows only the name: give every function, and every setting that it has inside, a file of its own.
+        Workers, executor, file and progress bar; None takes the defaults.  Results that the file of `resume`
+        keeps have to be numbers, texts, or lists and mappings of such.  The file knows the function by its
+        name only: use another file for another function, and for other settings inside a function.
     **keywords
-        Fields of :class:`Execution`, in the place of those of `execution`: ``workers=2``.
+        Fields of :class:`Execution`, which replace those of `execution`: ``workers=2``.
 
     Returns
     -------
@@ -286,16 +286,17 @@ def sweep(
     Raises
     ------
     TypeError
-        For an unknown parameter or keyword, what is no function, or no model.
+        For an unknown parameter or keyword, or where an argument is no model or function.
     ValueError
-        For a value that breaks a rule or a bad initial state; like the others before any work is done.
+        For a value that breaks a rule or a bad initial state.  Both are raised before any task starts, but
+        for the TypeError of a result that JSON cannot hold.
     OSError
         Where the file cannot be written, or another sweep is using it.
     RuntimeError
-        Where the function fails, from its error; what was done before is in the file.
+        Where the function fails, raised from its error; the results before it are in the file.
     KeyboardInterrupt
-        After ctrl-C; :func:`partial_result` is then the Sweep with None for what was not done.  A first press
-        lets what has begun be finished, a second one leaves it.
+        After ctrl-C; :func:`partial_result` then returns the Sweep with None for what was not done.  A first
+        press lets tasks that have begun finish, a second one abandons them.
 
     Examples
     --------

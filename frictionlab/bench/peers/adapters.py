@@ -1,7 +1,7 @@
-"""Other tools: those that call functions back, scipy's solve_ivp, CVODE and PathSim, and those that compile
-each mode, heyoka and diffrax.
+"""Adapters of other tools: scipy's solve_ivp, CVODE and PathSim, which call back functions of a mode; heyoka
+and diffrax, which compile each mode.
 
-scipy as users call it: compiled right-hand side, a call for each mode, terminal events.  CVODE
+scipy as users call it: compiled right-hand side, a call for each stay in a mode, terminal events.  CVODE
 (Hindmarsh et al. 2005) with its root finding, through scikit-sundae.  PathSim: block diagrams in
 Python; each mode is an ODE block with its zero crossings.
 
@@ -27,7 +27,7 @@ from frictionlab.bench.peers.external import CompiledMode, ExternalMethod, Resta
 IMPLICIT = ("Radau", "BDF", "LSODA")
 
 BITE = 1e-7  # s: the first step of heyoka in a mode; a tenth of the shortest stay that is no chatter
-EVALUATIONS_PER_STEP = 13  # evaluations of a step of RKDP87, for the cap
+EVALUATIONS_PER_STEP = 13  # evaluations in a step of RKDP87, to cap the steps
 
 
 @dataclass(frozen=True)
@@ -86,7 +86,7 @@ def _event(functions: CompiledMode, i: int) -> Callable[[float, np.ndarray], flo
         functions.guards(np.ascontiguousarray(y), values)
         return float(values[i])
 
-    # solve_ivp reads these two from the function itself; the type checker knows no attributes of functions
+    # solve_ivp reads these two from the function; the type checker knows no attributes of functions
     event.terminal, event.direction = True, -1  # type: ignore[attr-defined]
     return event
 
@@ -118,7 +118,7 @@ class Cvode(ExternalMethod):
             lambda time, y, out: functions.rates(y, out), max_num_steps=10**7, **options
         )
         found = solver.solve(np.array([t, t_end]), z)
-        steps = len(found.t) - 1  # between two times it returns its own steps
+        steps = len(found.t) - 1  # given only two times, it returns all of its own steps
         if found.i_events is None or not len(found.i_events):
             return float(found.t[-1]), np.array(found.y[-1]), -1, steps
         guard = int(np.flatnonzero(found.i_events[-1])[0])
@@ -129,7 +129,7 @@ def _events(functions: CompiledMode) -> Any:
     def events(time: float, y: np.ndarray, out: np.ndarray) -> None:
         functions.guards(y, out)
 
-    # sksundae reads these two from the function itself; the type checker knows no attributes of functions
+    # sksundae reads these two from the function; the type checker knows no attributes of functions
     both = [True] * functions.count, [-1] * functions.count
     events.terminal, events.direction = both  # type: ignore[attr-defined]
     return events
@@ -145,7 +145,7 @@ class PathSim(RestartedMethod):
         RKDP87, RKV65, RKDP54, ...
     rtol, atol : float
     located : float
-        An event is found where its guard is no larger than this.
+        An event counts as located where its guard is no larger than this.
     """
 
     name: ClassVar[str] = "pathsim"
@@ -157,7 +157,7 @@ class PathSim(RestartedMethod):
 
     @cached_property
     def diagrams(self) -> list[_Diagram]:
-        """Those of all modes."""
+        """The diagrams of all modes."""
         return [_Diagram(self, functions) for functions in self.modes]
 
     def flow(self, mode: int, z: np.ndarray, length: float) -> tuple[float, np.ndarray, int, int]:
@@ -165,7 +165,7 @@ class PathSim(RestartedMethod):
 
 
 class _Diagram:
-    """One ODE block, and an event for each guard that stops the simulation; time starts at zero again."""
+    """One ODE block, and for each guard an event that stops the simulation; each run starts at time zero."""
 
     def __init__(self, settings: PathSim, functions: CompiledMode) -> None:
         pathsim: Any = import_module("pathsim")
@@ -185,11 +185,11 @@ class _Diagram:
         )
 
     def run(self, z: np.ndarray, length: float, most: int) -> tuple[float, np.ndarray, int, int]:
-        """From `z` up to an event or the end: time that passed, state, guard or -1, steps."""
+        """Integrate from `z` up to an event or the end: time passed, state, guard or -1, steps."""
         self.found: tuple[float, np.ndarray, int] | None = None
         self.left = EVALUATIONS_PER_STEP * most
         self.block.initial_value = z
-        self.simulation.dt = None  # it estimates the first step by itself
+        self.simulation.dt = None  # PathSim then estimates the first step
         self.simulation.reset()
         steps = self.simulation.run(length)["successful_steps"]
         end = self.found or (float(self.simulation.time), self.block.engine.state.copy(), -1)
@@ -212,14 +212,14 @@ class _Diagram:
 
     def _stop(self, i: int) -> Callable[[float], None]:
         def stop(t: float) -> None:
-            # Where a later event of the same step is still to be located the step is taken back.
+            # Kept at once: PathSim takes the step back if a later event of it is still to be located.
             self.found = self.found or (float(t), self.block.engine.state.copy(), i)
             self.simulation.stop()
 
         return stop
 
 
-EVENT_TOLERANCE = 1e-12  # of time (s) and of a guard: smaller ones take all iterations it has
+EVENT_TOLERANCE = 1e-12  # of time (s) and of a guard: smaller ones use up all iterations of the search
 
 
 @dataclass(frozen=True)
@@ -247,8 +247,8 @@ class Heyoka(ExternalMethod):
         flow = self.flows[mode]
         integrator, steps = flow.integrator, 0
         if flow.start is not None:
-            # Where an event function is zero at the start of a step, heyoka does not find its next zero: so
-            # a first short step is taken without events.
+            # If an event function is zero at the start of a step, heyoka does not find its next zero, so a
+            # short first step is taken without events.
             start = flow.start
             start.time, flow.start_state[:] = t, z
             start.step(min(BITE, t_end - t))
@@ -257,14 +257,14 @@ class Heyoka(ExternalMethod):
         integrator.time, flow.state[:] = t, z
         outcome, _, _, more, *_ = integrator.propagate_until(t_end)
         code = int(outcome)
-        # A terminal event i that stops ends with the outcome -i - 1.
+        # A terminal event i that stops the integration gives the outcome -i - 1.
         guard = -code - 1 if -1000 < code < 0 else -1
         return integrator.time, flow.state, guard, steps + more
 
 
 class _HeyokaFlow(NamedTuple):
-    """A mode's integrator, and one without events for the start, None where there are none; views of their
-    states."""
+    """A mode's integrator, one without events for the first step (None if the mode has none), and views of
+    their states."""
 
     integrator: Any
     state: np.ndarray
@@ -291,7 +291,7 @@ def _heyoka_expression(expression: Any, hy: Any) -> Any:
 
 @lru_cache(maxsize=64)
 def _heyoka_flow(mode: Mode, states: tuple[Any, ...], values: tuple[Any, ...], tol: float) -> _HeyokaFlow:
-    """The numbers of the parameters are constants of the equations, which are compiled for them."""
+    """heyoka's integrators of a mode; the parameter values are compiled in as constants."""
     hy: Any = import_module("heyoka")
 
     names = [sympy.Symbol(f"z{i}") for i in range(len(states))]
@@ -326,12 +326,12 @@ class Diffrax(RestartedMethod):
 
     @cached_property
     def solutions(self) -> list[Callable[..., Any]]:
-        """Compiled integrations, one for each mode."""
+        """The compiled integration of each mode."""
         automaton, values = self.automaton, self.values
         return [_compile_solution(mode, automaton.states, values, self.max_steps) for mode in automaton.modes]
 
     def flow(self, mode: int, z: np.ndarray, length: float) -> tuple[float, np.ndarray, int, int]:
-        # Double precision here only: other users of JAX in the process may want single precision.
+        # Double precision is set here only: other users of JAX in the process may want single precision.
         with import_module("jax").enable_x64(True):
             t, y, guard, steps = self.solutions[mode](z, length, self.rtol, self.atol)
         return float(t), np.array(y), int(guard), int(steps)
@@ -341,7 +341,7 @@ class Diffrax(RestartedMethod):
 def _compile_solution(
     mode: Mode, states: tuple[Any, ...], values: tuple[Any, ...], max_steps: int
 ) -> Callable[..., Any]:
-    """Time, state, guard, steps of a start and a length; the tolerances are arguments, to compile once."""
+    """A function of start, length and tolerances, compiled once: time, state, guard and steps at the end."""
     jax, dx = import_module("jax"), import_module("diffrax")
     rates = _jax_function(states, mode.flow, values)
     guards = _jax_function(states, [event.function for event in mode.events], values) if mode.events else None
@@ -371,10 +371,10 @@ def _compile_solution(
 
 
 def _diffrax_event(guards: Callable[[Any], Any]) -> Any:
-    """The smallest guard falls through zero; those that were zero at the start count from then on.
+    """The event that the smallest guard falls through zero; at the start, guards that are zero do not count.
 
-    One function, since of several in a step diffrax takes the first in the list, not in time, and since
-    the root finder that cannot miss, bisection, wants one.
+    It is one function for all guards: of several events in a step diffrax takes the first in the list, not in
+    time, and bisection, the root finder that cannot miss, wants one function.
     """
     where: Any = import_module("jax.numpy").where
 
@@ -386,7 +386,7 @@ def _diffrax_event(guards: Callable[[Any], Any]) -> Any:
 
 
 def _jax_function(states: tuple[Any, ...], expressions: Sequence[Any], values: tuple[Any, ...]) -> Any:
-    """Expressions as a function of an array, which returns one."""
+    """The expressions as a function from an array of states to an array of values."""
     stack, numbers = import_module("jax.numpy").stack, dict(values)
     with_numbers = [sympy.sympify(e, strict=True).subs(numbers) for e in expressions]
     function = sympy.lambdify(states, with_numbers, modules="jax", cse=True)

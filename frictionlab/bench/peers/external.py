@@ -1,4 +1,4 @@
-"""Another tool's integrator as a method: it integrates and finds the events, resets and modes are ours.
+"""Another tool's integrator as a method: it integrates and finds the events; resets and mode choice are ours.
 
 Tools are given a mode's flow, event functions and Jacobian as functions of floats, compiled by numba
 where it is installed.
@@ -28,17 +28,17 @@ from frictionlab.presentation import import_optional
 Array = Any
 
 SAME_INSTANT = 1e-12  # s: a zero so soon after the start of a mode is the one just left
-MAX_RESTARTS = 3  # times that such a zero is passed over
+MAX_RESTARTS = 3  # most integrations to get past such a zero
 WARM_UP_TIME = 1e-6  # s
 
 
 class CompiledMode(NamedTuple):
-    """A mode: functions of (z, out) that write into `out`; the numbers of the parameters are inside."""
+    """A mode: functions of (z, out) that write into `out`; the parameter values are compiled in."""
 
     rates: Callable[[Array, Array], None]
     guards: Callable[[Array, Array], None]
     jacobian: Callable[[Array, Array], None]  # Jacobian of the rates, row by row
-    count: int  # guards
+    count: int  # of guards
 
 
 @lru_cache(maxsize=64)
@@ -69,7 +69,7 @@ def _compile_function(states: tuple[Any, ...], expressions: list[Any]) -> Callab
 
 
 def compile_peer(function: Callable[..., Any]) -> Callable[..., Any]:
-    """A function of another method, compiled by numba; plain Python where our kernels are that too."""
+    """A function of another method, compiled by numba; plain Python where our kernels are too."""
     if not HAS_MACHINE_CODE:
         return function
     return import_optional("numba", "the benchmark", "compile").njit(function)
@@ -77,14 +77,14 @@ def compile_peer(function: Callable[..., Any]) -> Callable[..., Any]:
 
 @dataclass(frozen=True)
 class ExternalMethod(Method):
-    """Base of the adapters: a subclass gives :meth:`to_event`.
+    """Base of the adapters: a subclass implements :meth:`to_event`.
 
     Parameters
     ----------
     automaton : HybridAutomaton
         The automaton to be run: other tools need its expressions.
     max_steps : int
-        Of the tool's own steps; a run that reaches it ends with a status.
+        Most of the tool's own steps; a run that reaches it ends with a status.
     """
 
     entry: ClassVar[Any] = staticmethod(event_handling.handle_event)
@@ -117,12 +117,12 @@ class ExternalMethod(Method):
     ) -> tuple[float, np.ndarray, int, int]:
         """Integrate in a mode up to its first event or the end: time, state, its guard or -1, steps.
 
-        `z` is the run's own: it is not to be changed, and what is returned may be an array of the tool.
+        `z` is the run's own array and must not be changed; the state returned may be an array of the tool.
         """
 
     @cached_property
     def values(self) -> tuple[tuple[Any, float], ...]:
-        """The parameters and their values; the dwell time of chatter is the method's, as in `solve`."""
+        """The parameters and their values; the dwell time `chatter` is the method's, as in `solve`."""
         numbers = self.automaton.parameters.items()
         return tuple(
             (symbol, CHATTER_DWELL if symbol.name == "chatter" else number) for symbol, number in numbers
@@ -130,16 +130,16 @@ class ExternalMethod(Method):
 
     @cached_property
     def modes(self) -> list[CompiledMode]:
-        """The compiled functions of all modes; kept, as looking them up by expressions takes its time."""
+        """The compiled functions of all modes; kept, as looking them up by their expressions takes time."""
         return [compile_mode(mode, self.automaton.states, self.values) for mode in self.automaton.modes]
 
     def describe(self) -> dict[str, Any]:
-        """Name and settings without the automaton, whose copy would take a share of a run."""
+        """Name and settings, without the automaton: copying it would take a share of a run's time."""
         settings = {f.name: getattr(self, f.name) for f in fields(self) if f.init and f.name != "automaton"}
         return {"name": self.name, **settings}
 
     def advance(self, run: ActiveRun, record: run_state.Record) -> int:
-        """Flows up to their events, each entered as one step, until a buffer is full or the run ends."""
+        """Integrate from event to event until a buffer is full or the run ends; each stretch is one step."""
         counts, status = run.cursor.counts, run_state.RUNNING
         room = min(len(record.step_modes), len(record.event_times))
         switch = self._switch(run, record)
@@ -148,7 +148,7 @@ class ExternalMethod(Method):
         return status
 
     def _switch(self, run: ActiveRun, record: run_state.Record) -> Callable[[GuardZero], int]:
-        """What an event does, compiled: reset and next mode; returns how the run goes on."""
+        """The compiled function that handles an event, reset and next mode, and returns the run's status."""
         if run.queue is not None:  # modes are derived on demand
             return lambda event: self.handle_event(run, event, record)
         truncation, example = run_state.Truncation(self.degree, 0.0), GuardZero(0.0, 0, 1)
@@ -184,11 +184,11 @@ class ExternalMethod(Method):
 
 @dataclass(frozen=True)
 class RestartedMethod(ExternalMethod):
-    """Base for tools whose clock starts at zero in every mode: a subclass gives :meth:`flow`."""
+    """Base for tools whose clock starts at zero in every mode: a subclass implements :meth:`flow`."""
 
     @abstractmethod
     def flow(self, mode: int, z: np.ndarray, length: float) -> tuple[float, np.ndarray, int, int]:
-        """As :meth:`to_event`, in the time since the start."""
+        """As :meth:`to_event`, with time counted from the start of the integration."""
 
     def to_event(
         self, mode: int, z: np.ndarray, t: float, t_end: float
@@ -197,8 +197,7 @@ class RestartedMethod(ExternalMethod):
         for _ in range(MAX_RESTARTS):
             passed, z, guard, steps = self.flow(mode, z, t_end - now)
             now, total = now + passed if passed < t_end - now else t_end, total + steps
-            # The zero just left, which the guard passes once more by rounding: it suffices to go on from
-            # after it.
+            # Otherwise this is the zero just left, passed once more by rounding: go on from after it.
             if guard < 0 or now - t >= SAME_INSTANT:
                 break
         return now, z, guard, total

@@ -1,9 +1,9 @@
 """The methods that are compared, by name, each with the package it needs.
 
 `InterpretedTaylor` is our own method without native code, to show what native code gains.  The regularised
-model is a common alternative to events: tanh for the sign of friction, a contact that only pushes.  It has no
-events, no stick (v_r creeps where it should be zero) and no impacts: the contact springs back.  Any
-integrator of stiff equations runs it, here LSODA with a compiled right-hand side.
+model is a common alternative to events: it has tanh for the sign of friction and a contact that only pushes.
+It has no events, no stick (v_r creeps where it should be zero) and no impacts: the contact springs back.  Any
+integrator of stiff equations can run it; here it is LSODA with a compiled right-hand side.
 """
 
 from __future__ import annotations
@@ -30,11 +30,11 @@ from .external import compile_peer
 REGULARISATION_WIDTH = 1e-3  # m/s, width over which friction reverses
 RTOL = 1e-9
 
-MAX_STEPS = 100_000  # cap of steps of the slow methods; those that reach the end take a fifth of it
+MAX_STEPS = 100_000  # most steps of the slow methods; runs that reach the end take a fifth of it
 
 
 def regularised_flow(model: Any) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
-    """States and their rates, with F_T = mu_k F_N tanh(v_r/width) and F_N only where the penetration is
+    """States and their rates, with F_T = mu_k F_N tanh(v_r/width), and F_N = 0 unless the penetration is
     positive."""
     found = system_of(structure_of_component(model))
     contact = found.rubbing
@@ -47,7 +47,7 @@ def regularised_flow(model: Any) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
 
 
 def run(model: Any, t_end: float) -> tuple[np.ndarray, float, int]:
-    """State at the end, from rest, wall time of a second run (the first compiles), and steps."""
+    """Final state from rest, wall time of a second run (a short first one compiles), and steps."""
     from scipy.integrate import solve_ivp
 
     z, rates = regularised_flow(model)
@@ -71,7 +71,7 @@ def _compile_flow(z: tuple[Any, ...], rates: tuple[Any, ...]) -> Any:
 
 @dataclass(frozen=True)
 class InterpretedTaylor(Taylor):
-    """The Taylor method on the tape alone: the program's own code holds no addresses of native code."""
+    """The Taylor method that interprets the tape: the code it uses holds no addresses of native code."""
 
     def advance(self, run: ActiveRun, record: run_state.Record) -> int:
         system = run.system._replace(code=run.problem.program.code)
@@ -81,7 +81,7 @@ class InterpretedTaylor(Taylor):
 
 @dataclass(frozen=True)
 class BenchMethod:
-    """A method by name, made for an automaton, and the package it needs."""
+    """A method by name, how it is made for an automaton, and the package it needs."""
 
     family: str
     name: str
@@ -94,7 +94,7 @@ def _taylor(tol: float) -> BenchMethod:
 
 
 def _order(order: int) -> BenchMethod:
-    """The order that heyoka has at a tolerance of 1e-15, to compare the times of a step."""
+    """Taylor of a given order, that of heyoka at a tolerance of 1e-15, to compare the times of a step."""
     name = f"frictionlab, tol 1e-15, order {order}"
     return BenchMethod("frictionlab, other order", name, lambda a: Taylor(tol=1e-15, order=order))
 

@@ -1,34 +1,34 @@
 """Kernels compiled ahead of time: objects for each processor and system, and a module for browsers.
 
-A build step compiles the entry points of the kernels once; the package carries what it made in the folder
-``objects``, and neither numba nor a compiler is needed to run it.  ``python -m
+A build step compiles the entry points of the kernels once.  The package carries the results in the folder
+``objects``; to run them takes neither numba nor a compiler.  ``python -m
 frictionlab.hybrid.ahead_of_time`` compiles for this machine, with ``--all`` for every target, with
 ``--target`` for one, with ``--web`` for browsers.
 
 ``manifest``
-    What has been compiled, the file beside the objects; the sources that it depends on; processors and
-    systems, and which of them this machine is.
+    The file beside the objects that says what has been compiled, and from which sources; processors and
+    systems, and which of them fit this machine.
 ``loaded_kernels``
-    The object that fits this machine, its functions as Python calls them.  It needs llvmlite only.
+    The object that fits this machine, and its functions as Python calls them.  It needs llvmlite, not numba.
 ``entry_points``
     The list of what is compiled.
 ``flat_functions``
-    numba's instructions of the kernels before any optimisation; functions of one table of numbers and
-    addresses around them.
+    The kernels as numba's LLVM instructions, before any optimisation; around each entry point a function of
+    one table of numbers and addresses.
 ``build``, ``build_hook``
-    All of this in turn, and machine code of each target; as a command, and when a wheel is made.
+    They do all of this in turn and make the machine code of each target: as a command, and for a wheel.
 
 How a function is called, in an object and in a browser (``objects/kernels.wasm``): ``int name(int64
-*table)``, which returns 0. A table has words of 64 bits, little end first: first the results, then the
+*table)``, which returns 0. A table has little-endian words of 64 bits: first the results, then the
 arguments in their order, fields of named tuples one after the other. An integer or a truth value is one
 word; a float is one word, its bits; an array is the address of its first element, then its length along
-each axis, its elements row by row without gaps; None is no word. The manifest has for each function the
-names, types and numbers of axes of both, ``["run.times", "f8", 1]``. Functions keep nothing between calls
-and allocate nothing.
+each axis, with its elements row by row without gaps; None takes no word. The manifest lists the results and
+the arguments of each function by name, type and number of axes, such as ``["run.times", "f8", 1]``.
+Functions keep nothing between calls and allocate nothing.
 
-The module for browsers exports them by their names, ``frictionlab_exp`` and so on of one float, ``memory``
-(which grows; what is free begins at ``__heap_base``) and ``__indirect_function_table`` (which grows too).
-Addresses are below 2^32 and stand in a word's lower half. Machine code of a mode is called by its place in
-that table of functions, which stands for an address in ``code.native``: ``void jets(double *z, double
-*constants, double *terms, double *J, int64 order)``, with i32 for pointers.
+The module for browsers exports these functions by their names; elementary functions of one float
+(``frictionlab_exp`` and so on); ``memory`` and ``__indirect_function_table``, which both grow. Free memory
+begins at ``__heap_base``. Addresses are below 2^32 and stand in a word's lower half. In ``code.native`` the
+place of a mode's machine code in that table of functions stands for its address. The code is called as
+``void jets(double *z, double *constants, double *terms, double *J, int64 order)``, with i32 for pointers.
 """

@@ -7,7 +7,7 @@ from frictionlab.hybrid.ahead_of_time.manifest import TARGETS, WEB, lacking_obje
 
 
 def main() -> None:
-    """Compile for what the arguments say."""
+    """Compile for the targets that the arguments name."""
     parser = argparse.ArgumentParser(description="Compile the kernels ahead of time; this needs numba.")
     parser.add_argument("--all", action="store_true", help="for every processor and system, and for browsers")
     parser.add_argument("--web", action="store_true", help="for browsers too (needs ziglang)")
@@ -24,7 +24,7 @@ def main() -> None:
     if arguments.if_changed and not lacking_objects(target.file for target in chosen):
         print("kernels: compiled before, from these sources")
         return
-    os.environ["FRICTIONLAB_COMPILE_KERNELS"] = "1"  # read as kernels are imported, which `build` does
+    os.environ["FRICTIONLAB_COMPILE_KERNELS"] = "1"  # read when kernels are imported, as `build` does
     from frictionlab.hybrid.ahead_of_time.build import build
 
     build(chosen, lambda text: print(text, flush=True))

@@ -1,7 +1,7 @@
 """Compile the kernels: capture their instructions, make machine code of them for each target, write the
 folder of objects.
 
-Run as ``python -m frictionlab.hybrid.ahead_of_time``, which has numba compile although there are objects.
+Run it as ``python -m frictionlab.hybrid.ahead_of_time``, which makes numba compile even where objects exist.
 """
 
 from __future__ import annotations
@@ -38,16 +38,17 @@ from frictionlab.hybrid.ahead_of_time.manifest import (
     source_files,
 )
 
-# How the instructions and the tables are made.
+# The modules that make the instructions and the tables.
 BUILDERS = tuple(
     f"frictionlab.hybrid.ahead_of_time.{name}"
     for name in ("build", "entry_points", "flat_functions", "manifest")
 )
-# With more targets it pays to optimise once what holds for all processors; that takes as long as one.
+# With more targets it pays to do once the optimisations that hold for all processors; this takes as long as
+# one target.
 MOST_WITHOUT_SIMPLIFICATION = 2
-OPTIMISATION = 2  # 3 makes no run shorter and objects longer
+OPTIMISATION = 2  # level 3 makes objects larger and no run faster
 COMMON = TARGETS[1]  # x86-64 without extensions
-# Kernels that take longer than a call and are called in many places.
+# Kernels that are not inlined: they take longer than a call and are called in many places.
 CALLED = "run_tape", "function_value", "function_range", "power"
 STACK_BYTES, MEMORY_BYTES = 1 << 18, 1 << 25  # in a browser; the memory grows
 LINKER = ("wasm-ld", "--no-entry", "--allow-undefined", "--export-table", "--growable-table", "--strip-all")
@@ -55,7 +56,7 @@ SCALARS = {"int64": "i64", "float64": "double"}
 
 
 def build(targets: Sequence[Target], report: Callable[[str], None]) -> None:
-    """Compile for the targets, in place of all that the folder of objects has held."""
+    """Compile for the targets, and replace all that the folder of objects has held."""
     folder = Path(str(objects_folder()))
     start, sources = time.perf_counter(), _sources()
     report("kernels: numba compiles them once, for all processors ...")
@@ -75,7 +76,7 @@ def build(targets: Sequence[Target], report: Callable[[str], None]) -> None:
 
 
 def _machine_code(instructions: str, exports: list[str], targets: Sequence[Target]) -> list[bytes]:
-    """The file of each target; several at once where there are several processors."""
+    """Content of each target's file; several are made at once where there are several processors."""
     of_processors = instructions
     if sum(target != WEB for target in targets) > MOST_WITHOUT_SIMPLIFICATION:
         of_processors = simplified(instructions, exports)
@@ -88,8 +89,8 @@ def _machine_code(instructions: str, exports: list[str], targets: Sequence[Targe
 
 
 def _capture() -> tuple[str, dict[str, Function], list[str]]:
-    """The instructions, the tables of the entry points, the names of the functions of numbers."""
-    entries, called = entry_points(), symbols()  # before, as to make specimens runs compiled code
+    """The instructions, the tables of the entry points, and the names of the functions of numbers."""
+    entries, called = entry_points(), symbols()  # before capturing, as making specimens runs compiled code
     with flat_functions.captured_libraries() as libraries:
         flat = [flat_function(entry) for entry in entries]
         scalar = [(each, scalar_function(each)) for each in called]
@@ -109,7 +110,7 @@ def _sources() -> dict[str, str]:
 
 
 def shim(name: str, symbol: str) -> str:
-    """Function ``int name(int64 *table)`` in LLVM's language: numba's own takes two pointers more."""
+    """``int name(int64 *table)`` in LLVM's language; numba's own function takes two more pointers."""
     return f"""
 declare i32 @"{symbol}"(ptr, ptr, ptr)
 define i32 @{name}(ptr %table) {{
@@ -122,7 +123,7 @@ define i32 @{name}(ptr %table) {{
 
 
 def scalar_shim(name: str, symbol: str, signature: str) -> str:
-    """Function of numbers as C has it, ``double name(int64, double)``, of numba's text of the signature."""
+    """A C function of numbers, as ``double name(int64, double)``; `signature` is as numba writes it."""
     words = re.findall(r"\w+", signature)
     result, *kinds = (SCALARS[word] for word in words)
     declared = ", ".join(["ptr", "ptr", *kinds])
@@ -140,7 +141,7 @@ define {result} @{name}({named}) {{
 
 
 def simplified(instructions: str, exports: list[str]) -> str:
-    """The instructions, optimised as far as holds for all processors of 64 bits; done once for them."""
+    """The instructions after the optimisations that hold for all 64-bit processors, done once for them."""
     machine = _machine(COMMON)
     return str(_optimised(instructions, exports, COMMON, machine, vectorise=False))
 
@@ -152,7 +153,7 @@ def object_file(instructions: str, exports: list[str], target: Target) -> bytes:
 
 
 def emit_object(instructions: str, exports: list[str], target: Target) -> bytes:
-    """Object file of a target, in which only the exports are seen from outside."""
+    """Object file of a target, in which only the exports are visible from outside."""
     machine = _machine(target)
     return machine.emit_object(_optimised(instructions, exports, target, machine, vectorise=True))
 
@@ -178,7 +179,7 @@ def _optimised(
 
 
 def _is_called(symbol: str) -> bool:
-    """Whether a function is one of :data:`CALLED`, whose names numba writes behind their lengths."""
+    """Whether a function is one of :data:`CALLED`; in numba's symbols a name follows its length."""
     return any(f"{len(name)}{name}B" in symbol for name in CALLED)
 
 
@@ -194,14 +195,14 @@ def _machine(target: Target) -> Any:
 
 
 def _adapted(instructions: str, target: Target, machine: Any) -> str:
-    """The instructions with the target's layout, and null for addresses of this process."""
+    """The instructions with the target's data layout; addresses of this process become null."""
     text = re.sub(r'target datalayout = ".*"', f'target datalayout = "{machine.target_data}"', instructions)
     text = re.sub(r'target triple = ".*"', f'target triple = "{target.triple}"', text)
     return re.sub(r"inttoptr \(i64 \d+ to ptr\)", "null", text)
 
 
 def link_for_web(code: bytes, exports: list[str]) -> bytes:
-    """An object of :data:`WEB` as a module of WebAssembly, by the linker that comes with zig."""
+    """An object of :data:`WEB` made a module of WebAssembly by the linker that comes with zig."""
     with TemporaryDirectory() as folder:
         given, made = Path(folder) / "kernels.o", Path(folder) / "kernels.wasm"
         given.write_bytes(code)

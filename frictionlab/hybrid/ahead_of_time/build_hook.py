@@ -1,10 +1,10 @@
 """What hatchling calls when a wheel is made: compile the kernels, derive the structures of the library's
 models, have the wheel carry both.
 
-They are compiled in a process of its own, for the machine at hand, unless the objects in the clone were made
-from these very sources.  Where that fails, or the variable ``FRICTIONLAB_BUILD_KERNELS`` is 0, the wheel
-holds Python only: numba compiles the kernels on the user's machine where it is installed, else they run as
-plain Python, and what is needed of a structure is derived there.
+The kernels are compiled in a separate process, for the machine at hand, unless the objects in the clone were
+made from these very sources.  Where that fails, or the variable ``FRICTIONLAB_BUILD_KERNELS`` is 0 or empty,
+the wheel holds Python only.  On the user's machine numba then compiles the kernels where it is installed,
+else they run as plain Python; structures are derived there when they are needed.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ VARIABLE = "FRICTIONLAB_BUILD_KERNELS"
 COMMAND = "-m", "frictionlab.hybrid.ahead_of_time", "--if-changed"
 OBJECTS = "frictionlab/hybrid/ahead_of_time/objects"
 DERIVE = "-m", "frictionlab.cli.preparation"
-# Not made in its place: a clone derives, as whoever works on it edits sources.
+# Not written into the package: in a clone, whose sources change, structures are derived.
 STRUCTURES, STRUCTURES_IN_WHEEL = "build/structures.zip", "frictionlab/models/structures.zip"
 
 
@@ -48,7 +48,7 @@ class KernelBuildHook(BuildHookInterface):
             build_data["force_include"][path] = STRUCTURES_IN_WHEEL
 
     def _has_run(self, arguments: Sequence[str], otherwise: str) -> bool:
-        """Whether Python did what the arguments say; if not, a warning says what follows."""
+        """Run Python with these arguments; returns whether it succeeded, else a warning says what follows."""
         try:
             self._run(*arguments)
         except (OSError, subprocess.CalledProcessError) as error:
@@ -58,7 +58,7 @@ class KernelBuildHook(BuildHookInterface):
         return True
 
     def _platform(self) -> str:
-        """The tag of the machine's wheels."""
+        """The platform tag of a wheel for this machine."""
         if sys.platform == "linux" and platform.libc_ver()[0] != "glibc":
             return sysconfig.get_platform().replace("-", "_")
         sys.path.insert(0, self.root)
@@ -67,8 +67,8 @@ class KernelBuildHook(BuildHookInterface):
         return targets_of_machine()[0].wheel
 
     def _run(self, *arguments: str) -> str:
-        """Run Python in the clone; what it has printed."""
-        # Before the path by which pip shows what was installed for the build.
+        """Run Python in the clone; returns what it has printed."""
+        # The clone comes before the path that pip has set for the packages that the build needs.
         path = os.pathsep.join(filter(None, (self.root, os.environ.get("PYTHONPATH"))))
         environment = {**os.environ, "PYTHONPATH": path}
         command = [sys.executable, *arguments]

@@ -1,8 +1,8 @@
-"""What Python and native code call of the kernels: one list, for objects and for WebAssembly.
+"""The kernels that Python and native code call: one list, for objects and for WebAssembly.
 
 Each entry point comes with specimens of its arguments, of which only the types count: numbers, arrays with
-their number of axes, named tuples of these.  They are made by the functions that make them for runs, so
-that a field more or less needs no change here.
+their number of axes, named tuples of these.  The functions that make the arguments of runs make the specimens
+too, so that a field added or removed there needs no change here.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ class EntryPoint:
 
 @dataclass(frozen=True)
 class Symbol:
-    """A kernel that native code calls by a name, with numba's text of its signature."""
+    """A kernel that native code calls by a name, with its signature as numba writes it."""
 
     name: str
     function: Callable[..., float]
@@ -63,13 +63,13 @@ class Symbol:
 
 
 def entry_points() -> list[EntryPoint]:
-    """All that Python calls."""
+    """The kernels that Python calls."""
     specimens = _specimens()
     return [_entry_point(kernel, specimens) for kernel in _KERNELS]
 
 
 def symbols() -> list[Symbol]:
-    """All that native code calls, and the elementary functions, which pages in a browser call."""
+    """The kernels that native code calls, and the elementary functions, which pages in a browser call."""
     called = [Symbol(name, each.function, each.signature) for name, each in KERNELS.items()]
     return called + [Symbol(f"frictionlab_{each.__name__}", each, "float64(float64)") for each in ELEMENTARY]
 
@@ -106,7 +106,7 @@ def _entry_point(kernel: Any, specimens: dict[str, Any]) -> EntryPoint:
     return EntryPoint(kernel, {name: specimens[special.get(str(name), str(name))] for name in names})
 
 
-# Where an argument's name stands for something else than elsewhere.
+# Kernels in which an argument's name means something else than in the others.
 _SPECIAL = {
     "sample_states": {"steps": "step_data"},
     "carry_steps": {"steps": "step_data", "scratch": "tangent_scratch"},
@@ -117,7 +117,7 @@ _SPECIAL = {
 
 
 def _specimens() -> dict[str, Any]:
-    """An argument of each name, of an oscillator with a stop."""
+    """A specimen for each name of an argument, made for an oscillator with a stop."""
     x, v = sp.symbols("x v")
     modes = (Mode("free", (v, -x), (Event("stop", x, ("free",)),)),)
     program, numbers = program_of(HybridAutomaton((x, v), modes, coordinates=1))

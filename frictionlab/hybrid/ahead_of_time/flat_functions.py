@@ -1,12 +1,12 @@
 """Kernels as LLVM's intermediate representation, before any optimisation, and for each entry point a function
 of one table of words, which calls the kernel.
 
-numba makes the types and the instructions; it neither optimises nor emits machine code, as both depend on the
-processor.  (Optimised instructions have the sizes of pointers of this machine built in.)
+numba infers the types and writes the instructions; here it neither optimises nor emits machine code, as both
+depend on the processor.  (Optimised instructions have this machine's size of pointers built in.)
 
-Word by word a table has the results, then the arguments in their order, fields of named tuples one after the
-other: a number is one word (of a float its bits), an array its address and its length along each axis.  A
-table is the same on every processor, and all that a caller has to know of numba.
+The words of a table are the results, then the arguments in their order, fields of named tuples one after the
+other: a number is one word (of a float its bits), an array its address and its length along each axis.  The
+layout is the same on every processor, and a caller needs to know nothing else about numba.
 """
 
 from __future__ import annotations
@@ -38,10 +38,10 @@ NO_CODE = 1  # stands for an address that nothing calls
 
 @contextmanager
 def captured_libraries() -> Iterator[list[Any]]:
-    """Context in which numba compiles to instructions that are not optimised, and to nothing else.
+    """Context in which numba compiles to unoptimised instructions, and to nothing else.
 
-    The list that it gives is filled with the libraries of all functions compiled meanwhile, without those
-    that they call.
+    The list that it yields is filled with the libraries of all functions compiled within it.  The library of
+    a function does not contain the functions that it calls.
     """
     libraries: list[Any] = []
 
@@ -73,7 +73,7 @@ def compiled(dispatcher: Any, types: tuple[Any, ...]) -> Any:
     """numba's result of compiling a function for these types."""
     dispatcher.compile(types)
     result = dispatcher.overloads[types]
-    result.library._ensure_finalized()  # of what nothing else calls, numba has not finalized the library yet
+    result.library._ensure_finalized()  # numba has not yet done so for a function that no other calls
     return result
 
 
@@ -95,13 +95,13 @@ KINDS = {types.int64: "i8", types.float64: "f8", types.boolean: "b1"}
 
 @dataclass(frozen=True)
 class FlatFunction:
-    """The function of an entry point.
+    """A compiled function: of a table, for an entry point, or of numbers, with an empty `table`.
 
     Parameters
     ----------
     name : str
     symbol : str
-        Its name in LLVM's module.
+        The name that numba gave it in LLVM's module.
     table : Function
     """
 
@@ -112,7 +112,7 @@ class FlatFunction:
 
 @intrinsic
 def integer_at(typing_context: Any, table: Any, place: Any) -> Any:
-    """A word as an integer."""
+    """A word of the table as an integer."""
 
     def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         return builder.load(builder.gep(arguments[0], [arguments[1]]))
@@ -122,7 +122,7 @@ def integer_at(typing_context: Any, table: Any, place: Any) -> Any:
 
 @intrinsic
 def float_at(typing_context: Any, table: Any, place: Any) -> Any:
-    """A word as the bits of a float."""
+    """A word of the table, taken as the bits of a float."""
 
     def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         return builder.bitcast(builder.load(builder.gep(arguments[0], [arguments[1]])), ir.DoubleType())
@@ -132,7 +132,7 @@ def float_at(typing_context: Any, table: Any, place: Any) -> Any:
 
 @intrinsic
 def put(typing_context: Any, table: Any, place: Any, value: Any) -> Any:
-    """Write a number into a word."""
+    """Write a number into a word of the table."""
 
     def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         table, place, value = arguments
@@ -151,7 +151,7 @@ def _array_at(element: Any, axes: int) -> Any:
 
     @intrinsic
     def array_at(typing_context: Any, table: Any, place: Any) -> Any:
-        """The array whose address and lengths are in the words from a place on."""
+        """The array whose address and lengths are in the table's words from `place` on."""
 
         def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
             table, place = arguments
@@ -225,7 +225,7 @@ def _results(kind: Any) -> list[Word]:
 
 
 def _expression(name: str, value: Any, names: dict[str, Any], leaves: list[Any], place: Any) -> str:
-    """Text that reads an argument from the table; its parts are appended to `leaves`."""
+    """Python text that reads an argument from the table; appends its numbers and arrays to `leaves`."""
     if isinstance(value, tuple):
         fields = getattr(value, "_fields", range(len(value)))
         parts = [

@@ -26,7 +26,7 @@ from frictionlab.hybrid.ahead_of_time.manifest import (
 )
 
 LOGGER = logging.getLogger(__name__)
-GAPS = "with gaps"  # the type of an array whose elements do not follow each other
+GAPS = "with gaps"  # stands for the type of an array that is not contiguous
 FLOAT, INTEGER = ["<f8", 0], ["<i8", 0]
 ENTRY = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_void_p)
 DATA_OFFSET = 16  # bytes of an array's object before the address of its data (numpy's PyArrayObject)
@@ -61,7 +61,7 @@ class LoadedKernels:
 
 
 def load_kernels() -> tuple[LoadedKernels | None, str]:
-    """The kernels for this machine, if some have been compiled from these sources; if not, why."""
+    """The kernels compiled from these sources for this machine; else None, and why there are none."""
     manifest = read_manifest()
     if manifest is None:
         return None, "the kernels have not been compiled ahead of time"
@@ -95,7 +95,7 @@ def _engine(llvm: Any, code: bytes) -> Any:
 class CompiledKernel:
     """A kernel as machine code, called like the Python function that it was compiled from.
 
-    Its arguments go into a table of words (see the package).
+    Its arguments go into a table of words (see the docstring of the package).
     """
 
     def __init__(self, kernel: Callable, table: Function, address: int) -> None:
@@ -109,7 +109,7 @@ class CompiledKernel:
 
     @property
     def py_func(self) -> Callable:
-        """The Python function that was compiled, as numba's functions have it."""
+        """The Python function that was compiled, by the name that it has in numba's functions."""
         return self.__wrapped__  # pyright: ignore[reportAttributeAccessIssue]
 
     def __call__(self, *arguments: Any) -> Any:
@@ -141,7 +141,7 @@ class CompiledKernel:
             return _partial(self, arguments, place)
         table = array("q", words)
 
-        def call(value: Any, _kept: tuple[Any, ...] = arguments) -> Any:  # their memory is in the table
+        def call(value: Any, _kept: tuple[Any, ...] = arguments) -> Any:  # kept alive: the table points to it
             changed: list[int] = []
             _append((value,), changed, [])
             table[begin : begin + len(changed)] = array("q", changed)
@@ -150,7 +150,10 @@ class CompiledKernel:
         return call
 
     def _converted(self, arguments: Any) -> tuple[list[int], list[tuple[np.ndarray, np.ndarray]]]:
-        """Words where whole numbers stand for others, or arrays have gaps; these, with copies without."""
+        """Words where arguments must be converted, and pairs of a given array and the copy to write back.
+
+        Numbers take the expected type.  Arrays with gaps, or with other integers than expected, are copied.
+        """
         leaves = list(_leaves(arguments))
         if len(leaves) != len(self._arguments):
             expected = f"{len(self._arguments)} numbers and arrays"
@@ -171,19 +174,18 @@ class CompiledKernel:
 
 
 def prepared_call(function: Callable, arguments: tuple[Any, ...], place: int) -> Callable[[Any], Any]:
-    """A kernel as a function of one of its arguments, a number or a tuple of numbers, the others as they are.
+    """A kernel as a function of one of its arguments, a number or a tuple of numbers, the others fixed.
 
-    Where it is called again and again with the same arrays, what they hold having changed, the table of its
-    arguments is made once.
+    For many calls with the same arrays, whose content may change: the table of arguments is made only once.
 
     Parameters
     ----------
     function : callable
         A kernel, compiled or not.
     arguments : tuple
-        All of them; that at `place` is an example.
+        All arguments; that at `place` is an example.
     place : int
-        Of the one that changes.
+        Index of the argument that changes.
     """
     if isinstance(function, CompiledKernel):
         return function.prepared(arguments, place)
@@ -196,7 +198,7 @@ def _partial(function: Callable, arguments: tuple[Any, ...], place: int) -> Call
 
 
 def _suits(leaf: np.ndarray, kind: str) -> bool:
-    """Whether an array's elements are of a type, or whole numbers of another size."""
+    """Whether an array's elements are of a type, or both are integers, signed or not, of any size."""
     return leaf.dtype.str[1:] == kind or {leaf.dtype.kind, kind[0]} <= {"i", "u"}
 
 
@@ -207,12 +209,12 @@ def _number(kind: str, word: int) -> Any:
 
 
 def _named_tuple(kernel: Callable, name: str) -> Any:
-    """A class that the module of a kernel knows, by its name; None for ""."""
+    """The class of that name in the module of a kernel; None for ""."""
     return kernel.__globals__[name] if name else None
 
 
 def _data_address(values: np.ndarray) -> int:
-    """Address of an array's data: seven times faster than to ask numpy for it."""
+    """Address of an array's data, seven times faster than asking numpy for it."""
     return ctypes.c_int64.from_address(id(values) + DATA_OFFSET).value
 
 
@@ -226,7 +228,7 @@ if sys.implementation.name != "cpython" or _data_address(_example) != _data_addr
 
 
 class _Types(dict):
-    """The name of each type of numbers, which takes numpy long to say."""
+    """The names of numpy's types, remembered because numpy takes long to make them."""
 
     def __missing__(self, kind: np.dtype) -> str:
         self[kind] = kind.str
@@ -237,7 +239,7 @@ _TYPES = _Types()
 
 
 def _append(arguments: Iterable[Any], words: list[int], kinds: list[Any]) -> None:
-    """Append the words of arguments, and for each number and array its type and number of axes."""
+    """Append the words of arguments to `words`, and the type and number of axes of each to `kinds`."""
     for each in arguments:
         kind = type(each)
         if kind is np.ndarray:
@@ -263,12 +265,12 @@ def _append(arguments: Iterable[Any], words: list[int], kinds: list[Any]) -> Non
 
 @cache
 def _with_table(kind: type) -> type:
-    """A named tuple that may have an attribute."""
+    """A subclass of a named tuple with the attribute `table`."""
     return type(kind.__name__, (kind,), {"table": None})
 
 
 def remember_words(arrays: T) -> T:
-    """The same named tuple of arrays, which knows its words: for those that are passed again and again."""
+    """The same named tuple of arrays with its words stored, for tuples that are passed again and again."""
     words, kinds = [], []
     _append(arrays, words, kinds)
     known = _with_table(type(arrays))(*arrays)
@@ -277,7 +279,7 @@ def remember_words(arrays: T) -> T:
 
 
 def _leaves(arguments: Iterable[Any]) -> Iterator[Any]:
-    """Numbers and arrays, one after the other."""
+    """The numbers and arrays in nested tuples, one after the other; None is left out."""
     for each in arguments:
         if isinstance(each, tuple):
             yield from _leaves(each)

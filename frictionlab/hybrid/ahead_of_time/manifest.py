@@ -1,8 +1,8 @@
 """What has been compiled, from which sources and for which processors and systems: a file beside the objects.
 
-The sources are the files of all that a kernel calls or takes a constant from.  They are read, not imported,
-so that their digest is known before the first kernel is.  There is an object for each `Target`;
-`targets_of_machine` says which of them run here.
+The sources are the files that define what a kernel calls, or a constant that it uses.  They are read, not
+imported, so that their digests are known before any kernel is imported.  There is an object for each
+`Target`; `targets_of_machine` says which of them run here.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from importlib import resources
 from typing import Any
 
 PACKAGE, SOLVER = "frictionlab", "frictionlab.hybrid"
-# Holds how kernels are compiled, but none of what they compute: what it imports does not matter.
+# It determines how kernels are compiled, not what they compute: what it imports does not matter.
 COMPILATION = "frictionlab.hybrid.compilation"
 DECORATORS = ("kernel", "inlined")
 # Plain functions that native code calls.
@@ -46,7 +46,7 @@ def source_files(modules: Iterable[str]) -> dict[str, bytes]:
 
 
 def _kernels() -> Iterator[Name]:
-    """The functions of the solver that are compiled."""
+    """The functions of the solver that have a decorator of kernels."""
     for module in _modules(resources.files(SOLVER), SOLVER):
         if any(f"\n@{decorator}\n".encode() in read_module(module) for decorator in DECORATORS):
             definitions, _ = module_contents(module)
@@ -61,7 +61,7 @@ def _is_kernel(node: ast.AST) -> bool:
 
 
 def _modules(folder: Any, package: str) -> Iterator[str]:
-    """The modules in a folder and those in it; it may be in a zip file."""
+    """The modules in a folder and its subfolders; the folder may be in a zip file."""
     for entry in sorted(folder.iterdir(), key=lambda entry: entry.name):
         if entry.is_dir():
             yield from _modules(entry, f"{package}.{entry.name}")
@@ -70,7 +70,7 @@ def _modules(folder: Any, package: str) -> Iterator[str]:
 
 
 def needed_names(module: str, name: str) -> list[Name]:
-    """Where the names come from that the definition of a name uses."""
+    """The names of the package that the definition of a name uses, each with the module it comes from."""
     definitions, imports = module_contents(module)
     found = []
     for node in definitions.get(name, []):
@@ -91,8 +91,8 @@ def needed_names(module: str, name: str) -> list[Name]:
 
 @cache
 def module_contents(module: str) -> tuple[dict[str, list[ast.AST]], dict[str, Name]]:
-    """Of a module: what defines each of its names, and for what it imports from the package module and
-    name."""
+    """What a module's statements define, by name; and what it imports from the package: for each name the
+    module that it comes from, and its name there."""
     definitions: dict[str, list[ast.AST]] = {}
     imports: dict[str, Name] = {}
     tree = ast.parse(read_module(module))
@@ -111,7 +111,7 @@ def module_contents(module: str) -> tuple[dict[str, list[ast.AST]], dict[str, Na
 
 
 def _statements(body: list[ast.stmt]) -> Iterator[ast.stmt]:
-    """The statements of a module, and those under its conditions."""
+    """The statements of a module, and those inside its `if`, `try` and `with` statements."""
     for node in body:
         yield node
         for inner in ("body", "orelse", "finalbody"):
@@ -137,7 +137,7 @@ def read_module(module: str) -> bytes:
 
 @cache
 def _is_module(name: str) -> bool:
-    """Whether a name is that of a file of the package; packages hold no code of kernels."""
+    """Whether a name is that of a module's file; packages do not count, as they hold no kernels."""
     file = _file(name) if name.startswith(f"{PACKAGE}.") else None
     return file is not None and file.is_file()
 
@@ -150,7 +150,7 @@ Word = tuple[str, str, int]  # name, type, number of axes (0: a number)
 class Function:
     """The table of a function: its results, then its arguments.
 
-    `returns` is the class of the named tuple that the results are; "" where there is one result or none.
+    `returns` names the class of named tuples that the results form; "" where there is one result or none.
     """
 
     results: tuple[Word, ...]
@@ -189,7 +189,7 @@ def objects_folder() -> Any:
 
 
 def read_manifest() -> Manifest | None:
-    """The manifest beside the objects; None where there is none that is whole."""
+    """The manifest beside the objects; None where it is missing or damaged."""
     try:
         given = json.loads((objects_folder() / FILE).read_text(encoding="utf-8"))
         functions = {
@@ -206,7 +206,7 @@ def read_manifest() -> Manifest | None:
 
 
 def lacking_objects(names: Iterable[str]) -> list[str]:
-    """Those of the files that are missing, not as they were written, or older than the sources."""
+    """Those of the files that are missing, not as they were written, or made from other sources."""
     manifest = read_manifest()
     if manifest is None or changed_sources(manifest):
         return list(names)
@@ -228,7 +228,7 @@ def digest(content: bytes) -> str:
 
 
 def changed_sources(manifest: Manifest) -> list[str]:
-    """Sources that are not as they were when they were compiled."""
+    """Sources that have changed since they were compiled."""
     package = resources.files("frictionlab")
     return [path for path, known in manifest.sources.items() if _digest_of(package, path) != known]
 
@@ -240,9 +240,9 @@ def _digest_of(package: Any, path: str) -> str:
         return ""
 
 
-# What x86-64-v3 has and the baseline has not; all of it has to be there.
+# Features of x86-64-v3 beyond the baseline; a processor must have all of them.
 V3_FEATURES = "avx avx2 bmi bmi2 f16c fma lzcnt movbe".split()
-X86, ARM = ("x86_64", "amd64"), ("aarch64", "arm64")  # as machines call themselves
+X86, ARM = ("x86_64", "amd64"), ("aarch64", "arm64")  # as machines name themselves
 
 
 @dataclass(frozen=True)
@@ -252,13 +252,13 @@ class Target:
     Parameters
     ----------
     name : str
-        Of the object's file.
+        Name of the target, and of an object's file without its ending.
     triple, cpu, features : str
-        As LLVM knows them.
+        As LLVM names them.
     system : str
-        As ``sys.platform`` begins.
+        What ``sys.platform`` begins with.
     machines : tuple of str
-        Names that such a processor has, in small letters.
+        Names that machines give such a processor, in lower case.
     wheel : str
         The platform tag of a wheel that carries the object.
     needs : tuple of str
@@ -280,9 +280,9 @@ class Target:
         return "kernels.wasm" if self.system == "emscripten" else self.name + ".o.xz"
 
 
-# MCJIT loads ELF on Windows too, as numba has it do.
+# MCJIT loads ELF objects on Windows too; numba uses it so.
 _WINDOWS = "pc-windows-msvc-elf"
-# The objects call nothing of the system; the oldest one that Python and numpy have wheels for.
+# The objects call nothing of the system, so this is the oldest one that Python and numpy have wheels for.
 _LINUX = "manylinux_2_17"
 _X86_LINUX = ("linux", X86, f"{_LINUX}_x86_64")
 _X86_WINDOWS = ("win32", X86, "win_amd64")

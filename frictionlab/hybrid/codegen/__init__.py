@@ -1,8 +1,8 @@
-"""Machine code of modes, written with llvmlite, which gives what the kernels give to the last bit.
+"""Machine code of modes, written with llvmlite, whose results equal those of the kernels to the last bit.
 
 ``jet_codegen``
     The jets of a mode (:mod:`frictionlab.hybrid.kernels.jets`), for one run, and for several side by side
-    (lanes); kernels that native code calls by name, values and ranges of functions.
+    (lanes); the kernels that native code calls by name, for values and ranges of functions.
 ``remainder_codegen``
     The ranges and bounds of :mod:`frictionlab.hybrid.kernels.remainder`, for lanes.
 ``step_codegen``

@@ -2,11 +2,12 @@
 
 It does the same operations in the same sequence as :func:`frictionlab.hybrid.kernels.jets.run_tape`, so its
 results are those of the interpreter to the last bit, and a run may change from one to the other at any step.
-It leaves out the rows of slots that are not used; of the rates it keeps the values.  `LaneWriter` writes the
-same for several runs side by side: every value has one number for each run (lane).
+It does not store the rows of slots of which only the current coefficient is read; of the states' rates it
+stores at least the values.
+`LaneWriter` writes the same for several runs side by side: every value has one number for each run (lane).
 
-Kernels of functions and of powers are called, by a name that is made known to LLVM when code that holds it is
-loaded, so that what they compute is stated once; it takes longer than a call.
+Functions and powers are computed by calls of their kernels, so that their code exists only once; a call takes
+little time beside theirs.  The kernels' names are registered with LLVM when code that holds them is loaded.
 """
 
 from __future__ import annotations
@@ -44,7 +45,7 @@ POWER_SYMBOL = "frictionlab_power"
 
 
 class KernelSymbol(NamedTuple):
-    """A call of a kernel, and its types."""
+    """A kernel that native code calls, and the types of the call."""
 
     function: Callable[..., float]
     signature: str
@@ -70,13 +71,13 @@ KERNELS = {
 
 
 def register_used(code: bytes) -> None:
-    """Make known to LLVM the kernels whose names stand in machine code."""
+    """Register with LLVM the kernels whose names occur in machine code."""
     for name in KERNELS:
         if name.encode() in code:
             _registered(name)
 
 
-@cache  # once a process
+@cache  # once per process
 def _registered(name: str) -> None:
     import llvmlite.binding as llvm
 
@@ -84,7 +85,7 @@ def _registered(name: str) -> None:
 
 
 LANE_COUNT = 4
-# Rows of `control`, all of LANE_COUNT numbers; of each guard the number of its leading zeros follows.
+# Rows of `control`, of LANE_COUNT numbers each; one row more for each guard has its number of leading zeros.
 LEFT, LENGTH, REGULAR, MEASURED, SUITED, TOL, LOG_TOL, GUARD_TOL = range(8)
 CONTROL_ROWS = 8
 
@@ -93,13 +94,13 @@ class ModeTape(NamedTuple):
     """The tape of one mode, from which its code is written."""
 
     tape: Tape
-    first: tuple[int, int]  # place of the tape's operations, and of its terms, among all
+    first: tuple[int, int]  # where its operations, and its terms, begin among those of all tapes
     flow: tuple[int, ...]  # slot that holds each state's derivative
     kept: frozenset[int]  # slots whose rows are wanted
 
 
 class OrderInLoop(NamedTuple):
-    """The order at hand: k = 4 fours + 1 + rest, as a number too, and the place of column k of J."""
+    """The current order k = 4 fours + 1 + rest, the same as a float, and the address of column k of J."""
 
     fours: Any
     rest: int
@@ -117,7 +118,7 @@ def jets_module(function: ModeTape, name: str) -> Any:
 
 
 def empty_function(ir: Any, arrays: int, name: str) -> Any:
-    """An empty function `name` of so many arrays, none of which overlap, and the order."""
+    """An empty function `name` of this number of arrays, which do not overlap, and of the order."""
     pointers = [ir.DoubleType().as_pointer()] * arrays
     signature = ir.FunctionType(ir.VoidType(), [*pointers, ir.IntType(64)])
     body = ir.Function(ir.Module(name=name), signature, name)
@@ -127,7 +128,7 @@ def empty_function(ir: Any, arrays: int, name: str) -> Any:
 
 
 class JetWriter(Instructions):
-    """Writes the recurrences; `values` are those of all slots at the order at hand."""
+    """Writes the recurrences; `values` holds the coefficients of all slots at the current order."""
 
     def __init__(self, ir: Any, body: Any, function: ModeTape) -> None:
         super().__init__(ir, ir.IRBuilder(body.append_basic_block()), JET_COLUMNS)
@@ -144,7 +145,7 @@ class JetWriter(Instructions):
         self.build.ret_void()
 
     def jets(self) -> None:
-        """Columns 0 to `order` of J."""
+        """Write the code for columns 0 to `order` of J."""
         for i in range(self.function.tape.inputs):
             self._set(i, self.J, self._load(self.z, i))
         self._operations(None)
@@ -160,8 +161,8 @@ class JetWriter(Instructions):
         return [self.values[slot] for slot in self.function.flow]
 
     def _columns(self, done: Any, fours: Any, rates: Values) -> Values:
-        """The next four columns: four at a time, the remainder of each convolution after groups of four is
-        known."""
+        """The next four columns; as they come in fours, it is known how many terms of each convolution are
+        left after groups of four."""
         build, first = self.build, self.build.shl(fours, self.whole(2))
         for rest in range(PARTS):
             k = build.add(first, self.whole(rest + 1))
@@ -234,7 +235,7 @@ class JetWriter(Instructions):
         return self._multiply_add(self._at(a, self.J), self.values[b], total)
 
     def _square(self, a: int, at: OrderInLoop) -> Any:
-        """Each pair once; of the (k - 1)/2 pairs, groups of four leave two more where `fours` is odd."""
+        """Each pair once; groups of four leave two more pairs where `fours` is odd."""
         build, two = self.build, self._number(2.0)
         ahead, behind, parts = self._groups(a, a, at, build.ashr(at.fours, self.whole(1)))
         odd = build.icmp_signed("!=", build.and_(at.fours, self.whole(1)), self.whole(0))
@@ -254,7 +255,7 @@ class JetWriter(Instructions):
         return self._multiply_add(build.fmul(two, self._at(a, self.J)), self.values[a], total)
 
     def _prepare_powers(self) -> None:
-        """The least base of a power, relative to its rate, for which it has a series."""
+        """Compute the least ratio of a base to its rate at which a power has a series."""
         if any(kind == POWER for kind, _, _ in self.function.tape.ops):
             build, kind, one = self.build, self.ir.DoubleType(), self.whole(1)
             order = build.select(build.icmp_signed(">", self.order, one), self.order, one)
@@ -295,7 +296,7 @@ class JetWriter(Instructions):
         return self._in_pairs(self._rest(rest, ahead, behind, parts))
 
     def _groups(self, a: int, b: int, at: OrderInLoop, fours: Any) -> tuple[Any, Any, Values]:
-        """The sums of as many groups of four pairs, and the places of the next pair."""
+        """Sum over `fours` groups of four pairs; returns the addresses of the next pair and the four sums."""
         ahead = self._place(a, self._ahead(self.J, self.whole(1)))
         behind = self._place(b, self._ahead(at.column, self.whole(-1)))
         parts = self._fours(fours, ahead, behind)
@@ -303,7 +304,7 @@ class JetWriter(Instructions):
         return self._ahead(ahead, done), self._ahead(behind, self.build.neg(done)), parts
 
     def _rest(self, count: int, ahead: Any, behind: Any, parts: Values) -> Values:
-        """Further pairs, one for each of the first sums."""
+        """The four sums, with one more pair added to each of the first `count`."""
         return [self._further(ahead, behind, j, parts[j]) for j in range(count)] + parts[count:]
 
     def _further(self, ahead: Any, behind: Any, j: int, part: Any) -> Any:
@@ -313,7 +314,7 @@ class JetWriter(Instructions):
         return self.build.fadd(self.build.fadd(parts[0], parts[1]), self.build.fadd(parts[2], parts[3]))
 
     def _fours(self, count: Any, ahead: Any, behind: Any) -> Values:
-        """The four sums of as many groups of four pairs, as one vector."""
+        """The four sums over `count` groups of four pairs, computed as one vector."""
         build, four = self.build, self.ir.VectorType(self.ir.DoubleType(), PARTS)
         turned = self.ir.Constant(self.ir.VectorType(self.ir.IntType(32), PARTS), list(range(PARTS))[::-1])
 
@@ -343,7 +344,7 @@ class LaneWriter(JetWriter):
         self.control = body.args[4]
 
     def _largest(self, first: int, last: int, k: Any) -> Any:
-        """Largest coefficient k of the states [first, last); infinite where one is no number."""
+        """Largest coefficient k of the states [first, last); infinite where one is NaN."""
         build, size = self.build, self._number(0.0)
         column = self._ahead(self.J, k)
         for i in range(first, last):

@@ -1,7 +1,7 @@
 """Native code on demand: compiled in the background once a mode has been run for long, and kept in a folder.
 
 Only structure is compiled, never parameter values.  Since native code gives what the interpreter gives to the
-last bit, it does not matter when a run changes over.
+last bit, it does not matter when a run changes over to it.
 """
 
 from __future__ import annotations
@@ -35,8 +35,8 @@ LOGGER = logging.getLogger(__name__)
 T = TypeVar("T", bound=tuple)
 # number of a mode's jets after which compiling pays: interpreted, they take as long as the compilation
 COMPILE_AFTER = 20_000
-# Terms of affine sums, as of finite elements: with more, the kernel's loops take no longer, and LLVM takes
-# hundreds of MB.
+# Terms of a mode's affine sums, as of finite elements.  With more, its jets are not compiled: the kernel's
+# loops take no longer, and LLVM would take hundreds of MB.
 MOST_TERMS = 4000
 NAME, STEP = "jets", "step"
 _MADE: WeakKeyDictionary[Program, NativeCode] = WeakKeyDictionary()
@@ -44,7 +44,7 @@ _ENGINES: list[Any] = []  # engines own the code, so they live as long as the pr
 
 
 class NativeCode:
-    """The native jets of a program's modes, of all orders up to HIGHEST.
+    """The native jets of a program's modes, of all orders up to MAX_ORDER.
 
     Attributes
     ----------
@@ -53,7 +53,8 @@ class NativeCode:
     tapes : dict of int to ModeTape
         By mode, what its jets are compiled from.
     requested : dict of int to Future
-        What is compiled in the background, or has been: jets by their mode, steps of several runs by ~mode.
+        Compilations in the background, also those that are done: of jets by the mode, of steps of several
+        runs by ~mode.
     """
 
     def __init__(self, program: Program, before: NativeCode | None = None) -> None:
@@ -65,7 +66,7 @@ class NativeCode:
         self._used, addresses, steps = np.zeros((3, count), dtype=np.int64)
         self.interpreted = passed_again(program.code)
         self.code: Code = passed_again(program.code._replace(native=addresses, lanes=steps))
-        # of this program, and of all with modes before or behind these; weak, as only the last one is in use
+        # of this program and those that it grew from or grows into; weak, as only the last one is in use
         self._family: list[ref[NativeCode]] = [] if before is None else before._family
         self._family.append(ref(self))
         if before is not None:
@@ -75,7 +76,7 @@ class NativeCode:
             steps[mode] = _load_from_cache(_path(self.tapes[mode], STEP, self._of_steps[mode]))
 
     def _share_with(self, after: NativeCode, known: int) -> None:
-        """Give what is compiled, and what will be, to the code of a program with more modes behind these."""
+        """Share what is compiled, now and later, with the code of a program with more modes after these."""
         after.tapes = self.tapes | after.tapes
         after._of_steps = self._of_steps | after._of_steps
         after.requested = self.requested
@@ -130,7 +131,7 @@ class NativeCode:
 
 
 def passed_again(arrays: T) -> T:
-    """A named tuple of arrays that kernels take at every run."""
+    """The named tuple of arrays, prepared for kernels that take it at every run."""
     return arrays if compilation.LOADED is None else remember_words(arrays)
 
 
@@ -191,7 +192,7 @@ def _machine() -> Any:
 
 @cache
 def _host() -> str:
-    """The properties of the machine and versions on which compiled code depends, which name the folder."""
+    """The sources, versions and processor on which compiled code depends; they enter the names of files."""
     import llvmlite
 
     llvm = _llvm()

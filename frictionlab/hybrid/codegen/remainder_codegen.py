@@ -1,10 +1,10 @@
 """Vector code for the longest steps whose remainders are bounded, and for ranges of functions on complex
 discs.
 
-That is :mod:`frictionlab.hybrid.kernels.remainder` for all lanes: the operations are those of a single run in
-the same sequence, except that zeros are not added; the kernels of functions are called for each lane by
-itself. Radii are tried until every lane has its step.  In the ranges `d` is how far the argument goes from
-its value `a`; `y` and `slope` are the absolute values of the function and its derivative there.
+This is :mod:`frictionlab.hybrid.kernels.remainder` for all lanes.  The operations are those of a single run
+in the same sequence, except that zeros are not added; the kernels of functions are called for each lane
+separately.  Radii are tried until every lane has its step.  In the ranges `d` is how far the argument goes
+from its value `a`; `y` and `slope` are the absolute values of the function and its derivative there.
 """
 
 from __future__ import annotations
@@ -45,11 +45,11 @@ class RangeWriter(LaneWriter):
     """Writes the ranges of functions, quotients and powers."""
 
     def _function_range(self, kind: int, a: Any, y: Any, slope: Any, d: Any) -> Any:
-        """By the kernel itself, for each lane."""
+        """Range of a function, by its kernel, for each lane."""
         return self._call(RANGE_SYMBOL, self.whole(kind), a, y, slope, d)
 
     def _quotient_range(self, numerator: Any, least: Any) -> Any:
-        """A quotient by no less than `least`, infinite where that is not above zero."""
+        """Bound of a quotient whose denominator is `least` or more; infinite where that is not above zero."""
         ratio = self.build.fdiv(numerator, least)
         return self._where(self.build.fcmp_ordered(">", least, self._number(0.0)), ratio, math.inf)
 
@@ -79,8 +79,8 @@ class RangeBound(NamedTuple):
 
 
 class RemainderWriter(RangeWriter):
-    """Writes the passes through the tape; `bounds` and `series` hold the bounds and series of the slots known
-    so far."""
+    """Writes the passes through the tape; `bounds` holds the bounds of the slots known so far, `series` the
+    ranges that their series give."""
 
     bounds: dict[int, RangeBound]
     series: dict[int, Any]
@@ -90,11 +90,11 @@ class RemainderWriter(RangeWriter):
         self.guards, self.groups, self.degree, self.polynomial_degree = structure
 
     def _remainder_step(self, h: Any, fine: Any) -> tuple[Any, Any]:
-        """Longest step up to `h` with a bounded remainder, and whether it is a usual one and `fine`."""
+        """Longest step up to `h` with a bounded remainder, and whether it is `fine` and no rare case."""
         build, zero = self.build, self._number(0.0)
         blind, hidden = self._blind(h)
         fine = build.and_(fine, build.not_(hidden))
-        if self.degree < NOT_POLYNOMIAL:  # then both are one
+        if self.degree < NOT_POLYNOMIAL:  # all are polynomials: `blind` and `hidden` agree
             return h, fine
         blind = build.and_(blind, fine)
 
@@ -117,7 +117,7 @@ class RemainderWriter(RangeWriter):
         return h, build.and_(fine, build.and_(usual, build.fcmp_ordered(">", h, zero)))
 
     def _blind(self, h: Any) -> tuple[Any, Any]:
-        """As :func:`remainder.needs_remainder`, and where not :func:`remainder.polynomials_visible` too."""
+        """Where :func:`remainder.needs_remainder`; where also not :func:`remainder.polynomials_visible`."""
         build = self.build
         at_end = build.fcmp_ordered("==", h, self._load(self.control, LEFT))
         blind = build.select(self._reaches_order(self.degree), self._all(), at_end)
@@ -135,7 +135,7 @@ class RemainderWriter(RangeWriter):
         return self.build.icmp_unsigned("!=", bits, bits.type(0))
 
     def _support(self, radius: Any, h: Any) -> tuple[Any, Any]:
-        """As :func:`remainder.supported_step`, and whether by the first three terms of all groups."""
+        """As :func:`remainder.supported_step`, and whether no group needed terms after its first three."""
         build, ir, known = self.build, self.ir, self._all()
         self._bound_ranges(radius)
         log_radius = write_log2(ir, build, radius)
@@ -162,7 +162,7 @@ class RemainderWriter(RangeWriter):
         return self._where(bounded, longest, 0.0), known
 
     def _largest_rest(self, slots: tuple[int, ...]) -> Any:
-        """The largest of some slots."""
+        """The largest remainder of some slots; None where none has one."""
         largest = None
         for slot in slots:
             rest = self.bounds[slot].rest
@@ -171,7 +171,7 @@ class RemainderWriter(RangeWriter):
         return largest
 
     def _sizes(self, first: int, last: int) -> Values:
-        """Of the first three terms of a group of states, at an instant after the start at the least."""
+        """Sizes of a group's first three terms; the first is at least that an instant after the start."""
         instant = self._number(INSTANT)
         start, rate, second = (self._largest(first, last, self.whole(m)) for m in range(3))
         moved = self._max(rate, self.build.fmul(second, instant))
@@ -201,7 +201,7 @@ class RemainderWriter(RangeWriter):
         return self._as_number(self.build.sub(self.order, self.whole(m)))
 
     def _bound_ranges(self, radius: Any) -> None:
-        """The bounds of what the rates and the guards depend on where they are no polynomials."""
+        """Bounds of the slots that rates and guards depend on where these are no polynomials."""
         tape = self.function.tape
         ranges = tape.ranges((*self.function.flow, *self.guards), self.guards)
         measured = [slot for slot, kind in enumerate(ranges) if kind in (Range.SERIES, Range.BOTH)]
@@ -224,7 +224,7 @@ class RemainderWriter(RangeWriter):
         return self._series(list(slots), s, lambda coefficient: coefficient)
 
     def _series(self, slots: list[int], radius: Any, of: Callable[[Any], Any]) -> dict[int, Any]:
-        """Polynomials of slots without their first terms, of what is made `of` their coefficients."""
+        """Polynomials of slots without their first terms, where `of` is applied to each coefficient."""
         build, square, parts = self.build, self.build.fmul(radius, radius), range(PARTS)
         four, two = build.fmul(square, square), self.whole(2)
         groups, rest = build.ashr(self.order, two), build.and_(self.order, self.whole(PARTS - 1))
@@ -256,7 +256,7 @@ class RemainderWriter(RangeWriter):
         return totals
 
     def _bound(self, i: int, kind: int, a: int, b: int) -> RangeBound:
-        """Of the slot that an operation writes."""
+        """Bound of the slot that an operation writes."""
         if kind == AFFINE:
             return self._affine_bound(self.function.tape.inputs + i, a, b)
         if kind == RATE:

@@ -37,12 +37,14 @@ from frictionlab.hybrid.llvm_instructions import (
 def lane_step_module(function: ModeTape, structure: StepStructure, name: str) -> Any:
     """LLVM module with the function `name`(z, constants, terms, J, control, order).
 
-    All arrays have the lanes as their last axis.  Row LEFT of `control` holds the longest step wanted, the
-    rows from CONTROL_ROWS on how many leading coefficients of each guard count as zero.  Written are LENGTH,
-    SUITED, MEASURED and REGULAR, 1 or 0: whether that length suits the states; the guards too, and is that of
-    a step without an event; and whether no guard comes to zero in it.  `z` is advanced in measured lanes.
-    The leading zeros are none after a regular step; in lanes that are measured only, all coefficients of a
-    guard that stays positive count as zero.
+    All arrays have the lanes as their last axis.  Row LEFT of `control` holds the longest step wanted.  The
+    rows from CONTROL_ROWS on hold how many leading coefficients of each guard count as zero.
+
+    The code writes the length of the step into row LENGTH, and 1 or 0 into three others: SUITED, whether this
+    length suits the states; MEASURED, whether it suits the guards too and is that of a step without an event;
+    REGULAR, whether besides no guard comes to zero in it.  `z` is advanced in measured lanes.  After a
+    regular step no leading coefficients count as zero.  In lanes that are measured but not regular, all
+    coefficients of a guard that stays positive count as zero.
     """
     from llvmlite import ir
 
@@ -82,7 +84,7 @@ class _StepWriter(RemainderWriter):
         build.ret_void()
 
     def _length(self) -> tuple[Any, Any]:
-        """Length of the step, and whether it is regular."""
+        """Length of the step by the series of the states, and whether this is no rare case."""
         build, best = self.build, self._number(float("inf"))
         fine = self._number(0.0)
         fine = build.fcmp_ordered("==", fine, fine)
@@ -136,7 +138,7 @@ class _StepWriter(RemainderWriter):
         return write_loop(build, rest, power, lambda i, carried: [build.fmul(carried[0], h)])[0]
 
     def _stays_positive(self, i: int, slot: int, h: Any) -> Any:
-        """Whether a guard is positive throughout the step; without its leading zeros, where it has some."""
+        """Whether a guard is positive throughout the step, without the coefficients that count as zero."""
         build, bound = self.build, self._smallest(slot, h)
         zeros = self._load(self.control, CONTROL_ROWS + i)
         begins = build.fcmp_ordered(">", zeros, self._number(0.0))

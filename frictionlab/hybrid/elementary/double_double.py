@@ -1,9 +1,9 @@
-"""Numbers of more digits, and the bits of numbers.
+"""Arithmetic with twice the digits of a number, and the bits of numbers.
 
 A pair is an unevaluated sum, high + low, with twice the digits of one number; |low| is at most half an ulp of
-high.  Operations on pairs have relative errors below 2^-100, those on single numbers none.  None uses a fused
-multiply-add: where a compiler put one in, bits would differ.  The bits of a number are read as an integer,
-and written from one, which gives powers of two.
+high.  Operations on pairs have relative errors below 2^-100; the sum or product of two single numbers as a
+pair is exact.  None uses a fused multiply-add: if a compiler put one in, bits would differ.  The bits of a
+number are read as an integer, and written from one, which gives powers of two.
 """
 
 from __future__ import annotations
@@ -64,13 +64,13 @@ float_to_bits, bits_to_float = (
 
 @inlined
 def round_to_integer(x):
-    """The integer next to a number below 2^51, as a number; of two the even one."""
+    """The integer nearest to a number below 2^51, as a float; the even one of two that are equally near."""
     return (x + ROUND_TO_INTEGER) - ROUND_TO_INTEGER
 
 
 @inlined
 def power_of_two(k):
-    """2^k for a normal number."""
+    """2^k, where this is a normal number."""
     return bits_to_float((k + EXPONENT_BIAS) << FRACTION_BITS)
 
 
@@ -149,7 +149,7 @@ def pair_quotient(a, a_low, b, b_low):
 
 @inlined
 def pair_root(a, a_low):
-    """Square root of a pair that is not below zero."""
+    """Square root of a pair that is zero or positive."""
     root = math.sqrt(a)
     if root == 0.0:
         return 0.0, 0.0

@@ -1,10 +1,12 @@
-"""Exponential and hyperbolic functions, logarithms, what is made of them, and powers.
+"""Exponential and hyperbolic functions, logarithms, inverse hyperbolic functions, and powers.
 
-x = k log 2 + r with |r| <= log(2)/2, and exp(x) = 2^k exp(r).  The first terms of the series of exp(r) - 1
-are summed as a pair, so that rounding in the others, which are small beside them, does not matter.
+For the exponential x = k log 2 + r with |r| <= log(2)/2, and exp(x) = 2^k exp(r).  The first terms of the
+series of exp(r) - 1 are summed as a pair, so that rounding in the others, which are small beside them, does
+not matter.
 
-x = 2^k m with m between sqrt(1/2) and sqrt(2), and log m = 2 artanh(s) = 2 (s + s^3/3 + ...) with
-s = (m - 1)/(m + 1).  The sum is a pair of some 60 bits; a power x^y = exp(y log x) needs 70.
+For the logarithm x = 2^k m with m between sqrt(1/2) and sqrt(2), and log m = 2 artanh(s) =
+2 (s + s^3/3 + ...) with s = (m - 1)/(m + 1).  The sum is a pair of some 60 bits; for a power
+x^y = exp(y log x) the logarithm needs 70.
 """
 
 from __future__ import annotations
@@ -28,10 +30,10 @@ from frictionlab.hybrid.elementary.double_double import (
 
 LOG2_E = 1.4426950408889634
 LN2_HIGH, LN2_LOW = 0.6931471805598903, 5.497923018708371e-14  # the first has 42 bits: k LN2_HIGH is exact
-LARGEST_EXPONENT, LEAST_EXPONENT = 711.0, -748.0  # beyond, exp is infinite, zero, a quarter or four of it too
+LARGEST_EXPONENT, LEAST_EXPONENT = 711.0, -748.0  # beyond: exp, half and four times it are infinite or zero
 EXPM1_SATURATION = -38.0  # below, exp(x) is less than half an ulp of 1
 ONE_EXPONENTIAL = 20.0  # above, exp(-x) is less than half an ulp of exp(x)
-ONE_OVERFLOWS = 64  # 2^-k is nothing beside 1 for larger k
+ONE_OVERFLOWS = 64  # from this k on, 2^-k is below rounding beside 1
 
 
 @inlined
@@ -59,9 +61,9 @@ def reduced_exponential(x, x_low):
 
 @kernel
 def scaled_exponential(x, x_low, shift):
-    """2^shift exp(x + x_low), for a shift of -2 to 2."""
+    """2^shift exp(x + x_low), for a shift of -1 to 2."""
     if not x <= LARGEST_EXPONENT:
-        return x + math.inf  # what is no number stays so
+        return x + math.inf  # NaN stays NaN
     if x < LEAST_EXPONENT:
         return 0.0
     k, high, low = reduced_exponential(x, x_low)
@@ -173,7 +175,7 @@ THIRD, THIRD_LOW = 0.3333333333333333, 1.850371707708594e-17
 FIFTH, FIFTH_LOW = 0.2, -1.1102230246251566e-17
 SQRT2 = 1.4142135623730951
 LINEAR = 2.0**-28  # below, asinh and atanh are their argument up to rounding
-LARGE = 1e9  # above, 1 is nothing beside the square
+LARGE = 1e9  # above, 1 is below rounding beside the square
 ONE_VANISHES = 1e20  # above, log(1 + x) is log(x) up to rounding
 EXPONENT_RANGE = 760.0  # beyond, exp is infinite or zero
 
@@ -206,7 +208,7 @@ def reduced_logarithm(u, u_low):
 
 @kernel
 def long_reduced_logarithm(u):
-    """The same of a number, with the 70 bits that powers need."""
+    """log(1 + u) of a number in the same range, as a pair of the 70 bits that powers need."""
     s, s_low = reduced_argument(u, 0.0)
     w, w_low = pair_product(s, s_low, s, s_low)
     p, p_low = pair_sum(FIFTH, FIFTH_LOW, w * artanh_series_tail(w), 0.0)
@@ -255,7 +257,7 @@ def logarithm_of_one_more(u, u_low):
 
 @kernel
 def log(x):
-    """Natural logarithm; -inf at zero, no number below."""
+    """Natural logarithm; -inf at zero, NaN below."""
     x = float(x)
     if not 0.0 < x < math.inf:
         if x == 0.0:
@@ -298,7 +300,7 @@ def asinh(x):
 
 @kernel
 def acosh(x):
-    """log(x + sqrt(x^2 - 1)), not below zero; no number for x below 1."""
+    """log(x + sqrt(x^2 - 1)), not below zero; NaN for x below 1."""
     x = float(x)
     if not 1.0 <= x < math.inf:
         return x if x > 1.0 else math.nan
@@ -315,7 +317,7 @@ def acosh(x):
 
 @kernel
 def atanh(x):
-    """log((1 + x)/(1 - x))/2; infinite at 1 and -1, no number beyond."""
+    """log((1 + x)/(1 - x))/2; infinite at 1 and -1, NaN beyond."""
     x = float(x)
     size = abs(x)
     if not LINEAR < size < 1.0:
@@ -330,7 +332,7 @@ def atanh(x):
 
 @kernel
 def power(x, y):
-    """x^y; no number for x below zero."""
+    """x^y; 1 for y = 0, otherwise NaN for x below zero."""
     x, y = float(x), float(y)
     if y == 0.0 or x == 1.0:
         return 1.0

@@ -1,8 +1,8 @@
-"""What expressions call: functions of parameters, with this package's elementary functions, and of arrays.
+"""The functions that printed expressions call: for parameters, and for arrays.
 
-Python's ``**`` and ``math`` are C's library.  Of parameters integer powers are products, other powers and
-functions those of the kernels; what has no finite real value raises, as ``math`` does.  Of arrays they are
-numpy's.
+Python's ``**`` and ``math`` call C's library, whose last digits depend on the machine.  In expressions of
+parameters integer powers are therefore products, and other powers and functions are those of the kernels;
+where there is no finite real value they raise, as ``math`` does.  In expressions of arrays they are numpy's.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ KERNELS = (
 
 
 def integer_power(x: float, n: int) -> float:
-    """x^n by squares, each made of the one before; their product goes from low to high."""
+    """x^n by repeated squaring; the squares are multiplied from the lowest power to the highest."""
     value, square, count = 1.0, float(x), abs(n)
     while count:
         if count % 2:
@@ -53,16 +53,16 @@ def _checked(function: Callable[[float], float]) -> Callable[[float], float]:
 
 
 def nonnegative_power(base: Any, exponent: Any) -> Any:
-    """A power whose base counts as zero where it is negative, as penetration^1.5 at a penetration of -1e-18 m
-    by rounding."""
+    """A power whose base counts as zero where it is negative, as rounding may make it: penetration^1.5 at a
+    penetration of -1e-18 m."""
     with np.errstate(divide="ignore"):
         return np.maximum(base, 0.0) ** exponent
 
 
-# Names that the Python of `expression_functions` may have: of numbers, of arrays, and with the tape's powers.
+# Names that code printed by `expression_functions` may use: for numbers, arrays, and outputs along a run.
 OF_PARAMETERS: dict[str, Any] = {name: value for name, value in vars(math).items() if name[0] != "_"}
 OF_PARAMETERS |= {function.__name__: _checked(function) for function in KERNELS}
 OF_PARAMETERS |= {"integer_power": integer_power, "real_power": real_power, "abs": abs}
-# What sympy takes for "numpy" is all of it: test tools and f2py too, a tenth of a second of every start.
+# Given "numpy", sympy loads all of it, test tools and f2py too: a tenth of a second at every start.
 OF_ARRAYS: dict[str, Any] = {name: value for name, value in vars(np).items() if name[0] != "_"}
 OF_OUTPUTS: dict[str, Any] = OF_ARRAYS | {"power": nonnegative_power}

@@ -1,11 +1,13 @@
 """Sine, cosine, tangent, and their inverses.
 
-An angle is a number n of quarter turns and a rest r with |r| <= pi/4, a pair.  The rest of any angle above
-pi/4 is computed from the digits of 2/pi that matter for it (Payne & Hanek 1983); those before make multiples
-of four quarter turns, those behind are below rounding even for the angle next to a multiple of pi/2.
+An angle is split into a number n of quarter turns and a rest r with |r| <= pi/4, a pair.  The rest of any
+angle above pi/4 is computed from the digits of 2/pi that matter for it (Payne & Hanek 1983): earlier digits
+give multiples of four quarter turns, later ones are below rounding even for the angle nearest to a multiple
+of pi/2.
 
-atan(x) = atan(c) + atan((x - c)/(1 + c x)), where c is the multiple of 1/8 next to x, so that the last
-argument is at most 1/16; above 1, atan(x) = pi/2 - atan(1/x).  The others are arctangents of pairs.
+atan(x) = atan(c) + atan((x - c)/(1 + c x)), where c is the multiple of 1/8 nearest to x, so that the last
+argument is at most 1/16; above 1, atan(x) = pi/2 - atan(1/x).  asin and acos are arctangents of ratios of
+pairs.
 """
 
 from __future__ import annotations
@@ -32,7 +34,7 @@ QUARTER_PI = 0.7853981633974483
 HALF_PI, HALF_PI_LOW = 1.5707963267948966, 6.123233995736766e-17
 SIXTH, SIXTH_LOW = 0.16666666666666666, 9.25185853854297e-18
 
-# 2/pi in digits of 24 bits, the first of weight 2^-24, behind two zeros
+# 2/pi in digits of 24 bits, the first of weight 2^-24, after two zeros
 DIGIT_BITS = 24
 DIGITS_USED = 8
 LEADING_ZEROS = 2
@@ -53,7 +55,7 @@ def quarter_turns(x):
 
     With x = 2^k (m_0 + m_1 2^-24 + m_2 2^-48), x 2/pi is a sum over d of
     (m_0 t_d + m_1 t_(d-1) + m_2 t_(d-2)) 2^(k - 24 (d + 1)), in which t are the digits of 2/pi.  Terms of
-    weight 4 and more are left out; integers are taken away as terms come, so that a pair holds all bits.
+    weight 4 and more are left out; integers are subtracted as terms are added, so that a pair holds all bits.
     """
     k, m = exponent_and_fraction(x)
     m *= power_of_two(DIGIT_BITS - 1)
@@ -117,7 +119,7 @@ def reduced_angle(size):
 
 @kernel
 def sin(x):
-    """Sine; no number for infinite angles."""
+    """Sine; NaN for infinite angles."""
     x = float(x)
     size = abs(x)
     if not 0.0 < size < math.inf:
@@ -129,7 +131,7 @@ def sin(x):
 
 @kernel
 def cos(x):
-    """Cosine; no number for infinite angles."""
+    """Cosine; NaN for infinite angles."""
     size = abs(float(x))
     if not size < math.inf:
         return math.nan
@@ -140,7 +142,7 @@ def cos(x):
 
 @kernel
 def tan(x):
-    """Tangent; no number for infinite angles."""
+    """Tangent; NaN for infinite angles."""
     x = float(x)
     size = abs(x)
     if not 0.0 < size < math.inf:
@@ -198,7 +200,7 @@ def arctangent_up_to_one(x, x_low):
 
 @inlined
 def arctangent_of_ratio(y, y_low, x, x_low):
-    """Angle of the point (x, y) in the first quadrant, both pairs, of which one at least is not zero."""
+    """Angle of the point (x, y) in the first quadrant, both pairs, at least one of which is not zero."""
     if y <= x:
         t, t_low = pair_quotient(y, y_low, x, x_low)
         return arctangent_up_to_one(t, t_low)
@@ -220,7 +222,7 @@ def atan(x):
 
 @kernel
 def asin(x):
-    """Arcsine, between -pi/2 and pi/2; no number beyond 1 and -1."""
+    """Arcsine, between -pi/2 and pi/2; NaN beyond 1 and -1."""
     x = float(x)
     size = abs(x)
     if not 0.0 < size <= 1.0:
@@ -235,7 +237,7 @@ def asin(x):
 
 @kernel
 def acos(x):
-    """Arccosine, from 0 to pi; no number beyond 1 and -1."""
+    """Arccosine, from 0 to pi; NaN beyond 1 and -1."""
     x = float(x)
     if not -1.0 <= x <= 1.0:
         return math.nan

@@ -1,7 +1,7 @@
 """Many runs of one structure: the arrays of all of them, and of the lanes in which some step side by side.
 
-`BatchRuns` has a row for each run; `Lanes` holds those that step together, whose last axis is the lane.  The
-kernels are in :mod:`frictionlab.hybrid.ensemble.lanes`.
+`BatchRuns` has a row for each run; `Lanes` holds the runs that step together, with the lane as the last axis
+of its arrays.  The kernels are in :mod:`frictionlab.hybrid.ensemble.lanes`.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ class Batch:
     lanes: Lanes
     record: run_state.Record
     scratch: run_state.Scratch
-    alone: tuple[Problem, ...] = ()  # of each run, where modes are derived as runs come to them
+    alone: tuple[Problem, ...] = ()  # the problem of each run, where modes are derived on demand
 
 
 def new_batch(problems: Sequence[Problem], method: Taylor) -> Batch:
@@ -119,7 +119,7 @@ class BatchRuns(NamedTuple):
     sizes_of_constants: np.ndarray  # absolute values
     sizes_of_terms: np.ndarray
     totals: np.ndarray  # (runs, 2) steps and events
-    caps: np.ndarray  # (2,)
+    caps: np.ndarray  # (2,) most steps and events
     status: np.ndarray
     zeros: np.ndarray  # (runs, guards of a mode) leading coefficients that count as zero in the next step
     queue: np.ndarray  # (modes, runs)
@@ -130,7 +130,7 @@ class Lanes(NamedTuple):
     """The runs that step together; the last axis is the lane, but for the slots."""
 
     runs: np.ndarray  # index of the run in each lane, FREE where there is none
-    needed: np.ndarray  # (modes, slots) those by whose jets events are found, then FREE
+    needed: np.ndarray  # (modes, slots) slots whose jets are needed to find events, then FREE
     first_terms: np.ndarray  # (modes + 1,) range of the terms of each mode
     counts: np.ndarray  # scratch: those of a run before its event
     z: np.ndarray
@@ -141,12 +141,12 @@ class Lanes(NamedTuple):
 
 
 def most_guards(code: Code) -> int:
-    """Guards of the mode that has most."""
+    """Largest number of guards that a mode has, 1 at least."""
     return max(1, int(np.diff(code.mode_guards).max()))
 
 
 def needed_slots(program: Program) -> np.ndarray:
-    """Of each mode the slots of the guards, and of what majorants need of the jets."""
+    """For each mode the slots of its guards, and the slots whose jets the majorants need."""
     code = program.code
     needed = np.full((len(program.modes), program.slots), FREE)
     for mode, tape in enumerate(program.tapes[: len(program.modes)]):
@@ -160,7 +160,7 @@ def needed_slots(program: Program) -> np.ndarray:
 
 
 def aligned_zeros(*shape: int) -> np.ndarray:
-    """Zeros that begin with a cache line, so that no vector of lanes lies across two."""
+    """Zeros that begin at the start of a cache line, so that no vector of lanes lies across two lines."""
     size = int(np.prod(shape))
     room = np.zeros(size + CACHE_LINE_BYTES // 8)
     first = -room.ctypes.data % CACHE_LINE_BYTES // 8

@@ -1,4 +1,4 @@
-"""Many runs of one structure at once: the Taylor method, and of each run only its end."""
+"""Many runs of one structure at once, by the Taylor method; only the end of each run is kept."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from frictionlab.interruption import Progress
 from frictionlab.presentation import Drawable, count, span, tally
 
 STEPS_PER_ROUND = 100_000  # steps between two updates of the progress bar, which check for ctrl-C
-MEMORY_CAPPED = lanes.CAPPED - 1  # the status of a run alone whose steps would fill the memory
+MEMORY_CAPPED = lanes.CAPPED - 1  # the status of a run, advanced alone, whose steps would fill the memory
 CODE_OF_STATUS = {
     **{status: code for code, status in STATUS_OF_CODE.items()},
     Status.INTERRUPTED: run_state.RUNNING,
@@ -38,7 +38,7 @@ class BatchResult(Drawable):
     t : array (N,)
     states : array (N, n)
     modes : int array (N,)
-        Their numbers in `mode_names`; -1 where there is none.
+        Indices into `mode_names`; -1 where a run has no mode.
     steps, events : int array (N,)
     status : tuple of Status
     names : tuple of str
@@ -82,8 +82,8 @@ def advance_batch(group: Batch, t_end: float, progress: Progress) -> None:
 
 
 def _advance_one_by_one(group: Batch, which: np.ndarray, progress: Progress) -> None:
-    """Advance each run alone: where a step is a product with a matrix of its own, or runs come to modes that
-    are not derived, lanes gain nothing."""
+    """Advance each run alone: lanes gain nothing where a step is a product with the run's own matrix, or
+    where modes are derived as runs come to them."""
     runs = group.runs
     for i in which:
         now, end = runs.times[i, :2]
@@ -110,9 +110,8 @@ def _advance_side_by_side(group: Batch, goes_on: np.ndarray, progress: Progress)
     lanes.begin_runs(*settings, runs, np.flatnonzero(begins), program.initial, group.scratch)
     left, interrupted, share = True, False, runs.times[:, run_state.NOW]
     while left and not interrupted:
-        waiting = np.flatnonzero(
-            runs.queued >= lanes.MIN_RUNS_FOR_LANES
-        )  # afterwards there may be no run left
+        # Before the call, which may leave no run waiting.
+        waiting = np.flatnonzero(runs.queued >= lanes.MIN_RUNS_FOR_LANES)
         left = lanes.advance_batch_kernel(*settings, runs, group.lanes, *arrays, STEPS_PER_ROUND)
         if runs.totals[:, 0].sum() > COMPILE_AFTER:
             group.native.share(waiting.tolist())
@@ -120,7 +119,7 @@ def _advance_side_by_side(group: Batch, goes_on: np.ndarray, progress: Progress)
 
 
 def _fill_queues(runs: BatchRuns, which: np.ndarray) -> None:
-    """Fill the queues of the modes with some runs, and no others."""
+    """Fill the queues of the modes with the runs `which`, and no others."""
     modes = runs.counts[:, run_state.MODE]
     for mode in range(len(runs.queued)):
         waiting = np.flatnonzero(which & (modes == mode))

@@ -1,11 +1,12 @@
-"""Many runs of one structure, their kernels: those in the same mode take their steps side by side.
+"""Kernels for many runs of one structure: runs in the same mode take their steps side by side.
 
 Runs wait in a queue for each mode.  Up to LANE_COUNT of the longest queue are loaded into lanes; a step of
 all lanes is one call of the mode's native code (:mod:`frictionlab.hybrid.codegen.step_codegen`).  A run that
 meets an event leaves its lane, which is given to the next run in the queue.  The kernels of single runs find
-the event in the jets of the lane and choose the next mode, by few orders of its series; all of them come in
-lanes again, with what counts as zero after the event.  Rare steps are taken by the kernels of single runs.
-Every run takes the steps that it would take alone, so its numbers depend on no other run.
+the event in the jets of the lane and choose the next mode, by a low order of its series.  The full order is
+computed when the run is in a lane again; until then it is noted which leading coefficients count as zero
+after the event.  Rare kinds of steps are taken by the kernels of single runs.  Every run takes the steps that
+it would take alone, so its results depend on no other run.
 """
 
 from __future__ import annotations
@@ -47,21 +48,21 @@ from frictionlab.hybrid.kernels.step_length import function_step
 from frictionlab.hybrid.kernels.taylor_steps import advance_taylor, step_to_event
 from frictionlab.hybrid.tape.program import Numbers, System
 
-MIN_RUNS_FOR_LANES = 2  # fewer than these in a mode go one by one
+MIN_RUNS_FOR_LANES = 2  # fewer runs in a mode are advanced one by one
 SINGLE_STEPS = 20  # steps of a run alone, after which the kernel looks for the longest queue again
-MAX_CALLS = 1000  # calls after which the kernel looks up
+MAX_CALLS = 1000  # most calls in one mode, after which the kernel looks for the longest queue again
 CAPPED = -1  # the status of a run that has reached its cap of steps or events
 
 
 @kernel
 def run_state_of(runs, i):
-    """A run as the kernels of single runs know it."""
+    """A run in the form that the kernels of single runs take."""
     return RunState(runs.states[i], runs.sizes[i], runs.times[i], runs.counts[i], runs.signs)
 
 
 @kernel
 def system_of_run(code, runs, i):
-    """The automaton with the values of a run."""
+    """The automaton with the numbers of a run."""
     numbers = Numbers(runs.constants[i], runs.terms[i])
     return System(code, numbers, Numbers(runs.sizes_of_constants[i], runs.sizes_of_terms[i]))
 
@@ -91,21 +92,21 @@ def enqueue(runs, i):
 
 @kernel
 def keep_zeros(runs, i, scratch):
-    """Keep what counts as zero in the next step of a run, whose jets in `scratch` will be overwritten."""
+    """Store which leading coefficients count as zero in a run's next step; gives up its jets in `scratch`."""
     runs.counts[i, JETS_READY] = 0
     copy_vector(scratch.leading_zeros, runs.zeros[i])
 
 
 @kernel
 def advance_single(code, truncation, runs, i, most, record, scratch):
-    """Up to `most` steps of one run, and on while its jets are at hand; then it waits, or is over."""
+    """Take up to `most` steps of one run, and more while its jets are at hand; then queue it, unless over."""
     system, run = system_of_run(code, runs, i), run_state_of(runs, i)
     mode_jets(code, system.numbers, runs.counts[i, MODE], truncation.order, run.state, scratch.jets)
     copy_vector(runs.zeros[i], scratch.leading_zeros)
     runs.counts[i, JETS_READY] = 1
     over = False
     while not over and (most > 0 or runs.counts[i, JETS_READY]):
-        most -= 1  # the record has room for one step
+        most -= 1  # one step in each pass: the record has no room for more
         over = record_step_end(runs, i, advance_taylor(system, truncation, run, record, scratch))
     if runs.counts[i, JETS_READY] == 0:
         scratch.leading_zeros[:] = 0
@@ -131,14 +132,14 @@ def begin_run(code, truncation, runs, i, initial, scratch):
 
 @kernel
 def begin_runs(code, truncation, runs, which, initial, scratch):
-    """Begin some of the runs."""
+    """Choose the first modes of some of the runs."""
     for i in which:
         begin_run(code, truncation, runs, i, initial, scratch)
 
 
 @kernel
 def load_lane(code, runs, lanes, mode, lane, i):
-    """Load a run into a lane, of its numbers those of its mode."""
+    """Load a run into a lane, with its numbers for its mode."""
     lanes.runs[lane] = i
     copy_vector(runs.states[i], lanes.z[:, lane])
     copy_vector(runs.zeros[i], lanes.control[CONTROL_ROWS:, lane])
@@ -199,7 +200,7 @@ def copy_jet(lanes, lane, slot, order, scratch):
 
 @inlined
 def copy_needed_jets(lanes, lane, mode, order, scratch):
-    """Copy the jets by which events are found, and how many leading coefficients of guards count as zero."""
+    """Copy the jets needed to find events, and how many leading coefficients of guards count as zero."""
     for slot in lanes.needed[mode]:
         if slot == FREE:
             break
@@ -209,7 +210,7 @@ def copy_needed_jets(lanes, lane, mode, order, scratch):
 
 @inlined
 def shorter_length(code, truncation, lanes, lane, mode, scratch):
-    """Length of a lane's step that its guards make shorter; 0 where more than these matters."""
+    """Length of a lane's step where only its guards make it shorter; 0 where it needs more than that."""
     h, left = lanes.control[LENGTH, lane], lanes.control[LEFT, lane]
     if lanes.control[SUITED, lane] == 0.0 or code.powers[mode]:
         return 0.0
@@ -219,7 +220,7 @@ def shorter_length(code, truncation, lanes, lane, mode, scratch):
 
 @kernel
 def finish_lane_step(code, truncation, runs, lanes, lane, record, scratch):
-    """Complete a step that was not regular, to its event if there is one."""
+    """Complete a step that was not regular, up to its event if there is one."""
     i, order, measured = lanes.runs[lane], truncation.order, lanes.control[MEASURED, lane] != 0.0
     mode, h, left = runs.counts[i, MODE], lanes.control[LENGTH, lane], lanes.control[LEFT, lane]
     copy_needed_jets(lanes, lane, mode, order, scratch)
@@ -250,7 +251,7 @@ def finish_lane_step(code, truncation, runs, lanes, lane, record, scratch):
 
 @kernel
 def change_mode(system, truncation, event, run, before, record, scratch):
-    """Handle an event; the next mode is chosen by few orders of the series unless they are all zero.
+    """Handle an event, by a low order of the series; by the full order where that leaves a guard undecided.
 
     `before` is scratch.
     """
@@ -269,7 +270,7 @@ def change_mode(system, truncation, event, run, before, record, scratch):
 
 @inlined
 def is_undecided(code, mode, order, scratch):
-    """Whether all coefficients of a guard up to an order count as zero."""
+    """Whether for any guard of a mode all coefficients up to an order count as zero."""
     for g in range(code.mode_guards[mode + 1] - code.mode_guards[mode]):
         if scratch.leading_zeros[g] > order:
             return True
@@ -288,8 +289,8 @@ def longest_queue(runs):
 
 @kernel
 def advance_lanes(code, truncation, runs, lanes, mode, record, scratch):
-    """Advance the runs in a mode until others fill more lanes, or few are left; returns the number of
-    calls."""
+    """Advance the runs in a mode until few are left, or another mode would fill more lanes; returns the
+    number of calls."""
     calls = 0
     while calls < MAX_CALLS:
         taken = load_lanes(code, runs, lanes, mode)
@@ -312,7 +313,7 @@ def advance_lanes(code, truncation, runs, lanes, mode, record, scratch):
 
 @kernel
 def advance_batch_kernel(code, truncation, runs, lanes, record, scratch, rounds):
-    """Go on for about so many steps; returns whether any run is left."""
+    """Advance the runs by about `rounds` steps in all; returns whether any run is left."""
     while rounds > 0:
         mode = longest_queue(runs)
         if runs.queued[mode] == 0:

@@ -16,13 +16,15 @@ In the order of their imports:
 ``event_location``
     The first zero of a mode's guards within a step; all roots of a polynomial on an interval.
 ``mode_selection``
-    Resets, and the first admissible mode at a state; of combinations of regimes, which are derived on demand.
+    Resets, and the first admissible mode at a state, among listed modes or combinations of regimes, whose
+    modes are derived on demand.
 ``event_handling``
     What is done at an event: record, reset, next mode, Zeno points.
 ``taylor_steps``
     One step, its section events, the loop of steps, and the dense output from the steps that were stored.
 
-A step: ``jets`` at the state, ``step_length`` (with ``remainder`` where that is at stake),
+A step goes through ``jets`` at the state, ``step_length`` (with ``remainder`` where the last terms of the
+series do not tell),
 ``event_location`` within it, section events, the state at its end; if there is an event,
 ``event_handling``, which resets the state and asks ``mode_selection`` for the next mode.
 """

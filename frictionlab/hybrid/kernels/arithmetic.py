@@ -29,7 +29,7 @@ from frictionlab.hybrid.llvm_instructions import (
 )
 
 SIGN_AND_EXPONENT_MASK = 0xFFF
-PARTS = 4  # sums of a convolution or a series that do not wait for each other
+PARTS = 4  # partial sums of a convolution or a series, independent of each other
 
 
 def _plain_sum(J, slot, groups, last, s):
@@ -70,7 +70,7 @@ def _plain_exp2(x):
 
 
 def _plain_call(address, *arguments):
-    """Python itself calls a mode's code, where other kernels have been compiled ahead of time."""
+    """Call a mode's native code from a kernel in plain Python, where others were compiled ahead of time."""
     arrays = [isinstance(each, np.ndarray) for each in arguments]
     kinds = [ctypes.c_void_p if array else ctypes.c_int64 for array in arrays]
     words = [each.ctypes.data if array else int(each) for each, array in zip(arguments, arrays)]
@@ -85,7 +85,7 @@ def magnitudes(ir: Any, build: Any, values: Any) -> Any:
 
 
 def sum_by_fours(ir: Any, build: Any, row: Any, groups: Any, last: Any, s: Any, of: Any) -> Any:
-    """Instructions of :func:`sum_of_series` for what is made `of` the coefficients from `row` on."""
+    """Instructions of :func:`sum_of_series`; `of` is applied to the coefficients, which begin at `row`."""
     kind, half = ir.VectorType(ir.DoubleType(), PARTS), ir.IntType(32)
     square = build.fmul(s, s)
     four = spread(ir, build, build.fmul(square, square))
@@ -133,7 +133,7 @@ def _intrinsics() -> tuple[Any, ...]:
 
     @intrinsic
     def call_step(typing_context, address, z, constants, terms, J, control, order):
-        """The same with one array more."""
+        """Call native(z, constants, terms, J, control, order) at an address, as :func:`call` does."""
         return types.void(types.int64, z, constants, terms, J, control, types.int64), by_address
 
     def series(context, builder, signature, arguments, of):
@@ -153,15 +153,15 @@ def _intrinsics() -> tuple[Any, ...]:
 
     @intrinsic
     def sum_of_series(typing_context, J, slot, groups, last, s):
-        """Sum of J[slot, k] s^k from k = 1, so many groups of four; `last` stands for the terms after.
+        """Sum of J[slot, k] s^k from k = 1, over `groups` groups of four; `last` stands for the terms after.
 
-        Four sums side by side, which is a vector; the rows of `J` follow each other.
+        Four sums are computed side by side, as a vector; `J` must be contiguous.
         """
         return number(J, whole, whole, number, number), plain_series
 
     @intrinsic
     def sum_of_magnitudes(typing_context, J, slot, groups, last, s):
-        """The same of the absolute values of the coefficients."""
+        """As :func:`sum_of_series`, with the absolute values of the coefficients."""
         return number(J, whole, whole, number, number), series_of_magnitudes
 
     def of_one_number(emit: Any) -> Any:

@@ -1,9 +1,10 @@
-"""What is done at an event: it is recorded, the state is reset, the next mode entered; Zeno points are
+"""What is done at an event: it is recorded, the state is reset, the next mode entered; Zeno accumulations are
 closed.
 
-Events that follow each other within less than a dwell time, twice in a row, are taken for a Zeno
-accumulation, infinitely many in finite time: the closing reset is applied, and the automaton's limit mode
-entered if it has one that is admissible.
+Two stays in a row that are shorter than a limit are taken for a Zeno accumulation, infinitely many events in
+finite time, where the event has a reset that closes it.  This reset is applied.  By the limit CHATTER the
+automaton's limit mode is entered, if it has one that is admissible; by the limit DWELL the next mode is
+chosen as after other events.
 """
 
 from __future__ import annotations
@@ -56,14 +57,14 @@ def status_after_repeat(counts):
 
 @kernel
 def count_repeat(counts):
-    """The same after one step more."""
+    """Count a step that does not advance the clock; returns the status of the run after it."""
     counts[REPEATED] += 1
     return status_after_repeat(counts)
 
 
 @kernel
 def is_zeno(code, guard, limit, count, run):
-    """Whether the stay that ends and the one before it were both shorter than a dwell time; updates the
+    """Whether the stay that ends and the one before it were both shorter than ``times[limit]``; updates the
     counts."""
     times, counts = run.times, run.counts
     if times[NOW] - times[ENTERED] >= max(times[limit], CLOCK_RESOLUTION * abs(times[NOW])):
@@ -78,7 +79,7 @@ def is_zeno(code, guard, limit, count, run):
 
 @kernel
 def select_limit_mode(system, guard, order, run, scratch):
-    """Enter the limit mode, a :class:`Selection`; where none is admissible the state is left as it is."""
+    """Reset, and select the limit mode, a :class:`Selection`; where none is admissible the state is kept."""
     code, z, before = system.code, run.state, scratch.states
     copy_vector(z, before)
     apply_reset(system, code.resets[guard, 1], z, scratch.jets)
@@ -114,7 +115,7 @@ def reset_and_select_mode(system, queue, truncation, event, run, scratch):
         scratch.ended[0], scratch.ended[1] = guard, event.multiplicity
     z = run.state
     selection = select_target(system, queue, guard, z, Rounding(z, COEFFICIENT_ROUNDING), order, scratch)
-    # Another event at this instant? Its guard is zero up to the rounding of the step, or what it leaves out.
+    # Another event at this instant? Its guard is zero up to the step's rounding, or up to its remainder.
     for share in (COEFFICIENT_ROUNDING, max(COEFFICIENT_ROUNDING, FUNCTION_TOL_FACTOR * truncation.tol)):
         if selection.mode == NO_MODE and selection.missing == NO_MODE:
             selection = select_target(system, queue, guard, z, Rounding(run.sizes, share), order, scratch)
@@ -123,10 +124,10 @@ def reset_and_select_mode(system, queue, truncation, event, run, scratch):
 
 @kernel
 def leave_event(event, run):
-    """Note an event that is yet to be handled; returns that status of the run.
+    """Note an event that is yet to be handled; returns EVENT_PENDING, the status of the run.
 
-    Where modes are derived on demand the solver's loop leaves its events: what chooses among combinations
-    of regimes would make it longer for all.
+    Where modes are derived on demand the solver's loop leaves events to its caller: the code that chooses
+    among combinations of regimes would make the loop longer for all models.
     """
     run.counts[EVENT_GUARD], run.counts[EVENT_MULTIPLICITY] = event.guard, event.multiplicity
     return EVENT_PENDING
@@ -136,14 +137,14 @@ def leave_event(event, run):
 def handle_event(system, truncation, event, run, record, scratch):
     """Record the event and change the mode; returns the status of the run.
 
-    ``truncation.tol`` is the share of the states by which the steps may miss the event.
+    ``truncation.tol`` is the share of the states by which the end of the step may miss the event.
     """
     return record_and_change_mode(system, None, truncation, event, run, record, scratch)
 
 
 @kernel
 def handle_event_on_demand(system, queue, truncation, event, run, record, scratch):
-    """The same where modes are derived on demand, and chosen among combinations of regimes."""
+    """As :func:`handle_event`, where modes are derived on demand and chosen among combinations of regimes."""
     return record_and_change_mode(system, queue, truncation, event, run, record, scratch)
 
 
@@ -157,7 +158,7 @@ def record_and_change_mode(system, queue, truncation, event, run, record, scratc
     short_dwells, short_flights = counts[SHORT_DWELLS], counts[SHORT_FLIGHTS]
     selection, closed = reset_and_select_mode(system, queue, truncation, event, run, scratch)
     mode = selection.mode
-    if selection.missing != NO_MODE:  # it is to be derived first, as if the event were yet to happen
+    if selection.missing != NO_MODE:  # it is to be derived first: undo the event, which is handled again then
         copy_vector(record.event_states[row, 0], run.state)
         counts[SHORT_DWELLS], counts[SHORT_FLIGHTS] = short_dwells, short_flights
         leave_event(event, run)

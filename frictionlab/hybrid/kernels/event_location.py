@@ -1,11 +1,11 @@
 """Event functions along a step: whether they stay positive, and the first that reaches zero.
 
-A cheap lower bound dismisses most; otherwise the roots of the function's polynomial on [0, 1] are isolated,
-in order and none missed.  Coefficients below their rounding error, bounded by the majorant of the jets, count
-as zero.  In Bernstein form the number of sign changes of the coefficients bounds the number of roots in the
-interval (Descartes' rule): none means no root, one means exactly one, which safeguarded Newton finishes.
-Otherwise the interval is halved (de Casteljau). Source: Rouillier & Zimmermann, J. Comput. Appl. Math. 162
-(2004) 33-50.
+A cheap lower bound shows that most stay positive.  For the others the roots of the function's polynomial on
+[0, 1] are isolated in order, and none is missed.  Coefficients below their rounding error, bounded by the
+majorant of the jets, count as zero.  In Bernstein form the number of sign changes of the coefficients bounds
+the number of roots in the interval (Descartes' rule): none means no root, one means exactly one, which a
+safeguarded Newton method computes.  Otherwise the interval is halved (de Casteljau).  Source: Rouillier &
+Zimmermann, J. Comput. Appl. Math. 162 (2004) 33-50.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ LAST_NEWTON_STEP = 1e-10
 
 
 class RootScratch(NamedTuple):
-    """A polynomial on [0, 1], its roots, and what it takes to find them."""
+    """A polynomial on [0, 1], its roots, and the arrays used to find them."""
 
     stack: np.ndarray  # (MAX_DEPTH + 1, order + 1) Bernstein coefficients on the intervals that wait
     intervals: np.ndarray  # (MAX_DEPTH + 1, 2)
@@ -47,7 +47,7 @@ class RootScratch(NamedTuple):
 
 
 def new_root_scratch(order: int) -> RootScratch:
-    """For polynomials up to a degree."""
+    """Scratch arrays for polynomials up to the degree `order`."""
     return RootScratch(
         stack=np.zeros((MAX_DEPTH + 1, order + 1)),
         intervals=np.zeros((MAX_DEPTH + 1, 2)),
@@ -71,7 +71,7 @@ def monomials_in_bernstein_form(order: int) -> np.ndarray:
 def low_degree_to_bernstein(a, n, b):
     """Bernstein coefficients `b` on [0, 1] of the polynomial sum a[k] x^k of degree `n`, in few operations.
 
-    Those of a low degree are often without a rounding error, so that double roots are seen as such.
+    At a low degree they are often free of rounding errors, so that double roots are seen as such.
     """
     binomial = 1.0
     for k in range(n + 1):
@@ -84,9 +84,10 @@ def low_degree_to_bernstein(a, n, b):
 
 @kernel
 def to_bernstein(a, n, monomials, b):
-    """Bernstein coefficients `b` on [0, 1] of the polynomial sum a[k] x^k of degree `n`; gives their degree.
+    """Bernstein coefficients `b` on [0, 1] of sum a[k] x^k, of degree `n`; returns their degree.
 
-    That of the table of `monomials` where it is not much higher, which takes no more roots for possible.
+    It is that of the table `monomials`, unless this is 2 `n` or more; a higher degree than `n` adds no sign
+    changes.
     """
     degree = monomials.shape[0] - 1
     if 2 * n <= degree:
@@ -97,7 +98,7 @@ def to_bernstein(a, n, monomials, b):
             b[j] = a[0]
         for k in range(1, n + 1):
             c = a[k]
-            for j in range(degree + 1):  # below j = k the table is zero; from 0 on it takes whole vectors
+            for j in range(degree + 1):  # the table is zero for j < k, but all j make whole vectors
                 b[j] += monomials[k, j] * c
     total = 0.0
     for k in range(n + 1):
@@ -181,7 +182,7 @@ def isolate_roots(n, limit, roots):
     """First `limit` roots in (0, 1], ascending, of the polynomial of degree `n` in ``roots.scaled``.
 
     Writes places and multiplicities, returns how many there are.  Roots that cannot be told apart
-    count as one of that multiplicity.
+    count as one multiple root.
     """
     count = 0
     a, stack, bounds = roots.scaled, roots.stack, roots.intervals
@@ -225,11 +226,11 @@ def isolate_roots(n, limit, roots):
 
 
 COEFFICIENT_ROUNDING = 64 * MACHINE_EPSILON
-GUARD_ROUNDING = 8 * MACHINE_EPSILON  # a guard below this share of its terms is at its zero
+GUARD_ROUNDING = 8 * MACHINE_EPSILON  # a guard below this share of its terms counts as zero
 LOW_ORDER = 2  # orders that nearly always decide, examined first
-SUSPECT_SHARE = 1e-9  # of its terms: a smaller leading coefficient is compared with its rounding error
+SUSPECT_SHARE = 1e-9  # share of the terms; a smaller leading coefficient is compared with its rounding error
 SAME_PLACE = 4 * MACHINE_EPSILON  # share of a step within which two zeros are at one instant
-NEWTON_STEPS = 12  # steps of Newton's method; one does where the tolerance is 1e-15
+NEWTON_STEPS = 12  # most steps of Newton's method; at a tolerance of 1e-15 one is enough
 NO_GUARD = -1
 
 
@@ -243,10 +244,10 @@ class GuardZero(NamedTuple):
 
 @kernel
 def leading_order(c, bound, declared, order, share):
-    """First Taylor coefficient that is not zero; `order + 1` where all are.
+    """Number of the first Taylor coefficient that is not zero; `order + 1` where all are.
 
-    The first `declared` coefficients are zero by construction, others where they are below a share of their
-    bounds: COEFFICIENT_ROUNDING where rounding explains them.
+    The first `declared` coefficients are zero by construction.  Others count as zero below a `share` of their
+    bounds; it is COEFFICIENT_ROUNDING where rounding alone may be their cause.
     """
     for k in range(declared, order + 1):
         if abs(c[k]) > share * bound[k]:
@@ -292,7 +293,7 @@ def absolute_sum(c, m, n, h):
 
 @kernel
 def rescale(c, m, n, h, a):
-    """Write the coefficients of c[m] + c[m+1] s + ... in s/h into `a`; return their number minus one."""
+    """Write the coefficients of c[m] + c[m+1] s + ... in s/h into `a`; return the degree."""
     power = 1.0
     for k in range(m, n + 1):
         a[k - m] = c[k] * power
@@ -333,7 +334,7 @@ def first_event(system, mode, z, order, h, scratch):
                 return GuardZero(0.0, g, 1)
         n = rescale(c, m, order, h, roots.scaled)
         found = isolate_roots(n, 1, roots)
-        # Of two at once the first in the mode's order.
+        # Of two at one instant the first in the mode's order counts.
         if found and (hit == NO_GUARD or roots.places[0] < 1.0 - SAME_PLACE):
             h *= roots.places[0]
             hit = g
@@ -343,7 +344,7 @@ def first_event(system, mode, z, order, h, scratch):
 
 @inlined
 def is_guard_truncated(code, guard, mode, order, s, J):
-    """Whether a guard's polynomial may differ from the guard at `s`; that of an affine one does not."""
+    """Whether a guard's polynomial may differ from the guard at `s`; that of an affine guard does not."""
     if code.guard_degrees[guard] < 2 or s == 0.0:
         return False
     return code.degrees[mode] >= order or has_significant_tail(J[code.function_slots[guard]], order, s)
@@ -351,7 +352,7 @@ def is_guard_truncated(code, guard, mode, order, s, J):
 
 @inlined
 def has_significant_tail(c, order, s):
-    """Whether the last terms of a polynomial are above the rounding errors of its largest."""
+    """Whether the last two terms of a polynomial are above the rounding error of its largest term."""
     before = last = largest = 0.0
     power = 1.0
     for k in range(order + 1):
@@ -363,11 +364,11 @@ def has_significant_tail(c, order, s):
 
 @kernel
 def refine_event_time(system, mode, guard, order, s, scratch):
-    """Time of a guard's simple zero along the states' polynomials, near the zero `s` of its own.
+    """Time of a guard's simple zero along the states' polynomials, near the zero `s` of its own polynomial.
 
-    The guard's polynomial is truncated.  Where a run stops at its zero the guard itself is of the size of the
-    tolerance, of either sign, and so is what vanishes with it: with mu_s = mu_k the acceleration after
-    stick.  Newton's method makes it zero up to rounding.
+    The guard's own polynomial is truncated.  At its zero the guard itself may therefore be of the size of
+    the tolerance, of either sign, and so may be what vanishes with it, as the acceleration after stick where
+    mu_s = mu_k.  Newton's method makes the guard zero up to rounding.
     """
     code, z, values, bounds = system.code, scratch.states, scratch.values, scratch.bounds
     slot = code.function_slots[guard]

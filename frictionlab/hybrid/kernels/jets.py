@@ -1,7 +1,7 @@
-"""Taylor coefficients through a tape: the inner loop of everything.
+"""Taylor coefficients of the slots of a tape: the innermost loop of the solver.
 
-A jet array J has one row per slot and one column per order: slot(t + s) = sum_k J[slot, k] s^k.  Rows are of
-one length for all orders, JET_COLUMNS, so that native code, which has it built in, serves them all.
+A jet array J has one row per slot and one column per order: slot(t + s) = sum_k J[slot, k] s^k.  Rows have
+one length, JET_COLUMNS, for all orders: native code has it built in, and so serves all orders.
 Gradients of the slots by the states are computed in the same way (forward mode). Recurrences: Jorba & Zou,
 Experimental Mathematics 14 (2005) 99-117, section 2.
 """
@@ -21,17 +21,17 @@ from frictionlab.hybrid.kernels.arithmetic import (
 )
 from frictionlab.hybrid.tape.functions import AFFINE, POWER, PRODUCT, RATE, SQUARE, function_value
 
-MAX_ORDER = 60  # order that may be asked for
-JET_COLUMNS = MAX_ORDER + 1  # no power of two, for which rows would lie on few sets of the cache
-LOG2_LEAST_RATIO = -963.0  # 2^963, some 1e290, is how large a coefficient of a power may be
+MAX_ORDER = 60  # highest order that may be asked for
+JET_COLUMNS = MAX_ORDER + 1  # not a power of two, by which all rows would fall on few sets of the cache
+LOG2_LEAST_RATIO = -963.0  # 2^963, some 1e290, is the largest coefficient that a power may have
 
-# Rounding errors are taken to be below this many ulps of the majorant.
+# This times the majorant is taken for a bound of rounding errors.
 MACHINE_EPSILON = 2.220446049250313e-16
 
 
 @kernel
 def convolution(J, a, b, first, last, k):
-    """Sum of J[a, j] J[b, k - j] over first <= j <= last, in four lanes that do not wait for each other."""
+    """Sum of J[a, j] J[b, k - j] over first <= j <= last, in four independent sums."""
     one = two = three = four = 0.0
     j = first
     while j + 3 <= last:
@@ -51,7 +51,7 @@ def convolution(J, a, b, first, last, k):
 
 @kernel
 def product_coefficient(J, a, b, k):
-    """Coefficient k of the product of two slots; what has just been computed comes last: slot b after a."""
+    """Coefficient k of the product of two slots; the newest are added last, that of b after that of a."""
     if k == 0:
         return J[a, 0] * J[b, 0]
     total = convolution(J, a, b, 1, k - 1, k)
@@ -74,24 +74,24 @@ def function_coefficient(kind, a, slope, out, k, sign, values, J):
     """Coefficient k of a function of slot a, its derivative s in `slope`: the sum of j a_j s_(k-j) / k."""
     if k > 0:
         return convolution(J, out - 1, slope, 1, k, k) / k
-    if sign > 0.0:  # besides its own rounding error there is the argument's
+    if sign > 0.0:  # a majorant: its own rounding error, and that of the argument
         return abs(values[out, 0]) + abs(values[slope, 0]) * J[a, 0]
     return function_value(kind, J[a, 0])
 
 
 @inlined
 def has_series(base, rate, order):
-    """Whether a power's Taylor coefficients are numbers: they grow like (rate/base)^k."""
+    """Whether a power's Taylor coefficients up to `order` are finite: they grow like (rate/base)^k."""
     return base > exp2(LOG2_LEAST_RATIO / max(order, 1)) * abs(rate)
 
 
 @kernel
 def power_coefficient(exponent, a, out, k, order, sign, values, J):
-    """Coefficient k of a power of slot a, which is not below zero.
+    """Coefficient k of a power of slot a, which is not negative.
 
-    Where a is zero or nearly so, as at the onset of contact with a force penetration^1.5, there is no series:
-    then the power counts as constant, and :mod:`frictionlab.hybrid.kernels.step_length` finds a step in which
-    it may.
+    Where a is zero or nearly so, as at the onset of contact with a force penetration^1.5, there is no series.
+    Then the power counts as constant, and :mod:`frictionlab.hybrid.kernels.step_length` finds a step that is
+    short enough for this.
     """
     base = values[a, 0]
     if not base > 0.0:
@@ -111,12 +111,12 @@ def power_coefficient(exponent, a, out, k, order, sign, values, J):
 
 @kernel
 def run_tape(code, numbers, operations, order, flow, sign, values, J):
-    """Coefficients 0 to `order` of the slots that a range of operations, (first, last + 1), write.
+    """Coefficients 0 to `order` of the slots that `operations`, a range (first, last + 1), write.
 
-    ``flow[i]`` is the slot that holds the derivative of state i, whose column 0 is given.  `sign` is -1;
-    with +1, absolute values for numbers and states and the jets themselves as `values`, the recurrences
-    give a majorant of the jets, which times the machine epsilon bounds their rounding errors.  Otherwise
-    `values` is `J`.
+    Column 0 of the states is given; ``flow[i]`` is the slot that holds the derivative of state i.  For the
+    jets `sign` is -1 and `values` is `J`.  With +1, absolute values for numbers and states, and the jets
+    themselves as `values`, the recurrences give a majorant of the jets, which times the machine epsilon
+    bounds their rounding errors.
     """
     ops, slots, constants, terms = code.ops, code.term_slots, numbers.constants, numbers.terms
     inputs = code.inputs
@@ -145,7 +145,7 @@ def run_tape(code, numbers, operations, order, flow, sign, values, J):
                 total = function_coefficient(kind, a, b, out, k, sign, values, J)
             else:
                 total = J[a, k] + sign * convolution(J, b, out, 1, k, k)
-                divisor = values[b, 0]  # the majorant's own would be too large where terms cancel
+                divisor = values[b, 0]  # the majorant's own value would be too large where terms cancel
                 if sign > 0.0:
                     total += J[b, 0] * abs(values[out, k])  # the divisor's rounding error
                     divisor = abs(divisor)
@@ -165,7 +165,7 @@ def mode_operations(code, mode):
 
 @inlined
 def has_native_jets(code, mode, J):
-    """Whether there is native code for a mode's jets, and rows of `J` are as long as it takes them."""
+    """Whether there is native code for a mode's jets, and the rows of `J` have the length built into it."""
     return code.native[mode] != 0 and J.shape[1] == JET_COLUMNS
 
 
@@ -173,7 +173,7 @@ def has_native_jets(code, mode, J):
 def mode_jets(code, numbers, mode, order, z, J):
     """Taylor coefficients up to `order` of a mode's slots at the state `z`.
 
-    Native code leaves out the slots of intermediate results, and of rates all but their values.
+    Native code leaves out intermediate results whose series nothing reads; of such rates it keeps the values.
     """
     if has_native_jets(code, mode, J):
         call_jets(code.native[mode], z, numbers.constants, numbers.terms, J, order)
@@ -220,7 +220,7 @@ def polynomial_slope(c, n, s):
 
 @inlined
 def value_and_slope(a, n, x):
-    """Value and slope of sum a[k] x^k; even and odd powers apart, whose sums do not wait for each other."""
+    """Value and slope of sum a[k] x^k; even and odd powers are summed independently."""
     y = x * x
     last = n // 2
     even, even_slope = a[2 * last], 0.0
@@ -244,7 +244,7 @@ def copy_vector(source, target):
 def series_change(J, slot, order, s):
     """Change of a slot in a time `s` after the expansion point: its polynomial without the first term.
 
-    The first term is added last, so that it is rounded once.
+    Adding it to the first term then rounds the value only once.
     """
     groups = order // PARTS
     last = 0.0
@@ -255,7 +255,7 @@ def series_change(J, slot, order, s):
 
 @inlined
 def series_range(J, slot, order, radius):
-    """How far the polynomial of a slot goes on the disc of a radius at the most."""
+    """Bound of how far a slot's polynomial goes from its first term on the disc of a radius."""
     groups = order // PARTS
     last = 0.0
     for k in range(order, PARTS * groups, -1):
@@ -265,7 +265,7 @@ def series_range(J, slot, order, radius):
 
 @inlined
 def states_at(J, order, s, z):
-    """Write the states at time `s` after the expansion point into `z`; the rows of `J` follow each other."""
+    """Write the states at time `s` after the expansion point into `z`; `J` must be contiguous."""
     for i in range(z.shape[0]):
         z[i] = J[i, 0] + series_change(J, i, order, s)
 

@@ -3,13 +3,14 @@
 A mode can be entered where its constraints hold and the first non-zero Taylor coefficient of each of its
 event functions is positive, so that it lasts.
 
-Where modes are combinations of regimes only some are derived: they are far too many to list.  Tried are, in
-this order: the targets of the event; where other events keep one of these from being entered, that with the
-changes of all of these at once, and then those with one of them each, as several contacts may change at one
-instant; then all combinations that the conditions of single regimes allow, in the automaton's order.  What
-comes to be tried and is not derived ends the kernel, which is called again once it is.
+Where modes are combinations of regimes, they are far too many to list, and only some are derived.  The
+targets of the event are tried first.  As several contacts may change at one instant, other events may keep a
+combination from being entered: then the one with the changes of all these events is tried next, and later
+those with the change of one of them each.  Last come all combinations that the conditions of single regimes
+allow, in the automaton's order.  Where the combination to be tried is not derived the kernel ends, and is
+called again once it is.
 
-Changing all that fails at once is block pivoting, as for linear complementarity problems (Judice & Pires,
+To make all these changes at once is block pivoting, as for linear complementarity problems (Judice & Pires,
 Comput. Oper. Res. 21 (1994) 587-596): k equal contacts that begin to slip at one instant take one more try,
 not 2^k.
 """
@@ -25,19 +26,19 @@ from frictionlab.hybrid.kernels.event_location import COEFFICIENT_ROUNDING, LOW_
 from frictionlab.hybrid.kernels.jets import copy_vector, has_native_jets, majorant, mode_jets, reset_values
 
 NO_MODE, MISSING = -1, -2
-BY_VALUES = 0  # the order of series that stands for a choice by the values of conditions
+BY_VALUES = 0  # the order that stands for a choice by the values of conditions, without series
 REFUSED, AT_ANOTHER_EVENT, UNDECIDED, ADMITTED = range(4)
 
 
 class Rounding(NamedTuple):
-    """What counts as zero: coefficients below a share of their bounds, for states of some sizes."""
+    """What counts as zero: coefficients below a `share` of their bounds, at states of these `sizes`."""
 
     sizes: np.ndarray
     share: float
 
 
 class Selection(NamedTuple):
-    """The mode to enter, NO_MODE where there is none, and MISSING where one has to be derived first."""
+    """The mode to enter, or NO_MODE; and MISSING where one has to be derived first, else NO_MODE."""
 
     mode: int
     missing: int
@@ -51,7 +52,7 @@ def has_modes_on_demand(code):
 
 @kernel
 def apply_reset(system, reset, z, J):
-    """Overwrite the state by its values after the reset number `reset`; none for -1."""
+    """Overwrite the state by its values after the reset number `reset`; -1 stands for no reset."""
     if reset >= 0:
         reset_values(system.code, system.numbers, reset, z, J)
         for i in range(z.shape[0]):
@@ -60,7 +61,7 @@ def apply_reset(system, reset, z, J):
 
 @inlined
 def set_zeros_by_construction(code, guard, closing, scratch):
-    """Note which functions vanish after a reset of an event: its own, or that for an accumulation."""
+    """Note which functions vanish after an event's own reset, or after the `closing` one."""
     forget_zeros(scratch)
     row = 2 * guard + closing
     for k in range(code.zeros[row], code.zeros[row + 1]):
@@ -87,9 +88,9 @@ def admissibility(system, mode, rounding, order, scratch):
     """Whether a mode can be entered, judged by its Taylor coefficients in `scratch` up to `order`.
 
     Its constraints must be met up to rounding, and the first non-zero coefficient of every guard must be
-    positive; where a guard has none up to `order` the matter is undecided.  A guard that is zero and falls,
-    though the event before does not say that it is zero, is at another event.  Writes how many leading
-    coefficients of each guard are zero.
+    positive; where a guard has none up to `order` the matter is undecided.  A guard that is zero and falls is
+    at another event, unless it is zero by construction after the last event: then the mode is refused.
+    Writes how many leading coefficients of each guard are zero.
     """
     code, J, bounds = system.code, scratch.jets, scratch.bounds
     majorant(code, system.magnitudes, mode, order, rounding.sizes, J, bounds)
@@ -116,7 +117,7 @@ def admissibility(system, mode, rounding, order, scratch):
 def try_mode(system, mode, z, rounding, order, scratch):
     """Whether a mode can be entered at `z`; if so, leaves all its jets in `scratch`.
 
-    Values alone refuse most modes, and few orders nearly always decide; native code has all orders at once.
+    Values alone refuse most modes, and a low order nearly always decides; native code has all orders at once.
     """
     verdict, at_hand = UNDECIDED, -1
     code, J = system.code, scratch.jets
@@ -134,7 +135,7 @@ def try_mode(system, mode, z, rounding, order, scratch):
 
 @kernel
 def try_mode_by_values(system, mode, z, scratch):
-    """Whether the conditions of a mode hold at `z` by their values alone; what the event made zero holds."""
+    """Whether the conditions of a mode hold at `z` by their values alone; those made zero by the event do."""
     code, J = system.code, scratch.jets
     mode_jets(code, system.numbers, mode, 0, z, J)
     majorant(code, system.magnitudes, mode, 0, z, J, scratch.bounds)
@@ -152,9 +153,9 @@ def try_mode_by_values(system, mode, z, scratch):
 def select_mode(system, candidates, z, rounding, order, scratch):
     """First admissible mode of `candidates` at `z`, a :class:`Selection`; leaves its jets in `scratch`.
 
-    A guard that vanishes identically stays zero, so it does not end the mode.  Where several events fall
-    upon one instant no mode may be admissible after the first of them; then the first mode is entered that
-    is at another event, which ends it at once.
+    A guard that vanishes identically stays zero, so it does not end the mode.  Where several events fall on
+    one instant, there may be no admissible mode after the first of them; then the first mode that is at
+    another event is entered, and that event ends it at once.
     """
     passed = NO_MODE
     for mode in candidates:
@@ -175,7 +176,7 @@ def enter_passed(system, passed, z, rounding, order, scratch):
     return Selection(passed, NO_MODE)
 
 
-UNKNOWN = -2  # a combination of which it is not known whether it is a mode
+UNKNOWN = -2  # a combination that is not derived, so that it is not known whether it is a mode
 
 
 @kernel
@@ -194,7 +195,7 @@ def find_mode(demand, combination):
 
 @kernel
 def add_candidate(row, queue, count):
-    """Put a combination at the end of the queue of `count`, unless it is there; returns the new count."""
+    """Append a combination to the queue of `count`, unless it is there or no room is left; the new count."""
     rows = queue.rows
     if count == rows.shape[0]:
         return count
@@ -221,7 +222,7 @@ def add_targets(queue, guard, count):
 
 @kernel
 def has_failed(system, guard, rounding, order, scratch):
-    """Whether the guard of a mode keeps it from being entered; its jets are at hand."""
+    """Whether a guard keeps its mode, whose jets are in `scratch`, from being entered."""
     zeros, J = zeros_by_construction(system.code, scratch, guard), scratch.jets
     slot = system.code.function_slots[guard]
     k = leading_order(J[slot], scratch.bounds[slot], zeros, order, rounding.share)
@@ -230,7 +231,7 @@ def has_failed(system, guard, rounding, order, scratch):
 
 @kernel
 def add_change(demand, guard, row, joint):
-    """Change in `joint` what the first target of a guard's event changes in the combination `row`."""
+    """Make in `joint` the changes that the first target of a guard's event makes to the combination `row`."""
     if demand.listed[guard] < demand.listed[guard + 1]:
         target = demand.targets[demand.listed[guard]]
         for i in range(row.shape[0]):
@@ -240,7 +241,7 @@ def add_change(demand, guard, row, joint):
 
 @kernel
 def put_next(queue, tried, row, count):
-    """Put a combination next into the queue of `count`, unless it is there; returns the new count."""
+    """Make a combination the next to try in the queue of `count`, unless it is there; the new count."""
     longer = add_candidate(row, queue, count)
     if longer > count:
         for k in range(count, tried, -1):
@@ -251,8 +252,8 @@ def put_next(queue, tried, row, count):
 
 @kernel
 def add_targets_of_failed_guards(system, queue, mode, tried, rounding, order, scratch, count):
-    """Put the targets of all events into the queue that keep the last tried mode from being entered, first
-    that of all at once; the new count."""
+    """Queue the targets of the events that keep the mode tried last from being entered: next the combination
+    with the changes of all, then at the end those of each; returns the new count."""
     code, row, joint = system.code, queue.rows[tried - 1], queue.missing
     copy_vector(row, joint)
     for g in range(code.mode_guards[mode], code.mode_guards[mode + 1]):
@@ -267,7 +268,7 @@ def add_targets_of_failed_guards(system, queue, mode, tried, rounding, order, sc
 
 @kernel
 def mark_regimes(system, queue, z, rounding, scratch):
-    """Note for each regime of each part whether its conditions allow to enter a mode with it at `z`."""
+    """Note for each regime of each part whether its conditions allow a mode with it at `z`."""
     code, J, bounds, allowed = system.code, scratch.jets, scratch.bounds, queue.allowed
     mode = code.built.shape[0] - 1  # the last stands for the conditions of all regimes
     mode_jets(code, system.numbers, mode, 0, z, J)
@@ -293,7 +294,7 @@ def is_allowed(queue, combination):
 
 @kernel
 def next_allowed(queue, begins):
-    """Go on to the next allowed combination, the first where it `begins`; whether there is one."""
+    """Move ``queue.place`` to the next allowed combination, to the first if it `begins`; False for none."""
     place, allowed, regimes = queue.place, queue.allowed, queue.demand.regimes
     i = 0 if begins else place.shape[0] - 1
     if begins:
@@ -321,9 +322,9 @@ def try_candidate(system, mode, z, rounding, order, scratch):
 
 @kernel
 def select_combination(system, queue, guard, z, rounding, order, scratch):
-    """First admissible mode after the event of a guard, at the start for NO_MODE: a :class:`Selection`.
+    """First admissible mode after the event of a guard, or at a start (NO_MODE): a :class:`Selection`.
 
-    As :func:`select_mode`.  Where a mode is missing its combination is left in ``queue.missing``.
+    Otherwise as :func:`select_mode`.  The combination of a missing mode is left in ``queue.missing``.
     """
     rows, marked, begins, passed = queue.rows, False, True, NO_MODE
     count = 0 if guard == NO_MODE else add_targets(queue, guard, 0)

@@ -1,20 +1,14 @@
 """What a Taylor series leaves out, bounded where its last terms do not tell.
 
 The last terms of a series show how fast it converges, unless a function in it is tiny or saturated at the
-expansion
-point and not elsewhere in the step: exp(-(u/v_s)^2) far from u = 0, tanh(u/v_s), a pole to come.  Cauchy's
-estimate
-sees these.  Where the states' polynomials keep a function within a distance M of its first value on the
-complex disc
-|s| <= R, its coefficient k is at most M/R^k; so all terms from k on add up to at most M (h/R)^k / (1 - h/R)
-within a
-step h < R.  M follows from one pass through the tape, in which every operation says how far its result may go
-when its
-operands go so far.  Every radius gives a bound, the best of some is taken.  Sources: Jorba & Zou,
-Experimental
-Mathematics 14 (2005) 99-117, section 3, for steps from Cauchy's estimate; Neher, Jackson & Nedialkov, SIAM J.
-Numer.
-Anal. 45 (2007) 236-262, for remainders that are bounded by ranges.
+expansion point and not elsewhere in the step: exp(-(u/v_s)^2) far from u = 0, tanh(u/v_s), a pole to come.
+Cauchy's estimate covers these.  Where the states' polynomials keep a function within a distance M of its
+first value on the complex disc |s| <= R, its coefficient k is at most M/R^k; so all terms from k on add up to
+at most M (h/R)^k / (1 - h/R) within a step h < R.  M follows from one pass through the tape, in which every
+operation says how far its result may go when its operands go so far.  Every radius R gives a bound; several
+are tried, and the best is taken.  Sources: Jorba & Zou, Experimental Mathematics 14 (2005) 99-117, section 3,
+for steps from Cauchy's estimate; Neher, Jackson & Nedialkov, SIAM J. Numer. Anal. 45 (2007) 236-262, for
+remainders that are bounded by ranges.
 """
 
 from __future__ import annotations
@@ -36,18 +30,19 @@ from frictionlab.hybrid.tape.functions import AFFINE, POWER, PRODUCT, QUOTIENT, 
 from frictionlab.hybrid.tape.tape import Range
 
 WHEN_BLIND, OPERATION, BOTH, SERIES = map(int, (Range.WHEN_BLIND, Range.OPERATION, Range.BOTH, Range.SERIES))
-REACH, REST = 0, 1  # columns of the bounds: how far a slot goes on the disc, the same without its polynomial
-FIRST_RADIUS = 3.0  # radius tried first, in steps: that of most ordinary motions
-RADIUS_FACTOR = 0.75  # of one radius to the next
+REACH, REST = 0, 1  # columns of the bounds: how far a slot goes on the disc, and how far from its polynomial
+FIRST_RADIUS = 3.0  # radius tried first, in steps: the one that most ordinary motions need
+RADIUS_FACTOR = 0.75  # ratio of each radius to the one before
 MIN_RADIUS_IN_STEPS = (
-    1.1  # least radius in steps: the series of all terms is then at most eleven times its first
+    1.1  # least radius, in steps: the terms left out then add up to at most eleven times their first
 )
 BOUND_EXCESS = (
-    1.25  # what a step may be longer: bounds of ordinary motions are larger than their remainders by that
+    1.25  # factor by which a step may be longer: by this, bounds of ordinary motions exceed their remainders
 )
 LOG2_RADIUS_MARGIN = 0.4594316186372973  # log2(MIN_RADIUS_IN_STEPS BOUND_EXCESS)
-SUFFICIENT_SHARE = 0.83  # share of a step that is taken without looking for a longer one, which costs as much
-RADIUS_TRIES = 200  # radii tried at the most: RADIUS_FACTOR to this power is below the smallest number
+# Share of a step that is taken without looking for a longer one, which costs as much as it would save.
+SUFFICIENT_SHARE = 0.83
+RADIUS_TRIES = 200  # most radii tried: RADIUS_FACTOR to this power is 1e-25
 
 
 @kernel
@@ -77,8 +72,9 @@ def operation_range(code, numbers, op, out, d, e, J):
 def bound_product(J, a, b, out, d, e, known, bounds):
     """Bounds of a product a b = a_0 b_0 + a_0 (b - b_0) + b_0 (a - a_0) + (a - a_0)(b - b_0).
 
-    The terms in the middle leave out no more than the operands do, which go `d` and `e`.  What a polynomial
-    leaves out may be `known`.
+    The operands go `d` and `e`.  The two terms in the middle leave out what the operands do, times a
+    constant; the last one may be left out entirely.  Where the remainder of the result is `known` from the
+    last terms of its series it counts as zero.
     """
     x, y = abs(J[a, 0]), abs(J[b, 0])
     bounds[out, REACH] = infinite_if_nan(x * e + y * d + d * e)
@@ -87,13 +83,13 @@ def bound_product(J, a, b, out, d, e, known, bounds):
 
 @inlined
 def infinite_if_nan(bound):
-    """A bound; infinite where it is no number, as 0 times infinity."""
+    """A bound; infinite where it is NaN, as 0 times infinity."""
     return bound if bound == bound else math.inf
 
 
 @inlined
 def bound_affine(code, magnitudes, op, out, order, radius, J, bounds):
-    """Bounds of an affine combination of slots; of some by their own series too, as terms may cancel."""
+    """Bounds of an affine combination of slots; for BOTH by its own series too, as terms may cancel."""
     reach = rest = 0.0
     for j in range(code.ops[op, 1], code.ops[op, 2]):
         slot = code.term_slots[j]
@@ -108,9 +104,9 @@ def bound_affine(code, magnitudes, op, out, order, radius, J, bounds):
 
 @inlined
 def bound_ranges(system, mode, order, radius, visible, J, bounds):
-    """Write how far each slot goes on the disc of a radius, and how far without its polynomial.
+    """Write how far each slot goes on the disc of a radius, and how far it goes from its polynomial.
 
-    `visible` says that the last terms show what polynomials leave out: it counts as nothing then.
+    `visible` says that the last terms show what polynomials leave out, which then counts as zero.
     """
     code = system.code
     least = OPERATION if visible else WHEN_BLIND
@@ -153,7 +149,7 @@ def log2_longest_step(room, power, size0, size1, size2):
 
 @kernel
 def log2_group_support(room, order, first, last, J):
-    """The same for the size of the states [first, last), at an instant after the start at the least."""
+    """The same for the states [first, last); their size is at least that an instant after the start."""
     size1 = largest_coefficient(J, first, last, 1)
     size2 = largest_coefficient(J, first, last, 2)
     size0 = max(largest_coefficient(J, first, last, 0), max(size1, size2 * INSTANT) * INSTANT)
@@ -206,7 +202,8 @@ def log2_function_support(slot, log_room, order, J, bounds):
 def needs_remainder(code, order, mode, h, left):
     """Whether the last two terms of the series may not tell how long a step may be.
 
-    They do in polynomials, but for those of so high a degree that all terms are zero.
+    They tell in polynomials of a degree below `order`; at a higher degree all terms may be zero.  In a step
+    that is cut at the end of the run (`left`) they tell only at degrees up to 1.
     """
     degree = code.degrees[mode]
     return degree >= order or (degree > 1 and h == left)
@@ -220,9 +217,9 @@ def polynomials_visible(code, order, mode, h, left):
 
 @inlined
 def remainder_step(system, truncation, mode, h, visible, J, bounds):
-    """Longest step up to `h` whose remainder is bounded by some tolerances; `bounds` is scratch.
+    """Longest step up to `h` whose remainder is bounded within the tolerances; `bounds` is scratch.
 
-    `visible` says that the last terms of polynomials tell what these leave out.
+    `visible` says that the last terms of polynomials show what these leave out.
     """
     best, radius = 0.0, FIRST_RADIUS * h
     for _ in range(RADIUS_TRIES):

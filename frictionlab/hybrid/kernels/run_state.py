@@ -1,7 +1,7 @@
 """The state of a run: its position and clock, its scratch arrays, and the record of its steps and events.
 
-Kernels allocate nothing: a `Record` has room for so many steps and events, and is filled, taken away, and
-replaced by a new one.
+Kernels allocate nothing: a `Record` has room for a given number of steps and events; when it is full a new
+one takes its place.
 """
 
 from __future__ import annotations
@@ -17,19 +17,19 @@ from frictionlab.hybrid.tape.program import Code, Demand
 
 RUNNING, FINISHED, NO_ADMISSIBLE_MODE, STALLED, ZENO, NOT_FINITE, MODE_NOT_DERIVED, EVENT_PENDING = range(8)
 
-# Combinations of regimes tried after an event, most: all of 6 contacts that may stick or slip either way.
+# Most combinations of regimes tried after an event: all those of 6 contacts that stick or slip either way.
 MAX_CANDIDATES = 3**6
-CLOCK_RESOLUTION = 1e-15  # share of the time that the clock shows as some of its last digits
+CLOCK_RESOLUTION = 1e-15  # a step of this share of the time changes only the clock's last digits
 
 
 class CombinationQueue(NamedTuple):
-    """Combinations of regimes that come to be tried as the next mode, where modes are derived on demand."""
+    """Combinations of regimes to be tried as the next mode, where modes are derived on demand."""
 
     demand: Demand
     rows: np.ndarray  # (MAX_CANDIDATES, parts) in the order in which they are tried
-    allowed: np.ndarray  # (regimes,) whether their conditions allow to enter a mode
-    place: np.ndarray  # (parts,) of the last taken from the automaton's order
-    missing: np.ndarray  # (parts,) one that is being made, and in the end the one that is to be derived
+    allowed: np.ndarray  # (regimes,) whether their conditions allow a mode with them
+    place: np.ndarray  # (parts,) the last combination taken in the automaton's order
+    missing: np.ndarray  # (parts,) scratch, and in the end the combination that is to be derived
 
 
 class Scratch(NamedTuple):
@@ -48,7 +48,7 @@ class Scratch(NamedTuple):
 
 
 class Truncation(NamedTuple):
-    """Where series end: at an order, and where their last terms have a relative size."""
+    """Where series are truncated: at an order, with last terms of this relative size."""
 
     order: int
     tol: float
@@ -63,13 +63,17 @@ class StepData(NamedTuple):
 
 
 class RunState(NamedTuple):
-    """Where a run stands.  ``times``: now, end, entry into the mode, limit of the dwell time, that for
-    events that have a limit mode, and what the sum of the steps is beyond now;
-    ``counts``: mode, steps, events, section points, short dwells in a row by either limit, accumulations
-    closed, events without advance, whether the jets are at hand, whether an accumulation ends the run, and
-    the number of the current cell of a fixed time grid, and the guard and multiplicity of an event that
-    has yet to be handled, or whose mode has yet to be derived;
-    ``sizes``: what the rounding errors of the state at the last event are relative to."""
+    """Where a run stands.
+
+    ``times`` (NOW to CARRY): now, the end, the entry into the mode, the limits below which a stay is taken
+    for part of a Zeno accumulation or of chatter, and by how much the sum of the steps is beyond now.
+    ``counts`` (MODE to EVENT_MULTIPLICITY): mode, steps, events, section points, stays in a row shorter than
+    either limit, accumulations closed, events or steps without advance of time, whether the jets are at
+    hand, whether an accumulation ends the run, the number of the current cell of a fixed time grid, guard
+    and multiplicity of an event that has yet to be handled, or whose next mode has yet to be derived.
+    ``sizes``: what the rounding errors of the state at the last event are relative to.
+    ``signs``: the last sign of each section's function.
+    """
 
     state: np.ndarray
     sizes: np.ndarray
@@ -128,16 +132,16 @@ def initial_times(t_end: float, limits: tuple[float, float]) -> np.ndarray:
 
 @inlined
 def remaining_time(times):
-    """From now to the end."""
+    """Time from now to the end."""
     return (times[END] - times[NOW]) - times[CARRY]
 
 
 @inlined
 def advance_clock(times, h, left):
-    """Go on by `h`, of `left` at most; returns whether the clock shows it.
+    """Advance the clock by `h`, where `left` remains to the end; returns whether its time has changed.
 
-    What rounding takes from the sum is carried to the next step (Knuth's two-sum): steps of nearly one
-    length are rounded nearly alike, which would add up to 2e-8 s in 1e4 s.
+    The rounding error of the sum is carried to the next step (Knuth's two-sum): steps of nearly equal length
+    are rounded nearly alike, and their errors would add up to 2e-8 s in 1e4 s.
     """
     before = times[NOW]
     if h == left:
@@ -190,5 +194,5 @@ def new_queue(demand: Demand | None) -> CombinationQueue | None:
 
 
 def jet_columns(order: int) -> int:
-    """Length of a row of jets: as native code has it, longer for orders that only the interpreter knows."""
+    """Length of a row of jets: that of native code, or longer for orders that only the interpreter has."""
     return max(JET_COLUMNS, order + 1)

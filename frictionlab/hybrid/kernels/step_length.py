@@ -1,10 +1,10 @@
-"""How long a Taylor step may be, from the last two terms of the series; and where a power has no Taylor
-series of full order, as its base is zero, or nearly so.
+"""How long a Taylor step may be, from the last two terms of the series; and steps in which a power has no
+Taylor series of full order, as its base is zero, or nearly so.
 
 The force penetration^1.5 of two spheres is such a power, at the onset and at the end of their contact.  Its
-coefficients grow like (rate/base)^k, beyond the largest number where the base is small.  Then the series ends
-earlier, which is enough: so near to zero little of the motion is at stake.  At zero itself the power counts
-as constant for a step.
+coefficients grow like (rate/base)^k, beyond the largest number where the base is small.  Then the series is
+cut at a lower order, which is enough: so near to zero the power hardly affects the motion.  At zero itself it
+counts as constant for a step.
 """
 
 from __future__ import annotations
@@ -24,20 +24,20 @@ from frictionlab.hybrid.kernels.jets import (
 )
 from frictionlab.hybrid.tape.functions import POWER
 
-# What the tolerance of a function of the states is wider than theirs: the room for rounding.
+# Factor by which the tolerance of a function of the states is wider than theirs: room for rounding.
 FUNCTION_TOL_FACTOR, LOG2_FUNCTION_TOL_FACTOR = 64.0, 6.0
 MIN_FUNCTION_STEP_SHARE = 0.02
 
 
 @kernel
 def log2_of_tolerance(tol):
-    """The logarithm by which steps are chosen, for who is no kernel."""
+    """The logarithm by which steps are chosen, for callers that are not kernels."""
     return log2(tol)
 
 
 @inlined
 def largest_coefficient(J, first, last, k):
-    """Largest Taylor coefficient number `k` of the states [first, last); infinite where one is no number."""
+    """Largest Taylor coefficient number `k` of the states [first, last); infinite where one is NaN."""
     size = 0.0
     for i in range(first, last):
         c = abs(J[i, k])
@@ -48,7 +48,7 @@ def largest_coefficient(J, first, last, k):
 
 @kernel
 def log2_step_from_later_terms(room, p, first, last, J):
-    """The same by the first term that is not zero, where the first three are; infinite where none is."""
+    """Logarithm of the longest step, by the first non-zero term after three zeros; infinite for none."""
     for m in range(3, p):
         size = largest_coefficient(J, first, last, m)
         if size > 0.0:
@@ -62,7 +62,7 @@ def log2_group_step(code, order, log_tol, first, last, J):
     size0 = largest_coefficient(J, first, last, 0)
     size1 = largest_coefficient(J, first, last, 1)
     size2 = largest_coefficient(J, first, last, 2)
-    if not size1 < math.inf:  # rates that are no number, though all later terms may be zero
+    if not size1 < math.inf:  # rates that are not finite, though all later terms may be zero
         return -math.inf
     start0, start1, start2 = log2(size0), log2(size1), log2(size2)
     best = math.inf
@@ -87,7 +87,7 @@ def step_length(code, order, tol, J):
     Jorba & Zou, Experimental Mathematics 14 (2005) 99-117, section 3.  The size of a group is the largest of
     its first three terms at the end of the step, so that no absolute tolerance is needed: a step h will do
     if, for one m of 0, 1, 2, |c_p| h^p <= tol |c_m| h^m; where those three are zero, for the next that is
-    not.  Zero where a coefficient is no number.
+    not.  Returns zero where a rate or one of the last two terms is not finite.
     """
     log_tol = log2(tol)
     best = math.inf
@@ -102,7 +102,7 @@ def step_length(code, order, tol, J):
 
 @inlined
 def whole_power(h, n):
-    """h^n of a whole number n >= 0."""
+    """h^n for an integer n >= 0."""
     four = (h * h) * (h * h)
     power = 1.0
     for _ in range(n // PARTS):
@@ -126,10 +126,10 @@ def series_step(J, slot, order, tol, h):
 
 @inlined
 def function_step(code, order, tol, mode, h, J):
-    """Longest step up to `h` in which the series of guards, sections and integrals hold too.
+    """Longest step up to `h` in which the series of guards, sections and integrals are accurate too.
 
-    The states' series do not tell: a guard x^5 needs a fifth of the step that x does.  What would need
-    less than a `MIN_FUNCTION_STEP_SHARE` of their step is rounding error.
+    The states' series do not show this: a guard x^5 needs a fifth of the step that x does.  A series that
+    asks for less than the share `MIN_FUNCTION_STEP_SHARE` of their step is all rounding error.
     """
     tol *= FUNCTION_TOL_FACTOR
     shortest = MIN_FUNCTION_STEP_SHARE * h
@@ -143,9 +143,9 @@ def function_step(code, order, tol, mode, h, J):
 
 
 ONSET_TRIES = 100
-MIN_USEFUL_ORDER = 4  # orders below which a series is not worth while
+MIN_USEFUL_ORDER = 4  # a series of a lower order is not worth while
 INSTANT = (
-    1e-11  # s: errors within so short a time are measured by what moves in it, not by what has moved yet
+    1e-11  # s: errors are relative to a size that is at least the distance that is moved in so short a time
 )
 LOG2_LARGEST_COEFFICIENT = 960.0  # near the 1e290 beyond which a power counts as without a series (jets)
 
@@ -170,7 +170,7 @@ def has_base_near_zero(code, order, mode, J):
 
 @kernel
 def usable_order(code, order, mode, J):
-    """Number of orders up to which the coefficients of all powers are numbers; 0 at a base of zero."""
+    """Order up to which the coefficients of all powers are finite; 0 where a base is zero."""
     few = order
     first = code.mode_ops[mode]
     for i in range(first, code.mode_ops[mode + 1]):
@@ -187,8 +187,8 @@ def usable_order(code, order, mode, J):
 def truncate_series_near_zero(code, numbers, mode, order, z, passes, J):
     """Jets where a base is nearly zero; returns the order of the series, 0 where powers count as constant.
 
-    `passes` says whether the step goes beyond the zero of the base.  The jets `J` at hand are those of the
-    full order, for which powers without a series count as constant; what is above the order is made zero.
+    `passes` says whether the step goes beyond the zero of the base.  On entry `J` holds the jets of the full
+    order, in which powers without a series count as constant; coefficients above a lower order are made zero.
     """
     few = 1 if passes else usable_order(code, order, mode, J)
     if few < MIN_USEFUL_ORDER and lacks_series(code, order, mode, J):
@@ -214,7 +214,7 @@ def time_to_zero_base(code, mode, J):
 
 @kernel
 def unresolved_time(code, magnitudes, mode, z, J, bounds):
-    """Time in which no base that is within its rounding error moves by more than that; 0 where none is."""
+    """Time in which no base within its rounding error moves by more than this; 0 without such a base."""
     majorant(code, magnitudes, mode, 0, z, J, bounds)
     longest = math.inf
     first = code.mode_ops[mode]
@@ -231,8 +231,8 @@ def unresolved_time(code, magnitudes, mode, z, J, bounds):
 def onset_step(system, truncation, mode, h, scratch):
     """Longest step up to `h` in which powers whose base is nearly zero may count as constant.
 
-    Then the states' rates at its end, with the powers there, are those of the polynomials but for
-    an error that changes no state by more than `tol` of its size.
+    At its end the states' rates, with the powers there, then differ from those of the polynomials by an
+    error that changes no state by more than `tol` of its size.
     """
     code, order = system.code, truncation.order
     J, values, z = scratch.jets, scratch.bounds, scratch.states

@@ -1,10 +1,10 @@
 """The solver's loop, all in one kernel: step by Taylor polynomial, event, reset, next mode; and its dense
 output.
 
-The loop runs until the end, an end that is an error, or a full record, after which it can be called again.
-Steps are stored by the state at their start; for dense output the polynomial is computed again from it, which
-needs a twentieth of the memory and costs one jet per step evaluated.  Section events, zero crossings that
-change no mode, are recorded along a step.
+The loop runs until the end, an error, an event that it leaves to its caller, or a full record, after which it
+can be called again.  A step is stored as the state at its start.  Dense output computes the polynomial again
+from this state, which needs a twentieth of the memory and costs one jet per step evaluated.  Section events,
+zero crossings that change no mode, are recorded along a step.
 """
 
 from __future__ import annotations
@@ -89,7 +89,7 @@ def record_section_point(section, s, order, run, record, scratch):
 
 @kernel
 def record_section_events(code, order, mode, h, run, record, scratch):
-    """Record every crossing in (0, h]; a crossing between two steps, by a jump, belongs to the later."""
+    """Record every crossing in (0, h]; a crossing between two steps, by a jump, belongs to the later step."""
     for section in range(code.sections.shape[1]):
         c = scratch.jets[code.sections[mode, section]]
         size = absolute_sum(c, 0, order, h)
@@ -126,7 +126,7 @@ def record_crossings(code, start, mode, order, h, run, record, scratch):
 
 @kernel
 def step_series(code, numbers, mode, order, h, z, J):
-    """The jets of which a step of length `h` from `z` consists, as the step was taken."""
+    """Compute again the jets along which a step of length `h` from `z` was taken."""
     mode_jets(code, numbers, mode, order, z, J)
     if code.powers[mode] and has_base_near_zero(code, order, mode, J):
         passes = h > time_to_zero_base(code, mode, J)
@@ -147,7 +147,7 @@ def sample_states(code, numbers, order, steps, which, times, out, J):
 
 
 def subdivide_steps(step_times: np.ndarray, parts: int) -> tuple[np.ndarray, np.ndarray]:
-    """Times that cut every step into `parts`, ends left out, and the step each belongs to."""
+    """Times that cut every step into `parts`, without the end of the step, and the step of each."""
     share = np.arange(parts) / parts
     times = step_times[:, :1] + step_times[:, 1:] * share
     steps = np.repeat(np.arange(len(step_times)), parts)
@@ -180,7 +180,7 @@ def power_onset_step(system, truncation, mode, left, run, scratch):
 
 @inlined
 def take_taylor_step(system, truncation, run, record, scratch):
-    """One step, up to an event if there is one; returns how the run goes on."""
+    """Take one step, up to an event if there is one; returns the status of the run."""
     code, order, J = system.code, truncation.order, scratch.jets
     counts = run.counts
     mode = counts[MODE]
@@ -212,7 +212,7 @@ def take_taylor_step(system, truncation, run, record, scratch):
 def step_to_event(system, truncation, zero, left, run, record, scratch):
     """Go on to the first zero of the guards' series, by `left` at most, along the jets in `scratch`.
 
-    Returns the event, which is yet to be handled, and how the run goes on where there is none.
+    Returns the event, which is yet to be handled, and the status of the run where there is none.
     """
     code, order, J = system.code, truncation.order, scratch.jets
     times, counts = run.times, run.counts
@@ -220,7 +220,7 @@ def step_to_event(system, truncation, zero, left, run, record, scratch):
     h, guard, multiplicity = zero
     if guard != NO_GUARD and multiplicity == 1 and is_guard_truncated(code, guard, mode, order, h, J):
         h = refine_event_time(system, mode, guard, order, h, scratch)
-        if h > left:  # not within this run
+        if h > left:  # beyond the end of this run
             h, guard = left, NO_GUARD
     if h > 0.0:
         row = counts[STEPS]
@@ -243,7 +243,7 @@ def step_to_event(system, truncation, zero, left, run, record, scratch):
 
 @kernel
 def advance_taylor(system, truncation, run, record, scratch):
-    """Run until the end, an error, an event that is left, or until a buffer may be full (RUNNING)."""
+    """Run until the end, an error, an event left to the caller, or a buffer that may be full (RUNNING)."""
     times, counts = run.times, run.counts
     room = record.point_times.shape[0] - (truncation.order + 2) * system.code.sections.shape[1]
     while times[NOW] < times[END]:

@@ -1,7 +1,8 @@
-"""What the methods share: settings that end a run, the first mode, and the loop that feeds records to
-`advance`.
+"""What the methods share: the caps of a run, the choice of its first mode, and the loop that feeds records
+to `advance`.
 
-A method is one frozen dataclass; to add one, give it ``name``, ``series_order`` and :meth:`Method.advance`.
+A method is one frozen dataclass; to add one, give it ``name``, ``entry``, ``degree`` and
+:meth:`Method.advance`.
 The mode at t = 0 is chosen by the rule that follows every event.
 """
 
@@ -43,20 +44,20 @@ STATUS_OF_CODE = {
     run_state.ZENO: Status.ACCUMULATED,
     run_state.NOT_FINITE: Status.NOT_FINITE,
 }
-MOST_SPARES = 8  # programs, or sizes, of which arrays are kept
+MOST_SPARES = 8  # programs, or sizes, for which arrays are kept
 
 
 class SpareArrays:
     """Arrays of runs that are over, for the next run of the same sizes.
 
-    Their memory is there already, and how kernels take them is known.
+    That run need not allocate them, and the words by which kernels take them are stored.
     """
 
     def __init__(self) -> None:
         self._kept: dict[Any, list[Any]] = {}
 
     def take(self, sizes: Any, make: Callable[[], Any]) -> Any:
-        """Those of a run that is over, or new ones; each is given to one run only."""
+        """Arrays of a run that is over, or new ones; no two active runs share them."""
         try:
             return self._kept[sizes].pop()
         except (KeyError, IndexError):
@@ -73,7 +74,7 @@ SPARE_SCRATCH, SPARE_RECORDS = SpareArrays(), SpareArrays()
 
 
 def clear_scratch(scratch: run_state.Scratch) -> None:
-    """Forget what a run before has left; jets, bounds and roots are written before they are read."""
+    """Forget what an earlier run has left; jets, bounds and roots are written before they are read."""
     scratch.structural_zeros[:] = scratch.leading_zeros[:] = 0
     scratch.ended[:] = -1, 0
 
@@ -94,8 +95,8 @@ _COUNTED = [run_state.STEPS, run_state.EVENTS, run_state.POINTS]
 class ActiveRun:
     """A run in progress: its arrays, as the kernels take them.
 
-    `queue` is None where all modes are derived; `event` is that at which a mode had to be derived,
-    after which the next is yet to be chosen.
+    `queue` is None where all modes are derived.  `event` is one at which a mode had to be derived first: it
+    is handled, and the next mode chosen, when the run goes on.
     """
 
     problem: Problem
@@ -107,20 +108,20 @@ class ActiveRun:
     event: GuardZero | None = None
 
     def without_native_code(self) -> ActiveRun:
-        """The run whose modes are all interpreted."""
+        """The same run with all modes interpreted."""
         return replace(self, system=self.system._replace(code=self.native.interpreted))
 
     def handle_event(
         self, truncation: run_state.Truncation, event: GuardZero, record: run_state.Record
     ) -> int:
-        """Record an event and choose the next mode by series up to an order; returns how the run goes on."""
+        """Record an event and choose the next mode by series up to an order; returns the run's status."""
         arrays = self.cursor, record, self.scratch
         if self.queue is None:
             return handle_event(self.system, truncation, event, *arrays)
         return handle_event_on_demand(self.system, self.queue, truncation, event, *arrays)
 
     def with_missing_mode(self) -> Problem:
-        """The problem with the mode that was to be tried next and is not derived."""
+        """The problem with the mode that was to be tried next, now derived."""
         assert self.queue is not None
         return self.problem.with_mode(self.queue.missing)
 
@@ -131,13 +132,13 @@ class ActiveRun:
         return GuardZero(0.0, int(guard), int(multiplicity))
 
 
-# Share of a condition's terms below which it is zero at a state that an event of another run has given: the
-# sums of the step before it had larger terms than the state has.
+# Share of a condition's terms below which it counts as zero where the run starts from a state at an event of
+# another run: the sums in the last step of that run had larger terms than the state has.
 ROUNDING_OF_EVENT_STATE = 4096 * MACHINE_EPSILON
 
 
 def initial_mode(run: ActiveRun, order: int) -> Selection:
-    """First admissible mode at the initial state; leaves the jets that it looked at in the scratch arrays.
+    """First admissible mode at the initial state; leaves the jets that it used in the scratch arrays.
 
     Raises
     ------
@@ -146,7 +147,7 @@ def initial_mode(run: ActiveRun, order: int) -> Selection:
     """
     problem, scratch = run.problem, run.scratch
     program = problem.program
-    if run.queue is None and not program.code.function_slots.size:  # nothing keeps a mode from being chosen
+    if run.queue is None and not program.code.function_slots.size:  # no mode has a condition
         run.cursor.counts[run_state.JETS_READY] = 0
         return Selection(int(program.initial[0]) if problem.mode is None else problem.mode, NO_MODE)
     system = run.without_native_code().system
@@ -216,7 +217,7 @@ class Method(ABC):
             )
 
     def handle_event(self, run: ActiveRun, event: GuardZero, record: run_state.Record) -> int:
-        """Record an event and choose the next mode; returns how the run goes on, as :meth:`advance`."""
+        """Record an event and choose the next mode; returns the run's status, as :meth:`advance`."""
         truncation = run_state.Truncation(self.degree, 0.0)
         return run.without_native_code().handle_event(truncation, event, record)
 
@@ -249,7 +250,7 @@ class Method(ABC):
         return pieces.raw(run.problem.program.code, times[run_state.NOW], run.cursor.state, mode, status)
 
     def _advance_or_enter(self, run: ActiveRun, record: run_state.Record) -> int:
-        """Go on, or first enter the mode that has been derived meanwhile, and handle what events are left."""
+        """Go on, or first enter a mode that was derived meanwhile; handle the events that kernels leave."""
         end = self.advance(run, record) if run.event is None else self.handle_event(run, run.event, record)
         while end == run_state.EVENT_PENDING:
             end = self.handle_event(run, run.event_left(), record)
@@ -281,9 +282,9 @@ class Method(ABC):
         return ActiveRun(problem, native, system._replace(code=native.code), cursor, scratch, queue, event)
 
     def _record(self, run: ActiveRun, pieces: RecordList, last: run_state.Record | None) -> run_state.Record:
-        """A record to fill: the last one again where nothing was kept of it but copies.
+        """A record to fill: the last one again where only copies of its parts were kept.
 
-        A run that stops for every new mode would leave memory in pieces.
+        New ones would fragment the memory in a run that stops for every new mode.
         """
         code = run.problem.program.code
         steps = min(RECORD_CAPACITY, self.max_steps - pieces.steps)

@@ -44,8 +44,8 @@ class OneStepMethod(Method):
 
     A subclass gives its `name` and either a `tableau`, whose steps are compiled, or `take_step`.  All else is
     done here.  The conditions of a mode are checked when a step is over; where one fails, bisection finds
-    the instant within the step, the mode changes, and the rest of the step follows.  What happens and ends
-    within a step is not seen.
+    the instant within the step, the mode changes, and the rest of the step follows.  A condition that fails
+    only within a step is not noticed.
 
     Parameters
     ----------
@@ -67,7 +67,7 @@ class OneStepMethod(Method):
     """
 
     tableau: ClassVar[Tableau | None] = None
-    chooses_by_values: ClassVar[bool] = False  # modes by the values of their conditions, not by their series
+    chooses_by_values: ClassVar[bool] = False  # choose modes by values of conditions, not by their series
 
     step: float = 1e-3
     max_steps: int = field(default=10_000_000, kw_only=True)
@@ -119,7 +119,7 @@ class OneStepMethod(Method):
         return BY_VALUES if self.chooses_by_values else self.degree
 
     def _advance_step(self, run: ActiveRun, record: run_state.Record) -> int:
-        """As :func:`take_runge_kutta_step`."""
+        """As :func:`take_runge_kutta_step`, by :meth:`take_step`."""
         cursor = run.cursor
         now, goal = cursor.times[NOW], end_of_cell(self.step, cursor)
         h = max(goal - now, 0.0)
@@ -149,7 +149,7 @@ class OneStepMethod(Method):
         return new, failed_guard(*tape, mode, new, run.scratch.jets)
 
     def _bisect_event(self, run: ActiveRun, h: float) -> tuple[float, np.ndarray, int]:
-        """As :func:`bisect_event`, and the state there."""
+        """As :func:`bisect_event`; returns the length, the state there and the guard."""
         safe, length = 0.0, h
         for _ in range(BISECTIONS):
             middle = 0.5 * (safe + length)
@@ -165,9 +165,9 @@ class RK4(OneStepMethod):
     """The algorithm of the paper's Fig. 19: classical Runge-Kutta on a fixed time grid.
 
     The conditions of a mode are checked only at the end of a step; where one fails, bisection finds
-    the instant within the step, the state changes, and the rest of the step follows.  After a re-contact
-    slip is entered.  What happens and ends within a step is not seen, so the results depend on `step`;
-    use it to compare with the paper.
+    the instant within the step, the mode changes, and the rest of the step follows.  After a re-contact
+    slip is entered.  A condition that fails only within a step is not noticed, so the results depend on
+    `step`; use this method to compare with the paper.
 
     Parameters
     ----------
@@ -194,7 +194,7 @@ class RK4(OneStepMethod):
 
 
 def _check_tableau(tableau: Tableau) -> None:
-    """Raise ValueError unless stages use those before them only, and all have a weight."""
+    """Raise ValueError unless each stage uses only stages before it, and has a weight."""
     lengths = [len(row) for row in tableau.stages]
     if len(lengths) != len(tableau.weights) or any(count > s for s, count in enumerate(lengths)):
         raise ValueError(

@@ -1,7 +1,8 @@
-"""Explicit Runge-Kutta methods by their tableau: the loop of their steps, compiled, and what is done at the
-end of a step by methods that look at the conditions of a mode there.
+"""Explicit Runge-Kutta methods by their tableau: the compiled loop of their steps, and what is done at the
+end of a step by methods that check the conditions of a mode only there.
 
-Which condition fails, the time grid, the record of steps and events, the choice of the next mode.
+At the end of a step they find the condition that fails, keep to the time grid, record steps and events, and
+choose the next mode.
 """
 
 from __future__ import annotations
@@ -42,10 +43,10 @@ from frictionlab.hybrid.kernels.run_state import (
     Truncation,
 )
 
-BISECTIONS = 50  # halvings of a step: its 2^-50th part is rounding
+BISECTIONS = 50  # halvings of a step: 2^-50 of it is rounding
 LARGEST_STATE = 1e300  # beyond, a state counts as not finite
 SIMPLE = 1  # multiplicity of a zero that bisection finds: the guard's sign changes there
-NO_GUARD, NO_STATE = -1, -2  # no guard fails; there is no state to ask
+NO_GUARD, NO_STATE = -1, -2  # no guard fails; the state is not finite
 
 
 @inlined
@@ -63,9 +64,9 @@ def failed_guard(code, numbers, mode, z, J):
 
 @kernel
 def select_mode_by_values(system, queue, guard, z, scratch):
-    """First target whose conditions hold by their values alone; what the event made zero holds.
+    """First target whose conditions hold by their values alone; those made zero by the event do.
 
-    So slip is entered after a re-contact whatever the penetration rate.
+    So slip is entered after a re-contact, whatever the penetration rate.
     """
     set_zeros_by_construction(system.code, guard, 0, scratch)
     if queue is not None:
@@ -79,7 +80,7 @@ def select_mode_by_values(system, queue, guard, z, scratch):
 
 @kernel
 def change_mode(system, queue, event, run, record, scratch):
-    """Record the event, reset, enter the next mode by :func:`select_mode_by_values`."""
+    """Record the event, reset the state, enter the mode that :func:`select_mode_by_values` chooses."""
     counts, guard = run.counts, event.guard
     row = counts[EVENTS]
     record.event_times[row] = run.times[NOW]
@@ -104,7 +105,7 @@ def change_mode(system, queue, event, run, record, scratch):
 
 @kernel
 def enter_next_mode(system, event, order, run, record, scratch):
-    """What is done at an event; modes are chosen by series of an order, at 0 by the values of conditions."""
+    """Handle an event; the next mode is chosen by series up to `order`, at 0 by the values of conditions."""
     if order == BY_VALUES:
         return change_mode(system, None, event, run, record, scratch)
     return handle_event(system, exact(order), event, run, record, scratch)
@@ -112,7 +113,7 @@ def enter_next_mode(system, event, order, run, record, scratch):
 
 @kernel
 def enter_next_mode_on_demand(system, queue, event, order, run, record, scratch):
-    """The same where modes are derived on demand, and chosen among combinations of regimes."""
+    """The same where modes are derived on demand and chosen among combinations of regimes."""
     if order == BY_VALUES:
         return change_mode(system, queue, event, run, record, scratch)
     return handle_event_on_demand(system, queue, exact(order), event, run, record, scratch)
@@ -120,7 +121,7 @@ def enter_next_mode_on_demand(system, queue, event, order, run, record, scratch)
 
 @inlined
 def exact(order):
-    """Series up to an order, and steps that miss events by nothing."""
+    """Series up to an order, for steps taken to end exactly at events: the tolerance is zero."""
     return Truncation(order, 0.0)
 
 
@@ -132,7 +133,7 @@ def end_of_cell(step, run):
 
 @kernel
 def record_step(h, goal, new, run, record):
-    """Put a step of length `h` on record, and go on to its end, `new` at the time `goal`."""
+    """Record a step of length `h`, and go on to its end, the state `new` at the time `goal`."""
     row = run.counts[STEPS]
     record.step_times[row, 0] = run.times[NOW]
     record.step_times[row, 1] = h
@@ -145,7 +146,7 @@ def record_step(h, goal, new, run, record):
 
 @kernel
 def is_full(run, record):
-    """Whether there is no room for a step more, or for its event."""
+    """Whether there is no room for another step, or for its event."""
     counts = run.counts
     return counts[STEPS] == record.step_modes.shape[0] or counts[EVENTS] == record.event_times.shape[0]
 
@@ -163,7 +164,7 @@ class Tableau(NamedTuple):
 
 
 class Scheme(NamedTuple):
-    """A tableau and the length of its steps as arrays, with room for a step."""
+    """A tableau as arrays, the length of its steps, and scratch arrays for a step."""
 
     step: float
     order: int  # of the series by which modes are chosen; 0: by the values of their conditions
@@ -187,7 +188,7 @@ def new_scheme(tableau: Tableau, step: float, order: int, states: int) -> Scheme
 
 @inlined
 def runge_kutta_step(code, numbers, mode, z, h, scheme, J):
-    """Step from `z` to ``scheme.new``.  Stages of one weight that follow each other are added first."""
+    """Step from `z` to ``scheme.new``.  Successive stages of equal weight are added first."""
     rates, shifted, weights = scheme.rates, scheme.shifted, scheme.weights
     for s in range(weights.shape[0]):
         copy_vector(z, shifted)
@@ -226,7 +227,7 @@ def bisect_event(code, numbers, mode, z, h, scheme, J):
 
 @inlined
 def take_runge_kutta_step(system, scheme, run, record, scratch):
-    """To the end of the current cell of the grid, or up to an event within it."""
+    """Step to the end of the current cell of the grid, or up to an event within it; the status of the run."""
     code, numbers, J, new = system.code, system.numbers, scratch.jets, scheme.new
     times, counts = run.times, run.counts
     mode, goal = counts[MODE], end_of_cell(scheme.step, run)
@@ -251,7 +252,7 @@ def take_runge_kutta_step(system, scheme, run, record, scratch):
 
 @kernel
 def advance_runge_kutta(system, scheme, run, record, scratch):
-    """Run until the end, an error, an event that is left, or until a buffer is full (RUNNING)."""
+    """Run until the end, an error, an event left to the caller, or a full buffer (RUNNING)."""
     while run.times[NOW] < run.times[END]:
         if is_full(run, record):
             return RUNNING

@@ -23,10 +23,10 @@ INTEGRATORS = ("RK23", "RK45", "DOP853", *IMPLICIT_INTEGRATORS)
 class Scipy(Method):
     """One of scipy's integrators, stopped at every event.
 
-    An event is seen where a guard changes its sign between the ends of a step, as in
-    :func:`scipy.integrate.solve_ivp`; two zeros within one step are missed.  The implicit ones are given
-    the exact Jacobian: finite differences at states as small as `atol`, as after a start from rest, are
-    rounding errors alone.
+    An event is found where a guard changes its sign between the ends of a step, as in
+    :func:`scipy.integrate.solve_ivp`; two zeros within one step are missed.  The implicit integrators are
+    given the exact Jacobian, because finite differences at states as small as `atol`, as after a start from
+    rest, are rounding errors alone.
 
     Parameters
     ----------
@@ -35,7 +35,8 @@ class Scipy(Method):
     rtol, atol : float
         Relative and absolute tolerance.
     max_step : float or None
-        Longest step in seconds, None for no limit: half of the shortest stay in a mode sees every event.
+        Longest step in seconds, None for no limit.  With half of the shortest stay in a mode no event is
+        missed.
     max_steps, max_events : int
         A run that reaches one ends with a status and keeps what it has.
     """
@@ -67,7 +68,7 @@ class Scipy(Method):
         return 20
 
     def advance(self, run: ActiveRun, record: run_state.Record) -> int:
-        """Run up to the next event, the end, or a full buffer."""
+        """Run up to the next event, to the end, or until the record is full."""
         cursor = run.cursor
         solver = self._solver(run)
         if solver is None:
@@ -81,7 +82,7 @@ class Scipy(Method):
             if length > 0.0:
                 _record_step(cursor, record, length)
                 cursor.counts[run_state.REPEATED] = 0
-            elif guard < 0:  # LSODA goes on for ever at a singularity, without advance
+            elif guard < 0:  # at a singularity LSODA steps for ever without advancing time
                 cursor.counts[run_state.REPEATED] += 1
                 if event_handling.status_after_repeat(cursor.counts) != run_state.RUNNING:
                     return run_state.STALLED
@@ -99,7 +100,7 @@ class Scipy(Method):
         return run.without_native_code().handle_event(truncation, event, record)
 
     def _solver(self, run: ActiveRun) -> Any:
-        """scipy's integrator at the state of the run; None where a rate there is no number."""
+        """scipy's integrator at the state of the run; None where a rate there is not finite."""
         from scipy import integrate
 
         problem, cursor = run.problem, run.cursor
@@ -145,7 +146,7 @@ class _Guards:
         return run.scratch.jets[code.function_slots[self._guards.start : self._guards.stop], 0].copy()
 
     def first(self, solver: Any) -> tuple[float, int]:
-        """Length of the step up to the first guard that fails at its end, and the guard (-1: none)."""
+        """Time from the step's start to its first event, and the guard; its whole length and -1 for none."""
         start, end = self._run.cursor.times[run_state.NOW], solver.t
         failing = np.flatnonzero(self._values(solver.y) < 0.0)
         if not failing.size:
@@ -156,13 +157,14 @@ class _Guards:
         return places[first] - start, self._guards.start + int(failing[first])
 
     def _root(self, function: Any, start: float, end: float) -> float:
-        """Zero between the start, where the guard holds, and the end, where it does not."""
+        """Zero between the start, where the guard is positive, and the end, where it is negative."""
         from scipy import optimize
 
         brentq: Any = optimize.brentq
-        if function(end) >= 0.0:  # the dense output ends a rounding error beside the step
+        if function(end) >= 0.0:  # the dense output differs from the step's end by rounding
             return end
-        # After an event it may be zero at the start by construction, of any sign: find where it is positive.
+        # After an event the guard may be zero at the start by construction, with any sign by rounding: find a
+        # time at which it is positive.
         parts = start + (end - start) * 0.5 ** np.arange(1, 40)
         left = next((t for t in parts if function(t) > 0.0), end)
         return start if left == end else float(brentq(function, left, end, xtol=1e-15, rtol=1e-15))

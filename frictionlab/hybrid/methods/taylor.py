@@ -1,8 +1,8 @@
 """The Taylor method, and its short cut for scenes without any nonlinearity.
 
-One mode that nothing ends, with rates affine in the states: in a step of fixed length the state then changes
-by one and the same affine map.  It is computed once, from the Taylor series of the unit states, and a step is
-a product with a matrix.
+The short cut is for one mode that nothing ends, with rates affine in the states: in every step of a fixed
+length the state changes by the same affine map.  It is computed once, from the Taylor series of the unit
+states, and a step is a product with a matrix.
 """
 
 from __future__ import annotations
@@ -37,14 +37,14 @@ from frictionlab.hybrid.tape.functions import AFFINE
 from frictionlab.hybrid.tape.program import Numbers, Program
 from frictionlab.validation import check_choice, check_number, store_plain_numbers
 
-MIN_STEP_SHARE = 0.5  # of the length of a Taylor step
-AFFINE_STATE_LIMIT = 1e200  # states beyond are left to the Taylor steps, which see to what overflows
+MIN_STEP_SHARE = 0.5  # least length of the map's step, as a share of a Taylor step
+AFFINE_STATE_LIMIT = 1e200  # larger states are left to the Taylor steps, which deal with overflow
 
 
 class AffineMap(NamedTuple):
-    """z(t + h) = z(t) + matrix^T z(t) + shift, and what it takes to find it."""
+    """z(t + h) = z(t) + matrix^T z(t) + shift, and the numbers that it is computed from."""
 
-    matrix: np.ndarray  # (states, states), row i for the state i before
+    matrix: np.ndarray  # (states, states), row i: by how much state i before changes each state
     shift: np.ndarray  # (states,)
     linear: Numbers  # the numbers without constants
 
@@ -82,7 +82,7 @@ def select_unit_state(i, z):
 def change_in_step(J, order, h, change):
     """Write the change of the states in a step along the jets.
 
-    Without the start itself, so that slow motions keep all digits.
+    The state at the start is not added, so that slow motions keep all digits.
     """
     for i in range(change.shape[0]):
         total = J[i, order]
@@ -93,10 +93,10 @@ def change_in_step(J, order, h, change):
 
 @kernel
 def fill_affine_map(system, truncation, change, z, scratch):
-    """Find the change in a step that suits every state, by the series of the unit states; gives its length.
+    """Compute the map of a step that suits every state, by the series of the unit states; returns its length.
 
-    0 where such steps are much shorter than one from the state `z`: in overdamped scenes, once what
-    decays fast has gone; and where a number of the map is not finite.
+    Returns 0 where such a step is much shorter than one from the state `z`, as in overdamped scenes once
+    fast motions have decayed, and where a number of the map is not finite.
     """
     code, order, start, J = system.code, truncation.order, scratch.states, scratch.jets
     h = math.inf
@@ -119,7 +119,7 @@ def fill_affine_map(system, truncation, change, z, scratch):
 
 @inlined
 def largest_magnitude(z):
-    """Largest absolute value; infinite where one is no number."""
+    """Largest absolute value; infinite where one is NaN."""
     size = 0.0
     for value in z:
         size = max(size, abs(value)) if value == value else np.inf
@@ -128,9 +128,9 @@ def largest_magnitude(z):
 
 @inlined
 def apply_affine_map(change, z, new):
-    """Move the state on; `new` is scratch.
+    """Apply the map to the state `z`; `new` is scratch.
 
-    Four sums at a time, which do not wait for each other and stay in registers.
+    Four independent sums are computed at a time, which stay in registers.
     """
     matrix, shift, n = change.matrix, change.shift, z.shape[0]
     fours = n - n % PARTS
@@ -177,7 +177,7 @@ def advance_affine(system, truncation, change, run, record, scratch):
 
 @cache
 def order_of_tolerance(tol: float) -> int:
-    """ceil(1 - 0.7 ln(tol)), 4 at least; by decimal numbers, whose logarithm is the same everywhere."""
+    """ceil(1 - 0.7 ln(tol)), 4 at least; by decimal numbers, whose logarithm is the same on every machine."""
     return max(4, math.ceil(1 - Decimal("0.7") * Decimal(tol).ln()))
 
 
@@ -191,7 +191,8 @@ class Taylor(Method):
         Relative size of the last terms kept, for coordinates and velocities each by their own scale.
     order : int or None
         Order of the series; None takes ceil(1 - 0.7 ln(tol)), 26 at 1e-15.  Where products dominate the
-        cost, 0.5 would be cheapest (Jorba & Zou 2005); these models are mostly affine, which favours more.
+        cost, 0.5 instead of 0.7 would be cheapest (Jorba & Zou 2005); these models are mostly affine, which
+        favours higher orders.
     chatter : float
         Two flights in a row shorter than this (in seconds) are taken for chatter, and replaced by its limit
         (mode "chatter"); the error is proportional to its square.  0 computes every flight.
@@ -201,7 +202,7 @@ class Taylor(Method):
     accumulation : "close" or "raise"
         Whether to go on after chatter or a Zeno accumulation, counted in ``run.stats``, or end the run there.
     max_steps, max_events : int
-        A run that reaches one ends with a status and keeps what it has.
+        A run that reaches one of these ends with a status and keeps what it has computed.
 
     Examples
     --------

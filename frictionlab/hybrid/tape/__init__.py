@@ -8,7 +8,7 @@
     subexpressions share a slot.
 ``program``
     `Program`: the arrays of a whole automaton (`Code`), and `Numbers`, its coefficients for one set of
-    values; a program as data, which is kept for later processes, and back.
+    values; a program as data that is kept for later processes, and back.
 ``packing``
     `program_of`: packs the tapes of all modes and resets, and remembers the result by structure.
 ``lowering``

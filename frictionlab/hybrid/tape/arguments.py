@@ -1,8 +1,9 @@
-"""What the solver is given: an automaton, which is checked before any work is done, with one clear error; and
-expressions as text, such as a section "x1 - x2'", read by a parser that knows but arithmetic.
+"""What the solver is given: an automaton, and expressions as text, such as a section "x1 - x2'".
 
-sympy's own parser runs its text as Python, and computes 9**9**9. This one walks the tree of the text, knows
-numbers, the names it is given, + - * / ** and parentheses, and bounds all three.
+An automaton is checked before any work is done; one that is not well formed gives one clear error.  Text is
+read by a parser that knows nothing but arithmetic.  sympy's own parser runs its text as Python, and computes
+9**9**9.  This one walks the syntax tree of the text, accepts numbers, the names it is given, + - * / ** and
+parentheses, and bounds the length of the text, the numbers and the exponents.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ from frictionlab.validation import abbreviate, check_number, did_you_mean_or_kno
 
 NAME_PATTERN = re.compile(r"(?<![\w.])[A-Za-z_]\w*'?")  # x' is the rate of x
 MAX_LENGTH = 1000  # characters; a text that a person wrote is shorter
-MAX_EXPONENT = 100  # a power is a chain of as many products at most
+MAX_EXPONENT = 100  # a power becomes at most as many products
 MAX_NUMBER = 1e300  # within the range of double precision, with room for products
 OPERATIONS: dict[type, Callable[..., Any]] = {
     ast.Add: operator.add,
@@ -35,13 +36,13 @@ ARITHMETIC = "numbers, names, + - * / ** and parentheses are all that it may hol
 
 
 def check_automaton(automaton: Any) -> None:
-    """Raise TypeError for what is none, ValueError for a parameter whose value is no finite number."""
+    """Raise TypeError for what is no automaton, ValueError for a parameter that is no finite number."""
     if not isinstance(automaton, HybridAutomaton):
         cure = "write solve(automaton, t_end, x0=...)"
         cure = "use fl.simulate for a model" if hasattr(automaton, "automaton") else cure
         raise TypeError(f"automaton must be a HybridAutomaton, got {abbreviate(automaton)}: {cure}")
     for name, value in automaton.values.items():
-        if type(value) is float and isfinite(value):  # as those of models are, before every run
+        if type(value) is float and isfinite(value):  # the quick case, that of models
             continue
         number = float(value) if getattr(value, "is_real", False) else value  # of sympy, such as pi
         check_number(f"the parameter {name}", number, cure=f"give it one, such as replace({name}=1.0)")
@@ -53,7 +54,7 @@ def check_structure(
     parameters: Sequence[Symbol],
     coordinates: int,
 ) -> None:
-    """Raise ValueError with what was got, what was expected and the cure."""
+    """Raise ValueError unless the structure is well formed; it says what was got, expected, and the cure."""
     names = [mode.name for mode in modes]
     if not modes:
         raise ValueError("an automaton needs at least one mode, got none: add a frictionlab.Mode")
@@ -98,7 +99,10 @@ def _symbols(name: str, function: Any) -> set:
 def check_mode(
     mode: Mode, names: Sequence[str], states: tuple[Symbol, ...], known: frozenset[Symbol]
 ) -> None:
-    """Raise ValueError for one mode; `names` are those of all modes, `known` the states and parameters."""
+    """Raise ValueError, or TypeError for a text, unless a mode is well formed.
+
+    `names` are those of all modes, `known` are the states and parameters.
+    """
     if len(mode.flow) != len(states):
         raise ValueError(
             f"the flow of mode {mode.name!r} must have one expression per state ({len(states)}), "
@@ -147,7 +151,7 @@ def _expressions(mode: Mode):
 def read_expression(automaton: HybridAutomaton, text: Any, what: str) -> Any:
     """The text as an expression of the automaton's states and parameters; x' is the rate of x.
 
-    The name of an output, and what is no text, is returned as it is.
+    The name of an output, or an object that is no text, is returned as it is.
 
     Parameters
     ----------
@@ -202,7 +206,7 @@ def parse_expression(text: str, symbols: Mapping[str, Any]) -> Any:
     """
     if len(text) > MAX_LENGTH:
         raise ValueError(f"it has {len(text)} characters, of which at most {MAX_LENGTH} are read")
-    # x' is no name for Python, and `lambda` none for us to refuse.
+    # Each name gets a stand-in: x' is no name in Python, and a symbol may be called `lambda`.
     places = {name: f"_{i}" for i, name in enumerate(dict.fromkeys(names_in(text)))}
     source = NAME_PATTERN.sub(lambda name: places[name[0]], " ".join(text.split()))
     try:
@@ -230,7 +234,7 @@ def _value(node: ast.expr, symbols: Mapping[str, Any]) -> Any:
 
 
 def _bounded(found: Any) -> Any:
-    """What an operation gave, if the next one may take it: powers of powers grow without a bound."""
+    """The result of an operation, if it is within bounds: powers of powers grow without limit."""
     if found.has(sp.zoo, sp.nan, sp.oo, sp.I):
         raise ValueError("it divides by zero, takes a root of a negative number, or is infinite")
     for power in found.atoms(sp.Pow):

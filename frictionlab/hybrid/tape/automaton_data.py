@@ -1,9 +1,9 @@
 """An automaton as data that JSON can hold, and back; no text is evaluated on the way.
 
 Expressions are a list of *nodes* in the order in which they are made: a symbol, a number, or the name of an
-operation and the nodes that it is of, which come before it.  Only the operations of `operations` are made, as
-they were written, so that the automaton that is read gives the same tape and the same bits.  What a file
-holds may be anything: it is checked before sympy sees it, its size too.
+operation and the places of its arguments, which come before it.  Only the operations of `operations` are
+made, as they were written, so that the automaton that is read gives the same tape and the same bits.  A file
+may hold anything: its content and its size are checked before sympy sees it.
 """
 
 from __future__ import annotations
@@ -20,10 +20,10 @@ from frictionlab.hybrid.tape.functions import FUNCTIONS
 from frictionlab.lazy_names import sympy as sp
 
 MAX_NODES = 200_000  # of all expressions together
-MAX_DEPTH = 200  # of operations within operations: Python calls sympy's functions within each other so often
+MAX_DEPTH = 200  # of operations within operations: sympy's functions call each other to that depth
 MAX_SIZE = 1e6  # operations of an expression written out, with nothing shared
-MAX_BITS = 1e6  # of an exact number: powers of integers are computed to the last digit
-MAX_TERMS = 1e5  # of an event function or constraint multiplied out, as it is to find out what vanishes
+MAX_BITS = 1e6  # of an exact number: powers of integers are computed exactly
+MAX_TERMS = 1e5  # of an event function or constraint multiplied out, which shows what vanishes
 SYMBOL_BITS, MAX_PRECISION, MAX_EXPONENT = 64, 4096, 100_000
 MAX_CHARACTERS = 200  # of a name
 
@@ -38,7 +38,7 @@ class Operation:
     make: Callable[..., Any]
     least: int
     most: float = math.inf
-    takes: tuple[str, ...] = (NUMBER,)  # the last one goes for all that follow
+    takes: tuple[str, ...] = (NUMBER,)  # the last kind is that of all further arguments
     gives: str = NUMBER
 
     def unevaluated(self, arguments: Iterable[Any]) -> Any:
@@ -80,12 +80,12 @@ def constants() -> dict[str, Any]:
 
 
 class UnknownOperation(ValueError):
-    """An expression that the file has no operation for."""
+    """An expression that the file cannot hold: an unknown operation, too many terms, or no finite number."""
 
 
 @dataclass(frozen=True)
 class Node:
-    """An expression, with what bounds its size: see MAX_DEPTH and those that follow."""
+    """An expression with the measures of its size, which MAX_DEPTH and the constants after it limit."""
 
     expression: Any
     kind: str = NUMBER
@@ -99,9 +99,9 @@ class Node:
 
 
 def storable_automaton(automaton: HybridAutomaton) -> dict[str, Any] | str:
-    """The automaton as data that JSON can hold, or why it cannot be.
+    """The automaton as data that JSON can hold, or the reason why there is none, as text.
 
-    Of modes that are derived on demand, which may be 3^30, it has what they are derived from.
+    There may be 3^30 modes on demand; for these the data is what they are derived from.
     """
     modes = automaton.modes
     try:
@@ -132,7 +132,7 @@ def automaton_to_data(automaton: HybridAutomaton) -> dict[str, Any]:
     data["nodes"] = writer.written
     try:
         automaton_from_data(data)
-    except ValueError as error:  # too long, or not made again as it was
+    except ValueError as error:  # too long, or not reproduced as it was
         raise UnknownOperation(str(error)) from error
     return data
 
@@ -166,7 +166,7 @@ def _reset_to_data(reset: Reset, writer: _Writer) -> dict[str, Any]:
 
 
 class _Writer:
-    """The nodes written so far; equal expressions are one."""
+    """The nodes written so far; equal expressions share one."""
 
     def __init__(self) -> None:
         self.written: list[list[Any]] = []
@@ -177,11 +177,11 @@ class _Writer:
         return [self.node(expr) for expr in expressions]
 
     def node(self, expression: Any) -> int:
-        """Place of the node of an expression; those that are missing are written."""
+        """Place of the node of an expression; nodes that are missing are written first."""
         stack = [sp.sympify(expression, strict=True)]
         while stack:
             expr = stack[-1]
-            # exactly that expression: 2 and 2.0 are equal in some versions of sympy, and differ in bits
+            # known by type too: 2 and 2.0 are equal in some versions of sympy, and differ in bits
             missing = [arg for arg in _arguments(expr) if _key(arg) not in self._places]
             if missing:
                 stack += missing
@@ -198,7 +198,7 @@ class _Writer:
         if expr.is_Integer or expr.is_Rational:
             return ["Rational", int(expr.p), int(expr.q)]
         if expr.is_Float:
-            sign, mantissa, exponent, _ = map(int, expr._mpf_)  # `num`, the public one, rounds it to a float
+            sign, mantissa, exponent, _ = map(int, expr._mpf_)  # the public `num` rounds it to a float
             if mantissa == 0 and exponent:
                 raise UnknownOperation(f"{expr} is no finite number")
             return ["Float", -mantissa if sign else mantissa, exponent, expr._prec]
@@ -228,7 +228,7 @@ def automaton_from_data(data: Mapping[str, Any]) -> HybridAutomaton:
     Raises
     ------
     ValueError
-        Where it is no such data, whatever it is.
+        For anything that is not such data.
     """
     try:
         nodes = _nodes_from_data(data["nodes"])
@@ -290,7 +290,7 @@ def _operation_from_data(operation: Operation, of: list[Node]) -> Node:
 
 
 def _growth(make: Any, of: list[Node]) -> tuple[int, int]:
-    """Digits of what is computed exactly, and terms where it is multiplied out, at most."""
+    """Upper bounds of the bits of exact numbers, and of the terms of the expression multiplied out."""
     bits, terms = sum(node.bits for node in of), sum(node.terms for node in of)
     if make is sp.Mul:
         return bits, min(math.prod(node.terms for node in of), int(MAX_TERMS) + 1)
@@ -355,7 +355,7 @@ def _number(nodes: list[Node], place: Any) -> Any:
 
 
 def _expanded(nodes: list[Node], place: Any) -> Any:
-    """An expression that is going to be multiplied out."""
+    """An expression that will be multiplied out; raises ValueError where that gives too many terms."""
     expression = _number(nodes, place)
     if nodes[place].terms > MAX_TERMS:
         raise ValueError(f"an event function or constraint has more than {MAX_TERMS:g} terms, multiplied out")

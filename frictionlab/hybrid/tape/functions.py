@@ -1,17 +1,17 @@
 """The operations of a tape by their numbers, and its functions, each an entry of `FUNCTIONS`: all that the
-solver knows of tanh stands here.
+solver knows of a function such as tanh is in this file.
 
 All functions have one recurrence for Taylor coefficients, k y_k = sum of j a_j s_(k-j) for y = f(a), whose
-s = f'(a) is lowered to a tape of its own like any expression.  So interpreter, native code, lanes, gradients
-and tangents ask of a function only
+s = f'(a) is lowered to the tape like any expression.  So interpreter, native code, lanes, gradients and
+tangents need of a function only
 
-* its expression, a function of sympy, and its derivative (`Function`);
+* its expression, a sympy function, and its derivative (`Function`);
 * its value at a number (`function_value`);
-* its range: how far it may go on a disc of complex numbers (`function_range`), by which steps see a layer of
-  friction that lies ahead.
+* its range: how far it may go on a disc of complex numbers (`function_range`), by which the choice of a step
+  takes account of a steep part of a friction law that lies ahead.
 
 To add one: a number, a row of `FUNCTIONS`, a line in `function_value` and one in `function_range`.  The tests
-of functions go through the rows.
+of functions cover all rows.
 """
 
 from __future__ import annotations
@@ -46,11 +46,11 @@ class Function:
     kind : int
         Its number among the operations.
     name : str
-        That of the function of sympy that is lowered to it.
+        Name of the sympy function that is lowered to it.
     derivative : callable or None
-        f' as an expression of the argument; None for the one that sympy knows.
+        f' as an expression of the argument; None for the derivative that sympy gives.
     public : bool
-        Whether expressions of users may hold it; if not, it is the derivative of another only.
+        Whether expressions of users may contain it; if not, it serves only as the derivative of another.
     """
 
     kind: int
@@ -60,7 +60,7 @@ class Function:
 
     @property
     def expression(self) -> Any:
-        """The function of sympy."""
+        """The sympy function."""
         return sech2() if self.kind == SECH2 else getattr(sp, self.name)
 
     def slope(self, expr: Any) -> Expr:
@@ -72,7 +72,7 @@ class Function:
 def sech2() -> Any:
     """1/cosh(a)^2, the derivative of tanh: 1 - tanh(a)^2 would lose its digits where tanh is saturated.
 
-    Lost there, they are lost in the layer too, when a step comes from afar.
+    In a step from there to the steep part of tanh the loss would spoil the steep part too.
     """
     return type("sech2", (sp.Function,), {"nargs": 1, "__module__": __name__})
 
@@ -96,13 +96,13 @@ ALLOWED_OPERATIONS = "+, -, *, /, constant exponents, " + ", ".join(f.name for f
 
 @cache
 def function_table() -> dict[Any, Function]:
-    """The functions by those of sympy."""
+    """The functions by their sympy functions."""
     return {function.expression: function for function in FUNCTIONS}
 
 
 @kernel
 def function_value(kind, x):
-    """Value of a function; no number where there is none of this kind."""
+    """Value of a function; NaN where no function is of this kind."""
     if kind == EXP:
         return exponentials.exp(x)
     if kind == LOG:
@@ -144,7 +144,7 @@ def tanh_range(a, y, slope, d):
 
 @inlined
 def sech2_range(a, y, slope, d):
-    """The same for 1/cosh(z)^2."""
+    """The same as :func:`tanh_range` for 1/cosh(z)^2."""
     near = far = math.inf
     half = exponentials.sinh(0.5 * min(d, 2.0))
     tanh = min(0.5 * slope / y, 1.0) if y > 0.0 else 1.0
@@ -161,11 +161,11 @@ def sech2_range(a, y, slope, d):
 
 @kernel
 def function_range(kind, a, y, slope, d):
-    """Bound of |f(z) - f(a)| for complex |z - a| <= d, infinite where a pole or branch point is so near.
+    """Bound of |f(z) - f(a)| for complex |z - a| <= d, infinite where a pole or branch point may be so near.
 
     `y` and `slope` are the absolute values of f and its derivative at `a`.
     """
-    if kind == EXP:  # `y` may be below the smallest number where `a` is far below zero
+    if kind == EXP:  # `y` may have underflowed where `a` is far below zero
         return y * exponentials.expm1(d) if d < 1.0 else exponentials.exp(a + d)
     if kind == LOG:
         return -exponentials.log1p(-d / a) if d < a else math.inf

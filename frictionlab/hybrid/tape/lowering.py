@@ -1,9 +1,11 @@
-"""A mode and a reset lowered to their tapes, with what is asked of them as arrays; the numbers in tapes,
-constants and coefficients, as functions of the parameters; which functions are zero after a reset, whatever
+"""The tapes of modes and resets, the numbers in them, and the functions that are zero after a reset.
+
+A mode or a reset is lowered to its tape, with the slots of its functions as arrays.  The numbers in tapes,
+constants and coefficients, are functions of the parameters.  Some functions are zero after a reset whatever
 the numbers, so that their zeros there are no events.
 
-A program of modes on demand, whose numbers are a function each, is kept for later processes, and has all its
-modes: beside what is kept of any program there is what kernels need to choose among modes.
+A program of modes on demand has a separate function for each number.  It is kept for later processes with all
+its modes: the data of any program, and what kernels need to choose among modes (`Demand`).
 """
 
 from __future__ import annotations
@@ -34,10 +36,10 @@ from frictionlab.hybrid.tape.program import (
 from frictionlab.hybrid.tape.tape import AffineTerms, ResetBuilder, Tape, TapeBuilder
 from frictionlab.lazy_names import sympy as sp
 
-# Numbers from which on to write each as Python code takes seconds; they are then sums of a few expressions.
+# With so many numbers, printing each as Python code takes seconds; they are then sums of a few expressions.
 MANY_NUMBERS = 1000
-ON_DEMAND = "program on demand"  # the name under which one is kept
-_KEPT: WeakKeyDictionary[Any, Program] = WeakKeyDictionary()  # by what files hold of a structure
+ON_DEMAND = "program on demand"  # the name under which such a program is kept
+_KEPT: WeakKeyDictionary[Any, Program] = WeakKeyDictionary()  # programs by the `kept` of their structure
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,7 +66,7 @@ class LoweredTape:
 
 @dataclass(frozen=True, eq=False)
 class LoweredMode(LoweredTape):
-    """A mode's tape, and the slots of what is asked of it."""
+    """A mode's tape, and the slots of its flow, guards, constraints and sections."""
 
     flow: list[int]
     guards: list[int]
@@ -73,12 +75,12 @@ class LoweredMode(LoweredTape):
 
     @cached_property
     def degrees(self) -> list[float]:
-        """Of each slot, as a polynomial of the states."""
+        """Degree of each slot as a polynomial of the states; infinite where it is none."""
         return self.tape.degrees(self.guards)
 
     @cached_property
     def ranges(self) -> np.ndarray:
-        """(slots,) how the range of each is found."""
+        """(slots,) how the range of each on a disc is found, a :class:`tape.Range`."""
         return int_array(self.tape.ranges((*self.flow, *self.guards, *self.sections), self.guards))
 
     @cached_property
@@ -93,7 +95,7 @@ class LoweredMode(LoweredTape):
 
     @cached_property
     def polynomial_degree(self) -> int:
-        """The highest degree of those that are."""
+        """The highest degree of the slots that are polynomials."""
         return _finite(max(degree for degree in self.degrees if degree < math.inf))
 
     @cached_property
@@ -138,7 +140,7 @@ class LoweredReset(LoweredTape):
 def lower_mode(
     mode: Mode, states: tuple[Any, ...], sections: tuple[Section, ...], integrands: tuple[Any, ...]
 ) -> LoweredMode:
-    """Lower a mode with its sections; the integrands follow the flow."""
+    """Lower a mode with its sections; the integrands of quadratures follow the flow."""
     builder = TapeBuilder(states, _linear_terms(states))
     return LoweredMode(
         flow=[
@@ -153,7 +155,7 @@ def lower_mode(
 
 @lru_cache(maxsize=64)
 def _linear_terms(states: tuple[Any, ...]) -> dict[Any, AffineTerms]:
-    """Terms of expressions that are affine in the states: they are the same on every tape."""
+    """Terms of expressions that are affine in the states, shared by all tapes, on which they are the same."""
     return {}
 
 
@@ -175,20 +177,20 @@ def _finite(degree: float) -> int:
 
 
 def int_array(rows: Any, columns: int | None = None, kind: type = np.int64) -> np.ndarray:
-    """An array of integers; of so many columns where `rows` may be empty."""
+    """An array of integers; with `columns` given it has two axes, even where `rows` is empty."""
     array = np.array(rows, dtype=kind)
     return array if columns is None else array.reshape(len(rows), columns)
 
 
 def slot_array(rows: Sequence[Any], columns: int | None = None) -> np.ndarray:
-    """The same, unsigned, which spares the kernels the check for negative indices."""
+    """An array of unsigned integers, which spare the kernels the check for negative indices."""
     return int_array(rows, columns, np.uint32)
 
 
 def undefined_number(
     parameters: tuple[Any, ...], every: Sequence[LoweredTape], values: Sequence[float]
 ) -> str:
-    """The first number without a value, in words; empty where none is found."""
+    """A text that says which number is the first without a value; empty where none is found."""
     at = dict(zip(parameters, values, strict=True))
     exprs = _numbers_of(every)
     return next(filter(None, (undefined_part(expr, at) for expr in exprs)), "")
@@ -202,7 +204,10 @@ def _numbers_of(every: Sequence[LoweredTape]) -> list[Any]:
 def fill_function(
     parameters: tuple[Any, ...], every: Sequence[LoweredTape], apart: bool
 ) -> Callable[..., Any]:
-    """Function of the parameters that gives all constants, then the coefficients of all terms."""
+    """Function of the parameters that gives all constants, then the coefficients of all terms.
+
+    With `apart` each number has a function of its own.
+    """
     from frictionlab.hybrid.expression_functions import function_of_parameters  # which loads sympy
 
     if not apart:
@@ -219,7 +224,7 @@ def fill_function(
 
 
 class FunctionsApart(NamedTuple):
-    """Functions of one number each, and which of them gives each of many numbers."""
+    """Functions that give one number each, and for each of many numbers the function that gives it."""
 
     functions: tuple[Callable[..., float], ...]
     where: np.ndarray
@@ -232,7 +237,7 @@ class FunctionsApart(NamedTuple):
 class _NumberList:
     """Functions of the parameters for the numbers in tapes.
 
-    Each has the same bits whatever the others are: they share no subexpressions.
+    The bits of a number do not depend on the others: the functions share no subexpressions.
     """
 
     def __init__(self, parameters: tuple[Any, ...]) -> None:
@@ -242,7 +247,7 @@ class _NumberList:
         self.functions: list[Callable[..., float]] = []
 
     def places(self, lowered: LoweredTape) -> tuple[np.ndarray, np.ndarray]:
-        """Numbers of the functions of a tape's constants and coefficients."""
+        """Indices of the functions that give a tape's constants, and its coefficients."""
         if lowered not in self._places:
             tape = lowered.tape
             exprs = tape.constants, [coefficient for _, coefficient in tape.terms]
@@ -265,7 +270,7 @@ def _number_list(parameters: tuple[Any, ...]) -> _NumberList:
 
 
 def kept_program_on_demand(kept: Any, packed: Callable[[], Program]) -> Program:
-    """The program that files hold of a structure, `kept`; if they do not yet, what `packed` gives."""
+    """The program in the files of a structure, `kept`; if there is none yet, `packed` makes it."""
     if kept not in _KEPT:
         data = kept.get(ON_DEMAND)
         if data is not None:
@@ -278,7 +283,7 @@ def kept_program_on_demand(kept: Any, packed: Callable[[], Program]) -> Program:
 
 
 def _to_data(program: Program) -> dict[str, Any] | None:
-    """The program as data that JSON can hold; None where a number is no straight line."""
+    """The program as data that JSON can hold; None where a function is no straight line."""
     fill: Any = program._fill
     assert isinstance(fill, FunctionsApart)
     assert program.demand is not None
@@ -304,8 +309,8 @@ def _from_data(data: dict[str, Any], undefined: Callable[..., str]) -> Program:
 def structural_zeros(mode: Mode, event: Event, reset: Reset) -> Mapping[Any, int]:
     """How many leading Taylor coefficients are zero after the event's reset, by function up to its sign.
 
-    What the reset declares; besides, the function that triggered the event and the constraints of the
-    mode that ends were zero before it, and stay so unless the reset changes them.
+    The reset declares such functions.  Besides, the function that triggered the event and the constraints of
+    the mode that ends were zero before the reset; they stay zero unless it changes them.
     """
     zero: dict[Any, int] = {}
     for function, count in reset.vanishing.items():
@@ -320,9 +325,9 @@ def _survives(function: Expr, reset: Reset) -> bool:
     """Whether a function that was zero before the reset is zero after it."""
     if function.free_symbols.isdisjoint(reset.jump):
         return True
-    after: Any = sp.sympify(function.xreplace(dict(reset.jump)), strict=True)  # it may give numbers
+    after: Any = sp.sympify(function.xreplace(dict(reset.jump)), strict=True)  # a jump may be a plain number
     somewhere = after.xreplace(_integers(after.free_symbols))
-    if somewhere.is_Rational and somewhere != 0:  # exact, and found sooner than all products are
+    if somewhere.is_Rational and somewhere != 0:  # exact, and quicker than multiplying out
         return False
     return multiply_out(after) in (0, 0.0)  # to sympy these are two numbers
 
@@ -334,6 +339,6 @@ def _integers(symbols: set[Any]) -> dict[Any, Any]:
 
 @lru_cache(maxsize=4096)
 def sign_normal_form(function: Expr) -> Expr:
-    """The same for f and for -f, however they are written: both are zero together."""
+    """One form for f and -f, however they are written, as both are zero together."""
     expanded = multiply_out(function)
     return -expanded if expanded.could_extract_minus_sign() else expanded

@@ -61,8 +61,8 @@ def program_of(
 ) -> tuple[Program, Numbers]:
     """Program and numbers of an automaton; the program is remembered per structure.
 
-    Of modes that are derived on demand it has all, in the automaton's order, where it is to be `complete`;
-    else those derived so far, in the order in which they were, or all that are kept.
+    Of modes on demand, a `complete` program has all, in the automaton's order.  Otherwise it has those
+    derived so far, in the order in which they were, or all where such a program is kept.
 
     Raises
     ------
@@ -106,7 +106,7 @@ def pack_program(
     quadratures: tuple[tuple[str, Any], ...] = (),
     apart: bool = False,
 ) -> Program:
-    """Lower every mode and reset to its tape and pack them; `apart` evaluates each number on its own."""
+    """Lower every mode and reset to its tape and pack them; with `apart` each number has its own function."""
     check_structure(states, modes, parameters, coordinates)
     packer = Packer(states, sections, quadratures)
     for mode in modes:
@@ -115,7 +115,7 @@ def pack_program(
 
 
 def program_of_modes(automaton: HybridAutomaton, names: tuple[str, ...]) -> tuple[Program, Numbers]:
-    """The same of some modes that are derived on demand, in this order: for runs that were made elsewhere."""
+    """Program and numbers with these modes on demand, in this order, for runs from another process."""
     modes: Any = automaton.modes
     about = tuple(automaton.parameters), automaton.coordinates
     with _ONE_AT_A_TIME:
@@ -176,9 +176,9 @@ class _GrowingProgram:
 
 
 class GrowingArray:
-    """Integers that are appended to; what it has given away stays as it is.
+    """An array of integers to which others are appended; arrays that it has given stay as they are.
 
-    Programs that grow by a mode share them, as a copy for each would leave memory in pieces.
+    Programs that grow by one mode at a time share it, as a copy for each would fragment the memory.
     """
 
     def __init__(self, first: Sequence[int] = ()) -> None:
@@ -195,7 +195,7 @@ class GrowingArray:
 
     @property
     def array(self) -> np.ndarray:
-        """What there is by now."""
+        """The integers so far."""
         return self._room[: self.length]
 
 
@@ -217,19 +217,19 @@ class Packer:
         self.lowered: list[LoweredMode] = []
         self.resets: list[LoweredReset] = []
         self.event_resets: list[list[int]] = []
-        self.classes: dict[Any, int] = {}  # of functions, by their normal form up to the sign
+        self.classes: dict[Any, int] = {}  # numbers of classes of functions, by `sign_normal_form`
         self.guard_classes: list[int] = []
         self.constraint_classes: list[int] = []
-        self.zeros = GrowingArray([0])  # where what is zero after each reset ends, for both of each event;
-        self.zero_classes = GrowingArray()  # the classes of these functions,
-        self.zero_counts = GrowingArray()  # and the order to which each is zero
+        self.zeros = GrowingArray([0])  # for both resets of each event, where its part of these ends:
+        self.zero_classes = GrowingArray()  # classes of functions that are zero after the reset,
+        self.zero_counts = GrowingArray()  # and how many leading coefficients of each are zero
         self.listed: list[Combination] = []  # the targets of all events, where modes are on demand,
-        self.listed_lengths: list[int] = []  # and how many each has
+        self.listed_lengths: list[int] = []  # and how many each event has
         self._reset_numbers: dict[Reset, int] = {}
         self._conditions: Mode | None = None
 
     def add(self, mode: Mode) -> None:
-        """Put a mode behind the others."""
+        """Append a mode."""
         self.modes.append(mode)
         self.lowered.append(lower_mode(mode, self.states, self.sections, self.integrands))
         self.guard_classes += [self._class(event.function) for event in mode.events]
@@ -276,7 +276,7 @@ class Packer:
     def pack(
         self, parameters: tuple[Symbol, ...], coordinates: int, apart: bool, known: KnownModes | None = None
     ) -> Program:
-        """The program of the modes so far; with what is `known` of others where they are on demand."""
+        """The program of the modes so far; where modes are on demand, with what is `known` of the others."""
         lowered, constraint_classes, demand = self.lowered, self.constraint_classes, None
         if self.demand is not None and known is not None:
             conditions = self._conditions_mode(self.demand)
@@ -346,7 +346,7 @@ class Packer:
         )
 
     def _targets(self, initial: Sequence[int]) -> np.ndarray:
-        """The modes that each event leads to, then all others; none where modes are on demand."""
+        """For each event its targets, then all others, no limit modes; empty where modes are on demand."""
         if not initial:
             return np.zeros((len(self.event_resets), 0), dtype=np.int64)
         places = {mode.name: i for i, mode in enumerate(self.modes)}
@@ -381,7 +381,7 @@ def _joined(arrays: Sequence[np.ndarray], kind: type) -> np.ndarray:
 
 
 def _ops(every: Sequence[LoweredTape]) -> np.ndarray:
-    """All operations in one array, the affine ones' ranges moved to the common list of terms."""
+    """All operations in one array; ranges of affine ones are shifted to their places among all terms."""
     found = np.concatenate([np.zeros((0, 3), dtype=np.uint32), *(one.ops for one in every)])
     lengths = [len(one.tape.ops) for one in every]
     first = [0, *accumulate(len(one.tape.terms) for one in every)][:-1]

@@ -1,10 +1,10 @@
 """The arrays that the kernels run on: an automaton's structure as integers, its coefficients as floats.
 
-Arrays of `Code` have one row for each operation, function, guard or mode; shapes stand at each field.  A
-`Program` is these, with the function that gives its `Numbers`; those at the last values of the parameters are
-remembered (`numbers_at`).  It is kept for later processes (`kept_program`) as data that JSON can hold, its
-numbers as a straight line: of the tapes there are then the operations, which native code is written from,
-without the expressions of their numbers.
+Arrays of `Code` have one row for each operation, function, guard or mode; each field has a note of its shape.
+A `Program` consists of these arrays and the function that gives its `Numbers`; those at the last values of
+the parameters are remembered (`numbers_at`).  A program is kept for later processes (`kept_program`) as data
+that JSON can hold, the function of its numbers as a `StraightLine`.  Its tapes then have the operations, from
+which native code is written, without the expressions of their numbers.
 """
 
 from __future__ import annotations
@@ -30,8 +30,8 @@ class Demand(NamedTuple):
     """Modes that are combinations of regimes, one for each part, of which only some are derived.
 
     The code's last mode then stands for all others: it holds no events and cannot be entered; its
-    constraints are the conditions of all regimes, none of which may be negative where a mode with it is
-    entered.
+    constraints are the conditions of all regimes.  Where a mode is entered, none of those of its regimes may
+    be negative.
     """
 
     regimes: np.ndarray  # (parts + 1,) range of each part's regimes, numbered through all parts
@@ -56,33 +56,33 @@ class Code(NamedTuple):
     mode_guards: np.ndarray  # (modes + 1,)
     mode_constraints: np.ndarray  # (modes + 1,) numbered after all guards
     function_slots: np.ndarray  # (guards + constraints,)
-    targets: np.ndarray  # (guards, modes but for limits) in the order in which they are tried; none on demand
-    limits: np.ndarray  # (limit modes,) which closing an accumulation tries before
+    targets: np.ndarray  # (guards, modes without limit modes) in the order of trial; none on demand
+    limits: np.ndarray  # (limit modes,) tried first where an accumulation is closed
     resets: np.ndarray  # (guards, 2) number of the reset, and of the one that closes an accumulation
     function_classes: (
         np.ndarray
-    )  # (functions,) functions that are equal up to the sign; 0: never zero by construction
+    )  # (functions,) one class for functions equal up to the sign; 0: never zero by construction
     zeros: (
         np.ndarray
-    )  # (2 guards + 1,) ranges of what is zero by construction after those two resets, in turn
-    zero_classes: np.ndarray  # classes that are zero, and
+    )  # (2 guards + 1,) ranges of what is zero by construction after each of a guard's two resets, in turn
+    zero_classes: np.ndarray  # in these ranges: classes of functions that are zero, and
     zero_counts: np.ndarray  # how many of their leading coefficients
     reset_ops: np.ndarray  # (resets + 1,)
     reset_out: np.ndarray  # (resets, states) slot that holds a state's new value
     sections: np.ndarray  # (modes, sections) slots
     directions: np.ndarray  # (sections,) +1 rising, -1 falling, 0 both
     native: np.ndarray  # (modes,) addresses of native code, 0 where there is none
-    lanes: np.ndarray  # (modes,) the same of a step of several runs side by side
-    built: np.ndarray  # (modes,) whether it is derived; if not, its constraints must not be negative
+    lanes: np.ndarray  # (modes,) the same for the code of a step of several runs side by side
+    built: np.ndarray  # (modes,) whether the mode is derived; if not, its constraints are those of `Demand`
     powers: np.ndarray  # (modes,) whether there are powers, whose base may be zero
     degrees: (
         np.ndarray
-    )  # (modes,) of the polynomials in a mode, NOT_POLYNOMIAL where there are other functions
-    ranges: np.ndarray  # (operations,) how its range on a disc is found, a :class:`tape.Range`
+    )  # (modes,) highest degree of a mode's polynomials, NOT_POLYNOMIAL where there are other functions
+    ranges: np.ndarray  # (operations,) how the range of its result on a disc is found, a :class:`tape.Range`
     state_ranges: np.ndarray  # (modes, states) the same of the states
     polynomial: np.ndarray  # (operations,) whether it is a polynomial of the states
-    polynomial_degrees: np.ndarray  # (modes,) the highest of those that are
-    guard_degrees: np.ndarray  # (guards,) the same of the event functions
+    polynomial_degrees: np.ndarray  # (modes,) highest degree of those slots that are polynomials
+    guard_degrees: np.ndarray  # (guards,) degrees of the event functions
     groups: np.ndarray  # (4,) bounds of the coordinates, the velocities, the other states; integrals follow
 
 
@@ -126,7 +126,7 @@ class Program:
     guard_modes: np.ndarray
     initial: np.ndarray  # modes in the order in which they are tried at the start
     _fill: Callable[..., Sequence[float]]
-    _undefined: Callable[[Sequence[float]], str]  # which number has no value at those of the parameters
+    _undefined: Callable[[Sequence[float]], str]  # says which number has no value at given parameters
     demand: Demand | None = None  # what is known of all modes where only some are derived
     grown_from: Any = None  # a weak reference to the program whose modes are the first of these, if any
 
@@ -136,7 +136,7 @@ class Program:
         Raises
         ------
         ValueError
-            Where one has no real value there, such as the root of a negative number.
+            Where a coefficient has no real value there, such as the root of a negative number.
         """
         try:
             filled = np.array(self._fill(*values), dtype=float)
@@ -158,11 +158,11 @@ class Program:
         }
 
 
-_KEPT_PROGRAMS: WeakKeyDictionary[Any, Program] = WeakKeyDictionary()  # by what files hold of a structure
+_KEPT_PROGRAMS: WeakKeyDictionary[Any, Program] = WeakKeyDictionary()  # keys: what files hold of a structure
 
 
 def numbers_at(program: Program, values: Iterable[Any]) -> Numbers:
-    """The program's numbers at values of the parameters, into which nothing writes."""
+    """The program's numbers at values of the parameters; nothing may write into their arrays."""
     return _numbers_at(program, array("d", values).tobytes())
 
 
@@ -172,7 +172,7 @@ def _numbers_at(program: Program, values: bytes) -> Numbers:  # bits tell 0 from
 
 
 def kept_program(kept: Any, packed: Callable[[], Program]) -> Program:
-    """The program that files hold of a structure, `kept`; if they do not yet, what `packed` gives."""
+    """The program of a structure from files, `kept`; if it is not there yet, the one that `packed` makes."""
     if kept not in _KEPT_PROGRAMS:
         data = kept.get("program")
         if data is not None:
@@ -184,7 +184,7 @@ def kept_program(kept: Any, packed: Callable[[], Program]) -> Program:
 
 
 def program_to_data(program: Program, fill: Callable[..., Any]) -> dict[str, Any] | None:
-    """The program, with the function that gives its numbers; None where that is no straight line."""
+    """The program with the function that gives its numbers, as data; None where that is no straight line."""
     numbers = straight_line_data(fill, OF_PARAMETERS)
     if numbers is None:
         return None
@@ -202,7 +202,7 @@ def program_to_data(program: Program, fill: Callable[..., Any]) -> dict[str, Any
 
 
 def program_from_data(data: Mapping[str, Any], undefined: Callable[[Sequence[float]], str]) -> Program:
-    """The program that :func:`program_to_data` described; `undefined` says which number has no value."""
+    """The program from what :func:`program_to_data` gave; `undefined` says which number has no value."""
     return Program(
         Code(**{name: _array_from_data(value) for name, value in data["code"].items()}),
         tuple(map(_tape_from_data, data["tapes"])),

@@ -2,8 +2,8 @@
 
 The first slots are the states, every operation writes one more.  There are few operations, each with a
 recurrence for Taylor coefficients (:mod:`frictionlab.hybrid.kernels.jets`), and the numbers in them (the
-coefficients of affine combinations) are expressions of the parameters alone.  So a tape depends on the
-structure of a model; its parameter values fill in afterwards.
+coefficients of affine combinations) are expressions of the parameters alone.  So a tape depends only on the
+structure of a model; parameter values are filled in afterwards.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ class Range(IntEnum):
     """How the range of a slot on a disc is found."""
 
     UNUSED = 0  # no rate, guard or section depends on it
-    WHEN_BLIND = 1  # by its operands, where the last terms of polynomials do not tell
+    WHEN_BLIND = 1  # by its operands, but only where the last terms of polynomials do not tell
     OPERATION = 2  # by its operands
     BOTH = 3  # by its operands and by its own series, as terms of a sum may cancel
     SERIES = 4  # by its own series, which is exact
@@ -53,8 +53,8 @@ class Tape:
 
     ``ops`` holds (kind, a, b): two slots, or for an affine combination the range [a, b) of ``terms``;
     its constant is ``constants[i]``.  Operation i writes slot ``inputs + i``.  A function f(a), and a power
-    with the exponent ``constants[i]``, follow upon the rate t a' of their argument; b is the slot of f'(a),
-    which may come later, as it is needed in lower orders only.
+    with the exponent ``constants[i]``, come directly after the rate t a' of their argument; b is the slot of
+    f'(a), which may come later, as it is needed only in lower orders.
     """
 
     inputs: int
@@ -68,16 +68,16 @@ class Tape:
         return self.inputs + len(self.ops)
 
     def emit(self, kind: int, a: int, b: int, constant: Expr = 0) -> int:
-        """Append an operation, return the slot it writes."""
+        """Append an operation; returns the slot it writes."""
         self.ops.append((kind, a, b))
         self.constants.append(sp.sympify(constant, strict=True))
         return self.slots - 1
 
     def degrees(self, guards: Sequence[int] = ()) -> list[float]:
-        """Degree of each slot as a polynomial of the states; infinite where it is none.
+        """Degree of each slot as a polynomial of the states; infinite where it is not one.
 
-        A power of a guard counts as 1: it has no series at zero only, where the mode ends, and the terms of
-        its series tell how near that is.
+        A power of a guard counts as degree 1: it lacks a series only at zero, where the mode ends, and the
+        terms of its series tell how near that is.
         """
         degrees = [1.0] * self.inputs
         for kind, a, b in self.ops:
@@ -92,7 +92,7 @@ class Tape:
         return degrees
 
     def operands(self, op: int) -> list[int]:
-        """Slots that an operation is of; none for a rate, which belongs to the next operation."""
+        """Operands of an operation, as slots; none for a rate, which belongs to the next operation."""
         kind, a, b = self.ops[op]
         if kind == AFFINE:
             return [slot for slot, _ in self.terms[a:b]]
@@ -103,8 +103,8 @@ class Tape:
     def ranges(self, outputs: Sequence[int], guards: Sequence[int]) -> list[Range]:
         """How the range of each slot on a disc is found, where `outputs` are asked for their remainders.
 
-        Those of polynomials show in the last terms of their series, so what only they are made of is left
-        out, unless these terms do not tell.
+        Remainders of polynomials show in the last terms of their series.  So slots that serve only
+        polynomials need no range, unless these terms do not tell (WHEN_BLIND).
         """
         degrees, linear = self.degrees(guards), self._linear()
         curved, needed = {slot for slot in outputs if degrees[slot] == math.inf}, set[int]()
@@ -152,7 +152,8 @@ class Tape:
 class TapeBuilder:
     """Lowers expressions onto one tape; equal subexpressions share a slot.
 
-    `linear` holds the terms of expressions that are affine in the states; tapes share what they find.
+    `linear` holds the terms of expressions that are affine in the states; tapes that get the same dict share
+    what they find.
     """
 
     def __init__(self, states: Sequence[Any], linear: dict[Expr, AffineTerms] | None = None) -> None:
@@ -275,7 +276,7 @@ class TapeBuilder:
         if key not in self._slots:
             terms = self.tape.terms
             first = len(terms)
-            # By slot, so that what is computed last is added last and nothing waits for it.
+            # By slot: the sum need not wait for the slot that is computed last.
             ordered = sorted(slot for slot in combination if slot != CONSTANT_TERM)
             terms.extend((slot, combination[slot]) for slot in ordered)
             constant = combination.get(CONSTANT_TERM, sp.S.Zero)
@@ -284,7 +285,7 @@ class TapeBuilder:
 
 
 class ResetBuilder(TapeBuilder):
-    """A reset is a function of one state, with no series: it may have corners."""
+    """Lowers resets, of which only values are needed, no series: they may have corners (Abs)."""
 
     def _lower_new(self, expr: Expr) -> AffineTerms:
         if expr.func is sp.Abs:

@@ -50,9 +50,9 @@ class TangentFlow(Drawable):
     events : Events
         The run's events.
     saltations : array (E, n, n)
-        The saltation matrix of each.
+        The saltation matrix of each event.
     names : tuple of str
-        Of the states.
+        Names of the states.
     """
 
     drawn_by = "plot_tangent_flow"
@@ -71,10 +71,10 @@ def tangent_flow(run: Trajectory, *, progress: bool = True) -> TangentFlow:
     """Fundamental matrix of a run: its variational equation, with a saltation matrix at every event.
 
     The series are those of the run's tape, differentiated operation by operation, so that the matrix is as
-    exact as the run.  Where stick begins the matrix loses a rank: neighbours stick as well.  In a run that
-    starts in a mode with constraints (stick) only perturbations that keep them have a derivative; others are
-    projected onto these first.  Where a run starts on the boundary of its mode (at rest on the belt) the
-    derivative is that for neighbouring states inside.
+    exact as the run.  Where stick begins the matrix loses a rank: neighbouring motions stick as well.
+    In a run that starts in a mode with constraints (stick) only perturbations that keep them have a
+    derivative; others are projected onto these first.  Where a run starts on the boundary of its mode (at
+    rest on the belt) the derivative is that for neighbouring states inside.
 
     Parameters
     ----------
@@ -153,7 +153,7 @@ def end_rates(run: Trajectory) -> tuple[np.ndarray, np.ndarray]:
 
 
 def check_taylor_run(run: Trajectory) -> None:
-    """Raise for what is no run, or one of a method whose events are not exact."""
+    """Raise for what is not a run, or is a run of a method whose events are not exact."""
     if not isinstance(run, Trajectory):
         raise TypeError(
             f"run must be a Trajectory, got {run!r}: give what frictionlab.simulate or solve returns"
@@ -201,8 +201,8 @@ def event_saltation(run: Trajectory, i: int) -> np.ndarray:
 class Growth(NamedTuple):
     """How tangent vectors grow."""
 
-    size: np.ndarray  # (states,) by which each component is measured
-    sums: np.ndarray  # (directions,) of the logarithms of the factors
+    size: np.ndarray  # (states,) the unit in which each component is measured
+    sums: np.ndarray  # (directions,) sums of the logarithms of the growth factors
 
 
 @kernel
@@ -258,8 +258,8 @@ def tangent_growth(run: Trajectory, rows: np.ndarray, size: np.ndarray) -> tuple
 
 
 def _orthonormalise_after_event(rows: np.ndarray, size: np.ndarray, growth: np.ndarray) -> np.ndarray:
-    """Orthonormalise after an event; a vector that it removes, with a growth of -inf, is replaced by any
-    other."""
+    """Orthonormalise after an event; a vector that it removes has a growth of -inf and is replaced by an
+    arbitrary one."""
     columns = (rows / size).T
     frame, upper = np.linalg.qr(columns)
     kept, lengths = np.abs(np.diag(upper)), np.linalg.norm(columns, axis=0)

@@ -50,7 +50,7 @@ def add_convolution(sign, J, a, T, b, first, k, total):
 
 @kernel
 def power_tangent(exponent, a, out, k, J, T, total):
-    """Add coefficient k of a power's derivatives, from a u' = p u a'; constant where it has no series."""
+    """Add coefficient k of a power's derivatives, from a u' = p u a'; nothing where it has no series."""
     if J[a, 0] > 0.0 and (k == 0 or has_series(J[a, 0], J[a, 1], J.shape[1] - 1)):
         add_convolution(exponent, J, out, T, a, 0, k, total)
         add_convolution(-1.0, J, a, T, out, 1, k, total)
@@ -88,9 +88,9 @@ def operation_tangent(code, numbers, op, out, k, J, T):
 
 @kernel
 def tangent_jets(code, numbers, operations, order, flow, scratch):
-    """Tangent jets of the slots that a range of operations, (first, last + 1), write.
+    """Tangent jets of the slots that `operations`, a range (first, last + 1), write.
 
-    The jets are given, and so is column 0 of the states' tangents; ``flow`` as in ``run_tape``.
+    The jets and column 0 of the states' tangents are given; ``flow`` is as in ``run_tape``.
     """
     inputs, J, T = code.inputs, scratch.J, scratch.T
     first, last = operations
@@ -131,7 +131,7 @@ def carry_step(code, numbers, truncation, mode, longest, z, frame, scratch):
     """Propagate the state `z` and the rows of `frame`, tangent vectors, by one step in a mode.
 
     The step is as long as the series of the tangents allow: near an equilibrium the state's would allow any.
-    Returns its length, which is not positive, or no number, where the series diverge.
+    Returns its length, which is not positive, or NaN, where the series diverge.
     """
     operations, flow = mode_operations(code, mode), code.flow[mode]
     order, J, T = truncation.order, scratch.J, scratch.T
@@ -242,7 +242,7 @@ def _reset_jacobian(program: Program, numbers: Numbers, reset: int, z: np.ndarra
     if reset < 0:
         return np.eye(len(z))
     code, first = program.code, program.code.reset_ops
-    # The order is 0 but for the jets of `_linear`, which take the new values for rates and are not used.
+    # Only order 0 counts: the higher jets of `_linear` take the new values for rates, and are not used.
     tape = _linear(program, numbers, (first[reset], first[reset + 1]), code.reset_out[reset], z)
     return tape.gradients[code.reset_out[reset]]
 

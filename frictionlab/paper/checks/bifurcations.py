@@ -36,7 +36,7 @@ EXPECTED_OUTCOMES = {
 START_WORDS = {"near": "near", "rest": "far"}
 CYCLE_FREQUENCY = 1.58, 0.005  # Hz, and half a unit of its last digit
 
-SECTION_SPREAD = 0.1  # share of its largest size within which a section value counts as nearly the same
+SECTION_SPREAD = 0.1  # of their largest size: section values that differ by less are nearly the same
 MIN_RANK_CORRELATION = 0.5  # rank correlation with mu_k above which the intensity "generally gets stronger"
 
 
@@ -99,7 +99,7 @@ def _check_sections(setting: Setting) -> Finding:
 
 
 def _by_range(b: Any, ranges: Mapping[str, tuple[str, float, float]]) -> tuple[str, dict[str, bool]]:
-    """Stretches and counts in words, and whether each range is of one kind throughout."""
+    """Intervals and counts as text, and whether each range has one kind throughout."""
     held, counts = {}, []
     for text, (kind, first, last) in ranges.items():
         there = is_kind(b, kind)[in_range(b, first, last, open_end=True)]
@@ -121,7 +121,7 @@ def _check_coexistence(setting: Setting) -> Finding:
 
 
 def _solutions_coexist(rest: Any, near: Any, first: float, last: float) -> bool:
-    """Whether from rest it vibrates and from near it comes to rest, all through a range."""
+    """Whether all motions from rest vibrate and all from near the equilibrium come to rest, in a range."""
     vibrates = is_vibration(rest)[in_range(rest, first, last)].all()
     return bool(vibrates and is_kind(near, MotionKind.EQUILIBRIUM)[in_range(near, first, last)].all())
 
@@ -230,7 +230,7 @@ WITH_GEOMETRY = RESPONSE_CHECKS | CONTACT_CHECKS
 
 MAX_PERIOD_VARIATION = 0.02  # share by which the period of a nearly unchanged oscillation may vary
 MAX_CYCLE_DIFFERENCE = 0.02  # share by which cycles that are alike may differ in range or period
-MAX_ROUGHNESS = 1.05  # variation along the sweep over the difference of its ends: 1 without any way back
+MAX_ROUGHNESS = 1.05  # variation along the sweep over the difference of its extremes: 1 if monotonic
 
 
 def _check_unchanged(setting: Setting) -> Finding:

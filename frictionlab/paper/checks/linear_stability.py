@@ -38,7 +38,7 @@ EIGENVALUES = {
     1.4: (("-0.05", "98.7"), ("-0.048", "93.7")),
     2.5: (("11.98", "102.6"), ("-12.08", "102.6")),
 }
-COALESCENCE_SHARE = 0.02  # share of their first distance to which two frequencies that coalesce come together
+COALESCENCE_SHARE = 0.02  # of their first distance: two frequencies that come nearer coalesce
 
 
 def _equilibrium(name: str) -> Claim:
@@ -120,7 +120,7 @@ def _critical_falls() -> Claim:
 
 
 def _rising_ranges(curve: CriticalCurve) -> list[str]:
-    """Where the critical value grows with the preload, run by run; at a jump, all that happens with mu_k."""
+    """Each range of the preload in which the critical value grows; at a jump all changes of stability too."""
     up = np.concatenate([[0], np.diff(curve.values) >= 0, [0]])
     runs = zip(np.flatnonzero(np.diff(up) == 1).tolist(), np.flatnonzero(np.diff(up) == -1).tolist())
     return [

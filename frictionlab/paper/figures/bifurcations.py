@@ -1,6 +1,6 @@
 """Figs 7 to 15: single motions, and steady states against mu_k and against the preload.
 
-Figs 7 and 8: motions from near the equilibrium and from rest, and what they come to.  The paper gives
+Figs 7 and 8: motions from near the equilibrium and from rest, and what they settle to.  The paper gives
 no initial states: "near" is the equilibrium displaced by 1 %, "far" is rest.  Figs 9, 11 and 13 show
 section points, 10, 12 and 14 the intensity, 15 both.  GN is the geometrical nonlinearity.
 """
@@ -41,9 +41,9 @@ DECADES = 5
 
 SECTION_FIGURES = {9: (1e4,), 11: (0.0, 1e7), 13: scenes.CONTACT_STIFFNESSES}  # k_nl of each
 INTENSITY_FIGURES = {10: (1e4,), 12: scenes.CONTACT_STIFFNESSES, 14: scenes.CONTACT_STIFFNESSES}
-FIGURES_WITHOUT_GEOMETRY = (13, 14)  # GN
+FIGURES_WITHOUT_GEOMETRY = (13, 14)  # without GN
 PHASE_PLANE_MU_K = 2.0  # mu_k of Figs 13d to f
-PLANES_SHOWN = 0.3  # seconds of them
+PLANES_SHOWN = 0.3  # seconds shown in these
 
 
 @dataclass(frozen=True, eq=False)
@@ -232,7 +232,7 @@ def _title(letter: str, model: Any, k_nl: float, columns: int) -> str:
 
 
 def _row_legends(panels: Any) -> None:
-    """One for each row, of all that occurs in it."""
+    """One legend for each row, with all labels in that row."""
     for row in panels:
         handles = {h.get_label(): h for ax in row for h in ax.get_legend_handles_labels()[0]}
         legend_beside(row[-1], list(handles.values()))

@@ -62,7 +62,7 @@ def growing_modes(locus: RootLocus) -> list[int]:
 
 
 def coupled_pair(locus: RootLocus, mode: int) -> tuple[int, int]:
-    """A growing mode and that with the nearest frequency where it grows fastest, in ascending order."""
+    """A growing mode and the one nearest in frequency where it grows fastest, by ascending index."""
     row = locus.frequencies[np.nanargmax(locus.growth_rates[:, mode])]
     apart = np.abs(row - row[mode])
     apart[mode] = np.inf
@@ -71,7 +71,7 @@ def coupled_pair(locus: RootLocus, mode: int) -> tuple[int, int]:
 
 
 def stability_changes_text(changes: Iterable[StabilityChange]) -> str:
-    """ "0 -> 1 at mu_k 1.5138 (15.61 Hz)" and so on: how the number of growing modes goes with mu_k."""
+    """ "0 -> 1 at mu_k 1.5138 (15.61 Hz)" and so on: how the number of growing pairs changes with mu_k."""
     steps = [
         f"{c.unstable[0]} -> {c.unstable[1]} at {c.value:.4f} ({c.frequency:.2f} Hz)" for c in changes
     ] or ["no change"]
@@ -194,7 +194,7 @@ def _refined_curve(model: SliderOnBelt) -> CriticalCurve:
             break
         between = 0.5 * (curve.at[steep] + curve.at[steep + 1])
         curve = _merge_curves(curve, critical_curve(model, "mu_k", MU_K, over=("F", between)))
-    curve.at.flags.writeable = curve.values.flags.writeable = False  # the cache gives it out again
+    curve.at.flags.writeable = curve.values.flags.writeable = False  # the cache returns the same arrays again
     return curve
 
 

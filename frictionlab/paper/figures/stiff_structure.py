@@ -46,7 +46,7 @@ PANELS_WITHOUT = {
     "geometry only": ("cubic", "nonsmooth"),
     "non-smooth only": ("cubic", "geometry"),
 }
-UNBOUNDED_PANEL = "geometry only"  # without bound, so that the number of steps has to have one
+UNBOUNDED_PANEL = "geometry only"  # its motion grows without bound, so the number of steps is limited
 MAX_STEPS = 300_000
 
 
@@ -78,7 +78,7 @@ def _comparison_figure(setting: Setting) -> PaperFigure:
 
 
 def steady_states_compared(setting: Setting) -> dict[str, SteadyState]:
-    """Both steady states at mu_k = 2.5."""
+    """The steady states at mu_k = 2.5, with and without the non-smooth behaviours."""
     models = {
         name: scenes.stiff_model(nonsmooth).replace(mu_k=MU_K) for nonsmooth, name in VARIANT_NAMES.items()
     }
@@ -86,7 +86,7 @@ def steady_states_compared(setting: Setting) -> dict[str, SteadyState]:
 
 
 def samples(found: SteadyState, name: str, seconds: float | None = None) -> tuple[Any, Any]:
-    """Times and values of a state or of the normal force over the last seconds, or all of the window."""
+    """Times and values of a state or of the normal force over the last `seconds`, or the whole window."""
     run = found.trajectory
     length = run.raw.t if seconds is None else min(seconds, run.raw.t)
     count = SAMPLES if seconds is not None else 40 * SAMPLES
@@ -95,7 +95,7 @@ def samples(found: SteadyState, name: str, seconds: float | None = None) -> tupl
 
 
 def contact_force(run: Any, t: Any) -> Any:
-    """F_N without impulses, as in the paper, so without their mean in chatter, where F_T = 0."""
+    """F_N without impulses, as in the paper: zero in chatter, where F_T = 0 and F_N is their mean."""
     return np.where(run.output("friction_force", t) == 0.0, 0.0, run.output("normal_force", t))
 
 
@@ -195,14 +195,14 @@ class FrequencyPanel:
 
     @property
     def deviations(self) -> Array:
-        """|f - f_e|/f_e of the strongest line where both exist, (K,)."""
+        """|f - f_e|/f_e of the strongest line f and the fastest eigenvalue's f_e, where both exist, (K,)."""
         both = np.isfinite(self.strongest) & np.isfinite(self.fastest)
         return np.abs(self.strongest - self.fastest)[both] / self.fastest[both]
 
 
 @dataclass(frozen=True, eq=False)
 class ResponseFrequencies:
-    """What Fig. 18 shows, by what is left in."""
+    """What Fig. 18 shows: panels by the nonlinearities that are left in."""
 
     panels: dict[str, FrequencyPanel]
 
@@ -215,7 +215,7 @@ def frequency_figure(number: int, setting: Setting) -> PaperFigure:
 
 
 def frequency_panel(name: str, setting: Setting) -> FrequencyPanel:
-    """One of the four."""
+    """One of the four panels of Fig. 18."""
     model = scenes.STIFF.without(*PANELS_WITHOUT[name])
     values = scenes.mu_k_stiff(setting)
     times, method = scenes.times_of(model, setting), setting.method

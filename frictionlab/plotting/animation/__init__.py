@@ -1,10 +1,10 @@
 """A model's mechanism in motion.
 
     parts           where each part of a model's `Mechanism` is in every frame, as shapes and numbers
-    tilting_belt    the same of the slider on the tilting belt, Fig. 1 of the paper; it and its forces as
+    tilting_belt    the same for the slider on the tilting belt, Fig. 1 of the paper; mechanism and forces as
                     matplotlib artists, moved from frame to frame
-    animate         `fl.animate`: the picture of a run in its frames, by one of these two, and the phase plane
-                    beside it, as a film
+    animate         `fl.animate`: a film of the mechanism, drawn by one of these two, with the phase plane
+                    beside it
 
 A run and its model's mechanism become a picture, and a picture becomes artists.  `fl.watch`
 (widgets/canvas.py) sends the same picture to the browser.

@@ -127,7 +127,7 @@ def mechanism_of(run: Any, function: str) -> Mechanism | TiltingBelt:
     Raises
     ------
     TypeError
-        For what is no run.
+        If `run` is not a Trajectory.
     ValueError
         If the model has no mechanism.
     """
@@ -135,7 +135,7 @@ def mechanism_of(run: Any, function: str) -> Mechanism | TiltingBelt:
     source = run.source
     if isinstance(source, Model) and source.mechanism is not None:
         return source.mechanism
-    if source is None and is_tilting_belt(run):  # of the model's automaton alone
+    if source is None and is_tilting_belt(run):  # a run of the model's automaton alone
         return TiltingBelt()
     of = type(run.automaton if source is None else source).__name__
     raise ValueError(
@@ -178,8 +178,8 @@ def animate(
     """Animate a run: the model's mechanism, coloured by mode, with the contact forces and the phase plane.
 
     Dampers are left out.  Displacements and the travel of a belt are magnified, its tilt is not.  The slider
-    of :class:`SliderOnBelt` stands on its contact spring (k2, k_nl) on the belt, which k4, k5 and k6 hold;
-    forces are those on the slider.
+    of :class:`SliderOnBelt` stands on its contact spring (k2, k_nl) on the belt, which the springs k4, k5
+    and k6 hold; the forces drawn are those on the slider.
 
     Parameters
     ----------
@@ -187,14 +187,14 @@ def animate(
         Of a model that has a `mechanism`: any model of the package, or one of your own with a few lines for
         its picture (:class:`~frictionlab.models.Mechanism`).
     window : float, (float, float) or None
-        The last so many seconds, from one time to another, or the whole run; by default three periods.
+        Seconds at the end, start and end time, or None for the whole run; by default three periods.
     speed : float or None
         Seconds of the run in a second of the animation: 0.05 is twenty times slower than reality.  None makes
-        it last some six to fifteen seconds.
+        the animation last some six to fifteen seconds.
     fps : float
         Frames a second.
     magnify : float or None
-        Factor of the displacements, which the picture states; None makes the largest well visible.
+        Factor of the displacements, which the picture states; None makes the largest one well visible.
     figure : Figure or None
         Where to draw; None makes a new figure that belongs to no window.
 
@@ -239,7 +239,7 @@ def animate(
 
 
 def frame_times(start: float, stop: float, step: float) -> Array:
-    """Times of the frames, both ends of the window as far as the step allows."""
+    """Times of the frames: from `start` in steps of `step`, as far as `stop`."""
     return np.minimum(start + step * np.arange(int((stop - start) / step * (1 + SAMPLING_RTOL)) + 1), stop)
 
 
@@ -252,7 +252,7 @@ def _build_scene(run: Any, figure: Figure, picture: BeltPicture | Parts) -> Anim
     (phase,) = right.plot([], [], "o", color=ink(right), zorder=5, **dot)
     _draw_legend(figure, picture, {name: colours[name] for name in colours if name in picture.mode})
     left.set_xlabel(picture.note, fontsize=font_size(FONT_SIZE))
-    # With a fixed height, as otherwise it would move with each draw.
+    # At a fixed height, as otherwise the title would move with each draw.
     title = left.set_title("", y=1.0, fontsize=font_size(FONT_SIZE + 2))
     return AnimationScene(picture, colours, drawn, phase, title)
 
@@ -270,7 +270,7 @@ def _draw_legend(figure: Figure, picture: BeltPicture | Parts, colours: dict[str
 
 
 def frame_updater(scene: AnimationScene, speed: float) -> Callable[[int], list[Artist]]:
-    """The function that takes the picture to a frame."""
+    """The function that shows a frame of the picture."""
     seen = scene.picture
     step = float(seen.t[1] - seen.t[0]) if len(seen.t) > 1 else 1.0
     digits = max(0, int(np.ceil(-np.log10(step))))
@@ -300,10 +300,10 @@ class RunAnimation(FuncAnimation):
     def save(self, filename: Any, *args: Any, **options: Any) -> None:
         """Write a file; see :meth:`matplotlib.animation.Animation.save`.
 
-        An HTML page holds its frames, all of them, unless a writer other than "html" is given.
+        An HTML page embeds all of its frames, unless a writer other than "html" is given.
         """
         if str(filename).lower().endswith((".html", ".htm")) and not args:
-            if options.get("writer", "html") != "html":  # whose frames may be in a folder beside it
+            if options.get("writer", "html") != "html":  # its frames may be in a folder beside
                 with name_written_file(filename):
                     return self._save(filename, **options)
             fps: Any = options.pop("fps", None) or self.fps
@@ -324,5 +324,5 @@ class RunAnimation(FuncAnimation):
             return super().save(filename, *args, **options | {"progress_callback": count})
 
     def _repr_html_(self) -> str:
-        # The animation's own shows nothing unless a setting of matplotlib was changed.
+        # FuncAnimation's own method shows nothing unless a setting of matplotlib was changed.
         return self.to_jshtml()

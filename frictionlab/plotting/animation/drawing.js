@@ -1,6 +1,6 @@
 // How mechanisms and phase planes are drawn on a canvas, in a notebook (frictionlab/widgets/canvas.js) and in exported
-// pages (frictionlab/pages): the pictures of draw_mechanism for the slider on the tilting belt, whose lengths are metres,
-// and of parts for all that have scene.shapes.  y points up.  Colours are those of the scene.
+// pages (frictionlab/pages).  The slider on the tilting belt, with lengths in metres, is drawn as draw_mechanism in
+// tilting_belt.py draws it; a scene that has scene.shapes as parts.py draws it.  y points up.  Colours are those of the scene.
 const TURNS = 6, MARKS = 16;
 
 function html(tag, properties = {}, children = []) {
@@ -106,7 +106,7 @@ function shape(c, scene, { kind, colour, first }, row, px) {
   if (kind === "wall") line(c, [[x, y], [w, h]], 4 * px, colour);
   if (kind === "spring") spring(c, [x, y], [w, h], scene.width, px, colour);
   if (kind === "arrow") arrow(c, x, y, w, h, colour, px);
-  if (kind === "belt") { // from x to y at the height w, its surface h along
+  if (kind === "belt") { // from x to y at the height w; its surface has travelled by h
     line(c, [[x, w], [y, w]], 3 * px, colour);
     for (let i = 0; i < scene.marks; i++) {
       const way = (h + (y - x) * i / scene.marks) % (y - x), at = x + (way < 0 ? way + y - x : way);
@@ -137,7 +137,7 @@ function ticks([low, high]) { // some four round numbers
   return Array.from({ length: Math.floor(high / step) - first + 1 }, (_, i) => (first + i) * step);
 }
 
-function phasePlane(c, width, height, scene, frames) { // the whole path; returns where a state is
+function phasePlane(c, width, height, scene, frames) { // draws the whole path; returns the function that tells where a state is
   const [l, b, t, r] = [58, 40, 12, 12], range = (key) => {
     let [low, high] = [Infinity, -Infinity];
     for (let i = 0; i < frames.count; i++) { const v = frames.get(i, key); low = Math.min(low, v); high = Math.max(high, v); }
@@ -165,7 +165,7 @@ function phasePlane(c, width, height, scene, frames) { // the whole path; return
   return (row) => [X(row[scene.axes[0]]), Y(row.rate)];
 }
 
-function fit(canvas) { // empty, one unit is a CSS pixel, sharp on dense screens; one of the same size is wiped, which is quicker
+function fit(canvas) { // empties it; one unit is a CSS pixel, sharp on dense screens; at the same size it is wiped, which is quicker
   const dense = window.devicePixelRatio || 1, { clientWidth: width, clientHeight: height } = canvas, context = canvas.getContext("2d");
   const size = { width: Math.round(width * dense), height: Math.round(height * dense) };
   if (context.reset && canvas.width === size.width && canvas.height === size.height) context.reset(); else Object.assign(canvas, size);

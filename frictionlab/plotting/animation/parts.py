@@ -32,7 +32,7 @@ from frictionlab.plotting.appearance import (
 from frictionlab.plotting.time_histories import Array, modes_at
 
 REACH = 0.5  # largest displacement drawn
-LONGEST = 0.6  # arrow
+LONGEST = 0.6  # longest arrow
 MARGIN = 0.25
 WIDTH = 0.16  # of springs
 SPRING_TURNS = 6
@@ -74,7 +74,7 @@ class Parts:
     magnify : float
         Factor of the displacements.
     forces : mapping of str to float
-        Largest size of each force that is drawn, N, by its letter.
+        Largest size (N) of each force that is drawn, by its symbol.
     """
 
     t: Array
@@ -176,7 +176,7 @@ def marks(row: Array) -> Array:
 
 
 def _arrow(x: float, y: float, dx: float, dy: float) -> Array:
-    """Shaft and head; a force that is zero is no arrow at all."""
+    """Points (2, P) of shaft and head; one point that is NaN for a force of zero, which has no arrow."""
     length = float(np.hypot(dx, dy))
     if not length:
         return np.full((2, 1), np.nan)
@@ -194,7 +194,7 @@ def _artists(shape: Shape, ax: Axes) -> list[Any]:
     width = {"wall": 4.0, "belt": 3.0, "arrow": 3.0}.get(shape.kind, 1.0)
     order = {"wall": 0, "arrow": 5}.get(shape.kind, 2)
     found = [Line2D([], [], zorder=order, solid_joinstyle="round", **pen(shape.colour, width, ax))]
-    if shape.kind == "arrow":  # it stands on a body
+    if shape.kind == "arrow":  # it is drawn over a body
         add_halo(found[0], ax)
     if shape.kind == "belt":
         marked: dict[str, Any] = {"marker": "o", "markersize": marker_size(4.0), "linestyle": "none"}

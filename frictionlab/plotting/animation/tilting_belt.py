@@ -1,10 +1,10 @@
-"""Fig. 1 of the paper, the slider on the tilting belt: where its parts are in each frame, and these and the
+"""Fig. 1 of the paper, the slider on the tilting belt: where its parts are in each frame; the parts and the
 contact forces as matplotlib artists, drawn once, then moved from frame to frame.
 
 A run is sampled at the times of the frames.  Displacements are magnified by one factor s; the belt's tilt
 is shown as it is.  So the penetration in the picture is s times that of the run: s y2 - (s x1 - s x2) phi
-- s y1.  The slider stands on its contact spring, whose foot touches the belt as long as the spring is not
-at its natural length.
+- s y1.  The slider stands on its contact spring, whose foot is on the belt while there is contact; in flight
+the spring has its natural length.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ REQUIRED_PARAMETERS = ("v", "F", "l1", "l2")
 
 COLUMNS = ("slider_x", "slider_y", "foot_x", "foot_y", "belt_x", "belt_y", "slope", "travel")
 MAX_DISPLACEMENT_SHARE = 0.4  # largest displacement drawn, as a share of the distance of the nearer wheel
-MIN_WHEEL_SHARE = 0.25  # of the distance of a wheel drawn, as a share of the other's
+MIN_WHEEL_SHARE = 0.25  # smallest distance of a wheel as drawn, as a share of the other's
 DEFAULT_SIZE = 0.2  # m: drawn size of a belt whose wheels are at its centre
 
 
@@ -102,7 +102,7 @@ class Mechanism:
     Parameters
     ----------
     size : float
-        Distance of the farther wheel, m; the other sizes follow from it.
+        Distance of the farther wheel from the belt's centre, m; the other sizes follow from it.
     wheels : (float, float)
         Distances of the wheels from the belt's centre as drawn, m.
     magnify : float
@@ -113,8 +113,8 @@ class Mechanism:
         Room for displacements, m.
     rows : (K, 8) array
         The columns COLUMNS: bottom of the slider, foot of the contact spring, point of the belt's surface
-        above its centre (all m), slope of the belt (its surface falls to the right for phi > 0), way of the
-        belt's surface (m).
+        above its centre (all m), slope of the belt (its surface falls to the right for phi > 0), travel of
+        the belt's surface (m).
     """
 
     size: float
@@ -188,14 +188,14 @@ def lay_out_mechanism(
 def _part_positions(frames: Frames, s: float, spring: float, travel: Array) -> Array:
     x1, y1, x2, y2 = s * frames.x1, s * frames.y1, s * frames.x2, s * frames.y2
     surface = y2 - (x1 - x2) * frames.phi
-    # Bilateral contact pulls where the penetration is negative: only in flight is there no contact.
+    # The mode decides, not the sign of the penetration: a bilateral contact pulls where that is negative.
     foot = np.where(frames.mode == "separation", y1, surface)
     return np.column_stack([x1, y1 + spring, x1, foot, x2, y2, -frames.phi, travel])
 
 
 SPRING_WIDTH = 0.12  # of springs, as a share of the size
 BELT_COLOUR, BELT_ON_DARK = "#F2F2F2", "#333333"
-# Name of each spring, and the place of the name beside the spring's middle, as shares of the size.
+# Label of each spring, and its place relative to the spring's middle, as shares of the size.
 SPRING_LABELS = {
     "k1": ("$k_1$", (0.0, -0.2)),
     "k2": (r"$k_2, k_{\mathrm{nl}}$", (0.3, 0.0)),
@@ -239,7 +239,7 @@ def to_picture_frame(points: Array, x: float, y: float, slope: float) -> Array:
 
 
 def draw_mechanism(ax: Axes, mechanism: Mechanism) -> dict[str, Any]:
-    """Draw the mechanism; returns its moving artists by name, of which `move_mechanism` puts all in place.
+    """Draw the mechanism; returns its moving artists by name, for `move_mechanism`.
 
     Parameters
     ----------
@@ -312,7 +312,7 @@ def wheel_centres(mechanism: Mechanism, row: dict[str, float]) -> list[tuple[flo
 
 
 def spring_ends(mechanism: Mechanism, row: dict[str, float]) -> dict[str, tuple[Any, Any]]:
-    """Both ends of every spring: those to the walls stay horizontal and vertical, as Eq. (1) takes them."""
+    """Both ends of every spring: those to walls and ground stay horizontal or vertical, as in Eq. (1)."""
     (width, height), (left, right, ground) = mechanism.block, mechanism.walls
     x, y = row["slider_x"], row["slider_y"]
     middle, (first, second) = y + height / 2, wheel_centres(mechanism, row)
@@ -341,7 +341,7 @@ def _draw_walls(ax: Axes, mechanism: Mechanism) -> None:
 
 
 def force_scale(mechanism: Mechanism, frames: Frames, preload: float) -> float:
-    """Scale at which the largest force is drawn with the length MAX_ARROW_LENGTH."""
+    """N per m of the picture: the largest force is MAX_ARROW_LENGTH times the mechanism's size long."""
     forces = np.abs([frames.normal_force, frames.friction_force]).max()
     return max(float(forces), abs(preload)) / (MAX_ARROW_LENGTH * mechanism.size) or 1.0
 
@@ -364,14 +364,14 @@ def draw_force_arrows(ax: Axes, scale: float) -> Quiver:
 def move_force_arrows(
     arrows: Quiver, mechanism: Mechanism, frames: Frames, preload: float, frame: int
 ) -> None:
-    """The arrows in a frame: contact forces from the slider's centre, the preload down onto its top."""
+    """Put the arrows in a frame: contact forces start at the slider's centre, the preload ends on its top."""
     row = mechanism.row(frame)
     width, height = mechanism.block
     x, y = row["slider_x"], row["slider_y"]
     normal, friction = frames.normal_force[frame], frames.friction_force[frame]
     top = y + height + preload / float(arrows.scale or 1.0)
     arrows.set_offsets([(x, y + height / 2), (x, y + height / 2), (x + 0.35 * width, top)])
-    # A force that is zero is no arrow at all, not one of length zero.
+    # A force of zero has no arrow at all, rather than one of length zero.
     absent = np.array([normal, friction, preload]) == 0.0
     arrows.set_UVC(*(np.ma.array(x, mask=absent) for x in ([0.0, friction, 0.0], [normal, 0.0, -preload])))
 

@@ -1,10 +1,9 @@
-"""What analyses found, as figures.
+"""Figures of what analyses found.
 
     sweeps          motions against a parameter, branches of periodic orbits, any sweep over its grid
-    fitting         residuals of a fit
     ablation        the scenes of an ablation, the effects of its switches, the lattice of scenes
-    state_space     steady states, periodic orbits and ends in a phase plane, basins of attraction
-    quantities      sensitivities, distributions and Sobol indices of quantities
+    state_space     steady states, periodic orbits and final states in a phase plane, basins of attraction
+    quantities      sensitivities, distributions, Sobol indices and optima of quantities, residuals of a fit
 
-A result of `frictionlab.analysis` comes in, artists go out.
+Each function takes a result of `frictionlab.analysis` and returns artists.
 """

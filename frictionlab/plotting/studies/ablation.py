@@ -36,7 +36,7 @@ from frictionlab.plotting.overview import plot_amplitudes
 from frictionlab.plotting.studies.state_space import plot_steady_state
 from frictionlab.plotting.studies.sweeps import LOG_SCALE_RATIO, plot_bifurcation
 
-MAX_BARS = 15  # effects that are drawn: the largest
+MAX_BARS = 15  # only so many effects are drawn, the largest
 
 
 def plot_effects(effects: Any, ax: Axes | None = None, *, condition: int = 0) -> list[Artist]:
@@ -48,7 +48,7 @@ def plot_effects(effects: Any, ax: Axes | None = None, *, condition: int = 0) ->
     ax : Axes or None
         None draws into a new figure.
     condition : int
-        Which of several values of the parameters.
+        Index of the condition, where the study has several values of its parameters.
 
     Returns
     -------
@@ -88,9 +88,9 @@ def plot_effects(effects: Any, ax: Axes | None = None, *, condition: int = 0) ->
 def plot_scene_lattice(
     ablation: Any, ax: Axes | None = None, *, quantity: str | None = None, condition: int = 0
 ) -> list[Artist]:
-    """Draw the lattice of scenes: each at the value of a quantity, one row for each number of nonlinearities.
+    """Draw the lattice of scenes: each at the value of a quantity, in the row of its number of switches on.
 
-    Two scenes that differ in one nonlinearity are joined.  Without interactions the lines of one switch are
+    Two scenes that differ in one switch are joined.  Without interactions the lines of one switch are
     parallel.
 
     Parameters
@@ -102,7 +102,7 @@ def plot_scene_lattice(
     quantity : str or None
         One of ``ablation.quantities``.
     condition : int
-        Which of several values of the parameters.
+        Index of the condition, where the study has several values of its parameters.
 
     Returns
     -------
@@ -146,7 +146,7 @@ def plot_scene_lattice(
 
 
 def _mark_scenes(ablation: Any, values: Any, heights: Any, on: Any, ax: Axes) -> None:
-    """A point for each scene; the names of what it has, of scenes at the same place together."""
+    """Draw a point for each scene, with the names of its switches on; scenes in one place share a label."""
     ax.plot(values, heights, "o", color=ink(ax), markersize=4)
     labels: dict[tuple[int, str], list[str]] = {}
     for value, height, has in sorted(zip(values, heights, map(tuple, on)), key=lambda scene: scene[1::-1]):
@@ -168,10 +168,10 @@ def _mark_scenes(ablation: Any, values: Any, heights: Any, on: Any, ax: Axes) ->
 
 RUN_AXES = {"axes_class": RunAxes}
 COLUMNS = 4  # panels side by side
-LABEL_LENGTH = 34  # letters of a line below a small panel
-NEGATIVE_MARGIN = 0.3  # beside bars to the left, whose numbers must not reach the names
+LABEL_LENGTH = 34  # letters that fit on a line below a small panel
+NEGATIVE_MARGIN = 0.3  # where bars go to the left: their numbers must not reach the names
 THICKEST = 3.0  # width of the first curve, in widths of a line
-THINNER = 0.8  # width of a curve as a share of the one below it: of equal ones both are seen
+THINNER = 0.8  # width of a curve as a share of the one below it, so that equal curves are all seen
 PANEL_SHARE = 0.7  # of its cell that a panel takes, the rest for labels and title
 
 
@@ -180,32 +180,32 @@ def plot_ablation(
 ) -> list[Axes]:
     """Draw what a study gave for each scene: a small panel for each, bars, or curves over a parameter.
 
-    Over one parameter the curves of all scenes are in one frame, as in Figs. 13 to 18 of the paper; from
-    several initial states bars and curves are means.
+    Over one parameter the curves of all scenes are in one frame, as in Figs. 13 to 18 of the paper.  With
+    several initial states bars and curves show means.
 
     Parameters
     ----------
     ablation : Ablation
-        With results that are SteadyState (drawn as phase planes), Bifurcation (section points), Spectrum,
-        or numbers (None: no such number).
+        Its results are all SteadyState (drawn as phase planes), Bifurcation (section points) or Spectrum, or
+        all numbers (None: no such number).
     ax : Axes or None
-        Where bars, or all panels side by side, stand; None draws into a new figure.
+        Axes for the bars or curves, or whose place all panels take; None draws into a new figure.
     name : str or None
         The coordinate to draw; None takes the first.
     quantity : str or None
-        The one of ``ablation.quantities`` that bars and curves show; None where there is one only.
+        The one of ``ablation.quantities`` that bars and curves show; None where there is only one.
 
     Returns
     -------
     list of Axes
-        One for each scene, of its own scale, or one of bars or curves; the figure is ``axes[0].figure``.
+        One for each scene, with a scale of its own, or one of bars or curves; figure: ``axes[0].figure``.
 
     Raises
     ------
     TypeError
         For results that are none of these.
     ValueError
-        For an unknown quantity, none of several, or several parameters.
+        For an unknown quantity, if none of several is chosen, or for several parameters.
     """
     if ablation.conditions is not None or quantity is not None or len(ablation.studies) > 1:
         return [_draw_quantity(ablation, axes_or_new(ax), quantity)]
@@ -229,7 +229,7 @@ def plot_ablation(
 
 
 def _panels(rows: int, columns: int, ax: Axes | None) -> list[Axes]:
-    """Axes in rows: of a new figure, or in the place of axes that are given."""
+    """Axes in rows, in a new figure or in place of the axes given."""
     if ax is None:
         figure = new_figure(3.25 * columns, 3.0 * rows)
         return list(figure.subplots(rows, columns, squeeze=False, subplot_kw=RUN_AXES).ravel())
@@ -252,7 +252,7 @@ def _panel_for(results: Iterable[Any]) -> Any:
 
 
 def _share_labels(panels: list[Axes]) -> None:
-    """Labels at the outer panels only, and one legend for all."""
+    """Keep labels at the outer panels only, and draw one legend for all."""
     for i, ax in enumerate(panels):
         ax.set_xlabel(wrap_label(ax.get_xlabel(), LABEL_LENGTH))
         ax.tick_params(labelsize=font_size(8.0))
@@ -279,7 +279,7 @@ def _spectrum(result: Any, ax: Axes, name: str | None) -> None:
 
 
 def _draw_quantity(ablation: Any, ax: Axes, quantity: str | None) -> Axes:
-    """Means over the initial states: curves over the parameter, or bars where there is none."""
+    """Draw means over the initial states: curves over the parameter, or bars where there is none."""
     means = ablation.numbers(quantity).mean(axis=-1)
     over = {} if ablation.conditions is None else ablation.conditions.over
     if len(over) > 1:

@@ -33,7 +33,7 @@ def plot_sensitivity(found: Any, ax: Axes | None = None, *, most: int = 12) -> l
     ax : Axes or None
         None draws into a new figure.
     most : int
-        Parameters that are drawn.
+        How many parameters are drawn.
 
     Returns
     -------
@@ -115,7 +115,7 @@ def plot_sobol_indices(found: Any, ax: Axes | None = None) -> list[Artist]:
 
 
 def plot_optimum(found: Any, ax: Axes | None = None) -> list[Artist]:
-    """Draw the best values of the parameters between their bounds, and where the search began.
+    """Draw the best values of the parameters between their bounds, and those where the search began.
 
     Parameters
     ----------
@@ -150,7 +150,7 @@ def plot_optimum(found: Any, ax: Axes | None = None) -> list[Artist]:
     return drawn
 
 
-TWO_SIGMA = 1.96  # within this 95 percent of residuals lie, where model and errors are right
+TWO_SIGMA = 1.96  # 95 percent of the residuals lie within it, if model and errors are right
 
 
 def plot_fit(found: Any, ax: Axes | None = None) -> list[Artist]:

@@ -1,5 +1,5 @@
-"""Steady states, periodic orbits and ends of many runs in a phase plane, and how perturbations grow; basins
-of attraction in a plane of initial states, and their shares of random ones.
+"""Steady states, periodic orbits and ends of many runs in a phase plane; how perturbations grow; basins of
+attraction in a plane of initial states, and their shares of random initial states.
 """
 
 from __future__ import annotations
@@ -44,12 +44,12 @@ from frictionlab.validation import check_choice
 
 SHOWN_PERIODS = 3  # periods drawn of a periodic motion
 SHOWN_SECONDS = 2.0  # drawn of others
-LINEAR_SHARE = 1e-3  # of the largest derivative: colours of smaller ones are linear, of others logarithmic
-MAX_NUMBERED = 10  # states of a matrix whose entries are written in its cells
+LINEAR_SHARE = 1e-3  # of the largest derivative: the colour scale is linear below this, logarithmic above
+MAX_NUMBERED = 10  # with more states the entries of a matrix are not written in its cells
 
 
 def plot_steady_state(found: Any, ax: Axes | None = None, *, name: str | None = None) -> list[Line2D]:
-    """Draw what a motion settled to in a phase plane: some periods of it, or a cross at an equilibrium.
+    """Draw what a motion settled to, in a phase plane: some periods of it, or a cross at an equilibrium.
 
     Parameters
     ----------
@@ -189,7 +189,7 @@ def plot_tangent_flow(flow: Any, ax: Axes | None = None) -> QuadMesh:
     return mesh
 
 
-# Of attractors, in turn: rest has one colour in all pictures, whatever motion was found first
+# Colours of attractors, in turn; equilibria have their own, whichever attractor was found first
 COLOURS_OF_REST = (SKY, BLUE, GREEN)
 COLOURS_OF_MOTION = (ORANGE, YELLOW, PURPLE, VERMILLION, GREEN)
 UNCLASSIFIED_COLOURS = {MotionKind.NOT_SETTLED: GREY, MotionKind.ENDED_EARLY: "#444444"}
@@ -204,7 +204,7 @@ class BasinArtists(NamedTuple):
 
 
 def plot_basins(found: Any, ax: Axes | None = None, *, legend: bool = True) -> BasinArtists:
-    """Draw which attractor each initial state goes to, and those attractors that are within the axes.
+    """Draw which attractor each initial state goes to, and over it the attractors within the axes.
 
     Initial states that were not computed are hatched.
 

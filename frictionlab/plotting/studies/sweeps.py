@@ -46,8 +46,8 @@ MOTION_STYLES: dict[str, dict[str, Any]] = {
     MotionKind.EQUILIBRIUM: {"color": BLACK, "marker": "_", "markersize": 6.0},
 }
 EARLY_END_HEIGHT = (
-    # share of the axes' height at which runs that ended early are marked, mostly motions that grew without
-    # bounds
+    # share of the axes' height at which runs that ended early are marked; most of these motions grew
+    # without bounds
     0.03
 )
 LOG_SCALE_RATIO = 30.0  # largest over smallest intensity above which the axis is logarithmic
@@ -118,8 +118,8 @@ def plot_intensity(
 ) -> list[Line2D]:
     """Draw the intensity L_s of the motion, Eq. (20), against the parameter.
 
-    Where the intensities of what moves span decades the axis is logarithmic above the least of them, and
-    linear below, so that the zero of equilibria, which are hollow, is at its foot.
+    If the intensities of the motions span decades, the axis is logarithmic above the smallest of them and
+    linear below it, so that equilibria, drawn hollow, are at zero at its foot.
 
     Parameters
     ----------
@@ -128,7 +128,7 @@ def plot_intensity(
     ax : Axes or None
         None draws into a new figure, ``lines[0].axes.figure``.
     labels : sequence of str or None
-        A name for each; None takes the initial state of each.
+        A label for each result; None takes its initial state.
     legend : bool
         Whether to put a legend beside the panel, where there is more than one line.
 
@@ -263,7 +263,7 @@ def _orbit_measure(orbit: Any, name: str | None) -> float:
 
 
 def _stability_intervals(stable: np.ndarray) -> list[tuple[bool, slice]]:
-    """Each stretch of equal stability, with the first orbit of the next, so that the line is not broken."""
+    """Stretches of equal stability; each includes the next one's first orbit, so the line is not broken."""
     found, start = [], 0
     for value, group in groupby(stable.tolist()):
         count = len(list(group))
@@ -273,13 +273,13 @@ def _stability_intervals(stable: np.ndarray) -> list[tuple[bool, slice]]:
 
 
 def plot_sweep(found: Any, ax: Axes | None = None, *, label: str | None = None) -> list[Artist]:
-    """Draw numbers that a sweep gave: against its parameter, or as colours over two parameters.
+    """Draw the numbers that a sweep gave: curves over one parameter, or colours over two.
 
     Parameters
     ----------
     found : Sweep
-        Over one parameter, with a curve for each initial state; or over two, with one initial state or none.
-        Its results are numbers, or None.
+        Over one parameter, with a curve for each initial state, or over two parameters with at most one
+        initial state.  Its results are numbers, or None.
     ax : Axes or None
         None draws into a new figure.
     label : str or None
@@ -295,7 +295,7 @@ def plot_sweep(found: Any, ax: Axes | None = None, *, label: str | None = None) 
     TypeError
         For results that are no numbers.
     ValueError
-        For a grid of more than these dimensions.
+        For a grid of more dimensions.
 
     Examples
     --------

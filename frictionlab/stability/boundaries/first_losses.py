@@ -1,10 +1,11 @@
-"""First losses of stability on thousands of lines: some are scanned, the others solved from their neighbours.
+"""First losses of stability on thousands of lines: some are scanned, the others solved from predictions.
 
-A scan takes some 250 spectra for a line, as it looks for every change, however narrow its window.  Where all
-lines scanned lose stability once and by flutter, the others are scanned only up to a little beyond what these
-predict, and in long intervals at first, which are halved, as in any scan, where growth rates come near zero
-or eigenvalues near each other.  A line on which there is not one such loss in the end, or which is not
-resolved so, is scanned in full, so that the way taken shows in the time only.
+A scan takes some 250 spectra for a line, as it looks for every change, however narrow its window.  If the
+first change on all scanned lines is a loss by flutter, they predict the losses on the others.  These are
+searched only up to a little beyond the prediction, and in long intervals at first, which are halved, as in
+any scan, where growth rates come near zero or eigenvalues near each other.  A line on which this does not
+find exactly one such loss, or does not resolve all intervals, is scanned in full.  So the result is that of
+full scans, in less time.
 """
 
 from __future__ import annotations
@@ -24,13 +25,13 @@ from .stability_changes import StabilityKind, changes_on_lines, first_loss_chang
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 PILOTS = 48  # lines that are scanned
-MIN_LINES = 4 * PILOTS  # below, all are: there is little to save
+MIN_LINES = 4 * PILOTS  # with fewer lines all are scanned: there is little to save
 ERROR_FACTOR = (
-    3.0  # a bracket is that many times as wide as the prediction's error on lines that were scanned
+    3.0  # times the prediction's error on scanned lines: so far beyond the prediction a search goes
 )
-MIN_WIDTH = 1e-6  # of the bounds
+MIN_WIDTH = 1e-6  # of the bounds: least of that distance
 ROOT_STEPS = 60
-SIDE_RTOL = 1e-7  # share of the bounds by which growth is looked for on either side of the root
+SIDE_RTOL = 1e-7  # share of the bounds: so far on either side of the root growth is checked
 ROOT_RATE_RTOL = 1e-9  # of the largest eigenvalue: a growth rate that is larger at a root has jumped
 
 
@@ -67,7 +68,7 @@ def _scan(
     lines: Indices,
     found: FirstLosses,
 ) -> bool:
-    """Scan some lines; whether each loses stability by flutter, once up to there."""
+    """Scan some lines; gives whether the first change on each is a loss by flutter."""
     some = {name: column[lines] for name, column in fixed.items()}
     alike = True
     for line, changes in zip(lines, changes_on_lines(problem, parameter, bounds, some), strict=True):
@@ -86,7 +87,7 @@ def _solve(
     lines: tuple[Indices, Indices],
     found: FirstLosses,
 ) -> Any:
-    """Solve lines by what others, scanned before, predict; which of them are known now."""
+    """Solve lines by the predictions of those scanned before; gives which of them are solved."""
     pilots, others = lines
     guess, error = _predict(fixed, pilots, others, found.values[pilots])
     width = np.maximum(ERROR_FACTOR * error, MIN_WIDTH * (bounds[1] - bounds[0]))
@@ -126,9 +127,9 @@ def _critical(spectra: Any, lines: Indices, roots: Array, side: float) -> Any:
 def _predict(
     fixed: Mapping[str, Array], pilots: Indices, others: Indices, values: Array
 ) -> tuple[Array, Array]:
-    """Values on lines by a polynomial through those scanned, and its error there when each is left out.
+    """Values on lines by a polynomial fitted to those scanned, and its error on these, each left out in turn.
 
-    Quadratic where there are enough of them, else linear.
+    The polynomial is quadratic where enough lines are scanned, else linear.
     """
     columns = [np.asarray(column, dtype=float) for column in fixed.values()]
     centred = [(c - c[pilots].mean()) / (np.ptp(c[pilots]) or 1.0) for c in columns if np.ptp(c) > 0]

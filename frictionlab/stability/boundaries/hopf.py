@@ -1,7 +1,7 @@
 """`fl.hopf`: how vibration begins where a flutter instability sets in, by the normal form of the Hopf point.
 
 It is w' = (i omega + slope (p - p0)) w + cubic w |w|^2, x = x0 + 2 Re(w q).  Derivatives along directions:
-f(x + s u + t v + ...) is differentiated once by each of s, t, ... at zero, by sympy once.  Yu. A. Kuznetsov,
+sympy differentiates f(x + s u + t v + ...) by each of s, t, ... at zero, once for a flow.  Yu. A. Kuznetsov,
 "Elements of Applied Bifurcation Theory", 3rd ed., Springer, 2004; also Scholarpedia 1(10) (2006) 1858.
 """
 
@@ -34,7 +34,7 @@ Vector = NDArray[Any]
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 ZERO_RTOL = 1e-9  # what is below this share of its terms, or of the largest eigenvalue, counts as zero
-# Eigenvalues nearer to each other than this share count as one: rounding parts a double one so far.
+# Eigenvalues nearer to each other than this share count as one: rounding separates a double one so far.
 DOUBLE_EIGENVALUE_RTOL = 1e-6
 
 
@@ -57,7 +57,7 @@ def parameter_derivative(at: ExpansionPoint, parameter: str, *directions: Vector
 
 
 def function_derivative(at: ExpansionPoint, functions: tuple[Any, ...], *directions: Vector) -> Vector:
-    """As :func:`directional_derivative` for other functions (k,) of the state; values without directions."""
+    """As :func:`directional_derivative` for functions (k,) of the state; their values without directions."""
     form = _multilinear_form(at.flow, functions, len(directions))
     return np.array(form(*at.state, *at.values, *chain.from_iterable(directions)))
 
@@ -145,7 +145,7 @@ def cubic_coefficient(at: ExpansionPoint, matrix: Array, pair: CriticalPair) -> 
 
 
 def eigenvalue_slope(at: ExpansionPoint, matrix: Array, pair: CriticalPair, parameter: str) -> complex:
-    """d(eigenvalue)/d(parameter), with the equilibrium as it moves."""
+    """d(eigenvalue)/d(parameter), including the shift of the equilibrium."""
     _, q, p = pair
     moved = -np.linalg.solve(matrix, parameter_derivative(at, parameter))
     return complex(p @ (parameter_derivative(at, parameter, q) + directional_derivative(at, moved, q)))
@@ -212,7 +212,7 @@ class HopfPoint(Drawable):
     def first_lyapunov(self) -> float:
         """Kuznetsov's first Lyapunov coefficient, Re(cubic)/omega for an eigenvector of length 1.
 
-        Its sign has a meaning of its own; its size depends on the units of the states.
+        Its sign is the same in all units of the states; its size is not.
         """
         return self.cubic.real / (2 * np.pi * self.frequency)
 
@@ -281,8 +281,8 @@ class HopfPoint(Drawable):
 def hopf(model: Any, parameter: str, bounds: Any, *, equilibrium: Equilibrium | None = None) -> HopfPoint:
     """The first point in a range where flutter sets in or ends, and the kind of vibration that begins there.
 
-    Of all equilibria that there are in the range, wherever they begin and end, the first such point on any;
-    `state` tells on which.
+    It is the first on any of the equilibria that exist in the range, wherever they begin and end; `state`
+    tells on which.
 
     The eigenvalues say where steady sliding loses its stability, not what follows.  That is decided by the
     second and third derivatives of the flow, through the first Lyapunov coefficient
@@ -313,8 +313,8 @@ def hopf(model: Any, parameter: str, bounds: Any, *, equilibrium: Equilibrium | 
     bounds : (float, float)
         Narrow them to reach a later point.
     equilibrium : Equilibrium, optional
-        One of ``equilibria(model)``, to follow that alone.  By default all are followed that are found at 9
-        values in the range; of a SliderOnBelt the one with F_N > 0 and the smallest penetration.
+        One of ``equilibria(model)``, to follow it alone.  By default all that are found at 9 values in the
+        range are followed; of a SliderOnBelt only the one with F_N > 0 and the smallest penetration.
 
     Returns
     -------

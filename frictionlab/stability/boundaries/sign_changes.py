@@ -17,10 +17,10 @@ from frictionlab.stability.equilibrium_problem import Array, ComplexArray, growt
 Flags = NDArray[np.bool_]
 Evaluate = Callable[[NDArray[np.intp], Array], ComplexArray]
 GRID_POINTS, MAX_HALVINGS = 129, 24
-COARSE_POINTS, COARSE_HALVINGS = 5, 18  # of lines on which few changes are expected
-# Times the pieces of the first grid: two modes with one eigenvalue throughout come close everywhere.
+COARSE_POINTS, COARSE_HALVINGS = 5, 18  # for lines on which few changes are expected
+# Most intervals, over those of the first grid: modes with one eigenvalue throughout are close everywhere.
 MAX_INTERVAL_FACTOR = 8
-NO_CHANGE_RTOL = 1e-9  # share of the largest eigenvalue: one that moves by less stays where it is
+NO_CHANGE_RTOL = 1e-9  # share of the largest eigenvalue: one that moves by less counts as unmoved
 EQUAL_EIGENVALUE_RTOL = 1e-11  # share of the largest eigenvalue: two that are nearer are one
 
 
@@ -64,10 +64,10 @@ def bracket_sign_changes(evaluate: Evaluate, low: Array, high: Array) -> Bracket
 
 
 def resolved_sign_changes(evaluate: Evaluate, low: Array, high: Array) -> tuple[Brackets, Flags]:
-    """As :func:`bracket_sign_changes` by fewer spectra, and the lines (L,) on which these are all.
+    """As :func:`bracket_sign_changes` with fewer spectra, and on which lines (L,) these are all changes.
 
-    Intervals begin long.  One that may hide a change, as growth rates come near zero within it or two
-    eigenvalues near each other, is halved as often as it may; a line with one that is left is not resolved.
+    The first intervals are long.  One in which growth rates come near zero, or two eigenvalues near each
+    other, may hide a change and is halved, up to a limit; a line on which one is left is not resolved.
     """
     pieces = _grid(evaluate, low, high, COARSE_POINTS)
     found, left = _refined(evaluate, pieces, COARSE_HALVINGS, MAX_INTERVAL_FACTOR * len(pieces.line))

@@ -31,12 +31,12 @@ Indices = NDArray[np.intp]
 # Shares of the largest eigenvalue: a growth rate that is larger at a root, or just inside it, has jumped.
 FOLD_RATE_AT_ROOT, FOLD_RATE_INSIDE = 1e-6, 1e-4
 OUTSIDE_SHARES = np.array([0.0, 1e-3, 1.0])  # of a bracket: where decay is looked for outside it
-INSIDE_SHARE = 1e-9  # of a bracket: how far "just inside" is, and as a share of the root at least
-MIN_INSIDE_RTOL = 1e-12
+INSIDE_SHARE = 1e-9  # of a bracket: how far "just inside" is
+MIN_INSIDE_RTOL = 1e-12  # of the root: the least that this may be
 DECAY_RTOL = 1e-13  # share of the largest eigenvalue: a rate below minus this decays
 MAX_ROOT_STEPS = 200
-# Of a root, or of the bounds: an equilibrium that is not there that far beyond a root ends at the root.
-# Two equilibria that annihilate each other are one, to rounding, up to some 1e-9 beyond that.
+# Share of a root, or of the bounds: an equilibrium that does not exist so far beyond a root ends there.
+# Where two equilibria annihilate each other, rounding lets one seem to exist up to some 1e-9 beyond the root.
 END_RTOL = 1e-8
 
 
@@ -79,8 +79,8 @@ def stability_changes(
 ) -> tuple[StabilityChange, ...]:
     """Every change of stability of one equilibrium as a parameter grows.
 
-    It is followed from the model's own value of the parameter, as far as it exists.  Where it ends and no
-    other takes over, nothing changes its stability: :class:`FoldValue` tells where.  The range is scanned,
+    It is followed from the model's own value of the parameter, as far as it exists.  If it ends and no other
+    takes over, that is no change of stability: :class:`FoldValue` tells where it ends.  The range is scanned,
     more finely where growth rates come near zero or two eigenvalues near each other, down to some 1e-9 of
     it; each change is then solved for to rounding.
 
@@ -91,7 +91,8 @@ def stability_changes(
     bounds : (float, float)
     equilibrium : Equilibrium, optional
         One of ``equilibria(model)``; by default that of :func:`equilibrium`: of a SliderOnBelt the one with
-        F_N > 0 and the smallest penetration, at each value anew; of others the one nearest to the origin.
+        F_N > 0 and the smallest penetration, found anew at each value; of other models the one nearest to the
+        origin.
 
     Returns
     -------
@@ -103,7 +104,8 @@ def stability_changes(
     TypeError
         For an unknown parameter, or what is no model.
     ValueError
-        For bounds that are none or break the parameter's rule, or an equilibrium of another model.
+        For bounds that are not two ascending numbers or break the parameter's rule, or an equilibrium of
+        another model.
 
     Examples
     --------
@@ -210,13 +212,13 @@ def critical_curve(model: Any, parameter: str, bounds: Any, *, over: tuple[str, 
 
 
 def first_loss(changes: tuple[StabilityChange, ...]) -> float | None:
-    """The value at which no growing mode becomes one."""
+    """The first value at which a mode begins to grow where none grew before; None without one."""
     change = first_loss_change(changes)
     return None if change is None else change.value
 
 
 def first_loss_change(changes: tuple[StabilityChange, ...]) -> StabilityChange | None:
-    """The change at which no growing mode becomes one."""
+    """The first change at which a mode begins to grow where none grew before; None without one."""
     return next((c for c in changes if c.unstable[0] == 0 and c.direction == "loss"), None)
 
 
@@ -255,7 +257,7 @@ def _roots(evaluate: Evaluate, found: Brackets, bounds: tuple[float, float]) -> 
 
 
 def _is_there_beyond(evaluate: Evaluate, found: Brackets, roots: Array, bounds: tuple[float, float]) -> Any:
-    """Whether an equilibrium is there on both sides of each root: one that ends does not change stability."""
+    """Whether an equilibrium exists on both sides of each root: where it ends, stability does not change."""
     if not found.line.size:
         return np.zeros(0, dtype=bool)
     step = END_RTOL * np.maximum(np.abs(roots), bounds[1] - bounds[0])
@@ -273,9 +275,11 @@ def _bracket_sides(evaluate: Evaluate, found: Brackets) -> tuple[Array, Array]:
 
 
 def _starts(evaluate: Evaluate, found: Brackets, still: Array, outside: Array) -> tuple[Array, Array]:
-    """Where the mode decays, and zero; without damping `still`, and a rate that tells growth from none.
+    """One end of the search for each root, and the growth rate that is solved for.
 
-    Near a root the growth rate is as good as zero too, but not a little further out.
+    The end is a point where the mode decays, and the rate is zero.  It may lie outside the bracket, as near a
+    root the growth rate is as good as zero.  Without damping no mode decays: then the end is `still`, and the
+    rate is the one that tells growth from none.
     """
     start, shift = still.copy(), np.full(still.shape, np.nan)
     for at in outside:
@@ -302,7 +306,7 @@ def _describe_changes(
     least = np.minimum(MIN_INSIDE_RTOL * np.abs(roots), np.abs(step))
     inside = evaluate(found.line, roots + np.copysign(np.maximum(INSIDE_SHARE * np.abs(step), least), step))
     before, at, after = (evaluate(found.line, p) for p in (found.low, roots, found.high))
-    # Just inside: at the root itself all growth rates may be zero, and a real eigenvalue one of a pair.
+    # Just inside: at the root itself all growth rates may be zero, or a real eigenvalue part of a pair.
     critical = eigenvalue_at_rank(inside, found.rank)
     far = np.concatenate(
         [at, *(evaluate(found.line, np.full(len(roots), bound)) for bound in bounds)], axis=1

@@ -32,7 +32,7 @@ from frictionlab.stability.equilibrium_problem import (
 Array = NDArray[np.float64]
 NO_EQUILIBRIUM = -1
 GRID_CHUNK = 4096  # grid points between two updates of the progress bar
-STEP_RADIUS = 0.01  # of the step along a curve, where the plane is the unit square
+STEP_RADIUS = 0.01  # of a step along a curve, in the unit square
 SMALLEST_RADIUS = STEP_RADIUS / 256
 CIRCLE_ANGLES = np.linspace(-np.pi, np.pi, 49)
 ARC_ANGLES = CIRCLE_ANGLES[1:-1]  # all but the way back
@@ -160,8 +160,8 @@ class ParameterPlane:
         self._problem, self._axes = problem, (x, y)
 
     def values(self, u: Array) -> Array:
-        """The parameters (M, 2) at points (M, 2) of the square; by the grid's indices, so logarithmic grids
-        are as good as even ones.  Beyond the square they are those at its edge.
+        """The parameters (M, 2) at points (M, 2) of the square, interpolated by the grid's indices:
+        logarithmic grids are as good as even ones.  Beyond the square they are those at its edge.
         """
         columns = zip(u.T, self._axes)
         return np.column_stack(
@@ -205,12 +205,12 @@ def trace_curve(plane: ParameterPlane, seed: Array, rank: int) -> Array:
 
 
 def _follow(plane: ParameterPlane, seed: Array, rank: int, side: int) -> Array:
-    """Points from the seed on, with the growing side to the left (1) or right (-1), roughly on the curve."""
+    """Points roughly on the curve, from the seed on, with the growing side to the left (1) or right (-1)."""
     path, radius, angles, heading = [seed], STEP_RADIUS, CIRCLE_ANGLES, 0.0
     while len(path) < MAX_CURVE_POINTS:
         turn = _turn(plane, path[-1], radius, heading + angles, rank, side)
         if turn is None or (abs(turn) > SHARP_TURN and len(path) > 1 and radius > SMALLEST_RADIUS):
-            # Nothing, or a sharp bend: more closely, so that the tip of a sliver is rounded, not jumped.
+            # No crossing, or a sharp bend: with shorter steps the tip of a sliver is rounded, not jumped.
             if radius <= SMALLEST_RADIUS:
                 break
             radius /= 4
@@ -241,7 +241,7 @@ def _turn(
 
 
 def _leaves(plane: ParameterPlane, point: Array, rank: int) -> bool:
-    """Whether the curve passes the edge of the square at a point there, rather than running along it."""
+    """Whether the curve leaves the square at a point on its edge, rather than running along the edge."""
     along = ((point > 0) & (point < 1)).astype(float)
     nearby = np.clip(point + STEP_RADIUS * np.linspace(-1, 1, 17)[:, None] * along, 0.0, 1.0)
     rates = plane.rate(nearby, rank)
@@ -258,7 +258,7 @@ def _project_onto_curve(plane: ParameterPlane, path: Array, rank: int) -> Array:
     normal = normal / np.where(length > 0, length, 1.0)
     at_edge = (path <= 0) | (path >= 1)
     normal[at_edge.any(axis=1)] = np.where(at_edge, 0.0, 1.0)[at_edge.any(axis=1)]
-    # Within reach of the local step: beyond it another branch may pass.
+    # Not farther than the local step: beyond it another branch may pass.
     apart = np.hypot(*np.diff(path, axis=0).T)
     local = np.minimum(np.append(apart, np.inf), np.append(np.inf, apart))
     local = np.where(at_edge.any(axis=1), STEP_RADIUS, local)[:, None]
@@ -273,7 +273,7 @@ def _project_onto_curve(plane: ParameterPlane, path: Array, rank: int) -> Array:
 
 
 def distance_to_curve(curve: Array, point: Array) -> float:
-    """From a point to a chain of segments."""
+    """Distance from a point to a chain of segments."""
     if len(curve) < 2:
         return np.inf
     step = np.diff(curve, axis=0)
@@ -334,7 +334,7 @@ def _seed_points(plane: ParameterPlane, spectra: Any) -> tuple[Array, NDArray[np
 
 
 def _edges(spectra: Any, axis: int) -> Iterator[tuple[Array, Array, int]]:
-    """Ends in the unit square of the grid's edges along an axis, wherever a mode begins to grow between."""
+    """Ends of the grid's edges along an axis on which modes begin to grow, and which growth rate is zero."""
     counts = (growth_rates(spectra) > 0).sum(axis=2)
     known = np.isfinite(spectra[..., 0])
     before, after = (np.delete(np.arange(counts.shape[axis]), end) for end in (-1, 0))
@@ -383,7 +383,7 @@ def _unstable_on_sides(plane: ParameterPlane, piece: Array) -> tuple[int, int]:
 
 
 def _distinct_curves(found: list[Boundary]) -> list[Boundary]:
-    """Each curve once: the two growth rates of a pair vanish together, all at the end of an equilibrium."""
+    """Each curve once: both growth rates of a pair vanish on one curve, and all where an equilibrium ends."""
     kept: list[Boundary] = []
     size = np.ptp(np.vstack([c.points for c in found]), axis=0) if found else np.ones(2)
     size[size == 0] = 1.0

@@ -28,7 +28,7 @@ class Eigenvalues(Drawable):
         1/s, by ascending magnitude of the imaginary part; conjugate pairs are adjacent.  A growth rate that
         rounding of the state matrix could explain is 0.
     vectors : complex array (2n, 2n)
-        Their vectors as columns: coordinates, then velocities.
+        The eigenvectors as columns: coordinates, then velocities.
     equilibrium : Equilibrium
         Where the system was linearised.
     """
@@ -145,7 +145,8 @@ def jacobian(model: Any, q: Array) -> Array:
     Raises
     ------
     ValueError
-        If the belt rests and the model has stick: friction has no derivative there.  If a law has none.
+        If the belt rests and the model has stick, so that friction has no derivative; or if a law has no
+        derivative or no value at this state.
     """
     problem = equilibrium_problem(model)
     if by_penetration(model) and sliding_equations(model).rests(problem.values):

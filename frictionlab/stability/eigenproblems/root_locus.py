@@ -1,10 +1,11 @@
 """`fl.root_locus`: the eigenvalues of every mode against a parameter, followed through crossings, veerings
 and coalescence.
 
-Two neighbours on the path are compared by the products of left vectors of one with right vectors of the
-other.  For equal matrices that is the unit matrix, however close their eigenvalues are, so it tells modes
-apart where the usual modal assurance criterion (right vectors with right vectors) finds two alike.  Where
-that is not clear a step is halved, so that the result does not depend on the values asked for.
+Neighbouring points of the path are compared by the products of left vectors at one with right vectors at the
+other.  If their matrices are equal these products form the unit matrix, however close the eigenvalues are.
+So they tell modes apart where the usual modal assurance criterion (right vectors with right vectors) finds
+two alike.  Where they are not clear the step is halved, so that the result does not depend on the values
+asked for.
 """
 
 from __future__ import annotations
@@ -32,11 +33,11 @@ Array = NDArray[np.float64]
 ComplexMatrices = NDArray[np.complexfloating[Any, Any]]
 ComplexArray = NDArray[np.complex128]
 SAME_MODE, OTHER_MODE = 0.7, 0.4  # products of unit vectors that count as one mode, and as two
-UNMOVED_SHARE = 0.1  # of the distance to other eigenvalues
+UNMOVED_SHARE = 0.1  # of the distance to other eigenvalues: a mode that moves less has hardly moved
 EQUAL_RTOL = 1e-10  # share of the largest eigenvalue by which rounding may separate equal ones
-OFFSET_SHARE = 1e-3  # of a step: where vectors are taken from instead
-ENCOUNTER_SHARE = 0.5  # of the way two modes go past each other: nearer than that they may have met
-WEAK_COUPLING = 0.05  # of the distance at which they pass: a coupling below changes nothing
+OFFSET_SHARE = 1e-3  # of a step: so far away vectors are taken where eigenvalues are equal
+ENCOUNTER_SHARE = 0.5  # of the way that two modes pass each other: if they come nearer they may have met
+WEAK_COUPLING = 0.05  # of the distance at which they pass: a weaker coupling changes nothing
 UNCOUPLED_RTOL = 1e-12  # share of the largest eigenvalue
 RANK_WEIGHT, TINY_DISTANCE = 0.1, 1e-150
 NARROWEST_STEP_RTOL = 1e-12  # share of the largest parameter: steps are not halved below
@@ -47,7 +48,7 @@ NO_EIGENVALUE = complex(np.nan, np.nan)
 
 @dataclass(frozen=True, eq=False)
 class Modes:
-    """One eigenvalue of every mode at N points of the path: of a conjugate pair that with Im > 0.
+    """One eigenvalue of every mode at N points of a path: of a conjugate pair the one with Im > 0.
 
     Of an overdamped mode's two real eigenvalues it is the less stable one.
 
@@ -61,7 +62,7 @@ class Modes:
     left : complex array (N, k, m)
         Left vectors, left @ right = 1.
     unstable : int array (N,)
-        Number of growing pairs among all eigenvalues, those left out here too.
+        Number of growing pairs among all eigenvalues, including those left out here.
     """
 
     at: Array
@@ -75,7 +76,7 @@ class Modes:
         return Modes(*(part[chosen] for part in parts))
 
     def permute(self, order: NDArray[np.intp]) -> Modes:
-        """With the modes of each point in another order (N, k)."""
+        """The same modes, in another order (N, k) at each point."""
         return Modes(
             self.at,
             np.take_along_axis(self.values, order, axis=1),
@@ -102,10 +103,10 @@ def modes_of_matrices(at: Array, matrices: Array) -> Modes:
 
 
 def _upper_half(values: ComplexMatrices, k: int) -> NDArray[np.intp]:
-    """Indices (N, k) of Im > 0, then of every other real one from the largest; by ascending frequency.
+    """Indices (N, k) of one eigenvalue of each mode, by ascending frequency.
 
-    The two into which a pair splits are neighbours, so that one of them is taken and the other columns stay
-    the same.
+    Those with Im > 0 are taken, then every other real one, from the largest on.  The two real ones into which
+    a pair splits are neighbours: one of them is taken, and the other columns stay the same.
     """
     kind = np.where(values.imag > 0, 0, np.where(values.imag == 0, 1, 3))
     order = np.lexsort((-values.real, kind), axis=-1)
@@ -137,8 +138,8 @@ def track_modes(path: Modes, sample: Callable[[Array], Modes]) -> Modes:
 
 
 def _separate_equal(path: Modes, sample: Callable[[Array], Modes]) -> Modes:
-    """Take vectors from nearby where modes have equal eigenvalues, as at a crossing: there they are not
-    unique."""
+    """Take vectors from nearby where modes have equal eigenvalues, as at a crossing: there the vectors are
+    not unique."""
     step = np.diff(path.at, prepend=path.at[1:2])
     (alike,) = np.nonzero(_equal_eigenvalues(path.values).any(axis=(1, 2)) & (step != 0))
     if not alike.size:
@@ -162,9 +163,9 @@ def _equal_eigenvalues(values: ComplexMatrices) -> NDArray[np.bool_]:
 def _match_modes(
     a: Modes, b: Modes, sample: Callable[[Array], Modes], least: float, left: list[int]
 ) -> NDArray[np.intp]:
-    """For each mode of `a` the index of the same mode of `b`, (N, k); the same where one has none.
+    """For each mode of `a` the index of the same mode of `b`, (N, k); the same index where one has no modes.
 
-    Unclear steps are halved, down to a width of `least` and while any of the points `left` remain: modes with
+    Unclear steps are halved, down to the width `least` and while there are points `left` to spend: modes with
     equal eigenvalues throughout are unclear everywhere.
     """
     known = np.isfinite(a.values[:, 0]) & np.isfinite(b.values[:, 0])
@@ -188,7 +189,7 @@ def _match_modes(
 
 
 def _distance_to_next(values: ComplexMatrices) -> Array:
-    """Distance of each eigenvalue (N, k) to the next one."""
+    """Distance of each eigenvalue (N, k) to the nearest other one."""
     apart = np.abs(values[:, :, None] - values[:, None, :])
     return np.where(np.eye(values.shape[1], dtype=bool), np.inf, apart).min(axis=2)
 
@@ -199,7 +200,7 @@ def _likeness(a: Modes, b: Modes) -> Array:
 
 
 def _assign(likeness: Array) -> NDArray[np.intp]:
-    """For each mode the index of the one most similar, each used once."""
+    """For each mode the index of the most similar one; each index is used once."""
     found, each = likeness.argmax(axis=2), np.arange(likeness.shape[1])
     (twice,) = np.nonzero((np.sort(found, axis=1) != each).any(axis=1))
     for i in twice:
@@ -208,7 +209,7 @@ def _assign(likeness: Array) -> NDArray[np.intp]:
 
 
 def _is_clear(a: Modes, b: Modes) -> tuple[Any, Any]:
-    """Whether vectors tell that the columns of `a` and `b` are the same modes, and that none met between."""
+    """Whether columns of `a` and `b` are clearly the same modes, and whether no two met in between."""
     either = _equal_eigenvalues(a.values) & _equal_eigenvalues(b.values)  # the order of these does not matter
     likeness, own = _likeness(a, b), np.eye(a.values.shape[1], dtype=bool)
     # A mode unlike all others that has hardly moved is accepted: the vectors of a rigid body's motion tell
@@ -224,7 +225,7 @@ def _is_clear(a: Modes, b: Modes) -> tuple[Any, Any]:
 def _may_have_met(a: Modes, b: Modes) -> Any:
     """Which modes (N, k, k) may have come near each other between `a` and `b`, coupled so that it matters.
 
-    Coupled by c, the vectors of modes whose eigenvalues are d apart mix by c/d, so d and the mixing tell c.
+    The vectors of two modes with eigenvalues d apart and a coupling c mix by c/d; so d and the mixing give c.
     """
     start, end = (v[:, :, None] - v[:, None, :] for v in (a.values, b.values))
     way = np.maximum(np.abs(end - start), TINY_DISTANCE)
@@ -241,8 +242,10 @@ def _may_have_met(a: Modes, b: Modes) -> Any:
 
 
 def _match_eigenvalues(a: ComplexMatrices, b: ComplexMatrices) -> NDArray[np.intp]:
-    """Where four distances are equal, as at a coalescence, the higher frequency is matched with the larger
-    growth."""
+    """For each eigenvalue of `a` the index of its match in `b`, by their distances; each index is used once.
+
+    Where four distances are equal, as at a coalescence, the higher frequency goes with the larger growth.
+    """
     apart, rank = np.abs(a[:, None] - b[None, :]), np.subtract.outer(a.real + a.imag, b.real + b.imag)
     return linear_sum_assignment(apart**2 + RANK_WEIGHT * rank**2)[1]
 
@@ -330,14 +333,14 @@ def root_locus(model: Any, parameter: str, values: Any) -> RootLocus:
     """Eigenvalues of all modes at the sliding equilibrium, for each value of a parameter.
 
     The modes are followed by their vectors, not sorted, so that a column is one mode through crossings and
-    veerings.  Where two coalesce exactly, the order of the two beyond is arbitrary.
+    veerings.  Beyond an exact coalescence the order of the two modes is arbitrary.
 
     Parameters
     ----------
     model : Model or HybridAutomaton
     parameter : str
     values : array_like (N,)
-        Along a path: neighbours in it are compared.
+        Along a path: each mode is followed from one value to the next.
 
     Returns
     -------

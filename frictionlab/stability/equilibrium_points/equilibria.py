@@ -1,5 +1,6 @@
-"""`fl.equilibria` and `fl.equilibrium`: equilibria of a model or an automaton, all of them or the one pressed
-by the preload, and the `EquilibriumProblem` at one of them, or at all in a range of a parameter.
+"""`fl.equilibria` and `fl.equilibrium`: all equilibria of a model or an automaton, or the default one.
+
+Also the `EquilibriumProblem` at one of them, or at all in a range of a parameter.
 """
 
 from __future__ import annotations
@@ -86,9 +87,9 @@ def _same_equilibrium(one: Equilibrium, other: Equilibrium) -> bool:
 
 
 def equilibrium_branches(model: Any, parameter: str, bounds: tuple[float, float]) -> list[EquilibriumProblem]:
-    """The equilibria inside the guards of a mode at some values in the range, each followed from there.
+    """Problems of equilibria inside the guards of a mode at some values in the range, followed from there.
 
-    Where they follow from the penetration (`by_penetration`) the one with the smallest penetration.
+    For models solved by the penetration (`by_penetration`), only that with the smallest penetration.
 
     Raises
     ------
@@ -132,12 +133,12 @@ class Equilibrium(Drawable):
     penetration : float
         Penetration of the contact, m.
     normal_force, friction_force : float
-        F_N and F_T, N.  Of an automaton, NaN where its mode has no such output, as for the penetration.
+        F_N and F_T, N.  Like the penetration, NaN where the mode of an automaton has no such output.
     residual : float
         Largest force or moment left over in the static equations, relative to the largest in them.
     model : Model or HybridAutomaton
     names : tuple of str
-        Of the coordinates, or of all states of an automaton that has none.
+        Names of the coordinates, or of all states of an automaton that has none.
     """
 
     drawn_by = "plot_equilibrium"
@@ -165,17 +166,18 @@ def equilibria(model: Any) -> tuple[Equilibrium, ...]:
     The contact law is taken as it is for a negative penetration too, as the paper's equations do: a solution
     with F_N < 0 is an equilibrium of a bilateral contact only.  Friction has the sign of the belt's speed.
 
-    Where the equation for the penetration is a polynomial none is missed, as with all laws of the package but
-    HertzContact, PressureDependent and MovingLoad("normal").  For those, and for others of your own, changes
-    of sign are searched for up to three times the penetration without contact force.
+    No solution is missed where the equation for the penetration is a polynomial.  It is one with all laws of
+    the package but HertzContact, PressureDependent and MovingLoad("normal").  For those, and for laws of your
+    own that give no polynomial, changes of sign are searched for up to three times the penetration without
+    contact force.
 
     Parameters
     ----------
     model : Model or HybridAutomaton
-        Where the model has no `statics` (SliderOnBelt has), the equilibria inside the guards of a mode, of
-        the first mode that has any, by their distance from the origin; they are searched for by Newton's
-        method from starts of all decades of size; those that differ beyond rounding are distinct. Modes of a
-        model with constraints, such as stick, are left out.
+        Where the model has no `statics` (SliderOnBelt has), the equilibria are those inside the guards of the
+        first mode that has any, by their distance from the origin.  They are searched for by Newton's method
+        from starts of all decades of size; those that differ by more than rounding are distinct.  A model's
+        modes with constraints, such as stick, are left out.
 
     Returns
     -------

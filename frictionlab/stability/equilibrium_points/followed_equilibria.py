@@ -1,5 +1,7 @@
-"""Equilibria for many parameter values at once: of an automaton, by Newton's method, the one that is
-followed; of a model steady sliding, the equilibrium with F_N > 0 and the smallest penetration.
+"""Equilibria for many parameter values at once.
+
+Of an automaton one equilibrium is followed by Newton's method.  Of a model in steady sliding it is the one
+with F_N > 0 and the smallest penetration.
 
 With polynomial laws the penetration is a root of a polynomial, found by eigenvalues and polished by Newton's
 method on the original equation; with other laws changes of sign are searched for on a geometric grid.
@@ -38,10 +40,10 @@ Array = NDArray[np.float64]
 
 
 def nearest_equilibrium_problem(model: Any, closest_to: Array | None = None) -> EquilibriumProblem:
-    """The equilibrium, nearest to the origin, of the first mode that has one inside its guards.
+    """The problem of the equilibrium nearest to the origin, in the first mode that has one inside its guards.
 
-    Or the one nearest to the coordinates `closest_to` (n,), or to these states where there are no
-    coordinates.
+    With `closest_to` (n,) it is the equilibrium nearest to these coordinates, or to these states where there
+    are no coordinates.
 
     Raises
     ------
@@ -63,7 +65,7 @@ def nearest_equilibrium_problem(model: Any, closest_to: Array | None = None) -> 
 def problem_from_equilibrium(
     model: Any, automaton: HybridAutomaton, mode: SteadyMode, x: Array, **changes: float
 ) -> EquilibriumProblem:
-    """The steady state of a mode followed from `x` (m,), where it is with some parameters changed."""
+    """The problem of a mode's equilibrium, followed from `x` (m,), its state with `changes` of parameters."""
     flow, values = mode.flow, parameter_values(automaton)
     start = parameter_values(automaton.replace(**changes)) if changes else values
     return EquilibriumProblem(
@@ -112,7 +114,7 @@ def _state_names(automaton: HybridAutomaton) -> tuple[str, ...]:
 
 
 REAL_ROOT_RTOL = 1e-4  # a double root comes out of the eigenvalues as a pair, some 1e-8 off the real axis
-STATIC_RESIDUAL_RTOL = 1e-9  # share of the largest force: roots that leave more over are none
+STATIC_RESIDUAL_RTOL = 1e-9  # share of the largest force: roots with a larger residual are none
 NEWTON_STEPS = 4
 SEARCH_POINTS, FINEST_SHARE, SEARCH_FACTOR, BISECTIONS = 401, 1e-9, 3.0, 60
 
@@ -142,13 +144,13 @@ def excess_polynomial(statics: Statics, values: Sequence[Any]) -> Array | None:
     most for Eq. (2); None where a law is no polynomial."""
     try:
         excess = statics.excess(UNKNOWN, *values)
-    except (TypeError, ValueError, AttributeError):  # sqrt, a broken power, exp or a comparison in a law
+    except (TypeError, ValueError, AttributeError):  # sqrt, a fractional power, exp or a comparison in a law
         return None
     return excess.coefficients if isinstance(excess, Polynomial) else None
 
 
 def _polynomial_candidates(statics: Statics, values: Sequence[Any], excess: Array) -> Array:
-    """Nearly real roots (some, N), polished by Newton's method on the original equation."""
+    """Nearly real roots (k, N), polished by Newton's method on the original equation."""
     roots = _companion_roots(excess)
     real = np.abs(roots.imag) <= REAL_ROOT_RTOL * np.abs(roots.real)
     pressed = (roots.real > 0) & (statics.forces(roots.real, *values)[0] > 0)
@@ -171,7 +173,7 @@ def polish_roots(statics: Statics, values: Sequence[Any], penetrations: Array) -
 def _companion_roots(coefficients: Array) -> NDArray[np.complex128]:
     """All roots (degree, N).  Their reciprocals are eigenvalues, so a leading coefficient may vanish."""
     degree = len(coefficients) - 1
-    # Without a preload the penetration is a factor: divided out, the other roots are left.
+    # Without a preload the penetration is a factor: it is divided out, which leaves the other roots.
     coefficients = np.where(coefficients[0] == 0, np.roll(coefficients, -1, axis=0), coefficients)
     companion = np.zeros((coefficients.shape[1], degree, degree))
     companion[:, range(1, degree), range(degree - 1)] = 1.0
@@ -211,7 +213,7 @@ def search_range(statics: Statics, values: Sequence[Any]) -> Any:
 def sliding_problem(model: Any, start: Array | None = None) -> EquilibriumProblem:
     """Steady sliding of a model at the equilibrium with F_N > 0 and the smallest penetration.
 
-    Or at that whose coordinates are `start` (n,), followed from there.
+    With `start` (n,) it is the equilibrium with these coordinates, followed from there.
     """
     equations = sliding_equations(model)
     values = equations.values(model)
@@ -240,7 +242,7 @@ def _flow_and_guards(equations: SlidingEquations, forwards: bool) -> tuple[Flow,
 
 @cache
 def sliding_flow(equations: SlidingEquations) -> Flow:
-    """Sliding whose friction force has the sign of the belt's speed, whatever else the model can do."""
+    """The flow of sliding with friction in the sign of the belt's speed, whatever the model's other modes."""
     return late_flow(LateFlow(equations.kept, "sliding", partial(_derive_sliding_flow, equations)))
 
 
@@ -254,13 +256,13 @@ def _derive_sliding_flow(equations: SlidingEquations) -> Flow:
 
 
 def sliding_jacobian(equations: SlidingEquations) -> Jacobian:
-    """The state matrix of this flow."""
+    """The state matrix of :func:`sliding_flow`."""
     return sliding_flow(equations).derivative
 
 
 @cache
 def sliding_guards(equations: SlidingEquations, forwards: bool) -> tuple[Any, ...]:
-    """The functions that stay positive while the model slides as in the flow: v_r, the gap."""
+    """The functions that stay positive while the model slides as in the flow: +-v_r, the penetration."""
     from frictionlab.models.mechanical.contact_regimes import regime  # which loads sympy
 
     found = equations.system

@@ -1,9 +1,9 @@
-r"""Zeros of equations with any functions: Newton's method from many starts, a homotopy to the last ones.
+r"""Zeros of flows: Newton's method from many starts, and a homotopy that follows a zero to other parameters.
 
-Of large systems, as those of finite elements, few states enter nonlinearly.  Of the Jacobian J(x) only their
-columns change from point to point: J(x) = J_0 + C(x) S with S the rows of the unit matrix that choose them.
-With the inverse of J_0, which is had once, a step costs a product of that matrix and a vector and the
-solution of one equation for each such state (Sherman, Morrison and Woodbury):
+In large systems, as those of finite elements, few states enter nonlinearly.  Only their columns of the
+Jacobian J(x) change from point to point: J(x) = J_0 + C(x) S, where S has the rows of the unit matrix that
+select these states.  With the inverse of J_0, computed once, a step costs a product of that matrix and a
+vector and the solution of one equation for each such state (Sherman, Morrison and Woodbury):
 
 .. math:: J^{-1} b = y - J_0^{-1} C (1 + S J_0^{-1} C)^{-1} S y, \qquad y = J_0^{-1} b
 
@@ -33,7 +33,7 @@ SAME_CANDIDATE_RTOL = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class LowRankNewton:
-    """Newton's steps by one inverse.
+    """Newton's steps at all points by one inverse matrix.
 
     Parameters
     ----------
@@ -68,7 +68,7 @@ class LowRankNewton:
 
 
 def low_rank_newton(flow: Flow, values: Sequence[float], x: Array) -> LowRankNewton | None:
-    """Newton's steps by one inverse, at one of the points (m, N); None where that does not pay or serve."""
+    """Newton's steps by the inverse at one of the points (m, N); None where that saves nothing or fails."""
     m = flow.size
     if m < LEAST_STATES or flow.linear or len(flow.nonlinear) > MOST_NONLINEAR_SHARE * m:
         return None
@@ -109,15 +109,15 @@ MAX_POLISH_STEPS = 64
 POLISH_CONTRACTION = 0.9  # a step that shrinks less than to this share of the last is rounding alone
 NOISE_SAMPLES = 16  # states near a zero at which the rounding of the flow is seen
 NOISE_DISTANCE = 1e-8  # share of a state: how far they are from the zero
-ORIGIN_DISTANCE = 1e4  # times rounding, of the usual size: how far they are from a zero at the origin
-# Relative change of the Jacobian from which on a flow's change is more than linear and rounding.
+ORIGIN_DISTANCE = 1e4  # times rounding of the usual size: how far they are from a zero at the origin
+# Relative change of the Jacobian beyond which a change of the flow is more than linear and rounding.
 NONLINEARITY_RTOL = 1e-3
-SAME_ZERO_FACTOR = 16.0  # times what is unknown of both: zeros so close are one
+SAME_ZERO_FACTOR = 16.0  # times the uncertainty of both: zeros so close are one
 
 START_COUNT, SEARCH_STEPS = 192, 64  # starting points, and steps from each
 START_DECADES = 15.0  # by which a state may differ from the linearised flow's zero
-RESTART_ROUNDS = 8  # of starts from what is found
-RESTART_DECADES = (-9.0, 2.0)  # of the distances of these starts from it
+RESTART_ROUNDS = 8  # of new starts from the zeros found
+RESTART_DECADES = (-9.0, 2.0)  # of the distances of these starts from the zeros
 HOMOTOPY_STEPS, CORRECTOR_STEPS = 16, 8
 SAFE_CONTRACTION = 0.25
 
@@ -135,8 +135,8 @@ def newton_step(flow: Flow, x: Array, values: Sequence[Any]) -> Array:
 def solve_matrices(matrices: Array, right: Array) -> Any:
     """Solutions (N, m, k), of least length where a matrix is singular, as at a fold.
 
-    Which are singular only the solver itself can tell, and of many at once it says no more than that one is:
-    so they are halved until those are found.
+    Only the solver itself can tell which are singular, and of a stack it says no more than that one is.  So a
+    stack is halved until the singular matrices are found.
     """
     try:
         return np.linalg.solve(matrices, right)
@@ -204,7 +204,7 @@ def _rounding_noise(flow: Flow, x: Array, values: Sequence[Any], scale: Array) -
         bend = np.abs(_times(flow.jacobian(ahead, values) - flow.jacobian(back, values), way))
         bent = bend > NONLINEARITY_RTOL * _times(
             np.abs(matrices), np.abs(way)
-        )  # too far from a zero so near to the origin
+        )  # the sample is too far from a zero so near to the origin
         noise = np.where(bent & (least > 0), noise, np.fmax(noise, missed))
     inverse = np.abs(solve_matrices(matrices, np.broadcast_to(np.eye(len(x)), matrices.shape)))
     terms = _times(inverse, _times(np.abs(matrices), np.abs(x)))
@@ -234,8 +234,8 @@ def find_zeros(flow: Flow, values: Sequence[float]) -> Array:
     """The zeros (m, K) found, each once, by their distance from the origin.
 
     Newton's method leads to a zero from within some factor of it, so the starts lie in all decades.  Where
-    several coordinates have several zeros each, few starts are near to all combinations: so it starts again
-    from what is found until that finds nothing more.
+    several coordinates have several zeros each, few starts are near each combination.  So the search starts
+    again from the zeros found, until it finds no more.
     """
     if _has_no_zero(flow, values):
         return np.zeros((flow.size, 0))
@@ -269,8 +269,9 @@ def _restart_points(flow: Flow, values: Sequence[float], found: Array, random: n
     """Starting points (m, 2 START_COUNT) for zeros that are hard to find from afar, made of the zeros found;
     none without these.
 
-    Some have each coordinate about that of one zero or another.  At the others one rate alone is not zero, to
-    first order, so that Newton's method looks for other zeros of that rate with the others kept.
+    Half of them have each coordinate near that of a zero chosen at random.  At the others all rates but one
+    are zero, to first order: Newton's method looks for other zeros of that one rate, and the others stay
+    zero.
     """
     rows, count = found.shape
     if not count:
@@ -285,7 +286,7 @@ def _restart_points(flow: Flow, values: Sequence[float], found: Array, random: n
     base = found[:, zero]
     if rows < LEAST_STATES:
         only = solve_matrices(flow.jacobian(base, values), np.eye(rows)[rate][:, :, None])[:, :, 0].T
-    else:  # by whole inverses, of which there are fewer
+    else:  # by the inverse at each zero: there are fewer zeros than starts
         of_zeros = flow.jacobian(found, values)
         inverses = solve_matrices(of_zeros, np.broadcast_to(np.eye(rows), of_zeros.shape))
         only = inverses[zero, :, rate].T
@@ -322,10 +323,10 @@ def _has_no_zero(flow: Flow, values: Sequence[float]) -> bool:
 def _starts(flow: Flow, values: Sequence[float], random: np.random.Generator) -> tuple[Array, Array]:
     """The origin and points scattered about it (m, START_COUNT), and sizes of the states (m, 1).
 
-    The origin alone where the flow is linear: there is no other zero to be led to.
+    Where the flow is linear it is the origin alone, as one start is enough.
 
-    The sizes are where the linearised flow's zero lies.  The points lie in all decades about them: half of
-    them in one decade with all their coordinates, the others with each in one of its own.
+    The sizes are those of the linearised flow's zero.  The points lie in all decades about them: in half of
+    the points all coordinates share a decade, in the others each has one of its own.
     """
     origin = np.zeros((flow.size, 1))
     scale = _replace_unknown(np.abs(newton_step(flow, origin, values)))
@@ -334,7 +335,7 @@ def _starts(flow: Flow, values: Sequence[float], random: np.random.Generator) ->
     scatter = random.normal(size=(len(origin), START_COUNT))
     scatter[:, ::2] *= 10.0 ** random.uniform(-START_DECADES, START_DECADES, size=scatter[:, ::2].shape)
     scatter[:, 1::2] *= 10.0 ** random.uniform(-START_DECADES, START_DECADES, size=scatter[0, 1::2].shape)
-    scatter[flow.unseen] = 0.0  # any value of these does
+    scatter[flow.unseen] = 0.0  # their values do not matter
     return np.hstack([origin, scale * scatter]), scale
 
 
@@ -346,8 +347,10 @@ def _replace_unknown(sizes: Array) -> Array:
 
 
 def _newton(flow: Flow, x: Array, values: Sequence[Any]) -> Array:
-    """Newton's method for each column until it has converged: until steps are less than rounding, or short
-    and no longer shrinking, as the rounding of a large system's elimination is more than a state's own.
+    """Newton's method for each column, until all have converged.
+
+    That is when steps are less than rounding, or short and no longer shrinking: in a large system the
+    elimination rounds by more than a state does.
     """
     before = np.inf
     for _ in range(CORRECTOR_STEPS):
@@ -364,7 +367,7 @@ def _newton(flow: Flow, x: Array, values: Sequence[Any]) -> Array:
 
 
 def _search(newton: Callable[[Array], Array], x: Array) -> Array:
-    """The same by the steps `newton(x)` from all starts, without those that have converged or left the range
+    """Newton's method by the steps `newton(x)` from all starts, each until it has converged or left the range
     of floats."""
     x, going = x.copy(), np.arange(x.shape[1])
     for _ in range(SEARCH_STEPS):

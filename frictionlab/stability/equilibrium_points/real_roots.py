@@ -4,7 +4,7 @@ sign.
 Between two neighbouring real roots of its derivative a polynomial is monotonic, so it has a root there
 exactly if its signs at the two ends differ.  The derivative's roots come from the same rule, down to the
 constant.  Eigenvalues of a companion matrix would need a threshold on their imaginary parts instead.
-A law evaluated with a `Polynomial` gives the coefficients.
+A law evaluated at a `Polynomial` gives the coefficients.
 """
 
 from __future__ import annotations
@@ -41,8 +41,8 @@ def _brent(
 ) -> float:
     """The root between two points (x, value) of different signs, by Brent's method.
 
-    R. P. Brent, Algorithms for Minimization without Derivatives (1973), chapter 4, with the choices of
-    scipy.optimize.brentq, to the last bit: its package takes longer to import than a run to compute.
+    R. P. Brent, Algorithms for Minimization without Derivatives (1973), chapter 4.  It gives the results of
+    scipy.optimize.brentq to the last bit; importing scipy.optimize takes longer than computing a run.
     """
     opposite = before  # of the other sign than `latest`
     step = step_before = 0.0
@@ -84,7 +84,8 @@ def _interpolated_step(
 def roots_on_grid(function: Callable[[Any], Any], reach: float, points: int = 4001) -> list[float]:
     """Roots in [-reach, reach] found as changes of sign on a grid; two closer than its spacing are missed.
 
-    `function` takes arrays.  Where it changes its sign through a pole it is larger than on both sides.
+    `function` takes arrays.  Where its sign changes through a pole there is no root: it is larger there than
+    at both neighbours on the grid, and left out.
     """
     grid = np.linspace(-reach, reach, points)
     with np.errstate(all="ignore"):  # where a law is not defined there is no root
@@ -101,7 +102,7 @@ class Polynomial:
     """Coefficients (degree + 1, N), constant first; a column for each of N values of the parameters.
 
     It takes the place of a number in a law: sums, products, quotients by numbers, and integer powers are
-    polynomials again.  Anything else raises TypeError, which tells a law that is no polynomial.
+    polynomials again.  Anything else raises TypeError, which shows that a law is no polynomial.
     """
 
     __array_ufunc__ = None  # makes numpy leave array * polynomial to this class

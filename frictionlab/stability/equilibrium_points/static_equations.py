@@ -24,15 +24,15 @@ if TYPE_CHECKING:
     from frictionlab.models.mechanical.equations_of_motion import LagrangeSystem
 
 Array = NDArray[np.float64]
-# A stiffness matrix with ones on its diagonal is singular but for rounding where an eigenvalue is smaller.
+# A stiffness matrix scaled to a unit diagonal counts as singular where an eigenvalue is smaller than this.
 SINGULAR_EIGENVALUE = 1e-13
-# N: smaller forces have parts among the smallest numbers, which lose digits.
+# N: parts of smaller forces may be subnormal numbers, which lose digits.
 SMALLEST_FORCE = float(np.finfo(float).tiny / np.finfo(float).eps)
 LOOSE_SHARE = 0.1  # a coordinate with this share of a unit vector moves in a motion that no spring resists
 
 
 class Statics(NamedTuple):
-    """Functions of the penetration and then of all parameters: numbers, arrays or, for some, polynomials.
+    """Functions of the penetration, then all parameters; of numbers, arrays or, for some, polynomials.
 
     Parameters
     ----------
@@ -55,13 +55,13 @@ class Statics(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class SlidingEquations:
-    """Steady sliding of one structure: derived once, and passed to all that computes with it.
+    """The equations of steady sliding of one structure, derived once for all computations.
 
     Parameters
     ----------
     key : Structure
     kept : Derivations
-        What files hold of it.
+        What has been derived of it and is kept in files.
     coordinates : tuple of str
     height : int
         Index of the coordinate that the contact alone may hold.
@@ -97,7 +97,7 @@ class SlidingEquations:
 
     @cached_property
     def belt_speed(self) -> Callable[..., Any]:
-        """The relative velocity at rest, m/s, of the parameters."""
+        """The relative velocity at rest (m/s) as a function of the parameters."""
         return self._function(
             "belt speed", lambda: self.system.at_rest(self.system.rubbing.relative_velocity)
         )
@@ -108,7 +108,7 @@ class SlidingEquations:
 
     @cached_property
     def stiffness_entries(self) -> Callable[..., Any]:
-        """The stiffness matrix as rows, of the parameters."""
+        """The rows of the stiffness matrix as a function of the parameters."""
         return self._function("stiffness", lambda: self.system.stiffness.tolist())
 
     def _function(self, name: str, expressions: Callable[[], Any]) -> Callable[..., Any]:
@@ -129,12 +129,12 @@ class SlidingEquations:
         return stacked.reshape(*stacked.shape[:-1], len(rows), len(rows))
 
     def held(self, by_contact: bool) -> list[int]:
-        """Indices of the coordinates that springs have to hold; `by_contact`: not that of the height."""
+        """Indices of the coordinates that springs must hold; `by_contact`: the contact holds the height."""
         return [i for i in range(len(self.coordinates)) if not (by_contact and i == self.height)]
 
 
 def sliding_equations(model: Any) -> SlidingEquations:
-    """Those of a model's structure."""
+    """The equations of steady sliding of a model's structure."""
     return _equations_of_structure(structure_of_component(model))
 
 
@@ -154,7 +154,7 @@ def by_penetration(model: Any) -> bool:
 def derive_statics(equations: SlidingEquations, held_by_contact: bool) -> Statics:
     """The statics of a structure.
 
-    `held_by_contact`: only the contact holds the slider's height, as no spring does.
+    With `held_by_contact` only the contact holds the slider's height, and no spring does.
     """
 
     def function(name: str) -> Callable[..., Any]:
@@ -249,7 +249,7 @@ def static_residual(statics: Statics, q: Sequence[Any], values: Sequence[Any]) -
 
 
 def statics_for_values(equations: SlidingEquations, values: Sequence[float]) -> Statics:
-    """The statics that fit the values of the parameters.
+    """The statics that apply at the values of the parameters.
 
     Raises
     ------
@@ -266,7 +266,9 @@ def statics_for_values(equations: SlidingEquations, values: Sequence[float]) -> 
 def statics_groups(
     equations: SlidingEquations, values: Sequence[Any], count: int
 ) -> Iterator[tuple[Statics, Any]]:
-    """The statics that fit, and which of `count` values of the parameters; none fit where one is not held.
+    """The statics that apply, each with those of `count` parameter values at which it does, as booleans.
+
+    Where a coordinate is not held none applies.
 
     Raises
     ------

@@ -1,8 +1,8 @@
-"""The modes in which equilibria are searched for: the flow of each, what has to hold in it, and its outputs.
+"""The modes in which equilibria are searched for: the flow of each, its conditions and its outputs.
 
-All of it as functions of the states and the parameters, which are kept of models of the library, so that
-sympy is not needed to find their equilibria again.  Of a model these are the modes without constraints, as in
-stick every position within the friction cone is an equilibrium; of an automaton all.
+All are functions of the states and the parameters.  For models of the library they are kept in files, so that
+sympy is not needed to find their equilibria again.  In a model only the modes without constraints are
+searched, as in stick every position within the friction cone is an equilibrium; in an automaton all are.
 """
 
 from __future__ import annotations
@@ -40,9 +40,9 @@ class SteadyMode:
     flow : Flow
         With the margins that have to stay positive: event functions and normal force.
     kept : Derivations
-        What files hold of its structure.
+        What has been derived of its structure and is kept in files.
     derive : callable
-        The mode.
+        Gives the mode.
     """
 
     name: str
@@ -66,7 +66,7 @@ class SteadyMode:
         return tuple(map(float, self.kept.function(f"shown in {self.name}", OF_ARRAYS, derive)(*x, *values)))
 
     def admits(self, x: Array, values: Sequence[Any]) -> Any:
-        """Where the mode can last at states (m, N): inside its guards, with its constraints kept."""
+        """At which states (m, N) the mode can last: inside its guards, and with its constraints satisfied."""
         with np.errstate(all="ignore"):
             lasts = self.flow.margin(x, values) > 0
             for held, size in zip(*(functions(*x, *values) for functions in self._constraints)):
@@ -103,7 +103,7 @@ def parameter_values(automaton: HybridAutomaton) -> tuple[float, ...]:
 
 @dataclass(frozen=True)
 class Question:
-    """What equilibria an automaton has; two are the same where structures and values are.
+    """The key under which equilibria of an automaton are cached: equal for equal structures and values.
 
     Parameters
     ----------
@@ -120,7 +120,7 @@ class Question:
 
 
 def first_mode_equilibria(automaton: HybridAutomaton, sliding: bool) -> tuple[SteadyMode, Array]:
-    """The first mode with equilibria inside its guards, and them (m, K); else K is 0."""
+    """The first mode with equilibria inside its guards, and these (m, K); K = 0 if no mode has any."""
     structure = automaton.kept() if sliding else None
     if structure is None:
         structure = automaton.modes, automaton.states, tuple(automaton.parameters), automaton.coordinates
@@ -129,7 +129,7 @@ def first_mode_equilibria(automaton: HybridAutomaton, sliding: bool) -> tuple[St
 
 @lru_cache(maxsize=64)
 def _first_mode_equilibria(question: Question) -> tuple[SteadyMode, Array]:
-    """The same; remembered, as one question about a model leads to several."""
+    """As :func:`first_mode_equilibria`; cached, since one analysis asks for them several times."""
     automaton, mode = question.automaton, None
     for mode in steady_modes(automaton, question.sliding):
         if not mode.holds or _allows_rest(automaton, mode.derive()):
@@ -141,7 +141,7 @@ def _first_mode_equilibria(question: Question) -> tuple[SteadyMode, Array]:
     return mode, np.zeros((mode.flow.size, 0))
 
 
-# --- as they are kept
+# --- modes of which functions are kept in files
 
 
 def _kept_modes(automaton: HybridAutomaton, kept: Derivations) -> Iterator[SteadyMode]:
@@ -152,7 +152,7 @@ def _kept_modes(automaton: HybridAutomaton, kept: Derivations) -> Iterator[Stead
 
 @dataclass(frozen=True)
 class Place:
-    """A mode of a structure by its name; the automaton is any of the structure."""
+    """The key of a kept mode: its structure and name; the automaton may be any of that structure."""
 
     kept: Derivations
     name: str
@@ -167,7 +167,7 @@ def _kept_mode(place: Place) -> SteadyMode:
 
 
 def _can_last_at_rest(automaton: HybridAutomaton, mode: SteadyMode) -> bool:
-    """Whether conditions of all regimes of a mode can hold at zero velocities; see `_can_rest`."""
+    """Whether the conditions of all regimes of a mode can hold at zero velocities; see `_can_rest`."""
 
     def derive() -> Callable[..., Any]:
         modes: Any = automaton.modes
@@ -183,7 +183,7 @@ def _can_last_at_rest(automaton: HybridAutomaton, mode: SteadyMode) -> bool:
     return not any(value < 0 for value in function(*zeros, *parameter_values(automaton)))
 
 
-# --- as they are derived
+# --- modes that are derived
 
 
 def _modes(automaton: HybridAutomaton, sliding: bool) -> Iterator[Mode]:

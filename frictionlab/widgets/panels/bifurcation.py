@@ -1,8 +1,8 @@
 """A bifurcation diagram that is refined in the range shown, computed in parts.
 
-`ProgressiveSweep` computes steady states a few at a time: a coarse diagram, the values between, and then
-those that have not settled go on. Before that a preview, after a short transient, is there in a blink.
-`BifurcationPanel` has it compute some more at each update and draws the values found so far.
+`ProgressiveSweep` computes steady states a few at a time: a preview after a short transient, almost at
+once; the coarse diagram; the values between; then longer runs of motions that have not settled.
+`BifurcationPanel` lets it compute some more at each update and draws what has been found so far.
 """
 
 from __future__ import annotations
@@ -43,17 +43,17 @@ from frictionlab.widgets.result import limit_steps, tighten_tolerance
 from frictionlab.widgets.update_scheduler import has_event_loop
 
 Array = NDArray[np.float64]
-BATCH_SIZE = os.cpu_count() or 1  # values, in threads
+BATCH_SIZE = os.cpu_count() or 1  # values computed at the same time, in threads
 TIME_SLICE = 0.2  # seconds between two pictures of a diagram in progress
 WINDOWS_PER_EXTENSION = 10  # windows by which a motion that has not settled is extended at a time
 MAX_EXTENSIONS = 20  # most such extensions of a motion
-# A preview has one window in the place of the transient, where that is at least so many windows long: else it
-# would take hardly less than the result.
+# The transient of a preview is one window.  There are previews only where the full transient has at least so
+# many windows: otherwise they would take hardly less time than the results.
 LEAST_WINDOWS_OF_TRANSIENT = 4
-PREVIEW_BATCH_SIZE = 4 * BATCH_SIZE  # previews in threads, before the next picture
+PREVIEW_BATCH_SIZE = 4 * BATCH_SIZE  # previews computed in threads before the next picture
 
 GRID_VALUES, GRID_STEP = 300, 13  # values in the range shown; every 13th of them, 24, is the coarse diagram
-GOLDEN_STEP = 8  # of 13: multiples of it, modulo 13, fall one after the other into the widest gap left
+GOLDEN_STEP = 8  # its multiples modulo 13 fall one after the other into the widest gap left
 DEFAULT_TRANSIENT, MAX_TRANSIENT, TRANSIENT_STEP = (
     1000,
     5000,
@@ -71,8 +71,7 @@ class SteadyStatePoints(NamedTuple):
 
 
 class UnsettledMotion(NamedTuple):
-    """A motion that has not settled: the state (2n,) from which it goes on, and the number of extensions so
-    far."""
+    """A motion that has not settled: the state (2n,) from which it goes on, and how often it was extended."""
 
     final: list[float]
     times: int
@@ -81,21 +80,22 @@ class UnsettledMotion(NamedTuple):
 class ProgressiveSweep:
     """Steady states of a model, those of :func:`frictionlab.bifurcation`, found a few at a time.
 
-    First every value gets one window after the transient; then those that have not settled go on, window by
-    window as with `t_max`, the least advanced first.  A preview of a value is what a short transient gives.
+    First the motion at every value gets one window after the transient; then those that have not settled go
+    on, window by window as with `t_max`, the least advanced first.  A preview is the result of a short
+    transient.
 
     Parameters
     ----------
     model : Model
     parameter : str
     x0, options
-        As :func:`frictionlab.bifurcation`: transient, window, method.
+        As :func:`frictionlab.bifurcation` takes them; the options are transient, window and method.
 
     Attributes
     ----------
     found : dict of float to SteadyStatePoints
     previews : dict of float to SteadyStatePoints
-        Of values, to be replaced by what is found.
+        Values that have a preview; what is found replaces it.
     unsettled : dict of float to UnsettledMotion
         Motions that are to be extended.
     """
@@ -117,7 +117,7 @@ class ProgressiveSweep:
         return self.found.get(value) or self.previews.get(value)
 
     def preview(self, values: Sequence[float]) -> bool:
-        """Preview some values of which nothing is known; whether there were any, and it spares time."""
+        """Preview some values of which nothing is known; False if there are none or it would save no time."""
         new = [value for value in _coarse_to_fine(values) if self.shown(value) is None]
         options = self.options
         if not new or options.transient < LEAST_WINDOWS_OF_TRANSIENT * options.window:
@@ -127,7 +127,7 @@ class ProgressiveSweep:
         return True
 
     def work(self, values: Sequence[float]) -> None:
-        """Compute for about the time between two pictures."""
+        """Compute results for about as long as there is between two pictures."""
         end = perf_counter() + TIME_SLICE
         while (left := self.left(values)) and perf_counter() < end:
             new = [value for value in left[:BATCH_SIZE] if value not in self.found]
@@ -145,7 +145,7 @@ class ProgressiveSweep:
         return {value: done.results[i] for i, value in enumerate(values)}
 
     def _extend(self, values: list[float]) -> None:
-        # Half a window more, so that rounding takes none away.
+        # Half a window more, so that rounding does not lose one.
         longest = (WINDOWS_PER_EXTENSION + 0.5) * self.options.window
         options = replace(self.options, transient=0.0, t_max=longest)
         models = [self.model.replace(**{self.parameter: value}) for value in values]
@@ -174,8 +174,8 @@ def _points(result: Mapping[str, Any]) -> SteadyStatePoints:
 
 
 def _coarse_to_fine(values: Sequence[float]) -> list[float]:
-    """The coarse diagram, every eighth of its values first and then those half-way between; then one value
-    more in each of its intervals, and so on."""
+    """The values in the order of computing: first the coarse diagram, every eighth of its values, then those
+    half-way between, and so on; then one value more in each of its intervals, again and again."""
     count = len(values)
     order = [i for step in (8, 4, 2, 1) for i in range(0, count, step * GRID_STEP)]
     starts = (GOLDEN_STEP * i % GRID_STEP for i in range(1, GRID_STEP))
@@ -188,9 +188,9 @@ class BifurcationPanel:
     parameter.
 
     It is computed in parts, from coarse to fine, so that points appear while it is computed and newer
-    settings need not wait: a preview of 24 values within a second, then those and the ones between, 300 in
-    all.  The note says how many are previews, of a short transient.  Motions that have not settled are drawn
-    as such, and extended once all values are computed.  Results are kept until another parameter changes, so
+    settings need not wait: a preview of 24 values within a second, then these values and those between, 300
+    in all.  The note says how many values are still previews.  Motions that have not settled are drawn as
+    such, and extended once all values are computed.  Results are kept until another parameter changes, so
     that a narrower range only adds values in between.
 
     Attributes
@@ -263,22 +263,22 @@ class BifurcationPanel:
         return Drawing(*labels, curves, note=note, xlim=(low, high), progress=progress)
 
     def pick(self, x: float, _: float) -> dict[str, float]:
-        """The value at a click, as a round number."""
+        """The value of the parameter at a click, as a round number."""
         return {self.parameter: round_to_step(x, self.controls["range"].value)}
 
     def _fill(
         self, sweep: ProgressiveSweep, result: Any, limits: tuple[float, float]
     ) -> tuple[dict[float, SteadyStatePoints], int, tuple[int, int] | None]:
-        """The results in a range after some more work, how many there will be, and the progress where it is
-        not complete."""
+        """Compute some more; return the results in a range, how many there will be, and the progress until
+        all are there."""
         low, high = limits
         fine = np.linspace(low, high, GRID_VALUES)
         coarse = fine[::GRID_STEP]
-        # In a script nobody watches the diagram fill: the coarse one is all, and needs no preview.
+        # In a script nobody watches the diagram fill: it gets the coarse one only, without a preview.
         watched = has_event_loop()
         grid = (fine if watched else coarse).tolist()
         values = [*grid, *(v for v in sweep.found if low <= v <= high and v not in grid)]
-        # A change by a slider or a click is shown first.
+        # After a change by a slider or a click the present diagram is shown before more is computed.
         begun = bool(sweep.found or sweep.previews)
         if (result is self._shown or not begun) and not (watched and sweep.preview(coarse.tolist())):
             sweep.work(values)

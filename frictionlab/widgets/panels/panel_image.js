@@ -1,5 +1,5 @@
-// A panel's picture.  Where it has a hint it tells where it is clicked: shares of its width from the left and of its height
-// from below.  As wide as the panel, but pixel for pixel where that is nearly as wide, so that letters stay sharp.
+// A panel's picture.  If it has a hint, it reports where it is clicked: shares of its width from the left and of its height
+// from below.  It is as wide as the panel, or pixel for pixel where that is nearly as wide, so that letters stay sharp.
 const NEARLY = 0.9;
 
 function render({ model, el }) {
@@ -26,7 +26,7 @@ function render({ model, el }) {
   model.on("change:value", show);
   show();
   el.append(image);
-  return () => { // the view is taken off the page
+  return () => { // when the view is removed from the page
     observer.disconnect();
     model.off("change:value", show);
     URL.revokeObjectURL(address);

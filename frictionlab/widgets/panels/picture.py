@@ -1,8 +1,8 @@
 """The picture of an explorer: one permanent figure, its panels as images that wrap on a narrow screen.
 
-Images are PNGs with a palette made of the lines' colours, and texts are rendered once and then copied: to
-compute a palette or to render a text takes longer than to draw the curves.  Panels that respond to clicks are
-shown as such.
+Images are PNGs with a palette made of the lines' colours, and texts are rendered once and then copied:
+finding a palette from the pixels, or rendering a text, takes longer than drawing the curves.  Over panels
+that respond to clicks the pointer shows it.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ from .tile import Tile
 RGB = tuple[float, float, float]
 
 PALETTE_ENTRIES = 256  # of a palette
-SHADES_PER_COLOUR = 16  # of a colour, to white; where lines end the pixels are mixtures with the background
+SHADES_PER_COLOUR = 16  # from a colour to the background: at the edges of lines pixels are mixtures of both
 
 MAX_CACHED_TEXTS = 2048  # texts
 
@@ -42,7 +42,7 @@ PANEL_WIDTH, PANEL_HEIGHT, DPI = (
     100,
 )  # inches of a panel: two beside the controls on a screen of 1280 pixels
 PANEL_COLUMNS = 2
-# A panel has whole pixels at all multiples of the step; more than the most would take longer than one waits.
+# A panel has whole pixels at all multiples of the step; drawing with more than MAX_DPI would take too long.
 MIN_DPI, MAX_DPI, DPI_STEP = 60.0, 220.0, 5.0
 
 
@@ -54,7 +54,7 @@ def encode_png(pixels: Any, colours: Iterable[Any], paper: Any = WHITE) -> bytes
     pixels : Image
         RGB or RGBA, without transparency.
     colours : iterable
-        As matplotlib takes them; black, or on dark paper white, is always there.
+        As matplotlib takes them; black, or white on a dark background, is always added.
     paper : colour
         The background.
     """
@@ -67,9 +67,9 @@ def encode_png(pixels: Any, colours: Iterable[Any], paper: Any = WHITE) -> bytes
 
 @lru_cache(16)
 def _palette(colours: tuple[RGB, ...], paper: RGB) -> Any:
-    """Each colour in equal steps to the colour of the background."""
+    """A palette image: each colour in equal steps towards the background."""
     shades = max(3, min(SHADES_PER_COLOUR, (PALETTE_ENTRIES - 1) // len(colours)))
-    # That comes once, at the end, and no shade is so near to it that the two could be confused.
+    # The background comes once, at the end; the shade next to it is left out, to keep the two apart.
     share = np.linspace(1.0, 0.0, shades + 1)[:-2, None, None]
     mixed = paper - share * (np.array(paper) - np.array(colours))
     table = np.vstack([mixed.reshape(-1, 3)[: PALETTE_ENTRIES - 1], [paper]])
@@ -86,7 +86,7 @@ class PanelImage(anywidget.AnyWidget):
     value : bytes
         PNG.
     alt : str
-        What a screen reader says of it.
+        What a screen reader says about it.
     hint : str
         What a click does; empty where it does nothing.
     """
@@ -130,7 +130,7 @@ class TextCacheRenderer(RendererAgg):
         ismath: Any = False,
         mtext: Any = None,
     ) -> None:
-        """Copy the text's pixels to where its origin, y downwards, is."""
+        """Copy the text's pixels; its origin is at (x, y), y downwards."""
         look = tuple(gc.get_rgb()), gc.get_alpha()
         letters = text_image(s, prop.copy(), float(angle), bool(ismath), self.dpi, look)
         if letters is not None:
@@ -142,7 +142,7 @@ class TextCacheCanvas(FigureCanvasAgg):
     """A canvas for one figure that never changes its size."""
 
     def get_renderer(self) -> TextCacheRenderer:
-        """The only one."""
+        """The one renderer of this canvas."""
         if not hasattr(self, "renderer"):
             self.renderer = TextCacheRenderer(*self.figure.bbox.size, self.figure.dpi)
         return self.renderer
@@ -155,7 +155,7 @@ def text_image(
     """The image of a text; None where it has no visible pixels."""
     plain = RendererAgg(1, 1, dpi)
     width, height, descent = plain.get_text_width_height_descent(text, prop, ismath)
-    reach = int(np.ceil(np.hypot(width, height + descent))) + 4  # whatever the angle
+    reach = int(np.ceil(np.hypot(width, height + descent))) + 4  # at any angle
     sheet = RendererAgg(2 * reach, 2 * reach, dpi)
     gc = sheet.new_gc()
     colour, alpha = look
@@ -182,7 +182,7 @@ class Picture:
     Attributes
     ----------
     dpi : float
-        Pixels of an inch: a panel is `PANEL_WIDTH` inches wide.
+        Pixels per inch; a panel is `PANEL_WIDTH` inches wide.
     dark : bool
         Whether it is drawn on a dark background.
     """
@@ -198,7 +198,7 @@ class Picture:
     def set_look(self, pixels: float, dark: bool) -> None:
         """Draw everything anew for panels of so many pixels, on a dark or light page.
 
-        A dark style in which the picture was made stays.
+        A picture that was made in a dark style stays dark.
         """
         dark = dark or self._own_dark
         dpi = min(max(pixels / PANEL_WIDTH // DPI_STEP * DPI_STEP, MIN_DPI), MAX_DPI)
@@ -210,9 +210,10 @@ class Picture:
         self._show(self.shown)
 
     def draw(self, result: Any, goes_on: bool = False) -> tuple[int, int] | None:
-        """Show a result in all panels; where one fails none is changed.
+        """Show a result in all panels; if one fails, none is changed.
 
-        Where it goes on with the one that is shown, only in panels that are not complete, or have controls.
+        `goes_on` says that the result is the one already shown: then only panels that are not complete, or
+        have controls, are called.
 
         Returns the parts done and their total where a panel is not complete.
         """
@@ -222,19 +223,19 @@ class Picture:
         return next((drawing.progress for drawing in self.shown.values() if drawing.progress), None)
 
     def freeze(self) -> None:
-        """Keep the present curves, dotted."""
+        """Keep the present curves and show them dotted."""
         self.kept = dict(self.shown)
         _keep(self.kept, self.tiles)
         self.paint(self.panels)
 
     def figure_to_print(self) -> RunFigure:
-        """What is shown, as a figure of its own for any resolution; on white paper where only the page is
-        dark."""
+        """What is shown, as a separate figure for any resolution; dark only if made in a dark style, whatever
+        the page."""
         figure, _, tiles = _make_tiles(self.panels, self.dpi, self._own_dark)
         _keep(self.kept, tiles)
         for name, drawing in self.shown.items():
             tiles[name].show(drawing)
-        FigureCanvasAgg(figure)  # its texts are no copies
+        FigureCanvasAgg(figure)  # renders texts instead of copying pixels
         return figure
 
     def unfreeze(self) -> None:
@@ -292,7 +293,7 @@ def _keep(kept: dict[str, Drawing], tiles: dict[str, Tile]) -> None:
 
 
 def theme(dark: bool) -> Any:
-    """A context in which colours are those for a dark page, unless the user has chosen a style."""
+    """A context with colours for a dark page, if the page is dark and the user's background is white."""
     return style("dark") if dark and background() == to_hex(WHITE) else nullcontext()
 
 
@@ -303,7 +304,7 @@ def _description(name: str, drawing: Drawing) -> str:
 
 
 def _panel_image(name: str, panel: Any) -> PanelImage:
-    """The widget of a panel; a clickable one where the panel has `pick`."""
+    """The widget of a panel; it can be clicked if the panel has `pick`."""
     image = PanelImage(hint=panel.hint if hasattr(panel, "pick") else "")
     return image.add_class("fl-panel").add_class(f"fl-panel-{name}")
 

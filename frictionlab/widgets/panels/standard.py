@@ -1,6 +1,6 @@
 """The panels that have names, and the panel of critical values.
 
-The modes are a coloured strip at the foot of the panels over time, and the colours of the phase plane.
+Colours show the modes: a strip at the foot of the panels over time, and the curves of the phase plane.
 """
 
 from __future__ import annotations
@@ -39,19 +39,19 @@ STRIP_HEIGHT = 0.02
 EIGENVALUE_MARKER: dict[str, Any] = {"linestyle": "none", "marker": "o", "markersize": 5.0, "zorder": 2.5}
 ZERO_GROWTH_LINE: dict[str, Any] = {"color": GREY, "linewidth": 0.8, "zorder": 1.0}
 
-NEUTRAL = 1e-12  # share of an eigenvalue below which its real part is rounding
+NEUTRAL = 1e-12  # share of an eigenvalue's size below which its real part is a rounding error
 
 CURVE_POINTS, CURVE_PARTS = (
     87,
     4,
-)  # points of a critical curve; it is computed in parts, first every fourth point
+)  # points of a critical curve, and the parts in which it is computed
 MAX_CACHED_CURVES = 16  # curves
 OPERATING_POINT: dict[str, Any] = {"linestyle": "none", "markersize": 8.0, "zorder": 3.0}
 
 
 def _colours_of_modes(run: Any) -> dict[str, str]:
-    """Of the model's modes; of one with several contacts of those that the run visits: which others are known
-    depends on the runs before."""
+    """Colours of the model's modes; where modes are derived on demand, only of those that the run visits, as
+    which others are known depends on earlier runs."""
     colours = mode_colours(run)
     return {mode: colours[mode] for mode in run.time_in_mode} if run.automaton.on_demand else colours
 
@@ -72,11 +72,11 @@ def _strip_curve(t: Any, chosen: Any, colour: str) -> Curve:
 
 
 def response(result: Any) -> Drawing:
-    """All coordinates; an angle is dashed and belongs to the axis on the right, where there are lengths."""
+    """Coordinates against time; an angle is dashed, and on the right axis where there are lengths."""
     names = result.run.names[: result.run.automaton.coordinates]
     angles = secondary_axis_angles(names)
     curves = {state_label(name): _coordinate_curve(result, name, i, angles) for i, name in enumerate(names)}
-    # The legend of the modes stands in the panel of the forces and the phase plane.
+    # The panels of the forces and of the phase plane have the legend of the modes.
     strip = {f"_{mode}": curve for mode, curve in mode_strip(result).items()}
     right = "angle (rad), dashed" if angles else ""
     t = result.times()
@@ -91,7 +91,7 @@ def _coordinate_curve(result: Any, name: str, i: int, angles: tuple[str, ...]) -
 
 
 def forces(result: Any) -> Drawing:
-    """Normal and friction force, of a model without contact forces the rates."""
+    """Normal and friction force against time; the rates, where a model has no contact forces."""
     found = force_outputs(result.run.automaton)
     what, curves = (
         ("contact force (N)", _force_curves(result, found)) if found else ("rate", _rate_curves(result))
@@ -140,7 +140,7 @@ def _equilibrium_point(result: Any, name: str) -> tuple[list[float], list[float]
 
 
 def spectrum(result: Any) -> Drawing:
-    """Over the second half of the run."""
+    """Amplitude spectrum over the second half of the run."""
     name, found, f_max = result.settings.coordinate, result.spectrum, highest_frequency(result.model)
     labels = "frequency (Hz)", f"amplitude of {state_label(name)} ({state_unit(name)})"
     if found is None:
@@ -165,17 +165,17 @@ def eigenvalues(result: Any) -> Drawing:
         ),
     }
     note = "no equilibrium" if found is None else ""
-    # Rates that are rounding would stretch the axis to 1e-13.
+    # Growth rates that are rounding errors alone would give the axis a range of 1e-13.
     neutral = np.all(np.abs(values.real) <= NEUTRAL * np.abs(values))
     xlim = (-1.0, 1.0) if neutral else None
     return Drawing("growth rate (1/s)", "frequency (Hz)", curves, note=note, xlim=xlim)
 
 
 class CriticalValuePanel:
-    """A panel: steady sliding is stable below the curve.
+    """A panel: the critical values of a parameter over another; steady sliding is stable below the curve.
 
-    The curve does not depend on the two parameters, so moving the point computes nothing anew.  It is
-    computed in parts, first every fourth point, which in a script is all.
+    The curve does not depend on the model's values of the two parameters, so moving the point computes
+    nothing anew.  It is computed in parts, first every fourth point; in a script that is all.
 
     Parameters
     ----------
@@ -201,7 +201,7 @@ class CriticalValuePanel:
         for name in (self.parameter, self.over):
             check_parameter_name(model, name)
         curve = self._curve(_ModelApartFrom(model, (self.parameter, self.over)))
-        # A change by a slider or a click is shown first; in a script nobody watches the curve become finer.
+        # After a change the present curve is shown before more is computed; a script gets its first part.
         if not curve.at.size or (result is self._shown and has_event_loop()):
             curve.work()
         self._shown = result
@@ -231,14 +231,14 @@ class CriticalValuePanel:
 
 
 class _CurveInParts:
-    """A critical curve (at, values) of the parts that are computed so far; those that are left."""
+    """The parts of a critical curve that are computed so far, (at, values), and those that are left."""
 
     def __init__(self, compute: Callable[[Any], CriticalCurve], parts: list[Any]) -> None:
         self.at = self.values = np.zeros(0)
         self.left, self._compute = parts, compute
 
     def work(self) -> None:
-        """Compute one part more, if there is one."""
+        """Compute one more part, if one is left."""
         if not self.left:
             return
         part, self.left = self._compute(self.left[0]), self.left[1:]
@@ -248,7 +248,7 @@ class _CurveInParts:
 
 
 class _ModelApartFrom:
-    """A model; two of them are equal where they differ in some parameters only."""
+    """A model without regard to the parameters named: two are equal if they differ only in these."""
 
     def __init__(self, model: Any, names: tuple[str, ...]) -> None:
         self.model = model

@@ -1,7 +1,7 @@
 """One panel of the picture: axes that are drawn once, and curves that are drawn over them at every step.
 
-Limits of the axes stay while a slider moves, as long as the data are inside and fill them well enough:
-only where they change the axes are drawn anew.
+The limits of the axes stay while a slider moves, as long as the data are inside them and fill them well
+enough.  Only when limits or labels change are the axes drawn anew.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from frictionlab.plotting.appearance import GREY, background, ink, legible
 from frictionlab.plotting.figure import Curve, Drawing
 
 Limits = tuple[float, float]
-MIN_FILL = 0.35  # share of the axis that the data have to fill, else it shrinks
+MIN_FILL = 0.35  # share of the axis that the data have to fill, or else the axis shrinks
 LIMIT_MARGIN = 0.06
 SMALLEST_RANGE = 1e-12  # in the units of the data: what is zero throughout is drawn as a line
 MIN_RELATIVE_RANGE = 1e-3  # of the largest value: what varies less is drawn as the constant it is
@@ -31,7 +31,7 @@ TICK_COUNT = 5
 DECADES = 5.0
 
 FONT_SIZE, NOTE_SIZE = 9.0, 9.0
-# Dotted, in their own colours; what is grey, in that of the text: grey dots beside a grey curve are not seen.
+# Kept curves are dotted in their own colours; grey ones in the text's, as grey dots would hardly be seen.
 FROZEN_STYLE: dict[str, Any] = {"linewidth": 1.6, "zorder": 3.2}
 FROZEN_DOTS = (0, (1.0, 1.6))
 LEGEND_STYLE: dict[str, Any] = {
@@ -56,7 +56,7 @@ def data_range(arrays: Iterable[Any]) -> Limits | None:
 
 
 def linear_limits(now: Limits | None, found: Limits | None) -> Limits:
-    """The limits there are, if the data are inside and fill them well enough; else round ones."""
+    """The present limits, if the data are inside and fill them well enough; else new round ones."""
     if found is None:
         return now or (0.0, 1.0)
     low, high = _with_minimum_range(*found)
@@ -92,9 +92,10 @@ def _round_step(step: float) -> float:
 class Tile:
     """Axes in a rectangle of a figure (left, bottom, width, height, as shares of it), with their curves.
 
-    Curves of the same label stay the same artist, so that a step of a slider makes none.  They are
-    "animated": matplotlib leaves them out where it draws the axes, and what is then on the canvas is kept as
-    the background until a label or a limit changes; the legend, which no limit changes, is kept before that.
+    A curve is one artist as long as its label stays, so that a step of a slider makes no artists.  Curves are
+    "animated": matplotlib leaves them out where it draws the axes.  What is then on the canvas is kept as the
+    background until a label or a limit changes.  The image of the legend alone is kept too, as a change of
+    limits leaves it as it is.
     """
 
     def __init__(self, figure: Figure, place: tuple[float, float, float, float]) -> None:
@@ -115,7 +116,7 @@ class Tile:
         self.background: Any = None
         self.redrawn = 0  # backgrounds drawn so far
         self._blank: Any = None
-        self._named: Any = None  # with the legend
+        self._named: Any = None  # image of the tile with the legend alone
         self._limits: dict[str, Limits | None] = {}
         self._looks: Any = None
 
@@ -134,7 +135,7 @@ class Tile:
             self._label(drawing)
 
     def paint(self, canvas: Any) -> None:
-        """Draw on the canvas, axes and all only where they have changed."""
+        """Draw on the canvas; the axes are drawn anew only if they have changed."""
         renderer = canvas.get_renderer()
         if self.background is None:
             self._name(canvas, renderer)
@@ -149,7 +150,7 @@ class Tile:
         self.note.draw(renderer)
 
     def _name(self, canvas: Any, renderer: Any) -> None:
-        """An empty tile with its legend."""
+        """Put the tile with nothing but its legend on the canvas."""
         self._blank = self._blank or canvas.copy_from_bbox(self.box)
         canvas.restore_region(self._named or self._blank)
         if self._named is None:
@@ -241,7 +242,7 @@ class Tile:
         self.ax.set_ylabel(drawing.ylabel, fontsize=FONT_SIZE)
         if self.ax.get_yscale() != drawing.yscale:
             self.ax.set_yscale(drawing.yscale)
-            self.ax.yaxis.set_minor_formatter(NullFormatter())  # looks for texts where there are none
+            self.ax.yaxis.set_minor_formatter(NullFormatter())  # the usual one looks for labels in vain
             self.ax.set_ylim(self._limits["left"])
         if self.right is not None:
             self.right.set_visible(bool(drawing.right))
@@ -257,10 +258,10 @@ class Tile:
             legend = self._fitting_legend(handles)
             legend.set_animated(True)
             for handle in filter(None, legend.legend_handles):
-                handle.set_animated(False)  # else matplotlib leaves it out where it draws the background
+                handle.set_animated(False)  # else matplotlib leaves it out of the background
 
     def _fitting_legend(self, handles: Sequence[Line2D]) -> Any:
-        """A legend in as few rows as the tile's width allows, in smaller letters where they are too many."""
+        """A legend in as few rows as the tile's width allows, with smaller letters if these are too many."""
         renderer = self.ax.figure.canvas.get_renderer()  # pyright: ignore[reportAttributeAccessIssue]
         legend: Any = None
         for size in (LEGEND_STYLE["fontsize"], SMALL_LEGEND):
@@ -277,7 +278,7 @@ class Tile:
 
 
 def _style_axes(ax: Axes) -> None:
-    colour = ink(ax)  # not that of the settings, which may be others when the axis on the right is made
+    colour = ink(ax)  # not from the settings, which may have changed when the axis on the right is made
     ax.tick_params(labelsize=FONT_SIZE, color=colour, labelcolor=colour)
     ax.spines[:].set_color(colour)
     for axis in (ax.xaxis, ax.yaxis):
