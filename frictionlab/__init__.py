@@ -14,7 +14,7 @@ import logging
 
 from frictionlab.lazy_names import homes_in_stub, loader_of_names
 
-logging.getLogger(__name__).addHandler(logging.NullHandler())  # what is logged is the user's to show
+logging.getLogger(__name__).addHandler(logging.NullHandler())  # whether logs are shown is the user's choice
 
 _HOME = homes_in_stub(__loader__, __path__[0])
 # a type checker reads the stub, and need not follow how this list is made

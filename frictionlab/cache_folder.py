@@ -1,8 +1,9 @@
 """The user's cache folder: compiled code and derived equations, read only if whole and the user's own.
 
-A damaged object would end the process, and one that somebody else wrote would run in the user's name.  So a
-file holds a checksum of its name and content, and neither a folder nor a file is used that another user owns
-or can write to.  Whatever goes wrong, as on a full disk, the cache misses: nothing here raises.
+A damaged object file would end the process, and one that somebody else wrote would run with the user's
+rights.  So each file begins with a checksum of its name and content, and no folder or file is used that
+another user owns or can write to.  Whatever goes wrong, such as a full disk, counts as a miss: nothing here
+raises.
 """
 
 from __future__ import annotations
@@ -23,21 +24,21 @@ from pathlib import Path
 LOGGER = logging.getLogger(__name__)
 FOLDER_VARIABLE = "FRICTIONLAB_CACHE_DIR"
 CHECKSUM_BYTES = 32
-# What is kept of all versions together.  The kernels of a run take 12 MB, a structure's code 0.3 MB, and what
-# the tests compile for one version 150 MB, so that two versions can be worked on side by side.
+# Limits for all versions together.  The kernels of a run take 12 MB, a structure's code 0.3 MB, and what the
+# tests compile for one version 150 MB: two versions can be worked on side by side.
 KEPT_BYTES, KEPT_SECONDS = 500e6, 60 * 86400.0
 TOUCHED_AFTER = 86400.0  # seconds: a use is noted once a day, as that costs a write
-DIGEST_LENGTH = 16  # hexadecimal digits, the name of a version's folder
+DIGEST_LENGTH = 16  # hexadecimal digits in the name of a version's folder
 VERSION_FOLDER = "[0-9a-f]" * DIGEST_LENGTH
-# The last two are numba's, of earlier versions.  Nothing else is removed: the folder may hold more.
+# Only such files are removed, as the folder may hold others; the last two are numba's, of earlier versions.
 SUFFIXES = ".kernel", ".o", ".structure", ".unfinished", ".nbi", ".nbc"
 
 
 def digest_folder(digest: str) -> str:
-    """First usable folder of this name: in the user's cache, else in the temporary folder, else none ("").
+    """First usable folder of this name: in the user's cache, or in the temporary folder; "" where none is.
 
-    One that cannot be written to is usable where there is something in it.  Of one that others can write to
-    there is a warning, as nothing else tells why every start compiles.
+    A folder that cannot be written to is usable if there is something in it.  A folder that others can write
+    to causes a warning, as nothing else would tell why every start compiles.
     """
     for base in (_user_base, temporary_base):
         try:
@@ -47,7 +48,7 @@ def digest_folder(digest: str) -> str:
                 _warn_of_shared(shared)
             elif os.access(folder, os.W_OK) or any(folder.iterdir()):
                 return str(folder)
-        except (OSError, RuntimeError):  # it cannot be made, there is no home folder
+        except (OSError, RuntimeError):  # it cannot be made, or there is no home folder
             continue
     return ""
 
@@ -68,7 +69,7 @@ def temporary_base() -> Path:
 
 
 def _made_private(folder: Path) -> bool:
-    """Whether a folder, made if need be, is one that only the present user can write to, and no link."""
+    """Make a folder if need be; whether it is no link, and only the present user can write to it."""
     folder.mkdir(mode=0o700, parents=True, exist_ok=True)
     info = os.lstat(folder)
     return stat.S_ISDIR(info.st_mode) and _is_private(info)
@@ -92,7 +93,7 @@ def _is_private(info: os.stat_result) -> bool:
 def read(path: Path) -> bytes | None:
     """What was written to a file; None where it is missing, damaged, or not surely the user's own."""
     with suppress(OSError), open(path, "rb", opener=_opened) as file:
-        # of the open file, as the folder may have been exchanged since it was looked at
+        # of the open file, as the folder may have been exchanged since it was checked
         info = os.fstat(file.fileno())
         whole = file.read() if _is_private(info) else b""
         content = whole[CHECKSUM_BYTES:]
@@ -118,7 +119,7 @@ def write(path: Path, content: bytes) -> None:
 
 
 def _put_in_place(name: str, path: Path) -> None:
-    """Rename a file; a folder in its place, which would be missed again at every start, is moved aside."""
+    """Rename a file into its place; a folder found there, a miss at every start, is moved aside."""
     if path.is_dir() and not path.is_symlink():
         path.rename(f"{name}.aside")
     os.replace(name, path)
@@ -130,7 +131,7 @@ def _opened(path: str, flags: int) -> int:
 
 
 def _checksum(path: Path, content: bytes) -> bytes:
-    """Of the name and version as well: a whole file in the place of another is other code."""
+    """Checksum of version, name and content: an undamaged file in the place of another is other code."""
     summed = hashlib.blake2b("/".join(path.parts[-2:]).encode(), digest_size=CHECKSUM_BYTES)
     summed.update(content)
     return summed.digest()
@@ -142,9 +143,9 @@ def _note_use(path: Path, info: os.stat_result) -> None:
             os.utime(path)
 
 
-@cache  # once a process is often enough
+@cache  # once in a process is often enough
 def prune(base: Path) -> None:
-    """Remove what has not been used for long, and the oldest files beyond the size that is kept."""
+    """Remove files that have not been used for long, and the oldest ones beyond the size that is kept."""
     kept, now = 0, time.time()
     for used, size, path in sorted(_files(base), reverse=True):
         kept += size
@@ -157,7 +158,7 @@ def prune(base: Path) -> None:
 
 
 def _files(base: Path) -> Iterator[tuple[float, int, Path]]:
-    """Time of the last use, size and path of each file of ours in the folders of all versions."""
+    """Time of the last use, size and path of each removable file in the folders of all versions."""
     for folder in base.glob(VERSION_FOLDER):
         for path in folder.rglob("*"):
             with suppress(OSError):

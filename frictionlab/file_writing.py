@@ -1,4 +1,4 @@
-"""Files that are written whole or not at all: beside their place, then renamed.
+"""Files that are written whole or not at all: in a folder beside their place, then renamed.
 
 So a full disk, an error or the end of the process leaves what was there before.
 """
@@ -18,13 +18,13 @@ from typing import Any
 
 from frictionlab.validation import with_cure
 
-NO_ROOM = errno.ENOSPC, errno.EFBIG, getattr(errno, "EDQUOT", errno.ENOSPC)  # a quota, which Windows lacks
-NAME_LENGTH = 40  # characters of a file's name in that of the folder beside: a name has 255 bytes at most
+NO_ROOM = errno.ENOSPC, errno.EFBIG, getattr(errno, "EDQUOT", errno.ENOSPC)  # a quota; not everywhere
+NAME_LENGTH = 40  # characters of a file's name in that of the folder: a name has 255 bytes at most
 
 
 @contextmanager
 def write_file(path: Any) -> Iterator[Any]:
-    """Context that gives the path to write to instead, by :func:`replace_file`; errors name `path`."""
+    """Context that gives another path to write to, as :func:`replace_file` does; errors name `path`."""
     with name_written_file(path), replace_file(path) as beside:
         yield beside
 
@@ -38,16 +38,16 @@ def write_text(path: Path, text: str) -> Path:
 
 @contextmanager
 def replace_file(path: Any) -> Iterator[Any]:
-    """Context that gives the path to write to instead: a file of the same name in a new folder beside.
+    """Context that gives another path to write to: of the same name, in a new folder beside `path`.
 
-    All that is in the folder is renamed into the place of `path` once the context ends well, with the suffix
-    that a writer may have added.  Streams and devices, which nothing can take the place of, are given as they
+    If the context ends without an error, all files in that folder are renamed into the folder of `path`, with
+    the suffix that a writer may have added.  Streams and devices cannot be replaced: they are given as they
     are.
     """
     if not isinstance(path, (str, PathLike)) or not _replaceable(path):
         yield path
         return
-    target = Path(os.path.realpath(path))  # a link stays
+    target = Path(os.path.realpath(path))  # so that a link stays a link
     folder = Path(tempfile.mkdtemp(".unfinished", f"{target.name[:NAME_LENGTH]}.", target.parent))
     try:
         yield folder / target.name
@@ -60,7 +60,7 @@ def replace_file(path: Any) -> Iterator[Any]:
 
 
 def _replaceable(path: Any) -> bool:
-    """Whether it is a file, or nothing; raises where it is a folder or must not be written."""
+    """Whether there is a file, or nothing; raises where there is a folder, or writing is not allowed."""
     try:
         kind = os.stat(path).st_mode
     except OSError:
@@ -79,7 +79,7 @@ def _move(made: Path, target: Path) -> None:
 
 
 def _sync(path: Path, way: int) -> None:
-    """Have the system write it down, as a power cut may otherwise leave an empty file under the new name."""
+    """Have the system write it to the disk: else a power cut may leave an empty file under the new name."""
     handle = os.open(path, way)
     try:
         os.fsync(handle)
@@ -89,18 +89,18 @@ def _sync(path: Path, way: int) -> None:
 
 @contextmanager
 def name_written_file(path: Any) -> Iterator[None]:
-    """Context in which a file is written: errors of the system have its path, and what can be done."""
+    """Context in which a file is written: errors of the system get its path, and what can be done."""
     try:
         yield
     except Exception as error:
         found = _system_error(error)
-        if found is None or not isinstance(path, (str, PathLike)):  # a stream only its owner knows
+        if found is None or not isinstance(path, (str, PathLike)):  # only its owner knows what a stream is
             raise
         raise with_cure(found, path, "give another path, or make room") from error
 
 
 def _system_error(error: BaseException) -> OSError | None:
-    """The error of the system; that of a full disk too where a library failed as it tidied up after it."""
+    """The system's error, or None; also a full disk's, where a library then failed in its clean-up."""
     if isinstance(error, OSError):
         return error
     before = error.__context__

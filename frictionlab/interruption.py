@@ -2,12 +2,12 @@
 
 A computation that is stopped keeps what it has for `partial_result`, and raises KeyboardInterrupt.  A press
 is counted, not raised where it happens to arrive (`deferred_interrupts`), so that no step and no line of a
-file is half done.  What compiles for seconds runs in a thread of its own (`call_in_background`), so that a
-press is answered meanwhile.  A computation in a thread of a sweep looks at the `STOP_SIGN` of that sweep.
+file is half done.  Compilation takes seconds: it runs in a thread of its own (`call_in_background`), so that
+a press is answered meanwhile.  A computation in a thread of a sweep looks at the `STOP_SIGN` of that sweep.
 
-What is shown goes to standard error where there is one: neither its lack (pythonw) nor a full disk behind it
-ends a computation, or changes the exit status of a script.  Warnings and tracebacks are Python's own: where
-one of these cannot be written, the interpreter ends with status 120.
+Bars and lines go to standard error.  Where there is none (pythonw), or the disk behind it is full, the
+computation goes on, and the exit status of a script is the same.  Warnings and tracebacks are Python's own:
+where one of these cannot be written, the interpreter ends with status 120.
 """
 
 from __future__ import annotations
@@ -30,19 +30,20 @@ from weakref import WeakSet
 
 POLL_TIME = 0.1  # seconds between two looks at ctrl-C while something else computes
 
-# Without the enums of the module `signal`, which take longer than all else of a short run's handlers.
+# Functions of `signal` make enums, which takes longer than all else of a short run's handlers; those of
+# `_signal` do not.
 SIGNALS: Any = sys.modules.get("_signal", signal)
 
 _LAST: list[Any] = [None]  # the result of the last interruption
-# of the sweep in whose thread a run is: set when the sweep no longer waits for it
+# for the runs in a sweep's threads: set when the sweep no longer waits for them
 STOP_SIGN: ContextVar[threading.Event | None] = ContextVar("STOP_SIGN", default=None)
 
 
 def interruption(what: str, result: Any, more: str = "") -> KeyboardInterrupt:
-    """The error after ctrl-C: what was stopped, and where what was computed is.
+    """The error after ctrl-C: what was stopped, and where the results so far are.
 
-    It is Python's own and no class of ours: the interpreter tells the shell only of that one that ctrl-C was
-    pressed, and a loop of the shell would go on.
+    It is Python's own class, not one derived from it: for no other does the interpreter tell the shell that
+    ctrl-C was pressed, and without that a loop of the shell would go on.
     """
     if threading.current_thread() is threading.main_thread():
         _LAST[0] = result
@@ -51,13 +52,13 @@ def interruption(what: str, result: Any, more: str = "") -> KeyboardInterrupt:
 
 
 def partial_result() -> Any:
-    """What a computation had computed when ctrl-C stopped it, after the KeyboardInterrupt that says so.
+    """What a computation had computed when ctrl-C stopped it, and a KeyboardInterrupt was raised.
 
     Returns
     -------
     Trajectory, BatchResult, Bifurcation, Sweep, ... or None
         What the function would have returned, as far as it had come: a run up to the time it had reached, a
-        sweep with the values that were done.  Of a function that returns no part of its work, such as
+        sweep with the values that were done.  For a function that cannot return part of its result, such as
         `steady_state`, the run that was stopped.  None where nothing was stopped in this session, or nothing
         had been computed.
 
@@ -73,14 +74,14 @@ def partial_result() -> Any:
 
 
 class Presses:
-    """Counts ctrl-C; from the number `limit` on each press interrupts at once."""
+    """Counts presses of ctrl-C; from the press number `limit` on, each interrupts at once."""
 
     def __init__(self, limit: int) -> None:
         self.count, self._limit = 0, limit
         self.installed = False
 
     def note(self, number: int, frame: Any) -> None:
-        """As a handler of signals."""
+        """Count a press; a handler of signals."""
         self.count += 1
         if self.count >= self._limit:
             raise KeyboardInterrupt
@@ -88,9 +89,9 @@ class Presses:
 
 @contextmanager
 def deferred_interrupts(limit: int) -> Iterator[Presses]:
-    """Context in which ctrl-C is counted, and raises KeyboardInterrupt at the press number `limit` only.
+    """Context in which ctrl-C is counted, and raises KeyboardInterrupt only from the press `limit` on.
 
-    In a thread other than the main one Python delivers no signals, so nothing is installed there; nor where
+    Python delivers no signals to threads other than the main one, so nothing is installed there; nor where
     the process ignores them, as in the background of a shell.
     """
     presses, previous = Presses(limit), None
@@ -107,10 +108,10 @@ def deferred_interrupts(limit: int) -> Iterator[Presses]:
 
 
 def call_in_background(function: Callable[[], Any], abandoned: Callable[[], Any]) -> Future[Any]:
-    """The call of a function in a thread of its own, done, or not done where `abandoned` became true before.
+    """Call a function in a thread of its own; returns when it is done, or once `abandoned` gives true.
 
-    An abandoned call goes on, and nobody looks at what it gives: a compiler must not be stopped half-way, and
-    the next run need not compile what it has compiled.
+    An abandoned call goes on, and its result is ignored: a compiler must not be stopped half-way, and the
+    next run need not compile what it has compiled.
     """
     future: Future[Any] = Future()
 
@@ -131,11 +132,11 @@ def call_in_background(function: Callable[[], Any], abandoned: Callable[[], Any]
 
 
 def _end_thread(thread: threading.Thread) -> None:
-    """End an abandoned call before the interpreter ends, which must not pull LLVM from under it.
+    """End an abandoned call before the interpreter ends, which would take LLVM from it while it works.
 
-    It takes as long as the present pass of the compiler.
+    This takes as long as the present pass of the compiler.
     """
-    sys.unraisablehook = lambda _: None  # the exception may arrive in a callback, which cannot raise it
+    sys.unraisablehook = lambda _: None  # SystemExit may arrive in a callback, which cannot raise it
     while thread.is_alive():
         ctypes.pythonapi.PyThreadState_SetAsyncExc(
             ctypes.c_ulong(thread.ident or 0), ctypes.py_object(SystemExit)
@@ -145,7 +146,7 @@ def _end_thread(thread: threading.Thread) -> None:
 
 PROGRESS_DELAY = 1.0  # seconds before a bar is shown
 URGENT_PRESS = 2  # the press of ctrl-C that interrupts a run at once, wherever it is
-PROGRESS_VARIABLE = "FRICTIONLAB_PROGRESS"  # of the environment: 0, off, no or false shows no bars
+PROGRESS_VARIABLE = "FRICTIONLAB_PROGRESS"  # environment variable: 0, off, no or false shows no bars
 
 VOILA = "voila/"  # what Voila says of itself in the environment of its kernels
 
@@ -153,7 +154,7 @@ _switch = {"shown": os.environ.get(PROGRESS_VARIABLE, "1").strip().lower() not i
 
 
 class ProgressSetting:
-    """A setting of `progress`; at the end of a ``with`` block the one before holds again."""
+    """A setting of `progress`; the end of a ``with`` block restores the setting before it."""
 
     def __init__(self, before: bool) -> None:
         self._before = before
@@ -168,9 +169,9 @@ class ProgressSetting:
 def progress(shown: bool) -> ProgressSetting:
     """Show progress bars or none, from now on or within a ``with`` block.
 
-    Without bars nothing is said of the compilation of the solver either.  ``progress=False`` of a single
-    function shows none in any case.  The environment variable FRICTIONLAB_PROGRESS=0 does the same for all
-    sessions.
+    Without bars no message says that the solver is being compiled either.  A single function shows no bar
+    with its keyword ``progress=False``.  The environment variable FRICTIONLAB_PROGRESS=0 turns bars off in
+    all sessions.
 
     Parameters
     ----------
@@ -179,7 +180,7 @@ def progress(shown: bool) -> ProgressSetting:
     Returns
     -------
     ProgressSetting
-        For ``with``.
+        A context manager for ``with``.
 
     Examples
     --------
@@ -195,15 +196,15 @@ def progress(shown: bool) -> ProgressSetting:
 
 
 class _ForgivingStream:
-    """A stream whose failure ends nothing, neither now nor when the interpreter ends.
+    """A stream whose failure stops nothing, neither now nor when the interpreter ends.
 
-    What a buffer of Python's own standard error cannot get rid of makes a script end with status 120, however
-    well it went: so that buffer is passed by.
+    Text that Python cannot flush from the buffer of its own standard error makes a script end with status
+    120, however well it went: so that buffer is bypassed.
     """
 
     def __init__(self, stream: Any) -> None:
         self._stream = stream
-        own = stream is sys.__stderr__  # others, as that of a notebook, lead elsewhere than to a file
+        own = stream is sys.__stderr__  # others, as that of a notebook, do not lead to a file
         self._raw = getattr(getattr(stream, "buffer", None), "raw", None) if own else None
 
     def write(self, text: str) -> None:
@@ -232,10 +233,10 @@ def tell(text: str) -> None:
 
 @cache
 def _bar_class() -> Any:
-    """tqdm's class of bars, with a lock of this process alone and no thread that watches over them.
+    """tqdm's class of bars, with a lock of this process alone and no thread that monitors them.
 
-    tqdm's own lock is shared with all processes that are forked: one of them that is killed while it writes
-    its bar, as a worker without memory, would leave the lock taken, and every later bar would wait for ever.
+    tqdm's own lock is shared with all forked processes.  If one of them is killed while it writes its bar, as
+    a worker that has run out of memory, the lock stays taken, and every later bar waits for ever.
     """
     from tqdm.auto import tqdm
 
@@ -247,7 +248,7 @@ def _bar_class() -> Any:
         Bar.set_lock(threading.RLock())
 
     take_new_lock()
-    if hasattr(os, "register_at_fork"):  # where another thread held it, nobody gives it back in the child
+    if hasattr(os, "register_at_fork"):  # if another thread held it, the child has nobody to release it
         os.register_at_fork(after_in_child=take_new_lock)
     return Bar
 
@@ -255,15 +256,15 @@ def _bar_class() -> Any:
 def progress_bar(*arguments: Any, shown: bool = True, delay: float = PROGRESS_DELAY, **options: Any) -> Any:
     """tqdm's bar, which vanishes when it is done; `options` are tqdm's.
 
-    None on a page of Voila, which shows outputs when all is computed, and in place of a bar that vanished
-    "Error displaying widget: model not found".
+    No bar is shown on a page of Voila.  That shows outputs when all is computed, and in the place of a bar
+    that has vanished "Error displaying widget: model not found".
     """
     bar = _bar_class()
     if sys.stderr is None or os.environ.get("SERVER_SOFTWARE", "").startswith(VOILA):
         return bar(*arguments, disable=True)
     shown = shown and _switch["shown"]
     options |= {"leave": False, "delay": delay, "file": _ForgivingStream(sys.stderr)}
-    options |= {"miniters": 0}  # the time since the last picture decides, as nothing else looks at it
+    options |= {"miniters": 0}  # only the time since it was last drawn decides, as no thread monitors it
     return bar(*arguments, disable=not shown, **options)
 
 
@@ -296,7 +297,7 @@ class Progress:
             self._bar.close()
 
     def call(self, integrate: Callable[..., Any], *arguments: Any) -> Any:
-        """``integrate(*arguments, progress)``, where ctrl-C is answered while the solver is compiled, too.
+        """Call ``integrate(*arguments, progress)``; ctrl-C is answered even while the solver is compiled.
 
         Raises
         ------
@@ -314,7 +315,7 @@ class Progress:
 
     @property
     def stopped(self) -> bool:
-        """Whether the user asked to stop, also where the run had just come to its end."""
+        """Whether the user or the sweep asked to stop, even if the run had just come to its end."""
         return self._presses.count > 0 or (self._sign is not None and self._sign.is_set())
 
     def update(self, t: float) -> bool:

@@ -1,8 +1,8 @@
-"""What is loaded when it is first used: names of a package, as its stub `__init__.pyi` lists them; sympy.
+"""Names that are loaded when they are first used: those in a package's stub `__init__.pyi`, and sympy.
 
-A stub serves those who read it and the package alike: type checkers and editors see what is where, and no
-import is written twice.  sympy takes as long to load as all else that a run needs, and most runs do without:
-what has been derived of a library's model is kept.
+Type checkers and editors read the stub, and the package loads by it, so that no import is written twice.
+sympy takes as long to load as all else that a run needs.  Most runs do without it, as what has been derived
+of the library's models is kept.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ class LazyModule:
 
     def __getattr__(self, name: str) -> Any:
         value = getattr(import_module(self.__name__), name)
-        setattr(self, name, value)  # where it is found without this method
+        setattr(self, name, value)  # from now on found without this method
         return value
 
 
@@ -32,18 +32,18 @@ else:
 
 
 def homes_in_stub(loader: Any, folder: str) -> dict[str, str]:
-    """Public name of a package -> module in it that holds it; "" where the name is a package itself.
+    """The module that holds each public name of a package, by name; "" where the name is itself a module.
 
     A line of the stub is ``from .analysis.ensemble import ensemble as ensemble``.
     """
-    # by the loader, as the package may be in a zip file
+    # read by the loader, as the package may be in a zip file
     stub = loader.get_data(f"{folder}{os.sep}__init__.pyi").decode()
     imports = [line.split() for line in stub.splitlines() if line.startswith("from .")]
     return {words[3]: words[1].lstrip(".") for words in imports}
 
 
 def loader_of_names(package: str, homes: dict[str, str], into: dict[str, Any]) -> Callable[[str], Any]:
-    """The function `__getattr__` of a package, which puts what it has loaded `into` its namespace."""
+    """The function `__getattr__` of a package: it loads a name and stores it in the namespace `into`."""
 
     def load(name: str) -> Any:
         if name not in homes:
@@ -58,7 +58,7 @@ def loader_of_names(package: str, homes: dict[str, str], into: dict[str, Any]) -
 
 
 def _load(package: str, home: str, name: str) -> Any:
-    """What a name stands for; where a package of others is missing, as ipywidgets on a cluster, which."""
+    """What a name stands for; ImportError where a package it needs is missing, as ipywidgets may be."""
     if not home:
         return import_module(f"{package}.{name}")
     try:

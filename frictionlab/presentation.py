@@ -1,10 +1,9 @@
-"""How results present themselves: what they hold by name, as a line or two of text, as tables of pandas and
-xarray, in Markdown, and as pictures, by their method `plot`.
+"""How results are shown: as short text, as tables of pandas and xarray, in Markdown, and as pictures.
 
-pandas and xarray come with the extra ``data`` and are imported when a table is asked for.  Tables carry
-units: a DataFrame in ``attrs["units"]``, a Dataset in ``attrs["units"]`` of each variable.  All attributes
-are what Parquet and netCDF files can hold.  Results lie below `frictionlab.plotting`, which draws them, so
-that plotting is imported when it is asked for, here alone.
+Also the mapping in which results hold values by name.  pandas and xarray come with the extra ``data`` and are
+imported when a table is asked for.  Tables carry units: a DataFrame in ``attrs["units"]``, a Dataset in
+``attrs["units"]`` of each variable.  All attributes are what Parquet and netCDF files can hold.  The analyses
+do not import `frictionlab.plotting`, which draws their results; only `Drawable` does, when it draws.
 """
 
 from __future__ import annotations
@@ -18,7 +17,7 @@ Value = TypeVar("Value")
 
 
 class FrozenMapping(Mapping[str, Value], Generic[Value]):
-    """What results hold by name; equal to a dictionary of the same items."""
+    """A read-only mapping of names to what results hold; equal to a dictionary of the same items."""
 
     __slots__ = ("_items",)
 
@@ -42,7 +41,7 @@ class FrozenMapping(Mapping[str, Value], Generic[Value]):
 
 
 class Kind(StrEnum):
-    """Base of kinds: each member equals its text, and is shown like it in results."""
+    """Base of kinds: each member equals its text, and is shown as that text in results."""
 
     def __repr__(self) -> str:
         return repr(self.value)
@@ -52,7 +51,8 @@ MAX_LISTED = 8  # items that a summary names before it says how many more there 
 MAX_ROWS = 10  # rows of a table in text
 MAX_ROW_LENGTH = 110  # characters of such a row
 
-ANGLE_LETTERS = {"phi": r"\varphi", "theta": r"\theta", "psi": r"\psi"}  # in LaTeX; all others are lengths
+# in LaTeX; all other coordinates are lengths
+ANGLE_LETTERS = {"phi": r"\varphi", "theta": r"\theta", "psi": r"\psi"}
 OUTPUT_UNITS = {
     "penetration": "m",
     "gap": "m",
@@ -62,7 +62,7 @@ OUTPUT_UNITS = {
     "reaction": "N",
     "relative_velocity": "m/s",
 }
-CLOCK = "phase"  # the state that stands for time in models with a force, rad
+CLOCK = "phase"  # the state that stands for time in models with a periodic force, rad
 
 
 def is_angle(name: str) -> bool:
@@ -103,7 +103,7 @@ def tally(names: Iterable[Any]) -> str:
 
 
 def span(values: Any) -> str:
-    """From the smallest to the largest of some finite numbers."""
+    """The range of the finite values as text, from the smallest to the largest."""
     finite = [float(value) for value in values if abs(value) < float("inf")]
     if not finite:
         return "none"
@@ -112,7 +112,7 @@ def span(values: Any) -> str:
 
 
 def text_table(rows: Iterable[str], most: int = MAX_ROWS) -> str:
-    """Rows of text, the first of many, each on one line that is not too long."""
+    """The first rows of a table as text, each cut to one line of limited length."""
     lines = [" ".join(row.split("\n")).rstrip() for row in rows]
     shown = [row if len(row) <= MAX_ROW_LENGTH else f"{row[: MAX_ROW_LENGTH - 3]}..." for row in lines[:most]]
     return "\n".join([*shown, f"... and {len(lines) - most} more"] if len(lines) > most else shown)
@@ -125,12 +125,12 @@ def markdown_table(head: str, lines: Iterable[str]) -> str:
 
 
 def import_optional(package: str, what: str, extra: str = "data") -> Any:
-    """The package of an extra.
+    """Import a package that comes with an extra.
 
     Raises
     ------
     ImportError
-        Where it is not installed, with the command that does it.
+        Where it is not installed, with the command that installs it.
     """
     try:
         return import_module(package)
@@ -183,7 +183,7 @@ class Drawable:
     """A result that a function of ``frictionlab.plotting`` draws."""
 
     drawn_by: ClassVar[str]  # the name of that function
-    several_axes: ClassVar[bool] = False  # whether it may make several, and returns them
+    several_axes: ClassVar[bool] = False  # whether that function may make several axes, and returns them
 
     def plot(self, ax: Any = None, **options: Any) -> Any:
         """Draw the result by the function of ``frictionlab.plotting`` that `drawn_by` names.

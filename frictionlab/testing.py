@@ -1,12 +1,13 @@
-"""Checks that any law and any model can be put through, your own included.
+"""Checks of any law and any model, your own included.
 
 >>> import frictionlab as fl
 >>> fl.testing.check_law(fl.HertzContact())
 >>> run = fl.testing.check_model(fl.SliderOnBelt(friction=fl.Stribeck()), t_end=0.1)
 
-A law by itself: signs of its forces, the same values for numbers, arrays and symbols, parameters with meaning
-and range, a repr and a dictionary that make the object again.  A model: its parameters, its equations, and a
-motion, which keeps the rules of friction and unilateral contact.
+`check_law` checks a law by itself: its forces have the right signs; it gives the same values for numbers,
+arrays and symbols; its parameters have a meaning and a range; its repr and its dictionary make it again.
+`check_model` checks a model's parameters, its equations, and a motion, which must keep the rules of friction
+and unilateral contact.
 """
 
 from __future__ import annotations
@@ -37,12 +38,12 @@ LAW_RTOL = 1e-12
 
 
 def fail(subject: Any, rule: str, got: Any) -> None:
-    """Raise AssertionError: what is checked, the rule, and what there is instead."""
+    """Raise AssertionError with what is checked, the rule, and what there is instead."""
     raise AssertionError(f"{subject!r}: {rule}, got {got!r}")
 
 
 def check_parameters(subject: Component, known: Mapping[str, Parameter]) -> None:
-    """Every parameter has a symbol, a meaning and a range that holds its default."""
+    """Fail unless every parameter has a meaning and a range that holds its default."""
     for name, about in known.items():
         if not about.meaning:
             fail(subject, f"parameter {name} must have a meaning: write parameter(..., meaning=...)", "")
@@ -54,7 +55,7 @@ def check_parameters(subject: Component, known: Mapping[str, Parameter]) -> None
 
 
 def check_round_trip(subject: Component) -> None:
-    """The repr is an expression that makes the object again, and so does the dictionary."""
+    """Fail unless the repr, as an expression, and the dictionary each make the object again."""
     again = eval(repr(subject), _class_names(subject))
     if again != subject:
         fail(subject, "its repr must make it again", again)
@@ -133,7 +134,7 @@ def _check_impact(law: Any) -> None:
 
 
 def _consistent_values(law: Any, method: str, *arguments: Any) -> Any:
-    """A method's values at arrays of arguments, which must be those of its symbolic copy and of numbers."""
+    """A method's values at arrays; fails unless symbols and single numbers give the same values."""
     values = np.broadcast_to(getattr(law, method)(*arguments), arguments[0].shape)
     symbols = [sp.Symbol(f"argument{i}", real=True) for i in range(len(arguments))]
     reduced = law.reduced()
@@ -159,7 +160,7 @@ LAW_CHECKS: dict[type, Callable[[Any], None]] = {
 
 COMPARISON_TIME = 0.02  # s, of the comparison with another integrator
 COMPARISON_METHOD, COMPARISON_RTOL = "DOP853", 1e-7
-PARAMETER_FACTOR = 1.0 + 2.0**-20  # of a parameter's value
+PARAMETER_FACTOR = 1.0 + 2.0**-20  # by which a parameter's value is changed
 
 SAMPLE_COUNT = 400
 SLIP_SIGNS = {"slip+": 1.0, "slip-": -1.0}
@@ -168,11 +169,11 @@ CONTACT_OUTPUTS = ("penetration", "normal_force", "friction_force", "relative_ve
 
 
 def check_model(model: Model, t_end: float = 1.0) -> Trajectory:
-    """Check a model, with the laws that it is made of.
+    """Check a model together with its laws.
 
-    Its parameters are described; its repr makes it again; every mode's equations print; a parameter's value
-    changes no structure, so that a slider compiles nothing; a motion from rest keeps the rules of contact and
-    friction, and agrees with that of another integrator.
+    Its parameters are described; its repr makes it again; every mode's equations print; another value of a
+    parameter changes no structure, so that a slider compiles nothing; a motion from rest keeps the rules of
+    contact and friction, and agrees with that of another integrator.
 
     Parameters
     ----------
@@ -213,7 +214,7 @@ def _check_equations(model: Any) -> None:
     for mode in model.automaton().names:
         try:
             found = model.equations(mode)
-        except ValueError:  # the limit of many impacts is no mode of the model
+        except ValueError:  # a limit mode has no equations to print
             continue
         if not len(found) or "\\" not in found.latex() or not repr(found):
             fail(model, f"equations({mode!r}) must print, also in LaTeX", found)
@@ -226,7 +227,7 @@ def _check_structure(model: Any) -> None:
             continue
         try:
             other = model.replace(**{name: value * PARAMETER_FACTOR})
-        except ValueError:  # a rule forbids it, mu_k above mu_s
+        except ValueError:  # a rule forbids it, as mu_k above mu_s
             other = model.replace(**{name: value / PARAMETER_FACTOR})
         if program_of(other.automaton())[0] is not program:
             fail(model, f"the value of {name} must change numbers only", "another structure")

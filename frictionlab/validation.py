@@ -1,7 +1,7 @@
 """Checks of single arguments: each message has the name, the rule, what was given, and the cure.
 
-Also the one "did you mean" of the package.  Components use it too, so numpy is imported only where it is
-needed.
+The package's suggestions "did you mean" are made here too.  Components use this module, so numpy is imported
+only where it is needed.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ MAX_CHARACTERS = 100  # characters of a value that a message shows
 
 
 def plain_number(value: Any) -> Any:
-    """What an array of no dimension holds; anything else as it is.
+    """The element of a zero-dimensional array; any other value as it is.
 
     Such arrays are what numpy and xarray give for one element or a mean.
     """
@@ -27,7 +27,7 @@ def plain_number(value: Any) -> Any:
 
 
 def store_plain_numbers(settings: Any) -> None:
-    """Replace arrays of no dimension among the fields of a frozen dataclass by the numbers they hold."""
+    """Replace zero-dimensional arrays among the fields of a frozen dataclass by the numbers they hold."""
     for name, value in list(vars(settings).items()):
         if (number := plain_number(value)) is not value:
             object.__setattr__(settings, name, number)
@@ -44,7 +44,7 @@ def check_number(
     below: float = math.inf,
     cure: str = "",
 ) -> Any:
-    """The value, as a plain number; raises unless it is a finite number within the bounds."""
+    """The value as a plain number; raises unless it is finite and within the bounds."""
     value = plain_number(value)
     kind = "an integer" if integer else "a finite number"
     rules = [kind]
@@ -83,13 +83,13 @@ def float_array(name: str, values: Any, cure: str) -> np.ndarray:
 
 
 def abbreviate(value: Any) -> str:
-    """The value as a message shows it, cut where it is long."""
+    """The value as a message shows it, cut if it is long."""
     text = repr(value.tolist() if hasattr(value, "tolist") else value)  # an array as a list
     return text if len(text) <= MAX_CHARACTERS else f"{text[:MAX_CHARACTERS]}..."
 
 
 def check_choice(name: str, value: Any, choices: Sequence[str], cure: str = "") -> None:
-    """Raise unless `value` is one of `choices`; suggests the nearest, or where none is near the cure."""
+    """Raise unless `value` is one of `choices`; suggests the nearest, or the cure where none is near."""
     if value not in choices:
         allowed = ", ".join(map(repr, choices))
         hint = did_you_mean(value, choices) or (f": {cure}" if cure else "")
@@ -97,7 +97,7 @@ def check_choice(name: str, value: Any, choices: Sequence[str], cure: str = "") 
 
 
 def nearest_name(name: Any, known: Iterable[str]) -> str | None:
-    """The one of some known names that may have been meant, whatever the case of its letters; or None."""
+    """The known name that was probably meant, whatever the case of its letters; None where none is near."""
     names = list(known)
     lower = [each.lower() for each in names]
     near = get_close_matches(str(name).lower(), lower, n=1)
@@ -111,7 +111,7 @@ def did_you_mean(name: Any, known: Iterable[str]) -> str:
 
 
 def did_you_mean_or_known(name: Any, known: Iterable[str]) -> str:
-    """The end of a message that does not: `: did you mean ...?`, or the list where none is near."""
+    """The end of a message that does not list what is known: `: did you mean ...?`, or else that list."""
     names = list(known)
     listed = f": known are {', '.join(names)}" if names else ": there are none"
     return did_you_mean(name, names) or listed
@@ -125,7 +125,7 @@ def check_keywords(function: str, given: Iterable[str], known: Iterable[str]) ->
 
 
 def unknown_parameter(owner: str, name: Any, known: Sequence[str], hint: str = "") -> TypeError:
-    """The error for a parameter that there is not: the same wherever one is named.
+    """The error for a parameter that does not exist, the same wherever parameters are named.
 
     A TypeError, as Python's for an unknown keyword, since parameters are keywords of models.
     """
@@ -133,7 +133,7 @@ def unknown_parameter(owner: str, name: Any, known: Sequence[str], hint: str = "
 
 
 def with_cure(error: OSError, path: Any, cure: str) -> OSError:
-    """The error of the system about a file, of the same class, with the path and what can be done."""
+    """An error of the system about a file, of the same class, with its path and what can be done."""
     if error.errno is None or type(error).__module__ != "builtins":  # of a library, such as pillow's
         return OSError(f"{path} cannot be used ({error}): {cure}")
     return type(error)(error.errno, f"{error.strerror}: {cure}", str(path))

@@ -9,7 +9,7 @@
                         multipliers
     many_runs           runs side by side in lanes; Fig. 9's sweep by one worker and by two; basin stability
                         by events, against a model made smooth
-    growth              time and memory against contacts, states, events, length, values of a sweep, workers
+    growth              time and memory against contacts, states, events, length, values, workers
     response_times      a step of an explorer's slider; size of exported pages, and how pictures
                         follow a slider
     performance_page, page_figures      docs/performance.md and docs/exact-and-fast.md, their pictures, and

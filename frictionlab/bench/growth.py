@@ -1,4 +1,4 @@
-"""How time and memory grow: with states, contacts, events, the length of a run, values of a sweep, workers.
+"""How time and memory grow: with states, contacts, events, length of a run, values of an ensemble, workers.
 
 Slopes are those of straight lines through the larger half of the points in logarithmic axes: 1 means that
 time is proportional to size.  Each row of chains of blocks and of rods is measured in a process of its own,
@@ -10,7 +10,7 @@ of their memory, they are imported where they are used.
 from __future__ import annotations
 
 import json
-import resource
+import math
 import subprocess
 import sys
 import time
@@ -44,6 +44,7 @@ VALUES = tuple(10**n for n in range(6))
 WORKERS = (1, 2)
 RUNS_OF_WORKERS = 64
 BYTES_PER_MEGABYTE = 1e6
+BYTES_OF_UNIT = 1024  # of "kB" in /proc, and of `ru_maxrss` but for macOS, which counts bytes
 
 
 @with_signature
@@ -171,12 +172,17 @@ def measure_growth(scene: str, size: int) -> GrowthRow:
 
 
 def largest_memory() -> float:
-    """The largest memory that this process ever had, MB."""
+    """The largest memory that this process ever had, MB; nan where the system does not tell, as Windows."""
     status = Path("/proc/self/status")
     if status.exists():  # resource would also count the parent process, of which this one began as a copy
         (line,) = (line for line in status.read_text().splitlines() if line.startswith("VmHWM:"))
-        return int(line.split()[1]) / 1024
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+        return int(line.split()[1]) * BYTES_OF_UNIT / BYTES_PER_MEGABYTE
+    try:
+        import resource
+    except ImportError:
+        return math.nan
+    unit = 1 if sys.platform == "darwin" else BYTES_OF_UNIT
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * unit / BYTES_PER_MEGABYTE
 
 
 def measure_apart(scene: str, size: int) -> GrowthRow | str:
@@ -227,7 +233,7 @@ def growths(largest: float = np.inf) -> list[Growth]:
         _of_apart("contacts of a chain", "chain", CONTACTS, lambda row: row.derivation + row.run, "s"),
         _in_this_process("events", "events of a run", _limited(EVENTS, largest), _run_with_events),
         _in_this_process("length", "simulated seconds", _limited(LENGTHS, largest), _run_of_length),
-        _in_this_process("values", "values of a sweep", _limited(VALUES, largest), _sweep),
+        _in_this_process("values", "values of an ensemble", _limited(VALUES, largest), _sweep),
         _in_this_process("workers", "workers", WORKERS, _run_with_workers),
     ]
 
@@ -242,7 +248,8 @@ def _of_apart(
     rows = {size: measure_apart(scene, size) for size in sizes}
     there = {size: row for size, row in rows.items() if isinstance(row, GrowthRow)}
     memory = tuple(row.memory for row in there.values())
-    return Growth(name, f"{name} ({unit})", tuple(there), tuple(map(seconds, there.values())), memory)
+    known = memory if np.isfinite(memory).all() else ()
+    return Growth(name, f"{name} ({unit})", tuple(there), tuple(map(seconds, there.values())), known)
 
 
 def _in_this_process(

@@ -2,16 +2,17 @@
 
     command        `main`: reads the arguments, calls the command, turns interruptions into exit statuses;
                    `frictionlab completion`
-    parsing        what the commands share: parser, spellings, models by name with their values, options of
-                   sweeps, checks of files, JSON
+    parsing        what the commands share: parser, spellings, models by name with parameter values, options
+                   of sweeps, checks of files, JSON
     models         `frictionlab models`, `frictionlab eig` and `frictionlab critical`
     run            `frictionlab run` and what it prints
     media          `frictionlab animate`, `frictionlab sound`, `frictionlab page` and `frictionlab app`
     app_server     what `frictionlab app` serves
-    preparation    `frictionlab course` and `frictionlab warmup`; not a command of users: what a wheel carries
-                   of the models, derived beforehand
+    preparation    `frictionlab course` and `frictionlab warmup`; and, for building wheels only, the models'
+                   structures derived beforehand
     reports        `frictionlab figure`, `frictionlab reproduce` and `frictionlab bench`
 
-Each command has `add_...`, which adds its options, and `..._command`, which checks them all, does the
-work and returns the exit status.  What a command needs beyond the options is imported when it runs.
+Each command has a function `add_...`, which adds its options, and a function `..._command`, which checks them
+all, does the work and returns the exit status.  What a command needs beyond its options is imported when it
+runs.
 """

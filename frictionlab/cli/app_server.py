@@ -1,8 +1,8 @@
-"""The server of `frictionlab app`: Voila, for whoever has the link, on this machine, with few kernels.
+"""The server of `frictionlab app`: Voila on this machine, for whoever has the link, with few kernels.
 
 Voila and jupyter-server have tokens, cookies, the check of a request's origin, and an end for idle kernels.
-Here they are put together: a token that is compared in constant time, given up for a cookie and taken out of
-the address; requests that name another host are refused; and kernels are counted.
+This module puts them together.  The token is compared in constant time, exchanged for a cookie and taken out
+of the address.  Requests that name another host are refused, and the number of kernels is limited.
 """
 
 from __future__ import annotations
@@ -28,12 +28,12 @@ from traitlets.config import Config
 from voila.app import Voila
 from voila.tornado.handler import TornadoVoilaHandler
 
-# Names by which a browser on this machine calls it. Another site can give its own name this machine's address
-# (DNS rebinding), so that the browser takes the explorer for a part of that site.
+# The names of this machine in requests of its own browsers; no others are served.  Another site can give its
+# own name this machine's address (DNS rebinding), and the browser would take the explorer for a part of it.
 LOCAL_HOSTS = r"(localhost|127\.0\.0\.1|\[::1\])$"
 MAX_KERNELS = 4  # explorers at once; a kernel takes some 310 MB
-IDLE_TIME = 120  # s that a kernel is kept for a page that went away: a network's pause, a laptop's lid
-IDLE_CHECK = 20  # s from one look for such kernels to the next
+IDLE_TIME = 120  # s that a kernel without its page is kept: the network may pause, a laptop may be closed
+IDLE_CHECK = 20  # s between two searches for such kernels
 LINK_NEEDED = "The explorer needs the whole link that frictionlab app printed, with its token"
 TOO_MANY = f"{MAX_KERNELS} explorers are open: close one of their pages, then reload this one"
 # Voila's page requests an optional style sheet from another server, and stays blank until that answers
@@ -41,49 +41,49 @@ TOO_MANY = f"{MAX_KERNELS} explorers are open: close one of their pages, then re
 CONTENT_SECURITY_POLICY = (
     "default-src 'self' ws: data: blob: 'unsafe-inline' 'unsafe-eval'; frame-ancestors 'self'"
 )
-# A browser sends such a cookie for a page of ours that is opened, from wherever the link is, but not for what
-# the page of another site loads or sends.
+# A browser sends such a cookie when a page of this server is opened, wherever the link was, but not with what
+# a page of another site loads or sends.
 SAME_SITE = {"samesite": "Lax"}
 
 
 class LinkIdentity(IdentityProvider):
-    """Knows whoever brings the link's token, and from then on the cookie; refuses all others."""
+    """Admits whoever brings the link's token, and from then on the cookie; refuses all others."""
 
     async def get_user(self, handler: Any) -> Any:
         found: Any = super().get_user(handler)
         user = await found
         if user is None:
-            handler.current_user = None  # which the page that says so asks for
+            handler.current_user = None  # the error page reads it
             raise web.HTTPError(403, reason=LINK_NEEDED)
         return user
 
     async def get_user_token(self, handler: Any) -> Any:
-        """The user who gave the token; compared in a time that does not tell how much of it was right."""
+        """The user who gave the token; the time of comparing does not tell how much of it was right."""
         given = self.get_token(handler) or ""
         if not hmac.compare_digest(given.encode(), str(self.token).encode()):
             return None
         return self.get_user_cookie(handler) or self.generate_anonymous_user(handler)
 
     def is_token_authenticated(self, handler: Any) -> bool:
-        """Never: a page of another site may not call even with the token, so that origins are checked."""
+        """Never, so that origins are always checked: other sites' pages may not call even with the token."""
         return False
 
     def get_handlers(self) -> list[Any]:
-        """No form to log in with: there is the link."""
+        """No pages for logging in: the link does that."""
         return []
 
 
 class PageKernels(AsyncMappingKernelManager):
-    """A kernel for each explorer that is open; those of pages that are gone, or idle, are ended.
+    """A kernel for each explorer that is open; idle kernels whose pages are gone are ended.
 
-    A page that is reloaded leaves its kernel behind before it asks for the next one, so what the same browser
-    has without a page is ended first. No more than `MAX_KERNELS` run at once.
+    A page that is reloaded leaves its kernel behind before it asks for the next one, so kernels of the same
+    browser that have no page any more are ended first.  At most `MAX_KERNELS` run at once.
     """
 
     def __init__(self, **options: Any) -> None:
         super().__init__(cull_idle_timeout=IDLE_TIME, cull_interval=IDLE_CHECK, **options)
-        self._page_of: dict[str, ExplorerPage] = {}  # that which a kernel was started for
-        self._one_at_a_time = asyncio.Lock()  # between the count and the start nobody else starts one
+        self._page_of: dict[str, ExplorerPage] = {}  # the page that a kernel was started for
+        self._one_at_a_time = asyncio.Lock()  # no other kernel is started between the count and the start
 
     async def start_kernel(self, **options: Any) -> str:
         page: ExplorerPage = CallContext.get(CallContext.JUPYTER_HANDLER)
@@ -108,19 +108,19 @@ class PageKernels(AsyncMappingKernelManager):
             raise web.HTTPError(503, reason=TOO_MANY)
 
     async def _end(self, kernel_id: str) -> None:
-        # Its page, as it closes, may have ended it meanwhile.
+        # Its page may have ended it meanwhile, while closing.
         with contextlib.suppress(web.HTTPError, KeyError):
             await self.shutdown_kernel(kernel_id, now=True)
 
 
 class ExplorerPage(TornadoVoilaHandler):
-    """The page itself, without the token in its address, where others might read it from the screen."""
+    """The explorer's page, without the token in its address, where others might read it from the screen."""
 
-    is_sent = False  # as long as it is being made its kernel is in use, though nobody has connected to it yet
+    is_sent = False  # until then its kernel is in use, though nobody has connected to it yet
 
     @property
     def browser(self) -> str:
-        """Whose cookie came with the request."""
+        """The browser that sent the request, by the user name in its cookie."""
         return self.current_user.username
 
     def on_finish(self) -> None:
@@ -128,7 +128,7 @@ class ExplorerPage(TornadoVoilaHandler):
         super().on_finish()
 
     def on_connection_close(self) -> None:
-        """The browser does not wait for it any more: it was closed, or reloaded."""
+        """The browser no longer waits for the page: it was closed or reloaded."""
         self.is_sent = True
         super().on_connection_close()
 
@@ -139,25 +139,25 @@ class ExplorerPage(TornadoVoilaHandler):
             others = {k: v for k, v in self.request.query_arguments.items() if k != "token"}
             self.redirect(self.base_url + (f"?{urlencode(others, doseq=True)}" if others else ""))
             return
-        self.xsrf_token  # noqa: B018  # asked for, it becomes the cookie by which a page that closes ends its kernel
+        self.xsrf_token  # noqa: B018  # reading it sets the cookie with which a page that closes ends its kernel
         sent: Any = super().get(path=path)
         await sent
 
 
 class ExplorerServer(Voila):
-    """Voila with these kernels, this page, this identity, and sockets that were opened before."""
+    """Voila with the kernels, page and identity of this module, and sockets that were opened before."""
 
     sockets = List(Instance(socket.socket))
 
     def init_handlers(self) -> list[Any]:
-        """Handlers for this machine's own names; for others a refusal, in which all that is left ends."""
+        """Add handlers for this machine's own names; return one that refuses requests to any other."""
         handlers: Any = super().init_handlers()
         own = [(pattern, _page(handler), *rest) for pattern, handler, *rest in handlers]
         self.app.add_handlers(LOCAL_HOSTS, own)
         return [(r".*", web.ErrorHandler, {"status_code": 403})]
 
     def listen(self) -> None:
-        """Serve at the sockets that listen already, where Voila would open a port of its own."""
+        """Serve at the sockets that listen already; Voila would open a port of its own."""
         HTTPServer(self.app).add_sockets(self.sockets)
         if self.open_browser:
             self.launch_browser()
@@ -168,7 +168,7 @@ class ExplorerServer(Voila):
             self.stop()
 
     def launch_browser(self) -> None:
-        """Open the link by a file beside the notebook: in a command's arguments all users could read it."""
+        """Open the link through a file beside the notebook: all users could read a command's arguments."""
         link = f"{self.connection_url}?token={self.token}"
         page = Path(str(self.notebook_path)).with_name("open.html")
         page.write_text(f'<meta http-equiv="refresh" content="0; url={link}">', encoding="utf-8")
@@ -190,7 +190,7 @@ def serve(notebook: Path, sockets: list[socket.socket], token: str, browser: boo
     ExplorerServer.launch_instance(
         [str(notebook)],
         config=config,
-        config_file_paths=[],  # else a file voila.py in the folder one happens to be in would be run
+        config_file_paths=[],  # otherwise a file voila.py in the current folder would be run
         log_level="ERROR",
         port=sockets[0].getsockname()[1],
         sockets=sockets,

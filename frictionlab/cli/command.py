@@ -1,5 +1,5 @@
-"""The command `frictionlab`: `main`, its commands, its exit statuses; and `frictionlab completion`, the
-script by which a shell completes commands, options and models.
+"""The command `frictionlab`: `main`, its commands, its exit statuses; and `frictionlab completion`, which
+prints the script by which a shell completes commands, options and models.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from .reports import add_bench, add_figure, add_reproduce
 from .run import add_run
 
 PROGRAM = "frictionlab"
-EXIT_FAILED, EXIT_INTERRUPTED = 1, 130  # the latter 128 + SIGINT, as shells have it
+EXIT_FAILED, EXIT_INTERRUPTED = 1, 130  # the latter is 128 + SIGINT, as in shells
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -64,7 +64,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         discard(sys.stdout)
         return EXIT_FAILED
     except OSError as error:
-        # An error of a file has its path, or a text of ours and no number.
+        # An error about a file has the file's path, or a message of this package and no error number.
         ours = error.filename is not None or error.errno is None
         text = str(error) if ours else f"standard output cannot be written ({error}): send it elsewhere"
         complain(PROGRAM, f"error: {text}")
@@ -72,7 +72,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     finally:
         for stream in (sys.stdout, sys.stderr):
             discard_unwritten(stream)
-        if argv is not None:  # Python goes on: what is left behind is searched for cycles again
+        if argv is not None:  # the process goes on, and no objects stay exempt from garbage collection
             gc.unfreeze()
 
 
@@ -179,14 +179,14 @@ def add_completion(commands: Any) -> OneLineParser:
 
 
 def completion_script(shell: str, commands: Mapping[str, argparse.ArgumentParser]) -> str:
-    """The script for a shell, of the commands' parsers."""
+    """The script for a shell, made from the commands' parsers."""
     table = {name: _words(name, parser) for name, parser in commands.items()}
     return _FORMATS[shell](table, {name: _about(parser) for name, parser in commands.items()})
 
 
 Table = Mapping[
     str, tuple[list[str], dict[str, list[str]]]
-]  # by command: options; values by what precedes them
+]  # for each command: its options, and the values that may follow a word
 
 
 def _words(name: str, parser: argparse.ArgumentParser) -> tuple[list[str], dict[str, list[str]]]:
@@ -202,7 +202,7 @@ def _words(name: str, parser: argparse.ArgumentParser) -> tuple[list[str], dict[
 
 
 def _about(parser: argparse.ArgumentParser) -> str:
-    """The first sentence of a description, for one line."""
+    """The first sentence of a command's description, on one line."""
     return " ".join((parser.description or "").split()).partition(". ")[0].rstrip(".").replace("'", "")
 
 

@@ -1,5 +1,5 @@
-"""`frictionlab animate`, `sound`, `page` and `app`: a run to see, to hear, and to change in a browser, by a
-file or by the explorer without a visible notebook.
+"""`frictionlab animate`, `sound`, `page` and `app`: a run as a film and as sound; a model to be tried in a
+browser, as an exported page or by the explorer without a visible notebook.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 FILM_FORMATS = (".gif", ".html", ".webp")  # those that need no other program
 SOUND_FORMATS = (".wav",)
-PERIODS = 300  # of a run that nobody gave a length: long enough to settle
+PERIODS = 300  # periods of a run where no end time is given: long enough to settle
 DEFAULT_PORT = 8866
 NOTEBOOK_CELL = "from frictionlab.widgets.scenes import open_scenes\n\nopen_scenes()"
 EXIT_FAILED = 1
@@ -198,7 +198,7 @@ def page_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
 
 
 def _checked_run(chosen: argparse.Namespace, parser: OneLineParser, formats: tuple[str, ...]) -> Any:
-    """A run of the model that was asked for; all that can be wrong is checked before it."""
+    """A run of the chosen model; the options are checked before it."""
     from frictionlab.analysis.motion_scales import oscillation_period, round_down_1_2_5
     from frictionlab.analysis.simulate import simulate
     from frictionlab.validation import check_number
@@ -288,7 +288,7 @@ def _serve_until_stopped(notebook: Path, sockets: list[socket.socket], token: st
 
 
 def _stop(number: int, frame: Any) -> None:
-    """End the server's loop; a KeyboardInterrupt may be lost, where Python calls back from C."""
+    """End the server's loop; a KeyboardInterrupt may be lost if it is raised in a callback from C."""
     from tornado.ioloop import IOLoop
 
     loop = IOLoop.current(instance=False)

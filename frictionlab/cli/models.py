@@ -1,5 +1,5 @@
-"""`frictionlab models`, `eig` and `critical`: what is known of models without a run, which there are and
-their parameters, steady sliding, and where it loses stability.
+"""`frictionlab models`, `eig` and `critical`: what is known without a run: the models and their parameters,
+steady sliding, and where it loses stability.
 """
 
 from __future__ import annotations
@@ -132,7 +132,7 @@ def eig_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
 
     try:
         model = model_from_options(chosen)
-        eigenvalues(model)  # what is wrong is said before anything is printed
+        eigenvalues(model)  # raises before anything is printed
     except (ValueError, TypeError) as error:
         parser.error(str(error))
     if chosen.json:
@@ -179,7 +179,7 @@ def _eigenvalue_lines(model: Any) -> Iterator[str]:
 
 
 def stability_data(model: Any) -> dict[str, Any]:
-    """Equilibrium and eigenvalues as JSON says them; ValueError where there are none."""
+    """Equilibrium and eigenvalues for JSON; raises ValueError where there are none."""
     from frictionlab.stability import eigenvalues
 
     found = eigenvalues(model)

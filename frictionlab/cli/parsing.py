@@ -1,5 +1,5 @@
 """What the commands share: a parser with errors of one line, spellings, the options of a model (`--model`,
-`--set`, `--without`), checks before a run, and output, as JSON too, to streams that may be closed or full.
+`--set`, `--without`), checks before a run, and output, also as JSON, to streams that may be closed or full.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from frictionlab.validation import nearest_name
 # Negative numbers, "-1e-3" and "-inf" included, and lists of them: argparse mistakes some for options.
 NEGATIVE_NUMBER = re.compile(r"-(\d|\.\d|inf|nan)", re.IGNORECASE)
 DEFAULT_MODEL = "SliderOnBelt"
-SHOWN = {"SliderOnBelt": {"mu_k": 1.4}}  # what its commands begin with, where the paper's cycle is
+SHOWN = {"SliderOnBelt": {"mu_k": 1.4}}  # values used unless others are given: the paper's cycle is there
 PICTURE_FORMATS = (".png", ".pdf", ".svg", ".eps", ".jpg", ".webp")
 
 
@@ -58,7 +58,7 @@ def complain(program: str, text: str) -> None:
 
 
 def discard(stream: Any) -> None:
-    """Write all that the stream still holds, and all that follows, to nowhere."""
+    """Redirect the stream to the null device, with all that it still holds."""
     handle = os.open(os.devnull, os.O_WRONLY)
     os.dup2(handle, stream.fileno())
     os.close(handle)
@@ -98,14 +98,14 @@ def unknown_option_text(words: Sequence[str], parser: argparse.ArgumentParser) -
         return f"unexpected argument {word!r}: values follow their option, as in --mu-k 1.4"
     option = word.partition("=")[0]
     known = [name for action in parser._actions for name in action.option_strings]
-    bare = {name.lstrip("-"): name for name in known}  # the dashes, which all options have, do not count
+    bare = {name.lstrip("-"): name for name in known}  # similarity without the dashes, which all options have
     near = nearest_name(option.lstrip("-"), bare)
     hint = f"see {parser.prog} --help" if near is None else f"did you mean {bare[near]!r}?"
     return f"unknown option {option!r}: {hint}"
 
 
 def add_sweep_options(group: Any) -> None:
-    """Workers and resuming, of commands that run sweeps."""
+    """Add `--workers` and `--resume`, for commands that run sweeps."""
     group.add_argument("--workers", type=int, metavar="N", help="threads (default: one for each processor)")
     group.add_argument(
         "--resume", metavar="FOLDER", help="keep sweeps there as they come, and go on with those found there"
@@ -113,7 +113,7 @@ def add_sweep_options(group: Any) -> None:
 
 
 def check_workers(workers: int | None) -> None:
-    """Raise for less than one."""
+    """Raise an error unless it is None or a positive integer."""
     from frictionlab.validation import check_number
 
     if workers is not None:
@@ -121,7 +121,7 @@ def check_workers(workers: int | None) -> None:
 
 
 def check_files(chosen: argparse.Namespace) -> None:
-    """Refuse files that could not be written after the run."""
+    """Raise ValueError if the picture or the saved run could not be written after the run."""
     if chosen.output is not None:
         _check_picture(Path(chosen.output))
         check_writable(Path(chosen.output), "-o")
@@ -136,7 +136,7 @@ def _check_picture(path: Path) -> None:
 
 
 def check_writable(path: Path, option: str) -> None:
-    """Raise where a file could not be written after the run."""
+    """Raise ValueError if a file could not be written after the run."""
     folder = path.parent
     if not folder.is_dir():
         raise ValueError(f"{option} needs an existing folder, there is no {str(folder)!r}: make it first")
@@ -147,7 +147,7 @@ def check_writable(path: Path, option: str) -> None:
 
 
 def add_model_options(group: Any) -> None:
-    """Which model, with which values."""
+    """Add `--model`, `--set` and `--without`: which model, with which values and nonlinearities."""
     text = f"of `frictionlab models`, with laws as in Python if you like (default: {DEFAULT_MODEL})"
     group.add_argument("--model", metavar="NAME", default=DEFAULT_MODEL, help=text)
     add_values(group)
@@ -156,7 +156,7 @@ def add_model_options(group: Any) -> None:
 
 
 def add_values(group: Any) -> None:
-    """Values of parameters, `--set mu_k=1.4 v=-1`."""
+    """Add `--set`: values of parameters, as in `--set mu_k=1.4 v=-1`."""
     text = "values of parameters, such as mu_k=1.4 v=-1; `frictionlab models NAME` lists them"
     group.add_argument(
         "--set", nargs="+", action="extend", default=[], metavar="P=X", dest="values", help=text
@@ -164,19 +164,19 @@ def add_values(group: Any) -> None:
 
 
 def add_json(group: Any) -> None:
-    """One JSON object instead of words."""
+    """Add `--json`: print one JSON object instead of text."""
     group.add_argument("--json", action="store_true", help="print one JSON object, and nothing else")
 
 
 def model_from_options(chosen: argparse.Namespace) -> Any:
-    """The model with its laws and values; ValueError or TypeError as the model raises."""
+    """The model with its laws and values; raises ValueError or TypeError as the model does."""
     model = model_of(chosen.model)
     given = SHOWN.get(chosen.model, {}) | values_of(chosen.values)
     return model.without(*chosen.without).replace(**given) if chosen.without else model.replace(**given)
 
 
 def values_of(words: list[str]) -> dict[str, float]:
-    """Numbers by name of words such as mu_k=1.4; ValueError for any other."""
+    """Values by parameter name, from words such as mu_k=1.4; raises ValueError for other words."""
     return dict(_value_of(word) for word in words)
 
 
@@ -221,7 +221,7 @@ def model_names() -> list[str]:
 
 
 def _component(node: ast.expr, text: str) -> Any:
-    """A model or law that is called with numbers, texts and laws by name; else the value of a literal."""
+    """The model or law that a call with keywords makes; for any other expression the value of a literal."""
     import frictionlab as fl
     from frictionlab.components.component import Component
 
@@ -246,17 +246,17 @@ def _literal(node: ast.expr, text: str) -> Any:
 
 
 def model_data(model: Any) -> dict[str, Any]:
-    """What JSON says of a model."""
+    """The entries about a model in the commands' JSON."""
     return {"model": type(model).__name__, "call": repr(model), "parameters": dict(model.parameters)}
 
 
 def print_json(data: Mapping[str, Any]) -> None:
-    """One JSON object on standard output; numbers as numpy has them too."""
+    """Print one JSON object on standard output; its values may be those of numpy."""
     print(json.dumps(_plain(data), indent=2, ensure_ascii=True, allow_nan=False))
 
 
 def _plain(value: Any) -> Any:
-    """The same as what JSON knows: lists, objects, texts, finite numbers, and null for those that are not."""
+    """The value in the types of JSON: objects, lists, texts, finite numbers, null for numbers not finite."""
     value = value.tolist() if hasattr(value, "tolist") else value
     if isinstance(value, Mapping):
         return {str(name): _plain(each) for name, each in value.items()}

@@ -1,10 +1,10 @@
-"""What is prepared before it is used: `frictionlab course` and `frictionlab warmup` come before a lesson; and
-what runs, equilibria and pictures have to know of the library's models is derived before a wheel is made.
+"""Preparations: `frictionlab course` and `frictionlab warmup` for lessons; models' structures for wheels.
 
-``python -m frictionlab.cli.preparation FILE`` writes it to an archive, which a wheel carries: the first
-process on a machine then needs no sympy either.  What is asked for here is derived by the code that derives
-it for the cache folder, and its files are those of that folder.  See
-:mod:`frictionlab.models.serialisation`, which reads them, and of which sources they have to be.
+``python -m frictionlab.cli.preparation FILE`` derives the structures of the library's models, that is the
+tapes and formulas that runs, equilibria and pictures need, and writes them to an archive for the wheel.  So
+not even the first process on a machine needs sympy.  They are derived by the code that derives them for the
+cache folder, and the archive's files are those of that folder.  :mod:`frictionlab.models.serialisation` reads
+them, if they were derived from its own sources.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from .parsing import OneLineParser, add_command, add_json, complain, model_of, p
 
 EXIT_FAILED = 1
 NOTEBOOKS = "*.ipynb"
-DATA = "diagrams.py", "diagrams/*.*"  # what notebooks draw, and what computes it
+DATA = "diagrams.py", "diagrams/*.*"  # the diagrams that notebooks draw, and the script that computes them
 
 COURSE_DESCRIPTION = """\
 Copy the course, notebooks with exercises and solutions and the data of their
@@ -107,7 +107,7 @@ def _copy(path: Path, target: Path) -> None:
 
 
 def warmup_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
-    """Compile, and run a second of the slider twice; returns the exit status."""
+    """Compile, and simulate one second of the slider twice; returns the exit status."""
     import frictionlab as fl
     from frictionlab.hybrid import compilation
 
@@ -130,7 +130,7 @@ def warmup_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
 
 
 def shipped_models() -> Iterator[Any]:
-    """The models of the table, each with all of its nonlinearities and with some of them left out."""
+    """The models that `list_models` lists, each with every subset of its nonlinearities left out."""
     from frictionlab import models
 
     for row in models.list_models():
@@ -142,7 +142,7 @@ def shipped_models() -> Iterator[Any]:
 
 
 def derive(model: Any) -> None:
-    """Ask for all that a run, its picture and its summary ask for, and `without`."""
+    """Derive all that a run, its picture and its summary need, and the nonlinearities for `without`."""
     import numpy as np
 
     from frictionlab.hybrid.problem import evaluate_output
@@ -161,9 +161,10 @@ def derive(model: Any) -> None:
 
 
 def write_archive(path: Path, library: Iterable[Any]) -> None:
-    """Derive the structures of models, in a cache folder of their own, and write its files to an archive.
+    """Derive the structures of models in a temporary cache folder, and write its files to an archive.
 
-    What is asked of a model before goes to the user's own folder: give models that are made one by one.
+    What was derived of a model before this call is in the user's own cache folder, not in the archive:
+    `library` should be an iterator that makes the models one by one.
     """
     from frictionlab import cache_folder
     from frictionlab.file_writing import write_file
@@ -181,7 +182,7 @@ def write_archive(path: Path, library: Iterable[Any]) -> None:
 
 
 def main() -> None:
-    """Write the archive, unless there is one that was derived from these sources."""
+    """Write the archive, unless one derived from the present sources is there already."""
     from frictionlab.models import serialisation
 
     parser = argparse.ArgumentParser(description="Derive the structures of the library's models beforehand.")

@@ -1,5 +1,5 @@
-"""Commands that compute pictures and pages: `frictionlab figure` and `frictionlab reproduce`, the paper
-again; `frictionlab bench`, run time against error, other tools included.
+"""Commands that compute pictures and pages: `frictionlab figure` and `frictionlab reproduce` for the paper's
+results; `frictionlab bench` for run time against error, other tools included.
 """
 
 from __future__ import annotations
@@ -252,7 +252,7 @@ def _measure_and_write(chosen: argparse.Namespace, measured: Sequence[Any]) -> N
 
 
 def _measure_scenes(chosen: argparse.Namespace, measured: Sequence[Any]) -> list[Any]:
-    """The rows of all scenes; the JSON file holds those of the scenes that are done."""
+    """The rows of all scenes; after each scene the JSON file is written with the rows so far."""
     from frictionlab.bench import harness
     from frictionlab.file_writing import write_text
 

@@ -1,7 +1,7 @@
 """`frictionlab run`: check the options, simulate, summarise, draw, save.
 
-The options of the parameters are made from the parameters themselves; everything is checked before the
-run.  What is printed is plain ASCII, so that every terminal shows it.
+The options of the parameters are made from the parameters' metadata; all options are checked before the run.
+What is printed is plain ASCII, so that every terminal shows it.
 """
 
 from __future__ import annotations
@@ -155,7 +155,7 @@ def model_from_options(chosen: argparse.Namespace) -> Any:
     law = "material" if chosen.impact is None else chosen.impact
     check_choice("--impact", law, IMPACT_LAWS)
     impact = RestitutionImpact() if law == "restitution" else PlasticImpact(law)
-    # First the laws, then the numbers: one that belongs to a law left out is refused, not ignored.
+    # First the laws, then the numbers: a parameter of a law that was left out is refused, not ignored.
     laws = SliderOnBelt(impact=impact).without(*chosen.without)
     values = {"mu_k": DEFAULT_MU_K, **given}
     usual = replace(parameters_of(type(laws.friction))["mu_k"], default=DEFAULT_MU_K)
@@ -249,7 +249,7 @@ def _cost_line(run: Any) -> str:
 
 
 def run_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
-    """Do what the options say; returns the exit status."""
+    """Simulate, summarise, draw and save as the options say; returns the exit status."""
     with _without_collection():
         try:
             model, options = _check_options(chosen)
@@ -270,9 +270,11 @@ def run_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
 
 @contextmanager
 def _without_collection() -> Iterator[None]:
-    """No search for cycles of objects: imports and derivations make many objects and few cycles, and the
-    searches take a tenth of their time.  Nor are these searched later, which would take a process as long
-    once more when it ends."""
+    """Suspend garbage collection, the search for cycles of objects, and exempt all present objects from it.
+
+    Imports and derivations make many objects and few cycles: the searches would take a tenth of their time,
+    and as long again when the process ends.
+    """
     before_this = gc.isenabled()
     gc.disable()
     try:
@@ -295,7 +297,7 @@ def _check_options(chosen: argparse.Namespace) -> tuple[Any, dict[str, Any]]:
 def _simulate(
     model: Any, chosen: argparse.Namespace, options: dict[str, Any], parser: OneLineParser
 ) -> tuple[Any, KeyboardInterrupt | None]:
-    """The run, None where there is none, and the interruption where ctrl-C has stopped it."""
+    """The run, or None if there is none, and the interruption if ctrl-C has stopped it."""
     from frictionlab.analysis.simulate import simulate
     from frictionlab.interruption import partial_result
 
@@ -308,13 +310,13 @@ def _simulate(
 
 
 def _say(text: str, chosen: argparse.Namespace) -> None:
-    """A line, unless there is JSON on standard output."""
+    """Print a line, unless standard output is for JSON."""
     if not chosen.json:
         print(text)
 
 
 def run_data(run: Any, chosen: argparse.Namespace) -> dict[str, Any]:
-    """The summary of a run as JSON says it; `sliding` is null where there is no steady sliding."""
+    """The summary of a run for JSON; `sliding` is null where there is no steady sliding."""
     try:
         sliding = stability_data(run.source)
     except ValueError:

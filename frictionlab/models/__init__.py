@@ -1,15 +1,18 @@
-"""Models: compositions of parameters and components, and what they mean as hybrid automata.
+"""Models: compositions of parameters and components, from which hybrid automata are derived.
 
-`model` is the base of all models, and tells models and automata from anything else: one namespace of
-parameters and switches (`composition`), copies with changes, files (`serialisation`).
-A model is derived once for its structure, on a copy whose parameters are sympy symbols, with derivatives of
-long sums; the numbers are put back, which gives the `HybridAutomaton` that the solver runs (all in
-`symbols`).  What has been derived of a model of the library is kept in a file for later processes
-(`serialisation` too).
-`mechanical` derives automata from energies and contacts, `library` holds the nine models.  `equations` holds
-the equations of a mode, printed as text or LaTeX, and derives them from an automaton's flow;
-`lagrange_equations` writes those of mechanical models with their contact forces, and those of an impact, as
-the paper does.
+`model` has the base of all models, with one namespace of parameters and nonlinearities that can be switched
+off (`composition`), copies with changes and JSON data for files (`serialisation`).  It also checks that
+arguments are models or automata.
+
+`symbols` derives a model once for its structure, on a copy whose parameters are sympy symbols.  It then puts
+the numbers back, which gives the `HybridAutomaton` that the solver runs.  It also has derivatives of long
+sums.  What has been derived of a model of the library is kept in a file for later processes
+(`serialisation`).
+
+`mechanical` derives automata from energies and contacts, `library` holds the nine models, and `mechanism` has
+the parts of their pictures.  `equations` holds the equations of a mode, printed as text or LaTeX, and derives
+them from an automaton's flow; `lagrange_equations` writes those of mechanical models with their contact
+forces, and those of an impact, as the paper does.
 """
 
 from __future__ import annotations

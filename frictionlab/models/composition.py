@@ -1,6 +1,7 @@
-"""What a model has by its composition: one namespace for all parameters, its own and those of its components,
-and their table in text and in a notebook; and nonlinearities by name, each with the components that replace
-it.
+"""The composition of a model: one namespace for its own parameters and those of its components.
+
+Also the table of all parameters, as text and in a notebook, and the nonlinearities that can be switched off,
+by name, each with the components that take its place.
 """
 
 from __future__ import annotations
@@ -34,14 +35,16 @@ from frictionlab.validation import did_you_mean, unknown_parameter
 
 @cache
 def structural_fields(cls: type) -> tuple[str, ...]:
-    """Names of a model's fields that are neither parameters nor components with a role: a number of masses,
-    the name of a variant."""
+    """Names of a model's structural fields, which are neither parameters nor components with a role.
+
+    Such are a number of masses, or the name of a variant.
+    """
     roles = getattr(cls, "roles", {})
     return tuple(name for name in structure_of(cls) if name not in roles)
 
 
 def structural_defaults(cls: type) -> dict[str, Any]:
-    """Defaults of these fields, without those that have none."""
+    """Defaults of the structural fields that have one."""
     found = {}
     for field in (f for f in dataclasses.fields(cls) if f.name in structural_fields(cls)):
         if field.default is not dataclasses.MISSING:
@@ -52,12 +55,12 @@ def structural_defaults(cls: type) -> dict[str, Any]:
 
 
 def structural_values(cls: type, given: dict[str, Any]) -> dict[str, Any]:
-    """Values of these fields, taken out of the keywords of a constructor.
+    """Values of the structural fields; takes them out of `given`, the keywords of a constructor.
 
     Raises
     ------
     TypeError
-        Where one is missing that has no default.
+        If one without a default is missing.
     """
     names, usual = structural_fields(cls), structural_defaults(cls) if structural_fields(cls) else {}
     values = {**usual, **{name: given.pop(name) for name in names if name in given}}
@@ -75,7 +78,7 @@ def parameter_owners(cls: type, components: Mapping[str, Component]) -> dict[str
     Raises
     ------
     ValueError
-        If two of them share a name.
+        If a parameter of a component has a name that is already taken.
     """
     found = dict.fromkeys(parameters_of(cls), "")
     taken = {*found, *components, *structural_fields(cls)}
@@ -92,7 +95,7 @@ def parameter_owners(cls: type, components: Mapping[str, Component]) -> dict[str
 
 
 def parameter_unit(model: Any, name: str) -> str:
-    """Unit of a parameter of a model; "" for one of an automaton, which has no metadata."""
+    """Unit of a parameter of a model; "" for a parameter of an automaton, which has no metadata."""
     if not hasattr(model, "components"):
         return ""
     about = parameter_metadata(type(model), model.components).get(name)
@@ -100,7 +103,7 @@ def parameter_unit(model: Any, name: str) -> str:
 
 
 def refuse_positional(values: tuple[Any, ...], cls: type) -> None:
-    """Raise TypeError for values without a name."""
+    """Raise TypeError if a constructor was given positional arguments."""
     if values:
         name, of = cls.__name__, next(iter(inspect.signature(cls).parameters), "name")
         raise TypeError(f"{name} takes its parameters by name, got {values[0]!r}: write {name}({of}=...)")
@@ -109,7 +112,7 @@ def refuse_positional(values: tuple[Any, ...], cls: type) -> None:
 def refuse_unknown(
     given: Iterable[str], cls: type, roles: Mapping[str, type], components: Mapping[str, Component]
 ) -> None:
-    """Raise TypeError for the first name that is neither a parameter nor a component of the model."""
+    """Raise TypeError for the first name that is no parameter, component or structural field."""
     known = [*parameter_owners(cls, components), *roles, *structural_fields(cls)]
     for name in given:
         if name not in known:
@@ -134,7 +137,7 @@ def check_component(role: str, base: type, component: object) -> Component:
 
 
 def with_values(component: Component, values: Mapping[str, float]) -> Component:
-    """The component with other values."""
+    """The component with these values of parameters."""
     return dataclasses.replace(component, **values) if values else component
 
 
@@ -151,7 +154,7 @@ def model_signature(cls: type, components: Mapping[str, Component]) -> inspect.S
 
 
 def parameter_metadata(cls: type, components: Mapping[str, Component]) -> dict[str, Parameter]:
-    """What is known about each parameter of the namespace."""
+    """Symbol, unit, meaning and bounds of each parameter of the namespace, by name."""
     found = dict(parameters_of(cls))
     for component in components.values():
         found |= parameters_of(type(component))
@@ -159,7 +162,7 @@ def parameter_metadata(cls: type, components: Mapping[str, Component]) -> dict[s
 
 
 def owner_among_laws(name: Any, roles: Mapping[str, type], components: Mapping[str, Component]) -> str:
-    """Half a sentence that says which law has the parameter, empty where none has."""
+    """The end of a message, which says which law has the parameter; empty where none has."""
     for role, base in roles.items():
         for kind in base.__subclasses__():
             # A class that lacks its decorator is no owner; it raises an error of its own when it is used.
@@ -248,12 +251,12 @@ class Nonlinearity:
         """Whether the model is without it already."""
         try:
             return all(getattr(model, name) == value for name, value in self.without(model).items())
-        except ValueError:  # a law that cannot do without its nonlinearity has it
+        except ValueError:  # nothing can take the place of this law, so the model has its nonlinearity
             return False
 
 
 def nonlinearities_of(model: Any) -> dict[str, Nonlinearity]:
-    """The nonlinearities that follow from the classes of a model's components, in the order of its roles."""
+    """The nonlinearities that follow from a model's roles, in the order of `OF_COMPONENTS`."""
     found = {}
     for name, (base, about, instead) in OF_COMPONENTS.items():
         for role in (role for role, kind in model.roles.items() if kind is base):
@@ -266,12 +269,12 @@ def _replaced(role: str, instead: Callable[[Any], Any], model: Any) -> dict[str,
 
 
 def without(model: Any, names: tuple[str, ...]) -> dict[str, Any]:
-    """The parameters and components to replace, by name, where the model is to be without some.
+    """The parameters and components, by name, that take the place of these nonlinearities.
 
     Raises
     ------
     ValueError
-        For a name that is none of the model's nonlinearities.
+        For a name that is none of the model's nonlinearities, or where nothing can take a law's place.
     """
     known = model.nonlinearities
     if names and not known:
@@ -296,7 +299,7 @@ def _linear(contact: Any) -> LinearContact:
     return LinearContact(k2=stiffness)
 
 
-# Name -> class of component that has it, label, and what takes the component's place.
+# Name of a nonlinearity -> class of component that has it, label, and what takes the component's place.
 OF_COMPONENTS: Mapping[str, tuple[type, str, Callable[[Any], Any]]] = {
     "cubic": (ContactLaw, "cubic contact", _linear),
     "nonsmooth": (Interface, "stick, slip, separation", lambda _: SlidingOnly()),

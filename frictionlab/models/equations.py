@@ -1,6 +1,4 @@
-"""`Equations` of one mode, in text and LaTeX, and those of a model given as an automaton: its flow, mode by
-mode.
-"""
+"""`Equations` of one mode, as text and LaTeX, and how they follow from the flow of an automaton."""
 
 from __future__ import annotations
 
@@ -29,7 +27,7 @@ LETTERS = {
 
 
 class MotionPrinter(LatexPrinter):
-    """Prints x1(t) as x_{1}, its derivatives with dots; `letters` has the names with LaTeX of their own."""
+    """Prints x1(t) as x_{1}, its derivatives with dots; `letters` maps names to their LaTeX."""
 
     def __init__(self, letters: Mapping[str, str]) -> None:
         super().__init__()
@@ -60,7 +58,7 @@ class MotionPrinter(LatexPrinter):
 
 
 def aligned_latex(relations: Iterable[Any], letters: Mapping[str, str]) -> str:
-    """The relations, one a line, aligned at their signs."""
+    """LaTeX of relations, one per line, aligned at =, <, > and the like."""
     printer = MotionPrinter(letters)
     signs = {"==": "=", "<=": r"\leq", ">=": r"\geq", "!=": r"\neq", "<": "<", ">": ">"}
     lines = (f"{printer.doprint(r.lhs)} &{signs[r.rel_op]} {printer.doprint(r.rhs)}" for r in relations)
@@ -69,7 +67,7 @@ def aligned_latex(relations: Iterable[Any], letters: Mapping[str, str]) -> str:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Equations:
-    """Equations of one mode; iterating gives every equation, LaTeX appears in a notebook.
+    """Equations of one mode; iterating gives each equation, and a notebook shows them in LaTeX.
 
     Parameters
     ----------
@@ -123,7 +121,10 @@ class Equations:
 
 
 def flow_equations(model: Any, mode: str) -> Equations:
-    """x'' = flow for each coordinate, x' = flow for the other states, with constraints and conditions.
+    """The equations of a mode as its flow gives them, with its constraints and conditions.
+
+    They are x'' = flow for each coordinate, and x' = flow for the states that are neither coordinates nor
+    velocities.
 
     Raises
     ------
@@ -161,7 +162,7 @@ def time_functions(states: tuple[Any, ...], n: int) -> dict[Any, Any]:
 
 
 def in_time_functions(expression: Any, functions: Mapping[Any, Any]) -> Any:
-    """The expression with functions of time for its states."""
+    """The expression with its states replaced by functions of time."""
     return sympy.sympify(expression, strict=True).xreplace(dict(functions))
 
 

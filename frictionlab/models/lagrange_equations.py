@@ -1,5 +1,6 @@
-"""Lagrange's equations of a model with its contact forces, mode by mode, as the paper writes them, and those
-of an impact: on a stop, or of a re-contact, Eqs. (10) to (17).
+"""Lagrange's equations of a model with contact forces, mode by mode, in the form of the paper.
+
+Also the equations of an impact: on a stop, or of a re-contact, Eqs. (10) to (17).
 """
 
 from __future__ import annotations
@@ -40,7 +41,7 @@ NORMAL_IMPULSE, TANGENTIAL_IMPULSE = symbol("p"), symbol("p_T")
 
 
 def stop_equations(stop: Stop, rate: Any) -> tuple[Any, ...]:
-    """The rate of the distance after the impact from that before, which is written `rate`."""
+    """Equations for the rate of the distance before an impact on a stop, given as `rate`, and after it."""
     before, after = symbol("rate-"), symbol("rate+")
     return equation(before, rate), equation(after, rate_after(stop.law, before))
 
@@ -50,7 +51,8 @@ def impact_equations(model: Any) -> tuple[tuple[Any, ...], dict[str, Any]]:
 
     Velocities just before and just after the impact are named ``y1'-`` and ``y1'+``.  Eq. (16) is the one
     that follows from Eqs. (11) and (14): as printed in the paper it has two terms too many.  With friction in
-    the impact there is its impulse, and the normal one is that for the velocities after it.
+    the impact there is an equation for its impulse too, and the normal impulse follows from the velocities
+    that the friction impulse has changed.
     """
     before, after = (_kinematics_with_sign(model, sign) for sign in "-+")
     contact: Any = before.rubbing
@@ -84,7 +86,7 @@ def _with_friction(
 
 
 def impact_letters(model: Any, letters: Mapping[str, str]) -> dict[str, str]:
-    """LaTeX of the velocities before and after, as the paper writes them, and of the coordinates."""
+    """LaTeX of the velocities before and after an impact, as in the paper, and of the coordinates."""
     found = {}
     for name in model.coordinates:
         letter = letters.get(name) or (f"{name[0]}_{{{name[1:]}}}" if name[1:] else name)
@@ -102,7 +104,7 @@ def _kinematics_with_sign(model: Any, sign: str) -> LagrangeSystem:
 
 
 def _impact_law(before: LagrangeSystem, after: LagrangeSystem) -> tuple[Any, ...]:
-    """Eq. (13): the rate that the impact law brings to a multiple of what it was."""
+    """Eq. (13): the rate, material or full, that the impact multiplies by a factor; () if there is none."""
     pairs = list(zip(_rates(before), _rates(after), strict=True))
     contact: Any = before.rubbing
     for (old, new), left, rate in zip(
@@ -119,7 +121,7 @@ def _rates(found: LagrangeSystem) -> tuple[Any, Any]:
 
 
 class TimeDependentSystem(NamedTuple):
-    """A system, the same with a name for each F_N, and its symbols as functions of time."""
+    """A system, the same with a function of time for each F_N, and a function of time for each state."""
 
     system: LagrangeSystem
     named: LagrangeSystem
@@ -153,7 +155,7 @@ def lagrange_equations(model: Any, mode: str) -> Equations:
 
 
 def _others(found: LagrangeSystem) -> tuple[str, ...]:
-    """Names for which there are equations besides the modes, of a single contact."""
+    """Names besides those of modes for which a model with a single contact has equations."""
     if len(found.mechanics.contacts) != 1:
         return ()
     (contact,), modes = found.mechanics.contacts, found.names
@@ -202,7 +204,7 @@ def _mode_equations(
 
 
 def _motion(write: TimeDependentSystem, forces: Sequence[Any]) -> tuple[Any, ...]:
-    """Eq. (1): M q'' + what energies and dampers give = loads + sum of W F."""
+    """Eq. (1): M q'' + forces of energies and dampers = loads + sum of W F."""
     found = write.system
     second = sympy.Matrix([sympy.diff(write(x), TIME, 2) for x in found.q])
     left = found.mass * second + sympy.Matrix([write(r) for r in found.internal])
@@ -216,8 +218,10 @@ def _motion(write: TimeDependentSystem, forces: Sequence[Any]) -> tuple[Any, ...
 def _forces(
     write: TimeDependentSystem, mode: str, chosen: Sequence[ContactRegime], i: int
 ) -> tuple[Any, ...]:
-    """Eqs. (2) and (3): F_N and F_T of a contact; in stick F_T, and at a stop F_N, is the constraint
-    force."""
+    """Eqs. (2) and (3): F_N and F_T of a contact.
+
+    The constraint force is F_T in stick, and F_N at a stop.
+    """
     found, force = write.system, _force_function(write.system, i)
     contact = found.mechanics.contacts[i]
     if isinstance(contact, Stop):
@@ -256,7 +260,7 @@ def _constraint(write: TimeDependentSystem, regime: ContactRegime) -> tuple[Any,
 
 
 def _together(write: TimeDependentSystem, pair: Pair) -> tuple[Any, ...]:
-    """Eq. (5): the second body's coordinate from the first one's, since the onset t_s of stick."""
+    """Eq. (5): how the second body's coordinate follows from the first one's after the onset t_s of stick."""
     one, two = (write(write.system.q[i]) for i in (pair.first, pair.second))
     onset = symbol("t_s")
     travelled = one - one.subs(TIME, onset) - pair.speed * (TIME - onset)
@@ -307,7 +311,7 @@ def _contact_function(found: LagrangeSystem, name: str, i: int) -> Any:
 
 
 def _contact_letters(found: LagrangeSystem) -> dict[str, str]:
-    """LaTeX of numbered forces, and of the rates around an impact."""
+    """LaTeX of F_N, F_T and v_r of numbered contacts, and of the rates before and after an impact."""
     letters = {"rate-": r"\dot{d}^{-}", "rate+": r"\dot{d}^{+}"}
     for i in range(len(found.mechanics.contacts)):
         for name, letter in (("F_N", r"\mathrm{N}"), ("F_T", r"\mathrm{T}"), ("v_r", r"\mathrm{r}")):

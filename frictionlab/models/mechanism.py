@@ -1,7 +1,7 @@
 """The mechanism of a model as data, which animations, the live canvas and the explorer draw.
 
-Lengths are in units of the picture.  A coordinate moves a point to the right or up; how far one metre takes
-it is chosen where it is drawn, so that the largest displacement is well visible::
+Lengths are in units of the picture.  A coordinate moves a point to the right or up; how far it moves for one
+metre is chosen when it is drawn, so that the largest displacement is well visible::
 
     @property
     def mechanism(self):
@@ -25,8 +25,8 @@ class Place:
     ----------
     x, y : float
     right, up : str
-        The coordinate, or the parameter that is a length, that moves it to the right or up, "-y" for the
-        other way; "" where nothing does.
+        Name of the coordinate, or of the parameter that is a length, by which the point moves to the right
+        or up; "-y" moves it the other way, "" not at all.
     """
 
     x: float
@@ -60,7 +60,7 @@ class Spring:
     ----------
     start, end : Place
     loose : str
-        Name of the modes in which its start is free, as the spring of a contact in "separation".
+        Name of the mode in which its start is free, as that of a contact spring is in "separation".
     """
 
     start: Place
@@ -70,7 +70,7 @@ class Spring:
 
 @dataclass(frozen=True)
 class Block:
-    """A body, by its centre, in the colour of its mode; `disc` for a ball as wide as high."""
+    """A body about its centre `at`, in the colour of the mode; a ball if `disc`, else a rectangle."""
 
     at: Place
     width: float = 0.6
@@ -80,7 +80,7 @@ class Block:
 
 @dataclass(frozen=True)
 class Belt:
-    """A belt whose surface, at a height `y`, moves at the speed that this parameter has, or at none."""
+    """A belt with its surface at the height `y`; `speed` names a parameter, "" is a belt at rest."""
 
     speed: str = ""
     y: float = 0.0
@@ -117,7 +117,7 @@ class Mechanism:
 class TiltingBelt:
     """Fig. 1 of the paper: a slider on its contact spring, on a belt that tilts about two wheels.
 
-    Of models with the coordinates x1, y1, x2, y2 and perhaps phi, and the parameters v, F, l1 and l2.
+    For models with the coordinates x1, y1, x2, y2 and perhaps phi, and the parameters v, F, l1 and l2.
     """
 
 
@@ -131,13 +131,15 @@ def held_block(
 
 
 def inclined_end(angle: float) -> tuple[float, float]:
-    """The fixed end of a spring that points downwards to a body at this angle."""
+    """The fixed end of a spring that leads down to a body at this angle."""
     return -1.6 * float(functions.cos(angle)), 1.6 * float(functions.sin(angle))
 
 
 def body_on_belt(*springs: tuple[float, float], speed: str = "v") -> Mechanism:
-    """A body, x along the belt and y into it, on its contact spring and further springs, whose fixed ends are
-    at the given distances."""
+    """A body on its contact spring on a belt; its coordinates are x along the belt and y into it.
+
+    `springs` has for each further spring the place of its fixed end, relative to the body.
+    """
     body = Place(0.0, 0.8, right="x", up="-y")
     held = [part for x, y in springs for part in _held(body, x, y)]
     contact = Spring(Place(0.0, 0.0, right="x"), body.beside(0.0, -0.2), loose="separation")

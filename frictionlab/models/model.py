@@ -1,5 +1,7 @@
-"""What every model has: one namespace of parameters, copies with changes, a description, an automaton; and
-what tells models and automata, as arguments, from anything else."""
+"""`Model`, the base of all models: one namespace of parameters, copies with changes, an automaton.
+
+Also the checks that an argument is a model, an automaton, or the name of a parameter.
+"""
 
 from __future__ import annotations
 
@@ -42,7 +44,7 @@ PITCH = 200.0  # Hz: pitch at which an oscillation is played
 
 
 class Tone(NamedTuple):
-    """The quantity of a model that is played as sound, and the factor of speed."""
+    """The quantity of a model that is played as sound, and how many times faster than the motion."""
 
     signal: str
     pitch: float
@@ -52,28 +54,30 @@ class Tone(NamedTuple):
 class Model(Component):
     """Base of the models: a frozen composition of parameters and components.
 
-    Keywords of the constructor are the components and every parameter, the model's own or a component's.
+    The constructor takes the components and all parameters, the model's own and those of its components, as
+    keywords.
 
     **A model of your own** is a frozen dataclass, decorated with :func:`with_signature`, that has
 
     * fields made with :func:`~frictionlab.parameter`, and one for each component, with a default;
-    * `roles`: which fields are components, and of which kind; other fields are structure, such as a number of
-      masses or the name of a variant, by which the equations differ;
+    * `roles`: for each field that holds a component, the base class that the component must have.  Fields
+      that are neither parameters nor components belong to the structure, on which the equations depend: a
+      number of masses, the name of a variant;
     * `coordinates`: the names of its n coordinates;
     * either :meth:`~frictionlab.models.MechanicalModel.mechanics` (derive from
       :class:`~frictionlab.models.MechanicalModel`): energies and contacts, from which modes and equations
-      follow; or :meth:`derive`: the automaton itself, whose states are the coordinates, their rates with a
-      prime, and further states.
+      follow; or :meth:`derive`: the automaton itself, whose states are the coordinates, their velocities
+      (named with a prime), and further states.
 
-    It may have `reference` (its source), `period` (about how long an oscillation takes, by which
-    pictures choose what they show), :meth:`release` (where a run from rest begins), `mechanism` (its
-    picture), `nonlinearities` (those that can be switched off), `sound` and `statics`.  Everything else then
-    works: `simulate`, `eigenvalues`, `bifurcation`, `explore`, `plot_run`, files; with energies
-    `energy_audit`, with a mechanism `animate` and `watch`.
+    It may have `reference` (its source), `period` (the approximate period of an oscillation; pictures show a
+    multiple of it), :meth:`release` (where a run from rest begins), `mechanism` (its picture),
+    `nonlinearities` (those that can be switched off), `sound` and `statics`.  Everything else then works:
+    `simulate`, `eigenvalues`, `bifurcation`, `explore`, `plot_run`, files; with energies `energy_audit`, with
+    a mechanism `animate` and `watch`.
 
-    Modes named "stick", "slip+", "slip-", "separation", and outputs named "penetration", "normal_force",
-    "friction_force", "relative_velocity" are drawn and checked as such.  Steady sliding is searched for in
-    the modes without constraints.
+    Plots and checks recognise the modes "stick", "slip+", "slip-", "separation" and the outputs
+    "penetration", "normal_force", "friction_force", "relative_velocity" by these names.  Steady sliding is
+    searched for in the modes without constraints.
 
     Examples
     --------
@@ -138,16 +142,16 @@ class Model(Component):
         return {}
 
     def derive(self) -> HybridAutomaton:
-        """The automaton without its numbers.
+        """The automaton without parameter values.
 
-        Called once for every structure, on a copy of the model whose parameters are symbols of sympy:
-        ``self.mu_k`` is one, and ``self.friction`` a law that has them.  Its states are symbols made with
-        ``frictionlab.models.symbols.symbol``.
+        Called once for every structure, on a copy of the model whose parameters are sympy symbols:
+        ``self.mu_k`` is one, and ``self.friction`` a law whose parameters are.  The automaton's states are
+        symbols made with ``frictionlab.models.symbols.symbol``.
         """
         raise NotImplementedError(f"{type(self).__name__} must define derive()")
 
     def check(self) -> None:
-        """A parameter must not take a state's name: both become symbols."""
+        """Raise ValueError if a parameter is named like a coordinate or the phase: both become symbols."""
         for name in (*self.coordinates, "phase"):
             if name in self.parameters:
                 raise ValueError(f"a parameter must not be named like the coordinate {name!r}: rename it")
@@ -189,19 +193,19 @@ class Model(Component):
         Parameters
         ----------
         *names : str
-            Of a SliderOnBelt "cubic", "nonsmooth", "geometry": LinearContact with the same k2, SlidingOnly,
-            FixedLoad take the components' places.
+            For a SliderOnBelt "cubic", "nonsmooth" and "geometry": LinearContact with the same k2,
+            SlidingOnly and FixedLoad take the places of its components.
 
         Raises
         ------
         ValueError
-            For another name.
+            For any other name, and for "cubic" where the contact law has no k2.
         """
         return self.replace(**without(self, names))
 
     @property
     def sound(self) -> Tone:
-        """What `listen` plays: v_r, or the first coordinate's rate, with the period scaled to 200 Hz."""
+        """What `listen` plays: v_r, or the first coordinate's velocity, at 200 Hz for one `period`."""
         outputs = self.automaton().outputs
         heard = next((name for name in outputs if name.startswith("relative_velocity")), None)
         return Tone(heard or f"{self.coordinates[0]}'", float(f"{PITCH * self.period:.3g}"))
@@ -224,7 +228,7 @@ class Model(Component):
         return parameter_table(self)
 
     def automaton(self) -> HybridAutomaton:
-        """The hybrid automaton; models that differ in numbers only share its `modes` object."""
+        """The hybrid automaton; models that differ only in parameter values share its `modes` object."""
         from .symbols import automaton_of_model
 
         return automaton_of_model(self)
@@ -281,7 +285,7 @@ def with_signature(cls: type[M]) -> type[M]:
 def require_model(
     model: Any, kinds: str = "a model such as SliderOnBelt", cure: str = "make one, such as fl.SliderOnBelt()"
 ) -> Model:
-    """The model itself; TypeError, with the `kinds` that are taken, for anything else."""
+    """Return the model; raise TypeError, which names the accepted `kinds`, for anything else."""
     if isinstance(model, Model):
         return model
     if isinstance(model, type) and issubclass(model, Model):
@@ -292,7 +296,7 @@ def require_model(
 
 
 def check_parameter_name(model: Any, name: Any) -> None:
-    """Raise TypeError unless it names a parameter of the model or automaton, and suggest the nearest."""
+    """Raise TypeError, with a suggestion, unless `name` is a parameter of the model or automaton."""
     of_model = isinstance(model, Model)
     known = list(model.parameters) if of_model else [each.name for each in automaton_of(model).parameters]
     if name not in known:
@@ -333,6 +337,6 @@ def _differences(model: Model) -> list[str]:
 
 
 def _restructured(model: Model, usual: Model, role: str) -> bool:
-    """Whether a component of the default's class differs in more than parameters."""
+    """Whether a component differs in more than parameters from the usual one, which has the same class."""
     mine, its = getattr(model, role), getattr(usual, role)
     return with_values(its, {n: getattr(mine, n) for n in parameters_of(type(its))}) != mine

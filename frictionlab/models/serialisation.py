@@ -1,15 +1,15 @@
-"""Models as data that JSON can hold: components with their values, for files of runs, sweeps and scenes; the
-structure of a model, and what has been derived of it, kept on disk.
+"""Models as JSON data, and a cache on disk of what has been derived of their structures.
 
-Reading creates only components: a class is looked up among the loaded subclasses of the base that its
-role asks for, so that a file can neither import a module nor call anything else.
+Files of runs, sweeps and scenes hold components with their values.  Reading creates only components: a class
+is looked up among the loaded subclasses of the base that its role asks for, so that a file can neither import
+a module nor call anything else.
 
-Deriving the equations of a structure takes sympy half a second, and loading sympy a quarter.  What runs,
-equilibria and pictures need of it, tapes and formulas, is therefore kept in the user's cache folder, one file
-for each structure.  Its name is a digest of the structure, its folder's that of all sources that derive, and
-of sympy.  A wheel carries such files of the library's models in an archive, which serves where these digests
-are those of its own sources.  Of laws and models of one's own nothing is kept: their formulas are known by
-deriving only.
+Deriving the equations of a structure takes sympy half a second, and loading sympy a quarter.  The tapes and
+formulas that runs, equilibria and pictures need are therefore kept in the user's cache folder, in one file
+for each structure.  The file's name contains a digest of the structure; the folder's name is a digest of all
+sources that take part in deriving, and of the versions of sympy and mpmath.  A wheel carries an archive of
+such files for the library's models, which is used only if it was derived from the same sources.  Nothing is
+kept for laws and models from outside the library, since their sources are not in the digest.
 """
 
 from __future__ import annotations
@@ -34,34 +34,35 @@ from frictionlab.automaton.straight_line import StraightLine, straight_line_data
 from frictionlab.components.component import Component, parameters_of, structure_of
 
 PACKAGE = Path(__file__).parents[1]
-# The folders of all that derives, lowers or reads the data; versions of sympy write sums in other orders.
+# Folders of all sources that derive, lower or read the data.
 SOURCES = "automaton", "components", "hybrid", "models", "stability"
 HOMES = tuple(f"frictionlab.{name}." for name in ("components", "models"))  # modules with laws and models
 PYTHONS = "abc", "builtins", "dataclasses", "enum", "typing"
+# Files that contain versions: versions of sympy order the terms of sums differently.
 VERSIONS = ("sympy", "release.py"), ("mpmath", "__init__.py")
 ARCHIVE = PACKAGE / "models" / "structures.zip"  # what a wheel carries; a clone has none
 
 
 def is_public(cls: type) -> bool:
-    """Whether the class is a name of frictionlab's namespace."""
+    """Whether the class is one of frictionlab's public names."""
     return cls.__module__.startswith("frictionlab.") and cls.__qualname__ in frictionlab.__all__
 
 
 def class_path(cls: type) -> str:
-    """The class as "module:qualified name"; of the library's, that of its public name.
+    """The class as "module:qualified name"; the module of the library's public classes is "frictionlab".
 
-    So a file is read after the library's classes have moved among its modules.
+    So files can still be read after such a class has moved to another module of the library.
     """
     return f"{'frictionlab' if is_public(cls) else cls.__module__}:{cls.__qualname__}"
 
 
 def component_to_dict(component: Component) -> dict[str, Any]:
-    """Class and fields of a component; components among them in the same way, tuples as lists.
+    """Class and fields of a component; components in fields in the same way, tuples as lists.
 
     Raises
     ------
     TypeError
-        For a field that is no number, text, truth value, None, enum, component, nor a tuple of such.
+        If a field is not a number, text, truth value, None, enum, component, or a tuple of these.
     """
     values = {f.name: getattr(component, f.name) for f in fields(component)}
     owner = type(component).__name__
@@ -79,7 +80,7 @@ def value_to_data(value: Any, owner: str) -> Any:
         return {"enum": class_path(type(value)), "name": value.name}
     if isinstance(value, tuple):
         return [value_to_data(each, owner) for each in value]
-    if getattr(value, "shape", None) == ():  # a number of numpy, which is not loaded for this
+    if getattr(value, "shape", None) == ():  # a numpy number, recognised without loading numpy
         number: Any = value
         value = number.item()
     if value is None or isinstance(value, (bool, int, float, str)):
@@ -96,7 +97,7 @@ def component_from_dict(data: Mapping[str, Any], base: type) -> Any:
     Raises
     ------
     ValueError
-        If the data is malformed, or its class is not loaded or no subclass of `base`.
+        If the data is malformed, or its class is not loaded or not a subclass of `base`.
     """
     if not isinstance(data, Mapping) or not isinstance(data.get("fields"), Mapping):
         raise ValueError(f"a {base.__name__} must be a mapping with 'class' and 'fields', got {data!r}")
@@ -127,7 +128,7 @@ def value_from_data(data: Any) -> Any:
 
 
 def loaded_class(name: object, base: type) -> type:
-    """The subclass of `base` of that path; ValueError where none is loaded."""
+    """The subclass of `base` whose :func:`class_path` is `name`; ValueError where none is loaded."""
     # The last one wins: a notebook cell that ran twice has defined its class twice.
     found = [cls for cls in _subclasses(base) if class_path(cls) == name]
     if found:
@@ -145,20 +146,20 @@ def _subclasses(base: type) -> Iterator[type]:
 
 
 class Structure(NamedTuple):
-    """A component without its numbers; the key under which derivations are remembered."""
+    """The structure of a component: all but its parameter values; the key of the caches of derivations."""
 
     component: type
     values: tuple[Any, ...]
 
     @property
     def parameters(self) -> tuple[str, ...]:
-        """Names of its parameters, and of those of its components."""
+        """Names of its parameters and of its components' parameters."""
         parts = (each for each in self.values if isinstance(each, Structure))
         return (*parameters_of(self.component), *(name for part in parts for name in part.parameters))
 
 
 def structure_of_component(component: Component) -> Structure:
-    """The structure of a component, and of those that have roles in it; other fields are as they are."""
+    """The structure of a component; its components with roles are replaced by their structures."""
     reduced = component.reduced()
     roles = getattr(type(reduced), "roles", {})
     values = {name: getattr(reduced, name) for name in structure_of(type(reduced))}
@@ -168,7 +169,7 @@ def structure_of_component(component: Component) -> Structure:
 
 
 def structure_to_data(key: Structure) -> dict[str, Any]:
-    """Classes of a model and its components, and those of their fields that are no parameters.
+    """A structure as data: classes of a model and its components, and their fields that are no parameters.
 
     Raises
     ------
@@ -186,12 +187,12 @@ def structure_to_data(key: Structure) -> dict[str, Any]:
 
 
 class Derivations:
-    """What is known of a structure by names, such as "program", in a file that JSON reads.
+    """What has been derived of a structure, under names such as "program", kept in a JSON file.
 
     Parameters
     ----------
     path : Path or None
-        None where nothing is to be kept.
+        The file; None where nothing is kept.
     """
 
     def __init__(self, path: Path | None) -> None:
@@ -205,22 +206,23 @@ class Derivations:
         return self._path is not None
 
     def get(self, name: str) -> Any:
-        """What is known under a name; None where nothing is."""
+        """The data kept under a name; None where there are none."""
         if self._known is None:
             self._known = self._read()
         return self._known.get(name)
 
     def keep(self, name: str, data: Any) -> None:
-        """Note something, beside what other processes may have noted meanwhile.
+        """Keep data under a name, together with what other processes have kept meanwhile.
 
-        Not where a source has been edited since it was loaded: what was derived is not what it says now.
+        Nothing is kept where a source has been edited since the digest was taken: the data may have been
+        derived by other sources than those of the digest.
         """
         if self._path is not None and stamps() == LOADED.stamps:
             self._known = self._read() | (self._known or {}) | {name: data}
             cache_folder.write(self._path, json.dumps(self._known, separators=(",", ":")).encode())
 
     def value(self, name: str, derive: Callable[[], Any]) -> Any:
-        """Data of JSON: what is known under a name, or as `derive` gives it."""
+        """The JSON data kept under a name; where there are none, `derive` makes them and they are kept."""
         known = self.get(name)
         if known is None:
             known = derive()
@@ -230,15 +232,17 @@ class Derivations:
     def function(
         self, name: str, functions: Mapping[str, Any], derive: Callable[[], Callable[..., Any]]
     ) -> Callable[..., Any]:
-        """A function of numbers or arrays, as `derive` gives it, or of the same bits as that gave it once.
+        """A function of numbers or arrays: the one kept under a name, else the one that `derive` gives.
+
+        Their results are the same to the last bit.
 
         Parameters
         ----------
         name : str
         functions : mapping of str to callable
-            Those that it may call.
+            The functions that it may call.
         derive : callable
-            Gives what sympy's `lambdify` makes.
+            Makes the function with sympy's `lambdify`.
         """
         if name not in self._functions:
             self._functions[name] = self._function(name, functions, derive)
@@ -264,7 +268,7 @@ class Derivations:
 
 
 def archived(name: str) -> bytes | None:
-    """What the wheel carries under a file's name, if it was derived from the sources that are loaded."""
+    """A file of the wheel's archive; None if it is not there or was derived from other sources."""
     if archive_digest(ARCHIVE) != LOADED.digest:
         return None
     with suppress(KeyError, OSError, BadZipFile), ZipFile(ARCHIVE) as archive:
@@ -273,7 +277,7 @@ def archived(name: str) -> bytes | None:
 
 
 def archive_digest(path: Path) -> str | None:
-    """Digest of the sources that an archive was derived from; None where there is none that is whole."""
+    """Digest of the sources that an archive was derived from; None where there is no intact archive."""
     try:
         with ZipFile(path) as archive:
             return archive.comment.decode()
@@ -283,7 +287,10 @@ def archive_digest(path: Path) -> str | None:
 
 @cache
 def derivations_of(key: Structure, parameters: tuple[str, ...]) -> Derivations:
-    """What is known of a structure as functions of these parameters; nothing where a law is one's own."""
+    """What has been derived of a structure, as functions of these parameters.
+
+    Nothing is kept where a class is not the library's.
+    """
     try:
         about = [structure_to_data(key), parameters]
         text = json.dumps(about) if all(map(_is_ours, _classes(key))) else ""
@@ -310,7 +317,7 @@ def _classes_of_value(value: Any) -> Iterator[type]:
 
 
 def _is_ours(cls: type) -> bool:
-    """Whether a class is one of Python's values, or a law or model of the library as it was written."""
+    """Whether a class and its bases are Python's or the library's, none of them changed at run time."""
     return all(map(_is_as_written, (each for each in cls.__mro__ if each.__module__ not in PYTHONS)))
 
 
@@ -322,14 +329,14 @@ def _is_as_written(cls: type) -> bool:
 
 
 class Sources(NamedTuple):
-    """All that the data depend on: digest, and when each file was changed; "" where they cannot be read."""
+    """The sources that the data depend on: their digest, and the state of each file; empty if unreadable."""
 
     digest: str
     stamps: tuple[Any, ...]
 
 
 def sources() -> Sources:
-    """As they are now; there are none in a zip file, nor of byte code alone."""
+    """The sources as they are now; empty in a zip file, or where there is only byte code."""
     try:
         digest = hashlib.sha256()
         for path in _files():
@@ -340,7 +347,7 @@ def sources() -> Sources:
 
 
 def stamps() -> tuple[Any, ...]:
-    """Time of the last change and size of each file."""
+    """Path, time of the last change and size of each file; () where one cannot be read."""
     try:
         found = ((path, path.stat()) for path in _files())
         return tuple((path, info.st_mtime_ns, info.st_size) for path, info in found)
@@ -351,14 +358,14 @@ def stamps() -> tuple[Any, ...]:
 def _files() -> Iterator[Path]:
     for name in SOURCES:
         found = sorted((PACKAGE / name).rglob("*.py"))
-        if not found:  # in a zip file, or of byte code alone; without them all versions would be one
+        if not found:  # a zip file, or only byte code: without sources all versions would be one
             raise FileNotFoundError(PACKAGE / name)
         yield from found
     yield from (_beside(package, name) for package, name in VERSIONS)
 
 
 def _beside(package: str, name: str) -> Path:
-    """A file of a package of others, which is not loaded."""
+    """The path of a file in another package, found without loading the package."""
     found = find_spec(package)
     if found is None or found.origin is None:
         raise FileNotFoundError(package)

@@ -1,11 +1,11 @@
-"""Symbols, the copy of a model that has them for values, and the automaton that is derived from it.
+"""Symbols, copies of models whose parameters are symbols, and the automata that are derived from these.
 
 A model is derived once for its *structure*: the classes of its components and those of their fields that are
-no parameters.  The copy made here runs no checks of values, as symbols have none.  Where the methods of its
-laws cannot take symbols they raise an error that says so.  `automaton_of_model` puts the numbers back.
+no parameters.  The symbolic copy runs no checks of values, as symbols have none.  Methods of its laws that
+cannot take symbols raise an error that says so.  `automaton_of_model` puts the numbers back.
 
-Sympy's `diff` asks every term about every symbol: n^2 questions for a chain of n springs.  Here each term is
-asked for the symbols that are in it (`gradient`).  The derivatives are the same expressions.
+Sympy's `diff` tries every symbol on every term, n^2 times for a chain of n springs.  `gradient` takes the
+derivatives of a term only by the symbols that it contains.  They are the same expressions.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ def symbol(name: str) -> Any:
 
 
 def symbolic_copy(key: Structure) -> Any:
-    """A component of that structure with the symbols of its parameters for values."""
+    """A component of this structure, with symbols as values of its parameters."""
     copy = object.__new__(key.component)
     for name in parameters_of(key.component):
         object.__setattr__(copy, name, symbol(name))
@@ -59,14 +59,13 @@ def parameter_symbols(key: Structure) -> tuple[Any, ...]:
 
 
 def structure_values(model: Any) -> tuple[float, ...]:
-    """Values of the parameters of the model's structure, in the order of its symbols."""
+    """Values of the parameters of the model's structure, in the order of :func:`parameter_symbols`."""
     values = model.parameters
     return tuple(values[name] for name in structure_of_component(model).parameters)
 
 
 def check_laws(key: Structure, values: Mapping[str, float]) -> None:
-    """Raise ValueError where a law of a model of this structure has no real value at those of its
-    parameters."""
+    """Raise ValueError if a law of this structure has no real value at these values of its parameters."""
     for place, part in _doubtful_parts(key):
         if what := part.words(values):
             raise ValueError(
@@ -77,7 +76,7 @@ def check_laws(key: Structure, values: Mapping[str, float]) -> None:
 
 @cache
 def _doubtful_parts(key: Structure) -> tuple[tuple[str, UndefinedPart], ...]:
-    """What need not have a value in what the laws return, each with the name of the law's method."""
+    """Parts of the laws' formulas that may have no value, each with the name of the law's method."""
     kept = derivations_of(key, key.parameters)
     known = kept.get("laws")
     if known is not None:
@@ -98,7 +97,7 @@ def _law_formulas(key: Structure) -> tuple[tuple[str, Any], ...]:
     found: list[tuple[str, Any]] = []
     for law in symbolic_copy(key).components.values():
         for name in LAW_METHODS if isinstance(law, (ContactLaw, FrictionLaw, ImpactLaw)) else ():
-            with suppress(AttributeError, NotImplementedError, TypeError):  # what is needed, deriving tells
+            with suppress(AttributeError, NotImplementedError, TypeError):  # deriving raises it if it matters
                 method = getattr(law, name)
                 formula = method(*map(_positive, signature(method).parameters))
                 found.append((f"{type(law).__name__}.{name}", formula))
@@ -145,7 +144,8 @@ def _with_explanation(method: Callable[..., Any], law: str) -> Callable[..., Any
 
 
 LOGGER = logging.getLogger(__name__)
-# Of several contacts so many modes are all derived, to be kept; of more only those that runs come to.
+# Up to so many modes of a model with several contacts are all derived and kept; where there are more, each is
+# derived when a run first tries to enter it.
 MOST_KEPT_MODES = 27
 
 
@@ -156,7 +156,7 @@ def state_symbols(coordinates: tuple[str, ...]) -> tuple[Any, ...]:
 
 @lru_cache(maxsize=256)
 def automaton_of_structure(key: Structure) -> HybridAutomaton:
-    """States and modes of a structure, without the numbers."""
+    """The automaton of a structure, without values of the model's parameters."""
     begin = time.perf_counter()
     model = symbolic_copy(key)
     derived = model.derive()
@@ -196,24 +196,25 @@ def _automaton_with_values(key: Structure, values: Mapping[str, float]) -> Hybri
     return HybridAutomaton(derived.states, derived.modes, numbers, derived.coordinates)
 
 
-# What deriving may raise where the values of a structure are others than any model's.
+# Errors that deriving may raise where a structure, read from a file, is that of no model.
 NO_STRUCTURE = ValueError, TypeError, AttributeError, LookupError, ArithmeticError, RecursionError
 
 
 def automaton_from_structure_data(data: Any, kind: type, parameters: Mapping[str, float]) -> HybridAutomaton:
-    """The automaton, with these numbers, of the model whose structure `structure_to_data` described.
+    """The automaton of a structure, with these values of its parameters.
 
     Parameters
     ----------
     data : mapping
+        The structure, from `structure_to_data`.
     kind : type
-        What the class of the model has to be derived from.
+        The base class that the model must have.
     parameters : mapping of str to float
 
     Raises
     ------
     ValueError
-        If the data is malformed, or a class in it is not loaded.
+        If the data is malformed, a class in it is not loaded, or a parameter is missing.
     """
     try:
         key = _structure_from_data(data, kind)
@@ -246,7 +247,7 @@ def _structure_from_data(data: Any, base: type) -> Structure:
 
 
 def _outline(derived: HybridAutomaton) -> dict[str, Any]:
-    """What a :class:`Late` automaton knows beforehand."""
+    """What a :class:`Late` automaton knows before it is derived."""
     modes: Any = derived.modes
     return {
         "states": derived.state_names,
@@ -258,11 +259,11 @@ def _outline(derived: HybridAutomaton) -> dict[str, Any]:
     }
 
 
-Derivatives = dict[Any, Any]  # by the symbol; those that are zero are left out
+Derivatives = dict[Any, Any]  # symbol -> derivative by it; zeros are left out
 
 
 def derivatives(expression: Any, symbols: Set[Any]) -> Derivatives:
-    """The derivatives of an expression by those of the symbols that are in it."""
+    """The derivatives of an expression by those of the symbols that it contains."""
     expr = sympy.sympify(expression, strict=True)
     if expr.is_Symbol:
         return {expr: sympy.S.One} if expr in symbols else {}
@@ -275,7 +276,7 @@ def derivatives(expression: Any, symbols: Set[Any]) -> Derivatives:
 
 
 def gradient(expression: Any, x: Sequence[Any]) -> list[Any]:
-    """The derivatives by each of `x`."""
+    """The derivatives of an expression by each of `x`."""
     found = derivatives(expression, {*x})
     return [found.get(one, sympy.S.Zero) for one in x]
 

@@ -1,8 +1,7 @@
 """`fl.export_page`: a model as one HTML file that needs neither a server nor a network.
 
-It holds the kernels as WebAssembly, and how they take their arguments: files of
-`frictionlab.hybrid.ahead_of_time`, ``kernels.wasm`` and ``manifest.json``, which lists for each function the
-results and arguments in its table of words.
+It holds two things from `frictionlab.hybrid.ahead_of_time`: the kernels as WebAssembly (``kernels.wasm``),
+and from ``manifest.json`` how to call them: the results and arguments in the table of words that each takes.
 """
 
 from __future__ import annotations
@@ -35,8 +34,8 @@ from frictionlab.validation import check_number
 
 BUILD_COMMAND = "python -m frictionlab.hybrid.ahead_of_time --web"
 CURE = f'in a clone, run `pip install -e ".[pages]"` and `{BUILD_COMMAND}` once'
-PERIODS = 300.0  # that a page computes where no end is given
-# In the order in which they use each other.
+PERIODS = 300.0  # periods that a page computes where no end time is given
+# In the order of loading: while it loads, each needs only those before it.
 SCRIPTS = (
     "functions",
     "assembler",
@@ -76,11 +75,12 @@ def export_page(
     model : Model
         One of :func:`frictionlab.list_models`, or your own; laws of your own are exported with it.
     path : path
-        Of the file, such as ``"slider.html"``.
+        Where to write the file, such as ``"slider.html"``.
     sliders : sequence of names, mapping of name to (low, high), or None
-        Parameters whose sliders are shown at first; None chooses.  All others are under "more parameters".
+        Parameters whose sliders are shown at first; None chooses some.  All others are under "more
+        parameters".
     switches : sequence of names or None
-        Nonlinearities that can be switched off; None takes all of the model.
+        Nonlinearities that get a switch; None takes all that the model can do without.
     presets : mapping of name to mapping, or None
         Values by name, such as ``{"flutter": {"mu_k": 1.4, "without": ["geometry"]}}``.
     t_end : float or None
@@ -91,7 +91,7 @@ def export_page(
     Returns
     -------
     Path
-        Of the file.
+        That of the file.
 
     Raises
     ------
@@ -131,7 +131,7 @@ def export_page(
 
 
 def _call(model: Model) -> str:
-    """How Python calls the model's class."""
+    """The name by which Python code calls the model's class."""
     name, ours = type(model).__name__, type(model).__module__.startswith("frictionlab.")
     return f"fl.{name}" if ours else name
 
@@ -208,7 +208,7 @@ def _json(data: Any) -> str:
 
 
 def _structures(found: dict[str, dict[str, Any]]) -> str:
-    """The structures as JavaScript: data, and functions as such."""
+    """The structures as JavaScript: data as JSON, functions as code."""
     return "{" + ",\n".join(f"{_json(key)}: {_structure(data)}" for key, data in found.items()) + "}"
 
 
@@ -228,7 +228,7 @@ def _structure(data: dict[str, Any]) -> str:
 
 
 def solver_data(script: str) -> dict[str, Any]:
-    """The compressed module as text, and the tables of those of its functions that a script calls by name.
+    """The compressed WebAssembly module as text, and the argument tables of the functions a script calls.
 
     Raises
     ------

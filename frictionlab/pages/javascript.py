@@ -1,12 +1,12 @@
-"""Expressions of sympy as JavaScript, and the rules of parameters: what Python computes of them, and checks.
+"""Sympy expressions as JavaScript that computes what Python computes, and the rules that parameters keep.
 
-Sums and products are printed as Python's are, in one order, so that numbers are the same to the last bit;
-powers and functions are calls of those kernels that Python calls too, by the object ``F`` of
+Sums and products are printed in the order in which Python computes them, so that numbers are the same to the
+last bit.  Powers and functions are calls of the kernels that Python calls too, through the object ``F`` of
 ``functions.js``.
 
-Bounds of single parameters are in their metadata.  Rules between parameters are in the `check` of a law or
-a model, which is Python; it is run on values that note what they are compared with, once for each outcome of
-its comparisons, so that a page can make the same comparisons with numbers, and say the same words.
+Bounds of single parameters are in their metadata.  Rules between parameters are Python code: the `check` of a
+law or a model.  It is run with values that record the comparisons made with them, once for each combination
+of outcomes, so that a page can make the same comparisons with numbers and show the same messages.
 """
 
 from __future__ import annotations
@@ -25,12 +25,12 @@ from frictionlab.hybrid.tape.functions import FUNCTIONS
 from frictionlab.models import Model
 from frictionlab.models.symbols import symbol
 
-MAX_OUTCOMES = 64  # of the comparisons in one `check`; what has more is left to Python
-MARK = "\0"  # stands around the places of values in a message
+MAX_OUTCOMES = 64  # combinations of outcomes in one `check`; a page leaves out the rules of one with more
+MARK = "\0"  # encloses the places of values in a message
 
 
 class JavaScriptPrinter(ParameterPrinter):
-    """Arithmetic reads the same in both languages; what does not is printed here."""
+    """Prints what the two languages write differently; sums and products read the same in both."""
 
     root, prefix = "Math.sqrt", "F."
 
@@ -99,7 +99,7 @@ def javascript_function(arguments: Sequence[Sequence[Any]], expressions: Sequenc
 
 
 def javascript_function_apart(arguments: Sequence[Sequence[Any]], expressions: Sequence[Any]) -> str:
-    """The same with each expression evaluated on its own, as those of modes on demand are."""
+    """As :func:`javascript_function`, but each expression is evaluated on its own, as in modes on demand."""
     return _function(arguments, [], list(map(sp.sympify, expressions)))
 
 
@@ -115,7 +115,7 @@ def _function(arguments: Sequence[Sequence[Any]], common: Sequence[Any], reduced
 
 
 class _Renaming(JavaScriptPrinter):
-    """Prints symbols by short names, which JavaScript can read whatever theirs are."""
+    """Prints symbols by short names, as their own need not be names in JavaScript."""
 
     def __init__(self, names: dict[Any, str]) -> None:
         super().__init__()
@@ -133,9 +133,9 @@ class _Renaming(JavaScriptPrinter):
 
 @dataclass(frozen=True)
 class Rule:
-    """A rule that is broken where all of some relations hold.
+    """A rule that is broken where all relations in `broken` hold.
 
-    The message has the values' formats, "g", between marks.
+    In the message each value is replaced by its format, as "g", between marks.
     """
 
     broken: tuple[Any, ...]
@@ -151,7 +151,8 @@ def rule_data(model: Model, parameters: tuple[Any, ...]) -> dict[str, Any]:
     """The rules that a page checks, in the order in which Python does; `parameters` are symbols.
 
     ``numbers`` is a JavaScript function that returns, for one rule after the other, the relations that must
-    hold for its message to be shown, and the values in the message; ``words`` says how many there are.
+    all hold for its message to be shown, and the values in the message; ``words`` has for each rule the
+    number of relations, the number of values, and the message.
     """
     known = set(parameters)
     every = [rule for component in (*model.components.values(), model) for rule in _rules(component)]
@@ -171,7 +172,7 @@ def _rules(component: Component | Model) -> Iterator[Rule]:
 
 
 def _bounds(name: str, about: Parameter) -> Iterator[Rule]:
-    """The words are those of the error for a value that breaks the bound."""
+    """Rules for the bounds of a parameter, with the messages of :func:`check_value`."""
     x = symbol(name)
     bounds = (
         (about.exclusive_minimum, sp.Le, -1.0),
@@ -190,7 +191,7 @@ def _bounds(name: str, about: Parameter) -> Iterator[Rule]:
 
 
 def _checked(component: Component | Model) -> Iterator[Rule]:
-    """What `check` raises ValueError for; nothing where it asks for more than comparisons of formulas."""
+    """The rules of a `check`, which raise ValueError; none if it needs more than formulas and comparisons."""
     waiting: list[tuple[bool, ...]] = [()]
     found: list[Rule] = []
     for _ in range(MAX_OUTCOMES):
@@ -214,7 +215,10 @@ def _checked(component: Component | Model) -> Iterator[Rule]:
 
 @dataclass
 class _Trace:
-    """One run of a `check`: outcomes that are given, then false; the relations that held; values in words."""
+    """One run of a `check`: its first comparisons have given outcomes, the others are false.
+
+    It records the relations that held so, and the values in the message.
+    """
 
     given: tuple[bool, ...]
     relations: list[Any] = field(default_factory=list)
@@ -227,13 +231,13 @@ class _Trace:
         return holds
 
     def others(self) -> list[tuple[bool, ...]]:
-        """The outcomes that differ from this run's in the last place that was not given."""
+        """Outcomes to try next: as in this run up to a comparison that was not given, and that one true."""
         free = range(len(self.given), len(self.relations))
         return [(*self.given, *[False] * (place - len(self.given)), True) for place in free]
 
 
 class _Relation:
-    """A comparison, which is decided when it is asked whether it holds."""
+    """A comparison whose outcome is chosen when its truth value is asked for."""
 
     def __init__(self, relation: Any, trace: _Trace) -> None:
         self.relation, self.trace = relation, trace
@@ -245,9 +249,9 @@ class _Relation:
 
 
 class _Traced:
-    """A number as a formula of parameters; its comparisons and its places in words are noted."""
+    """A number as a formula of parameters; its comparisons, and its places in messages, are recorded."""
 
-    __hash__ = None  # type: ignore[assignment]  # as it is equal to others by a comparison
+    __hash__ = None  # type: ignore[assignment]  # as == gives a _Relation
 
     def __init__(self, formula: Any, trace: _Trace) -> None:
         self.formula, self.trace = formula, trace

@@ -1,8 +1,8 @@
-"""What a page holds as data: the structures of a model, its sliders, switches and presets, checked.
+"""The data of a page: the structures of a model, its sliders, switches and presets, checked.
 
-A structure is the tape's arrays, its numbers, outputs and equilibria.  The arrays are those that a run here
-would begin with, made by the same functions, so that the page knows nothing of their shapes: each has a name,
-such as ``code.ops``, a type, lengths, and its content where it is not all zeros.
+A structure is the tape's arrays, its numbers, outputs and equilibria.  The arrays are those with which a run
+in Python would begin, made by the same functions, so that the page need not know their shapes: each has a
+name, such as ``code.ops``, a type, lengths, and its content where it is not all zeros.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ from frictionlab.stability import equilibrium
 from frictionlab.validation import check_mapping, check_number, did_you_mean_or_known
 
 OPEN_SLIDERS = 8  # shown at first where none are chosen; the others are one click away
-MAX_MODES = 64  # more make a page of megabytes, and minutes to derive
+MAX_MODES = 64  # with more, a page would have megabytes and take minutes to derive
 
 
 def structure_data(model: Model) -> dict[str, Any]:
@@ -81,18 +81,18 @@ def structure_data(model: Model) -> dict[str, Any]:
 
 
 def tape_numbers(program: Program, parameters: tuple[Any, ...], apart: bool) -> str:
-    """A function of the parameters that gives the tape's constants and terms, as JavaScript."""
+    """A JavaScript function of the parameters that gives the constants and term coefficients of all tapes."""
     every = (*program.tapes, *program.resets)
     exprs = [c for tape in every for c in tape.constants] + [c for tape in every for _, c in tape.terms]
     return (javascript_function_apart if apart else javascript_function)([parameters], exprs)
 
 
 def _release(model: Model, automaton: HybridAutomaton) -> list[Any]:
-    """The state at rest: formulas of the parameters, or the numbers of this model."""
+    """The state at rest: formulas of the parameters or, without such formulas, the numbers of this model."""
     names = [symbol.name for symbol in automaton.states]
     try:
         released = symbolic_copy(structure_of_component(model)).release()
-    except (TypeError, AttributeError):  # it decides by the values
+    except (TypeError, AttributeError):  # `release` needs numbers, as to compare them
         return [float(value) for value in model_initial_state(model, "rest", automaton)]
     return [sp.sympify(released.get(name, 0.0), strict=True) for name in names]
 
@@ -103,7 +103,7 @@ def _colours(program: Program) -> list[str]:
 
 
 def run_arrays(program: Program, method: Taylor) -> list[dict[str, Any]]:
-    """The arrays of a run by their names, in the order in which kernels name them."""
+    """The arrays and numbers that the kernels take for a run, each with its name there."""
     code, n = program.code, program.code.inputs
     run = new_run_state(np.zeros(n), 0, 1.0, method.limits, method.raises)
     leaves: list[tuple[str, Any]] = []
@@ -145,7 +145,7 @@ def _may_rest(mode: Mode) -> bool:
 
 
 def _sliding(mode: Mode, number: int, automaton: HybridAutomaton, parameters: Any) -> dict[str, Any]:
-    """Flow, its Jacobian and the event functions of a mode, by which the page finds equilibria."""
+    """Flow, its Jacobian and the event functions of a mode, from which the page finds equilibria."""
     arguments, flow = (automaton.states, parameters), list(mode.flow)
     jacobian = sp.Matrix(flow).jacobian(sp.Matrix(automaton.states))
     return {
@@ -157,7 +157,7 @@ def _sliding(mode: Mode, number: int, automaton: HybridAutomaton, parameters: An
 
 
 def _known_equilibrium(model: Model, automaton: HybridAutomaton) -> list[float]:
-    """Where the search for the equilibrium begins: that of this model, or zero."""
+    """Where the search for the equilibrium begins: at that of this model, or at zero."""
     try:
         q = [float(value) for value in equilibrium(model).q]
     except (ValueError, ArithmeticError):
@@ -166,7 +166,7 @@ def _known_equilibrium(model: Model, automaton: HybridAutomaton) -> list[float]:
 
 
 def switch_names(model: Model, switches: Sequence[str] | None) -> tuple[str, ...]:
-    """The nonlinearities that have a switch; those that the model is without already have none."""
+    """The nonlinearities that get a switch; those that the model lacks already get none."""
     known = {name: each for name, each in model.nonlinearities.items() if not each.missing(model)}
     if switches is None:
         return tuple(name for name in known if _can_be_switched(model, name))
@@ -187,13 +187,13 @@ def _can_be_switched(model: Model, name: str) -> bool:
 
 
 def structures(model: Model, switches: Sequence[str]) -> dict[str, Model]:
-    """The model without every combination of the switches, by their names joined with commas."""
+    """The model for every set of switches that are off; the key is their names, joined by commas."""
     sets = [some for k in range(len(switches) + 1) for some in combinations(switches, k)]
     return {",".join(some): model.without(*some) if some else model for some in sets}
 
 
 def slider_data(model: Model, sliders: Mapping[str, Any] | Sequence[str] | None) -> list[dict[str, Any]]:
-    """One entry for each parameter: name, symbol, unit, meaning, range; `open` where it is shown at first."""
+    """One entry for each parameter: name, symbol, unit, meaning, range; `open` if it is shown at first."""
     about = parameter_metadata(type(model), model.components)
     names = list(model.parameters)
     chosen = _default_sliders(model) if sliders is None else list(sliders)

@@ -1,4 +1,4 @@
-"""`fl.list_models`: the models of the package, with a line and a reference each."""
+"""`fl.list_models`: the models of the package, with a line and a reference each; and presets of explorers."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ MODEL_ROWS = (
 
 
 class Preset(NamedTuple):
-    """A scene worth seeing: its name, the model, a sentence that says what to look at."""
+    """A model worth seeing: its name, the model, and a few words that say what to look at."""
 
     name: str
     model: Model
@@ -117,7 +117,7 @@ PRESETS = (
 )
 
 
-# The models that the calls of the rows make, which texts alone must not.
+# The models of the rows, made here so that the text of a call need not be run as Python.
 ROW_MODELS: tuple[Model, ...] = (
     SliderOnBelt(),
     MassOnBelt(),

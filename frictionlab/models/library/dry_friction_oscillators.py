@@ -109,7 +109,7 @@ class DenHartog(SingleMass):
     """A mass on a spring that rubs on the ground, driven: m x'' + c x' + k x = F cos(Omega t) + F_T.
 
     F_T = -mu N sgn(x').  Its state has the phase Omega t (rad) beside x and x'; the phase goes from 0 to
-    2 pi and begins anew.  Without a damper the motion with two turns a period has, for r = Omega sqrt(m/k)
+    2 pi and begins anew.  Without a damper the motion that turns twice a period has, for r = Omega sqrt(m/k)
     and f = mu_k N/F, the amplitude
 
         (F/k) sqrt( (1/(1 - r^2))^2 - (f sin(pi/r)/(r (1 + cos(pi/r))))^2 )
@@ -191,11 +191,11 @@ class MassOnBelt(SingleMass):
       2 a/v and slips for (2 pi - 2 atan(a w/v))/w.  By default that is a period of 8.902605407815 s.
       Inside that cycle lie the oscillations without stick, all of the period 2 pi/w.
     * **Friction that depends on speed**: the slope of its curve acts as a damper.  Steady sliding loses its
-      stability where c + N mu'(v) = 0, at the frequency w.  With m x'' + ... = G(x') near it, the Hopf point
-      is subcritical where -N mu'''(v) > 0: an exponential that decays is so at every speed, and stick-slip
-      exists beside stable sliding.
-    * **Weakening and strengthening**, mu = mu_k + (mu_s - mu_k) exp(-|v_r|/v_s) + mu_v |v_r|/v_s: the point
-      is at v = v_s log((mu_s - mu_k)/(mu_v + c v_s/N)).
+      stability where c + N mu'(v) = 0, at the angular frequency w.  This Hopf point is subcritical where
+      -N mu'''(v), the third derivative of F_T by x', is positive.  A decaying exponential makes it so at
+      every speed, and stick-slip exists beside stable sliding.
+    * **Weakening and strengthening**, mu = mu_k + (mu_s - mu_k) exp(-|v_r|/v_s) + mu_v |v_r|/v_s: the Hopf
+      point is at v = v_s log((mu_s - mu_k)/(mu_v + c v_s/N)).
 
     Parameters
     ----------
@@ -267,9 +267,9 @@ class TwoBlocks(MechanicalModel):
         m2 x2'' + c x2' + k2 x2 + k12 (x2 - x1) = F_T2
 
     Each sticks or slips by the same law under a normal force of its own.  A mode names what both do, as in
-    "stick | slip+"; there are nine, each derived when a run first tries to enter it.  Blocks that are alike
-    and start alike move as one: as :class:`MassOnBelt`, with the period 8.902605407815 s by default.  Sliding
-    they have the frequencies sqrt(k/m) and sqrt((k + 2 k12)/m).
+    "stick | slip+"; there are nine.  Equal blocks that start alike move as one: as :class:`MassOnBelt`, with
+    the period 8.902605407815 s by default.  While they slide, equal blocks have the angular frequencies
+    sqrt(k/m) and sqrt((k + 2 k12)/m).
 
     Galvanetto and Bishop use a friction law that falls hyperbolically; any law can take its place.
 

@@ -35,11 +35,11 @@ class BouncingBall(MechanicalModel):
     """A ball that is dropped on the ground: y'' = -g, and y' becomes -e y' where y = 0.
 
     Dropped from h it first lands after sqrt(2 h/g).  Each flight is e times as long as the one before, so
-    that all of them are over at
+    that the ball comes to rest after
 
-        sqrt(2 h/g) (1 + e)/(1 - e),
+        sqrt(2 h/g) (1 + e)/(1 - e).
 
-    when it comes to rest: with e = 0.5 and h = 1 m three times the first fall, 1.354570922957 s.
+    With e = 0.5 and h = 1 m that is three times the first fall, 1.354570922957 s.
 
     Parameters
     ----------
@@ -87,7 +87,7 @@ class BouncingBall(MechanicalModel):
 
     @property
     def period(self) -> float:
-        """Up and down once more from h, s."""
+        """Time of a fall from h and a rise back to it, s."""
         return 2 * (2 * (self.h or 1.0) / self.g) ** 0.5
 
     def release(self) -> Mapping[str, float]:
@@ -112,7 +112,7 @@ class BouncingBall(MechanicalModel):
 @with_signature
 @dataclass(frozen=True, init=False, repr=False)
 class ImpactOscillator(SingleMass):
-    """A driven mass before a stop: m x'' + c x' + k x = F cos(Omega t) while x < d; x' becomes -e x' at d.
+    """A driven mass beside a stop: m x'' + c x' + k x = F cos(Omega t) while x < d; x' becomes -e x' at d.
 
     Its state has the phase Omega t (rad) beside x and x'; the phase goes from 0 to 2 pi and begins anew.
     Without a damper, with w = sqrt(k/m) and A = F/(k - m Omega^2), a motion with one impact in n periods of
@@ -165,7 +165,7 @@ class ImpactOscillator(SingleMass):
         return 2 * pi / self.Omega
 
     def release(self) -> Mapping[str, float]:
-        """Where the spring is slack, or at a stop before that."""
+        """Where the spring is slack, or at the stop where d < 0."""
         return {"x": min(0.0, self.d)}
 
     @property

@@ -1,9 +1,8 @@
-"""Parameters that several models have, each with unit, symbol and range, and the keywords of the models'
-constructors.
+"""Parameters that several models have, with units, symbols and ranges, and the keywords of all models.
 
-By the keywords type checkers and editors see a misspelt one.  They cannot follow how a model joins the
-parameters of its laws to its own; a test compares what is here with what the models take.  Parameters of a
-law of your own go to that law: ``MassOnBelt(friction=Mine(a=2))``.
+By these keywords type checkers and editors find a misspelt one.  They cannot follow how a model joins the
+parameters of its laws to its own, so all are listed here; a test compares them with what the models take.
+Parameters of a law of your own go to that law: ``MassOnBelt(friction=Mine(a=2))``.
 """
 
 from __future__ import annotations
@@ -84,7 +83,7 @@ def natural_period(k: float, m: float) -> float:
 
 
 class FrictionKeywords(TypedDict, total=False):
-    """A friction law, and the parameters that one of the package may have."""
+    """A friction law, and the parameters of the package's friction laws."""
 
     friction: FrictionLaw
     mu_k: float
@@ -96,7 +95,7 @@ class FrictionKeywords(TypedDict, total=False):
 
 
 class ImpactKeywords(TypedDict, total=False):
-    """An impact law, and the parameters that one of the package may have."""
+    """An impact law, and the parameters of the package's impact laws."""
 
     impact: ImpactLaw
     mu_i: float
@@ -104,7 +103,7 @@ class ImpactKeywords(TypedDict, total=False):
 
 
 class ContactKeywords(TypedDict, total=False):
-    """A contact law, and the parameters that one of the package may have."""
+    """A contact law, and the parameters of the package's contact laws."""
 
     contact: ContactLaw
     k2: float
@@ -118,7 +117,7 @@ class ContactKeywords(TypedDict, total=False):
 
 
 class DenHartogKeywords(FrictionKeywords, total=False):
-    """Of `DenHartog`."""
+    """Keywords of `DenHartog`."""
 
     m: float
     c: float
@@ -130,7 +129,7 @@ class DenHartogKeywords(FrictionKeywords, total=False):
 
 
 class FreeCoulombKeywords(FrictionKeywords, total=False):
-    """Of `FreeCoulomb`."""
+    """Keywords of `FreeCoulomb`."""
 
     m: float
     k: float
@@ -140,7 +139,7 @@ class FreeCoulombKeywords(FrictionKeywords, total=False):
 
 
 class ImpactOscillatorKeywords(ImpactKeywords, total=False):
-    """Of `ImpactOscillator`."""
+    """Keywords of `ImpactOscillator`."""
 
     m: float
     c: float
@@ -152,7 +151,7 @@ class ImpactOscillatorKeywords(ImpactKeywords, total=False):
 
 
 class MassOnBeltKeywords(FrictionKeywords, total=False):
-    """Of `MassOnBelt`."""
+    """Keywords of `MassOnBelt`."""
 
     m: float
     c: float
@@ -163,7 +162,7 @@ class MassOnBeltKeywords(FrictionKeywords, total=False):
 
 
 class ModeCouplingKeywords(FrictionKeywords, total=False):
-    """Of `ModeCoupling`."""
+    """Keywords of `ModeCoupling`."""
 
     m: float
     c: float
@@ -178,7 +177,7 @@ class ModeCouplingKeywords(FrictionKeywords, total=False):
 
 
 class SliderOnRigidBeltKeywords(ContactKeywords, FrictionKeywords, total=False):
-    """Of `SliderOnRigidBelt`."""
+    """Keywords of `SliderOnRigidBelt`."""
 
     m: float
     c: float
@@ -191,7 +190,7 @@ class SliderOnRigidBeltKeywords(ContactKeywords, FrictionKeywords, total=False):
 
 
 class BouncingBallKeywords(ImpactKeywords, total=False):
-    """Of `BouncingBall`."""
+    """Keywords of `BouncingBall`."""
 
     m: float
     g: float
@@ -200,7 +199,7 @@ class BouncingBallKeywords(ImpactKeywords, total=False):
 
 
 class SliderOnBeltKeywords(ContactKeywords, FrictionKeywords, ImpactKeywords, total=False):
-    """Of `SliderOnBelt`."""
+    """Keywords of `SliderOnBelt`."""
 
     M: float
     m: float
@@ -224,7 +223,7 @@ class SliderOnBeltKeywords(ContactKeywords, FrictionKeywords, ImpactKeywords, to
 
 
 class TwoBlocksKeywords(FrictionKeywords, total=False):
-    """Of `TwoBlocks`."""
+    """Keywords of `TwoBlocks`."""
 
     m1: float
     m2: float

@@ -1,5 +1,5 @@
-"""Sliders on a moving belt: the paper's, on a belt that springs hold, with impacts and a moving load; and one
-mass in the plane, always in contact, or on a contact spring that it may leave.
+"""Sliders on a moving belt: the paper's, with impacts and a moving load, on a belt that is held by springs;
+and one mass in the plane on a linear or a nonlinear contact spring, which it may leave.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ from frictionlab.models.model import with_signature
 if TYPE_CHECKING:
     from .parameters import ModeCouplingKeywords, SliderOnBeltKeywords, SliderOnRigidBeltKeywords
 
-SOFT_TO_STIFF = (1e3, 1e5)  # N/m, of the sliders in the plane
+SOFT_TO_STIFF = (1e3, 1e5)  # N/m, range of the springs of SliderOnRigidBelt
 
 
 def _mass(
@@ -75,7 +75,7 @@ def _length(number: int, wheel: str) -> Any:
 class SliderOnBelt(MechanicalModel):
     """The 5-degree-of-freedom slider-on-belt system of Liu & Ouyang (2020), Eqs. (1) to (17).
 
-    Every parameter is a keyword, those of the components too; defaults are Table 1 with mu_k = 0.3,
+    Every parameter is a keyword, those of the components too; defaults are those of Table 1, with mu_k = 0.3,
     mu_s = 3, k_nl = 1e4 N/m^3 and F = 200 N.  Models are frozen and compare by value.
 
     Parameters
@@ -91,7 +91,7 @@ class SliderOnBelt(MechanicalModel):
     l1, l2 : float
         Distances of the wheels from the belt's mass centre, m.
     v : float
-        Speed of the belt, m/s; negative runs the other way.
+        Speed of the belt, m/s; where it is negative, the belt runs the other way.
     F : float
         Preload on the slider, N.
     contact : ContactLaw
@@ -214,13 +214,13 @@ class ModeCoupling(PlanarSlider):
         m y'' + c y' + k12 x + k22 y = F
 
     where k11 = k1 cos^2 a1 + k2 cos^2 a2, k12 = k1 sin a1 cos a1 + k2 sin a2 cos a2 and k22 = k1 sin^2 a1 +
-    k2 sin^2 a2 + k3 has the contact spring in it.  Sliding, F_T = mu k3 y makes the stiffness matrix
+    k2 sin^2 a2 + k3 contains the contact spring.  In slip, F_T = mu k3 y makes the stiffness matrix
     unsymmetric: without a damper the two modes coalesce, and flutter sets in, at
 
         mu_c = (k12^2 + ((k11 - k22)/2)^2)/(k12 k3),      omega_c^2 = (k11 + k22)/(2 m),
 
-    though the coefficient does not fall with speed.  The mass sticks while |F_T| <= mu_s F_N and leaves the
-    belt where y < 0.
+    although the coefficient of friction does not fall with speed.  The mass sticks while |F_T| <= mu_s F_N,
+    and leaves the belt where y < 0.
 
     Parameters
     ----------
@@ -318,16 +318,16 @@ class SliderOnRigidBelt(PlanarSlider):
         m x'' + c x' + k11 x + k12 y = F_T,           k11 = k1 + k3 cos^2 a,   k12 = k3 sin a cos a,
         m y'' + c y' + k12 x + k22 y + F_N(y) = F,    k22 = k3 sin^2 a
 
-    Sliding, F_T = mu F_N.  About its equilibrium the contact has the stiffness k_c = dF_N/dy, which grows
-    with the preload where the contact hardens, and without dampers flutter sets in and ends where
+    In slip, F_T = mu F_N.  About its equilibrium the contact has the stiffness k_c = dF_N/dy, which grows
+    with the preload where the contact hardens.  Without dampers flutter sets in and ends where
 
         k_c^2 - 2 (k11 - k22 + 2 mu k12) k_c + (k11 - k22)^2 + 4 k12^2 = 0:
 
-    a stable slider gets unstable as it is pressed harder, and then stable again.  What grows leaves the belt
-    (y < 0) and comes back to it.
+    a stable slider becomes unstable as it is pressed harder, and then stable again.  As the vibration grows,
+    the slider leaves the belt (y < 0) and comes back to it.
 
-    The kind of model is that of Li, Ouyang and Guan; the layout of the springs and the numbers are this
-    package's.
+    The model is of the kind studied by Li, Ouyang and Guan; the layout of the springs and the numbers are
+    this package's.
 
     Parameters
     ----------
@@ -352,7 +352,7 @@ class SliderOnRigidBelt(PlanarSlider):
 
     Examples
     --------
-    Stable when pressed softly, unstable at the preload by default, stable when pressed hard:
+    Stable when pressed softly, unstable at the default preload, stable when pressed hard:
 
     >>> import frictionlab as fl
     >>> [fl.eigenvalues(fl.SliderOnRigidBelt(F=F)).stable for F in (20.0, 100.0, 300.0)]

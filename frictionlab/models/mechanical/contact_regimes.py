@@ -1,14 +1,16 @@
-"""The regimes of a contact, each with its force, its constraint and the events that end it; and the jumps at
-events: the projection onto stick, the impact on a stop, and that of a re-contact; and chatter, the limit of
-impacts after each of which the slider leaves the belt again, in ever shorter flights.
+"""The regimes of a contact: the force, constraint and events of each, the resets, and the chatter mode.
+
+Resets are the projection onto stick, the impact on a stop, and the impact of a re-contact.  Chatter is the
+limit of impacts after each of which the slider leaves the belt again, in ever shorter flights.
 
 Eq. (13) brings the velocity relative to the belt's *material* point to zero.  The slider then leaves the belt
 at the rate r = (x1' - x2') phi, which no impact changes.  Where r > 0 the gap opens; if in flight it closes
 with the acceleration a, the slider lands after 2 r/a, at the rate r, and so on.  Flights of length T differ
-from their limit T -> 0 by O(T^2).  In the limit the impulses are a force F_N = a/(W_N^T M^-1 W_N) that keeps
-gap and gap rate at zero, and there is no friction, as there is none in flight and none in an impact. It ends
-where r comes to zero, which is the accumulation (Zeno) point of the flights, or where they grow long; the
-slider then takes off, with an error of the order of r, as the limit does not contain the phase of a flight.
+from their limit T -> 0 by O(T^2).  In the limit the mean of the impulses is a force
+F_N = a/(W_N^T M^-1 W_N) that keeps gap and gap rate at zero, and there is no friction, as there is none in
+flight and none in an impact.  Chatter ends where r comes to zero, which is the accumulation (Zeno) point of
+the flights, or where the flights grow long.  In the latter case the slider takes off, with an error of the
+order of r, as the limit does not tell at which point of a flight it is.
 """
 
 from __future__ import annotations
@@ -62,7 +64,7 @@ class ContactRegime:
         The velocity that is kept at zero; None without a constraint.
     constraints : tuple of Expr
     ends : callable
-        Function of the force that returns the events.
+        Function of the force that returns what ends the regime.
     """
 
     name: str
@@ -167,12 +169,12 @@ def _stop_regimes(contact: Stop, rate: Any) -> tuple[ContactRegime, ...]:
 
 
 RATE_SYMBOLS = sympy.symbols("material_rate gap_rate compliance", real=True)
-CLOSING = PlasticImpact("full")  # restitution of the impact that closes a Zeno accumulation
+CLOSING = PlasticImpact("full")  # law of the impact that closes a Zeno accumulation
 
 
 @lru_cache(maxsize=4096)  # one for all modes in which the contact slips
 def stick_reset(found: LagrangeSystem, contact: Any) -> Reset:
-    """v_r = 0 by an impulse along W: it removes only the rounding of the root."""
+    """Reset to v_r = 0 by an impulse along W, which removes only the rounding error of the event's time."""
     pair = found.pair(contact.relative_velocity)
     if pair is not None:
         return _together(found, pair)
@@ -183,7 +185,7 @@ def stick_reset(found: LagrangeSystem, contact: Any) -> Reset:
 
 
 def _last_velocity(found: LagrangeSystem, contact: Any, w: Any, after: dict[Any, Any]) -> dict[Any, Any]:
-    """The velocity that follows from the others after it where v_r = 0: sums of rounded numbers are not 0."""
+    """One velocity after the reset, solved from v_r = 0: the jumps leave v_r with a rounding error."""
     row = numbers_of([-one for one in w])
     if row is None:
         return {}
@@ -193,7 +195,7 @@ def _last_velocity(found: LagrangeSystem, contact: Any, w: Any, after: dict[Any,
 
 
 def _together(found: LagrangeSystem, pair: Any) -> Reset:
-    """The same between two bodies, which keep their momentum M x1' + m x2'."""
+    """Reset to v_r = 0 between two bodies, which keep their momentum M x1' + m x2'."""
     one, two, speed = pair
     heavy, light = found.masses[one], found.masses[two]
     together = (heavy * found.v[one] + light * found.v[two] + light * speed) / (heavy + light)
@@ -261,7 +263,7 @@ def rates_after_impact(found: LagrangeSystem, contact: Friction, law: Any) -> tu
 
 
 def _landing(found: LagrangeSystem, contact: Friction, law: Any) -> Reset:
-    # The penetration is zero at the impact; its rate afterwards only if the law makes it identically zero.
+    # The penetration is zero at the impact; its rate after it only if the law makes it zero identically.
     order = 2 if rates_after_impact(found, contact, law)[1] == 0 else 1
     rubbed = velocities_after(found, found.direction(contact), friction_impulse(found, contact, law))
     pushed = velocities_after(found, found.normal(contact), normal_impulse(found, contact, law))
@@ -270,12 +272,10 @@ def _landing(found: LagrangeSystem, contact: Friction, law: Any) -> Reset:
 
 
 def _on_stop(found: LagrangeSystem, contact: Stop, law: Any) -> Reset:
-    """The impact on a stop: the distance is zero there, and so is its rate afterwards if the law makes it
-    so."""
+    """Reset by an impact on a stop: the distance is zero after it, and so is its rate if the law says so."""
     w, rate = found.direction(contact), found.rate(contact.distance)
     order = 2 if rate_after(law, symbol("rate")) == 0 else 1
-    # The position is projected as well, which removes only the rounding of the root: a body that comes to
-    # rest on the
+    # The position is projected as well, which removes only a rounding error: a body that comes to rest on the
     # stop is on it to the last bit.
     moved = zip(found.q, _pushed(found, w, contact.distance / compliance(found, w)), strict=True)
     placed = {x: expand_products(x - change) for x, change in moved if change != 0}
@@ -320,9 +320,10 @@ def _limit(found: LagrangeSystem, contact: Friction, rate: Any) -> Mode:
 
 
 def leaving_rate(found: LagrangeSystem, contact: Friction) -> Any:
-    """Rate r at which the gap opens after an impact before which it closed at the rate r.
+    """The rate r such that a gap that closes at the rate r opens at the rate r after the impact.
 
-    Zero where there is no other such rate, and for impact laws that are not linear in the rates.
+    Zero where zero is the only such rate, where the law just reverses the rate of the gap, and for impact
+    laws that are not linear in the rates.
     """
     material, full, soft = RATE_SYMBOLS
     rate, other = sympy.symbols("rate other")
@@ -349,8 +350,10 @@ def _accelerations(found: LagrangeSystem, contact: Friction, force: Any) -> list
 
 
 def _chatter_events(found: LagrangeSystem, contact: Friction, rate: Any, closing: Any) -> tuple[Event, ...]:
-    """The events of the limit mode: flights have become infinitely short, or twice as long as those
-    replaced."""
+    """The events that end the limit mode: flights become infinitely short, or too long.
+
+    Too long is twice the dwell time below which the solver replaces them.
+    """
     targets = tuple(name for name in AFTER_FLIGHT if name in contact.modes)
     landed = Reset(vanishing={contact.penetration: 2, -contact.penetration: 2})
     return (

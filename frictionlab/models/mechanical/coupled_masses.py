@@ -1,11 +1,11 @@
-"""Coupled masses, as of finite elements: what M^-1 makes of forces, by arithmetic with numbers.
+"""Coupled masses, as of finite elements: M^-1 times forces, by arithmetic with numbers.
 
 Each row of M^-1 has as many entries as there are coordinates, so sympy would multiply and sort millions of
 terms.  Where M is a matrix of numbers, times one expression of the parameters, forces are written as numbers
 times expressions (:mod:`frictionlab.automaton.expressions`), and only the numbers are multiplied.
 
-The arithmetic is that of single numbers, one after the other: the results are the same on every processor,
-which those of a library of linear algebra are not.
+Sums are added up one term after the other, so that the results are the same on every processor; those of a
+library of linear algebra are not.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from frictionlab.automaton.expressions import combinations_of, exact_number, expressions_of
 
 Array = NDArray[np.float64]
-# A pivot with a smaller share of its mass is rounding: some motion has no kinetic energy.
+# A pivot that is a smaller share of its mass is a rounding error: some motion has no kinetic energy.
 LEAST_PIVOT = 1e-13
 
 
@@ -32,7 +32,7 @@ class CoupledMasses:
     ----------
     inverse : array (n, n)
     scale : Expr
-        What all entries of M have in common, such as a density.
+        The common factor of all entries of M, such as a density.
     """
 
     inverse: Array
@@ -58,16 +58,17 @@ class CoupledMasses:
 
 @dataclass(frozen=True, eq=False)
 class HeldVelocities:
-    """Velocities g_i . q' + rest_i that forces along `signs`_i g_i hold, with M^-1 that of coupled masses.
+    """Velocities g_i . q' + rest_i of coupled masses, held at zero by forces along `signs`_i g_i.
 
     Parameters
     ----------
     masses : CoupledMasses
     rows : array (held, n)
-        g.
+        The g_i.
     signs : array (held,)
+        1 or -1.
     rates : tuple of Expr
-        Rates of the rests, m/s^2.
+        Time derivatives of the rest_i, m/s^2.
     """
 
     masses: CoupledMasses
@@ -76,7 +77,7 @@ class HeldVelocities:
     rates: tuple[Any, ...]
 
     def solve(self, free: Sequence[Any], states: Sequence[Any]) -> tuple[list[Any], list[Any]]:
-        """Accelerations under forces `free` (n,) and those that hold, and the latter, N."""
+        """Accelerations under the forces `free` (n,) and the holding forces; and the latter, N."""
         known = combinations_of([*free, *(self.masses.scale * rate for rate in self.rates)], states)
         forces, rates = known.matrix[: len(free)], known.matrix[len(free) :]
         reach = product(self.rows, self.masses.inverse)
@@ -89,7 +90,10 @@ class HeldVelocities:
         )
 
     def _with_held_velocities(self, accelerations: list[Any]) -> list[Any]:
-        """The accelerations, such that what is held keeps its value to the last bit."""
+        """The accelerations, with one for each held velocity solved from the others.
+
+        So the velocity keeps its value to the last bit.
+        """
         found = list(accelerations)
         for row, rate in zip(self.rows, self.rates, strict=True):
             pivot = pivot_of(row)
@@ -100,9 +104,10 @@ class HeldVelocities:
 def held_velocities(
     masses: CoupledMasses, rows: Sequence[Any], along: Sequence[Any], rates: Sequence[Any]
 ) -> HeldVelocities | None:
-    """What holds velocities with gradients `rows` by forces along `along`, each a row itself or minus that.
+    """Velocities with gradients `rows` that are held by forces in the directions `along`; or None.
 
-    None where they are no numbers, or where one coordinate is moved by several.
+    None where these are not numbers, where a direction is neither a row itself nor minus that, or where a
+    coordinate is in several rows.
     """
     numbers = numbers_of([entry for row in rows for entry in row])
     directions = numbers_of([entry for one in along for entry in one])
@@ -116,19 +121,19 @@ def held_velocities(
 
 
 def pivot_of(row: Array) -> int:
-    """The coordinate that follows from the others where g . q' is held."""
+    """Index of the largest |g_i|: where g . q' is held, this coordinate follows from the others."""
     return int(np.argmax(np.abs(row)))
 
 
 def solved_for(row: Array, pivot: int, values: Sequence[Any], rest: Any) -> Any:
-    """x_p of the sum of g_i x_i, plus rest, equal to zero."""
+    """x_p, the pivot, from (sum of g_i x_i) + rest = 0."""
     others = [i for i in np.flatnonzero(row).tolist() if i != pivot]
     shares = [exact_number(-row[i] / row[pivot]) * values[i] for i in others]
     return sum(shares, -rest * exact_number(1.0 / row[pivot]))
 
 
 def coupled_masses(mass: Any) -> CoupledMasses | None:
-    """The inverse of a mass matrix that is one of numbers times an expression; None for any other.
+    """The inverse of a mass matrix of numbers times one expression; None for any other matrix.
 
     Raises
     ------
@@ -146,7 +151,7 @@ def coupled_masses(mass: Any) -> CoupledMasses | None:
 
 
 def numbers_of(entries: Sequence[Any]) -> Array | None:
-    """The entries as numbers, or None where one is none."""
+    """The entries as an array; None where one is not a number."""
     return np.array(entries, dtype=float) if all(one.is_Number for one in entries) else None
 
 
@@ -159,7 +164,7 @@ def product(one: Array, other: Array) -> Array:
 
 
 def inverse_of(matrix: Array) -> Array:
-    """The inverse of a positive definite matrix, by Gauss and Jordan's method with its diagonal scaled to 1.
+    """The inverse of a positive definite matrix, by Gauss-Jordan elimination with the diagonal scaled to 1.
 
     Raises
     ------

@@ -24,7 +24,7 @@ Row = tuple[Any, ...]
 
 
 def _remembered(method: Any) -> Any:
-    """A method of one contact that is computed once for each; its system keeps the results."""
+    """Cache the results of a method of one contact in its system."""
 
     @wraps(method)
     def remembering(self: LagrangeSystem, contact: Friction | Stop) -> Any:
@@ -70,7 +70,7 @@ class LagrangeSystem:
     def coupled(self) -> CoupledMasses | None:
         """M^-1 in numbers, where M is not diagonal and is floats times one expression; else None.
 
-        Exact masses, integers and parameters, are left to sympy, whose terms cancel exactly.
+        Exact masses, of integers and parameters, are left to sympy, so that terms cancel exactly.
         """
         found = None if self.masses else coupled_masses(self.mass)
         return found if self.mass.has(sympy.Float) else None
@@ -86,23 +86,23 @@ class LagrangeSystem:
         return tuple(regimes_of_contact(contact, self) for contact in self.mechanics.contacts)
 
     def chosen(self, combination: Combination) -> tuple[ContactRegime, ...]:
-        """The regimes of a combination, which has the number of one for each contact."""
+        """The regimes of a combination, which has the index of one for each contact."""
         return tuple(regimes[i] for regimes, i in zip(self.regimes, combination, strict=True))
 
     @cached_property
     def names(self) -> ModeNames:
-        """Names of all combinations of regimes but those in which two contacts constrain one velocity."""
+        """Names of all modes, which are the combinations of regimes that :meth:`allows` accepts."""
         return ModeNames(tuple(tuple(one.name for one in each) for each in self.regimes), self.allows)
 
     def allows(self, combination: Combination) -> bool:
-        """Whether the contacts that hold velocities at zero in a combination hold independent ones."""
+        """Whether the velocities that a combination holds at zero are linearly independent."""
         held = (self._held_rows[i][combination[i]] for i in self._contacts_in_conflict)
         rows = [row for row in held if row is not None]
         return len(rows) < 2 or all(_rank(tuple(some)) == len(some) for some in _coupled(rows))
 
     @cached_property
     def _contacts_in_conflict(self) -> tuple[int, ...]:
-        """Contacts that hold velocities of coordinates whose velocities others hold too, or hold none."""
+        """Indices of contacts whose held velocities share a coordinate with others', or contain none."""
         columns = [
             [{i for i, entry in enumerate(row) if entry != 0} for row in rows if row is not None]
             for rows in self._held_rows
@@ -117,7 +117,7 @@ class LagrangeSystem:
 
     @cached_property
     def _held_rows(self) -> tuple[tuple[Row | None, ...], ...]:
-        """The derivatives by the velocities of what each regime holds at zero; None where it holds none."""
+        """Derivatives by the velocities of what each regime holds at zero; None where it holds nothing."""
         return tuple(
             tuple(
                 None if regime.held is None else tuple(self.gradient(regime.held, self.v))
@@ -162,22 +162,24 @@ class LagrangeSystem:
         return sum((slope * rate for slope, rate in zip(slopes, rates, strict=True)), sympy.S.Zero)
 
     def at_rest(self, expression: Any) -> Any:
-        """The value at zero velocities: that of a relative velocity is the speed of the belt."""
+        """The value at zero velocities; for a relative velocity it is the speed of the belt."""
         expression = sympy.sympify(expression, strict=True)
         there = expression.free_symbols
         return expression.subs({rate: 0 for rate in self.v if rate in there})
 
     @_remembered
     def direction(self, contact: Friction | Stop) -> Any:
-        """W: where the contact's force enters, friction or the reaction of a stop, (n, 1)."""
+        """W (n, 1): the direction of a contact's friction force, or of the reaction of a stop."""
         if isinstance(contact, Friction):
             return -sympy.ImmutableMatrix(self.gradient(contact.relative_velocity, self.v))
         return sympy.ImmutableMatrix(self.gradient(contact.distance, self.q))
 
     @_remembered
     def normal(self, contact: Friction | Stop) -> Any:
-        """W_N: where the normal force of a contact that may be lost enters, (n, 1); by default the gradient
-        of the gap."""
+        """W_N (n, 1): the direction of the normal force of a contact that may be lost; zero for others.
+
+        It is the gradient of the gap unless the contact gives another.
+        """
         if isinstance(contact, Stop) or contact.penetration is None:
             return sympy.ImmutableMatrix.zeros(len(self.q), 1)
         if contact.normal is not None:
@@ -185,7 +187,7 @@ class LagrangeSystem:
         return -sympy.ImmutableMatrix(self.gradient(contact.penetration, self.q))
 
     def gradient(self, expression: Any, x: Sequence[Any]) -> list[Any]:
-        """Derivatives by `x`, of which most are zero where there are many."""
+        """Derivatives of an expression by each of `x`."""
         return gradient(expression, x)
 
     def apply(self, direction: Any, force: Any, to: list[Any]) -> None:
@@ -202,13 +204,15 @@ class LagrangeSystem:
         return list(self.inverse * sympy.Matrix(forces))
 
     def forces(self, contact: Friction | Stop, normal_force: Any) -> list[Any]:
-        """Loads less the forces of the structure, and a contact's normal force, for each coordinate."""
+        """Loads less the internal forces, plus those of a contact's normal force, for each coordinate."""
         rows = zip(self.loads, self.internal, self.normal(contact), strict=True)
         return [load - rest + w * normal_force for load, rest, w in rows]
 
     def pair(self, velocity: Any) -> Pair | None:
-        """The two coordinates that move together where this velocity is zero: it contains one with +1, one
-        with -1."""
+        """The two coordinates that move together where this velocity is zero; None where there are no two.
+
+        M must be diagonal, and the velocity the difference of those of the coordinates, plus a constant.
+        """
         rows = self.gradient(velocity, self.v)
         moving = {i: row for i, row in enumerate(rows) if row != 0}
         speed = self.at_rest(velocity)
@@ -230,7 +234,7 @@ def system_of(key: Structure) -> LagrangeSystem:
 
 
 def system_at(model: Any, q: Sequence[Any], v: Sequence[Any]) -> LagrangeSystem:
-    """The same in other symbols for coordinates and velocities."""
+    """Lagrange's equations of a symbolic copy of a model, in these symbols of coordinates and velocities."""
     names = model.coordinates
     at = SimpleNamespace(**dict(zip(names, q, strict=True)), phase=symbol(PHASE))
     about = _in_regimes(model.mechanics(at, SimpleNamespace(**dict(zip(names, v, strict=True)))), model)
@@ -258,7 +262,7 @@ def _internal(about: Mechanics, momenta: Sequence[Any], q: Sequence[Any], v: Seq
 
 
 def _with_matrices(about: Mechanics, q: Sequence[Any], v: Sequence[Any]) -> Any:
-    """C q' + K q - f, of quadratic energies."""
+    """C q' + K q + dV/dq at q = 0, of quadratic energies."""
     slopes = gradient(about.stored, q)
     damping = _jacobian(gradient(about.dissipation, v), v)
     stiffness = _jacobian(slopes, q)
@@ -277,7 +281,7 @@ def _dot(row: Sequence[Any], values: Sequence[Any]) -> Any:
 
 
 def _coupled(rows: Sequence[Row]) -> list[list[Row]]:
-    """The rows in groups, such that those of two groups have no column in common that is not zero."""
+    """The rows in groups: rows of different groups have no column in common that is not zero."""
     groups: list[tuple[set[int], list[Row]]] = []
     for row in rows:
         columns, some = {i for i, entry in enumerate(row) if entry != 0}, [row]
@@ -291,6 +295,6 @@ def _coupled(rows: Sequence[Row]) -> list[list[Row]]:
     return [group for _, group in groups]
 
 
-@lru_cache(maxsize=256)  # one for many combinations
+@lru_cache(maxsize=256)  # many combinations have the same rows
 def _rank(rows: tuple[Row, ...]) -> int:
     return 1 if len(rows) == 1 and any(rows[0]) else sympy.Matrix(rows).rank()

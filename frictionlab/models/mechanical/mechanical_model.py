@@ -1,5 +1,4 @@
-"""`MechanicalModel`, the base of models that give energies and contacts; modes, resets and equations follow
-from these.
+"""`MechanicalModel`, the base of models that state energies and contacts; modes, resets and equations follow.
 
 Also the bases that several models share: one mass on a spring, and one mass in the plane that is pressed on a
 belt.
@@ -27,10 +26,9 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, init=False, repr=False)
 class MechanicalModel(Model):
-    """Base of the models that state their energies and contacts; modes, resets and equations follow from
-    these.
+    """Base of the models that state their energies and contacts; modes, resets and equations follow.
 
-    Besides its components a model has an `interface`: the regimes of its contacts, by default all.
+    Besides its other components a model has an `interface`: the regimes of its contacts, by default all.
     """
 
     interface: Interface = StickSlipSeparation()
@@ -41,7 +39,7 @@ class MechanicalModel(Model):
 
     @property
     def nonlinearities(self) -> Mapping[str, Nonlinearity]:
-        """The nonlinearities of its components; without contacts the interface is none."""
+        """The nonlinearities of the components; "nonsmooth" is one of them only if there are contacts."""
         found, key = nonlinearities_of(self), structure_of_component(self)
         kept = derivations_of(key, key.parameters)
         if not kept.value("contacts", lambda: len(self.system().mechanics.contacts)):
@@ -67,7 +65,8 @@ class MechanicalModel(Model):
     def equations(self, mode: str) -> Any:
         """The equations of a mode as sympy equations, derived from the energies; LaTeX in a notebook.
 
-        "slip" gives both directions of a single contact in one; "impact" what happens at a stop.
+        For a single contact "slip" gives both directions in one, and "impact" the impact on a stop or of a
+        re-contact.
 
         Raises
         ------
@@ -89,7 +88,7 @@ class SingleMass(MechanicalModel):
 
 
 class PlanarSlider(MechanicalModel):
-    """Base of the models of one mass, x along the belt and y into it, that F presses on a contact.
+    """Base of the models of one mass in the plane that a preload F presses on a belt.
 
     A subclass has the parameters m, c, F and v, a `friction` law, and gives :meth:`springs` and
     :meth:`normal_force`.
@@ -115,7 +114,7 @@ class PlanarSlider(MechanicalModel):
         raise NotImplementedError(f"{type(self).__name__} must define normal_force(penetration)")
 
     def mechanics(self, q: Any, v: Any) -> Mechanics:
-        """One mass, one contact; the energy of the contact is the work of F_N, which is a contact force."""
+        """One mass, one contact, whose energy is not in the potential: F_N is a contact force."""
         return Mechanics(
             kinetic=self.m * (v.x**2 + v.y**2) / 2,
             potential=self.springs(q) - self.F * q.y,

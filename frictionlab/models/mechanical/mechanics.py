@@ -17,26 +17,27 @@ class Friction:
     """A contact with dry friction; its modes are "stick", "slip+", "slip-" and, where the bodies can
     separate, "separation".
 
-    The friction force F_T acts along the relative velocity v_r: F_T dv_r is minus its power on the bodies.
+    The friction force F_T acts along the relative velocity v_r: where velocities of the bodies change v_r by
+    dv_r, its power on the bodies is -F_T dv_r.
 
     Parameters
     ----------
     relative_velocity : Expr
         v_r, linear in the velocities, m/s.
     normal_force : Expr or callable
-        F_N, N.  Where the bodies can separate preferably a function of the penetration, such as
-        ``contact.force`` of a law, as its integral is the energy that the contact stores.
+        F_N, N.  Where the bodies can separate, it should be a function of the penetration, such as
+        ``contact.force`` of a law: its integral is the energy that the contact stores.
     law : FrictionLaw
     penetration : Expr or None
-        Penetration, m, positive in contact, where the bodies can separate: F_N vanishes with it, and there is
-        no force while it is negative.  None for a contact that is never lost, under a normal force that does
-        no work.
+        Penetration, m, positive in contact, of bodies that can separate: F_N is zero where it is zero, and
+        there is no force where it is negative.  None for a contact that is never lost, and whose normal force
+        does no work.
     normal : tuple of Expr or None
-        W_N, where F_N enters, for each coordinate; by default the gradient of the gap, which is minus that of
-        the penetration, so that the contact does no work but that of its spring.  :class:`Geometry` gives the
-        paper's.
+        W_N, the factors of F_N in the equations of all coordinates; by default the gradient of the gap, which
+        is minus that of the penetration, so that the contact does no work but that of its spring.
+        :class:`Geometry` gives the paper's.
     impact : ImpactLaw or None
-        What happens where the gap closes; by default nothing, as there is no mass at the contact.
+        The impact law where the gap closes; by default there is no impact, as the contact has no mass.
     interface : Interface or None
         The regimes that the contact has; by default those of the model's `interface`.
     """
@@ -75,8 +76,8 @@ class Stop:
     law : ImpactLaw
         The impact law where the distance comes to 0.
     interface : Interface or None
-        The regimes of the contact; by default those of the model's `interface`.  Without separation there is
-        no stop.
+        The regimes of the contact; by default those of the model's `interface`.  If "separation" is not one
+        of them, the stop has no effect.
     """
 
     distance: Any
@@ -99,7 +100,7 @@ class Mechanics:
     kinetic : Expr
         Energy T(q, v), J.
     potential : Expr or mapping of str to Expr
-        Energy V(q), J; or several by their names, such as "springs" and "gravity", of which V is the sum.
+        Energy V(q), J; or its parts by name, such as "springs" and "gravity", of which V is the sum.
     dissipation : Expr
         Rayleigh's dissipation function D(v), W: half the power that the dampers take.
     contacts : tuple of Friction or Stop
@@ -107,7 +108,7 @@ class Mechanics:
         Forces (N) along coordinates that come from no energy, such as ``F * cos(q.phase)``.
     frequency : Expr or None
         Angular frequency (rad/s) of a force that depends on time: the rate of the state ``q.phase``, which
-        goes from 0 to 2 pi and begins anew.  None where nothing depends on time.
+        goes from 0 to 2 pi and starts again at 0.  None where nothing depends on time.
     """
 
     kinetic: Any
@@ -136,13 +137,14 @@ class Mechanics:
 def quadratic_form(matrix: Any, x: Sequence[Any]) -> Any:
     """x^T A x, by which matrices of finite elements become energies.
 
-    With M, K and C of a structure, the energies are ``quadratic_form(M, velocities) / 2``,
-    ``quadratic_form(K, coordinates) / 2`` and ``quadratic_form(C, velocities) / 2``; parameters go in front.
+    With M, K and C of a structure, `kinetic`, `potential` and `dissipation` of :class:`Mechanics` are
+    ``quadratic_form(M, velocities) / 2``, ``quadratic_form(K, coordinates) / 2`` and
+    ``quadratic_form(C, velocities) / 2``, multiplied by parameters where these are to be factors.
 
     Parameters
     ----------
     matrix : array (n, n)
-        Numbers; a sparse matrix of scipy too.
+        Numbers; it may be a sparse matrix of scipy.
     x : sequence of Expr
         The coordinates, or the velocities, in the order of the matrix's rows.
 
@@ -153,7 +155,7 @@ def quadratic_form(matrix: Any, x: Sequence[Any]) -> Any:
     Raises
     ------
     ValueError
-        If the matrix has not one row and one column for each of `x`.
+        If the matrix does not have one row and one column for each of `x`.
 
     Examples
     --------
@@ -175,21 +177,21 @@ def quadratic_form(matrix: Any, x: Sequence[Any]) -> Any:
     for i, one in enumerate(x):
         pairs = ((rows[i][j] + rows[j][i], x[j]) for j in range(i))
         terms += [both * one * other for both, other in pairs if both]
-    return Add(*terms)  # at once: sum() would sort what there is again for each
+    return Add(*terms)  # all at once: sum() would sort the terms again for each new one
 
 
 @dataclass(frozen=True)
 class SlidingStatics:
-    """States that the equilibria of a model follow from the penetration of its one contact.
+    """Declares that the equilibria of a model follow from the penetration of its one contact.
 
-    Its structure is linear, and F_N a function of the penetration.  So all coordinates follow from the
-    penetration, and one scalar equation is left, of which all roots are found; for polynomial laws it is a
-    polynomial.
+    All but the contact is linear, and F_N is a function of the penetration.  So all coordinates follow from
+    the penetration, and one scalar equation is left, of which all roots are found; for polynomial laws it is
+    a polynomial.
 
     Parameters
     ----------
     height : str
-        The coordinate that the contact alone holds where no spring does.
+        The coordinate that only the contact holds where no spring does.
     """
 
     height: str

@@ -26,7 +26,8 @@ from .mechanics import Friction, Stop
 def derive_automaton(model: Any) -> HybridAutomaton:
     """States and modes of a symbolic copy of a model, one mode for each combination of regimes.
 
-    Several contacts have many combinations, of which a run visits few: each is derived when it is first used.
+    Several contacts have many combinations, of which a run visits few; then each mode is derived when it is
+    first used.
     """
     found, numbers = lagrange_system(model), {}
     if len(found.mechanics.contacts) > 1:
@@ -47,12 +48,12 @@ def derive_automaton(model: Any) -> HybridAutomaton:
 
 
 def modes_of_structure(key: Structure) -> Any:
-    """The modes of a structure, one object in a process."""
+    """The modes of a structure, the same object throughout a process."""
     return automaton_of_structure(key).modes
 
 
 def _conditions(regime: ContactRegime) -> Regime:
-    """What is known of a regime without solving for forces: stick needs v_r = 0, slip v_r of its sign."""
+    """A regime's conditions that are known without solving for forces: v_r = 0 in stick, its sign in slip."""
     if regime.force is None:
         needs = [sign * c for c in regime.constraints for sign in (1, -1)]
     else:
@@ -89,7 +90,7 @@ def solve_contact_forces(
 def _held_in_numbers(
     found: LagrangeSystem, chosen: Sequence[ContactRegime], held: Sequence[int]
 ) -> HeldVelocities | None:
-    """What is held where masses are coupled by numbers; None where only sympy can tell."""
+    """The velocities held at zero, where M^-1 is in numbers; None where only sympy can find the forces."""
     if found.coupled is None:
         return None
     rows = [found.gradient(chosen[i].held, found.v) for i in held]
@@ -114,7 +115,7 @@ def sticking_force(found: LagrangeSystem, pair: Pair, r: Sequence[Any]) -> Any:
 def _held_by_forces(
     found: LagrangeSystem, chosen: Sequence[ContactRegime], held: Sequence[int], free: Any
 ) -> tuple[list[Any], list[Any]]:
-    """The same where the velocities of several contacts, or one in any direction, are constrained."""
+    """Accelerations and contact forces where contacts hold any velocities at zero, solved by sympy."""
     inverse, forces = found.inverse, [regime.force for regime in chosen]
     rows = sympy.Matrix([found.gradient(chosen[i].held, found.v) for i in held])
     reach = _sparse_product(rows, inverse)
@@ -145,7 +146,7 @@ def _sparse_product(one: Any, other: Any) -> Any:
 
 
 def _solve_in_blocks(matrix: Any, right: Sequence[Any]) -> list[Any]:
-    """The solution of equations of which most are apart, as those of contacts of different bodies."""
+    """Solve equations block by block: most are independent, as those of contacts of different bodies."""
     found: list[Any] = [None] * len(right)
     for block in matrix.connected_components():
         some = sympy.Matrix([right[i] for i in block])

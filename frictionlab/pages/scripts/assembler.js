@@ -1,11 +1,11 @@
-// Instructions of WebAssembly as bytes, by https://webassembly.github.io/spec/core/binary: those that jets.js needs.
+// The instructions of WebAssembly that jets.js needs, as bytes; see https://webassembly.github.io/spec/core/binary.
 const KIND = { i32: 0x7f, i64: 0x7e, f64: 0x7c, v128: 0x7b };
-const NUMBER = 8, ALIGNED = 3; // bytes of a number, and the power of two of which its address is a multiple
+const NUMBER = 8, ALIGNED = 3; // bytes of a number, and log2 of the alignment of its address
 const PLAIN = {
   loop: [0x03, 0x40], block: [0x02, 0x40], if: [0x04, 0x40], end: [0x0b], return: [0x0f],
   isZero: [0x45], equal: [0x46], atLeast: [0x4e], plus: [0x6a], times: [0x6c], and: [0x71], shiftRight: [0x75], wrap: [0xa7], // of i32
   add: [0xa0], subtract: [0xa1], multiply: [0xa2], divide: [0xa3], // of f64
-  absolute: [0x99], below: [0x63], above: [0x64], choose: [0x1b], // the first of two where the third is not 0
+  absolute: [0x99], below: [0x63], above: [0x64], choose: [0x1b], // choose: the first of two values if a third is not 0, else the second
   asNumber: [0xb7], bits: [0xbd], fromBits: [0xbf], addLong: [0x7c], shiftLongLeft: [0x86],
   addVectors: [0xfd, 0xf0, 0x01], multiplyVectors: [0xfd, 0xf2, 0x01], exchange: [0xfd, 0x0d, 8, 9, 10, 11, 12, 13, 14, 15, 0, 1, 2, 3, 4, 5, 6, 7],
 };
@@ -28,7 +28,7 @@ class Assembler { // the instructions of a function, one after another
   put(...bytes) { for (const byte of bytes) this.bytes.push(byte); return this; }
   get(local) { return this.put(0x20, ...unsigned(local)); }
   set(local) { return this.put(0x21, ...unsigned(local)); }
-  keep(local) { return this.put(0x22, ...unsigned(local)); } // set, and leave the value
+  keep(local) { return this.put(0x22, ...unsigned(local)); } // set, and leave the value on the stack
   whole(value) { return this.put(0x41, ...signed(value)); }
   long(value) { return this.put(0x42, ...signed(value)); }
   number(value) { return this.put(0x44, ...new Uint8Array(Float64Array.of(value).buffer)); }

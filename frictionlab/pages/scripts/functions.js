@@ -6,7 +6,7 @@ function finite(value) {
   return value;
 }
 
-F.integer_power = (x, n) => { // by squares, multiplied from low to high
+F.integer_power = (x, n) => { // by repeated squaring, from the exponent's lowest bit
   let value = 1, square = x;
   for (let count = Math.abs(n); count; count = Math.floor(count / 2)) {
     if (count % 2) value *= square;

@@ -1,14 +1,15 @@
 // Machine code of the jets of a structure's modes: the operations of a tape in sequence, within a loop over the orders, as
-// hybrid/codegen/jet_codegen.py writes them.  They are those of the interpreter (hybrid/kernels/jets.py) in its sequence, so
-// that a run may change over at any step and no bit depends on it.  Kernels call a mode's code by its place in their table.
+// hybrid/codegen/jet_codegen.py writes them.  It does the operations of the interpreter (hybrid/kernels/jets.py) in the same
+// sequence: a run may change from one to the other at any step, and its numbers stay the same to the last bit.  Kernels call
+// a mode's code by its index in their table.
 const [AFFINE, PRODUCT, SQUARE, QUOTIENT, RATE, POWER] = [0, 1, 2, 3, 4, 5];
 const { i32, i64, f64, v128 } = KIND;
-const [VALUE, POWER_VALUE, SUM, LEAST_RATIO] = [0, 1, 2, 3]; // functions: those of the kernels, which are imported, and what is written here
+const [VALUE, POWER_VALUE, SUM, LEAST_RATIO] = [0, 1, 2, 3]; // indices of functions: two kernels, which are imported, then two that are written here
 const JET_TYPES = [[[i64, f64], [f64]], [[i32, i32, i32], [f64]], [[i32, i32, i32, i32, i64], []], [[f64, f64], [f64]], [[f64], [f64]]];
 const MODE_TYPE = 2, POWER_TYPE = 3, RATIO_TYPE = 4;
-const TO_INTEGER = 1.5 * 2 ** 52; // added to a number it rounds it to an integer, which is then in the last bits
+const TO_INTEGER = 1.5 * 2 ** 52; // adding it to a number rounds this to an integer, which is then in the last bits
 
-function writeSum() { // of a[j] b[-j] over j < n, in four parts that do not wait for each other
+function writeSum() { // the sum of a[j] b[-j] over j < n, in four partial sums that do not wait for each other
   const code = new Assembler(), [a, b, n, first, second, one, two, three] = [0, 1, 2, 3, 4, 5, 6, 7];
   const pairs = (sum, ahead, behind) => code.get(a).loadVector(ahead).get(b).loadVector(behind).get(b).loadVector(behind).exchange().multiplyVectors().get(sum).addVectors().set(sum);
   const further = (part, j) => code.get(n).whole(j + 1).atLeast().if().get(part).get(a).load(NUMBER * j).get(b).load(NUMBER * (3 - j)).multiply().add().set(part).end();
@@ -22,7 +23,7 @@ function writeSum() { // of a[j] b[-j] over j < n, in four parts that do not wai
   return { type: 1, locals: [[2, v128], [3, f64]], code };
 }
 
-function writeLeastRatio() { // of the base of a power to its rate, for which it has a series of this order: 2^(least ratio/order)
+function writeLeastRatio() { // 2^(least_ratio/order): a power has a series of this order if its base is more than so many times its rate
   const code = new Assembler(), { least_ratio, exp2 } = SCENE.method, [x, shifted, part, sum] = [0, 1, 2, 3];
   code.number(least_ratio).get(x).divide().keep(x).number(0.5).subtract().number(TO_INTEGER).add().keep(shifted);
   code.number(TO_INTEGER).subtract().set(part).get(x).get(part).subtract().set(part);
@@ -54,17 +55,17 @@ class ModeWriter { // function (z, constants, terms, J, order)
     return { type: MODE_TYPE, locals: [[3, i32], [4 + inputs + this.ops.length, f64]], code };
   }
 
-  put(at, slot, write) { // a value into its local and its row
+  put(at, slot, write) { // store a value in its local and in its row of the jets
     this.code.get(at);
     write();
     this.code.keep(this.values + slot).store(this.row * slot);
   }
 
-  of(slot) { return this.code.get(this.values + slot); } // at the order at hand
+  of(slot) { return this.code.get(this.values + slot); } // the coefficient of the present order
   start(slot) { return this.code.get(this.J).load(this.row * slot); }
-  behind(slot) { return this.code.get(this.column).whole(this.row * slot - NUMBER).plus(); } // address of the order before
+  behind(slot) { return this.code.get(this.column).whole(this.row * slot - NUMBER).plus(); } // address of coefficient k - 1
 
-  sum(a, b, count) { // over 1 <= j < 1 + count of the coefficients j of a and k - j of b
+  sum(a, b, count) { // the sum of a[j] b[k - j] over 1 <= j < 1 + count
     this.code.get(this.J).whole(this.row * a + NUMBER).plus();
     this.behind(b);
     count();
@@ -104,7 +105,7 @@ class ModeWriter { // function (z, constants, terms, J, order)
   exponent(constant) { return this.code.get(this.constants).load(NUMBER * constant); }
   positive(a) { return this.start(a).number(0).above(); }
 
-  limit(constant) { // of a power where its base goes to zero
+  limit(constant) { // the limit of a power as its base goes to zero
     this.code.number(Infinity).number(0);
     return this.exponent(constant).number(0).below().choose();
   }
@@ -116,7 +117,7 @@ class ModeWriter { // function (z, constants, terms, J, order)
     return this.code.choose();
   }
 
-  powerCoefficient(a, out, constant, all) { // constant where there is no series, see hybrid/kernels/powers.py
+  powerCoefficient(a, out, constant, all) { // 0 or the limit where there is no series, see hybrid/kernels/jets.py
     const { code, kNumber } = this;
     this.exponent(constant).number(1).add();
     this.sum(out - 1, out, all).multiply().get(kNumber);
@@ -127,7 +128,7 @@ class ModeWriter { // function (z, constants, terms, J, order)
     return this.positive(a).choose();
   }
 
-  square(a) { // each pair once
+  square(a) { // coefficient k, with each pair of coefficients multiplied once
     const { code, k, J, total, row } = this;
     code.number(2);
     this.sum(a, a, () => code.get(k).whole(-1).plus().whole(1).shiftRight()).multiply().set(total);
@@ -139,7 +140,7 @@ class ModeWriter { // function (z, constants, terms, J, order)
   }
 }
 
-function tapesOf(structure) { // one for each mode
+function tapesOf(structure) { // a tape for each mode
   const array = (name) => structure.arrays.find((each) => each.name === name);
   const read = (name) => { const { type, data } = array(`code.${name}`); return data ? Array.from(new KINDS[type](bytesOf(data).buffer), Number) : []; };
   const [ops, slots, ranges, flow] = ["ops", "term_slots", "mode_ops", "flow"].map(read);
@@ -151,7 +152,7 @@ function tapesOf(structure) { // one for each mode
   });
 }
 
-async function compileJets({ exports }, structure) { // the place of each mode's code in the kernels' table
+async function compileJets({ exports }, structure) { // the index of each mode's code in the kernels' table
   const tapes = tapesOf(structure), names = tapes.map((_, mode) => `mode${mode}`);
   const functions = [writeSum(), writeLeastRatio(), ...tapes.map((tape) => new ModeWriter(tape).write())];
   const imports = [{ name: "memory" }, { name: "value", type: 0 }, { name: "power", type: POWER_TYPE }];

@@ -1,6 +1,6 @@
 // Where the parts of a mechanism are: sizes from the samples of a window, places from one sample.  The rules are those of
 // frictionlab.plotting.animation: tilting_belt.py and parts.py.
-const REACH = 0.5, LONGEST_ARROW = 0.6, MARGIN = 0.25; // of pictures whose lengths are no metres
+const REACH = 0.5, LONGEST_ARROW = 0.6, MARGIN = 0.25; // of pictures that are not drawn in metres
 const COLOURS = { orange: "#E69F00", sky: "#56B4E9", green: "#009E73", blue: "#0072B2", vermillion: "#D55E00", purple: "#CC79A7", grey: "#999999" };
 
 const largest = (arrays) => arrays.reduce((m, array) => array.reduce((a, b) => Math.abs(b) > a ? Math.abs(b) : a, m), 0);
@@ -63,7 +63,7 @@ function partsPicture(run, samples, p) {
   const forces = contacts.flatMap((contact) => ["normal_force", "friction_force"].map((name) => samples.byName[name + contact] ?? new Float64Array(1)));
   const arrow = LONGEST_ARROW / (largest(forces) || Infinity);
   const base = colouredScene(run), shapes = [];
-  const places = { // numbers of a part in a frame
+  const places = { // the numbers of each part's shapes in a frame
     Wall: (part, d, i) => [[...at(part.start, d, i), ...at(part.end, d, i)]],
     Spring: (part, d, i) => {
       const end = at(part.end, d, i), loose = part.loose && run.structure.modes[d.modes[i]] === part.loose;

@@ -37,7 +37,7 @@ function newton({ flow, jacobian }, start, values) { // a state at which the flo
   return null;
 }
 
-function equilibriumOf(structure, values, starts) { // {z, mode}: inside the guards of a mode without constraints
+function equilibriumOf(structure, values, starts) { // {z, sliding}: in a mode without constraints, where all its event functions are positive; or null
   for (const sliding of structure.sliding) {
     for (const start of starts) {
       const z = newton(sliding, start, values);
@@ -48,7 +48,7 @@ function equilibriumOf(structure, values, starts) { // {z, mode}: inside the gua
   return null;
 }
 
-function contactHolds(structure, mode, z, values) { // what is pressed is pressed
+function contactHolds(structure, mode, z, values) { // in slip the normal force is positive
   const place = structure.outputs.names.indexOf("normal_force");
   return place < 0 || !structure.modes[mode].startsWith("slip") || structure.outputs.functions[mode](z, values)[place] > 0;
 }
@@ -88,7 +88,7 @@ function eigenvaluesOf(matrix) { // [[real, imaginary], ...], after EISPACK's ba
   return found;
 }
 
-function balance(a) { // rows and columns of like size, by powers of two
+function balance(a) { // scale rows and columns to similar size, by powers of two
   const n = a.length;
   for (let done = false; !done;) {
     done = true;

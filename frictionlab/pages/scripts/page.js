@@ -1,7 +1,7 @@
-// The page: controls, the run that they ask for, and its pictures.
+// The page: its controls, the run with their values, and the pictures of the run.
 const PAGE_PACES = [1, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002];
 const WINDOW_SAMPLES = 1500, DRAG_SAMPLES = 400, SPECTRUM_SAMPLES = 4096;
-const DRAG_PATIENCE = 40, PATIENCE = 4000; // milliseconds that a run may take while a slider moves, and when it has stopped
+const DRAG_PATIENCE = 40, PATIENCE = 4000; // most milliseconds of a run, while a slider moves and when it has stopped
 const FRAME = 14; // milliseconds that solving and drawing may take while a slider moves; plots that do not fit are drawn in turns
 const $ = (id) => document.getElementById(id);
 const view = { solver: null, run: null, samples: null, picture: null, frames: null, time: 0, playing: null, last: null, request: null, settled: null, equilibrium: null, took: 0, turns: 1, turn: 0 };
@@ -52,7 +52,7 @@ function build() {
   };
   let height = letters();
   new ResizeObserver(() => {
-    if (letters() !== height && view.run) { height = letters(); redraw(); } // plots with larger letters
+    if (letters() !== height && view.run) { height = letters(); redraw(); } // the plots in the new font size
     resizePlots(); drawPhase(); showFrame();
   }).observe(document.querySelector("main"));
 }
@@ -72,7 +72,7 @@ function setTheme(name) {
 }
 
 async function copyText(text, said) {
-  try { await navigator.clipboard.writeText(text); } catch { // a page from a file may not
+  try { await navigator.clipboard.writeText(text); } catch { // a page opened from a file may not use the clipboard
     const area = html("textarea", { value: text });
     document.body.append(area);
     area.select();
@@ -85,7 +85,7 @@ async function copyText(text, said) {
 
 const say = (text, bad = false) => { $("status").textContent = text; $("status").classList.toggle("bad", bad); };
 
-function ask(dragging) { // one run in a frame at most; a last one, whole, when the slider has stopped
+function ask(dragging) { // at most one run per frame; a last one, with more time, when the slider has stopped
   clearTimeout(view.settled);
   if (dragging) view.settled = setTimeout(() => ask(false), 250);
   view.dragging = dragging;
@@ -117,7 +117,7 @@ function compute(dragging) {
   if (!dragging) try { history.replaceState(null, "", `#${linkText()}`); } catch { location.hash = linkText(); }
 }
 
-function redraw(dragging = false) { // all pictures of the run at hand; while a slider moves those that are quick, some of them in turns
+function redraw(dragging = false) { // all pictures of the run; while a slider moves only the quick ones, plots in turns if they take too long
   const { solver, run } = view, periods = Number($("window").value), end = run.end, span = periods ? Math.min(end, periods * SCENE.period) : end;
   view.start = end - span;
   view.span = span;
@@ -135,7 +135,7 @@ function redraw(dragging = false) { // all pictures of the run at hand; while a 
 
 const PLOTS = [() => showHistory(view.run, view.samples), () => drawPhase(), () => showForces(view.run, view.samples), () => showStability()];
 
-function picturesInTurn() { // as many as fit into a frame, by how long the last one took with what the browser does after it
+function picturesInTurn() { // as many plots as fit into a frame, judged by the time of the last frame with all that the browser did
   const now = performance.now(), most = PLOTS.length;
   view.turns = Math.min(most, Math.max(1, view.turns + (view.took > FRAME ? -1 : 0.1)));
   setTimeout(() => { view.took = performance.now() - now + view.run.milliseconds; });
@@ -156,7 +156,7 @@ function showStability() {
   showEigenvalues(values, `eigenvalues: the equilibrium is ${verdict}, largest growth rate ${growth.toPrecision(4)}/s`);
 }
 
-function drawPhase() { // the path; the instant is on a canvas of its own, over it
+function drawPhase() { // the curve; the marker of the present instant is on another canvas above it
   if (!view.samples || !$("phase").clientWidth) return;
   const [c, width, height] = fit($("phase")), states = view.run.structure.states, first = states[0];
   const scene = { axes: [first, `${written(first)} (${unitOf(first)})`, `${written(first + "'")} (${unitOf(first)}/s)`], line_colours: view.run.structure.colours, ink: theme().ink, letters: px(0.8) };
@@ -176,7 +176,7 @@ function showFinal() {
   $("final").replaceChildren(...run.structure.states.map((name, i) => html("tr", {}, [html("td", { textContent: written(name) }), html("td", { className: "value", textContent: String(run.state[i]) })])));
 }
 
-function showFrame() { // the instant that is played, exact
+function showFrame() { // the present instant, from the dense output rather than between samples
   const { run, picture, place } = view;
   if (!run) return;
   const t = Math.min(run.end, view.start + view.time * view.span), now = sample(view.solver, run, Float64Array.of(t));
@@ -208,7 +208,7 @@ function tick(now) {
   view.playing = requestAnimationFrame(tick);
 }
 
-function playSound() { // three seconds, or as long as the run is, in the model's pitch
+function playSound() { // the end of the run: at most three seconds, played `pitch` times as fast as it happened
   const { run, solver } = view, { signal, pitch } = SCENE.sound, context = new AudioContext(), rate = context.sampleRate;
   const seconds = Math.min(3, run.end / pitch), count = Math.floor(seconds * rate), buffer = context.createBuffer(1, Math.max(count, 1), rate), data = buffer.getChannelData(0);
   for (let i = 0; i < count; i += SAMPLES) {
@@ -238,7 +238,7 @@ async function begin() {
   compute(false);
   if (plays) togglePlay();
   document.body.dataset.ready = "yes";
-  addEventListener("message", ({ data }) => { if (["light", "dark"].includes(data?.theme)) setTheme(data.theme); }); // of the page around
+  addEventListener("message", ({ data }) => { if (["light", "dark"].includes(data?.theme)) setTheme(data.theme); }); // from the page that embeds this one
   if (parent !== window) parent.postMessage("frictionlab page", "*");
 }
 

@@ -1,8 +1,8 @@
 // Plots by uPlot in the colours of the page; each is made once and given new data.
 const plots = {};
-const LEGEND = 2.3; // of the height of letters, under a plot
+const LEGEND = 2.3; // height of the legend under a plot, in font sizes
 
-const letters = () => parseFloat(getComputedStyle(document.body).fontSize); // pixels; more on a large screen
+const letters = () => parseFloat(getComputedStyle(document.body).fontSize); // font size in pixels; larger on a large screen
 const px = (share) => Math.round(share * letters());
 
 function seriesColours() {
@@ -33,7 +33,7 @@ function showPlot(id, data, names, [xLabel, yLabel], options = {}) {
   } else plots[id].chart.setData(data);
 }
 
-function forgetPlots() { // for other colours
+function forgetPlots() { // so that they are made again, in other colours
   for (const id of Object.keys(plots)) { plots[id].chart.destroy(); delete plots[id]; }
 }
 

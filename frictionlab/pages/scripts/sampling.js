@@ -3,7 +3,7 @@ function sampleTimes(start, stop, count) {
   return Float64Array.from({ length: count }, (_, i) => i === count - 1 ? stop : start + (stop - start) * i / (count - 1));
 }
 
-function sample(solver, run, times, outputs = run.structure.outputs) { // ascending times, at most SAMPLES; states, modes, outputs
+function sample(solver, run, times, outputs = run.structure.outputs) { // states, modes and outputs at ascending times, of which there are at most SAMPLES
   const { arrays } = solver, n = run.structure.states.length, { names, functions } = outputs;
   const modes = new Int32Array(times.length), which = arrays.which.view;
   for (let i = 0, step = 0; i < times.length; i++) {
@@ -35,10 +35,10 @@ function sample(solver, run, times, outputs = run.structure.outputs) { // ascend
 
 const NO_OUTPUTS = { names: [], functions: [] };
 
-function amplitudes(signal) { // one-sided amplitudes of a real signal of 2^k samples, its mean taken away, by a Hann window
+function amplitudes(signal) { // one-sided amplitudes of a real signal of 2^k samples without its mean, with a Hann window
   const n = signal.length, mean = signal.reduce((a, b) => a + b, 0) / n;
   const re = Float64Array.from(signal, (v, i) => (v - mean) * (1 - Math.cos(2 * Math.PI * i / n))), im = new Float64Array(n);
-  for (let i = 1, j = 0; i < n; i++) { // bits of the places reversed
+  for (let i = 1, j = 0; i < n; i++) { // reorder: bits of the indices reversed
     let bit = n >> 1;
     for (; j & bit; bit >>= 1) j ^= bit;
     j ^= bit;

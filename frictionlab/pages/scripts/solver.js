@@ -1,11 +1,13 @@
-// The solver: calls of the kernels in WebAssembly, and the loop over full records, as methods/taylor.py has it.
-// Every function takes a table of words: its results, then its arguments; of an array address and lengths.
+// The solver: calls of the kernels, compiled to WebAssembly, and the loop that goes on whenever a record is full, as in
+// methods/taylor.py.
+// Every kernel takes the address of a table of 64-bit words: places for its results, then its arguments; those of an array
+// are its address and its lengths.
 const [RUNNING, FINISHED] = [0, 1];
 const STATUS = ["stopped", "the end was reached", "no admissible mode: no mode could be entered after the last event",
   "stalled: time no longer advances", "accumulation of events", "not finite: a state overflowed"];
 const [MODE, STEPS, EVENTS, POINTS] = [0, 1, 2, 3];
-const RECORDS = 24; // records that there is room for at first, of 2048 steps and as many events each
-const MOST_RECORDS = 768; // for a million and a half of steps, some 160 MB
+const RECORDS = 24; // there is room for so many records at first, each of 2048 steps and as many events
+const MOST_RECORDS = 768; // for one and a half million steps, some 160 MB
 const SAMPLES = 4096; // most samples in a call
 const KINDS = { i8: BigInt64Array, f8: Float64Array, u4: Uint32Array, u1: Uint8Array, b1: Uint8Array };
 const NO_MODE = -1n;
@@ -53,7 +55,7 @@ class Solver {
     this.arrays[name] = { type, shape, length: length * room, place: this.allocate(room * length * KINDS[type].BYTES_PER_ELEMENT) };
   }
 
-  makeRoom(kind) { // for twice as many records of steps or events; false where there would be too many
+  makeRoom(kind) { // for twice as many records of steps or events; false if these would be too many
     if (2 * this.room[kind] > MOST_RECORDS) return false;
     const moved = Object.entries(this.arrays).filter(([name]) => name.startsWith(`record.${kind}`)).map(([, a]) => {
       const before = { place: a.place, bytes: a.length * KINDS[a.type].BYTES_PER_ELEMENT };
@@ -67,7 +69,7 @@ class Solver {
     return true;
   }
 
-  views() { // after the memory has grown
+  views() { // make new views of the memory: those from before it grew are void
     const buffer = this.exports.memory.buffer;
     for (const a of Object.values(this.arrays)) a.view = new KINDS[a.type](buffer, a.place, a.length);
     for (const t of Object.values(this.tables)) {
@@ -76,7 +78,7 @@ class Solver {
     }
   }
 
-  call(name, given = {}) { // `given` says what stands for arguments that differ from the arrays at hand
+  call(name, given = {}) { // `given`: arguments by name that take precedence over the solver's arrays and numbers
     const { results, arguments: leaves } = SOLVER.tables[name], table = this.tables[name];
     let at = results.length;
     for (const [leaf, type, axes] of leaves) {
@@ -93,7 +95,7 @@ class Solver {
   }
 
 
-  load(structure) { // arrays of a structure
+  load(structure) { // make the arrays of a structure
     if (this.structure === structure) return;
     this.reset();
     const { order, tol } = SCENE.method, n = structure.states.length, numbers = {};
@@ -110,14 +112,14 @@ class Solver {
     this.array("times", "f8", [SAMPLES]);
     this.array("out", "f8", [SAMPLES, n]);
     this.views();
-    new Uint8Array(this.exports.memory.buffer, this.start, this.heap - this.start).fill(0); // another structure was there
+    new Uint8Array(this.exports.memory.buffer, this.start, this.heap - this.start).fill(0); // the arrays of another structure were there
     Object.assign(this.fixed, { order, "truncation.order": order, "truncation.tol": tol });
     for (const a of structure.arrays) if (a.data) this.write(a);
     this.structure = structure;
     this.useJets(structure);
   }
 
-  async useJets(structure) { // machine code of its modes as soon as there is; until then they are interpreted
+  async useJets(structure) { // machine code of its modes, as soon as it is compiled; until then they are interpreted
     structure.jets ??= await compileJets(this, structure);
     if (this.structure === structure) this.arrays["code.native"].view.set(structure.jets);
   }
@@ -127,7 +129,7 @@ class Solver {
     new Uint8Array(this.exports.memory.buffer, this.arrays[a.name].place, bytes.length).set(bytes);
   }
 
-  begin(values, state, end) { // numbers, state and clock of a new run
+  begin(values, state, end) { // set numbers, state and clock of a new run; whether its first mode was found
     const { structure, arrays } = this, { dwell, chatter } = SCENE.method;
     const all = structure.numbers(values), constants = all.slice(0, structure.constants), terms = all.slice(structure.constants);
     if (!all.every(Number.isFinite)) throw new RangeError("the equations have no finite value for these parameters");
@@ -148,19 +150,19 @@ class Solver {
     return found.integers[0] >= 0n;
   }
 
-  rounding(sizes) { // by the names that the kernel's tuple has
+  rounding(sizes) { // the fields of select_mode's argument `rounding`, by their names
     const names = SOLVER.tables.select_mode.arguments.filter(([name]) => name.startsWith("rounding."));
     return Object.fromEntries(names.map(([name, , axes]) => [name, axes ? sizes : SCENE.method.rounding]));
   }
 
   advance(record) {
     if (!this.structure.affine) return Number(this.call("advance_taylor", record).integers[0]);
-    const { arrays } = this, { matrix, shift } = arrays; // the change in a step that suits every state
+    const { arrays } = this, { matrix, shift } = arrays; // for the affine map of a step whose length suits every state
     const change = { "change.matrix": matrix, "change.shift": shift, "change.linear.constants": arrays["linear.constants"], "change.linear.terms": arrays["linear.terms"] };
     return Number(this.call("advance_affine", { ...record, ...change }).integers[0]);
   }
 
-  record(steps, events) { // room behind what has been recorded
+  record(steps, events) { // the parts of the arrays behind what has been recorded
     const found = {};
     for (const a of this.structure.arrays.filter(({ name }) => name.startsWith("record."))) {
       const row = a.shape.slice(1).reduce((x, y) => x * y, KINDS[a.type].BYTES_PER_ELEMENT);
@@ -170,13 +172,13 @@ class Solver {
     return found;
   }
 
-  run(structure, values, state, end, patience = Infinity) { // up to the end, or so many milliseconds
+  run(structure, values, state, end, patience = Infinity) { // to the end time, or for about `patience` milliseconds
     this.load(structure);
     const { arrays } = this, began = performance.now(), length = arrays["record.step_modes"].shape[0];
     let [status, steps, events] = [this.begin(values, state, end) ? RUNNING : 2, 0, 0];
     const full = (kind, count) => count + length > this.room[kind] * length && !this.makeRoom(kind);
     while (status === RUNNING && !full("step", steps) && !full("event", events)) {
-      const counts = arrays["run.counts"].view; // anew, as the memory may have grown
+      const counts = arrays["run.counts"].view; // taken again each time, as the memory may have grown
       for (const part of [STEPS, EVENTS, POINTS]) counts[part] = 0n;
       status = this.advance(this.record(steps, events));
       steps += Number(counts[STEPS]);

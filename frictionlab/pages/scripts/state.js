@@ -1,4 +1,4 @@
-// What is set on the page: parameters, switches, start and end; as a link and as Python.
+// The settings of the page: parameters, switches, start and end; their text as a link and as Python.
 const settings = { values: {}, off: [], start: "rest", end: SCENE.t_end, plays: false };
 
 function resetSettings() {
@@ -26,13 +26,13 @@ function readLink(text) {
   for (const [name, value] of new URLSearchParams(text.replace(/^#/, ""))) {
     if (name === "without") settings.off = SCENE.switches.map((s) => s.name).filter((s) => value.split(",").includes(s));
     else if (name === "x0") settings.start = value === "near" ? "near" : "rest";
-    else if (name === "play") settings.plays = value === "1"; // from the beginning on, as a page within another may
+    else if (name === "play") settings.plays = value === "1"; // it plays as soon as it is loaded, for pages embedded in others
     else if (name === "t_end") settings.end = Number(value) > 0 && Number.isFinite(Number(value)) ? Number(value) : SCENE.t_end;
     else if (name in settings.values && value !== "" && Number.isFinite(Number(value))) settings.values[name] = Number(value);
   }
 }
 
-function brokenRule({ rules }, values) { // the words of the first rule that the parameters break, as the model has them; or null
+function brokenRule({ rules }, values) { // the model's message for the first rule that the parameters break, or null
   let found, at = 0;
   try { found = rules.numbers(values); } catch { return null; } // a formula without a value here
   for (const { relations, values: count, message } of rules.words) {
@@ -48,7 +48,7 @@ function withExponent(v, digits) { // as Python writes it
   return `${digits === undefined ? number : +number}e${power[0]}${power.slice(1).padStart(2, "0")}`;
 }
 
-function formatted(v, format) { // by Python's format "g", or all digits
+function formatted(v, format) { // as Python's format "g" writes it; else all digits, as repr does
   const size = Math.abs(v);
   if (format !== "g") return size && (size < 1e-4 || size >= 1e16) ? withExponent(v) : Number.isInteger(v) ? `${v}.0` : String(v);
   const rounded = Number(v.toPrecision(6));
