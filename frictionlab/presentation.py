@@ -191,7 +191,7 @@ class Drawable:
         Parameters
         ----------
         ax : Axes or None
-            None draws into a new figure.
+            None draws into a new figure, with a legend where several things are labelled.
         **options
             Further keywords of that function.
 
@@ -204,10 +204,13 @@ class Drawable:
 
         draw = getattr(plotting, self.drawn_by)
         if self.several_axes:
-            return draw(self, ax, **options)[0]
-        ax = plotting.axes_or_new(ax)
-        draw(self, ax, **options)
-        return ax
+            drawn = draw(self, ax, **options)[0]
+        else:
+            drawn = plotting.axes_or_new(ax)
+            draw(self, drawn, **options)
+        if ax is None:
+            plotting.add_missing_legend(drawn.figure)
+        return drawn
 
 
 def three_digits(value: float) -> str:

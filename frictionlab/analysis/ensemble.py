@@ -120,9 +120,9 @@ def advance_group(group: Batch, t_end: float) -> None:
 
 
 def _is_one_for_each(x0: Any) -> bool:
-    if isinstance(x0, (str, Mapping)):
+    if isinstance(x0, str) or not isinstance(x0, (Sequence, np.ndarray)):
         return False
-    return np.ndim(x0) == 2 or (np.ndim(x0) == 1 and any(isinstance(each, (str, Mapping)) for each in x0))
+    return any(isinstance(each, (str, Mapping)) or np.ndim(each) > 0 for each in x0)
 
 
 def _problems(models: Sequence[Any], x0: Any, t_end: float, method: Taylor) -> list[Problem]:

@@ -36,6 +36,17 @@ def unsorted_product(factors: Sequence[Expr]) -> Expr:
     return sympy.Mul(*factors, evaluate=any(factor.is_Add for factor in factors))
 
 
+def integer_exponent(power: Any) -> int | None:
+    """The exponent of a power where it is an integer, also one written as 2.0; else None.
+
+    Only a power with another exponent needs a base that is not negative.
+    """
+    exponent = power.exp
+    if exponent.is_Integer or (exponent.is_Float and float(exponent).is_integer()):
+        return int(exponent)
+    return None
+
+
 @dataclass(frozen=True, eq=False)
 class Combinations:
     """Sums of numbers times expressions.

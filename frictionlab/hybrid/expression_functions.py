@@ -15,6 +15,7 @@ import sympy as sp
 from sympy.printing.numpy import NumPyPrinter
 from sympy.printing.pycode import PythonCodePrinter
 
+from frictionlab.automaton.expressions import integer_exponent
 from frictionlab.hybrid.elementary.parameter_functions import OF_ARRAYS, OF_OUTPUTS, OF_PARAMETERS
 
 _SETTINGS = {"fully_qualified_modules": False, "inline": True, "allow_unknown_functions": True}
@@ -78,6 +79,6 @@ def array_function(arguments: Sequence[Any], expressions: Any) -> Callable[..., 
 
 class _ArrayPrinter(NumPyPrinter):
     def _print_Pow(self, expr: Any, rational: bool = False) -> str:
-        if expr.exp.is_integer:
+        if expr.exp.is_integer or integer_exponent(expr) is not None:
             return super()._print_Pow(expr, rational=rational)
         return f"power({self._print(expr.base)}, {self._print(expr.exp)})"

@@ -3,6 +3,7 @@
 
 from .animation.animate import animate as animate
 from .figure import RunFigure as RunFigure
+from .figure import add_missing_legend as add_missing_legend
 from .figure import axes_or_new as axes_or_new
 from .overview import Spectrum as Spectrum
 from .overview import amplitude_spectrum as amplitude_spectrum

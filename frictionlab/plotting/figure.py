@@ -210,6 +210,19 @@ def legend_beside(ax: Axes, handles: list[Any] | None = None) -> None:
         ax.legend(handles=handles, frameon=False, fontsize=font_size(9.0), **place)
 
 
+def add_missing_legend(figure: Any) -> None:
+    """Add a legend of all axes to the right of a figure that has none and labels several things."""
+    if figure.legends or any(ax.get_legend() for ax in figure.axes):
+        return
+    labelled: dict[str, Any] = {}
+    for ax in figure.axes:
+        for handle, label in zip(*ax.get_legend_handles_labels(), strict=True):
+            labelled.setdefault(label, handle)
+    if len(labelled) > 1:
+        handles = list(labelled.values())
+        figure.legend(handles=handles, loc="outside right center", frameon=False, fontsize=font_size(9.0))
+
+
 def set_long_title(ax: Axes, text: str) -> None:
     """A title that fills the width of a figure, smaller where letters are large."""
     title = ax.set_title(text)

@@ -9,10 +9,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from frictionlab.automaton import HybridAutomaton
+from frictionlab.automaton.mode import check_mode_name
 from frictionlab.validation import check_choice, check_mapping, check_number, float_array
 
 Array = NDArray[np.float64]
 WINDOWS = ("rectangular", "hann")
+FREQUENCIES_CURE = "give frequencies by mode, such as {0: 13.5}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -180,7 +183,10 @@ class Frequencies:
     error: float = 1.0
 
     def __post_init__(self) -> None:
-        check_mapping("values", self.values, "give frequencies by mode, such as {0: 13.5}")
+        check_mapping("values", self.values, FREQUENCIES_CURE)
+        for mode, value in self.values.items():
+            check_number("a mode's number in values", mode, integer=True, least=0, cure=FREQUENCIES_CURE)
+            check_number(f"values[{mode}]", value, above=0.0, cure="give the frequency in Hz")
         check_number("error", self.error, above=0.0, cure="give the standard deviation in Hz")
 
     @property
@@ -210,22 +216,40 @@ def as_data(data: Any) -> tuple[Any, ...]:
     return found
 
 
+def check_data(data: Sequence[Any], automaton: HybridAutomaton) -> None:
+    """Raise ValueError unless the automaton has the states, modes and eigenfrequencies that were measured."""
+    for one in data:
+        if isinstance(one, (TimeRecord, SpectrumRecord)):
+            for name in one.values:
+                check_choice("state", name, automaton.state_names, "name one of them")
+        elif isinstance(one, EventTimes):
+            check_mode_name(one.target, automaton.names)
+        elif max(one.values, default=0) >= automaton.coordinates:
+            raise ValueError(
+                f"the modes of Frequencies must be below {automaton.coordinates}, the number of coordinates, "
+                f"got {max(one.values)}: they are counted from 0"
+            )
+
+
 def _columns(values: Any, error: Any, count: int, of: str) -> tuple[dict[str, Array], dict[str, float]]:
     """Measured values by state, `count` of each, and their errors.
 
     Raises
     ------
     ValueError
-        For values that are not finite, or not `count` of them; for an error that is not above 0.
+        For no values, values that are not finite, or not `count` of them; for an error that is not above 0.
     """
     check_mapping("values", values, 'give arrays by state, such as {"x1": measured}')
+    if not values:
+        raise ValueError('values must hold one state at least, got none: write {"x1": measured}')
     kept = {n: float_array(f"values[{n!r}]", column, "give numbers") for n, column in values.items()}
     for name, column in kept.items():
-        if column.shape != (count,) or not np.isfinite(column).all():
-            raise ValueError(
-                f"values[{name!r}] must hold a finite number for each of the {count} {of}, got shape "
-                f"{column.shape}: leave out {of} without one"
-            )
+        rule = f"values[{name!r}] must hold a finite number for each of the {count} {of}"
+        if column.shape != (count,):
+            raise ValueError(f"{rule}, got shape {column.shape}: leave out {of} without one")
+        if not np.isfinite(column).all():
+            first = int(np.argmin(np.isfinite(column)))
+            raise ValueError(f"{rule}, got {column[first]} at index {first}: leave out {of} without one")
     errors: Any = error if isinstance(error, Mapping) else dict.fromkeys(kept, error)
     for name in kept:
         check_number(f"the error of {name}", errors.get(name), above=0.0, cure="give the standard deviation")

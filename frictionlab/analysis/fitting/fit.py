@@ -13,7 +13,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
-from frictionlab.analysis.fitting.data import EventTimes, Frequencies, SpectrumRecord, TimeRecord, as_data
+from frictionlab.analysis.fitting.data import (
+    EventTimes,
+    Frequencies,
+    SpectrumRecord,
+    TimeRecord,
+    as_data,
+    check_data,
+)
 from frictionlab.analysis.fitting.predictions import (
     Misfit,
     Pieces,
@@ -28,7 +35,7 @@ from frictionlab.analysis.simulate import initial_state_of
 from frictionlab.models.model import automaton_of, require_model
 from frictionlab.presentation import Drawable, dataframe, text_table
 from frictionlab.stability.equilibrium_problem import check_parameter
-from frictionlab.validation import check_choice, check_mapping, check_number
+from frictionlab.validation import check_choice, check_mapping, check_number, float_array
 
 Array = NDArray[np.float64]
 STRONG_CORRELATION = 0.95  # above it two parameters are named as hard to tell apart
@@ -207,7 +214,8 @@ def fit(
     TypeError
         Where `model` is no model, or `data` are no measurements.
     ValueError
-        For an unknown parameter or state; where a run with which a search begins ends before the data do.
+        For an unknown parameter, state or mode, bounds without the model's own value between, or a name given
+        twice; where a run with which a search begins ends before the data do.
 
     Notes
     -----
@@ -244,13 +252,40 @@ def _check(model: Any, data: Any, parameters: Any, x0: Any, unknown: Any, segmen
     for name in names:
         check_parameter(model, name, [])
     check_number("segments", segments, integer=True, least=1, cure="8 suits most records")
-    check_mapping("bounds", bounds or {}, 'give limits by parameter, such as {"k1": (5e3, 2e4)}')
+    limits = _check_bounds(model, names, {} if bounds is None else bounds)
     states = tuple(map(str, automaton_of(model).states))
-    of_states = (one for one in found if isinstance(one, (TimeRecord, SpectrumRecord)))
-    for name in (*unknown, *(s for one in of_states for s in one.values)):
+    check_data(found, automaton_of(model))
+    for name in unknown:
         check_choice("state", name, states, "name one of them")
+    _check_distinct("parameters", names)
+    _check_distinct("unknown", tuple(unknown))
     places = tuple(states.index(name) for name in unknown)
-    return Task(model, found, names, initial_state_of(model, x0), places, dict(bounds or {}))
+    return Task(model, found, names, initial_state_of(model, x0), places, limits)
+
+
+def _check_distinct(what: str, names: tuple[str, ...]) -> None:
+    if len({*names}) < len(names):
+        raise ValueError(f"{what} must name each one once, got {names}: leave out the repeated ones")
+
+
+def _check_bounds(model: Any, names: tuple[str, ...], bounds: Any) -> dict[str, tuple[float, float]]:
+    cure = 'give limits by parameter, such as {"k1": (5e3, 2e4)}'
+    check_mapping("bounds", bounds, cure)
+    limits: dict[str, tuple[float, float]] = {}
+    for name, pair in bounds.items():
+        if name not in names:
+            raise ValueError(
+                f"bounds must be of parameters that are fitted, got one of {name!r}: name it there"
+            )
+        found = float_array(f"bounds[{name!r}]", pair, cure)
+        start = model.parameters[name]
+        if found.shape != (2,) or not found[0] <= start <= found[1] or found[0] == found[1]:
+            raise ValueError(
+                f"bounds[{name!r}] must be (low, high) with the model's {start:g} between, where the search "
+                f"begins, got {pair!r}: widen them or begin at another value"
+            )
+        limits[name] = float(found[0]), float(found[1])
+    return limits
 
 
 class _Solution(NamedTuple):

@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 from enum import IntEnum
 from typing import Any
 
-from frictionlab.automaton.expressions import unsorted_product
+from frictionlab.automaton.expressions import integer_exponent, unsorted_product
 from frictionlab.automaton.mode import Expr
 from frictionlab.hybrid.tape.functions import (
     AFFINE,
@@ -191,8 +191,8 @@ class TapeBuilder:
             return _total([self._term(arg) for arg in expr.args])
         if expr.is_Mul:
             return self._mul(expr)
-        if expr.is_Pow and expr.exp.is_Integer:
-            return {self._power(expr.base, int(expr.exp)): sp.S.One}
+        if expr.is_Pow and (exponent := integer_exponent(expr)) is not None:
+            return {self._power(expr.base, exponent) if exponent else CONSTANT_TERM: sp.S.One}
         if expr.is_Pow and self.constant(expr.exp):
             return {self._after_rate(POWER, self.slot(expr.base), expr.exp): sp.S.One}
         if expr.func in function_table():

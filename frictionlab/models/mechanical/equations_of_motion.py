@@ -15,6 +15,7 @@ import sympy
 
 from frictionlab.automaton.mode import Combination, ModeNames
 from frictionlab.models.symbols import Structure, gradient, symbol, symbolic_copy
+from frictionlab.validation import abbreviate, did_you_mean_or_known
 
 from .contact_regimes import PHASE, ContactRegime, regimes_of_contact
 from .coupled_masses import CoupledMasses, coupled_masses
@@ -236,8 +237,10 @@ def system_of(key: Structure) -> LagrangeSystem:
 def system_at(model: Any, q: Sequence[Any], v: Sequence[Any]) -> LagrangeSystem:
     """Lagrange's equations of a symbolic copy of a model, in these symbols of coordinates and velocities."""
     names = model.coordinates
-    at = SimpleNamespace(**dict(zip(names, q, strict=True)), phase=symbol(PHASE))
-    about = _in_regimes(model.mechanics(at, SimpleNamespace(**dict(zip(names, v, strict=True)))), model)
+    at = _Symbols(**dict(zip(names, q, strict=True)), phase=symbol(PHASE))
+    about = model.mechanics(at, _Symbols(**dict(zip(names, v, strict=True))))
+    _check_mechanics(about, model)
+    about = _in_regimes(about, model)
     momenta = gradient(about.kinetic, v)
     mass = sympy.Matrix([gradient(momentum, v) for momentum in momenta])
     loads = tuple(sympy.sympify(about.loads.get(name, 0), strict=True) for name in names)
@@ -245,6 +248,23 @@ def system_at(model: Any, q: Sequence[Any], v: Sequence[Any]) -> LagrangeSystem:
     linear = model.statics is not None
     internal = _with_matrices(about, q, v) if linear else _internal(about, momenta, q, v)
     return LagrangeSystem(about, tuple(q), tuple(v), mass, internal, loads)
+
+
+class _Symbols(SimpleNamespace):
+    """The symbols of the coordinates, or of the velocities, by the coordinates' names."""
+
+    def __getattr__(self, name: str) -> Any:
+        raise AttributeError(f"there is no coordinate {name!r}{did_you_mean_or_known(name, vars(self))}")
+
+
+def _check_mechanics(about: Any, model: Any) -> None:
+    of = type(model).__name__
+    if not isinstance(about, Mechanics):
+        raise TypeError(f"mechanics of {of} must return a Mechanics, got {abbreviate(about)}")
+    for name in about.loads:
+        if name not in model.coordinates:
+            hint = did_you_mean_or_known(name, model.coordinates)
+            raise ValueError(f"loads of {of} must be on its coordinates, got one on {name!r}{hint}")
 
 
 def _in_regimes(about: Mechanics, model: Any) -> Mechanics:

@@ -119,6 +119,16 @@ class Mechanics:
     frequency: Any = None
 
     def __post_init__(self) -> None:
+        if not isinstance(self.loads, Mapping):
+            raise TypeError(
+                f"loads must map coordinates to forces, got {abbreviate(self.loads)}: write "
+                'loads={"x": self.F}'
+            )
+        if isinstance(self.contacts, (Friction, Stop)):
+            raise TypeError(
+                f"contacts must be a tuple, got one {type(self.contacts).__name__} alone: write it in "
+                "brackets, with a comma after it"
+            )
         potential = self.potential.values() if isinstance(self.potential, Mapping) else [self.potential]
         given = [self.kinetic, *potential, self.dissipation, *self.loads.values(), self.frequency]
         given += [getattr(contact, about.name) for contact in self.contacts for about in fields(contact)]

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import sympy
 
+import frictionlab as fl
 from frictionlab.components import (
     ContactLaw,
     FixedLoad,
@@ -20,7 +21,7 @@ from frictionlab.components import (
     StickSlip,
     StickSlipSeparation,
 )
-from frictionlab.models import SliderOnBelt
+from frictionlab.models import MechanicalModel, SliderOnBelt, with_signature
 from frictionlab.models.mechanical.mechanics import Mechanics, Stop
 
 TOGGLES = [names for size in range(4) for names in combinations(("cubic", "nonsmooth", "geometry"), size)]
@@ -68,6 +69,41 @@ def test_a_text_is_no_energy_load_or_contact(given):
     """sympy would run it as Python."""
     with pytest.raises(TypeError, match="must be expressions, got the text"):
         Mechanics(**given)
+
+
+def test_loads_that_are_no_mapping_and_a_contact_without_brackets_are_refused():
+    with pytest.raises(TypeError, match="loads must map coordinates to forces, got 3"):
+        Mechanics(kinetic=0, loads=3)
+    with pytest.raises(TypeError, match="contacts must be a tuple, got one Stop alone"):
+        Mechanics(kinetic=0, contacts=Stop(1, PlasticImpact()))
+
+
+@with_signature
+@dataclass(frozen=True, init=False, repr=False)
+class Mass(MechanicalModel):
+    """One mass, of which each variant states something else that is wrong."""
+
+    variant: str = "load"
+    coordinates = ("x",)
+
+    def mechanics(self, q, v):
+        """An energy, and what is wrong."""
+        if self.variant == "load":
+            return Mechanics(kinetic=v.x**2 / 2, loads={"X": 1.0})
+        return Mechanics(kinetic=v.y**2 / 2) if self.variant == "coordinate" else None
+
+
+@pytest.mark.parametrize(
+    ("variant", "error", "message"),
+    [
+        ("load", ValueError, "loads of Mass must be on its coordinates, got one on 'X': did you mean 'x'"),
+        ("coordinate", AttributeError, "there is no coordinate 'y': known are x"),
+        ("nothing", TypeError, "mechanics of Mass must return a Mechanics, got None"),
+    ],
+)
+def test_mechanics_that_do_not_fit_the_model_are_refused(variant, error, message):
+    with pytest.raises(error, match=message):
+        fl.simulate(Mass(variant=variant), 1.0)
 
 
 @pytest.fixture

@@ -167,3 +167,19 @@ def test_a_run_not_to_be_trusted_stands_beyond_its_limit():
     sizes, limits = (line.get_xdata() for line in ax.lines)
     assert sizes[0] == found.error
     assert np.isnan(limits[1:]).all()  # RK4 has no tolerance
+
+
+def test_a_new_figure_names_its_curves_and_modes():
+    run = fl.simulate(fl.SliderOnBelt(mu_k=1.4), 1.0, progress=False)
+    figure = run.plot().figure
+    (legend,) = figure.legends
+    names = [text.get_text() for text in legend.get_texts()]
+    assert {"$x_{1}$ (m)", r"$\varphi$ (rad)", "stick", "separation"} <= {*names}
+    assert len({*names}) == len(names)
+    figure.draw_without_rendering()
+    assert all(ax.get_window_extent().x1 < legend.get_window_extent().x0 for ax in figure.axes)
+
+
+def test_axes_that_are_given_get_no_legend():
+    run = fl.simulate(fl.SliderOnBelt(mu_k=1.4), 1.0, progress=False)
+    assert not run.plot(Figure(layout="constrained").add_subplot()).figure.legends

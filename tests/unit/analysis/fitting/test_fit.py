@@ -267,5 +267,42 @@ def test_bad_arguments_are_refused():
         fl.fit(FIRST, data, [])
     with pytest.raises(ValueError, match="state must be one of"):
         fl.fit(FIRST, data, ["k"], unknown=["y"])
+    with pytest.raises(ValueError, match="got nan at index 1"):
+        fl.TimeRecord([0.5, 1.0], {"x": [0.0, np.nan]})
+    with pytest.raises(ValueError, match="one state at least"):
+        fl.TimeRecord([0.5, 1.0], {})
+    with pytest.raises(ValueError, match="each one once"):
+        fl.fit(FIRST, data, ["k", "k"])
+    with pytest.raises(ValueError, match="each one once"):
+        fl.fit(FIRST, data, ["k"], unknown=["x", "x"])
+    with pytest.raises(ValueError, match="did you mean 'stick'"):
+        fl.fit(FIRST, fl.EventTimes([1.0], "sticks"), ["k"])
     with pytest.raises(KeyError, match="no parameter 'c'"):
         _ = fl.fit(TRUTH, data, ["k"], segments=1)["c"]
+
+
+@pytest.mark.parametrize(
+    ("bounds", "message"),
+    [
+        ({"m": (0.5, 2.0)}, "parameters that are fitted, got one of 'm'"),
+        ({"k": (5.0, 0.1)}, "must be \\(low, high\\)"),
+        ({"k": (20.0, 50.0)}, "where the search begins"),
+        ({"k": (0.1, 1.0, 5.0)}, "must be \\(low, high\\)"),
+        ({"k": "wide"}, "must hold numbers"),
+    ],
+)
+def test_bounds_that_no_search_can_keep_are_refused(bounds, message):
+    data, _ = record(TRUTH, 2.0, 10)
+    with pytest.raises(ValueError, match=message):
+        fl.fit(FIRST, data, ["k"], bounds=bounds)
+
+
+@pytest.mark.parametrize("values", [{-1: 1.0}, {"x": 1.0}, {0: -1.0}, {0: np.nan}])
+def test_frequencies_are_positive_numbers_of_modes(values):
+    with pytest.raises(ValueError, match="must be"):
+        fl.Frequencies(values)
+
+
+def test_frequencies_of_more_modes_than_the_model_has_are_refused():
+    with pytest.raises(ValueError, match="must be below 1"):
+        fl.fit(FIRST, fl.Frequencies({5: 13.5}), ["k"])

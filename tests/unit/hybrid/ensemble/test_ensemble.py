@@ -284,3 +284,11 @@ def test_a_law_that_is_no_number_ends_the_runs():
     batch = fl.ensemble([model] * 6, 20.0, x0=starts, progress=False)
     assert set(batch.status) == {fl.Status.NOT_FINITE}
     np.testing.assert_array_equal(batch.states, starts)
+
+
+@pytest.mark.parametrize("starts", [["rest", [0.0, 1.0]], [{"x": 1.0}, [0.0, 1.0]], ("rest", {"x": 1.0})])
+def test_each_run_may_have_an_initial_state_of_another_kind(starts):
+    model = fl.MassOnBelt()
+    ends = fl.ensemble([model, model], 1.0, x0=starts, progress=False)
+    for end, start in zip(ends.states, starts):
+        assert end.tolist() == fl.simulate(model, 1.0, x0=start, progress=False).final_state.tolist()

@@ -175,3 +175,33 @@ def test_the_linear_smooth_scene_is_one_affine_combination_per_acceleration():
 def test_only_numbers_differ_between_parameters():
     one, two = (fl.SliderOnBelt(mu_k=mu).automaton() for mu in (0.3, 1.4))
     assert program_of(one)[0] is program_of(two)[0]
+
+
+@pytest.mark.parametrize("exponent", [3, 2, 1, -2])
+def test_an_integer_exponent_may_be_written_as_a_float(exponent):
+    """x^2.0 is x^2 for a negative x too, in flows, outputs, sections and quadratures."""
+
+    def run(written):
+        outputs = {"w": X**written}
+        flow = Y, -X - 0.1 * (X - 3) ** written
+        automaton = fl.HybridAutomaton((X, Y), (fl.Mode("on", flow, outputs=outputs),), coordinates=1)
+        return fl.solve(
+            automaton,
+            4.0,
+            x0=[1.0, 0.0],
+            sections={"half": (X - 0.5) ** abs(written)},
+            quadratures={"a": Y**written if exponent > 0 else (X - 3) ** written, "b": f"(x - 3)**{written}"},
+            progress=False,
+        )
+
+    found, expected = run(float(exponent)), run(exponent)
+    assert expected.states[:, 1].min() < 0
+    assert found.final_state.tolist() == expected.final_state.tolist()
+    assert found.w.tolist() == expected.w.tolist()
+    assert found.quadratures == expected.quadratures
+    assert found.sections["half"].t.tolist() == expected.sections["half"].t.tolist()
+
+
+def test_a_power_zero_written_as_a_float_is_one():
+    automaton = fl.HybridAutomaton((X,), (fl.Mode("on", (X**0.0,)),))
+    assert fl.solve(automaton, 2.0, x0=[-1.0], progress=False).final_state == pytest.approx([1.0])
