@@ -208,7 +208,7 @@ class Drawable:
         else:
             drawn = plotting.axes_or_new(ax)
             draw(self, drawn, **options)
-        if ax is None:
+        if ax is None and options.get("legend", True):
             plotting.add_missing_legend(drawn.figure)
         return drawn
 

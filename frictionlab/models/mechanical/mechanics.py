@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from typing import Any
 
+from frictionlab.automaton.mode import check_elements
 from frictionlab.components.contact import Interface, StickSlipSeparation
 from frictionlab.components.friction import FrictionLaw
 from frictionlab.components.impact import ImpactLaw
@@ -124,11 +125,7 @@ class Mechanics:
                 f"loads must map coordinates to forces, got {abbreviate(self.loads)}: write "
                 'loads={"x": self.F}'
             )
-        if isinstance(self.contacts, (Friction, Stop)):
-            raise TypeError(
-                f"contacts must be a tuple, got one {type(self.contacts).__name__} alone: write it in "
-                "brackets, with a comma after it"
-            )
+        check_elements("contacts", self.contacts, Friction, Stop)
         potential = self.potential.values() if isinstance(self.potential, Mapping) else [self.potential]
         given = [self.kinetic, *potential, self.dissipation, *self.loads.values(), self.frequency]
         given += [getattr(contact, about.name) for contact in self.contacts for about in fields(contact)]

@@ -74,8 +74,10 @@ def test_a_text_is_no_energy_load_or_contact(given):
 def test_loads_that_are_no_mapping_and_a_contact_without_brackets_are_refused():
     with pytest.raises(TypeError, match="loads must map coordinates to forces, got 3"):
         Mechanics(kinetic=0, loads=3)
-    with pytest.raises(TypeError, match="contacts must be a tuple, got one Stop alone"):
+    with pytest.raises(TypeError, match="contacts must be a tuple, got the Stop alone"):
         Mechanics(kinetic=0, contacts=Stop(1, PlasticImpact()))
+    with pytest.raises(TypeError, match="contacts must be of the class Friction or Stop, got PlasticImpact"):
+        Mechanics(kinetic=0, contacts=(PlasticImpact(),))
 
 
 @with_signature

@@ -183,3 +183,8 @@ def test_a_new_figure_names_its_curves_and_modes():
 def test_axes_that_are_given_get_no_legend():
     run = fl.simulate(fl.SliderOnBelt(mu_k=1.4), 1.0, progress=False)
     assert not run.plot(Figure(layout="constrained").add_subplot()).figure.legends
+
+
+def test_a_legend_that_is_not_wanted_is_not_drawn():
+    ax = result("basins").plot(legend=False)
+    assert not ax.figure.legends and ax.get_legend() is None
