@@ -88,7 +88,7 @@ class Mode:
         Named quantities that the trajectory offers as ``run.<name>``; every mode has the same names.
     limit : bool
         Whether this is a limit mode of Zeno behaviour: it is entered by an event's `accumulation` reset,
-        before any other mode, and in no other way.
+        before any other mode, or by an event of a limit mode that names it, and in no other way.
     """
 
     name: str

@@ -346,17 +346,20 @@ class Packer:
         )
 
     def _targets(self, initial: Sequence[int]) -> np.ndarray:
-        """For each event its targets, then all others, no limit modes; empty where modes are on demand."""
+        """For each event its targets, then all others but limit modes; empty where modes are on demand.
+
+        Only events of limit modes may lead to one.  Rows are filled up by their first mode, tried already.
+        """
         if not initial:
             return np.zeros((len(self.event_resets), 0), dtype=np.int64)
-        places = {mode.name: i for i, mode in enumerate(self.modes)}
-        tried = {*initial}
-        orders = (
-            dict.fromkeys((*(places[name] for name in event.targets), *initial))
-            for mode in self.modes
-            for event in mode.events
-        )
-        return int_array([[i for i in order if i in tried] for order in orders], columns=len(initial))
+        places, tried = {mode.name: i for i, mode in enumerate(self.modes)}, {*initial}
+        rows = []
+        for mode in self.modes:
+            for event in mode.events:
+                named = [places[name] for name in event.targets]
+                rows.append([*dict.fromkeys([i for i in named if mode.limit or i in tried] + [*initial])])
+        columns = max(map(len, rows), default=len(initial))
+        return int_array([row + row[:1] * (columns - len(row)) for row in rows], columns=columns)
 
 
 def _demand_arrays(

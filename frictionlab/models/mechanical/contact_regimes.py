@@ -312,11 +312,10 @@ def _limit(found: LagrangeSystem, contact: Friction, rate: Any) -> Mode:
         "friction_force": sympy.S.Zero,
         "relative_velocity": contact.relative_velocity,
     }
-    flow = (*found.v, *_accelerations(found, contact, force))
+    flow = (*found.v, *_accelerations(found, contact, force), *found.phase_rate)
     constraints = (contact.penetration, found.rate(contact.penetration))
-    return Mode(
-        CHATTER_MODE, flow, _chatter_events(found, contact, rate, closing), constraints, outputs, limit=True
-    )
+    events = (*_chatter_events(found, contact, rate, closing), *period_events(found, CHATTER_MODE))
+    return Mode(CHATTER_MODE, flow, events, constraints, outputs, limit=True)
 
 
 def leaving_rate(found: LagrangeSystem, contact: Friction) -> Any:
@@ -339,14 +338,22 @@ def leaving_rate(found: LagrangeSystem, contact: Friction) -> Any:
 
 def closing_acceleration(found: LagrangeSystem, contact: Friction) -> Any:
     """Second derivative of the penetration in flight, Eq. (9)."""
-    state = zip((*found.q, *found.v), (*found.v, *_accelerations(found, contact, 0)), strict=True)
+    rates = (*found.v, *_accelerations(found, contact, 0), *found.phase_rate)
     penetration_rate = found.rate(contact.penetration)
-    return sum(sympy.diff(penetration_rate, x) * rate for x, rate in state)
+    return sum(sympy.diff(penetration_rate, x) * rate for x, rate in zip(found.states, rates, strict=True))
 
 
 def _accelerations(found: LagrangeSystem, contact: Friction, force: Any) -> list[Any]:
     """Accelerations under a normal force without friction."""
     return list(found.inverse * sympy.Matrix(found.forces(contact, force)))
+
+
+def period_events(found: LagrangeSystem, mode: str) -> tuple[Event, ...]:
+    """The event that sets the phase back by 2 pi, which leaves the mode as it is; () without a phase."""
+    turn = 2 * sympy.pi
+    return tuple(
+        Event("period", turn - phase, (mode,), Reset({phase: phase - turn})) for phase in found.phase
+    )
 
 
 def _chatter_events(found: LagrangeSystem, contact: Friction, rate: Any, closing: Any) -> tuple[Event, ...]:

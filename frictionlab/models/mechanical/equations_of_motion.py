@@ -152,13 +152,18 @@ class LagrangeSystem:
         return () if self.mechanics.frequency is None else (symbol(PHASE),)
 
     @property
+    def phase_rate(self) -> tuple[Any, ...]:
+        """The rate of the phase, where something depends on time."""
+        return tuple(self.mechanics.frequency for _ in self.phase)
+
+    @property
     def states(self) -> tuple[Any, ...]:
         """Coordinates, velocities, phase."""
         return (*self.q, *self.v, *self.phase)
 
     def rate(self, expression: Any) -> Any:
         """Time derivative of a function of coordinates and phase."""
-        rates = (*self.v, *(self.mechanics.frequency for _ in self.phase))
+        rates = (*self.v, *self.phase_rate)
         slopes = self.gradient(expression, (*self.q, *self.phase))
         return sum((slope * rate for slope, rate in zip(slopes, rates, strict=True)), sympy.S.Zero)
 

@@ -12,12 +12,20 @@ from typing import Any
 
 import sympy
 
-from frictionlab.automaton import Event, HybridAutomaton, Mode, Reset
+from frictionlab.automaton import Event, HybridAutomaton, Mode
 from frictionlab.automaton.mode import Combination, ModesOnDemand, Regime
 from frictionlab.models.serialisation import Structure, structure_of_component, structure_to_data
 from frictionlab.models.symbols import automaton_of_structure, expand_products
 
-from .contact_regimes import CHATTER_TIME, ContactRegime, RegimeEnd, chatter_mode, impact_resets, stick_reset
+from .contact_regimes import (
+    CHATTER_TIME,
+    ContactRegime,
+    RegimeEnd,
+    chatter_mode,
+    impact_resets,
+    period_events,
+    stick_reset,
+)
 from .coupled_masses import HeldVelocities, held_velocities
 from .equations_of_motion import LagrangeSystem, Pair, lagrange_system
 from .mechanics import Friction, Stop
@@ -160,7 +168,7 @@ def flow_and_forces(
 ) -> tuple[tuple[Any, ...], list[Any]]:
     """The rates of all states, and the force of each contact."""
     accelerations, forces = solve_contact_forces(found, chosen)
-    return (*found.v, *accelerations, *(found.mechanics.frequency for _ in found.phase)), forces
+    return (*found.v, *accelerations, *found.phase_rate), forces
 
 
 def mode_of(found: LagrangeSystem, combination: Combination) -> Mode:
@@ -173,10 +181,7 @@ def mode_of(found: LagrangeSystem, combination: Combination) -> Mode:
         for i, regime in enumerate(chosen)
         for end in regime.ends(forces[i])
     ]
-    events += [
-        Event("period", 2 * sympy.pi - phase, (name,), Reset({phase: phase - 2 * sympy.pi}))
-        for phase in found.phase
-    ]
+    events += period_events(found, name)
     constraints = tuple(c for regime in chosen for c in regime.constraints)
     outputs = _outputs(found, chosen, forces)
     return Mode(name, flow, tuple(events), constraints, outputs)

@@ -1,12 +1,18 @@
 """Chatter: the limit of ever shorter flights against walking through them, and against a closed form."""
 
+from dataclasses import dataclass
+from types import MappingProxyType
+
 import numpy as np
 import pytest
 import sympy as sp
 from scipy.integrate import trapezoid
+from scipy.optimize import brentq
 
 import frictionlab as fl
 from frictionlab.automaton import Event, HybridAutomaton, Mode, Reset
+from frictionlab.components import functions
+from frictionlab.models import Friction, Mechanics, with_signature
 
 MATERIAL = fl.SliderOnBelt(mu_k=1.4)
 STIFF = fl.SliderOnBelt(mu_k=1.0, F=800.0, k_nl=1e7, k4=5e6, k5=5e6, k6=5e6)
@@ -144,3 +150,50 @@ def test_an_independent_integrator_sees_the_same_chatter(name):
     assert other.events.target.tolist() == exact.events.target.tolist()
     assert np.abs(other.events.t - exact.events.t).max() < 1e-6
     assert np.abs(other.final_state - exact.final_state).max() < 1e-7
+
+
+@with_signature
+@dataclass(frozen=True, init=False, repr=False)
+class DrivenOnSlope(fl.MechanicalModel):
+    """A mass that slides down a slope without friction, under harmonic forces; F_N has no part along x."""
+
+    Omega: float = fl.parameter(40.0, unit="rad/s", symbol="O", meaning="frequency", range=(1.0, 100.0))
+    friction: fl.FrictionLaw = fl.Coulomb(mu_k=0.0, mu_s=0.0)
+    impact: fl.ImpactLaw = fl.PlasticImpact()
+    roles = MappingProxyType({"friction": fl.FrictionLaw, "impact": fl.ImpactLaw})
+    coordinates = ("x", "y")
+
+    def mechanics(self, q, v):
+        depth = q.y + 0.1 * q.x
+        contact = Friction(1.0 - v.x, lambda d: 1e4 * d, self.friction, depth, (0, -1), self.impact)
+        return Mechanics(
+            kinetic=(v.x**2 + v.y**2) / 2,
+            contacts=(contact,),
+            loads={"x": 3.0 + 20.0 * functions.cos(q.phase), "y": 50.0 + 20.0 * functions.cos(q.phase)},
+            frequency=self.Omega,
+        )
+
+
+def test_chatter_goes_on_through_the_periods_of_a_force():
+    """x' = -1 + 3 t + (20/Omega) sin(Omega t) throughout, and chatter ends where it comes to zero."""
+
+    def speed(t):
+        return -1.0 + 3.0 * t + 0.5 * np.sin(40.0 * t)
+
+    times = np.linspace(0.0, 0.4, 4001)
+    end = brentq(speed, *times[np.argmax(speed(times) > 0) + np.array([-1, 0])])
+    run = fl.simulate(
+        DrivenOnSlope(), 0.4, x0={"y": -1e-12, "x'": -1.0}, method=fl.Taylor(chatter=1e-2), progress=False
+    )
+    assert run.status is fl.Status.FINISHED
+    limit = (run.events.source == "chatter") & (run.events.t < end + 1e-6)  # it comes again later
+    assert run.events.guard[limit].tolist() == ["period", "leaving rate"]
+    assert run.events.t[limit] == pytest.approx([2 * np.pi / 40.0, end], abs=1e-12)
+    inside = np.linspace(run.events.t[run.events.target == "chatter"][0] + 1e-9, end - 1e-9, 50)
+    x, y, dx, _, phase = run(inside).T
+    assert np.abs(dx - speed(inside)).max() < 1e-13
+    assert np.abs(y + 0.1 * x).max() < 1e-13
+    assert phase == pytest.approx(40.0 * inside % (2 * np.pi), abs=1e-12)
+    # The force closes the gap with b = 50 + 20 c + 0.1 (3 + 20 c) with c = cos(phase), and a = 1.
+    force = 50.3 + 22.0 * np.cos(40.0 * inside)
+    assert run.output("normal_force", inside) == pytest.approx(force, abs=1e-10)
