@@ -30,10 +30,9 @@ from frictionlab.hybrid.tape.packing import program_of, program_of_modes
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models.model import Model, automaton_of, require_model
 from frictionlab.models.symbols import automaton_from_structure_data
-from frictionlab.stability import equilibrium
+from frictionlab.stability.eigenproblems.displaced_equilibrium import displaced_equilibrium
 from frictionlab.validation import abbreviate, check_choice, float_array, plain_number
 
-NEAR_EQUILIBRIUM_FACTOR = 1.01  # "near": the equilibrium displaced by one percent
 RATES_RTOL = 1e-9  # rates by the same equations agree to rounding, on every processor
 
 
@@ -52,10 +51,9 @@ def model_initial_state(model: Any, x0: Any, automaton: Any = None) -> Any:
     if not isinstance(x0, str):
         return np.append(x0, np.zeros(len(names) - 2 * n)) if np.shape(x0) == (2 * n,) else x0
     check_choice("x0", x0, ("rest", "near"), "or give numbers, one for each state")
-    start = np.zeros(len(names))
     if x0 == "near":
-        start[:n] = NEAR_EQUILIBRIUM_FACTOR * equilibrium(model).q
-        return start
+        return displaced_equilibrium(model)
+    start = np.zeros(len(names))
     for name, value in model.release().items():
         start[names.index(name)] = value
     return start
@@ -109,7 +107,10 @@ def simulate(
         End time in seconds, positive.
     x0 : "rest", "near", mapping or array_like (2n,)
         "rest": all states zero, but for those that `Model.release` gives.  "near": the sliding
-        equilibrium with its coordinates displaced by one percent, velocities zero.  A mapping such as
+        equilibrium with its coordinates displaced by one percent, velocities zero, further states as at the
+        equilibrium.  Where that leaves a growing mode at rest, or all coordinates are zero, the state is
+        displaced along the least stable mode: by one percent of the size at which this mode's motion meets
+        an event or is no longer linear; by 0.01 in its largest state if it always is.  A mapping such as
         ``{"x1": 0.1, "x1'": -0.2}`` gives some states; the others are as at rest.  An array holds
         coordinates, then velocities; further states of a model, such as the phase of a force, are zero where
         they are left out.

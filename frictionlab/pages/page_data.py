@@ -159,10 +159,9 @@ def _sliding(mode: Mode, number: int, automaton: HybridAutomaton, parameters: An
 def _known_equilibrium(model: Model, automaton: HybridAutomaton) -> list[float]:
     """Where the search for the equilibrium begins: at that of this model, or at zero."""
     try:
-        q = [float(value) for value in equilibrium(model).q]
+        return equilibrium(model).state.tolist()
     except (ValueError, ArithmeticError):
-        q = []
-    return [*q, *[0.0] * (len(automaton.states) - len(q))]
+        return [0.0] * len(automaton.states)
 
 
 def switch_names(model: Model, switches: Sequence[str] | None) -> tuple[str, ...]:

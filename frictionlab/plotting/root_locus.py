@@ -99,7 +99,7 @@ class _EquilibriumFrames:
         return (*self.found.names, *(f"{name}'" for name in self.found.names))
 
     def __call__(self, t: Array) -> Array:
-        return np.tile(np.append(self.found.q, np.zeros(len(self.found.q))), (len(t), 1))
+        return np.tile(self.found.state[: len(self.names)], (len(t), 1))
 
     def output(self, name: str, t: Array) -> Array:
         """A force or the penetration; NaN where the equilibrium does not have it."""

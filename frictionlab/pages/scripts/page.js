@@ -97,7 +97,7 @@ function startState(structure, values) {
   view.equilibrium = known ? known.z : null;
   const n = structure.coordinates, rest = structure.release(values);
   if (settings.start === "near" && !known) throw new RangeError("there is no equilibrium to start near of: start from rest");
-  return [known, settings.start === "near" ? rest.map((v, i) => i < n ? 1.01 * known.z[i] : i < 2 * n ? 0 : v) : rest];
+  return [known, settings.start === "near" ? known.z.map((v, i) => i < n ? 1.01 * v : v) : rest];
 }
 
 function compute(dragging) {

@@ -24,11 +24,11 @@ class Eigenvalues(Drawable):
 
     Parameters
     ----------
-    values : complex array (2n,)
+    values : complex array (m,)
         1/s, by ascending magnitude of the imaginary part; conjugate pairs are adjacent.  A growth rate that
         rounding of the state matrix could explain is 0.
-    vectors : complex array (2n, 2n)
-        The eigenvectors as columns: coordinates, then velocities.
+    vectors : complex array (m, m)
+        The eigenvectors as columns: coordinates, then velocities, then further states; m = 2n without these.
     equilibrium : Equilibrium
         Where the system was linearised.
     """
@@ -41,12 +41,12 @@ class Eigenvalues(Drawable):
 
     @property
     def frequencies(self) -> Array:
-        """|Im|/(2 pi), Hz, (2n,)."""
+        """|Im|/(2 pi), Hz, (m,)."""
         return np.abs(self.values.imag) / (2 * np.pi)
 
     @property
     def growth_rates(self) -> Array:
-        """Real parts, 1/s, (2n,): positive ones grow, those that are 0 neither grow nor decay."""
+        """Real parts, 1/s, (m,): positive ones grow, those that are 0 neither grow nor decay."""
         return self.values.real
 
     @property
@@ -61,12 +61,12 @@ class Eigenvalues(Drawable):
 
     @property
     def shapes(self) -> ComplexArray:
-        """Mode shapes (n, 2n) as columns: the coordinates, the largest of them 1."""
+        """Mode shapes (n, m) as columns: the coordinates, the largest of them 1."""
         return mode_shapes(self.vectors, len(self.equilibrium.q))
 
     @property
     def participation(self) -> Array:
-        """Share of each coordinate in each mode, (n, 2n); columns sum to 1."""
+        """Share of each coordinate in each mode, (n, m); columns sum to 1."""
         left: Any = np.linalg.inv(self.vectors)
         return participation_factors(left, self.vectors, len(self.equilibrium.q))
 
@@ -130,7 +130,7 @@ def eigenvalues(model: Any) -> Eigenvalues:
     (True, [13.51, 14.92, 15.71, 17.74, 25.63])
     """
     point = equilibrium(model)
-    matrix = jacobian(model, point.q)
+    matrix = jacobian(model, point.state)
     pairs: Any = np.linalg.eig(matrix)
     values, vectors = pairs.eigenvalues.astype(complex), pairs.eigenvectors.astype(complex)
     values.real[is_neutral(matrix, values)] = 0.0
@@ -139,8 +139,8 @@ def eigenvalues(model: Any) -> Eigenvalues:
     return Eigenvalues(values[order], vectors[:, order], point)
 
 
-def jacobian(model: Any, q: Array) -> Array:
-    """The state matrix (2n, 2n) of steady sliding at coordinates `q` and zero velocities.
+def jacobian(model: Any, state: Array) -> Array:
+    """The state matrix (m, m) of the mode that has the default equilibrium, at a state (m,).
 
     Raises
     ------
@@ -151,11 +151,8 @@ def jacobian(model: Any, q: Array) -> Array:
     problem = equilibrium_problem(model)
     if by_penetration(model) and sliding_equations(model).rests(problem.values):
         raise ValueError("v must not be 0 for steady sliding, got 0.0: give the belt a speed")
-    found = problem.state_matrix()
-    x = np.zeros(found.size)
-    x[: len(q)] = q
     with np.errstate(all="ignore"):
-        matrix = found.at(x, problem.values)
+        matrix = problem.state_matrix().at(state, problem.values)
     if not np.isfinite(matrix).all():
         raise ValueError(
             f"the state matrix of {model!r} must be finite at its equilibrium, and is not: a law has no "

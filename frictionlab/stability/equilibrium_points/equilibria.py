@@ -68,7 +68,7 @@ def equilibrium_problem(model: Any, equilibrium: Equilibrium | None = None) -> E
 
 
 def _check_equilibrium(model: Any, equilibrium: Any) -> NDArray[np.float64]:
-    """The coordinates of one of the model's equilibria, checked to have F_N > 0 where there is a contact."""
+    """The state of one of the model's equilibria, checked to have F_N > 0 where there is a contact."""
     known = equilibria(model)
     if not isinstance(equilibrium, Equilibrium) or not any(_same_equilibrium(e, equilibrium) for e in known):
         raise ValueError(
@@ -79,11 +79,12 @@ def _check_equilibrium(model: Any, equilibrium: Any) -> NDArray[np.float64]:
         raise ValueError(
             f"equilibrium must have F_N > 0, got {equilibrium.normal_force:.4g} N: there is no contact"
         )
-    return equilibrium.q
+    return equilibrium.state
 
 
 def _same_equilibrium(one: Equilibrium, other: Equilibrium) -> bool:
-    return one.q.shape == other.q.shape and np.allclose(one.q, other.q, rtol=EQUILIBRIUM_RTOL, atol=0.0)
+    x, y = one.state, other.state
+    return x.shape == y.shape and np.allclose(x, y, rtol=EQUILIBRIUM_RTOL, atol=0.0)
 
 
 def equilibrium_branches(model: Any, parameter: str, bounds: tuple[float, float]) -> list[EquilibriumProblem]:
@@ -128,8 +129,8 @@ class Equilibrium(Drawable):
 
     Parameters
     ----------
-    q : array (n,)
-        The coordinates, m and rad.
+    state : array (m,)
+        The whole state: coordinates, velocities, and what further states there are.
     penetration : float
         Penetration of the contact, m.
     normal_force, friction_force : float
@@ -143,7 +144,7 @@ class Equilibrium(Drawable):
 
     drawn_by = "plot_equilibrium"
 
-    q: Array
+    state: Array
     penetration: float
     normal_force: float
     friction_force: float
@@ -151,13 +152,26 @@ class Equilibrium(Drawable):
     model: Any
     names: tuple[str, ...]
 
+    @property
+    def q(self) -> Array:
+        """The coordinates (n,), m and rad; all states of an automaton that has no coordinates."""
+        return self.state[: len(self.names)]
+
     def __repr__(self) -> str:
         known = bool(self.model.coordinates)  # states of an automaton without coordinates may have any unit
         units = {name: f" {state_unit(name)}" if known else "" for name in self.names}
-        places = shorten(f"{name} {q:.4g}{units[name]}" for name, q in zip(self.names, self.q))
+        shown = [*zip(self.names, self.q), *zip(self._further_names, self.state[2 * len(self.names) :])]
+        places = shorten(f"{name} {value:.4g}{units.get(name, '')}" for name, value in shown)
         forces = {"F_N": self.normal_force, "F_T": self.friction_force}
-        shown = "".join(f", {name} {force:.4g} N" for name, force in forces.items() if np.isfinite(force))
-        return f"Equilibrium({places}{shown})"
+        acting = "".join(f", {name} {force:.4g} N" for name, force in forces.items() if np.isfinite(force))
+        return f"Equilibrium({places}{acting})"
+
+    @property
+    def _further_names(self) -> tuple[str, ...]:
+        """Names of the states that are neither coordinates nor velocities, such as temperatures."""
+        if len(self.state) <= 2 * len(self.names):
+            return ()
+        return automaton_of(self.model).state_names[2 * len(self.names) :]
 
 
 def equilibria(model: Any) -> tuple[Equilibrium, ...]:
@@ -246,7 +260,7 @@ def _automaton_equilibria(model: Any) -> tuple[Equilibrium, ...]:
     n, values = automaton.coordinates or len(automaton.state_names), parameter_values(automaton)
     return tuple(
         Equilibrium(
-            x[:n],
+            x,
             *mode.shown(x, values),
             residual=newton_residual(mode.flow, x, values),
             model=model,
@@ -288,4 +302,5 @@ def _sliding_equilibrium(
             f"the equilibrium at a penetration of {penetration:.6g} m must satisfy the static equations to "
             f"{MAX_STATIC_RESIDUAL:g}, got {left:.2g}: the stiffnesses differ by too many orders of magnitude"
         )
-    return Equilibrium(q, penetration, normal, friction, left, model, tuple(model.coordinates))
+    state = np.append(q, np.zeros(len(q)))
+    return Equilibrium(state, penetration, normal, friction, left, model, tuple(model.coordinates))

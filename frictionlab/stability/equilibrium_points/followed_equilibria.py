@@ -42,8 +42,7 @@ Array = NDArray[np.float64]
 def nearest_equilibrium_problem(model: Any, closest_to: Array | None = None) -> EquilibriumProblem:
     """The problem of the equilibrium nearest to the origin, in the first mode that has one inside its guards.
 
-    With `closest_to` (n,) it is the equilibrium nearest to these coordinates, or to these states where there
-    are no coordinates.
+    With `closest_to` (m,) it is the equilibrium nearest to this state.
 
     Raises
     ------
@@ -54,11 +53,8 @@ def nearest_equilibrium_problem(model: Any, closest_to: Array | None = None) -> 
     mode, points = first_mode_equilibria(automaton, isinstance(model, Model))
     if not points.size:
         raise no_equilibrium_error(model)
-    i = (
-        0
-        if closest_to is None
-        else int(np.argmin(np.linalg.norm(points[: len(closest_to)] - closest_to[:, None], axis=0)))
-    )
+    apart = points if closest_to is None else points - closest_to[:, None]
+    i = 0 if closest_to is None else int(np.argmin(np.linalg.norm(apart, axis=0)))
     return problem_from_equilibrium(model, automaton, mode, points[:, i])
 
 
@@ -213,14 +209,13 @@ def search_range(statics: Statics, values: Sequence[Any]) -> Any:
 def sliding_problem(model: Any, start: Array | None = None) -> EquilibriumProblem:
     """Steady sliding of a model at the equilibrium with F_N > 0 and the smallest penetration.
 
-    With `start` (n,) it is the equilibrium with these coordinates, followed from there.
+    With `start` (2n,) it is the equilibrium at this state, followed from there.
     """
     equations = sliding_equations(model)
     values = equations.values(model)
     solve: Callable[[Sequence[Any], int], Array] = partial(_solve, equations)
     if start is not None:
-        x = np.append(start, np.zeros(len(start)))
-        solve = continuation_solver(sliding_flow(equations), x, values, partial(_is_pressed, equations))
+        solve = continuation_solver(sliding_flow(equations), start, values, partial(_is_pressed, equations))
     return EquilibriumProblem(
         model,
         equations.coordinates,

@@ -1,0 +1,109 @@
+"""A state near an equilibrium, from which the least stable mode shows whether it grows: ``x0="near"``.
+
+Its coordinates are one percent off.  Where that leaves a growing mode at rest, as in a plane of symmetry, or
+where all of them are zero, the least stable mode itself is displaced by one percent of its own size.  That is
+the size s at which the linear motion x_e + s Re(exp(i a) r), over all angles a, first meets an event or is no
+longer linear: the part of the rates that is not linear, along the left vector l, becomes half of |lambda| s.
+So no length of a unit of its own comes in.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from frictionlab.stability.eigenproblems.eigenvalues import jacobian
+from frictionlab.stability.equilibrium_points.equilibria import Equilibrium, equilibrium, equilibrium_problem
+from frictionlab.stability.equilibrium_problem import EquilibriumProblem, is_neutral
+from frictionlab.stability.flow import NullVectors, null_vectors
+
+Array = NDArray[np.float64]
+DISPLACEMENT = 0.01  # share by which coordinates, or the mode, are displaced
+NEAR_EQUILIBRIUM_FACTOR = 1.01  # the same for coordinates; 1 + 0.01 rounds to it
+SEEN_SHARE = 1e-9  # of the terms of a sum that cancel: what is smaller is rounding
+NEGLIGIBLE_SHARE = 1e-6  # of the mode's displacement: one that is so much smaller leaves the mode at rest
+NONLINEAR_SHARE = 0.5  # of the linear rates: with more the motion is no longer linear
+SIZES = np.geomspace(1e-40, 1e40, 321)  # of the mode, in units of its vector: four in a decade
+ANGLES = np.linspace(0.0, 2 * np.pi, 16, endpoint=False)
+
+
+class Mode(NamedTuple):
+    """An eigenvalue (1/s) and its vectors."""
+
+    value: complex
+    vectors: NullVectors
+
+
+def displaced_equilibrium(model: Any) -> Array:
+    """The state (m,) near the default equilibrium of a model.
+
+    Raises
+    ------
+    ValueError
+        If there is no equilibrium, or it is at the origin and cannot be linearised.
+    """
+    point = equilibrium(model)
+    state, n = point.state.copy(), len(point.q)
+    state[:n] *= NEAR_EQUILIBRIUM_FACTOR
+    try:
+        matrix = jacobian(model, point.state)
+    except ValueError:
+        if point.q.any():
+            return state
+        raise
+    mode = _least_stable_mode(matrix)
+    if mode.value.real <= 0 and point.q.any():
+        return state
+    size = _linear_size(equilibrium_problem(model), point, matrix, mode)
+    if _is_excited(mode, state - point.state, size):
+        return state
+    right = mode.vectors.right
+    largest = right[np.argmax(np.abs(right[:n]) if right[:n].any() else np.abs(right))]
+    return state + DISPLACEMENT * (1.0 if np.isinf(size) else size) * (right * abs(largest) / largest).real
+
+
+def _least_stable_mode(matrix: Array) -> Mode:
+    """The mode that grows fastest; of those that neither grow nor decay that of the highest frequency."""
+    values: Any = np.linalg.eigvals(matrix).astype(complex)
+    values.real[is_neutral(matrix, values)] = 0.0
+    value = complex(values[np.lexsort((np.abs(values.imag), values.real))[-1]])
+    vectors = null_vectors(matrix, value)
+    right = vectors.right / np.abs(vectors.right).max()
+    return Mode(value, NullVectors(vectors.left, right, complex(vectors.left @ right)))
+
+
+def _is_excited(mode: Mode, shift: Array, size: float) -> bool:
+    """Whether a displacement (m,) has a part along the mode, beside the size at which this is not linear."""
+    left = mode.vectors.left
+    part = abs(left @ shift)
+    if part <= SEEN_SHARE * float(np.abs(left) @ np.abs(shift)):
+        return False
+    return np.isinf(size) or part > NEGLIGIBLE_SHARE * DISPLACEMENT * size * abs(mode.vectors.product)
+
+
+def _linear_size(problem: EquilibriumProblem, point: Equilibrium, matrix: Array, mode: Mode) -> float:
+    """The size (in units of the mode's vector) up to which its motion is linear and meets no event.
+
+    Infinite where it always is.  At sizes that rounding hides the motion does not seem linear either, so it
+    is the end of the widest range of sizes at which it does.
+    """
+    way = (np.exp(1j * ANGLES)[:, None] * mode.vectors.right).real
+    way = way[np.abs(way).max(axis=1) > NONLINEAR_SHARE]  # those of a real mode may vanish
+    moved = SIZES[:, None, None] * way  # (sizes, angles, m)
+    at = (point.state + moved).reshape(-1, len(point.state)).T
+    with np.errstate(all="ignore"):
+        rates, margin = (
+            np.broadcast_to(f(at, problem.values), (*lead, at.shape[1]))
+            for f, lead in ((problem.flow.rhs, (len(at),)), (problem.flow.margin, ()))
+        )
+        bent = np.abs(mode.vectors.left @ (rates - matrix @ moved.reshape(at.T.shape).T))
+        usual = abs(mode.value * mode.vectors.product) * np.repeat(SIZES, len(way))
+        linear = ((bent < NONLINEAR_SHARE * usual) & (margin > 0)).reshape(len(SIZES), -1).all(axis=1)
+    ends = np.flatnonzero(np.diff(np.concatenate([[False], linear, [False]]).astype(int)))
+    if not len(ends):
+        return np.inf
+    starts, stops = ends[::2], ends[1::2]
+    last = int(stops[np.argmax(stops - starts)])
+    return float(SIZES[last]) if last < len(SIZES) else np.inf
