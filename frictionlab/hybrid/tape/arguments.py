@@ -32,6 +32,7 @@ OPERATIONS: dict[type, Callable[..., Any]] = {
     ast.UAdd: operator.pos,
     ast.USub: operator.neg,
 }
+TIME_NAMES = "t", "time"  # what users call time
 ARITHMETIC = "numbers, names, + - * / ** and parentheses are all that it may hold"
 
 
@@ -124,8 +125,17 @@ def check_mode(
         if strange := sp.sympify(expr, strict=True).free_symbols - known:
             raise ValueError(
                 f"{what} of mode {mode.name!r} uses {sorted(map(str, strange))}, which is neither a state "
-                "nor a parameter: add it to the automaton's parameters"
+                f"nor a parameter: {_cure_of_unknown(strange)}"
             )
+
+
+def _cure_of_unknown(strange: set[Any]) -> str:
+    if any(str(each) in TIME_NAMES for each in strange):  # as a parameter, time would stand still
+        return (
+            "for a force that depends on time give Mechanics its frequency, and write cos(q.phase); in an "
+            "automaton add a state whose rate is 1, or the angular frequency"
+        )
+    return "add it to the automaton's parameters"
 
 
 def _check_resets(event: Event, mode: Mode, states: tuple[Symbol, ...]) -> None:

@@ -141,17 +141,25 @@ class Mechanics:
         return sum(self.potential.values()) if isinstance(self.potential, Mapping) else self.potential
 
 
+SYMMETRY_RTOL = 1e-8  # share of a_ij, or of the root of a_ii a_jj: what elements and exports round
+
+
 def quadratic_form(matrix: Any, x: Sequence[Any]) -> Any:
-    """x^T A x, by which matrices of finite elements become energies.
+    """x^T A x, by which symmetric matrices of finite elements become energies.
 
     With M, K and C of a structure, `kinetic`, `potential` and `dissipation` of :class:`Mechanics` are
     ``quadratic_form(M, velocities) / 2``, ``quadratic_form(K, coordinates) / 2`` and
     ``quadratic_form(C, velocities) / 2``, multiplied by parameters where these are to be factors.
 
+    The skew part of a matrix is in no energy, since x^T A x does not have it.  Circulatory and gyroscopic
+    forces, as of friction in a brake, are loads: ``skew = (K - K.T) / 2``, then
+    ``loads=dict(zip(names, -skew @ coordinates))``.
+
     Parameters
     ----------
     matrix : array (n, n)
-        Numbers; it may be a sparse matrix of scipy.
+        Real numbers, symmetric but for rounding.  It may be a sparse matrix of scipy, or a DataFrame; one
+        whose labels are the names of `x` is read by these.
     x : sequence of Expr
         The coordinates, or the velocities, in the order of the matrix's rows.
 
@@ -162,7 +170,8 @@ def quadratic_form(matrix: Any, x: Sequence[Any]) -> Any:
     Raises
     ------
     ValueError
-        If the matrix does not have one row and one column for each of `x`.
+        If the matrix does not have one row and one column for each of `x`, is not symmetric, or holds what
+        is no finite real number.
 
     Examples
     --------
@@ -171,20 +180,78 @@ def quadratic_form(matrix: Any, x: Sequence[Any]) -> Any:
     >>> quadratic_form([[2.0, -1.0], [-1.0, 3.0]], sympy.symbols("x y"))
     2.0*x**2 - 2.0*x*y + 3.0*y**2
     """
+    import numpy as np
     from sympy import Add
 
-    given = matrix.toarray() if hasattr(matrix, "toarray") else matrix
-    rows = [list(map(float, row)) for row in given]
-    if {len(x)} != {len(rows), *map(len, rows)}:
-        raise ValueError(
-            f"matrix must have one row and one column for each of the {len(x)} entries of x, got {len(rows)} "
-            f"rows of {sorted({*map(len, rows)})} entries: leave out those of coordinates that are held"
-        )
+    entries = _numbers_of_matrix(matrix, x)
+    _check_symmetry(entries)
+    rows = entries.tolist()
     terms = [rows[i][i] * one**2 for i, one in enumerate(x) if rows[i][i]]
-    for i, one in enumerate(x):
-        pairs = ((rows[i][j] + rows[j][i], x[j]) for j in range(i))
-        terms += [both * one * other for both, other in pairs if both]
+    for i, j in np.argwhere(np.tril((entries != 0) | (entries.T != 0), -1)):
+        terms += [both * x[i] * x[j]] if (both := rows[i][j] + rows[j][i]) else []
     return Add(*terms)  # all at once: sum() would sort the terms again for each new one
+
+
+def _numbers_of_matrix(matrix: Any, x: Sequence[Any]) -> Any:
+    """The entries (n, n) as a new array of floats, in the order of `x`."""
+    import numpy as np
+
+    given = matrix.toarray() if hasattr(matrix, "toarray") else _in_order(matrix, x)
+    try:
+        shape, complex_ones = np.shape(given), np.iscomplexobj(given)
+        numbers = np.array([[np.nan]] if complex_ones else given, dtype=float)
+    except (TypeError, ValueError):
+        shape, numbers = None, np.array([[np.nan]])
+    if shape is not None and shape != (len(x), len(x)):
+        size = " x ".join(map(str, shape)) or "a single number"
+        raise ValueError(
+            f"matrix must have one row and one column for each of the {len(x)} entries of x, got {size}: "
+            "leave out those of coordinates that are held"
+        )
+    if not np.isfinite(numbers).all() or np.ma.is_masked(given):
+        raise ValueError(
+            f"matrix must hold finite real numbers, got {abbreviate(given)}: leave out what is missing, and "
+            "write the imaginary part of a complex stiffness as a dissipation"
+        )
+    return numbers
+
+
+def _in_order(matrix: Any, x: Sequence[Any]) -> Any:
+    """A DataFrame's numbers in the order of `x`, by its labels; anything else as it is."""
+    if not hasattr(matrix, "to_numpy"):
+        return matrix
+    names = [str(one).rstrip("'") for one in x]
+    rows, columns = list(matrix.index), list(matrix.columns)
+    if {*rows} == {*columns} == {*names}:
+        return matrix.loc[names, names].to_numpy()
+    if rows != columns and rows != list(range(len(rows))):
+        raise ValueError(
+            f"matrix must have the same labels for rows and columns, got {abbreviate(rows)} and "
+            f"{abbreviate(columns)}: sort them alike"
+        )
+    return matrix.to_numpy()
+
+
+def _check_symmetry(entries: Any) -> None:
+    """Raise ValueError where x^T A x would lose the skew part of a matrix."""
+    import numpy as np
+
+    sizes = np.sqrt(np.abs(entries.diagonal()))
+    usual = np.maximum(np.outer(sizes, sizes), np.maximum(np.abs(entries), np.abs(entries.T)))
+    skew = np.abs(entries - entries.T) > SYMMETRY_RTOL * usual
+    if not skew.any():
+        return
+    i, j = map(int, np.argwhere(skew)[0])
+    got = f"got {entries[i, j]:g} in row {i}, column {j} and {entries[j, i]:g} in row {j}, column {i}"
+    if not np.tril(entries, -1).any() or not np.triu(entries, 1).any():
+        raise ValueError(
+            f"matrix must be symmetric, {got}, as if it were one triangle of a symmetric one: "
+            "give A + A.T - np.diag(A.diagonal())"
+        )
+    raise ValueError(
+        f"matrix must be symmetric, {got}: the skew part has no energy; give (A + A.T) / 2 here, and "
+        "-(A - A.T) / 2 times x as loads"
+    )
 
 
 @dataclass(frozen=True)

@@ -1,5 +1,7 @@
 """Mistakes in an automaton of one's own are named where they are written."""
 
+import math
+
 import pytest
 import sympy as sp
 
@@ -42,3 +44,15 @@ def test_a_text_is_no_expression(automaton):
 
 def test_its_repr_has_the_names_and_no_equations():
     assert repr(fl.HybridAutomaton((X, V), (ON,), {}, 1)) == "HybridAutomaton(states x, v; modes on)"
+
+
+def test_time_as_a_symbol_is_refused_with_a_cure_that_moves():
+    """A parameter t would stand still; a state that stands for time gives (cos t - cos 2 t)/3."""
+    x, v, t, clock = sp.symbols("x v t clock")
+    with pytest.raises(ValueError, match=r"\['t'\].*cos\(q.phase\).*a state whose rate is 1"):
+        fl.solve(
+            fl.HybridAutomaton((x, v), (fl.Mode("only", (v, sp.cos(t) - 4 * x)),), {}, 1), 1.0, x0=[0, 0]
+        )
+    forced = fl.Mode("only", (v, sp.cos(clock) - 4 * x, sp.S.One))
+    run = fl.solve(fl.HybridAutomaton((x, v, clock), (forced,), {}, 1), 5.0, x0=[0, 0, 0], progress=False)
+    assert run.final_state[0] == pytest.approx((math.cos(5) - math.cos(10)) / 3, rel=1e-12)

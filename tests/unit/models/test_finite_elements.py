@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
+import scipy.linalg
 import sympy
 
 import frictionlab as fl
@@ -126,6 +127,84 @@ def test_a_quadratic_form_takes_sparse_matrices_and_names_what_does_not_fit():
     )
     with pytest.raises(ValueError, match="one row and one column for each of the 2"):
         quadratic_form(np.eye(3), x)
+
+
+MATRIX = np.array([[2.0, -1.0], [-1.0, 3.0]])
+REFUSED = {
+    "asymmetric": (
+        [[2.0, -1.0], [1.0, 3.0]],
+        r"symmetric, got -1 in row 0, column 1 and 1 in row 1.* as loads",
+    ),
+    "a triangle": (np.triu(MATRIX), "one triangle of a symmetric one: give A"),
+    "asymmetric beside large entries": ([[1.0, 1.0], [2.0, 1e8]], "must be symmetric"),
+    "complex": (MATRIX * (1 + 0.02j), "finite real numbers"),
+    "not a number": ([[np.nan, 0.0], [0.0, 1.0]], "finite real numbers"),
+    "masked": (np.ma.masked_less(MATRIX, 0), "finite real numbers"),
+    "text": ([["a", "b"], ["c", "d"]], "finite real numbers"),
+    "one number": (2.0, "one row and one column for each of the 2 entries of x, got a single number"),
+}
+
+
+@pytest.mark.parametrize(("matrix", "message"), REFUSED.values(), ids=REFUSED)
+def test_a_matrix_whose_energy_is_not_meant_is_refused(matrix, message):
+    with pytest.raises(ValueError, match=message):
+        quadratic_form(matrix, sympy.symbols("x y"))
+
+
+@pytest.mark.filterwarnings("ignore:the matrix subclass")
+def test_matrices_of_other_kinds_are_read_as_meant():
+    pandas = pytest.importorskip("pandas")
+    x = sympy.symbols("x y")
+    expected = 2 * x[0] ** 2 - 2 * x[0] * x[1] + 3 * x[1] ** 2
+    turned = pandas.DataFrame(MATRIX[::-1, ::-1], ["y", "x"], ["y", "x"])
+    rounded = MATRIX + np.array([[0, 1e-15], [0, 0]])
+    for one in (np.asmatrix(MATRIX), pandas.DataFrame(MATRIX), turned, MATRIX.astype(int).tolist()):
+        assert sympy.simplify(quadratic_form(one, x) - expected) == 0
+    assert quadratic_form(rounded, x).subs({x[0]: 1.0, x[1]: 1.0}) == pytest.approx(3.0, rel=1e-15)
+    with pytest.raises(ValueError, match="same labels for rows and columns"):
+        quadratic_form(pandas.DataFrame(MATRIX, ["a", "b"], ["b", "a"]), x)
+
+
+def test_the_skew_part_of_a_brake_as_loads_flutters():
+    """M x'' + C x' + K x = 0 with circulatory and gyroscopic parts, against scipy's eigenvalues."""
+    random = np.random.default_rng(3)
+    mass, damping, stiffness, skew, turning = random.normal(size=(5, 3, 3))
+    mass, stiffness = mass @ mass.T + np.eye(3), 100 * (stiffness @ stiffness.T + np.eye(3))
+    damping, skew, turning = 0.01 * damping @ damping.T, 1000 * (skew - skew.T), 0.5 * (turning - turning.T)
+    whole, rates = stiffness + skew, damping + turning
+
+    @with_signature
+    @dataclass(frozen=True, init=False, repr=False)
+    class Brake(fl.MechanicalModel):
+        """Matrices with skew parts."""
+
+        scale: float = fl.parameter(1.0, symbol="s", meaning="of the skew parts", range=(0.0, 2.0))
+        coordinates = ("a", "b", "c")
+        period = 0.5
+
+        def mechanics(self, q, v):
+            x, u = ([getattr(at, name) for name in self.coordinates] for at in (q, v))
+            follow = -(whole - whole.T) / 2 @ x - (rates - rates.T) / 2 @ u
+            return Mechanics(
+                quadratic_form(mass, u) / 2,
+                quadratic_form((whole + whole.T) / 2, x) / 2,
+                quadratic_form((rates + rates.T) / 2, u) / 2,
+                loads={
+                    name: self.scale * force for name, force in zip(self.coordinates, follow, strict=True)
+                },
+            )
+
+    one, none = np.eye(3), np.zeros((3, 3))
+    values = scipy.linalg.eigvals(
+        np.block([[none, one], [-whole, -rates]]), scipy.linalg.block_diag(one, mass)
+    )
+    found = fl.eigenvalues(Brake())
+    assert values.real.max() > 1.0
+    assert found.growth_rates.max() == pytest.approx(values.real.max(), rel=1e-10)
+    np.testing.assert_allclose(
+        np.sort(found.frequencies), np.sort(np.abs(values.imag)) / (2 * np.pi), rtol=1e-10
+    )
+    assert fl.eigenvalues(Brake(scale=0.0)).stable
 
 
 def test_a_parameter_changes_a_rod_without_a_new_derivation():
