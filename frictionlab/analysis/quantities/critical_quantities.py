@@ -28,6 +28,7 @@ from frictionlab.stability.boundaries.stability_changes import (
     StabilityKind,
     changes_on_lines,
     first_loss_change,
+    unstable_from_the_start,
 )
 from frictionlab.stability.equilibrium_points.equilibria import equilibrium_problem
 from frictionlab.stability.equilibrium_problem import EquilibriumProblem, check_bounds
@@ -162,11 +163,13 @@ class _AtFirstLoss(Quantity):
 
     def _change(self, problem: EquilibriumProblem) -> StabilityChange:
         limits = check_bounds(problem.model, self.parameter, self.bounds)
-        change = first_loss_change(changes_on_lines(problem, self.parameter, limits, {})[0])
+        changes = changes_on_lines(problem, self.parameter, limits, {})[0]
+        change = first_loss_change(changes)
         if change is None:
+            why = unstable_from_the_start(problem, self.parameter, limits, changes)
             raise ValueError(
-                f"stability must be lost within the bounds {self.bounds} of {self.parameter}, got no loss: "
-                "widen them, or see stability_changes"
+                f"stability must be lost within the bounds {self.bounds} of {self.parameter}, got no loss"
+                f"{why and f', as {why}'}: widen them, or see stability_changes"
             )
         return change
 

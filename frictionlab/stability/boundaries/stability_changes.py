@@ -4,6 +4,7 @@ range.
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -34,6 +35,10 @@ OUTSIDE_SHARES = np.array([0.0, 1e-3, 1.0])  # of a bracket: where decay is look
 INSIDE_SHARE = 1e-9  # of a bracket: how far "just inside" is
 MIN_INSIDE_RTOL = 1e-12  # of the root: the least that this may be
 DECAY_RTOL = 1e-13  # share of the largest eigenvalue: a rate below minus this decays
+# Shares of the way from a regain to a loss at which the mode grows, by more than rounding, where its growth
+# rate only touches zero.
+TOUCH_SHARES = (0.25, 0.75)
+TOUCH_RTOL = 0.01 * NEUTRAL_RTOL  # of the largest eigenvalue
 MAX_ROOT_STEPS = 200
 # Share of a root, or of the bounds: an equilibrium that does not exist so far beyond a root ends there.
 # Where two equilibria annihilate each other, rounding lets one seem to exist up to some 1e-9 beyond the root.
@@ -124,7 +129,8 @@ def critical_value(
     """The first value at which one equilibrium loses stability as a parameter grows.
 
     None where that does not happen in the range: the equilibrium is stable as far as it exists, or unstable
-    from the start; :func:`stability_changes`, :func:`eigenvalues` and :class:`FoldValue` tell which.
+    from the start.  In the second case a warning says so, and where it becomes stable; see
+    :func:`stability_changes`.
 
     Parameters
     ----------
@@ -139,13 +145,43 @@ def critical_value(
     TypeError, ValueError
         As :func:`stability_changes`.
 
+    Warns
+    -----
+    RuntimeWarning
+        Where the equilibrium is unstable at the lower bound and stability is not lost beyond it.
+
     Examples
     --------
     >>> import frictionlab as fl
     >>> round(fl.critical_value(fl.SliderOnBelt(), "mu_k", bounds=(0, 4)), 8)
     1.51378354
     """
-    return first_loss(stability_changes(model, parameter, bounds, equilibrium=equilibrium))
+    problem = equilibrium_problem(model, equilibrium)
+    limits = check_bounds(problem.model, parameter, bounds)
+    changes = changes_on_lines(problem, parameter, limits, {})[0]
+    value = first_loss(changes)
+    if value is None and (why := unstable_from_the_start(problem, parameter, limits, changes)):
+        warnings.warn(
+            f"{why}: critical_value gives losses of stability, and there is none", RuntimeWarning, 2
+        )
+    return value
+
+
+def unstable_from_the_start(
+    problem: EquilibriumProblem,
+    parameter: str,
+    bounds: tuple[float, float],
+    changes: tuple[StabilityChange, ...],
+) -> str:
+    """What to say of an equilibrium that is unstable at the lower bound; "" where it is stable there."""
+    growing = (
+        changes[0].unstable[0] if changes else unstable_pairs(problem.spectra({parameter: bounds[0]}))[0]
+    )
+    if not growing:
+        return ""
+    regain = next((c.value for c in changes if c.unstable[1] == 0), None)
+    then = "in all of the range" if regain is None else f"and becomes stable at {regain:.6g}"
+    return f"the equilibrium is unstable from {parameter} = {bounds[0]:g} on, {then}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -234,9 +270,9 @@ def changes_on_lines(
     low, high = (np.full(count, bound) for bound in bounds)
     found = bracket_sign_changes(evaluate, low, high)
     roots = _roots(evaluate, found, bounds)
-    stays = _is_there_beyond(evaluate, found, roots, bounds)
-    columns: Any = (column[stays] for column in found)
-    found, roots = Brackets(*columns), roots[stays]
+    real = _is_there_beyond(evaluate, found, roots, bounds) & ~_only_touches(evaluate, found, roots)
+    columns: Any = (column[real] for column in found)
+    found, roots = Brackets(*columns), roots[real]
     changes = _describe_changes(evaluate, found, roots, bounds)
     return [tuple(c for c, line in zip(changes, found.line, strict=True) if line == i) for i in range(count)]
 
@@ -263,6 +299,28 @@ def _is_there_beyond(evaluate: Evaluate, found: Brackets, roots: Array, bounds: 
     step = END_RTOL * np.maximum(np.abs(roots), bounds[1] - bounds[0])
     sides = (evaluate(found.line, np.clip(roots + sign * step, *bounds)) for sign in (-1, 1))
     return np.logical_and(*(np.isfinite(growth_rates(side)[:, 0]) for side in sides))
+
+
+def _only_touches(evaluate: Evaluate, found: Brackets, roots: Array) -> Any:
+    """Which changes are a regain and a loss between which the mode grows all the same.
+
+    A growth rate that comes down to zero and rises again, as (p - a)^2, is too small to be told from zero
+    within some 1e-5 on either side of a, but it does not become negative: stability does not change.
+    """
+    touches = np.zeros(len(roots), dtype=bool)
+    if len(roots) < 2:
+        return touches
+    still, _ = _bracket_sides(evaluate, found)
+    regain = still > 0.5 * (found.low + found.high)
+    pairs = (found.line[1:] == found.line[:-1]) & (found.rank[1:] == found.rank[:-1])
+    first = np.flatnonzero(pairs & regain[:-1] & ~regain[1:])
+    grows = np.ones(len(first), dtype=bool)
+    for share in TOUCH_SHARES:
+        spectra = evaluate(found.line[first], roots[first] + share * (roots[first + 1] - roots[first]))
+        least = TOUCH_RTOL * np.abs(spectra).max(axis=1, initial=0.0)
+        grows &= eigenvalue_at_rank(spectra, found.rank[first]).real > least
+    touches[first[grows]] = touches[first[grows] + 1] = True
+    return touches
 
 
 def _bracket_sides(evaluate: Evaluate, found: Brackets) -> tuple[Array, Array]:

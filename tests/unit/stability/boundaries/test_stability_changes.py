@@ -89,6 +89,43 @@ def test_loss_and_regain(gap):
     np.testing.assert_allclose([c.value for c in changes], [a, b], rtol=1e-9)
 
 
+@pytest.mark.parametrize("place", [0.5, 0.4123])  # on a point of the scan, and off all of them
+@pytest.mark.parametrize("power", [2, 4])
+@pytest.mark.parametrize("sign", [1, -1])
+def test_a_growth_rate_that_touches_zero_changes_nothing(place, power, sign):
+    """The growth rate is -+(p - a)^n/2, and for the stiffness the root of it; another mode is lost at 0.8."""
+    touch = sign * (P - place) ** power
+    for model, kind in (
+        (linear(sympy.diag(4, 9), sympy.diag(touch, 0.8 - P)), "flutter"),
+        (linear(sympy.diag(touch, 0.8 - P), 0.3), "divergence"),
+    ):
+        below = 0 if sign > 0 else 1
+        changes = fl.stability_changes(model, "p", (0, 1))
+        assert kinds(changes) == [(kind, "loss", (below, below + 1 if kind == "flutter" or not below else 1))]
+        assert changes[0].value == pytest.approx(0.8, rel=1e-9)
+
+
+def test_a_stable_window_that_is_narrow_is_one_all_the_same():
+    """-(p - a)^2 + w^2 is positive for 2 w."""
+    model = linear([[4]], [[1e-8 - (P - 0.4123) ** 2]])
+    changes = fl.stability_changes(model, "p", (0, 1))
+    assert kinds(changes) == [("flutter", "regain", (1, 0)), ("flutter", "loss", (0, 1))]
+    np.testing.assert_allclose([c.value for c in changes], [0.4122, 0.4124], rtol=1e-9)
+
+
+def test_no_loss_is_no_stability():
+    """What is unstable at the lower bound has no first loss, or one after it has become stable."""
+    regain, back = linear([[4]], [[P - 0.3]]), linear([[4]], [[(P - 0.3) * (0.7 - P)]])
+    with pytest.warns(RuntimeWarning, match=r"unstable from p = 0 on, and becomes stable at 0\.3: "):
+        assert fl.critical_value(regain, "p", (0, 1)) is None
+    with pytest.warns(RuntimeWarning, match=r"unstable from p = 0 on, in all of the range: "):
+        assert fl.critical_value(regain, "p", (0, 0.2)) is None
+    with pytest.raises(ValueError, match=r"got no loss, as the .* becomes stable at 0\.3: widen them"):
+        fl.CriticalValue("p", (0, 1)).gradient(regain)
+    assert fl.critical_value(back, "p", (0, 1)) == pytest.approx(0.7, rel=1e-12)
+    assert fl.critical_value(back, "p", (0.4, 0.6)) is None  # stable all along: nothing to warn of
+
+
 @pytest.mark.parametrize("damping", [0.0, 1e-9, 1e-3, 0.2, 30.0])
 def test_divergence_and_flutter_in_one_range(damping):
     """One stiffness becomes negative at 0.6; two other modes couple, from 0.3 on without damping."""
