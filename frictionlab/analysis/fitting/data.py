@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from datetime import UTC, datetime, timedelta
 from typing import Any
 
 import numpy as np
@@ -11,10 +12,11 @@ from numpy.typing import NDArray
 
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.automaton.mode import check_mode_name
-from frictionlab.validation import check_choice, check_mapping, check_number, float_array
+from frictionlab.validation import abbreviate, check_choice, check_mapping, check_number, float_array
 
 Array = NDArray[np.float64]
 WINDOWS = ("rectangular", "hann")
+TIMES_CURE = "give ascending times in s, time differences or time stamps"
 FREQUENCIES_CURE = "give frequencies by mode, such as {0: 13.5}"
 
 
@@ -25,11 +27,17 @@ class TimeRecord:
     Parameters
     ----------
     t : array_like (N,)
-        Ascending times, s, from the start of the motion at 0.
+        Ascending times, s, from the start of the motion at 0.  Time differences (timedelta64, timedelta) are
+        such times as well.  Of time stamps (datetime64, datetime, a pandas index) the first is the start.
     values : mapping of str to array_like (N,)
-        Measured values by the state's name, as "x1" or "x1'".
+        Measured values by the state's name, as "x1" or "x1'", in SI units.
     error : float or mapping of str to float
         Standard deviation of the measurement, in the unit of the state.
+
+    Attributes
+    ----------
+    start : datetime64 or datetime or None
+        The first time stamp; None where the times are seconds.
 
     Examples
     --------
@@ -41,9 +49,11 @@ class TimeRecord:
     t: Any
     values: Mapping[str, Any]
     error: Any = 1.0
+    start: Any = field(default=None, init=False, repr=False)
 
     def __post_init__(self) -> None:
-        t = _ascending(self.t)
+        t, start = _ascending(self.t, stamps=True)
+        object.__setattr__(self, "start", start)
         kept, errors = _columns(self.values, self.error, len(t), "times")
         object.__setattr__(self, "t", t)
         object.__setattr__(self, "values", kept)
@@ -69,7 +79,7 @@ class SpectrumRecord:
     Parameters
     ----------
     t : array_like (N,)
-        Ascending times of the samples, s, from the start of the motion at 0.
+        Ascending times of the samples, as those of a :class:`TimeRecord`.
     frequencies : array_like (F,)
         Ascending, above 0, Hz.
     values : mapping of str to array_like (F,)
@@ -96,9 +106,12 @@ class SpectrumRecord:
     values: Mapping[str, Any]
     error: Any = 1.0
     window: str = "rectangular"
+    start: Any = field(default=None, init=False, repr=False)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "t", _ascending(self.t))
+        t, start = _ascending(self.t, stamps=True)
+        object.__setattr__(self, "t", t)
+        object.__setattr__(self, "start", start)
         lines = float_array("frequencies", self.frequencies, "give those of the lines in Hz")
         if lines.ndim != 1 or not len(lines) or not lines[0] > 0.0 or not (np.diff(lines) > 0.0).all():
             raise ValueError(
@@ -118,7 +131,9 @@ class SpectrumRecord:
         weights, w = line_weights(record.t, lines, window), _window(len(record.t), window)
         share = float(np.sqrt(2.0 * (w**2).sum()) / w.sum())
         values = {name: np.abs(weights @ column) for name, column in record.values.items()}
-        return cls(record.t, lines, values, {n: share * e for n, e in record.error.items()}, window)
+        found = cls(record.t, lines, values, {n: share * e for n, e in record.error.items()}, window)
+        object.__setattr__(found, "start", record.start)
+        return found
 
     @property
     def count(self) -> int:
@@ -146,7 +161,8 @@ class EventTimes:
     Parameters
     ----------
     t : array_like (N,)
-        Ascending times, s, of the first N such events from the start of the motion at 0.
+        Ascending times, s, or time differences, of the first N such events from the start of the motion
+        at 0.
     target : str
         The mode entered, as "stick".
     error : float
@@ -158,7 +174,7 @@ class EventTimes:
     error: float = 1.0
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "t", _ascending(self.t))
+        object.__setattr__(self, "t", _ascending(self.t, stamps=False)[0])
         check_number("error", self.error, above=0.0, cure="give the standard deviation in s")
 
     @property
@@ -217,7 +233,16 @@ def as_data(data: Any) -> tuple[Any, ...]:
 
 
 def check_data(data: Sequence[Any], automaton: HybridAutomaton) -> None:
-    """Raise ValueError unless the automaton has the states, modes and eigenfrequencies that were measured."""
+    """Raise ValueError unless the automaton has the states, modes and eigenfrequencies that were measured.
+
+    Also where records have different time stamps of their starts, as a motion has one.
+    """
+    starts = [one.start for one in data if getattr(one, "start", None) is not None]
+    if any(start != starts[0] for start in starts):
+        raise ValueError(
+            f"records must begin at the same time stamp, got {' and '.join(map(str, starts))}: give times in "
+            "s, or as differences from the start of the motion"
+        )
     for one in data:
         if isinstance(one, (TimeRecord, SpectrumRecord)):
             for name in one.values:
@@ -242,7 +267,7 @@ def _columns(values: Any, error: Any, count: int, of: str) -> tuple[dict[str, Ar
     check_mapping("values", values, 'give arrays by state, such as {"x1": measured}')
     if not values:
         raise ValueError('values must hold one state at least, got none: write {"x1": measured}')
-    kept = {n: float_array(f"values[{n!r}]", column, "give numbers") for n, column in values.items()}
+    kept = {n: _measured(f"values[{n!r}]", column) for n, column in values.items()}
     for name, column in kept.items():
         rule = f"values[{name!r}] must hold a finite number for each of the {count} {of}"
         if column.shape != (count,):
@@ -256,8 +281,47 @@ def _columns(values: Any, error: Any, count: int, of: str) -> tuple[dict[str, Ar
     return kept, {name: float(errors[name]) for name in kept}
 
 
-def _ascending(t: Any) -> Array:
-    times = float_array("t", t, "give ascending times in s")
+def _measured(name: str, column: Any) -> Array:
+    """Measured values as floats, with NaN for those that are masked."""
+    if np.ma.isMaskedArray(column):
+        return float_array(name, np.ma.filled(column.astype(float), np.nan), "give numbers")
+    if getattr(getattr(column, "dtype", None), "kind", "") in ("m", "M"):
+        raise ValueError(f"{name} must hold numbers, got values of the type {column.dtype}: give SI units")
+    return float_array(name, column, "give numbers")
+
+
+def _ascending(t: Any, *, stamps: bool) -> tuple[Array, Any]:
+    """Times in s, and the time stamp of the first if they are stamps; raises unless they ascend from 0 on."""
+    seconds, start = _seconds(t)
+    if start is not None and not stamps:
+        raise ValueError(
+            f"t must be times from the start of the motion, got time stamps, the first {start}: subtract "
+            "that of the start"
+        )
+    times = _measured("t", seconds) if np.ma.isMaskedArray(seconds) else float_array("t", seconds, TIMES_CURE)
+    if not np.isfinite(times).all():
+        first = int(np.argmin(np.isfinite(times)))
+        raise ValueError(f"t must be finite times, got a missing one at index {first}: leave it out")
     if times.ndim != 1 or not len(times) or times[0] < 0.0 or not (np.diff(times) > 0.0).all():
-        raise ValueError(f"t must be ascending times from 0 on, one at least, got {t!r}: sort them")
-    return times
+        raise ValueError(f"t must be ascending times from 0 on, one at least, got {abbreviate(t)}: sort them")
+    return times, start
+
+
+def _seconds(t: Any) -> tuple[Any, Any]:
+    """Time differences and time stamps as s, and the first stamp; other values as they are.
+
+    Stamps are of numpy, pandas or Python, with or without a time zone.
+    """
+    given = t if isinstance(t, np.ndarray) else np.asarray(t)
+    if given.dtype.kind == "M" and given.size:
+        return _seconds(given - given.flat[0])[0], given.flat[0]
+    if given.dtype.kind == "m":
+        given = given.filled(np.timedelta64("NaT")) if np.ma.isMaskedArray(given) else given
+        return np.where(np.isnat(given), np.nan, given / np.timedelta64(1, "s")), None
+    if given.dtype == object and given.size and all(isinstance(one, timedelta) for one in given.flat):
+        return [one.total_seconds() for one in given.flat], None
+    if given.dtype == object and given.size and all(isinstance(one, datetime) for one in given.flat):
+        # Python subtracts the clocks of two stamps of one zone, though one may be of summer time.
+        aware = [one.astimezone(UTC) if one.tzinfo else one for one in given.flat]
+        return [(one - aware[0]).total_seconds() for one in aware], aware[0]
+    return t, None

@@ -5,6 +5,7 @@ A `Fit` also tells how uncertain the parameters are, and which of them cannot be
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
@@ -21,11 +22,13 @@ from frictionlab.analysis.fitting.data import (
     as_data,
     check_data,
 )
+from frictionlab.analysis.fitting.plausibility import doubts_about
 from frictionlab.analysis.fitting.predictions import (
     Misfit,
     Pieces,
     Task,
     even_pieces,
+    first_run,
     first_states,
     frequency_misfit,
     inverse_error,
@@ -39,6 +42,7 @@ from frictionlab.validation import check_choice, check_mapping, check_number, fl
 
 Array = NDArray[np.float64]
 STRONG_CORRELATION = 0.95  # above it two parameters are named as hard to tell apart
+MAX_CHI_SQUARE = 10.0  # reduced: above it the model does not fit, even if errors are three times as large
 RANK_RTOL = 1e-8  # the data do not determine directions of smaller relative singular values
 NULL_SHARE = 1e-4  # a parameter with a larger share in such a direction is part of it
 
@@ -84,6 +88,7 @@ class Fit(Drawable):
         rows = [
             f"  {name} = {v:.6g} ± {e:.2g}" for name, v, e in zip(self.parameters, self.values, self.errors)
         ]
+        rows += [f"  {self.warning}"] if self.warning else []
         return text_table([f"Fit({len(self.residuals)} numbers, reduced chi² {self.chi_square:.3g}):", *rows])
 
     def __getitem__(self, parameter: str) -> float:
@@ -106,6 +111,16 @@ class Fit(Drawable):
     def chi_square(self) -> float:
         """Sum of squared residuals over degrees of freedom: near 1 where model and errors are right."""
         return float(self.residuals @ self.residuals) / max(self.degrees_of_freedom, 1)
+
+    @property
+    def warning(self) -> str | None:
+        """A warning where the model misses the data by far more than their errors; else None."""
+        if not self.chi_square > MAX_CHI_SQUARE:
+            return None
+        return (
+            f"the model misses the data by {np.sqrt(self.chi_square):.3g} times their errors: "
+            "model, x0, units or errors are wrong"
+        )
 
     @property
     def correlation(self) -> Array:
@@ -143,7 +158,8 @@ class Fit(Drawable):
         rows += [f"not determined: a combination of {', '.join(names)}" for names in self.undetermined]
         rows += [f"hard to tell apart: {a} and {b}, correlation {r:+.4f}" for a, b, r in self.correlated]
         freedom = f"{self.degrees_of_freedom} degrees of freedom"
-        return "\n".join([*rows, f"reduced chi² {self.chi_square:.4g}, {freedom}"])
+        rows += [f"reduced chi² {self.chi_square:.4g}, {freedom}"]
+        return "\n".join(rows if self.warning is None else [*rows, self.warning])
 
     def to_dataframe(self) -> Any:
         """One row for each parameter (needs the extra ``data``)."""
@@ -217,6 +233,12 @@ def fit(
         For an unknown parameter, state or mode, bounds without the model's own value between, or a name given
         twice; where a run with which a search begins ends before the data do.
 
+    Warns
+    -----
+    RuntimeWarning
+        Before the search begins, where a record looks like one in other units, or one that begins later than
+        the motion.  What to think of the result is told by its ``warning``.
+
     Notes
     -----
     H. G. Bock, "Recent advances in parameter identification techniques for ODE", 1983.
@@ -233,9 +255,12 @@ def fit(
     task = _check(model, data, parameters, x0, unknown, segments, bounds)
     if not task.moving:
         return _result(task, _solve(task, None, task.first(), "one run"), None)
-    unknowns, pieces = task.first(), even_pieces(task, segments)
+    run = first_run(task)
+    for doubt in doubts_about(task.data, run) if run.status.ok else ():
+        warnings.warn(doubt, RuntimeWarning, 2)
+    unknowns, pieces = task.first(), even_pieces(task, run, segments)
     if segments > 1:
-        unknowns = np.concatenate([unknowns, (first_states(task, pieces) / pieces.size).ravel()])
+        unknowns = np.concatenate([unknowns, (first_states(task, run, pieces) / pieces.size).ravel()])
         for weight in WEIGHTS:
             pieces = replace(pieces, weight=weight * inverse_error(task, pieces))
             unknowns = _solve(task, pieces, unknowns, "the segments").x

@@ -92,13 +92,18 @@ class Task(NamedTuple):
         return self.model.replace(**dict(zip(self.names, map(float, values))))
 
 
-def even_pieces(task: Task, segments: int) -> Pieces:
-    """The time of the data in even pieces, and the motion's size, from a run and from time records."""
+def first_run(task: Task) -> Trajectory:
+    """The model's motion where the search begins, a little longer than the data."""
     last = max(float(one.t[-1]) for one in task.data if not isinstance(one, Frequencies))
     # Measured events have to happen within the run, even if they come later with the first parameters.
     late = any(isinstance(one, EventTimes) for one in task.data)
     end = last * (1.0 + (0.05 if late else END_MARGIN))
-    run = solve(automaton_of(task.model), end, x0=task.start, progress=False)
+    return solve(automaton_of(task.model), end, x0=task.start, progress=False)
+
+
+def even_pieces(task: Task, run: Trajectory, segments: int) -> Pieces:
+    """The time of the data in even pieces, and the motion's size, from a run and from time records."""
+    end = run.problem.t_end
     size = state_scales(run.states, run.automaton.coordinates)
     for record in (one for one in task.data if isinstance(one, TimeRecord)):
         for name, column in record.values.items():
@@ -107,9 +112,8 @@ def even_pieces(task: Task, segments: int) -> Pieces:
     return Pieces(np.linspace(0.0, end, segments + 1), task.unknown, task.start, size, 1.0)
 
 
-def first_states(task: Task, pieces: Pieces) -> Array:
+def first_states(task: Task, run: Trajectory, pieces: Pieces) -> Array:
     """States (S - 1, n) at the start of the later pieces: from time records, else from a run of the model."""
-    run = solve(automaton_of(task.model), float(pieces.edges[-1]), x0=task.start, progress=False)
     found, n = run(pieces.edges[1:-1]).copy(), run.automaton.coordinates
     for record in (one for one in task.data if isinstance(one, TimeRecord)):
         measured = {run.names.index(name): column for name, column in record.values.items()}

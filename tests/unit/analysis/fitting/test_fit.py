@@ -1,8 +1,12 @@
 """Fits of synthetic measurements: the truth is recovered through stick and impacts, and errors are right."""
 
+from datetime import UTC, datetime, timedelta
+from importlib import import_module
 from itertools import pairwise
+from zoneinfo import ZoneInfo
 
 import numpy as np
+import pandas as pd
 import pytest
 from scipy.optimize import least_squares
 
@@ -10,6 +14,7 @@ import frictionlab as fl
 from frictionlab import plotting
 from frictionlab.analysis.fitting.predictions import Pieces, motion_misfit
 
+fit_module = import_module("frictionlab.analysis.fitting.fit")
 TRUTH = fl.MassOnBelt(k=1.3, mu_s=0.9, mu_k=0.45, c=0.03)
 FIRST = fl.MassOnBelt(c=0.05)
 NAMES = ["k", "mu_s", "mu_k", "c"]
@@ -247,6 +252,105 @@ def test_residuals_are_drawn():
     assert points.get_ydata() == pytest.approx(found.residuals)
     assert len(lines) == 2
     assert found.to_dataframe().loc["k", "value"] == found["k"]
+
+
+SECONDS = np.array([0.0, 0.1, 0.25, 3661.5])
+
+
+def stamps_of(zone):
+    """Python's time stamps about the end of summer time in Berlin, when clocks are set back by an hour."""
+    first = datetime(2026, 10, 25, 0, 30, tzinfo=UTC).astimezone(zone)
+    return [(first.astimezone(UTC) + timedelta(seconds=s)).astimezone(zone) for s in SECONDS]
+
+
+@pytest.mark.parametrize("unit", ["ms", "us", "ns"])
+@pytest.mark.parametrize(
+    "of",
+    [
+        lambda steps: steps,
+        lambda steps: list(steps),
+        lambda steps: [timedelta(seconds=s) for s in SECONDS],
+        lambda steps: np.datetime64("2026-01-01T12:00:00") + steps,
+        lambda steps: pd.to_timedelta(steps),
+        lambda steps: pd.Series(pd.to_timedelta(steps)),
+        lambda steps: pd.Timestamp("2026-01-01") + pd.to_timedelta(steps),
+        lambda steps: pd.Timestamp("2026-10-25", tz="Europe/Berlin") + pd.to_timedelta(steps),
+        lambda steps: list(pd.Timestamp("2026-01-01") + pd.to_timedelta(steps)),
+        lambda steps: stamps_of(None),
+        lambda steps: stamps_of(ZoneInfo("Europe/Berlin")),
+    ],
+)
+def test_time_stamps_and_differences_are_seconds(of, unit):
+    steps = np.round(SECONDS * 1000).astype("timedelta64[ms]").astype(f"timedelta64[{unit}]")
+    record = fl.TimeRecord(of(steps), {"x": [1.0, 2.0, 3.0, 4.0]})
+    np.testing.assert_allclose(record.t, SECONDS, rtol=1e-15)
+    lines = fl.SpectrumRecord.from_record(record, [0.1])
+    assert lines.start is record.start
+
+
+def test_time_differences_need_not_begin_at_zero_and_stamps_of_one_start():
+    later = (SECONDS + 5.0) * np.timedelta64(1000, "ms")
+    assert fl.EventTimes(later, "stick").t == pytest.approx(SECONDS + 5.0)
+    first = np.datetime64("2026-01-01T12:00:00")
+    with pytest.raises(ValueError, match="t must be times from the start of the motion, got time stamps"):
+        fl.EventTimes(first + later, "stick")
+    one, other = (fl.TimeRecord(first + shift + later, {"x": SECONDS}) for shift in (0, 1))
+    with pytest.raises(
+        ValueError, match=r"same time stamp, got 2026-01-01T12:00:05.* and 2026-01-01T12:00:06"
+    ):
+        fl.fit(FIRST, [one, other], ["k"])
+
+
+@pytest.mark.parametrize(
+    ("t", "values", "message"),
+    [
+        (SECONDS, np.ma.masked_equal([1.0, 2.0, 9.0, 3.0], 9.0), r"values\['x'\] .* got nan at index 2"),
+        (SECONDS, np.ma.masked_equal([1, 2, 9, 3], 9), r"values\['x'\] .* got nan at index 2"),
+        (SECONDS, pd.Series([1, 2, pd.NA, 3], dtype="Float64"), r"values\['x'\] .* at index 2"),
+        (SECONDS, np.arange(4).astype("timedelta64[ms]"), r"values\['x'\] must hold numbers, .*timedelta64"),
+        (np.ma.masked_equal(SECONDS, 0.25), np.ones(4), "got a missing one at index 2: leave it out"),
+        ([0.0, 0.1, np.nan, 0.3], np.ones(4), "got a missing one at index 2: leave it out"),
+        (np.array([0, 1, "NaT", 3], "timedelta64[s]"), np.ones(4), "got a missing one at index 2"),
+        (np.array(["2026-01-01", "NaT"], "datetime64[s]"), np.ones(2), "got a missing one at index 1"),
+        (["2026-01-01", "2026-01-02"], np.ones(2), "t must hold numbers.*time differences or time stamps"),
+    ],
+)
+def test_missing_values_are_refused_by_name(t, values, message):
+    with pytest.raises(ValueError, match=message):
+        fl.TimeRecord(t, {"x": values})
+
+
+@pytest.mark.parametrize(
+    ("of", "message"),
+    [
+        (
+            lambda t, x: (1e3 * t, x),
+            r"the times of a record are 200 s apart, .* t must be in s, is it in ms\?",
+        ),
+        (
+            lambda t, x: (t, 1e3 * x),
+            r"x ranges over \d+ in a record and over 1\.\d* m .*: values must be in m",
+        ),
+        (lambda t, x: (t + 60.0, x), r"a record begins at 60\.2 s, .*: subtract 60\.2 from t"),
+    ],
+)
+def test_other_units_and_another_start_are_told_before_the_search(of, message, monkeypatch):
+    data, _ = record(TRUTH, 20.0, 100)
+    t, x = of(data.t, data.values["x"])
+    monkeypatch.setattr(fit_module, "_solve", lambda *_: pytest.fail("the search has begun"))
+    with pytest.raises(RuntimeWarning, match=message):
+        fl.fit(FIRST, fl.TimeRecord(t, {"x": x}, error=ERROR), ["k"])
+
+
+def test_what_does_not_fit_says_so():
+    data, _ = record(TRUTH, 20.0, 80)
+    shifted = fl.TimeRecord(data.t, {"x": data.values["x"] + 1.0}, error=1e-3)
+    found = fl.fit(TRUTH, shifted, ["k"], segments=1)
+    assert found.chi_square > 1e4
+    assert f"misses the data by {np.sqrt(found.chi_square):.3g} times their errors" in found.warning
+    assert found.warning in repr(found)
+    assert found.warning in found.summary()
+    assert fl.fit(TRUTH, data, ["k"], segments=1).warning is None
 
 
 def test_bad_arguments_are_refused():

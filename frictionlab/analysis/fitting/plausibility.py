@@ -1,0 +1,65 @@
+"""What in a record does not look like a motion of the model: other units, another start.
+
+Told before a search begins, which would take long and end nowhere.  A record may be right all the same, so
+that these are warnings.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from frictionlab.analysis.fitting.data import TimeRecord
+from frictionlab.hybrid.trajectory import Trajectory
+from frictionlab.presentation import state_unit
+
+Array = NDArray[np.float64]
+MAX_SIZE_RATIO = 100.0  # of a state's range in the record and in the run: a larger one is rather one of units
+MAX_LEAD = 10.0  # times the samples' distance: a record that begins later leaves out the motion's start
+DEAD_BAND = 1e-3  # share of a state's range by which it has to pass the middle to have passed it
+
+
+def doubts_about(data: Sequence[Any], run: Trajectory) -> Iterator[str]:
+    """What is odd about time records, each in a sentence; `run` is the model's where the search begins."""
+    shortest = shortest_period(run)
+    for record in (one for one in data if isinstance(one, TimeRecord)):
+        yield from _doubts_about_times(record.t, shortest)
+        for name, column in record.values.items():
+            yield from _doubts_about_size(name, column, run)
+
+
+def _doubts_about_times(t: Array, shortest: float) -> Iterator[str]:
+    apart = float(np.median(np.diff(t))) if len(t) > 1 else np.inf
+    if shortest < apart < np.inf:
+        yield (
+            f"the times of a record are {apart:g} s apart, and the model moves up and down within "
+            f"{shortest:.3g} s: t must be in s, is it in ms?"
+        )
+    if t[0] > max(MAX_LEAD * apart, shortest):
+        yield (
+            f"a record begins at {t[0]:g} s, and the motion at 0 s, with x0: subtract {t[0]:g} from t if x0 "
+            "is the state at the first measurement"
+        )
+
+
+def _doubts_about_size(name: str, column: Array, run: Trajectory) -> Iterator[str]:
+    measured, own = (float(np.ptp(values)) for values in (column, run.states[:, run.names.index(name)]))
+    if min(measured, own) > 0.0 and not 1.0 / MAX_SIZE_RATIO < measured / own < MAX_SIZE_RATIO:
+        yield (
+            f"{name} ranges over {measured:.3g} in a record and over {own:.3g} {state_unit(name)} in the "
+            f"model's run: values must be in {state_unit(name)}"
+        )
+
+
+def shortest_period(run: Trajectory) -> float:
+    """Mean time in which the fastest of the states goes up and down, s; inf where none does twice."""
+    states = run.states
+    middle, size = 0.5 * (states.max(axis=0) + states.min(axis=0)), np.ptp(states, axis=0)
+    turns = 0
+    for column in ((states - middle) / np.where(size > 0.0, size, 1.0)).T:
+        sides = np.sign(column[np.abs(column) > DEAD_BAND])
+        turns = max(turns, int((sides[1:] != sides[:-1]).sum()))
+    return 2.0 * run.raw.t / turns if turns > 2 else np.inf
