@@ -227,7 +227,7 @@ def _forces(
     if isinstance(contact, Stop):
         return (equation(force, write(solve_contact_forces(write.named, chosen)[1][i])),)
     normal, regime = _contact_function(found, "F_N", i), chosen[i]
-    if regime.name.startswith("slip"):
+    if regime.name.startswith("slip") and not regime.constraints:
         friction = _friction(write, mode, regime, i)
     else:
         friction = write(solve_contact_forces(write.named, chosen)[1][i])
@@ -284,7 +284,7 @@ def _conditions(write: TimeDependentSystem, mode: str, regime: ContactRegime, i:
     if regime.name == "stick":
         limit = contact.law.static_limit(normal)
         return (sympy.Le(sympy.Abs(_force_function(found, i)), limit, evaluate=False), *pressed)
-    if regime.name == "slip":
+    if regime.name == "slip" or regime.constraints:
         return pressed
     signs = {"slip": sympy.Ne, "slip+": sympy.Gt, "slip-": sympy.Lt}
     return (signs["slip" if mode == "slip" else regime.name](velocity, 0, evaluate=False), *pressed)

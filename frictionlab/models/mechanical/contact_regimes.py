@@ -42,13 +42,15 @@ AFTER_FLIGHT = ("slip+", "slip-", "slip", "stick")
 class RegimeEnd(NamedTuple):
     """What ends a regime: an event function, the regimes to try then, and the kind of reset.
 
-    `jump` is None, "project" (onto the constraint) or "impact".
+    `jump` is None, "project" (onto the constraint) or "impact".  What is `common` ends the regimes of all
+    contacts that rub along one direction, at once.
     """
 
     name: str
     function: Any
     targets: tuple[str, ...]
     jump: str | None = None
+    common: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,14 +66,20 @@ class ContactRegime:
         The velocity that is kept at zero; None without a constraint.
     constraints : tuple of Expr
     ends : callable
-        Function of the force that returns what ends the regime.
+        Function of the force, and of its limit, that returns what ends the regime.
+    limit : Expr or None
+        Largest force (N) of friction that can hold; None for other regimes.
+    resting : ContactRegime or None
+        What takes the place of slip where other contacts keep v_r at zero: friction at its limit.
     """
 
     name: str
     force: Any
     held: Any
     constraints: tuple[Any, ...]
-    ends: Callable[[Any], tuple[RegimeEnd, ...]]
+    ends: Callable[[Any, Any], tuple[RegimeEnd, ...]]
+    limit: Any = None
+    resting: ContactRegime | None = None
 
 
 def regimes_of_contact(contact: Friction | Stop, found: LagrangeSystem) -> tuple[ContactRegime, ...]:
@@ -102,35 +110,37 @@ def sliding_friction(contact: Friction, sign: Any, normal: Any, speed: Any) -> A
 def _slip(contact: Friction, found: LagrangeSystem, name: str) -> ContactRegime:
     """Slip in one direction, Eqs. (1) to (4)."""
     sign, speed = 1 if name == "slip+" else -1, contact.relative_velocity
-    stops = RegimeEnd("v_r", sign * speed, _known(contact, AFTER_SLIP[name]), "project")
+    stops = RegimeEnd("v_r", sign * speed, _known(contact, AFTER_SLIP[name]), "project", common=True)
     force = sliding_friction(contact, sign, contact.pressing, speed)
-    return ContactRegime(name, force, None, (), lambda _: (stops, *_leaving(contact)))
+    limit = sign * contact.law.static_limit(contact.pressing)
+    resting = ContactRegime(name, limit, None, (speed,), lambda *_: _leaving(contact))
+    return ContactRegime(name, force, None, (), lambda *_: (stops, *_leaving(contact)), resting=resting)
 
 
 def _slip_on(contact: Friction, found: LagrangeSystem) -> ContactRegime:
     """Slip whose friction force keeps its sign, that of the belt's speed."""
     speed = contact.relative_velocity
     force = sliding_friction(contact, sympy.sign(found.at_rest(speed)), contact.pressing, speed)
-    return ContactRegime("slip", force, None, (), lambda _: _leaving(contact))
+    return ContactRegime("slip", force, None, (), lambda *_: _leaving(contact))
 
 
 def _stick(contact: Friction, found: LagrangeSystem) -> ContactRegime:
     """Stick, Eqs. (5) to (8), until the constraint force leaves the friction cone."""
     speed, limit = contact.relative_velocity, contact.law.static_limit(contact.pressing)
 
-    def breaks(force: Any) -> tuple[RegimeEnd, ...]:
-        forwards = RegimeEnd("cone+", limit - force, _known(contact, ("slip+",)))
-        backwards = RegimeEnd("cone-", limit + force, _known(contact, ("slip-",)))
+    def breaks(force: Any, largest: Any) -> tuple[RegimeEnd, ...]:
+        forwards = RegimeEnd("cone+", largest - force, _known(contact, ("slip+",)), common=True)
+        backwards = RegimeEnd("cone-", largest + force, _known(contact, ("slip-",)), common=True)
         return (forwards, backwards, *_leaving(contact))
 
-    return ContactRegime("stick", None, speed, (speed,), breaks)
+    return ContactRegime("stick", None, speed, (speed,), breaks, limit)
 
 
 def _separation(contact: Friction, found: LagrangeSystem) -> ContactRegime:
     """Flight, Eq. (9): no contact forces; it ends where the gap closes."""
     jump = None if contact.impact is None else "impact"
     lands = RegimeEnd("gap", -contact.penetration, _known(contact, AFTER_FLIGHT), jump)
-    return ContactRegime("separation", sympy.S.Zero, None, (), lambda _: (lands,))
+    return ContactRegime("separation", sympy.S.Zero, None, (), lambda *_: (lands,))
 
 
 BUILDERS: dict[str, Callable[[Friction, Any], ContactRegime]] = {
@@ -154,16 +164,16 @@ def _known(contact: Friction, names: tuple[str, ...]) -> tuple[str, ...]:
 
 def _stop_regimes(contact: Stop, rate: Any) -> tuple[ContactRegime, ...]:
     if "contact" not in contact.modes:
-        return (ContactRegime("flight", sympy.S.Zero, None, (), lambda _: ()),)
+        return (ContactRegime("flight", sympy.S.Zero, None, (), lambda *_: ()),)
     hits = RegimeEnd("impact", contact.distance, ("flight", "contact"), "impact")
     return (
-        ContactRegime("flight", sympy.S.Zero, None, (), lambda _: (hits,)),
+        ContactRegime("flight", sympy.S.Zero, None, (), lambda *_: (hits,)),
         ContactRegime(
             "contact",
             None,
             rate,
             (contact.distance, rate),
-            lambda force: (RegimeEnd("off", force, ("flight",)),),
+            lambda force, _: (RegimeEnd("off", force, ("flight",)),),
         ),
     )
 
@@ -176,12 +186,26 @@ CLOSING = PlasticImpact("full")  # law of the impact that closes a Zeno accumula
 def stick_reset(found: LagrangeSystem, contact: Any) -> Reset:
     """Reset to v_r = 0 by an impulse along W, which removes only the rounding error of the event's time."""
     pair = found.pair(contact.relative_velocity)
+    zero = {sign * speed: 1 for speed in _alike(found, contact) for sign in (1, -1)}
     if pair is not None:
-        return _together(found, pair)
+        return Reset(_together(found, pair), zero)
     w = found.direction(contact)
     jump = _velocity_jump(found, w, contact.relative_velocity / compliance(found, w))
     after = {rate: expand_products(one) for rate, one in jump.items()}
-    return Reset(after if found.coupled is None else after | _last_velocity(found, contact, w, after))
+    if found.coupled is not None:
+        after |= _last_velocity(found, contact, w, after)
+    return Reset(after, zero)
+
+
+def _alike(found: LagrangeSystem, contact: Any) -> tuple[Any, ...]:
+    """The relative velocities of other contacts that are zero where that of this one is."""
+    contacts: Any = found.mechanics.contacts
+    i = contacts.index(contact)
+    direction = found.direction_of(i)
+    if direction is None:
+        return ()
+    others = (j for j in direction.contacts if j != i and direction.at_one_speed(j, i))
+    return tuple(contacts[j].relative_velocity for j in others)
 
 
 def _last_velocity(found: LagrangeSystem, contact: Any, w: Any, after: dict[Any, Any]) -> dict[Any, Any]:
@@ -194,12 +218,12 @@ def _last_velocity(found: LagrangeSystem, contact: Any, w: Any, after: dict[Any,
     return {found.v[pivot]: expand_products(solved_for(row, pivot, values, rest))}
 
 
-def _together(found: LagrangeSystem, pair: Any) -> Reset:
-    """Reset to v_r = 0 between two bodies, which keep their momentum M x1' + m x2'."""
+def _together(found: LagrangeSystem, pair: Any) -> dict[Any, Any]:
+    """Velocities after a reset to v_r = 0 between two bodies, which keep their momentum M x1' + m x2'."""
     one, two, speed = pair
     heavy, light = found.masses[one], found.masses[two]
     together = (heavy * found.v[one] + light * found.v[two] + light * speed) / (heavy + light)
-    return Reset({found.v[one]: together, found.v[two]: together - speed})
+    return {found.v[one]: together, found.v[two]: together - speed}
 
 
 @lru_cache(maxsize=4096)

@@ -17,6 +17,7 @@ from frictionlab.automaton.mode import Combination, ModeNames
 from frictionlab.models.symbols import Structure, gradient, symbol, symbolic_copy
 from frictionlab.validation import abbreviate, did_you_mean_or_known
 
+from .common_directions import RUBBING, CommonDirection, common_directions
 from .contact_regimes import PHASE, ContactRegime, regimes_of_contact
 from .coupled_masses import CoupledMasses, coupled_masses
 from .mechanics import Friction, Mechanics, Stop
@@ -87,8 +88,40 @@ class LagrangeSystem:
         return tuple(regimes_of_contact(contact, self) for contact in self.mechanics.contacts)
 
     def chosen(self, combination: Combination) -> tuple[ContactRegime, ...]:
-        """The regimes of a combination, which has the index of one for each contact."""
-        return tuple(regimes[i] for regimes, i in zip(self.regimes, combination, strict=True))
+        """The regimes of a combination, which has the index of one for each contact.
+
+        Contacts may hold a velocity on which v_r of another depends.  More of them than velocities cannot all
+        hold, as only the sum of their forces would be known: then that of the other is at its limit.
+        """
+        if combination not in self._chosen:
+            self._chosen[combination] = self._choose(combination)
+        return self._chosen[combination]
+
+    @cached_property
+    def _chosen(self) -> dict[Combination, tuple[ContactRegime, ...]]:
+        return {}
+
+    def _choose(self, combination: Combination) -> tuple[ContactRegime, ...]:
+        chosen = [regimes[i] for regimes, i in zip(self.regimes, combination, strict=True)]
+        held = [i for i in self._contacts_in_conflict if chosen[i].held is not None]
+        for i in self._contacts_in_conflict if held else ():
+            resting = chosen[i].resting
+            if resting is not None and self._depends(i, combination, held):
+                chosen[i] = resting
+        return tuple(chosen)
+
+    def _depends(self, i: int, combination: Combination, held: Sequence[int]) -> bool:
+        """Whether v_r of contact `i` is zero where the velocities are that these contacts hold at zero."""
+        contact = self.mechanics.contacts[i]
+        assert isinstance(contact, Friction)
+        velocities = [self.regimes[j][combination[j]].held for j in held]
+        rows = [
+            (*self.gradient(velocity, self.v), self.at_rest(velocity))
+            for velocity in (contact.relative_velocity, *velocities)
+        ]
+        some = next(group for group in _coupled(rows) if rows[0] in group)
+        some.remove(rows[0])
+        return bool(some) and _rank((rows[0], *some)) == _rank(tuple(some))
 
     @cached_property
     def names(self) -> ModeNames:
@@ -96,10 +129,43 @@ class LagrangeSystem:
         return ModeNames(tuple(tuple(one.name for one in each) for each in self.regimes), self.allows)
 
     def allows(self, combination: Combination) -> bool:
-        """Whether the velocities that a combination holds at zero are linearly independent."""
-        held = (self._held_rows[i][combination[i]] for i in self._contacts_in_conflict)
+        """Whether contacts of one direction agree, and all else that is held at zero is independent."""
+        names: Sequence[str] = ()
+        if self.directions:
+            names = tuple(regimes[i].name for regimes, i in zip(self.regimes, combination, strict=True))
+            if not all(direction.allows(names) for direction in self.directions):
+                return False
+        held = (
+            self._held_rows[i][combination[i]]
+            for i in self._contacts_in_conflict
+            if not names or self.leader(i, names) == i
+        )
         rows = [row for row in held if row is not None]
         return len(rows) < 2 or all(_rank(tuple(some)) == len(some) for some in _coupled(rows))
+
+    @cached_property
+    def directions(self) -> tuple[CommonDirection, ...]:
+        """Contacts that rub along one direction, in groups; those that share it with none left out."""
+        sticking = [
+            contact if isinstance(contact, Friction) and "stick" in contact.modes else None
+            for contact in self.mechanics.contacts
+        ]
+        rows = [c and tuple(self.gradient(c.relative_velocity, self.v)) for c in sticking]
+        speeds = [c and self.at_rest(c.relative_velocity) for c in sticking]
+        return common_directions(rows, speeds, self.states)
+
+    @cached_property
+    def _direction_of(self) -> dict[int, CommonDirection]:
+        return {i: direction for direction in self.directions for i in direction.contacts}
+
+    def direction_of(self, i: int) -> CommonDirection | None:
+        """The group of contacts that rub along the direction of contact `i`; None where it is alone."""
+        return self._direction_of.get(i)
+
+    def leader(self, i: int, names: Sequence[str]) -> int:
+        """The contact that holds for contact `i`, and at which its events are looked for: mostly itself."""
+        direction = self._direction_of.get(i)
+        return direction.leader(i, names) if direction is not None and names[i] in RUBBING else i
 
     @cached_property
     def _contacts_in_conflict(self) -> tuple[int, ...]:

@@ -6,9 +6,9 @@ contacts at once.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import lru_cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import sympy
 
@@ -65,21 +65,48 @@ def _conditions(regime: ContactRegime) -> Regime:
     if regime.force is None:
         needs = [sign * c for c in regime.constraints for sign in (1, -1)]
     else:
-        needs = [end.function for end in regime.ends(regime.force)]
+        needs = [end.function for end in regime.ends(regime.force, None)]
     return Regime(regime.name, tuple(needs), regime.held is not None)
 
 
-def solve_contact_forces(
-    found: LagrangeSystem, chosen: Sequence[ContactRegime]
+class ContactForces(NamedTuple):
+    """Accelerations; the force of each contact; and force and limit of each that holds, by its index.
+
+    A contact that holds for others of its direction has the sum of their forces and limits there.
+    """
+
+    accelerations: list[Any]
+    forces: list[Any]
+    holding: dict[int, tuple[Any, Any]]
+
+
+def solve_contact_forces(found: LagrangeSystem, chosen: Sequence[ContactRegime]) -> ContactForces:
+    """Accelerations and contact forces where each contact is in its regime of `chosen`."""
+    names = [regime.name for regime in chosen]
+    held = [i for i, one in enumerate(chosen) if one.force is None and found.leader(i, names) == i]
+    accelerations, forces = _hold(found, chosen, held)
+    holding = {i: (forces[i], chosen[i].limit) for i in held}
+    for i in held:
+        direction = found.direction_of(i)
+        if direction is not None and chosen[i].limit is not None:
+            limits = {j: chosen[j].limit for j in direction.contacts if names[j] == "stick"}
+            shares, total = direction.shares(i, forces[i], limits)
+            holding[i] = forces[i], total
+            for j, share in shares.items():
+                forces[j] = share
+    return ContactForces(accelerations, forces, holding)
+
+
+def _hold(
+    found: LagrangeSystem, chosen: Sequence[ContactRegime], held: Sequence[int]
 ) -> tuple[list[Any], list[Any]]:
-    """Accelerations, and the force of each contact."""
+    """Accelerations, and the force of each contact, where those of `held` hold."""
     contacts = found.mechanics.contacts
     free = [load - rest for load, rest in zip(found.loads, found.internal, strict=True)]
     for contact, regime in zip(contacts, chosen, strict=True):
         found.apply(found.direction(contact), 0 if regime.force is None else regime.force, free)
         if isinstance(contact, Friction) and regime.name != "separation":
             found.apply(found.normal(contact), contact.pressing, free)
-    held = [i for i, regime in enumerate(chosen) if regime.force is None]
     forces = [regime.force for regime in chosen]
     if not held:
         return found.accelerations(free), forces
@@ -163,40 +190,61 @@ def _solve_in_blocks(matrix: Any, right: Sequence[Any]) -> list[Any]:
     return found
 
 
-def flow_and_forces(
-    found: LagrangeSystem, chosen: Sequence[ContactRegime]
-) -> tuple[tuple[Any, ...], list[Any]]:
-    """The rates of all states, and the force of each contact."""
-    accelerations, forces = solve_contact_forces(found, chosen)
-    return (*found.v, *accelerations, *found.phase_rate), forces
+def flow_of(found: LagrangeSystem, accelerations: Sequence[Any]) -> tuple[Any, ...]:
+    """The rates of all states."""
+    return (*found.v, *accelerations, *found.phase_rate)
 
 
 def mode_of(found: LagrangeSystem, combination: Combination) -> Mode:
     """The mode of one regime for each contact."""
     chosen = found.chosen(combination)
-    flow, forces = flow_and_forces(found, chosen)
+    solved = solve_contact_forces(found, chosen)
+    names = [regime.name for regime in chosen]
     name = found.names.name_of(combination)
     events = [
         _event(found, combination, i, end)
         for i, regime in enumerate(chosen)
-        for end in regime.ends(forces[i])
+        for end in regime.ends(*solved.holding.get(found.leader(i, names), (regime.force, regime.limit)))
+        if not end.common or found.leader(i, names) == i
     ]
     events += period_events(found, name)
     constraints = tuple(c for regime in chosen for c in regime.constraints)
-    outputs = _outputs(found, chosen, forces)
-    return Mode(name, flow, tuple(events), constraints, outputs)
+    outputs = _outputs(found, chosen, solved.forces)
+    return Mode(name, flow_of(found, solved.accelerations), tuple(events), constraints, outputs)
 
 
 def _event(found: LagrangeSystem, combination: Combination, i: int, end: RegimeEnd) -> Event:
-    names = [regime.name for regime in found.regimes[i]]
-    changed = ((*combination[:i], names.index(name), *combination[i + 1 :]) for name in end.targets)
-    targets = tuple(found.names.name_of(one) for one in changed if found.allows(one))
+    changed = (one for name in end.targets for one in _entered(found, combination, i, end, name))
+    targets = tuple(dict.fromkeys(found.names.name_of(one) for one in changed if found.allows(one)))
     contact, label = found.mechanics.contacts[i], end.name + contact_suffix(found, i)
     if end.jump == "impact":
         return Event(label, end.function, targets, *impact_resets(found, contact))
     if end.jump == "project":
         return Event(label, end.function, targets, stick_reset(found, contact))
     return Event(label, end.function, targets)
+
+
+def _entered(
+    found: LagrangeSystem, combination: Combination, i: int, end: RegimeEnd, name: str
+) -> Iterator[Combination]:
+    """The combinations to try where the regime of contact `i` ends and that of this name follows."""
+    chosen = found.chosen(combination)
+    if chosen[i].held is not None:  # a contact that is at its limit while others hold may now hold instead
+        resting = (j for j, one in enumerate(chosen) if one is found.regimes[j][combination[j]].resting)
+        yield from (_changed(found, combination, {i: name, j: "stick"}) for j in resting)
+    direction = found.direction_of(i) if end.common else None
+    names = [regime.name for regime in chosen]
+    for changes in ({i: name},) if direction is None else direction.together(i, names, name):
+        yield _changed(found, combination, changes)
+
+
+def _changed(found: LagrangeSystem, combination: Combination, names: Mapping[int, str]) -> Combination:
+    """The combination with the regimes of these names, as far as the contacts have them."""
+    changed = list(combination)
+    for i, name in names.items():
+        known = [regime.name for regime in found.regimes[i]]
+        changed[i] = known.index(name) if name in known else combination[i]
+    return tuple(changed)
 
 
 def contact_suffix(found: LagrangeSystem, i: int) -> str:

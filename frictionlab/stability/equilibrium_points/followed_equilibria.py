@@ -243,10 +243,11 @@ def sliding_flow(equations: SlidingEquations) -> Flow:
 
 def _derive_sliding_flow(equations: SlidingEquations) -> Flow:
     from frictionlab.models.mechanical.contact_regimes import regime  # which load sympy
-    from frictionlab.models.mechanical.modes import flow_and_forces
+    from frictionlab.models.mechanical.modes import flow_of, solve_contact_forces
 
     found = equations.system
-    flow, _ = flow_and_forces(found, (regime(found.rubbing, "slip", found),))
+    slip = regime(found.rubbing, "slip", found)
+    flow = flow_of(found, solve_contact_forces(found, (slip,)).accelerations)
     return Flow(found.states, equations.parameters, flow, (found.rubbing.pressing,), len(found.q))
 
 
@@ -264,7 +265,7 @@ def sliding_guards(equations: SlidingEquations, forwards: bool) -> tuple[Any, ..
     contact = found.rubbing
     name = "slip" if "slip" in contact.modes else "slip+" if forwards else "slip-"
     sliding = regime(contact, name, found)
-    return tuple(end.function for end in sliding.ends(sliding.force))
+    return tuple(end.function for end in sliding.ends(sliding.force, sliding.limit))
 
 
 def _solve(equations: SlidingEquations, values: Sequence[Any], count: int) -> Array:
