@@ -6,6 +6,9 @@ and slow decay.  Slow decay is found from the linear map from sample to sample (
 Near an equilibrium, or a periodic motion, what is left of the transient follows such a map.  Its part along
 each eigenvector shrinks in every step, even while the coordinates beat.  Source: P. J. Schmid, "Dynamic mode
 decomposition of numerical and experimental data", J. Fluid Mechanics 656 (2010) 5-28.
+
+A motion that turns for ever, or whose place grows, settles to none of these.  It is judged again modulo the
+shift on which nothing depends, see `drift`.
 """
 
 from __future__ import annotations
@@ -16,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionlab.analysis.motion_scales import AT_REST_RTOL, Array, state_ranges
+from frictionlab.analysis.steady_state.drift import TREND_PARTS, Drift, drift_of
 from frictionlab.analysis.steady_state.poincare_sections import (
     STICK,
     Section,
@@ -38,7 +42,6 @@ MIN_SETTLING_FACTOR = (
     # settles
     1.5
 )
-TREND_PARTS = 8  # parts of the window: eight random numbers ascend or descend only twice in 40320 times
 MIN_CROSSINGS = (
     TREND_PARTS * MIN_PERIODS_SEEN
 )  # with fewer crossings a motion that does not repeat may still turn out to do so, or to drift
@@ -272,40 +275,81 @@ class MotionKind(Kind):
     ENDED_EARLY = "ended early"  # the run did not reach its end
 
 
-def kind_of_motion(run: Trajectory, crossings: Array, returns: Recurrence, tolerance: float) -> MotionKind:
+class Comparison(NamedTuple):
+    """What is compared of a run's states: all, with phases on circles, or what a drift leaves.
+
+    Parameters
+    ----------
+    run : Trajectory
+    drift : Drift or None
+    """
+
+    run: Trajectory
+    drift: Drift | None = None
+
+    def columns(self, states: Array) -> Array:
+        """What is compared of states (N, m)."""
+        if self.drift is None:
+            return phase_on_circle(self.run, states)
+        return self.drift.leave_out(states)
+
+    def resting_parts(self, states: Array) -> list[tuple[Array, float]]:
+        """What is constant in states (N, m) where the motion has come to rest, in parts of one unit each, and
+        the least size of each."""
+        if self.drift is None:
+            return [(states[:, : self.run.automaton.coordinates or None], 0.0)]
+        places, rates = self.drift.places_and_rates(states)
+        return [(places, self.drift.travelled), (rates, 0.0)]
+
+    @property
+    def turning_section(self) -> tuple[Any, int]:
+        """The section that a motion has by default."""
+        return turning_section(self.run.automaton) if self.drift is None else self.drift.section
+
+
+def kind_of_motion(of: Comparison, crossings: Array, returns: Recurrence, tolerance: float) -> MotionKind:
     """The kind of motion in a run, from its crossings (K, m) of a section and their recurrence.
 
-    Crossings are states with every phase on a circle, see
-    :func:`frictionlab.analysis.steady_state.poincare_sections.phase_on_circle`.
+    Crossings are states as they are compared.
     """
-    resting = _at_rest(run)
+    run, resting = of.run, _at_rest(of)
     if resting is not None:
         return MotionKind.EQUILIBRIUM if resting else MotionKind.NOT_SETTLED
     if is_periodic(returns, tolerance):
         return MotionKind.PERIODIC
-    if _decays_slowly(run):
+    if of.drift is None and _decays_slowly(run):
         return MotionKind.EQUILIBRIUM
     near = returns.deviation < NEAR_RECURRENCE_RTOL or returns.shrinking > MIN_SETTLING_FACTOR
     return (
         MotionKind.NOT_SETTLED
-        if len(crossings) < MIN_CROSSINGS or near or _has_trend(run, crossings)
+        if len(crossings) < MIN_CROSSINGS or near or _has_trend(of, crossings)
         else MotionKind.NON_PERIODIC
     )
 
 
-def _at_rest(run: Trajectory) -> bool | None:
-    """Whether a motion has come to rest; None where it has events of its own or does not decay."""
+def _at_rest(of: Comparison) -> bool | None:
+    """Whether a motion has come to rest; None where it has events of its own or does not decay.
+
+    With a drift: to a steady motion, in which all that the drift leaves rests.
+    """
+    run = of.run
     if not only_phase_resets(run):
         return None
-    x = _even_samples(run)[:, : run.automaton.coordinates or None]
-    first, *_, last = (float(state_ranges(part).max()) for part in np.array_split(x, 4))
-    if state_ranges(x).max() <= AT_REST_RTOL * np.abs(x).max():
+    verdicts = [_part_at_rest(run, x, least) for x, least in of.resting_parts(_even_samples(run))]
+    return None if None in verdicts else all(verdicts)
+
+
+def _part_at_rest(run: Trajectory, x: Array, least: float) -> bool | None:
+    """As `_at_rest` for some states (N, k), whose size is at least `least`."""
+    first, *_, last = (float(state_ranges(part).max(initial=0.0)) for part in np.array_split(x, 4))
+    size = max(float(np.abs(x).max(initial=0.0)), least)
+    if state_ranges(x).max(initial=0.0) <= AT_REST_RTOL * size:
         return covers_period(run)  # a periodic force may yet move what now rests
     if len(run.events):
         return None
-    if last <= AT_REST_RTOL * np.abs(x).max():
+    if last <= AT_REST_RTOL * size:
         return True
-    return last < REST_AMPLITUDE_RTOL * np.abs(x).max() if last < first / MIN_DECAY_FACTOR else None
+    return last < REST_AMPLITUDE_RTOL * size if last < first / MIN_DECAY_FACTOR else None
 
 
 def _decays_slowly(run: Trajectory) -> bool:
@@ -319,16 +363,13 @@ def _decays_slowly(run: Trajectory) -> bool:
     return bool(small and all_parts_decay(x, state_ranges(x)))
 
 
-def _has_trend(run: Trajectory, crossings: Array) -> bool:
+def _has_trend(of: Comparison, crossings: Array) -> bool:
     """Whether a motion that does not repeat drifts, grows or decays throughout the window."""
-    size = state_ranges(phase_on_circle(run, run.raw.step_states))
-    if (
-        crossings_drift(crossings, size)
-        or amplitude_changes(run.raw.step_states)
-        or part_decays(crossings, size)
-    ):
+    run, size = of.run, state_ranges(of.columns(of.run.raw.step_states))
+    whole = run.raw.step_states if of.drift is None else of.columns(run.raw.step_states)
+    if crossings_drift(crossings, size) or amplitude_changes(whole) or part_decays(crossings, size):
         return True
-    x = phase_on_circle(run, _even_samples(run))
+    x = of.columns(_even_samples(run))
     return part_decays(x, state_ranges(x), evenly=not only_phase_resets(run))
 
 
@@ -348,12 +389,16 @@ def onsets_per_period(run: Trajectory, period: float) -> int:
 
 
 class MotionClass(NamedTuple):
-    """A run's crossings of a section, their recurrence, and the kind and the period (s) of its motion."""
+    """A run's crossings of a section, their recurrence, and the kind and the period (s) of its motion.
+
+    `drift` is what was left out to compare its states, if anything.
+    """
 
     section: SectionPoints
     returns: Recurrence
     kind: MotionKind
     period: float
+    drift: Drift | None = None
 
 
 def classify_run(run: Trajectory, section: Section | None, tolerance: float) -> MotionClass:
@@ -362,27 +407,32 @@ def classify_run(run: Trajectory, section: Section | None, tolerance: float) -> 
         # A motion that grows without bounds does not repeat, and may have a million crossings.
         end = SectionPoints(np.array([run.raw.t]), run.final_state[None])
         return MotionClass(end, Recurrence(0, np.nan, np.nan, np.nan), MotionKind.ENDED_EARLY, np.nan)
+    found = _classify(Comparison(run), section, tolerance)
+    if found.kind != MotionKind.NOT_SETTLED:
+        return found
+    drift = drift_of(run)
+    return found if drift is None else _classify(Comparison(run, drift), section, tolerance)
+
+
+def _classify(of: Comparison, section: Section | None, tolerance: float) -> MotionClass:
+    run = of.run
     if section is None:
-        section = STICK if stick_onsets(run).sum() >= MIN_PERIODS_SEEN else turning_section(run.automaton)
+        section = STICK if stick_onsets(run).sum() >= MIN_PERIODS_SEEN else of.turning_section
     crossings = section_crossings(run, section)
-    states, returns = _section_recurrence(run, crossings, tolerance)
+    states, returns = _section_recurrence(of, crossings, tolerance)
     if section == STICK and not is_periodic(returns, tolerance):
         # Where the slider only just reaches the belt's speed, rounding decides whether stick begins.
-        turns, other = _section_recurrence(
-            run, section_crossings(run, turning_section(run.automaton)), tolerance
-        )
+        turns, other = _section_recurrence(of, section_crossings(run, of.turning_section), tolerance)
         if is_periodic(other, tolerance) or len(states) < MIN_CROSSINGS:
             states, returns = turns, other
-    kind = kind_of_motion(run, states, returns, tolerance)
-    return MotionClass(crossings, returns, kind, returns.period if kind == MotionKind.PERIODIC else np.nan)
+    kind = kind_of_motion(of, states, returns, tolerance)
+    period = returns.period if kind == MotionKind.PERIODIC else np.nan
+    return MotionClass(crossings, returns, kind, period, of.drift)
 
 
 def _section_recurrence(
-    run: Trajectory, crossings: SectionPoints, tolerance: float
+    of: Comparison, crossings: SectionPoints, tolerance: float
 ) -> tuple[Array, Recurrence]:
-    """The states at crossings of a section, with phases on a circle, and their recurrence."""
-    states, size = (
-        phase_on_circle(run, crossings.state),
-        state_ranges(phase_on_circle(run, run.raw.step_states)),
-    )
+    """The states at crossings of a section, as they are compared, and their recurrence."""
+    states, size = of.columns(crossings.state), state_ranges(of.columns(of.run.raw.step_states))
     return states, find_recurrence(crossings.t, states, size, tolerance)

@@ -21,7 +21,7 @@ from frictionlab.validation import check_number
 STICK = "stick"
 BISECTIONS = 40
 EVENT_TIME_ATOL = 1e-9  # s: a crossing so near to an event is at the event, but for rounding
-Section = str | tuple[str, int]
+Section = str | tuple[Any, int]
 
 
 def phase_resets(run: Trajectory) -> np.ndarray:
@@ -141,6 +141,8 @@ def section_crossings(run: Trajectory, section: Section) -> SectionPoints:
     if section == STICK:
         chosen = stick_onsets(run)
         return SectionPoints(run.events.t[chosen], run.events.state[chosen])
+    if not isinstance(section, str) and not isinstance(section[0], str):  # an expression for this run alone
+        return _states_before_events(run, _search_crossings(run, *section))
     found = run.sections.get("section")
     return _states_before_events(
         run, found or _search_crossings(run, *section_function(run.automaton, section)["section"])

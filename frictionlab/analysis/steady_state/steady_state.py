@@ -7,7 +7,7 @@ intensity L_s, Eq. (20), is the mean squared distance from the sliding equilibri
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, Unpack
 
@@ -20,13 +20,14 @@ from frictionlab.analysis.options import SteadyStateKeywords, SteadyStateOptions
 from frictionlab.analysis.run_comparison import defect_warning
 from frictionlab.analysis.simulate import initial_state_of
 from frictionlab.analysis.steady_state.classification import MotionKind, classify_run, onsets_per_period
+from frictionlab.analysis.steady_state.drift import mean_rates
 from frictionlab.analysis.steady_state.poincare_sections import Section, section_function, sections_to_record
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.hybrid.problem import SectionPoints
 from frictionlab.hybrid.solve import solve
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models.model import automaton_of
-from frictionlab.presentation import Drawable
+from frictionlab.presentation import Drawable, FrozenMapping
 from frictionlab.stability import equilibrium
 
 Array = NDArray[np.float64]
@@ -104,7 +105,7 @@ class SteadyState(Drawable):
     intensity : float
         L_s, Eq. (20): mean of the squared distance from the sliding equilibrium, the coordinates summed (m^2
         and rad^2).  Taken over the last period where there is one, else over the window.  NaN without an
-        equilibrium, or where the run ended early.
+        equilibrium, with a drift, or where the run ended early.
     section : SectionPoints
         Crossings of the section in the window: times (K,), states (K, 2n).  For a run that ended early, its
         final state.
@@ -116,6 +117,10 @@ class SteadyState(Drawable):
         The run over the window; its time starts at zero.
     transient : float
         Seconds before the window.
+    drift : mapping of str to float
+        Mean rates (per s) of the states whose shift the motion repeats with, such as the place of a cart or
+        the angle of a disc; of a motion that is not settled, those of all states that grow or fall throughout
+        the window.  Empty where there are none.
     """
 
     drawn_by = "plot_steady_state"
@@ -130,6 +135,7 @@ class SteadyState(Drawable):
     time_in_mode: Mapping[str, float]
     trajectory: Trajectory
     transient: float
+    drift: Mapping[str, float] = field(default_factory=lambda: FrozenMapping({}))
 
     @cached_property
     def warning(self) -> str | None:
@@ -153,7 +159,8 @@ class SteadyState(Drawable):
         onsets = "onset" if self.onsets_per_period == 1 else "onsets"
         period = f", period {self.period:.6g} s, {self.onsets_per_period} {onsets} of stick in it"
         period = period if self.kind == MotionKind.PERIODIC else ""
-        return f"SteadyState({self.kind}{period}, L_s {self.intensity:.5g})"
+        moving = "".join(f", {name} drifts by {rate:.4g}/s" for name, rate in self.drift.items())
+        return f"SteadyState({self.kind}{period}{moving}, L_s {self.intensity:.5g})"
 
 
 def steady_state_of_window(
@@ -161,17 +168,20 @@ def steady_state_of_window(
 ) -> SteadyState:
     """The kind of motion in a run, its period, intensity and so on; arguments as of `steady_state`."""
     found = classify_run(run, section, tolerance)
+    compared = found.kind != MotionKind.ENDED_EARLY and found.drift is None  # a drift leaves any equilibrium
+    drifts = found.drift is not None or found.kind == MotionKind.NOT_SETTLED
     return SteadyState(
         model=model,
         kind=found.kind,
         period=found.period,
         onsets_per_period=onsets_per_period(run, found.period) if found.kind == MotionKind.PERIODIC else 0,
-        intensity=np.nan if found.kind == MotionKind.ENDED_EARLY else intensity(run, found.period),
+        intensity=intensity(run, found.period) if compared else np.nan,
         section=found.section,
         deviation=found.returns.deviation,
         time_in_mode={name: seconds / (run.raw.t or 1.0) for name, seconds in run.time_in_mode.items()},
         trajectory=run,
         transient=passed,
+        drift=FrozenMapping(mean_rates(run) if drifts else {}),
     )
 
 
@@ -194,6 +204,10 @@ def steady_state(
     no better, drifts in one direction, doubles or halves its size, or has a part that decays or grows,
     however slowly; also where the window has fewer than 24 crossings of the section.  Else it is
     non-periodic.
+
+    A motion that turns for ever, or whose place grows, is compared modulo that shift, if neither flow nor
+    events depend on it: a rotating pendulum and a block that is dragged along are periodic, a disc that turns
+    evenly is at an equilibrium.  `SteadyState.drift` says how fast.
 
     Parameters
     ----------

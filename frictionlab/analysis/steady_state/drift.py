@@ -1,0 +1,190 @@
+"""Motions that turn for ever, or whose place grows: they recur modulo a shift on which nothing depends.
+
+A state drifts where its means in eight parts of a run all ascend, or all descend.  Flow, event functions,
+constraints and resets of the modes that the run visits say whether a shift of such states changes nothing:
+any shift along a direction in which all their derivatives vanish, as of the place of a cart, or of two blocks
+together; or a whole turn, where angles enter through sine and cosine only.  Along the first the states are
+left out of comparisons, a turning angle becomes a point on a circle.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from frictionlab.analysis.motion_scales import Array
+from frictionlab.analysis.steady_state.poincare_sections import phase_on_circle, phase_resets
+from frictionlab.automaton import HybridAutomaton, Mode
+from frictionlab.hybrid.expression_functions import array_function
+from frictionlab.hybrid.trajectory import Trajectory
+from frictionlab.lazy_names import sympy
+
+TREND_PARTS = 8  # parts of the window: eight random numbers ascend or descend only twice in 40320 times
+SAMPLES = 32  # states in each of these parts
+INVARIANCE_RTOL = 1e-9  # share of a function, or of a row of derivatives, that is rounding
+TURN = 2 * np.pi
+
+
+def drifting_states(run: Trajectory) -> list[int]:
+    """The coordinates and further states whose means grow, or fall, throughout a run."""
+    n = run.automaton.coordinates
+    means = np.array([part.mean(axis=0) for part in np.array_split(run(_sample_times(run)), TREND_PARTS)])
+    steps = np.diff(means, axis=0)
+    one_way = (steps > 0).all(axis=0) | (steps < 0).all(axis=0)
+    at = phase_resets(run)
+    phases = (run.events.before[at] != run.events.state[at]).any(axis=0)
+    return [int(i) for i in np.flatnonzero(one_way & ~phases) if not n <= i < 2 * n]
+
+
+def mean_rates(run: Trajectory) -> dict[str, float]:
+    """Mean rates (units of the state per s) of the states that drift, by name."""
+    moved = run.final_state - run.raw.step_states[0]
+    return {run.names[i]: float(moved[i] / run.raw.t) for i in drifting_states(run)}
+
+
+@dataclass(frozen=True, eq=False)
+class Drift:
+    """Shifts of a run's drifting states that change nothing.
+
+    Parameters
+    ----------
+    run : Trajectory
+    places : list of int
+        The states that drift.
+    across : array (k, r)
+        Directions across the shifts, as columns: what is left of the k states in comparisons.
+    turning : list of int
+        Which of the places are angles that only whole turns leave as they are.
+    """
+
+    run: Trajectory
+    places: list[int]
+    across: Array
+    turning: list[int]
+
+    def leave_out(self, states: Array) -> Array:
+        """States (N, m) of the run without the shifts; phases and angles that turn as points on circles."""
+        others = np.delete(phase_on_circle(self.run, states), self.places, axis=1)
+        angles = states[:, self.turning]
+        return np.hstack([states[:, self.places] @ self.across, np.cos(angles), np.sin(angles), others])
+
+    def places_and_rates(self, states: Array) -> tuple[Array, Array]:
+        """What the shifts leave of the coordinates and further states (N, k), and the velocities (N, n)."""
+        n, left = self.run.automaton.coordinates, self.leave_out(states)
+        first = self.across.shape[1] + 2 * len(self.turning) + n - sum(i < n for i in self.places)
+        return np.delete(left, slice(first, first + n), axis=1), left[:, first : first + n]
+
+    @property
+    def travelled(self) -> float:
+        """How far the states drift in the run: what is far less of a place is rounding."""
+        return float(np.abs((self.run.final_state - self.run.raw.step_states[0])[self.places]).max())
+
+    @property
+    def section(self) -> tuple[Any, int]:
+        """Where the first coordinate is ahead of its mean motion most; without coordinates, where the first
+        state that does not drift falls below its mean, or the first angle begins a turn."""
+        automaton, run = self.run.automaton, self.run
+        n, states = automaton.coordinates, automaton.states
+        if n:
+            level = (run.final_state[0] - run.raw.step_states[0][0]) / run.raw.t if 0 in self.places else 0.0
+            return states[n] - float(level), -1
+        resting = [i for i in range(len(states)) if i not in self.places]
+        if not resting:
+            return sympy.sin(states[self.places[0]]), 1
+        mean = run(_sample_times(run)).mean(axis=0)
+        return states[resting[0]] - float(mean[resting[0]]), -1
+
+
+def drift_of(run: Trajectory) -> Drift | None:
+    """The shifts of a run's drifting states that change nothing; None where there are none."""
+    places = drifting_states(run)
+    if not places:
+        return None
+    across = _directions_across(run, places)
+    if across.shape[1] < len(places):
+        return Drift(run, places, across, [])
+    angles = [i for i in places if _is_same_after(run, [i])]
+    if angles:
+        kept = np.eye(len(places))[:, [k for k, i in enumerate(places) if i not in angles]]
+        return Drift(run, places, kept, angles)
+    if len(places) > 1 and _is_same_after(run, places):  # all of them turn together
+        return Drift(run, places, np.vstack([-np.ones(len(places) - 1), np.eye(len(places) - 1)]), places[:1])
+    return None
+
+
+def _directions_across(run: Trajectory, places: list[int]) -> Array:
+    """A basis (k, r) of the directions of these states along which some function changes."""
+    rows = np.vstack([rows for gradients in _along_run(run, _gradients, places) for rows in gradients])
+    size = np.abs(rows).max(axis=1, keepdims=True)
+    rows = rows[size[:, 0] > 0] / size[size[:, 0] > 0]
+    if not len(rows):
+        return np.zeros((len(places), 0))
+    _, spread, directions = np.linalg.svd(rows.T @ rows)
+    return directions[spread > INVARIANCE_RTOL * spread[0]].T
+
+
+def _is_same_after(run: Trajectory, turning: list[int]) -> bool:
+    """Whether all functions are the same after a turn of these states."""
+    for values, later in zip(_along_run(run, _values, []), _along_run(run, _values, turning), strict=True):
+        size = np.abs(values).max(axis=0)
+        if (np.abs(later - values) > INVARIANCE_RTOL * np.where(size > 0, size, 1.0)).any():
+            return False
+    return True
+
+
+def _along_run(run: Trajectory, what: Callable[..., Any], places: list[int]) -> list[Any]:
+    """`what` in each mode that the run visits, at states (N, m) in it."""
+    automaton = run.automaton
+    states, modes = run.states_and_modes(_sample_times(run))
+    return [
+        what(automaton, automaton.mode(run.mode_names[mode]), places, states[modes == mode])
+        for mode in np.unique(modes)
+    ]
+
+
+def _sample_times(run: Trajectory) -> Array:
+    return np.linspace(0.0, run.raw.t, 1 + TREND_PARTS * SAMPLES)
+
+
+def _values(automaton: HybridAutomaton, mode: Mode, turning: list[int], states: Array) -> Array:
+    """The mode's functions (N, f) after a turn of some states."""
+    turned = states.copy()
+    turned[:, turning] += TURN
+    functions = _functions(mode, automaton.states, tuple(turning))
+    return _evaluate(automaton, functions, turned)
+
+
+def _gradients(automaton: HybridAutomaton, mode: Mode, places: list[int], states: Array) -> list[Array]:
+    """Derivatives by some states: for each of the mode's functions (N, k)."""
+    symbols = [automaton.states[i] for i in places]
+    functions = _functions(mode, automaton.states, tuple(places))
+    slopes = [sympy.diff(function, x) for function in functions for x in symbols]
+    values = _evaluate(automaton, tuple(slopes), states)
+    return list(np.moveaxis(values.reshape(len(states), len(functions), len(places)), 1, 0))
+
+
+def _evaluate(automaton: HybridAutomaton, functions: tuple[Any, ...], states: Array) -> Array:
+    compiled = _compiled((*automaton.states, *automaton.parameters), functions)
+    with np.errstate(all="ignore"):
+        values = compiled(*states.T, *automaton.parameters.values())
+    return np.stack([np.broadcast_to(value, len(states)) for value in values], axis=1).astype(float)
+
+
+@lru_cache(maxsize=64)
+def _compiled(arguments: tuple[Any, ...], functions: tuple[Any, ...]) -> Callable[..., Any]:
+    return array_function(list(arguments), list(functions))
+
+
+def _functions(mode: Mode, states: Sequence[Any], places: tuple[int, ...]) -> tuple[Any, ...]:
+    """All that says how a mode goes on; of states that are shifted and jump, how far they jump."""
+    shifted = {states[i] for i in places}
+    given = [*mode.flow, *mode.constraints]
+    for event in mode.events:
+        given.append(event.function)
+        for reset in filter(None, (event.reset, event.accumulation)):
+            given += [value - x if x in shifted else value for x, value in reset.jump.items()]
+    return tuple(sympy.sympify(one, strict=True) for one in given)
