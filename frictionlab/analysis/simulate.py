@@ -23,11 +23,14 @@ from frictionlab.hybrid.solve import (
     method_of,
     run_automaton,
     state_from_mapping,
+    state_from_x0,
     with_chatter_limit,
 )
 from frictionlab.hybrid.tape.automaton_data import DERIVED_FROM, automaton_from_data
 from frictionlab.hybrid.tape.packing import program_of, program_of_modes
 from frictionlab.hybrid.trajectory import Trajectory
+from frictionlab.models import MechanicalModel
+from frictionlab.models.mechanical.masses import check_masses
 from frictionlab.models.model import Model, automaton_of, require_model
 from frictionlab.models.symbols import automaton_from_structure_data
 from frictionlab.stability.eigenproblems.displaced_equilibrium import displaced_equilibrium
@@ -83,6 +86,8 @@ def initial_state_of(model: Any, x0: Any, automaton: HybridAutomaton | None = No
     start = float_array("x0", model_initial_state(model, x0, automaton), f"give {rule}")
     if start.shape != (size,) or not np.isfinite(start).all():
         raise ValueError(f"x0 must hold {rule}, got {abbreviate(x0)}: give {size} numbers, in this order")
+    if isinstance(model, MechanicalModel):
+        check_masses(model, start)
     return start
 
 
@@ -153,7 +158,9 @@ def simulate(
     chosen = method_of(method)
     options = RunOptions(None, t_eval, sections, quadratures, progress, model)
     automaton = model.automaton()
-    start = model_initial_state(model, x0, automaton)
+    start = state_from_x0(automaton, model_initial_state(model, x0, automaton))
+    if isinstance(model, MechanicalModel):
+        check_masses(model, start)
     return run_automaton(automaton, t_end, start, chosen, options)
 
 

@@ -158,7 +158,7 @@ def run_automaton(
     """Run an automaton by a method, as :func:`solve` says."""
     check_automaton(automaton)
     t_end = check_number("t_end", t_end, above=0.0, cure="give the length of the run in seconds")
-    state, times = _states(automaton, x0), _times(options.t_eval, t_end)
+    state, times = state_from_x0(automaton, x0), _times(options.t_eval, t_end)
     asked = _records(automaton, options) if options.sections or options.quadratures else ({}, {})
     if any(asked) and not method.records_sections:
         raise ValueError(f"sections and quadratures need method='taylor', got {method!r}: change the method")
@@ -209,7 +209,8 @@ def state_from_mapping(automaton: HybridAutomaton, given: Mapping[str, Any], res
     return state
 
 
-def _states(automaton: HybridAutomaton, x0: Any) -> np.ndarray:
+def state_from_x0(automaton: HybridAutomaton, x0: Any) -> np.ndarray:
+    """The initial state as an array; ValueError for what is none."""
     if isinstance(x0, Mapping):
         return state_from_mapping(automaton, x0, np.zeros(len(automaton.state_names)))
     try:

@@ -261,8 +261,10 @@ def _velocity_jump(found: LagrangeSystem, w: Any, impulse: Any) -> dict[Any, Any
 
 
 def material_rate(found: LagrangeSystem, contact: Friction) -> Any:
-    """-W_N . q': the velocity at which the bodies approach at the contact's material points."""
-    return -sum(w * rate for w, rate in zip(found.normal(contact), found.v, strict=True))
+    """The velocity at which the bodies approach at the contact's material points: -W_N . q', and how fast the
+    penetration grows with all coordinates at rest, where a ground moves with time."""
+    approaching = -sum(w * rate for w, rate in zip(found.normal(contact), found.v, strict=True))
+    return approaching + found.explicit_rate(contact.penetration)
 
 
 def friction_impulse(found: LagrangeSystem, contact: Friction, law: ImpactLaw) -> Any:

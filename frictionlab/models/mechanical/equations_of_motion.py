@@ -15,11 +15,12 @@ import sympy
 
 from frictionlab.automaton.mode import Combination, ModeNames
 from frictionlab.models.symbols import Structure, gradient, symbol, symbolic_copy
-from frictionlab.validation import abbreviate, did_you_mean_or_known
+from frictionlab.validation import did_you_mean_or_known
 
 from .common_directions import RUBBING, CommonDirection, common_directions
 from .contact_regimes import PHASE, ContactRegime, regimes_of_contact
 from .coupled_masses import CoupledMasses, coupled_masses
+from .meaning import check_linear, check_mechanics, mass_matrix
 from .mechanics import Friction, Mechanics, Stop
 
 Row = tuple[Any, ...]
@@ -228,10 +229,14 @@ class LagrangeSystem:
         return (*self.q, *self.v, *self.phase)
 
     def rate(self, expression: Any) -> Any:
-        """Time derivative of a function of coordinates and phase."""
-        rates = (*self.v, *self.phase_rate)
-        slopes = self.gradient(expression, (*self.q, *self.phase))
-        return sum((slope * rate for slope, rate in zip(slopes, rates, strict=True)), sympy.S.Zero)
+        """Time derivative of a function of coordinates and phase; of one of velocities too, the part of its
+        time derivative that has no accelerations."""
+        return _rate(expression, self.mechanics, self.q, self.v)
+
+    def explicit_rate(self, expression: Any) -> Any:
+        """The part of a time derivative that is there with all coordinates and velocities at rest: that by
+        the phase."""
+        return _dot(self.gradient(expression, self.phase), self.phase_rate)
 
     def at_rest(self, expression: Any) -> Any:
         """The value at zero velocities; for a relative velocity it is the speed of the belt."""
@@ -310,13 +315,13 @@ def system_at(model: Any, q: Sequence[Any], v: Sequence[Any]) -> LagrangeSystem:
     names = model.coordinates
     at = _Symbols(**dict(zip(names, q, strict=True)), phase=symbol(PHASE))
     about = model.mechanics(at, _Symbols(**dict(zip(names, v, strict=True))))
-    _check_mechanics(about, model)
-    about = _in_regimes(about, model)
-    momenta = gradient(about.kinetic, v)
-    mass = sympy.Matrix([gradient(momentum, v) for momentum in momenta])
+    about = _in_regimes(check_mechanics(about, model, q, v), model)
+    about, momenta, mass = mass_matrix(about, model, v)
     loads = tuple(sympy.sympify(about.loads.get(name, 0), strict=True) for name in names)
     # In matrix form where the statics need K; the form determines the last bits of equilibria.
     linear = model.statics is not None
+    if linear:
+        check_linear(about, model, q, v)
     internal = _with_matrices(about, q, v) if linear else _internal(about, momenta, q, v)
     return LagrangeSystem(about, tuple(q), tuple(v), mass, internal, loads)
 
@@ -328,16 +333,6 @@ class _Symbols(SimpleNamespace):
         raise AttributeError(f"there is no coordinate {name!r}{did_you_mean_or_known(name, vars(self))}")
 
 
-def _check_mechanics(about: Any, model: Any) -> None:
-    of = type(model).__name__
-    if not isinstance(about, Mechanics):
-        raise TypeError(f"mechanics of {of} must return a Mechanics, got {abbreviate(about)}")
-    for name in about.loads:
-        if name not in model.coordinates:
-            hint = did_you_mean_or_known(name, model.coordinates)
-            raise ValueError(f"loads of {of} must be on its coordinates, got one on {name!r}{hint}")
-
-
 def _in_regimes(about: Mechanics, model: Any) -> Mechanics:
     """The contacts, with the model's interface for those that have none."""
     contacts = (c if c.interface else replace(c, interface=model.interface) for c in about.contacts)
@@ -345,11 +340,19 @@ def _in_regimes(about: Mechanics, model: Any) -> Mechanics:
 
 
 def _internal(about: Mechanics, momenta: Sequence[Any], q: Sequence[Any], v: Sequence[Any]) -> Any:
-    """Forces of energies and dampers, for each coordinate."""
-    turning = [_dot(gradient(momentum, q), v) for momentum in momenta]
+    """Forces of energies and dampers, for each coordinate: d/dt (dT/dv) less M v', less the slopes of T."""
+    turning = [_rate(momentum, about, q, v) for momentum in momenta]
     slopes = gradient(about.stored - about.kinetic, q)
     damping = gradient(about.dissipation, v)
     return tuple(map(sympy.factor_terms, map(sum, zip(turning, slopes, damping, strict=True))))
+
+
+def _rate(expression: Any, about: Mechanics, q: Sequence[Any], v: Sequence[Any]) -> Any:
+    """Time derivative of an expression at constant velocities: by the coordinates, and by the phase."""
+    moving, rates = (*q,), (*v,)
+    if about.frequency is not None:
+        moving, rates = (*q, symbol(PHASE)), (*v, about.frequency)
+    return _dot(gradient(expression, moving), rates)
 
 
 def _with_matrices(about: Mechanics, q: Sequence[Any], v: Sequence[Any]) -> Any:

@@ -18,6 +18,7 @@ from frictionlab.models.composition import Nonlinearity, nonlinearities_of
 from frictionlab.models.model import Model
 from frictionlab.models.serialisation import derivations_of, structure_of_component
 
+from .masses import check_masses
 from .mechanics import Friction, Mechanics
 
 if TYPE_CHECKING:
@@ -55,6 +56,17 @@ class MechanicalModel(Model):
     def mechanics(self, q: Any, v: Any) -> Mechanics:
         """Energies, loads and contacts, at coordinates ``q.<name>`` and velocities ``v.<name>``."""
         raise NotImplementedError(f"{type(self).__name__} must define mechanics(q, v)")
+
+    def automaton(self) -> HybridAutomaton:
+        """The hybrid automaton; models that differ only in parameter values share its `modes` object.
+
+        Raises
+        ------
+        ValueError
+            Where a law has no real value, or a mass is not above 0, at the values of the parameters.
+        """
+        check_masses(self)
+        return super().automaton()
 
     def derive(self) -> HybridAutomaton:
         """The automaton, derived by Lagrange's equations."""

@@ -1,0 +1,166 @@
+"""Whether the kinetic energy is positive for every motion, at the values of a model's parameters.
+
+Most models need no look: their masses are parameters that cannot be zero or negative.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from functools import cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from frictionlab.automaton.straight_line import MATH, StraightLine, straight_line_data
+from frictionlab.components.component import Parameter
+from frictionlab.lazy_names import sympy
+from frictionlab.models.composition import parameter_metadata
+from frictionlab.models.serialisation import Structure, derivations_of, structure_of_component
+from frictionlab.models.symbols import symbol, symbolic_copy
+
+Array = NDArray[np.float64]
+LEAST_SHARE = 1e-13  # of the masses of its coordinates; the energy of a motion below it is a rounding error
+# Phases, and sizes of coordinates, at which masses are checked that change with time, or depend on place.
+PHASES: list[float] = np.linspace(0.0, 2 * np.pi, 16, endpoint=False).tolist()
+SIZES: list[float] = np.geomspace(1e-3, 1.0, 8).tolist()
+SEED = 37
+
+
+def check_masses(model: Any, start: Any = None) -> None:
+    """Raise ValueError unless T is positive for every motion, at the values of the model's parameters.
+
+    Masses that change with time are computed all along a period.  Those that depend on place may be positive
+    in some places only: with `start`, a state, they must be positive there, without it somewhere.
+    """
+    about = _masses(structure_of_component(model))
+    if not about["entries"] or (start is not None and not about["in place"]):
+        return
+    n, masses = len(model.coordinates), _function(about, model.parameters)
+    places = _places(n) if about["in place"] else [np.zeros(n)]
+    if start is not None:
+        places = [np.asarray(start, dtype=float)[:n]]
+    for phase in PHASES if about["in time"] else [0.0]:
+        motions = [_without_positive_energy(masses(place, phase)) for place in places]
+        if all(motions):
+            at = {} if start is None else dict(zip(model.coordinates, places[0], strict=True))
+            at |= {"phase": phase} if about["in time"] else {}
+            raise ValueError(_words(model, about, motions[0], masses(places[0], phase), at))
+
+
+def _places(n: int) -> list[Array]:
+    rng = np.random.default_rng(SEED)
+    return [size * rng.normal(size=n) for size in SIZES]
+
+
+def _without_positive_energy(mass: Array) -> list[int]:
+    """The coordinates of a motion whose energy is not positive; [] if there is none."""
+    diagonal = np.diag(mass)
+    if not (np.isfinite(mass).all() and (diagonal > 0).all()):
+        return [int(np.argmin(np.where(np.isfinite(diagonal), diagonal, -np.inf)))]
+    return motion_without_energy(mass)
+
+
+def motion_without_energy(mass: Array, least: float = -np.inf) -> list[int]:
+    """The coordinates of a motion whose energy, as a share of that of its parts, is zero to rounding.
+
+    From `least` on; so a motion of negative energy counts by default.
+    """
+    size = np.sqrt(np.abs(np.diag(mass)))
+    if not size.all():
+        return [int(i) for i in np.flatnonzero(size == 0.0)]
+    shares, motions = np.linalg.eigh(mass / size[:, None] / size)
+    if not least <= shares[0] <= LEAST_SHARE * len(mass):
+        return []
+    part = np.abs(motions[:, 0])
+    return [int(i) for i in np.flatnonzero(part > part.max() * 1e-6)]
+
+
+def _words(
+    model: Any, about: Mapping[str, Any], motion: Sequence[int], mass: Array, place: Mapping[str, float]
+) -> str:
+    names, value = [model.coordinates[i] for i in motion], mass[motion[0], motion[0]]
+    got = f"that of {' and '.join(map(repr, names))} together is not"
+    if len(names) == 1:
+        got = f"the mass of {names[0]!r} is {value:g}"
+    values = {name: model.parameters[name] for name in about["parameters"]} | dict(place)
+    at = ", ".join(f"{name} = {one:g}" for name, one in values.items())
+    return (
+        f"kinetic of {type(model).__name__} must be positive for every motion, and {got}{at and ' at '}{at}: "
+        "give it a mass above 0; fl.parameter(..., exclusive_minimum=0.0) refuses others at once"
+    )
+
+
+def _function(about: Mapping[str, Any], values: Mapping[str, float]) -> Callable[[Array, float], Array]:
+    """M as a function of coordinates and phase."""
+    numbers = [values[name] for name in about["parameters"]]
+    entries: list[Any] = [
+        (i, j, one if callable(one) else StraightLine(one, MATH)) for i, j, one in about["entries"]
+    ]
+
+    def masses(place: Array, phase: float) -> Array:
+        mass = np.zeros((len(place), len(place)))
+        for i, j, entry in entries:
+            try:
+                mass[i, j] = mass[j, i] = entry(*map(float, place), float(phase), *numbers)
+            except (ArithmeticError, ValueError, TypeError):  # no number, or a complex one
+                mass[i, j] = mass[j, i] = np.nan
+        return mass
+
+    return masses
+
+
+@cache
+def _masses(key: Structure) -> dict[str, Any]:
+    """The entries of M as functions of coordinates, phase and parameters; none where T is surely positive."""
+    kept = derivations_of(key, key.parameters)
+    known = kept.get("masses")
+    if known is None:
+        known = _derived_masses(key)
+        if not any(callable(one) for *_, one in known["entries"]):
+            kept.keep("masses", known)
+    return known
+
+
+def _derived_masses(key: Structure) -> dict[str, Any]:
+    from .equations_of_motion import system_of
+
+    found = system_of(key)
+    mass, phase = found.mass, symbol("phase")
+    there = mass.free_symbols
+    names = [name for name in key.parameters if symbol(name) in there]
+    arguments = [*found.q, phase, *map(symbol, names)]
+    entries = [] if _surely_positive(found, key) else sorted(mass.todok().items())
+    return {
+        "entries": [[i, j, _program(arguments, entry)] for (i, j), entry in entries if i <= j],
+        "parameters": names,
+        "in place": not there.isdisjoint(found.q),
+        "in time": phase in there,
+    }
+
+
+def _surely_positive(found: Any, key: Structure) -> bool:
+    """Whether masses that are not coupled, or coupled by numbers only, are positive whatever their values."""
+    copy = symbolic_copy(key)
+    signs = _signs(parameter_metadata(type(copy), copy.components))
+    if found.masses:
+        return all(one.xreplace(signs).is_positive for one in found.masses)
+    return found.coupled is not None and bool(found.coupled.scale.xreplace(signs).is_positive)
+
+
+def _program(arguments: Sequence[Any], entry: Any) -> Any:
+    function = sympy.lambdify(arguments, entry, "math")
+    data = straight_line_data(function, MATH)
+    return function if data is None else data
+
+
+def _signs(known: Mapping[str, Parameter]) -> dict[Any, Any]:
+    """For the symbol of each parameter with a lower bound of at least 0 one of which sympy knows that."""
+    found = {}
+    for name, about in known.items():
+        above = -1.0 if about.exclusive_minimum is None else about.exclusive_minimum
+        if above >= 0 or (about.minimum or 0) > 0:
+            found[symbol(name)] = sympy.Dummy(name, positive=True)
+        elif about.minimum == 0:
+            found[symbol(name)] = sympy.Dummy(name, nonnegative=True)
+    return found

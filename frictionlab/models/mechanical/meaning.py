@@ -1,0 +1,222 @@
+"""Whether what a model states is a mechanical system: energies of the right variables, and masses.
+
+It is checked once for a structure, in symbols: T has degree 2 in the velocities, V has none of them, v_r is
+linear in them, and all symbols are known.  Whether T is positive depends on the values of the parameters
+(:mod:`frictionlab.models.mechanical.masses`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import sympy
+
+from frictionlab.automaton.expressions import multiply_out
+from frictionlab.models.serialisation import structure_of_component
+from frictionlab.models.symbols import gradient, symbol
+from frictionlab.validation import abbreviate, did_you_mean_or_known
+
+from .contact_regimes import PHASE
+from .masses import LEAST_SHARE, SEED, motion_without_energy
+from .mechanics import Friction, Mechanics, Stop
+
+NO_VALUES = sympy.nan, sympy.zoo, sympy.oo, -sympy.oo, sympy.I
+
+
+def check_mechanics(about: Any, model: Any, q: Sequence[Any], v: Sequence[Any]) -> Mechanics:
+    """The energies, loads and contacts that a model states, as expressions.
+
+    Raises
+    ------
+    TypeError, ValueError
+        Where they are no mechanical system.
+    """
+    of = type(model).__name__
+    if not isinstance(about, Mechanics):
+        raise TypeError(f"mechanics of {of} must return a Mechanics, got {abbreviate(about)}")
+    for name in about.loads:
+        if name not in model.coordinates:
+            hint = did_you_mean_or_known(name, model.coordinates)
+            raise ValueError(f"loads of {of} must be on its coordinates, got one on {name!r}{hint}")
+    check = _Check(of, model, about.frequency is not None, q, v)
+    check.expression("frequency", about.frequency, ())
+    check.free("kinetic", about.kinetic, (), "")
+    potential = about.potential if isinstance(about.potential, Mapping) else {"potential": about.potential}
+    for name, energy in potential.items():
+        check.free(f"the energy {name!r}", energy, v, "a force that depends on velocities is a load")
+    check.expression("dissipation", about.dissipation)
+    if about.dissipation != 0 and not any(gradient(about.dissipation, v)):
+        raise ValueError(
+            f"dissipation of {of} must be a function of the velocities, got {about.dissipation}: write "
+            "c * v.x**2 / 2, half the power that the damper takes"
+        )
+    for name, load in about.loads.items():
+        check.expression(f"the load on {name!r}", load)
+    for contact in about.contacts:
+        check.contact(contact)
+    return about
+
+
+class _Check:
+    """Checks of the expressions of one model."""
+
+    def __init__(self, of: str, model: Any, in_time: bool, q: Sequence[Any], v: Sequence[Any]) -> None:
+        self.of, self.q, self.v = of, q, v
+        self.names = structure_of_component(model).parameters
+        self.states = {*q, *v, *([symbol(PHASE)] if in_time else [])}
+
+    def expression(self, what: str, given: Any, states: Any = None) -> Any:
+        """The expression that is given, with symbols of the parameters and of `states`, by default all."""
+        if given is None:
+            return None
+        try:
+            expr = sympy.sympify(given, strict=True)
+        except (sympy.SympifyError, TypeError, ValueError):
+            expr = None
+        if not isinstance(expr, sympy.Expr):
+            raise TypeError(
+                f"{what} of {self.of} must be an expression of the coordinates q, the velocities v and the "
+                f"parameters, got {abbreviate(given)}"
+            )
+        if expr.has(*NO_VALUES):
+            raise ValueError(f"{what} of {self.of} must be finite and real, got {abbreviate(expr)}")
+        known = {*map(symbol, self.names), *(self.states if states is None else states)}
+        if unknown := sorted(expr.free_symbols - known, key=str):
+            raise ValueError(f"{what} of {self.of} must not depend on {unknown[0]}: {self._cure(unknown[0])}")
+        return expr
+
+    def _cure(self, unknown: Any) -> str:
+        if unknown in self.states:
+            return "it is one number, given by parameters alone"
+        if unknown == symbol(PHASE):
+            return "give Mechanics the frequency too, which is the rate of q.phase"
+        return (
+            "it is no coordinate, no velocity and no parameter; make it a field by fl.parameter(...), and "
+            f"write self.{unknown}"
+        )
+
+    def free(self, what: str, given: Any, of: Sequence[Any], cure: str) -> Any:
+        """An expression without the symbols `of`."""
+        expr = self.expression(what, given)
+        if expr is None:
+            raise TypeError(f"{what} of {self.of} must be an expression, got None: write 0 for none")
+        if wrong := sorted(expr.free_symbols & {*of}, key=str):
+            raise ValueError(
+                f"{what} of {self.of} must not depend on {wrong[0]}, got {abbreviate(expr)}: {cure}"
+            )
+        return expr
+
+    def contact(self, contact: Friction | Stop) -> None:
+        """The expressions of a contact."""
+        place = "where bodies touch depends on coordinates and time only"
+        if isinstance(contact, Stop):
+            distance = self.free("distance of a Stop", contact.distance, self.v, place)
+            if not any(gradient(distance, self.q)):
+                raise ValueError(
+                    f"distance of a Stop of {self.of} must depend on a coordinate, got {distance}: write it "
+                    "with the coordinates q, as in self.d - q.x"
+                )
+            return
+        speed = self.free("relative_velocity", contact.relative_velocity, (), "")
+        if any({*one.free_symbols} & {*self.v} for one in map(multiply_out, gradient(speed, self.v))):
+            raise ValueError(
+                f"relative_velocity of {self.of} must be linear in the velocities, got {abbreviate(speed)}: "
+                "its gradient by them is the direction of the friction force; a function of it belongs into "
+                "the friction law"
+            )
+        if callable(contact.normal_force) and contact.penetration is None:
+            raise TypeError(
+                f"normal_force of {self.of} must be an expression, got a function: a contact without a "
+                "penetration has nothing to give to it"
+            )
+        self.free("normal_force", contact.pressing, (), "")
+        if contact.penetration is not None:
+            self.free("penetration", contact.penetration, self.v, place)
+        if contact.normal is not None:
+            for one in contact.normal:
+                self.free("normal", one, self.v, place)
+            if len(contact.normal) != len(self.q):
+                raise ValueError(
+                    f"normal of {self.of} must have one entry for each of its {len(self.q)} coordinates, got "
+                    f"{len(contact.normal)}"
+                )
+
+
+def mass_matrix(about: Mechanics, model: Any, v: Sequence[Any]) -> tuple[Mechanics, list[Any], Any]:
+    """What is stated, with T as sympy needs it; the momenta dT/dv; and the masses, their derivatives by v.
+
+    Raises
+    ------
+    ValueError
+        Where T is not of degree 2 in the velocities, or a coordinate has no mass.
+    """
+    momenta, mass = _masses(about.kinetic, v)
+    if mass.free_symbols & {*v}:  # perhaps they cancel
+        about = replace(about, kinetic=multiply_out(about.kinetic))
+        momenta, mass = _masses(about.kinetic, v)
+    if wrong := sorted(mass.free_symbols & {*v}, key=str):
+        raise ValueError(
+            f"kinetic of {type(model).__name__} must be of degree 2 at most in the velocities, got "
+            f"{abbreviate(about.kinetic)}: its second derivatives, the masses, depend on {wrong[0]}"
+        )
+    without = [i for i in range(len(v)) if mass[i, :].is_zero_matrix]
+    without = without or _structurally_without(mass)
+    if without:
+        raise ValueError(_no_mass(model, without))
+    return about, momenta, mass
+
+
+def _masses(kinetic: Any, v: Sequence[Any]) -> tuple[list[Any], Any]:
+    momenta = gradient(kinetic, v)
+    return momenta, sympy.Matrix([gradient(momentum, v) for momentum in momenta])
+
+
+def _no_mass(model: Any, without: Sequence[int]) -> str:
+    names = [model.coordinates[i] for i in without]
+    some = " and ".join(map(repr, names))
+    what = f"the coordinate {some} has none" if len(names) == 1 else f"a motion of {some} together has none"
+    return (
+        f"kinetic of {type(model).__name__} must give each coordinate a mass, and {what}: add its energy, as "
+        f"in self.m * v.{names[0]}**2 / 2, or leave out the coordinate, which follows from the others"
+    )
+
+
+def _structurally_without(mass: Any) -> list[int]:
+    """The coordinates of a motion that has no energy whatever values parameters and states have; or []."""
+    if mass.is_diagonal():
+        return []
+    some = sorted(mass.free_symbols, key=str)
+    rng = np.random.default_rng(SEED)
+    motions = []
+    for _ in range(2):  # twice, as a single choice may be a singular one
+        values = {x: sympy.Float(value) for x, value in zip(some, rng.uniform(0.5, 1.5, len(some)))}
+        at = np.zeros(mass.shape)
+        for place, entry in mass.todok().items():
+            at[place] = float(entry.xreplace(values))
+        motions.append(motion_without_energy(at, -LEAST_SHARE * len(at)))
+    return motions[0] if all(motions) else []
+
+
+def check_linear(about: Mechanics, model: Any, q: Sequence[Any], v: Sequence[Any]) -> None:
+    """Raise ValueError unless all but the contact is linear, and constant in time, as `statics` needs."""
+    fixed, still = {*q, *v, symbol(PHASE)}, dict.fromkeys(v, sympy.S.Zero)
+    momenta = gradient(about.kinetic, v)
+    others = [one.xreplace(still) for one in (sympy.sympify(about.kinetic, strict=True), *momenta)]
+    checks = {
+        "kinetic": [*(one for p in momenta for one in gradient(p, (*q, symbol(PHASE)))), *others],
+        "frequency": [] if about.frequency is None else [symbol(PHASE)],
+    }
+    curved = {"potential": (about.stored, q), "dissipation": (about.dissipation, v)}
+    for name, (energy, x) in curved.items():
+        second = (entry for slope in gradient(energy, x) for entry in gradient(slope, x))
+        checks[name] = [one for one in second if one.free_symbols & fixed]
+    for name, terms in checks.items():
+        if any(term != 0 for term in terms):
+            raise ValueError(
+                f"{name} of {type(model).__name__} does not go with statics: SlidingStatics needs energies "
+                "that are quadratic, with constant masses, springs and dampers, and nothing that depends on "
+                "time; leave out statics, and equilibria are found by Newton's method"
+            )
