@@ -132,7 +132,8 @@ class _Check:
                 f"normal_force of {self.of} must be an expression, got a function: a contact without a "
                 "penetration has nothing to give to it"
             )
-        self.free("normal_force", contact.pressing, (), "")
+        if not callable(contact.normal_force):
+            self.free("normal_force", contact.normal_force, (), "")
         if contact.penetration is not None:
             self.free("penetration", contact.penetration, self.v, place)
         if contact.normal is not None:

@@ -96,19 +96,23 @@ class Stop:
 class Mechanics:
     """Energies, loads and contacts.
 
+    All of them may depend on ``q.phase``, that is on time, and on place: what a base, a hoop or a ground that
+    moves does to T, V and the contacts is in the equations.
+
     Parameters
     ----------
     kinetic : Expr
-        Energy T(q, v), J.
+        Energy T(q, v), J, a polynomial of degree 2 in the velocities that is positive for every motion.  Of a
+        body on a base that moves it has terms with one velocity and with none, too.
     potential : Expr or mapping of str to Expr
         Energy V(q), J; or its parts by name, such as "springs" and "gravity", of which V is the sum.
     dissipation : Expr
-        Rayleigh's dissipation function D(v), W: half the power that the dampers take.
+        Rayleigh's dissipation function D(v), W: half the power that the dampers take, where it is quadratic.
     contacts : tuple of Friction or Stop
     loads : mapping of str to Expr
         Forces (N) along coordinates that come from no energy, such as ``F * cos(q.phase)``.
     frequency : Expr or None
-        Angular frequency (rad/s) of a force that depends on time: the rate of the state ``q.phase``, which
+        Angular frequency (rad/s) of what depends on time, one number: the rate of the state ``q.phase``, which
         goes from 0 to 2 pi and starts again at 0.  None where nothing depends on time.
     """
 
