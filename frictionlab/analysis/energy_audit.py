@@ -6,7 +6,7 @@ The balance has energies, powers, and jumps at impacts, each evaluated at the st
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
 
@@ -21,9 +21,9 @@ from frictionlab.hybrid.problem import evaluate_output
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.interruption import progress_bar
 from frictionlab.models import MechanicalModel
-from frictionlab.models.mechanical.contact_regimes import CHATTER_MODE
+from frictionlab.models.mechanical.contact_regimes import CHATTER_MODE, material_rate
 from frictionlab.models.mechanical.equations_of_motion import LagrangeSystem, system_of
-from frictionlab.models.mechanical.mechanics import Friction
+from frictionlab.models.mechanical.mechanics import Friction, Stop
 from frictionlab.models.mechanical.modes import contact_suffix
 from frictionlab.models.symbols import Structure, parameter_symbols, structure_of_component, structure_values
 from frictionlab.presentation import Drawable, FrozenMapping, shorten
@@ -31,7 +31,11 @@ from frictionlab.presentation import Drawable, FrozenMapping, shorten
 # Exact for contact laws that are polynomials in sqrt(penetration).
 CONTACT_NODES, CONTACT_WEIGHTS = np.polynomial.legendre.leggauss(12)
 GAP = sp.Symbol("gap_of_contact", real=True)
-WORKS = ("belt drive", "friction", "dampers", "impacts", "loads", "moving springs", "contact", "moving load")
+WORKS = (
+    *("belt drive", "friction", "dampers", "impacts", "loads", "moving springs", "moving masses"),
+    *("moving contacts", "contact", "moving load"),
+)
+TOUCHING = 1e-9  # share of its largest value in a run below which a gap is closed at an impact
 
 PIECE_NODES, PIECE_WEIGHTS = np.polynomial.legendre.leggauss(10)
 PIECES_PER_CHUNK = 20_000  # intervals of the run computed at once
@@ -50,7 +54,13 @@ class ContactTerms:
     speed : callable or None
         Speed of the belt (m/s) as a function of states and parameters; None for a stop.
     approach : callable or None
-        Material penetration rate -W_N . q' (m/s); None where the contact cannot be lost.
+        Material penetration rate (m/s), -W_N . q' plus `moved`; None where the contact cannot be lost.
+    moved : callable or None
+        How fast (m/s) the penetration grows by time alone; None where the contact does not move with time.
+    gap : callable or None
+        The gap (m), of contacts that move with time.
+    directions : tuple of callable
+        The entries of W_N and, of a contact with friction, then those of W; for contacts that move with time.
     travel : callable or None
         Full less material penetration rate (m/s), with which F_N does work beyond that of the contact's
         spring; None where it is zero by construction.
@@ -63,9 +73,33 @@ class ContactTerms:
     place: int
     speed: Callable[..., Any] | None = None
     approach: Callable[..., Any] | None = None
+    moved: Callable[..., Any] | None = None
+    gap: Callable[..., Any] | None = None
+    directions: tuple[Callable[..., Any], ...] = ()
     travel: Callable[..., Any] | None = None
     penetration: Callable[..., Any] | None = None
     law: Callable[..., Any] | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class MovedMasses:
+    """The power of what moves masses, or changes them: -dT/dt by the phase + d/dt (T_1 + 2 T_0).
+
+    T_1 is the part of T with one velocity, b . q', and T_0 that with none.
+
+    Parameters
+    ----------
+    energy : callable
+        T_1 + 2 T_0, J.
+    free : callable
+        The power (W) without forces of contacts.
+    along : tuple of (str, callable)
+        Outputs that are forces of contacts, and b . M^-1 W, by which each has a part in the power.
+    """
+
+    energy: Callable[..., Any]
+    free: Callable[..., Any]
+    along: tuple[tuple[str, Callable[..., Any]], ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,6 +110,8 @@ class Terms:
     potential: Mapping[str, Callable[..., Any]]
     powers: Mapping[str, Callable[..., Any]]
     contacts: tuple[ContactTerms, ...]
+    moved: MovedMasses | None
+    masses: tuple[Callable[..., Any], ...]  # row by row; only where a contact moves with time
 
 
 class Balance:
@@ -89,44 +125,99 @@ class Balance:
         """The energies (J), each (N,)."""
         found = {"kinetic": self._at(self._terms.kinetic, states)}
         found |= {name: self._at(energy, states) for name, energy in self._terms.potential.items()}
-        springs = [c for c in self._terms.contacts if c.law is not None]
-        if springs:
-            found["contact"] = np.sum(
-                [self._contact_energy(contact, states, modes) for contact in springs], axis=0
-            )
+        if any(contact.law is not None for contact in self._terms.contacts):
+            found["contact"] = self._stored(states, modes)
         return found
 
     def powers(self, states: Array, modes: Any) -> dict[str, Array]:
         """The powers (W), each (N,), that change the sum of the energies between events."""
         found = {name: self._at(power, states) for name, power in self._terms.powers.items()}
+        if (moved := self._terms.moved) is not None:
+            found["moving masses"] = self._at(moved.free, states) + sum(
+                self._output(name, states, modes) * self._at(share, states) for name, share in moved.along
+            )
         for contact in self._terms.contacts:
             for name, power in self._contact_powers(contact, states, modes):
                 found[name] = found.get(name, 0.0) + power
         return {name: found[name] for name in WORKS if name in found}
 
-    def jumps(self, before: Array, after: Array) -> Array:
-        """Energy (J) gained at events: velocities jump there, coordinates do not."""
-        return self._at(self._terms.kinetic, after) - self._at(self._terms.kinetic, before)
+    def jumps(self, run: Trajectory) -> dict[str, Array]:
+        """Energy (J) gained at each event: at impacts by velocities, at the end of a period by the phase."""
+        before, after = run.events.before, run.events.state
+        modes = [run.mode_names.index(name) if name else 0 for name in run.events.source]
+        ends = run.events.guard == "period"
+        gained = self._gain(self._terms.kinetic, before, after)
+        found = {"impacts": np.where(ends, 0.0, gained)}
+        if (moved := self._terms.moved) is not None:
+            carried = np.where(ends, gained, self._gain(moved.energy, before, after))
+            found = {"impacts": gained - carried, "moving masses": carried}
+        if ends.any():  # what depends on the phase may differ between 0 and 2 pi
+            changes = [self._gain(energy, before, after) for energy in self._terms.potential.values()]
+            found["moving springs"] = (
+                np.where(ends, np.sum(changes, axis=0), 0.0) if changes else 0.0 * gained
+            )
+        if any(contact.moved is not None for contact in self._terms.contacts):
+            work = self._work_of_moved_contacts(run, ~ends & (before != after).any(axis=1))
+            stored = self._stored(after, np.array(modes)) - self._stored(before, np.array(modes))
+            moved = work + np.where(ends, stored, 0.0)
+            found |= {"impacts": found["impacts"] - work, "moving contacts": moved}
+        return found
+
+    def _gain(self, energy: Any, before: Array, after: Array) -> Array:
+        return self._at(energy, after) - self._at(energy, before)
+
+    def _stored(self, states: Array, modes: Any) -> Array:
+        """Energy (J) that all contacts store, each (N,)."""
+        springs = [c for c in self._terms.contacts if c.law is not None]
+        parts = [self._contact_energy(contact, states, modes) for contact in springs]
+        return np.sum(parts, axis=0) if parts else np.zeros(len(states))
+
+    def _work_of_moved_contacts(self, run: Trajectory, jumps: Array) -> Array:
+        """Work (J) that each event's impulses do because contacts move with time."""
+        before, after = run.events.before, run.events.state
+        n = self.automaton.coordinates
+        contacts = [contact for contact in self._terms.contacts if contact.gap is not None]
+        work, masses = np.zeros(len(before)), self._matrix(self._terms.masses, before, n)
+        sides = [self._matrix(contact.directions, before, n) for contact in contacts]
+        gaps = [np.abs(self._at(contact.gap, before)) for contact in contacts]
+        widest = [np.abs(self._at(contact.gap, run.states)).max(initial=0.0) for contact in contacts]
+        speeds = [np.zeros(len(before)) if c.moved is None else self._at(c.moved, before) for c in contacts]
+        for e in np.flatnonzero(jumps):
+            hit = [i for i, gap in enumerate(gaps) if gap[e] <= TOUCHING * widest[i]]
+            impulse = masses[e] @ (after[e, n : 2 * n] - before[e, n : 2 * n])
+            columns = np.concatenate([np.zeros((0, n)), *(sides[i][e] for i in hit)]).T
+            shares, at = np.linalg.lstsq(columns, impulse)[0], 0
+            for i in hit:
+                work[e] += shares[at] * speeds[i][e]  # the first is that of the normal force
+                at += len(sides[i][e])
+        return work
+
+    def _matrix(self, entries: Sequence[Any], states: Array, columns: int) -> Array:
+        """Matrices (N, rows, columns) whose entries, row by row, are functions of states."""
+        values = [self._at(entry, states) for entry in entries]
+        return np.reshape(np.transpose(values), (len(states), -1, columns))
 
     def _at(self, function: Any, states: Array) -> Array:
         return np.broadcast_to(np.asarray(function(*states.T, *self._values), dtype=float), len(states))
 
-    def _output(self, name: str, contact: ContactTerms, states: Array, modes: Any) -> Array:
-        return evaluate_output(self.automaton, name + contact.number, states, modes, self.mode_names)
+    def _output(self, name: str, states: Array, modes: Any) -> Array:
+        return evaluate_output(self.automaton, name, states, modes, self.mode_names)
 
     def _contact_powers(self, contact: ContactTerms, states: Array, modes: Any) -> Any:
-        """Names and powers (W) of a contact with friction."""
+        """Names and powers (W) of a contact."""
+        if contact.moved is not None:
+            name = ("reaction" if contact.speed is None else "normal_force") + contact.number
+            pushed = self._output(name, states, modes)
+            yield "moving contacts", pushed * self._at(contact.moved, states)
         if contact.speed is None:
             return
-        friction = self._output("friction_force", contact, states, modes)
+        friction = self._output("friction_force" + contact.number, states, modes)
         yield "belt drive", friction * self._at(contact.speed, states)
-        yield "friction", -friction * self._output("relative_velocity", contact, states, modes)
+        yield "friction", -friction * self._output("relative_velocity" + contact.number, states, modes)
         if contact.approach is None:
             return
-        normal, pressed = (
-            self._output("normal_force", contact, states, modes),
-            self._modes_in_contact(contact)[modes],
-        )
+        normal = self._output("normal_force" + contact.number, states, modes)
+        pressed = self._modes_in_contact(contact)[modes]
         approaching = self._at(contact.approach, states)
         yield "impacts", np.where(pressed, 0.0, -normal * approaching)
         # without a law the energy that the contact stores is not known: all power of F_N counts as work
@@ -164,41 +255,92 @@ def terms_of(key: Structure) -> Terms:
     given = (
         mechanics.potential if isinstance(mechanics.potential, Mapping) else {"potential": mechanics.stored}
     )
+    contacts = tuple(_contact(found, i, compiled, key) for i in range(len(mechanics.contacts)))
+    in_time = any(contact.moved is not None for contact in contacts)
     return Terms(
         kinetic=compiled(mechanics.kinetic),
         potential={name: compiled(energy) for name, energy in given.items() if energy != 0},
         powers={name: compiled(power) for name, power in _powers(found).items()},
-        contacts=tuple(_contact(found, i, compiled, key) for i in range(len(mechanics.contacts))),
+        contacts=contacts,
+        moved=_moved_masses(found, compiled),
+        masses=tuple(map(compiled, found.mass)) if in_time else (),
+    )
+
+
+def _moved_masses(found: LagrangeSystem, compiled: Callable[..., Any]) -> MovedMasses | None:
+    """The power of what moves masses; None where T is quadratic in the velocities and free of the phase."""
+    kinetic = sp.sympify(found.mechanics.kinetic, strict=True)
+    momenta = [found.at_rest(momentum) for momentum in found.gradient(kinetic, found.v)]
+    energy = _dot(momenta, found.v) + 2 * found.at_rest(kinetic)
+    explicit = found.explicit_rate(kinetic)
+    if energy == 0 and explicit == 0:
+        return None
+    free = [load - rest for load, rest in zip(found.loads, found.internal, strict=True)]
+    power = found.rate(energy) - explicit + _dot(momenta, found.accelerations(free))
+    forces: list[tuple[str, Any]] = []
+    for i, contact in enumerate(found.mechanics.contacts if any(momenta) else ()):
+        of = contact_suffix(found, i)
+        if isinstance(contact, Friction):
+            forces += [("friction_force" + of, found.direction(contact))]
+            forces += (
+                [("normal_force" + of, found.normal(contact))] if contact.penetration is not None else []
+            )
+        else:
+            forces += [("reaction" + of, found.direction(contact))]
+    shares = ((name, _dot(momenta, found.accelerations(list(along)))) for name, along in forces)
+    return MovedMasses(
+        compiled(energy), compiled(power), tuple((name, compiled(one)) for name, one in shares)
     )
 
 
 def _powers(found: LagrangeSystem) -> dict[str, Any]:
-    """The powers of dampers, of loads, and of energies that depend on time."""
+    """The powers of dampers, of loads, and of potentials that depend on time."""
     damping = [sp.diff(found.mechanics.dissipation, rate) for rate in found.v]
     powers = {"dampers": -_dot(damping, found.v), "impacts": sp.S.Zero}
     if any(load != 0 for load in found.loads):
         powers["loads"] = _dot(found.loads, found.v)
-    for phase in found.phase:
-        moved = sp.diff(found.mechanics.stored, phase) * found.mechanics.frequency
-        powers |= {} if moved == 0 else {"moving springs": moved}
-    return powers
+    moved = found.explicit_rate(found.mechanics.stored)
+    return powers if moved == 0 else powers | {"moving springs": moved}
 
 
 def _contact(found: LagrangeSystem, i: int, compiled: Callable[..., Any], key: Structure) -> ContactTerms:
     contact, numbered = found.mechanics.contacts[i], contact_suffix(found, i)
     if not isinstance(contact, Friction):
-        return ContactTerms(numbered, i)
-    speed = compiled(found.at_rest(contact.relative_velocity))
+        return replace(ContactTerms(numbered, i), **_motion_in_time(found, contact, compiled))
+    terms = ContactTerms(numbered, i, compiled(found.at_rest(contact.relative_velocity)))
     if contact.penetration is None:
-        return ContactTerms(numbered, i, speed)
-    approach = -_dot(found.normal(contact), found.v)
-    travel = (
-        None if contact.normal is None else compiled(sp.expand(found.rate(contact.penetration) - approach))
+        return terms
+    approach = material_rate(found, contact)
+    terms = replace(terms, approach=compiled(approach), **_motion_in_time(found, contact, compiled))
+    force = contact.normal_force(GAP) if callable(contact.normal_force) else None
+    if force is None or not sp.sympify(force, strict=True).free_symbols.isdisjoint(found.states):
+        return terms
+    travel = sp.expand(found.rate(contact.penetration) - approach)
+    return replace(
+        terms,
+        travel=None if contact.normal is None else compiled(travel),
+        penetration=compiled(contact.penetration),
+        law=array_function([GAP, *parameter_symbols(key)], sp.sympify(force, strict=True)),
     )
-    if not callable(contact.normal_force):
-        return ContactTerms(numbered, i, speed, compiled(approach))
-    law = array_function([GAP, *parameter_symbols(key)], contact.normal_force(GAP))
-    return ContactTerms(numbered, i, speed, compiled(approach), travel, compiled(contact.penetration), law)
+
+
+def _motion_in_time(
+    found: LagrangeSystem, contact: Friction | Stop, compiled: Callable[..., Any]
+) -> dict[str, Any]:
+    """The terms of a contact that moves with time; what jumps need of any contact of such a model."""
+    gap = -contact.penetration if isinstance(contact, Friction) else contact.distance
+    moved = -found.explicit_rate(gap)
+    if isinstance(contact, Friction):
+        directions = [*found.normal(contact), *found.direction(contact)]
+    else:
+        directions = [*found.direction(contact)]
+    if not found.phase:
+        return {}
+    return {
+        "moved": None if moved == 0 else compiled(moved),
+        "gap": compiled(gap),
+        "directions": tuple(map(compiled, directions)),
+    }
 
 
 def _dot(one: Any, other: Any) -> Any:
@@ -217,13 +359,16 @@ class EnergyAudit(Drawable):
         J: "kinetic"; those that the model names, such as "springs" and "preload", else "potential"; and
         "contact", the integral of F_N over the penetration, zero in flight.
     powers : mapping of str to array (N,)
-        W: "dampers"; "loads"; "moving springs", of a potential that depends on time; "impacts", zero but in
-        the limit mode of chatter.  At contacts with friction "belt drive" F_T v, with the belt's speed v;
-        "friction" -F_T v_r; "moving load" F_N (penetration rate + W_N . q') where W_N is not the gradient of
-        the gap, which for the paper's model is -F_N phi (x1' - x2'); "contact", the power of an F_N that is
-        not given as a function of the penetration.
+        W: "dampers"; "loads"; "moving springs", of a potential that depends on time; "moving masses", of what
+        moves a base or a hoop, or changes a mass, -dT/dt by time alone + d/dt (T_1 + 2 T_0) with the parts
+        of T that have one velocity and none; "moving contacts", of grounds and stops that move with time;
+        "impacts", zero but in the limit mode of chatter.  At contacts with friction "belt drive" F_T v, with
+        the belt's speed v; "friction" -F_T v_r; "moving load" F_N (penetration rate + W_N . q') where W_N is
+        not the gradient of the gap, which for the paper's model is -F_N phi (x1' - x2'); "contact", the power
+        of an F_N that is not given as a function of the penetration.
     works : mapping of str to array (N,)
-        J: the work of each power from 0 to t; that of impacts includes the jumps of the kinetic energy.
+        J: the work of each power from 0 to t.  That of impacts includes the jumps of the kinetic energy, but
+        for the work of the impulses on a base, a ground or a stop that moves.
     turned_over : float
         J: the largest sum of the energies' magnitudes, plus the magnitudes of all works, in or out.
     """
@@ -301,9 +446,11 @@ def energy_audit(run: Trajectory, *, progress: bool = True) -> EnergyAudit:
     at = np.searchsorted(edges, run.t)
     powers = balance.powers(run.states, run.mode_indices)
     works = {name: net[i][at] for i, name in enumerate(powers)}
-    gains = balance.jumps(run.events.before, run.events.state)
-    summed = np.append(0.0, np.cumsum(gains, dtype=np.longdouble))
-    works["impacts"] = works["impacts"] + summed[np.searchsorted(run.events.t, run.t, side="right")]
+    gains = balance.jumps(run)
+    passed = np.searchsorted(run.events.t, run.t, side="right")
+    for name, gain in gains.items():
+        summed = np.append(0.0, np.cumsum(gain, dtype=np.longdouble))
+        works[name] = works.get(name, 0.0) + summed[passed]
     energies = balance.energies(run.states, run.mode_indices)
     largest = np.sum(np.abs(list(energies.values())), axis=0).max(initial=0.0)
     return EnergyAudit(
@@ -311,7 +458,7 @@ def energy_audit(run: Trajectory, *, progress: bool = True) -> EnergyAudit:
         energies=FrozenMapping(energies),
         powers=FrozenMapping(powers),
         works=FrozenMapping({name: np.asarray(work, dtype=float) for name, work in works.items()}),
-        turned_over=float(largest + gross + np.abs(gains).sum()),
+        turned_over=float(largest + gross + sum(np.abs(gain).sum() for gain in gains.values())),
     )
 
 

@@ -112,8 +112,8 @@ class Mechanics:
     loads : mapping of str to Expr
         Forces (N) along coordinates that come from no energy, such as ``F * cos(q.phase)``.
     frequency : Expr or None
-        Angular frequency (rad/s) of what depends on time, one number: the rate of the state ``q.phase``, which
-        goes from 0 to 2 pi and starts again at 0.  None where nothing depends on time.
+        Angular frequency (rad/s) of what depends on time, one number: the rate of the state ``q.phase``,
+        which goes from 0 to 2 pi and starts again at 0.  None where nothing depends on time.
     """
 
     kinetic: Any
