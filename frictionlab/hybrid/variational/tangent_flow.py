@@ -25,8 +25,10 @@ from frictionlab.hybrid.variational.tangent_jets import (
     EventCrossing,
     SaltationError,
     TangentScratch,
+    admissible_tangents,
     carry_step,
     carry_steps,
+    changes_nothing,
     constraint_gradients,
     linearise_mode,
     saltation_matrix,
@@ -111,12 +113,10 @@ def initial_frame(run: Trajectory) -> np.ndarray:
     """The perturbations (n, n) that a run's first mode admits: the unit matrix projected onto its
     constraints."""
     program, numbers, raw = run.problem.program, run.problem.numbers, run.raw
-    frame = np.eye(raw.state.size)
     if not len(raw.step_modes):
-        return frame
+        return np.eye(raw.state.size)
     mode, z = int(raw.step_modes[0]), raw.step_states[0]
-    fixed = constraint_gradients(program, mode, linearise_mode(program, numbers, mode, z))
-    return frame - np.linalg.pinv(fixed) @ fixed if len(fixed) else frame
+    return admissible_tangents(constraint_gradients(program, mode, linearise_mode(program, numbers, mode, z)))
 
 
 def carry_frame(run: Trajectory, frame: np.ndarray, progress: bool) -> tuple[np.ndarray, list[np.ndarray]]:
@@ -178,6 +178,17 @@ def carry_rows(steps: Any, run: Trajectory, part: slice, rows: np.ndarray, *more
         raise SaltationError(f"the tangent flow overflows after t = {t:g} s: end the run earlier")
 
 
+def entry_time(run: Trajectory, i: int) -> float:
+    """When the mode that an event ends was entered; ends of a phase's period before do not count."""
+    raw, problem = run.raw, run.problem
+    for k in range(i - 1, -1, -1):
+        guard, target = (int(one) for one in raw.event_codes[k, :2])
+        stays = target == problem.program.guard_modes[guard]
+        if not stays or not changes_nothing(problem.program, problem.numbers, guard, raw.event_states[k, 0]):
+            return float(raw.event_times[k])
+    return 0.0
+
+
 def event_saltation(run: Trajectory, i: int) -> np.ndarray:
     """Saltation matrix (n, n) of an event of a run, by its number."""
     raw, problem = run.raw, run.problem
@@ -189,9 +200,8 @@ def event_saltation(run: Trajectory, i: int) -> np.ndarray:
         )
     if target < 0:
         raise SaltationError(f"no mode was admissible {where}: end the run before")
-    dwell = float(t - (raw.event_times[i - 1] if i else 0.0))
     before, after = raw.event_states[i]
-    event = EventCrossing(int(guard), int(target), before, after, dwell)
+    event = EventCrossing(int(guard), int(target), before, after, float(t - entry_time(run, i)))
     try:
         return saltation_matrix(problem.program, problem.numbers, event)
     except SaltationError as error:

@@ -6,7 +6,10 @@ directions side by side, so that they are computed together.
 
 A neighbouring motion reaches the guard g at another time, jumps there by the reset R, and flows on with f+
 instead of f-.  To first order S = DR + (f+ - DR f-) (grad g)^T / (grad g . f-).  Only the values of R on g =
-0 matter: S is the same whatever R is elsewhere.  Source: Leine & Nijmeijer, Dynamics and Bifurcations of
+0 matter: S is the same whatever R is elsewhere.  Tangent vectors keep the constraints of the mode left; those
+of the mode entered must hold for all these vectors after S.  An event that leaves mode, rates and tangent
+vectors as they are, as where a phase begins anew, is no event of the motion: S is the unit matrix, whatever
+else happens at that instant.  Source: Leine & Nijmeijer, Dynamics and Bifurcations of
 Non-Smooth Mechanical Systems, Springer 2004.
 """
 
@@ -166,9 +169,9 @@ def carry_steps(code, numbers, truncation, steps, z, frame, scratch):
 GRAZING_SHARE = 1e-7  # a guard that would turn back within this share of the time in the mode is grazed
 # another guard that vanishes within this share of that time makes a double event
 COINCIDENT_EVENT_SHARE = 1e-9
-CONSTRAINT_SHARE = (
-    1e-6  # share of the saltation matrix by which neighbouring motions may miss the next mode's constraints
-)
+# share of the terms by which neighbouring motions may miss the next mode's constraints
+CONSTRAINT_SHARE = 1e-6
+SAME_RATES_SHARE = 1e-9  # share of the rates by which an event that changes nothing may change them
 
 
 class SaltationError(ValueError):
@@ -202,19 +205,53 @@ def saltation_matrix(program: Program, numbers: Numbers, event: EventCrossing) -
         only by coincidence.
     """
     code, source = program.code, int(program.guard_modes[event.guard])
+    if source == event.target and changes_nothing(program, numbers, event.guard, event.before):
+        return np.eye(len(event.before))
     left, entered = (
         linearise_mode(program, numbers, mode, z)
         for mode, z in ((source, event.before), (event.target, event.after))
     )
     slot = code.function_slots[event.guard]
     _check_grazing(left.jets[slot], event.dwell)
-    others = code.function_slots[code.mode_guards[source] : code.mode_guards[source + 1]]
-    _check_alone(left.jets[others[others != slot]], event.dwell)
+    for other in _other_guards_at_zero(program, source, event.guard, left, event.dwell):
+        if not changes_nothing(program, numbers, other, event.before):
+            raise SaltationError(
+                "two event functions vanish at one instant: neighbours meet only one of them"
+            )
     jump = _reset_jacobian(program, numbers, code.resets[event.guard, 0], event.before)
     before, after = left.jets[code.flow[source], 0], entered.jets[code.flow[event.target], 0]
     matrix = jump + np.outer(after - jump @ before, left.gradients[slot]) / left.jets[slot, 1]
-    _check_constraints(constraint_gradients(program, event.target, entered) @ matrix, matrix)
+    _check_constraints(
+        constraint_gradients(program, event.target, entered),
+        matrix,
+        admissible_tangents(constraint_gradients(program, source, left)),
+    )
     return matrix
+
+
+def admissible_tangents(fixed: np.ndarray) -> np.ndarray:
+    """Projection (n, n) onto tangent vectors that keep constraints with these gradients (constraints, n)."""
+    unit = np.eye(fixed.shape[1])
+    return unit - np.linalg.pinv(fixed) @ fixed if len(fixed) else unit
+
+
+def changes_nothing(program: Program, numbers: Numbers, guard: int, z: np.ndarray) -> bool:
+    """Whether the event of a guard leaves mode, rates and tangent vectors as they are: a phase begins anew.
+
+    So it is where its reset moves states by constants on which no rate depends, and makes the guard positive.
+    """
+    code, mode, reset = program.code, int(program.guard_modes[guard]), int(program.code.resets[guard, 0])
+    if reset < 0:
+        return False
+    tape = _reset_tape(program, numbers, reset, z)
+    out = code.reset_out[reset]
+    if not np.array_equal(tape.gradients[out], np.eye(len(z))):
+        return False
+    before, after = (linearise_mode(program, numbers, mode, at) for at in (z, tape.jets[out, 0]))
+    flow, slot = code.flow[mode], code.function_slots[guard]
+    rates, apart = before.jets[flow, 0], after.jets[flow, 0] - before.jets[flow, 0]
+    same = np.abs(apart).max(initial=0.0) <= SAME_RATES_SHARE * np.abs(rates).max(initial=0.0)
+    return bool(same and after.jets[slot, 0] > 0.0)
 
 
 def linearise_mode(program: Program, numbers: Numbers, mode: int, z: np.ndarray) -> LinearisedTape:
@@ -241,10 +278,13 @@ def _linear(program, numbers, operations: tuple[int, int], flow: np.ndarray, z: 
 def _reset_jacobian(program: Program, numbers: Numbers, reset: int, z: np.ndarray) -> np.ndarray:
     if reset < 0:
         return np.eye(len(z))
+    return _reset_tape(program, numbers, reset, z).gradients[program.code.reset_out[reset]]
+
+
+def _reset_tape(program: Program, numbers: Numbers, reset: int, z: np.ndarray) -> LinearisedTape:
     code, first = program.code, program.code.reset_ops
     # Only order 0 counts: the higher jets of `_linear` take the new values for rates, and are not used.
-    tape = _linear(program, numbers, (first[reset], first[reset + 1]), code.reset_out[reset], z)
-    return tape.gradients[code.reset_out[reset]]
+    return _linear(program, numbers, (first[reset], first[reset + 1]), code.reset_out[reset], z)
 
 
 def _check_grazing(guard: np.ndarray, dwell: float) -> None:
@@ -254,13 +294,21 @@ def _check_grazing(guard: np.ndarray, dwell: float) -> None:
         raise SaltationError("the event function has a double zero (grazing): some neighbours miss it")
 
 
-def _check_alone(others: np.ndarray, dwell: float) -> None:
-    """Raise where another guard of the mode reaches zero at the same time; guards that are identically zero
-    do not count."""
-    if (np.abs(others[:, 0]) < COINCIDENT_EVENT_SHARE * dwell * np.abs(others[:, 1])).any():
-        raise SaltationError("two event functions vanish at one instant: neighbours meet only one of them")
+def _other_guards_at_zero(
+    program: Program, mode: int, guard: int, left: LinearisedTape, dwell: float
+) -> list[int]:
+    """Other guards of the mode that reach zero at the same time; those that are identically zero do not
+    count."""
+    code = program.code
+    guards = np.arange(code.mode_guards[mode], code.mode_guards[mode + 1])
+    jets = left.jets[code.function_slots[guards]]
+    zero = np.abs(jets[:, 0]) < COINCIDENT_EVENT_SHARE * dwell * np.abs(jets[:, 1])
+    return guards[zero & (code.function_slots[guards] != code.function_slots[guard])].tolist()
 
 
-def _check_constraints(rates: np.ndarray, matrix: np.ndarray) -> None:
-    if rates.size and np.abs(rates).max() > CONSTRAINT_SHARE * np.abs(matrix).max():
+def _check_constraints(fixed: np.ndarray, matrix: np.ndarray, tangents: np.ndarray) -> None:
+    """Raise unless all `tangents` keep the next mode's constraints after the event."""
+    missed = np.abs(fixed @ matrix @ tangents).max(axis=1, initial=0.0)
+    terms = (np.abs(fixed) @ np.abs(matrix) @ np.abs(tangents)).max(axis=1, initial=0.0)
+    if (missed > CONSTRAINT_SHARE * terms).any():
         raise SaltationError("the next mode's constraints hold by a coincidence: neighbours do not enter it")

@@ -274,3 +274,61 @@ def test_the_check_of_the_modes_conditions_sees_a_wrong_mode():
     assert run.violation < 1e-13
     wrong.raw = run.raw._replace(step_modes=np.full_like(run.raw.step_modes, BELT.names.index("-")))
     assert wrong.violation == pytest.approx(1.0)  # v_r > 0 all along, and it should be negative
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_events_of_one_contact_while_another_sticks(seed):
+    """Two blocks, each on the belt: what sticks before and after an event of the other is no coincidence."""
+    model = fl.TwoBlocks()
+    z = np.random.default_rng(seed).normal(size=4)
+    run = fl.simulate(model, 20.0, x0=z)
+    assert any(
+        any(a == b == "stick" for a, b in zip(one.split(" | "), other.split(" | ")))
+        for one, other in zip(run.events.source, run.events.target)
+    )
+    assert deviation(model.automaton(), z, 20.0, np.ones(4)) < AGREES
+
+
+STICKING = fl.DenHartog(Omega=0.25)  # the phase begins anew in stick
+
+
+@ONCE
+def test_a_phase_that_begins_anew_is_no_event_of_the_motion():
+    """From stick, through its end, slip and stick again, for each of some phases."""
+    scene = STICKING.automaton()
+    for start in (60.0, 65.0, 70.0, 75.0):
+        z = fl.simulate(STICKING, start).final_state
+        run = fl.solve(scene, 30.0, x0=z)
+        periods = run.events.guard == "period"
+        assert "stick" in run.events.source[periods]
+        for matrix in fl.tangent_flow(run).saltations[periods]:
+            assert matrix.tolist() == np.eye(3).tolist()
+        directions = admissible_directions(scene, run.mode[0], np.ones(3))
+        assert deviation(scene, z, 30.0, np.ones(3), directions) < AGREES
+
+
+def test_orbits_and_exponents_where_the_phase_begins_anew_in_stick():
+    orbit = fl.periodic_orbit(STICKING, fl.simulate(STICKING, 200.0))
+    assert "stick > stick" in repr(orbit)
+    sizes = np.sort(np.abs(orbit.multipliers))
+    assert sizes[0] < 1e-12  # stick forgets
+    assert sizes[2] == pytest.approx(1.0, abs=1e-9)
+    found = fl.lyapunov(STICKING, t_end=40 * orbit.period).exponents
+    assert found[:2] == pytest.approx([0.0, np.log(sizes[1]) / orbit.period], abs=1e-3)
+    assert found[2] == -np.inf
+
+
+@ONCE
+def test_the_phase_begins_anew_at_the_instant_of_another_event():
+    """A ball bounces at t = 1, and so ends the period of a clock, in either order."""
+    phase = sp.Symbol("phase")
+    period = fl.Event("period", 1 - phase, ("air",), fl.Reset({phase: phase - 1}))
+    bounce = fl.Event("floor", X, ("air",), fl.Reset({V: -V / 2}))
+    for events in ((period, bounce), (bounce, period)):
+        air = fl.Mode("air", (V, sp.Integer(-2), sp.S.One), events)
+        run = fl.solve(automaton(air, states=(X, V, phase)), 1.5, x0=[1.0, 0.0, 0.0])
+        assert sorted(run.events.guard) == ["floor", "period"]
+        matrices = dict(zip(run.events.guard, fl.tangent_flow(run).saltations))
+        assert matrices["period"].tolist() == np.eye(3).tolist()
+        exact = np.array([[-0.5, 0.0, 0.0], [1.5, -0.5, 0.0], [0.0, 0.0, 1.0]])  # -g (1 + e)/v, v = -2
+        assert matrices["floor"] == pytest.approx(exact, abs=1e-12)
