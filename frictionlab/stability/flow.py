@@ -205,6 +205,10 @@ class Flow:
         """x' (m, ...) at states `x` (m, ...); parameters are numbers or arrays."""
         return _stacked(self._rhs(*x, *values), np.shape(x[0]))
 
+    def bounds(self, x: Sequence[Any], values: Sequence[Any]) -> Sequence[Any]:
+        """x' where states are numbers or intervals."""
+        return self._rhs(*x, *values)
+
     def margin(self, x: Any, values: Sequence[Any]) -> Array:
         """The least of the margins, (...)."""
         if not self._outline["bounded"]:

@@ -5,7 +5,7 @@ Also the `EquilibriumProblem` at one of them, or at all in a range of a paramete
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -106,7 +106,7 @@ def equilibrium_branches(model: Any, parameter: str, bounds: tuple[float, float]
     branch_states: list[Array] = []
     for i, value in enumerate(at):
         changed = {parameter: float(value)}
-        mode, points = first_mode_equilibria(automaton.replace(**changed), isinstance(model, Model))
+        mode, points, *_ = first_mode_equilibria(automaton.replace(**changed), isinstance(model, Model))
         for x in points.T:
             if any(one is mode and _same_state(way[:, i], x) for one, way in zip(modes, branch_states)):
                 continue
@@ -174,7 +174,39 @@ class Equilibrium(Drawable):
         return automaton_of(self.model).state_names[2 * len(self.names) :]
 
 
-def equilibria(model: Any) -> tuple[Equilibrium, ...]:
+class Equilibria(tuple[Equilibrium, ...]):
+    """Equilibria that a search found, as a tuple, and whether there are others.
+
+    Parameters
+    ----------
+    found : iterable of Equilibrium
+    why : str
+        Why others cannot be excluded; empty where it is known that there are none.
+    """
+
+    why: str
+
+    def __new__(cls, found: Iterable[Equilibrium], why: str = "") -> Equilibria:
+        self = super().__new__(cls, found)
+        self.why = why
+        return self
+
+    @property
+    def complete(self) -> bool:
+        """Whether it is known that there are no others."""
+        return not self.why
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Equilibria, (tuple(self), self.why)
+
+    def __repr__(self) -> str:
+        if self.complete:
+            return f"Equilibria({', '.join(map(repr, self)) or 'none exists'})"
+        listed = "".join(f"{each!r}, " for each in self) or "none was found, "
+        return f"Equilibria({listed}others are not excluded: {self.why})"
+
+
+def equilibria(model: Any) -> Equilibria:
     """All real solutions of the static equations of sliding, Eq. (18), in ascending order of the penetration.
 
     The contact law is taken as it is for a negative penetration too, as the paper's equations do: a solution
@@ -189,13 +221,17 @@ def equilibria(model: Any) -> tuple[Equilibrium, ...]:
     ----------
     model : Model or HybridAutomaton
         Where the model has no `statics` (SliderOnBelt has), the equilibria are those inside the guards of the
-        first mode that has any, by their distance from the origin.  They are searched for by Newton's method
-        from starts of all decades of size; those that differ by more than rounding are distinct.  A model's
-        modes with constraints, such as stick, are left out.
+        first mode that has any, by their distance from the origin.  A model's modes with constraints, such as
+        stick, are left out.  States that enter linearly are eliminated.  Where at most four remain, boxes of
+        their values are bisected by bounds of the equations until each holds one equilibrium or none; a
+        threefold one counts once.  Where that does not come to an end, Newton's method starts from all
+        decades of size.
 
     Returns
     -------
-    tuple of Equilibrium
+    Equilibria
+        A tuple of Equilibrium, with `complete`: whether it is known that there are no others, from 1e-30 to
+        1e30 in size; and `why` it is not.  An empty one says "none exists" or "none was found".
 
     Raises
     ------
@@ -207,10 +243,8 @@ def equilibria(model: Any) -> tuple[Equilibrium, ...]:
     equations = sliding_equations(model)
     values = equations.values(model)
     statics = statics_for_values(equations, values)
-    return tuple(
-        _sliding_equilibrium(model, statics, values, penetration)
-        for penetration in _penetrations(statics, values)
-    )
+    penetrations, why = _penetrations(statics, values)
+    return Equilibria((_sliding_equilibrium(model, statics, values, each) for each in penetrations), why)
 
 
 def equilibrium(model: Any) -> Equilibrium:
@@ -248,17 +282,18 @@ def equilibrium(model: Any) -> Equilibrium:
     if pressed:
         return min(pressed, key=lambda e: e.penetration)
     forces = ", ".join(f"{e.normal_force:.4g} N" for e in found) or "none"
+    unsure = "" if found.complete else f", while others are not excluded, as {found.why}"
     raise ValueError(
-        f"there must be an equilibrium with F_N > 0, got normal forces: {forces}: "
+        f"there must be an equilibrium with F_N > 0, got normal forces: {forces}{unsure}: "
         f"raise the preload F ({model.F:g} N), or change friction or stiffnesses"
     )
 
 
-def _automaton_equilibria(model: Any) -> tuple[Equilibrium, ...]:
+def _automaton_equilibria(model: Any) -> Equilibria:
     automaton = automaton_of(model)
-    mode, points = first_mode_equilibria(automaton, isinstance(model, Model))
+    mode, points, _, why = first_mode_equilibria(automaton, isinstance(model, Model))
     n, values = automaton.coordinates or len(automaton.state_names), parameter_values(automaton)
-    return tuple(
+    found = (
         Equilibrium(
             x,
             *mode.shown(x, values),
@@ -268,14 +303,18 @@ def _automaton_equilibria(model: Any) -> tuple[Equilibrium, ...]:
         )
         for x in points.T
     )
+    return Equilibria(found, why)
 
 
-def _penetrations(statics: Statics, values: Sequence[float]) -> list[float]:
+def _penetrations(statics: Statics, values: Sequence[float]) -> tuple[list[float], str]:
+    """The penetrations at all equilibria, and why others are not excluded, if so."""
     excess = excess_polynomial(statics, values)
     if excess is None:
-        return _search_penetrations(statics, values)
+        reach = f"up to {float(search_range(statics, values)):.4g} m"
+        return _search_penetrations(statics, values), f"changes of sign were searched {reach}"
     with np.errstate(all="ignore"):  # at a double root the slope vanishes
-        return [float(g) for g in polish_roots(statics, values, np.array(real_roots(excess[:, 0])))]
+        roots = polish_roots(statics, values, np.array(real_roots(excess[:, 0])))
+    return [float(g) for g in roots], ""
 
 
 def _search_penetrations(statics: Statics, values: Sequence[float]) -> list[float]:

@@ -50,7 +50,7 @@ def nearest_equilibrium_problem(model: Any, closest_to: Array | None = None) -> 
         If no mode has one.
     """
     automaton = automaton_of(model)
-    mode, points = first_mode_equilibria(automaton, isinstance(model, Model))
+    mode, points, *_ = first_mode_equilibria(automaton, isinstance(model, Model))
     if not points.size:
         raise no_equilibrium_error(model)
     apart = points if closest_to is None else points - closest_to[:, None]
@@ -76,12 +76,16 @@ def problem_from_equilibrium(
 
 
 def no_equilibrium_error(model: Any) -> ValueError:
-    """The error for a model or an automaton that has none."""
-    modes = [each.name for each in steady_modes(automaton_of(model), not isinstance(model, HybridAutomaton))]
-    what = "the automaton" if isinstance(model, HybridAutomaton) else type(model).__name__
+    """The error for a model or an automaton of which none was found; it says whether it has none."""
+    automaton, sliding = automaton_of(model), isinstance(model, Model)
+    modes = [each.name for each in steady_modes(automaton, sliding)]
+    what = type(model).__name__ if sliding else "the automaton"
+    search = first_mode_equilibria(automaton, sliding)
+    got = "got none" if search.complete else "none was found"
+    unsure = "" if search.complete else f" by a search that cannot exclude one, as {search.why}"
     return ValueError(
         f"{what} must have a mode with an equilibrium inside its guards, "
-        f"got none in {', '.join(modes)}: change its parameters, or simulate its motion"
+        f"{got} in {', '.join(modes)}{unsure}: change its parameters, or simulate its motion"
     )
 
 

@@ -13,12 +13,14 @@ instead of the elimination of a whole matrix at every point.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from frictionlab.stability.equilibrium_points.intervals import Interval, interval
+from frictionlab.stability.equilibrium_points.root_boxes import RootBoxes, root_boxes
 from frictionlab.stability.equilibrium_problem import MACHINE_EPSILON
 from frictionlab.stability.flow import Flow
 
@@ -118,6 +120,7 @@ START_COUNT, SEARCH_STEPS = 192, 64  # starting points, and steps from each
 START_DECADES = 15.0  # by which a state may differ from the linearised flow's zero
 RESTART_ROUNDS = 8  # of new starts from the zeros found
 RESTART_DECADES = (-9.0, 2.0)  # of the distances of these starts from the zeros
+BOX_RTOL, BOX_ATOL = 1e-3, 1e-9  # shares of a state, and of its usual size: a zero so near is that of a box
 HOMOTOPY_STEPS, CORRECTOR_STEPS = 16, 8
 SAFE_CONTRACTION = 0.25
 
@@ -230,20 +233,46 @@ def distinct_zeros(x: Array, unknown: Array) -> Array:
     return x[:, sorted(kept, key=lambda i: (float(f"{np.linalg.norm(x[:, i]):.9e}"), *-x[:, i]))]
 
 
-def find_zeros(flow: Flow, values: Sequence[float]) -> Array:
-    """The zeros (m, K) found, each once, by their distance from the origin.
+class Zeros(NamedTuple):
+    """What a search for zeros gave.
 
-    Newton's method leads to a zero from within some factor of it, so the starts lie in all decades.  Where
-    several coordinates have several zeros each, few starts are near each combination.  So the search starts
-    again from the zeros found, until it finds no more.
+    Parameters
+    ----------
+    points : array (m, K)
+        Zeros, each once, by their distance from the origin.
+    complete : bool
+        Whether there are no others.
+    why : str
+        Where that is not known, the reason.
     """
-    if _has_no_zero(flow, values):
-        return np.zeros((flow.size, 0))
+
+    points: Array
+    complete: bool
+    why: str = ""
+
+
+def find_zeros(flow: Flow, values: Sequence[float]) -> Zeros:
+    """The zeros of a flow.
+
+    Where bounds of the flow tell in which boxes zeros may lie (`root_boxes`), Newton's method starts there.
+    Else it starts from all decades, as it leads to a zero from within some factor of it.  Where several
+    coordinates have several zeros each, few starts are near each combination.  So the search starts again
+    from the zeros found, until it finds no more.
+    """
     with np.errstate(all="ignore"):  # a start may lead out of the range of floats; it is dropped then
+        boxes = root_boxes(flow, values)
+        if boxes.complete and not boxes.starts.shape[1]:
+            return Zeros(boxes.starts, True)
         random = np.random.default_rng(0)
         x, scale = _starts(flow, values, random)
+        sure = np.zeros((flow.size, 0))
+        if boxes.complete and not flow.linear:
+            inside = _zeros_in_boxes(flow, values, boxes, scale)
+            if inside.complete:
+                return inside
+            sure, boxes = inside.points, replace(boxes, complete=False, why=inside.why)
         cheap = low_rank_newton(flow, values, x)
-        found = _zeros_from(flow, values, x, scale, cheap)
+        found = _zeros_from(flow, values, np.hstack([x, boxes.starts]), scale, cheap)
         for _ in range(0 if flow.linear else RESTART_ROUNDS):
             before = found.shape[1]
             found = _zeros_from(
@@ -251,7 +280,40 @@ def find_zeros(flow: Flow, values: Sequence[float]) -> Array:
             )
             if not before < found.shape[1] < START_COUNT:  # no new zeros, or a continuum of zeros
                 break
-    return found
+        found = np.hstack([sure, _credible(flow, values, found, scale)])
+    points = distinct_zeros(found, SAME_CANDIDATE_RTOL * np.abs(found)) if sure.size else found
+    return Zeros(points, boxes.complete, boxes.why)
+
+
+def _zeros_in_boxes(flow: Flow, values: Sequence[float], boxes: RootBoxes, scale: Array) -> Zeros:
+    """The zeros near the starts in boxes that hold all of them."""
+    ends = _search(lambda at: newton_step(flow, at, values), boxes.starts)
+    zeros, unknown = polish_zeros(flow, ends, values, scale)
+    apart = np.abs(zeros[:, None, :] - boxes.starts[:, :, None])
+    room = (boxes.room + BOX_RTOL * np.abs(boxes.starts) + BOX_ATOL * scale)[:, :, None]
+    near: Any = (apart <= room).all(axis=0)
+    met = near.any(axis=1) if zeros.shape[1] else np.zeros(len(boxes.flat), bool)
+    # A zero of a higher odd order is where a rate changes its sign, and Newton's method does not reach it.
+    left = boxes.flat & ~met
+    flat = boxes.starts[:, left]
+    points = distinct_zeros(
+        np.hstack([zeros, flat]), np.hstack([unknown, BOX_RTOL * np.abs(flat) + SCALE_ROUNDING * scale])
+    )
+    doubtful = ~met & ~left
+    why = "rates come within rounding of zero elsewhere" if doubtful.any() else ""
+    return Zeros(points, not doubtful.any(), why)
+
+
+def _credible(flow: Flow, values: Sequence[float], x: Array, scale: Array) -> Array:
+    """The points whose surroundings, as wide as rounding of the states, may hold a zero: not where a sine
+    of a large number takes any value."""
+    room = SAME_CANDIDATE_RTOL * (np.abs(x) + scale)
+    try:
+        rows = flow.bounds([Interval(*ends) for ends in zip(x - room, x + room, strict=True)], values)
+        held: Any = [np.broadcast_to(interval(row).contains_zero(), x.shape[1]) for row in rows]
+        return x[:, np.all(held, axis=0)]
+    except (TypeError, ValueError, AttributeError):  # a function without bounds
+        return x
 
 
 def _zeros_from(
@@ -312,12 +374,6 @@ def follow_zero(flow: Flow, x: Array, base: Sequence[float], values: Sequence[An
         scale = _replace_unknown(np.abs(x)[:, None] + np.abs(first))
         found[:, ~_is_solved(flow, found, values, scale)] = np.nan
     return found
-
-
-def _has_no_zero(flow: Flow, values: Sequence[float]) -> bool:
-    """Whether some rate is a constant that is not zero, as that of time, so that the flow has no zero."""
-    rates = flow.rhs(np.zeros(flow.size), values)
-    return bool((rates[flow.free] != 0).any())
 
 
 def _starts(flow: Flow, values: Sequence[float], random: np.random.Generator) -> tuple[Array, Array]:

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache, partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -119,8 +119,28 @@ class Question:
     automaton: HybridAutomaton = field(compare=False)
 
 
-def first_mode_equilibria(automaton: HybridAutomaton, sliding: bool) -> tuple[SteadyMode, Array]:
-    """The first mode with equilibria inside its guards, and these (m, K); K = 0 if no mode has any."""
+class ModeEquilibria(NamedTuple):
+    """The equilibria of a mode.
+
+    Parameters
+    ----------
+    mode : SteadyMode
+        The first mode with equilibria inside its guards; the last that was searched if no mode has any.
+    points : array (m, K)
+    complete : bool
+        Whether this mode, and those searched before, have no others.
+    why : str
+        Where that is not known, in which mode and why.
+    """
+
+    mode: SteadyMode
+    points: Array
+    complete: bool
+    why: str
+
+
+def first_mode_equilibria(automaton: HybridAutomaton, sliding: bool) -> ModeEquilibria:
+    """The equilibria of the first mode that has any inside its guards."""
     structure = automaton.kept() if sliding else None
     if structure is None:
         structure = automaton.modes, automaton.states, tuple(automaton.parameters), automaton.coordinates
@@ -128,17 +148,18 @@ def first_mode_equilibria(automaton: HybridAutomaton, sliding: bool) -> tuple[St
 
 
 @lru_cache(maxsize=64)
-def _first_mode_equilibria(question: Question) -> tuple[SteadyMode, Array]:
+def _first_mode_equilibria(question: Question) -> ModeEquilibria:
     """As :func:`first_mode_equilibria`; cached, since one analysis asks for them several times."""
-    automaton, mode = question.automaton, None
+    automaton, mode, why = question.automaton, None, ""
     for mode in steady_modes(automaton, question.sliding):
         if not mode.holds or _allows_rest(automaton, mode.derive()):
-            points = find_zeros(mode.flow, question.values)
-            points = points[:, mode.admits(points, question.values)]
+            found = find_zeros(mode.flow, question.values)
+            why = why or ("" if found.complete else f"in {mode.name} {found.why}")
+            points = found.points[:, mode.admits(found.points, question.values)]
             if points.size:
-                return mode, points
+                return ModeEquilibria(mode, points, not why, why)
     mode = mode or _derived_mode(automaton, automaton.modes[0])
-    return mode, np.zeros((mode.flow.size, 0))
+    return ModeEquilibria(mode, np.zeros((mode.flow.size, 0)), not why, why)
 
 
 # --- modes of which functions are kept in files

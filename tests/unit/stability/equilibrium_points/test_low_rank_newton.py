@@ -56,7 +56,7 @@ def test_all_zeros_are_those_of_the_condensed_polynomial(pull):
     compliance = np.linalg.inv(linear_stiffness())[-1, -1]
     roots = np.roots([-4.0, 0.0, pull - 1 / compliance, 0.0])
     expected = np.sort(roots.real[np.abs(roots.imag) < 1e-9])
-    found = find_zeros(flow, ())
+    found = find_zeros(flow, ()).points
     np.testing.assert_allclose(np.sort(found[MASSES - 1]), expected, rtol=1e-11, atol=1e-11)
     shapes = np.linalg.inv(linear_stiffness())[:, -1:] / compliance * found[MASSES - 1]
     np.testing.assert_allclose(found[:MASSES], shapes, rtol=1e-9, atol=1e-12)
@@ -70,7 +70,7 @@ def test_a_gaussian_well():
     grid = np.linspace(-1, 30, 400001)
     rest = 400 * np.exp(-((grid - 3) ** 2)) - grid / compliance
     expected = grid[:-1][np.diff(np.sign(rest)) != 0]
-    np.testing.assert_allclose(np.sort(find_zeros(flow, ())[MASSES - 1]), expected, atol=2e-4)
+    np.testing.assert_allclose(np.sort(find_zeros(flow, ()).points[MASSES - 1]), expected, atol=2e-4)
 
 
 def test_small_and_very_nonlinear_systems_keep_whole_matrices():

@@ -1,0 +1,217 @@
+"""Arithmetic of intervals, by which a function of numbers gives bounds of its values in a box.
+
+An :class:`Interval` takes the place of an array in the functions that sympy writes.  Results are rounded
+outwards, so that no value in the box is left out.  A function that is defined in a part of the box is bounded
+there; where it is defined nowhere its bounds are NaN, the empty interval.  R. E. Moore, R. B. Kearfott,
+M. J. Cloud, "Introduction to Interval Analysis", SIAM 2009.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from numbers import Real
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+FUNCTION_ULPS = 4  # by which numpy's functions may be off, and more
+TURN = 2 * np.pi
+
+
+class Interval:
+    """Bounds (N,) of N numbers.
+
+    Parameters
+    ----------
+    low, high : array (N,)
+        NaN where there is no number.
+    """
+
+    def __init__(self, low: Any, high: Any) -> None:
+        self.low, self.high = low, high
+
+    def __add__(self, other: Any) -> Interval:
+        other = interval(other)
+        low, high = self.low + other.low, self.high + other.high
+        lost = np.isnan(low) | np.isnan(high)
+        if lost.any():  # infinity less infinity; what was empty before stays empty
+            lost &= ~(np.isnan(self.low) | np.isnan(other.low))
+            low, high = np.where(lost, -np.inf, low), np.where(lost, np.inf, high)
+        return _outwards(low, high)
+
+    def __neg__(self) -> Interval:
+        return Interval(-self.high, -self.low)
+
+    def __pos__(self) -> Interval:
+        return self
+
+    def __sub__(self, other: Any) -> Interval:
+        return self + -interval(other)
+
+    def __rsub__(self, other: Any) -> Interval:
+        return interval(other) + -self
+
+    def __mul__(self, other: Any) -> Interval:
+        if not isinstance(other, Interval) and np.isfinite(other).all() and np.all(other):
+            return _outwards(*_ordered(self.low * other, self.high * other))
+        other = interval(other)
+        products = [a * b for a in (self.low, self.high) for b in (other.low, other.high)]
+        empty = np.isnan(self.low) | np.isnan(other.low)
+        # Zero times a number however large is zero.
+        one, two, three, four = (np.where(np.isnan(each), 0.0, each) for each in products)
+        low = np.minimum(np.minimum(one, two), np.minimum(three, four))
+        high = np.maximum(np.maximum(one, two), np.maximum(three, four))
+        if empty.any():
+            low, high = np.where(empty, np.nan, low), np.where(empty, np.nan, high)
+        return _outwards(low, high)
+
+    def reciprocal(self) -> Interval:
+        """1/x; without bounds where zero lies inside."""
+        low = np.where((self.low < 0) & (self.high >= 0), -np.inf, 1.0 / _signed(self.high, 1.0))
+        high = np.where((self.low <= 0) & (self.high > 0), np.inf, 1.0 / _signed(self.low, -1.0))
+        zero = (self.low == 0) & (self.high == 0)
+        return _outwards(np.where(zero, np.nan, low), np.where(zero, np.nan, high))
+
+    def __truediv__(self, other: Any) -> Interval:
+        if not isinstance(other, Interval):
+            return _outwards(*_ordered(self.low / other, self.high / other))
+        return self * other.reciprocal()
+
+    def __rtruediv__(self, other: Any) -> Interval:
+        return interval(other) * self.reciprocal()
+
+    def __pow__(self, exponent: Any) -> Interval:
+        if not isinstance(exponent, Real):
+            raise TypeError(f"an interval to the power of {exponent!r} has no bounds")
+        exponent = float(exponent)
+        if not exponent.is_integer():
+            base = self._where_positive()
+            ends = base.low**exponent, base.high**exponent
+            return _outwards(*_ordered(*ends), FUNCTION_ULPS).cut(0.0, np.inf)
+        n = int(exponent)
+        if n < 0:
+            return (self**-n).reciprocal()
+        low, high = _ordered(self.low**n, self.high**n)
+        if n % 2 == 0:
+            low = np.where((self.low <= 0) & (self.high >= 0), 0.0, low)
+        return _outwards(low, high, FUNCTION_ULPS).cut(0.0 if n % 2 == 0 else -np.inf, np.inf)
+
+    def __rpow__(self, base: Any) -> Interval:
+        if not base > 0:
+            raise TypeError(f"{base!r} to the power of an interval has no bounds")
+        return np.exp(self * float(np.log(base)))
+
+    __radd__, __rmul__ = __add__, __mul__
+
+    def cut(self, least: float, most: float) -> Interval:
+        """The part of it between two numbers: what is known of the function by itself."""
+        return Interval(np.maximum(self.low, least), np.minimum(self.high, most))
+
+    def _where_positive(self, least: float = 0.0) -> Interval:
+        """The part in which roots and logarithms are defined."""
+        none = self.high < least
+        low = np.maximum(self.low, least)
+        return Interval(np.where(none, np.nan, low), np.where(none, np.nan, self.high))
+
+    def contains_zero(self) -> Any:
+        """Whether zero lies inside."""
+        return (self.low <= 0) & (self.high >= 0)
+
+    def __array_ufunc__(self, ufunc: Any, method: str, *inputs: Any, **options: Any) -> Any:
+        if method != "__call__" or options:
+            return NotImplemented
+        if ufunc in OPERATIONS:
+            return OPERATIONS[ufunc](*map(interval, inputs))
+        if ufunc is np.power:
+            return interval(inputs[0]) ** inputs[1]
+        if ufunc is np.true_divide:
+            return (
+                inputs[0] * inputs[1].reciprocal()
+                if isinstance(inputs[1], Interval)
+                else inputs[0] / inputs[1]
+            )
+        raise TypeError(f"{ufunc.__name__} of an interval has no bounds")
+
+
+def interval(value: Any) -> Interval:
+    """A number, or an array, as an interval."""
+    return (
+        value if isinstance(value, Interval) else Interval(np.asarray(value, float), np.asarray(value, float))
+    )
+
+
+def _signed(x: Any, sign: float) -> Any:
+    """Zeros with the sign from which they are approached."""
+    return np.where(x == 0, np.copysign(0.0, sign), x)
+
+
+def _ordered(one: Any, other: Any) -> tuple[Any, Any]:
+    return np.minimum(one, other), np.maximum(one, other)
+
+
+def _outwards(low: Any, high: Any, ulps: int = 1) -> Interval:
+    for _ in range(ulps):
+        low, high = np.nextafter(low, -np.inf), np.nextafter(high, np.inf)
+    return Interval(low, high)
+
+
+def _ascending(function: Callable[[Any], Any], least: float = -np.inf, most: float = np.inf) -> Any:
+    return lambda x: _outwards(function(x.low), function(x.high), FUNCTION_ULPS).cut(least, most)
+
+
+def _where_defined(function: Callable[[Any], Any], least: float = -np.inf) -> Any:
+    def bounds(x: Interval) -> Interval:
+        x = x._where_positive()
+        return _outwards(function(x.low), function(x.high), FUNCTION_ULPS).cut(least, np.inf)
+
+    return bounds
+
+
+def _cosh(x: Interval) -> Interval:
+    low, high = _ordered(np.cosh(x.low), np.cosh(x.high))
+    return _outwards(np.where(x.contains_zero(), 1.0, low), high, FUNCTION_ULPS).cut(1.0, np.inf)
+
+
+def _sine(x: Interval, shift: float = 0.0) -> Interval:
+    """sin(x + shift): 1 and -1 where a crest or a trough may lie inside."""
+    wide = ~(x.high - x.low < TURN)
+    low, high = np.where(wide, 0.0, x.low), np.where(wide, 0.0, x.high)
+    values = _ordered(np.sin(low + shift), np.sin(high + shift))
+    # Rounding of large arguments moves crests by that much; with them the bounds are widened.
+    room = 8 * np.finfo(float).eps * (np.maximum(np.abs(low), np.abs(high)) + TURN)
+
+    def holds(phase: float) -> Any:
+        first = np.ceil((low - room + shift - phase) / TURN)
+        return wide | (phase + TURN * first <= high + room + shift)
+
+    least = np.where(holds(-np.pi / 2), -1.0, values[0] - room)
+    most = np.where(holds(np.pi / 2), 1.0, values[1] + room)
+    empty = np.isnan(x.low)
+    return Interval(np.where(empty, np.nan, least), np.where(empty, np.nan, most)).cut(-1.0, 1.0)
+
+
+def _tangent(x: Interval) -> Interval:
+    return _sine(x) * _sine(x, np.pi / 2).reciprocal()
+
+
+OPERATIONS: dict[Any, Callable[..., Interval]] = {
+    np.add: Interval.__add__,
+    np.subtract: Interval.__sub__,
+    np.multiply: Interval.__mul__,
+    np.negative: Interval.__neg__,
+    np.positive: Interval.__pos__,
+    np.square: lambda x: x**2,
+    np.exp: _ascending(np.exp, 0.0),
+    np.sinh: _ascending(np.sinh),
+    np.tanh: _ascending(np.tanh, -1.0, 1.0),
+    np.arctan: _ascending(np.arctan),
+    np.arcsinh: _ascending(np.arcsinh),
+    np.cosh: _cosh,
+    np.sqrt: _where_defined(np.sqrt, 0.0),
+    np.log: _where_defined(np.log),
+    np.sin: _sine,
+    np.cos: lambda x: _sine(x, np.pi / 2),
+    np.tan: _tangent,
+}

@@ -1,0 +1,543 @@
+"""Boxes that hold all zeros of a flow: bisection of the whole space by bounds of the flow in each box.
+
+The rows that are linear with numbers as coefficients, such as q' = v, give some states by the others, and so
+do sums of rows in which all that is nonlinear cancels.  Of the states that are left those that enter linearly
+are eliminated.  So k equations remain in those k states that enter nonlinearly, one for each coordinate with
+a spring or law of its own.  Boxes are bisected in decades, from 1e-30 to 1e30, whatever the units.  A box is
+left out where the bounds of an equation do not hold zero.  Krawczyk's operator says that a box holds one zero
+only, or none.  R. Krawczyk, Computing 4 (1969) 187-201.
+
+What the search says is proved up to the rounding of this elimination.  Where the budget of boxes is used up,
+or a function has no bounds, it says that it does not know.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from frictionlab.stability.equilibrium_points.intervals import Interval, interval
+from frictionlab.stability.equilibrium_points.real_roots import bracketed_root
+from frictionlab.stability.flow import Flow
+
+Array = NDArray[np.float64]
+LARGEST, SMALLEST = 1e30, 1e-30  # sizes of states that are searched; smaller ones count as zero
+MOST_UNKNOWNS = 4  # with more the boxes that come near to zeros are too many
+MOST_BOXES = 12_000  # divided by the number of unknowns
+FINEST = 2.0**-30  # share of a state below which boxes are not bisected
+ROUNDED = 1e-5  # the same where the equations are zero but for rounding in the middle of a box
+CONTRACTIONS, SHRINKING = 32, 0.9  # of a box that holds one zero, as long as it shrinks to this share
+ROUNDING_FACTOR = 16.0  # times the bounds at a point: in a box no wider than that all is rounding
+SAMPLES = 24  # states at which is seen what of the rows is nonlinear
+EDGE = 0.1  # share of a box by which it is enlarged where one zero is to be shown in it
+TOUCHING = 64  # clusters that a box is compared with
+PIVOT_RTOL = 1e-10  # share of a row or a column: what is smaller is rounding
+
+
+class Elimination(NamedTuple):
+    """The states x = origin + basis u of those that linear rows leave, and what linear ones among u leave.
+
+    Parameters
+    ----------
+    origin, basis : array (m,), (m, p)
+    rows : int array (r,)
+        The rows of the flow that are not linear.
+    nonlinear : int array (k,)
+        Which of the unknowns u enter nonlinearly.
+    combined : array (k, r)
+        Sums of the rows that hold these alone.
+    columns : array (r, p - k)
+        Coefficients of the others.
+    """
+
+    origin: Array
+    basis: Array
+    rows: NDArray[np.intp]
+    nonlinear: NDArray[np.intp]
+    combined: Array
+    columns: Array
+
+    @property
+    def unknowns(self) -> list[int]:
+        """The states (k,) that the nonlinear unknowns are."""
+        rows = np.abs(self.basis).sum(axis=1) == 1
+        return [int(np.flatnonzero(rows & (self.basis[:, k] == 1))[0]) for k in self.nonlinear]
+
+
+@dataclass(frozen=True, eq=False)
+class RootBoxes:
+    """What is known of where zeros are.
+
+    Parameters
+    ----------
+    starts : array (m, N)
+        A state in each box, or cluster of boxes, that may hold a zero.
+    room : array (m, N)
+        How far from that state a zero in the box may be; infinite for states that depend on others.
+    alone : bool array (N,)
+        Whether the box holds one zero for sure.
+    flat : bool array (N,)
+        Whether the start is a zero at which the one equation changes its sign with zero slope.
+    complete : bool
+        Whether all zeros lie in these boxes.
+    why : str
+        Where it is not complete, what kept it from that.
+    """
+
+    starts: Array
+    room: Array
+    alone: NDArray[np.bool_]
+    flat: NDArray[np.bool_]
+    complete: bool
+    why: str = ""
+
+
+def root_boxes(flow: Flow, values: Sequence[float]) -> RootBoxes:
+    """Boxes that hold the zeros of a flow."""
+    none = np.zeros((flow.size, 0))
+    nowhere = RootBoxes(none, none, *np.zeros((2, 0), dtype=bool), complete=True)
+    try:
+        with np.errstate(all="ignore"):
+            reduced = _eliminate(flow, values)
+            if reduced is None:
+                return nowhere
+            if isinstance(reduced, str):
+                return replace(nowhere, complete=False, why=reduced)
+            return _search(ReducedFlow(flow, values, reduced))
+    except (TypeError, ValueError, AttributeError, NotImplementedError):  # a function without bounds
+        return replace(nowhere, complete=False, why="a function has no bounds")
+
+
+# --- elimination
+
+
+def _eliminate(flow: Flow, values: Sequence[float]) -> Elimination | str | None:
+    """None where linear rows contradict each other: there is no zero; a reason where nothing is known."""
+    m, origin = flow.size, np.zeros(flow.size)
+    entries = _entries(flow, [Interval(np.full(1, -np.inf), np.full(1, np.inf))] * m, values)
+    constant = {place: _constant(entry) for place, entry in entries.items()}
+    rows = np.array([None not in [c for (r, _), c in constant.items() if r == i] for i in range(m)])
+    matrix = np.zeros((m, m))
+    for (i, j), entry in constant.items():
+        matrix[i, j] = 0.0 if entry is None else entry
+    rates = flow.rhs(origin, values)
+    if not np.isfinite(rates[rows]).all():
+        return "linear rates are not finite"
+    solved = _solve_rows(matrix[rows], -rates[rows])
+    if solved is None:
+        return None
+    left = np.flatnonzero(~rows)
+    sums, left = _linear_sums(flow, values, left)
+    if len(sums):
+        with_sums = np.vstack([matrix[rows], sums @ flow.jacobian(origin, values)])
+        solved = _solve_rows(with_sums, -np.append(rates[rows], sums @ rates))
+        if solved is None:
+            return None
+    origin, basis = solved
+    unknowns = basis.shape[1]
+    # Linear rows may have made columns of the others constant.
+    there = [_combination(origin[j], basis[j], [_whole()] * unknowns) for j in range(m)]
+    entries = _entries(flow, there, values)
+    columns = [[_column(entries, i, basis[:, k]) for k in range(unknowns)] for i in left]
+    linear = np.array([all(_constant(row[k]) is not None for row in columns) for k in range(unknowns)], bool)
+    coefficients = np.array([[_constant(row[k]) for k in np.flatnonzero(linear)] for row in columns], float)
+    coefficients = coefficients.reshape(len(left), int(linear.sum()))
+    combined, _ = _rows_without(coefficients)
+    found = Elimination(origin, basis, left, np.flatnonzero(~linear), combined, coefficients)
+    everywhere = ReducedFlow(flow, values, found).rates([_whole()] * int((~linear).sum()))
+    if not all(np.all(row.contains_zero()) for row in everywhere):
+        return None
+    if len(combined) != len(found.nonlinear):
+        return "states may be anywhere"
+    if len(found.nonlinear) > MOST_UNKNOWNS:
+        return f"{len(found.nonlinear)} states enter nonlinearly"
+    return found
+
+
+def _linear_sums(
+    flow: Flow, values: Sequence[float], rows: NDArray[np.intp]
+) -> tuple[Array, NDArray[np.intp]]:
+    """Sums (s, m) of rows in which all that is nonlinear cancels, and the rows that are left."""
+    none = np.zeros((0, flow.size))
+    if len(rows) < 2:
+        return none, rows
+    random = np.random.default_rng(0)
+    sizes = 10.0 ** random.uniform(-2, 2, size=(flow.size, SAMPLES))
+    at = sizes * random.choice([-1.0, 1.0], size=sizes.shape)
+    change = np.diff(flow.jacobian(at, values)[:, rows], axis=0)
+    change = change[np.isfinite(change).all(axis=(1, 2))]
+    if len(change) < SAMPLES // 2:  # a function is defined on one side only, or overflows
+        return none, rows
+    columns = change.transpose(1, 0, 2).reshape(len(rows), -1)
+    size = np.abs(columns).max(axis=0)
+    cancelled, used = _rows_without(columns[:, size > 0] / size[size > 0])
+    sums = np.zeros((len(cancelled), flow.size))
+    sums[:, rows] = cancelled
+    return sums, rows[used]
+
+
+def _whole() -> Interval:
+    return Interval(np.full(1, -LARGEST), np.full(1, LARGEST))
+
+
+def _entries(flow: Flow, x: Sequence[Any], values: Sequence[float]) -> dict[tuple[int, int], Any]:
+    derivative = flow.derivative
+    return {(i, j): e for (i, j), e in zip(derivative.places, derivative.entries(*x, *values), strict=True)}
+
+
+def _constant(entry: Any) -> float | None:
+    """The number that an entry is; None where it is not the same everywhere."""
+    if not isinstance(entry, Interval):
+        return float(np.ravel(entry)[0])
+    low, high = float(np.min(entry.low)), float(np.max(entry.high))
+    size = max(abs(low), abs(high))
+    return (low + high) / 2 if np.isfinite(size) and high - low <= PIVOT_RTOL * size else None
+
+
+def _column(entries: dict[tuple[int, int], Any], row: int, direction: Array) -> Any:
+    total: Any = 0.0
+    for j in np.flatnonzero(direction):
+        if (row, int(j)) in entries:
+            total = total + entries[row, int(j)] * float(direction[j])
+    return total
+
+
+def _combination(origin: float, row: Array, u: Sequence[Interval]) -> Any:
+    """A state as an interval; it is one of the unknowns itself in most cases."""
+    used = np.flatnonzero(row).tolist()
+    if len(used) == 1 and row[used[0]] == 1.0 and origin == 0.0:
+        return u[used[0]]
+    total: Any = origin
+    for k in used:
+        total = total + u[k] * float(row[k])
+    return interval(total) if u else total
+
+
+def _solve_rows(matrix: Array, right: Array) -> tuple[Array, Array] | None:
+    """All solutions x = origin + basis u of linear equations, by elimination with pivots; None if there is
+    none."""
+    m = matrix.shape[1]
+    scale = np.abs(matrix).max(axis=1, initial=0.0)
+    if (right[scale == 0] != 0).any():
+        return None
+    a = np.hstack([matrix, right[:, None]])[scale > 0] / scale[scale > 0, None]
+    size = np.abs(a[:, m])  # what the right sides are sums of, to tell rounding
+    pivots: list[int] = []
+    row = 0
+    while row < len(a):
+        i, j = np.unravel_index(np.argmax(np.abs(a[row:, :m])), (len(a) - row, m))
+        i += row
+        if abs(a[i, j]) <= PIVOT_RTOL:
+            break
+        a[[row, i]], size[[row, i]] = a[[i, row]], size[[i, row]]
+        size[row] /= abs(a[row, j])
+        a[row] /= a[row, j]
+        others = np.arange(len(a)) != row
+        size[others] += np.abs(a[others, j]) * size[row]
+        a[others] -= a[others, j][:, None] * a[row]
+        a[others, j] = 0.0
+        pivots.append(int(j))
+        row += 1
+    if (np.abs(a[row:, m]) > PIVOT_RTOL * size[row:]).any():
+        return None
+    free = [j for j in range(m) if j not in pivots]
+    origin, basis = np.zeros(m), np.zeros((m, len(free)))
+    origin[pivots] = a[:row, m]
+    basis[pivots] = -a[:row][:, free]
+    basis[free, range(len(free))] = 1.0
+    basis[np.abs(basis) <= PIVOT_RTOL] = 0.0
+    return origin + 0.0, basis
+
+
+def _rows_without(columns: Array) -> tuple[Array, NDArray[np.bool_]]:
+    """Sums (k, r) of r rows in which these columns (r, c) cancel, and which rows they are freed of."""
+    r, c = columns.shape
+    rows = np.abs(columns).max(axis=1, initial=0.0)
+    scale = np.where(rows > 0, rows, 1.0)
+    a, sums, used = columns / scale[:, None], np.eye(r), np.zeros(r, dtype=bool)
+    for _ in range(min(r, c)):
+        i, j = np.unravel_index(np.argmax(np.where(used[:, None], 0.0, np.abs(a))), a.shape)
+        if used[i] or abs(a[i, j]) <= PIVOT_RTOL:
+            break
+        used[i] = True
+        factor = np.where(used, 0.0, a[:, j] / a[i, j])
+        a, sums = a - factor[:, None] * a[i], sums - factor[:, None] * sums[i]
+        a[:, j] = 0.0
+    sums[np.abs(sums) <= PIVOT_RTOL] = 0.0
+    return (sums / scale)[~used], used
+
+
+# --- bisection
+
+
+@dataclass(frozen=True, eq=False)
+class ReducedFlow:
+    """The k equations in the k states that enter nonlinearly.
+
+    Parameters
+    ----------
+    flow : Flow
+    values : sequence of float
+    by : Elimination
+    """
+
+    flow: Flow
+    values: Sequence[float]
+    by: Elimination
+
+    @property
+    def unknowns(self) -> list[int]:
+        """The states that the unknowns are."""
+        return self.by.unknowns
+
+    def _states(self, w: Sequence[Interval]) -> list[Any]:
+        u: list[Any] = [0.0] * self.by.basis.shape[1]
+        for k, one in zip(self.by.nonlinear.tolist(), w, strict=True):
+            u[k] = one
+        found = []
+        for start, row in zip(self.by.origin, self.by.basis, strict=True):
+            used = [k for k in np.flatnonzero(row).tolist() if k in self.by.nonlinear]
+            if len(used) == 1 and row[used[0]] == 1.0 and start == 0.0:
+                found.append(u[used[0]])
+                continue
+            total: Any = float(start)
+            for k in used:
+                total = u[k] * float(row[k]) + total
+            found.append(total)
+        return found
+
+    def _sums(self, rows: Sequence[Any]) -> list[Interval]:
+        totals = []
+        for weights in self.by.combined:
+            total: Any = 0.0
+            for i in np.flatnonzero(weights).tolist():
+                total = total + (rows[i] if weights[i] == 1.0 else rows[i] * float(weights[i]))
+            totals.append(interval(total))
+        return totals
+
+    def rates(self, w: Sequence[Interval]) -> list[Interval]:
+        """The equations (k,)."""
+        every = self.flow.bounds(self._states(w), self.values)
+        return self._sums([every[i] for i in self.by.rows])
+
+    def jacobian(self, w: Sequence[Interval]) -> list[list[Interval]]:
+        """Their derivatives: for each of the states the k equations."""
+        entries = _entries(self.flow, self._states(w), self.values)
+        columns = (self.by.basis[:, k] for k in self.by.nonlinear)
+        return [self._sums([_column(entries, i, column) for i in self.by.rows]) for column in columns]
+
+    def full_states(self, w: Array) -> Array:
+        """States (m, N) of the flow at unknowns (k, N)."""
+        u = np.zeros((self.by.basis.shape[1], w.shape[1]))
+        u[self.by.nonlinear] = w
+        x = self.by.origin[:, None] + self.by.basis @ u
+        others = np.setdiff1d(np.arange(len(u)), self.by.nonlinear)
+        if len(others):
+            scale = np.abs(self.by.columns).max(axis=1, keepdims=True)
+            scale[scale == 0] = 1.0
+            rest = self.flow.rhs(x, self.values)[self.by.rows] / scale
+            u[others] = -np.linalg.lstsq(self.by.columns / scale, rest)[0]
+            x = self.by.origin[:, None] + self.by.basis @ u
+        return x
+
+
+def _search(reduced: ReducedFlow) -> RootBoxes:
+    k = len(reduced.unknowns)
+    low, high = np.full((k, 1), -LARGEST), np.full((k, 1), LARGEST)
+    single, narrow = [np.zeros((2, k, 0))], [np.zeros((2, k, 0))]
+    spent, budget = 0, MOST_BOXES // max(k, 1)
+    if not k:  # linear, and no rate contradicts
+        start = reduced.full_states(np.zeros((0, 1)))
+        return RootBoxes(start, np.full(start.shape, np.inf), *np.zeros((2, 1), dtype=bool), complete=True)
+    while low.shape[1] and spent < budget:
+        spent += low.shape[1]
+        low, high, one = _prune(reduced, low, high)
+        single.append(one)
+        width = _widths(low, high)
+        fine = width.max(axis=0, initial=0.0) <= _finest(reduced, low, high)
+        narrow.append(np.stack([low[:, fine], high[:, fine]]))
+        low, high = _halves(low[:, ~fine], high[:, ~fine], width[:, ~fine])
+    clusters = _clusters(np.concatenate(narrow, axis=2))
+    every = np.concatenate([*single, clusters], axis=2)
+    middle = every.mean(axis=0)
+    starts = reduced.full_states(np.where(np.abs(middle) > SMALLEST, middle, 0.0))
+    room = np.full(starts.shape, np.inf)
+    room[list(reduced.unknowns)] = every[1] - every[0]
+    alone, flat = np.zeros((2, starts.shape[1]), dtype=bool)
+    alone[: starts.shape[1] - clusters.shape[2]] = True
+    if k == 1:
+        _bracket(reduced, clusters, starts, flat)
+    why = f"{low.shape[1]} of {spent} boxes stay undecided" if low.shape[1] else ""
+    return RootBoxes(starts, room, alone, flat, not low.shape[1], why)
+
+
+def _prune(reduced: ReducedFlow, low: Array, high: Array) -> tuple[Array, Array, Array]:
+    """The boxes (k, N) that may hold zeros, each as small as is known; and (2, k, N) those that hold one."""
+    keep = _vanishes(reduced.rates([Interval(*ends) for ends in zip(low, high, strict=True)]), low.shape[1])
+    low, high = low[:, keep], high[:, keep]
+    if not low.shape[1]:
+        return low, high, np.stack([low, high])
+    # Zeros at the edge of a box are inside a box that is a little larger.
+    room = EDGE * (high - low)
+    wide = np.stack([low - room, high + room])
+    image, possible = _krawczyk(reduced, wide)
+    inside = ((image[0] > wide[0]) & (image[1] < wide[1])).all(axis=0)
+    outside = ((image[0] > high) | (image[1] < low)).any(axis=0) | ~possible
+    single = _contracted(reduced, image[:, :, inside])
+    going = ~outside & ~inside
+    smaller = np.fmax(low, image[0])[:, going], np.fmin(high, image[1])[:, going]
+    return *smaller, single
+
+
+def _krawczyk(reduced: ReducedFlow, boxes: Array) -> tuple[Array, NDArray[np.bool_]]:
+    """Bounds (2, k, N) of where zeros in boxes (2, k, N) lie: one that is within its box holds exactly one.
+
+    NaN where derivatives are not known, or singular in the middle.  Also which boxes may hold zeros by the
+    values in their middles and the derivatives: terms that cancel in these widen no bounds.
+    """
+    k, count = boxes.shape[1:]
+    middle = boxes.mean(axis=0)
+    ways = [Interval(*ends) for ends in np.moveaxis(boxes - middle, 1, 0)]
+    at, slopes, values = _mean_values(reduced, boxes)
+    possible = np.ones(count, dtype=bool)
+    for value in values:
+        possible &= np.broadcast_to(value.contains_zero() | np.isnan(value.low), count)
+    centres = np.zeros((count, k, k))
+    for j, column in enumerate(slopes):
+        for i, entry in enumerate(column):
+            centres[:, i, j] = (entry.low + entry.high) / 2
+    known = np.isfinite(centres).all(axis=(1, 2))
+    centres[~known] = np.eye(k)
+    known &= np.abs(np.linalg.det(centres)) > 0
+    centres[~known] = np.eye(k)
+    inverse = np.linalg.inv(centres)
+    known &= np.isfinite(inverse).all(axis=(1, 2))
+    found = np.full_like(boxes, np.nan)
+    for i in range(k):
+        image = Interval(middle[i], middle[i])
+        for row in range(k):
+            image = image - at[row] * inverse[:, i, row]
+        for j in range(k):
+            factor: Any = interval(float(i == j))
+            for row in range(k):
+                factor = factor - slopes[j][row] * inverse[:, i, row]
+            image = image + factor * ways[j]
+        found[0, i], found[1, i] = np.where(known, image.low, np.nan), np.where(known, image.high, np.nan)
+    return found, possible
+
+
+def _mean_values(
+    reduced: ReducedFlow, boxes: Array
+) -> tuple[list[Interval], list[list[Interval]], list[Interval]]:
+    """The equations in the middles of boxes (2, k, N), their derivatives in them, and bounds by these."""
+    middle = boxes.mean(axis=0)
+    at = reduced.rates([Interval(c, c) for c in middle])
+    slopes = reduced.jacobian([Interval(*ends) for ends in np.moveaxis(boxes, 1, 0)])
+    values = []
+    for i, value in enumerate(at):
+        for column, way in zip(slopes, np.moveaxis(boxes - middle, 1, 0), strict=True):
+            value = value + column[i] * Interval(*way)
+        values.append(value)
+    return at, slopes, values
+
+
+def _contracted(reduced: ReducedFlow, boxes: Array) -> Array:
+    """Boxes (2, k, N) that hold one zero each, made small about it."""
+    for _ in range(CONTRACTIONS if boxes.shape[2] else 0):
+        image, _ = _krawczyk(reduced, boxes)
+        before = boxes[1] - boxes[0]
+        boxes = np.stack([np.fmax(boxes[0], image[0]), np.fmin(boxes[1], image[1])])
+        if not (boxes[1] - boxes[0] < SHRINKING * before).any():
+            break
+    return boxes
+
+
+def _finest(reduced: ReducedFlow, low: Array, high: Array) -> Any:
+    """Widths (N,) of boxes that are not worth bisecting: larger where the equations are zero but for rounding
+    in the middle, and any where they are that in the whole box."""
+    finest = np.full(low.shape[1], FINEST)
+    zero = _vanishes(reduced.rates([Interval(c, c) for c in (low + high) / 2]), len(finest))
+    low, high = low[:, zero], high[:, zero]
+    if low.shape[1]:
+        finest[zero] = np.where(_is_rounding(reduced, low, high), np.inf, ROUNDED)
+    return finest
+
+
+def _vanishes(rows: list[Interval], count: int) -> NDArray[np.bool_]:
+    return np.all([np.broadcast_to(row.contains_zero(), count) for row in rows], axis=0)
+
+
+def _is_rounding(reduced: ReducedFlow, low: Array, high: Array) -> NDArray[np.bool_]:
+    """Whether the equations are zero but for rounding in whole boxes."""
+    whole = reduced.rates([Interval(*ends) for ends in zip(low, high, strict=True)])
+    *_, means = _mean_values(reduced, np.stack([low, high]))
+    widths = [np.fmin(a.high - a.low, b.high - b.low) for a, b in zip(whole, means, strict=True)]
+    alike = np.ones(low.shape[1], dtype=bool)
+    for point in (low, high, (low + high) / 2):
+        rows = reduced.rates([Interval(c, c) for c in point])
+        alike &= _vanishes(rows, len(alike))
+        for row, width in zip(rows, widths, strict=True):
+            alike &= np.broadcast_to(width <= ROUNDING_FACTOR * (row.high - row.low), len(alike))
+    return alike
+
+
+def _widths(low: Array, high: Array) -> Array:
+    """Widths (k, N) of boxes in decades, about; relative ones where they are narrow."""
+    sizes = np.abs(low), np.abs(high)
+    least, most = (np.maximum(size, SMALLEST) for size in (np.minimum(*sizes), np.maximum(*sizes)))
+    ratio = np.log(most) - np.log(least)
+    width = np.where(ratio > 1e-3, ratio, (most - least) / most)
+    return np.where((low < 0) & (high > 0) & (most > SMALLEST), np.inf, width)
+
+
+def _halves(low: Array, high: Array, width: Array) -> tuple[Array, Array]:
+    """The boxes cut in two along their widest side: at zero, or so that both have as many decades."""
+    if not low.shape[1]:
+        return low, high
+    side = (width.argmax(axis=0), np.arange(low.shape[1]))
+    a, b = low[side], high[side]
+    least, most = np.minimum(np.abs(a), np.abs(b)), np.maximum(np.abs(a), np.abs(b))
+    middle = np.where(
+        most > 2 * least, np.sqrt(np.maximum(least, SMALLEST)) * np.sqrt(most), (least + most) / 2
+    )
+    cut = np.where((a < 0) & (b > 0), 0.0, np.where(b > 0, middle, -middle))
+    below, above = high.copy(), low.copy()
+    below[side], above[side] = cut, cut
+    return np.hstack([low, above]), np.hstack([below, high])
+
+
+def _clusters(boxes: Array) -> Array:
+    """Undecided boxes (2, k, N) that touch, as one box each."""
+    found: list[Array] = []
+    for box in np.moveaxis(boxes, 2, 0)[np.lexsort(boxes[0])] if boxes.shape[2] else ():
+        for other in found[-TOUCHING:]:
+            size = np.maximum(np.abs(box).max(axis=0), np.abs(other).max(axis=0))
+            room = 2 * np.maximum(box[1] - box[0], other[1] - other[0]) + 10 * ROUNDED * size + SMALLEST
+            if (box[0] <= other[1] + room).all() and (box[1] >= other[0] - room).all():
+                other[0], other[1] = np.minimum(other[0], box[0]), np.maximum(other[1], box[1])
+                break
+        else:
+            found.append(box.copy())
+    return np.stack(found, axis=2) if found else boxes
+
+
+def _bracket(reduced: ReducedFlow, clusters: Array, starts: Array, flat: NDArray[np.bool_]) -> None:
+    """Put roots where the one equation changes its sign across a cluster: they are of odd multiplicity."""
+
+    def rate(w: float) -> float:
+        value = reduced.rates([Interval(np.array([w]), np.array([w]))])[0]
+        return float(np.ravel(value.low + value.high)[0] / 2)
+
+    first = starts.shape[1] - clusters.shape[2]
+    for i, (low, high) in enumerate(clusters[:, 0].T):
+        room = high - low + ROUNDED * max(abs(low), abs(high)) + SMALLEST
+        centre = float(starts[reduced.unknowns[0], first + i])
+        ends = float(low - room), float(high + room)
+        root = centre if rate(centre) == 0 else bracketed_root(rate, *ends)
+        if root is not None and abs(rate(root)) <= min(abs(rate(end)) for end in ends):  # no pole
+            starts[:, first + i] = reduced.full_states(np.array([[root]]))[:, 0]
+            flat[first + i] = True

@@ -1,0 +1,142 @@
+"""Equilibria by bounds: narrow, steep, threefold ones; none where there is none; and what is said of it."""
+
+from __future__ import annotations
+
+import pickle
+
+import numpy as np
+import pytest
+import sympy
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.optimize import brentq
+
+import frictionlab as fl
+from frictionlab.stability.equilibrium_points.intervals import Interval
+
+X, Y, Z, V, W = sympy.symbols("x y z v w")
+A, B, P = sympy.symbols("a b p")
+
+
+def equilibria(flow, states=(X, V), coordinates=1, **values):
+    mode = fl.Mode("only", tuple(map(sympy.sympify, flow)))
+    numbers = {sympy.Symbol(name): value for name, value in values.items()}
+    return fl.equilibria(fl.HybridAutomaton(states, (mode,), numbers, coordinates))
+
+
+@pytest.mark.parametrize("a", [1e-1, 1e-2, 1e-3, 1e-4])
+@pytest.mark.parametrize("p", [1e-9, 1.0, 1e6])
+def test_a_steep_exponential(a, p):
+    """p = exp((x - b)/a), as slip rates of rate and state friction: x = b + a ln p."""
+    found = equilibria([V, P - sympy.exp((X - B) / A) - V], a=a, b=0.6, p=p)
+    assert found.complete
+    assert [e.q[0] for e in found] == [pytest.approx(0.6 + a * np.log(p), rel=1e-12)]
+
+
+@pytest.mark.parametrize("width", [1e-2, 1e-4, 1e-6])
+def test_a_narrow_well_far_from_the_rest(width):
+    def force(x):
+        return 0.3 - x - 50 / width * (x - 5) * np.exp(-(((x - 5) / width) ** 2))
+
+    well = 50 / A * (X - 5) * sympy.exp(-(((X - 5) / A) ** 2))
+    found = equilibria([V, sympy.Rational(3, 10) - X - well - V], a=width)
+    depth = np.sqrt(np.log(50 / 4.7))
+    near = (
+        brentq(force, 5 - 0.7 * width, 5, xtol=1e-15),
+        brentq(force, 5 - 2 * depth * width, 5 - 0.7 * width),
+    )
+    assert found.complete
+    np.testing.assert_allclose(sorted(e.q[0] for e in found), [0.3, *sorted(near)], rtol=1e-9)
+
+
+def test_a_threefold_equilibrium_counts_once():
+    """Pitchforks at their very point, at zero, elsewhere, and of one of two coordinates."""
+    for flow, states, n in (
+        ([V, -V - X**3], (X, V), 1),
+        ([V, P * X - X**3 - V], (X, V), 1),
+        ([V, W, Y - X - X**3 - V, X - Y - W], (X, Y, V, W), 2),
+        ([V, -V - 1e-12 * X**3 - X**5], (X, V), 1),
+    ):
+        found = equilibria(flow, states, n, p=0.0)
+        assert found.complete
+        np.testing.assert_allclose([e.q for e in found], [np.zeros(n)], atol=1e-12)
+    shifted = equilibria([sympy.expand((X - 1) ** 3)], (X,), 0)
+    np.testing.assert_allclose([e.q[0] for e in shifted], [1.0], atol=1e-4)  # rounding leaves 1e-16^(1/3)
+
+
+def test_where_there_is_none_it_is_known():
+    for flow, states, n in (
+        ([V, 2 - sympy.sin(X) - V], (X, V), 1),
+        ([V, 1 - sympy.tanh(V)], (X, V), 1),
+        ([V, (X - 1) ** 2 + 1e-20 - V], (X, V), 1),
+        ([V, 1 + sympy.exp(X) - V], (X, V), 1),
+        ([sympy.cosh(X - Y) - Y, 1 + X**2 + Y**2], (X, Y), 0),
+        ([sympy.sqrt(X) + 1], (X,), 0),
+        ([X**2 * Y - X + 1, X - X**2 * Y, Z], (X, Y, Z), 0),
+    ):
+        found = equilibria(flow, states, n)
+        assert found == ()
+        assert found.complete
+        assert repr(found) == "Equilibria(none exists)"
+
+
+def test_what_is_not_known_is_said():
+    x = sympy.Symbol("x", real=True)
+    free = fl.HybridAutomaton((x,), (fl.Mode("only", (1 + sympy.Abs(x),)),), {}, 0)
+    assert not fl.equilibria(free).complete
+    assert "none was found, others are not excluded: in only a function has no bounds" in repr(
+        fl.equilibria(free)
+    )
+    with pytest.raises(ValueError, match="none was found in only by a search that cannot exclude one"):
+        fl.equilibrium(free)
+    endless = equilibria([V, sympy.Rational(1, 2) - sympy.sin(X) - V])
+    assert not endless.complete
+    first = [endless[i].q[0] for i in range(4)]
+    np.testing.assert_allclose(first, np.pi * np.array([1 / 6, 5 / 6, -7 / 6, -11 / 6]), rtol=1e-12)
+    assert pickle.loads(pickle.dumps(endless)).why == endless.why
+    assert fl.equilibria(fl.SliderOnBelt()).complete
+    hertz = fl.equilibria(fl.SliderOnBelt(contact=fl.HertzContact()))
+    assert "changes of sign were searched up to" in hertz.why
+
+
+@settings(max_examples=12)
+@given(
+    st.lists(st.floats(-6, 6), min_size=1, max_size=4),
+    st.lists(st.booleans(), min_size=4, max_size=4),
+    st.floats(-1, 1),
+)
+def test_all_roots_of_two_coupled_polynomials(decades, signs, skew):
+    """Roots in twelve decades, each once; products condensed onto one coordinate by a spring."""
+    roots = sorted({round(10**d, 9) * (1 if s else -1) for d, s in zip(decades, signs, strict=False)})
+    if any(abs(a / b - 1) < 1e-3 for a in roots for b in roots if a != b):
+        return
+    rate = sympy.prod([X - sympy.Float(root) for root in roots])
+    found = equilibria([V, W, Y - P * X - V, -W - rate + (Y - P * X) * B], (X, Y, V, W), 2, p=skew, b=3.0)
+    assert found.complete
+    np.testing.assert_allclose(sorted(e.q[0] for e in found), roots, rtol=1e-9)
+    np.testing.assert_allclose(
+        [e.q[1] for e in found], [skew * e.q[0] for e in found], rtol=1e-9, atol=1e-300
+    )
+
+
+FUNCTIONS = [
+    lambda x: x**3 - 2.0 * x + 1.0,
+    lambda x: np.exp(-x) - 3.0 / x,
+    lambda x: np.sin(3.0 * x) + np.cos(x * x),
+    lambda x: np.tanh(x) / (1.0 + x**2),
+    lambda x: np.sqrt(x) * np.log(x),
+    lambda x: x**-2 + x**1.5,
+    lambda x: np.tan(x) - np.arctan(x),
+    lambda x: 2.0**x - np.float64(3.0) * np.cosh(x) + np.arcsinh(x),
+]
+
+
+@pytest.mark.filterwarnings("ignore")
+@given(st.integers(0, len(FUNCTIONS) - 1), st.floats(-30, 30), st.floats(-9, 2))
+def test_bounds_hold_all_values(which, middle, decade):
+    function, half = FUNCTIONS[which], 10.0**decade
+    bounds = function(Interval(np.array([middle - half]), np.array([middle + half])))
+    values = function(np.clip(np.linspace(middle - half, middle + half, 101), middle - half, middle + half))
+    values = values[np.isfinite(values)]
+    assert (values >= bounds.low).all()
+    assert (values <= bounds.high).all()
