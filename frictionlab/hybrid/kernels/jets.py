@@ -19,7 +19,7 @@ from frictionlab.hybrid.kernels.arithmetic import (
     sum_of_magnitudes,
     sum_of_series,
 )
-from frictionlab.hybrid.tape.functions import AFFINE, POWER, PRODUCT, RATE, SQUARE, function_value
+from frictionlab.hybrid.tape.functions import AFFINE, POWER, PRODUCT, QUOTIENT, RATE, SQUARE, function_value
 
 MAX_ORDER = 60  # highest order that may be asked for
 JET_COLUMNS = MAX_ORDER + 1  # not a power of two, by which all rows would fall on few sets of the cache
@@ -27,6 +27,8 @@ LOG2_LEAST_RATIO = -963.0  # 2^963, some 1e290, is the largest coefficient that 
 
 # This times the majorant is taken for a bound of rounding errors.
 MACHINE_EPSILON = 2.220446049250313e-16
+# A divisor below this share of its bound counts as zero: half of that of other values, as it is a square.
+DIVISOR_ROUNDING = 32 * MACHINE_EPSILON
 
 
 @kernel
@@ -189,6 +191,45 @@ def majorant(code, magnitudes, mode, order, z, jets, J):
     for i in range(z.shape[0]):
         J[i, 0] = abs(z[i])
     run_tape(code, magnitudes, mode_operations(code, mode), order, code.flow[mode], 1.0, jets, J)
+
+
+@kernel
+def first_order_bounds(code, magnitudes, mode, jets, J):
+    """Sharper bounds of values, in column 0 of the majorant `J`, of a mode that divides by functions of the
+    state; returns whether a divisor is zero up to rounding.
+
+    Where two factors are nearly zero, the product of their majorants is far more than what rounding does to
+    their product; a quotient shows it.
+    """
+    ops, inputs = code.ops, code.inputs
+    first, last = mode_operations(code, mode)
+    divides = False
+    for i in range(first, last):
+        if ops[i, 0] == QUOTIENT:
+            divides = True
+    if not divides:
+        return False
+    vanishes = False
+    for i in range(first, last):
+        kind, a, b, out = ops[i, 0], ops[i, 1], ops[i, 2], inputs + i - first
+        if kind == AFFINE:
+            total = magnitudes.constants[i]
+            for j in range(a, b):
+                total += magnitudes.terms[j] * J[code.term_slots[j], 0]
+            J[out, 0] = total
+        elif kind == PRODUCT:
+            J[out, 0] = abs(jets[a, 0]) * J[b, 0] + J[a, 0] * abs(jets[b, 0])
+        elif kind == SQUARE:
+            J[out, 0] = 2.0 * abs(jets[a, 0]) * J[a, 0]
+        elif kind == QUOTIENT:
+            J[out, 0] = (J[a, 0] + J[b, 0] * abs(jets[out, 0])) / abs(jets[b, 0])
+            if not abs(jets[b, 0]) > DIVISOR_ROUNDING * J[b, 0]:
+                vanishes = True
+        elif kind == POWER:
+            J[out, 0] = power_coefficient(magnitudes.constants[i], a, out, 0, 0, 1.0, jets, J)
+        elif kind > POWER:
+            J[out, 0] = function_coefficient(kind, a, b, out, 0, 1.0, jets, J)
+    return vanishes
 
 
 @kernel

@@ -1,7 +1,8 @@
 """The next mode: resets, and the first mode that is admissible at a state.
 
-A mode can be entered where its constraints hold and the first non-zero Taylor coefficient of each of its
-event functions is positive, so that it lasts.
+A mode can be entered where its flow has a value, its constraints hold and the first non-zero Taylor
+coefficient of each of its event functions is positive, so that it lasts.  A flow has none where it divides by
+zero: a crank at its dead centre does not move the piston, so that no force at the piston holds the crank.
 
 Where modes are combinations of regimes, they are far too many to list, and only some are derived.  The
 targets of the event are tried first.  As several contacts may change at one instant, other events may keep a
@@ -23,7 +24,14 @@ import numpy as np
 
 from frictionlab.hybrid.compilation import inlined, kernel
 from frictionlab.hybrid.kernels.event_location import COEFFICIENT_ROUNDING, LOW_ORDER, leading_order
-from frictionlab.hybrid.kernels.jets import copy_vector, has_native_jets, majorant, mode_jets, reset_values
+from frictionlab.hybrid.kernels.jets import (
+    copy_vector,
+    first_order_bounds,
+    has_native_jets,
+    majorant,
+    mode_jets,
+    reset_values,
+)
 
 NO_MODE, MISSING = -1, -2
 BY_VALUES = 0  # the order that stands for a choice by the values of conditions, without series
@@ -87,13 +95,15 @@ def zeros_by_construction(code, scratch, f):
 def admissibility(system, mode, rounding, order, scratch):
     """Whether a mode can be entered, judged by its Taylor coefficients in `scratch` up to `order`.
 
-    Its constraints must be met up to rounding, and the first non-zero coefficient of every guard must be
-    positive; where a guard has none up to `order` the matter is undecided.  A guard that is zero and falls is
-    at another event, unless it is zero by construction after the last event: then the mode is refused.
-    Writes how many leading coefficients of each guard are zero.
+    Its flow must have a value, its constraints must be met up to rounding, and the first non-zero coefficient
+    of every guard must be positive; where a guard has none up to `order` the matter is undecided.  A guard
+    that is zero and falls is at another event, unless it is zero by construction after the last event: then
+    the mode is refused.  Writes how many leading coefficients of each guard are zero.
     """
     code, J, bounds = system.code, scratch.jets, scratch.bounds
     majorant(code, system.magnitudes, mode, order, rounding.sizes, J, bounds)
+    if first_order_bounds(code, system.magnitudes, mode, J, bounds):
+        return REFUSED
     for f in range(code.mode_constraints[mode], code.mode_constraints[mode + 1]):
         slot, zeros = code.function_slots[f], zeros_by_construction(code, scratch, f)
         if zeros == 0 and leading_order(J[slot], bounds[slot], 0, order, rounding.share) == 0:
@@ -139,6 +149,8 @@ def try_mode_by_values(system, mode, z, scratch):
     code, J = system.code, scratch.jets
     mode_jets(code, system.numbers, mode, 0, z, J)
     majorant(code, system.magnitudes, mode, 0, z, J, scratch.bounds)
+    if first_order_bounds(code, system.magnitudes, mode, J, scratch.bounds):
+        return REFUSED
     for g in range(code.mode_guards[mode], code.mode_guards[mode + 1]):
         if zeros_by_construction(code, scratch, g) == 0 and J[code.function_slots[g], 0] < 0.0:
             return REFUSED

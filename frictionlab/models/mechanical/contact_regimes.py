@@ -184,13 +184,20 @@ CLOSING = PlasticImpact("full")  # law of the impact that closes a Zeno accumula
 
 @lru_cache(maxsize=4096)  # one for all modes in which the contact slips
 def stick_reset(found: LagrangeSystem, contact: Any) -> Reset:
-    """Reset to v_r = 0 by an impulse along W, which removes only the rounding error of the event's time."""
+    """Reset to v_r = 0 by an impulse along W, which removes only the rounding error of the event's time.
+
+    There is none where the compliance depends on the state: v_r may be zero because the contact's direction
+    vanishes, as at the dead centre of a crank, where no impulse changes v_r.
+    """
     pair = found.pair(contact.relative_velocity)
     zero = {sign * speed: 1 for speed in _alike(found, contact) for sign in (1, -1)}
     if pair is not None:
         return Reset(_together(found, pair), zero)
     w = found.direction(contact)
-    jump = _velocity_jump(found, w, contact.relative_velocity / compliance(found, w))
+    soft = compliance(found, w)
+    if found.varies(soft):
+        return Reset(vanishing=zero)
+    jump = _velocity_jump(found, w, contact.relative_velocity / soft)
     after = {rate: expand_products(one) for rate, one in jump.items()}
     if found.coupled is not None:
         after |= _last_velocity(found, contact, w, after)

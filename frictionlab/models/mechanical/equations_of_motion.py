@@ -238,6 +238,10 @@ class LagrangeSystem:
         the phase."""
         return _dot(self.gradient(expression, self.phase), self.phase_rate)
 
+    def varies(self, expression: Any) -> bool:
+        """Whether an expression depends on the state."""
+        return bool(expression.free_symbols.intersection(self.states))
+
     def at_rest(self, expression: Any) -> Any:
         """The value at zero velocities; for a relative velocity it is the speed of the belt."""
         expression = sympy.sympify(expression, strict=True)

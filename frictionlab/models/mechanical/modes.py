@@ -7,6 +7,7 @@ contacts at once.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, NamedTuple
 
@@ -72,7 +73,8 @@ def _conditions(regime: ContactRegime) -> Regime:
 class ContactForces(NamedTuple):
     """Accelerations; the force of each contact; and force and limit of each that holds, by its index.
 
-    A contact that holds for others of its direction has the sum of their forces and limits there.
+    A contact that holds for others of its direction has the sum of their forces and limits there.  Both are
+    multiplied by a compliance where this depends on the state: where it is zero the force is infinite.
     """
 
     accelerations: list[Any]
@@ -80,46 +82,59 @@ class ContactForces(NamedTuple):
     holding: dict[int, tuple[Any, Any]]
 
 
+@dataclass(frozen=True, eq=False)
+class HoldingForce:
+    """A force that holds a velocity; where its compliance depends on the state this, and their product."""
+
+    force: Any
+    compliance: Any = sympy.S.One
+    product: Any = None
+
+
 def solve_contact_forces(found: LagrangeSystem, chosen: Sequence[ContactRegime]) -> ContactForces:
     """Accelerations and contact forces where each contact is in its regime of `chosen`."""
     names = [regime.name for regime in chosen]
     held = [i for i, one in enumerate(chosen) if one.force is None and found.leader(i, names) == i]
-    accelerations, forces = _hold(found, chosen, held)
-    holding = {i: (forces[i], chosen[i].limit) for i in held}
-    for i in held:
-        direction = found.direction_of(i)
-        if direction is not None and chosen[i].limit is not None:
+    accelerations, forces, holding = _hold(found, chosen, held)
+    with_limits = {}
+    for i, one in holding.items():
+        direction, limit = found.direction_of(i), chosen[i].limit
+        if direction is not None and limit is not None:
             limits = {j: chosen[j].limit for j in direction.contacts if names[j] == "stick"}
-            shares, total = direction.shares(i, forces[i], limits)
-            holding[i] = forces[i], total
+            shares, limit = direction.shares(i, one.force, limits)
             for j, share in shares.items():
                 forces[j] = share
-    return ContactForces(accelerations, forces, holding)
+        with_limits[i] = one.force, limit
+        if one.product is not None:
+            with_limits[i] = one.product, None if limit is None else one.compliance * limit
+    return ContactForces(accelerations, forces, with_limits)
 
 
-def _hold(
-    found: LagrangeSystem, chosen: Sequence[ContactRegime], held: Sequence[int]
-) -> tuple[list[Any], list[Any]]:
-    """Accelerations, and the force of each contact, where those of `held` hold."""
-    contacts = found.mechanics.contacts
+Solution = tuple[list[Any], list[Any], dict[int, HoldingForce]]
+
+
+def _hold(found: LagrangeSystem, chosen: Sequence[ContactRegime], held: Sequence[int]) -> Solution:
+    """Accelerations, the force of each contact, and again that of each of `held`, which hold."""
+    contacts, forces = found.mechanics.contacts, [regime.force for regime in chosen]
     free = [load - rest for load, rest in zip(found.loads, found.internal, strict=True)]
     for contact, regime in zip(contacts, chosen, strict=True):
         found.apply(found.direction(contact), 0 if regime.force is None else regime.force, free)
         if isinstance(contact, Friction) and regime.name != "separation":
             found.apply(found.normal(contact), contact.pressing, free)
-    forces = [regime.force for regime in chosen]
     if not held:
-        return found.accelerations(free), forces
+        return found.accelerations(free), forces, {}
     pair = found.pair(chosen[held[0]].held) if len(held) == 1 else None
     if pair is not None:
-        accelerations, forces[held[0]] = _as_one_body(found, pair, free)
-        return accelerations, forces
-    if (velocities := _held_in_numbers(found, chosen, held)) is not None:
-        accelerations, holding = velocities.solve(free, found.states)
-        for i, force in zip(held, holding, strict=True):
-            forces[i] = force
-        return accelerations, forces
-    return _held_by_forces(found, chosen, held, sympy.Matrix(free))
+        accelerations, force = _as_one_body(found, pair, free)
+        holding = [HoldingForce(force)]
+    elif (velocities := _held_in_numbers(found, chosen, held)) is not None:
+        accelerations, known = velocities.solve(free, found.states)
+        holding = [HoldingForce(force) for force in known]
+    else:
+        accelerations, holding = _held_by_forces(found, chosen, held, sympy.Matrix(free))
+    for i, one in zip(held, holding, strict=True):
+        forces[i] = one.force
+    return accelerations, forces, dict(zip(held, holding, strict=True))
 
 
 def _held_in_numbers(
@@ -149,20 +164,42 @@ def sticking_force(found: LagrangeSystem, pair: Pair, r: Sequence[Any]) -> Any:
 
 def _held_by_forces(
     found: LagrangeSystem, chosen: Sequence[ContactRegime], held: Sequence[int], free: Any
-) -> tuple[list[Any], list[Any]]:
-    """Accelerations and contact forces where contacts hold any velocities at zero, solved by sympy."""
-    inverse, forces = found.inverse, [regime.force for regime in chosen]
+) -> tuple[list[Any], list[HoldingForce]]:
+    """Accelerations and holding forces where contacts hold any velocities at zero, solved by sympy."""
+    inverse = found.inverse
     rows = sympy.Matrix([found.gradient(chosen[i].held, found.v) for i in held])
     reach = _sparse_product(rows, inverse)
     rates = [found.rate(chosen[i].held) for i in held]
-    along = [rate + part for rate, part in zip(rates, _sparse_product(reach, free), strict=True)]
+    along = [-(rate + part) for rate, part in zip(rates, _sparse_product(reach, free), strict=True)]
     columns = sympy.Matrix.hstack(*(found.direction(found.mechanics.contacts[i]) for i in held))
-    holding = _solve_in_blocks(_sparse_product(reach, columns), [-one for one in along])
-    for i, force in zip(held, holding, strict=True):
-        forces[i] = _expand(force)
+    softness = _sparse_product(reach, columns)
+    forces: list[Any] = [None] * len(held)
+    holding: list[Any] = [None] * len(held)
+    # Block by block: most are independent, as those of contacts of different bodies.
+    for block in softness.connected_components():
+        matrix, right = softness.extract(block, block), sympy.Matrix([along[i] for i in block])
+        for i, force in zip(block, matrix.LUsolve(right), strict=True):
+            forces[i], holding[i] = force, HoldingForce(_expand(force))
+        if found.varies(matrix):
+            against = (isinstance(found.mechanics.contacts[held[i]], Friction) for i in block)
+            for i, one in zip(block, _products(matrix, right, (-1) ** sum(against)), strict=True):
+                holding[i] = HoldingForce(holding[i].force, *one)
     # Expanded, terms that cancel vanish: a constrained velocity keeps its value to the last bit.
-    pushed = free + _sparse_product(columns, sympy.Matrix(holding))
-    return [_expand(a) for a in found.accelerations(list(pushed))], forces
+    pushed = free + _sparse_product(columns, sympy.Matrix(forces))
+    accelerations = [_expand(a) for a in found.accelerations(list(pushed))]
+    for i, rate in enumerate(rates):
+        there = [k for k in range(rows.cols) if rows[i, k] != 0]
+        if len(there) == 1:  # terms with floats may not cancel
+            accelerations[there[0]] = _expand(-rate / rows[i, there[0]])
+    return accelerations, holding
+
+
+def _products(matrix: Any, right: Any, sign: int) -> Iterator[tuple[Any, Any]]:
+    """By Cramer's rule the determinant of this sign, and its product with each unknown."""
+    for i in range(matrix.rows):
+        replaced = matrix.copy()
+        replaced[:, i] = right
+        yield _expand(sign * matrix.det()), _expand(sign * replaced.det())
 
 
 _expand = lru_cache(maxsize=4096)(expand_products)  # most are the same in many modes
@@ -178,16 +215,6 @@ def _sparse_product(one: Any, other: Any) -> Any:
         for k, entry in there.get(j, ()):
             found[i, k] = found.get((i, k), sympy.S.Zero) + factor * entry
     return sympy.Matrix(one.rows, other.cols, lambda i, k: found.get((int(i), int(k)), sympy.S.Zero))
-
-
-def _solve_in_blocks(matrix: Any, right: Sequence[Any]) -> list[Any]:
-    """Solve equations block by block: most are independent, as those of contacts of different bodies."""
-    found: list[Any] = [None] * len(right)
-    for block in matrix.connected_components():
-        some = sympy.Matrix([right[i] for i in block])
-        for i, value in zip(block, matrix.extract(block, block).LUsolve(some), strict=True):
-            found[i] = value
-    return found
 
 
 def flow_of(found: LagrangeSystem, accelerations: Sequence[Any]) -> tuple[Any, ...]:

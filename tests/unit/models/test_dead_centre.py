@@ -1,0 +1,131 @@
+"""Friction at the piston of a crank: at a dead centre the piston stands still and cannot hold the crank."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import pi, sin
+from types import MappingProxyType
+from typing import ClassVar
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import frictionlab as fl
+from frictionlab.components import functions
+from frictionlab.components.friction import FrictionLaw
+from frictionlab.models import MechanicalModel, Mechanics, with_signature
+from frictionlab.models.mechanical.mechanics import Friction
+from frictionlab.testing import rule_violations
+
+INERTIA, RADIUS, PRESS = 2.0, 0.3, 1.5
+STATIC, KINETIC = 0.5, 0.4
+
+
+@with_signature
+@dataclass(frozen=True, init=False, repr=False)
+class Crank(MechanicalModel):
+    """A flywheel and a piston, which rubs `pads` times; a torque T - k (theta - 2) turns it."""
+
+    pads: int = 1
+    T: float = fl.parameter(0.0, unit="N m", symbol="T", meaning="torque", range=(-1.0, 1.0))
+    k: float = fl.parameter(0.0, unit="N m/rad", symbol="k", meaning="spring", range=(0.0, 1.0))
+    friction: FrictionLaw = fl.Coulomb(mu_k=KINETIC, mu_s=STATIC)
+    roles: ClassVar[Mapping[str, type]] = MappingProxyType({"friction": FrictionLaw})
+    coordinates = ("theta",)
+
+    def mechanics(self, q, v):
+        piston = RADIUS * functions.sin(q.theta) * v.theta
+        return Mechanics(
+            kinetic=INERTIA * v.theta**2 / 2,
+            potential=self.k * (q.theta - 2.0) ** 2 / 2,
+            contacts=(Friction(piston, PRESS / self.pads, self.friction),) * self.pads,
+            loads={"theta": self.T},
+        )
+
+
+@pytest.mark.parametrize("method", ["taylor", "DOP853", fl.RK4(step=1e-2)], ids=["taylor", "scipy", "rk4"])
+def test_a_crank_turns_past_its_dead_centres(method):
+    """From one to the next friction takes 2 r mu N of its energy; after each the piston slides back."""
+    run = fl.simulate(Crank(), 20.0, x0=[0.5, 1.8], method=method)
+    places, rates = run.events.state.T
+    assert len(places) >= 7
+    rtol = 1e-12 if method == "taylor" else 1e-5
+    np.testing.assert_allclose(places, pi * np.arange(1, len(places) + 1), rtol=rtol)
+    np.testing.assert_allclose(
+        np.diff(INERTIA * rates**2 / 2),
+        -2 * RADIUS * KINETIC * PRESS,
+        rtol=1e3 * rtol if rtol > 1e-9 else rtol,
+    )
+    assert set(run.events.target) == {"slip+", "slip-"}
+    assert not run.time_in_mode.get("stick")
+
+
+@pytest.mark.parametrize("torque", [1e-3, -0.05])
+@pytest.mark.parametrize("beside", [0.0, 1e-13, 1e-10, 1e-6, -1e-3, 0.02, 0.3])
+@pytest.mark.parametrize("centre", [0.0, pi])
+def test_beside_a_dead_centre_the_piston_holds_as_much_as_its_lever_allows(torque, beside, centre):
+    """At rest the torque is held up to mu_s N r |sin theta|, which is nothing at the dead centre."""
+    start = centre + beside
+    run = fl.simulate(Crank(T=torque), 0.5, x0=[start, 0.0])
+    lever = RADIUS * abs(sin(start))
+    assert run.status.ok
+    assert not rule_violations(run)
+    if abs(torque) <= STATIC * PRESS * lever:
+        assert run.mode[0] == "stick"
+        assert run.final_state.tolist() == [start, 0.0]
+    else:
+        # as long as it is far from the limit friction takes little of the torque's work
+        turned, rate = run.final_state - [start, 0.0]
+        work = INERTIA * rate**2 / 2
+        taken = KINETIC * PRESS * RADIUS * _length_of_path(start, start + turned)
+        assert work == pytest.approx(torque * turned - taken, rel=1e-10)
+        assert work > 0.0
+
+
+def _length_of_path(begin, end):
+    """Integral of |sin|, of which no more than one dead centre lies between."""
+    edges = sorted((begin, end))
+    middle = pi * np.ceil(edges[0] / pi)
+    if edges[0] < middle < edges[1]:
+        return _length_of_path(edges[0], middle) + _length_of_path(middle, edges[1])
+    return abs(np.cos(edges[1]) - np.cos(edges[0]))
+
+
+def independent_crank(k, start, t_end):
+    """Turning points, and where it stays, by scipy, with friction against the crank's rate."""
+    t, state, sign = 0.0, np.array(start), np.sign(start[1])
+    turns = []
+    while True:
+
+        def rates(_, x, sign=sign):
+            return [x[1], (-k * (x[0] - 2.0) - sign * KINETIC * PRESS * RADIUS * abs(sin(x[0]))) / INERTIA]
+
+        def stands(_, x, sign=sign):
+            return sign * x[1] + (1e-9 if abs(x[1]) < 1e-12 and not turns else 0.0)
+
+        stands.terminal, stands.direction = True, -1.0
+        found = solve_ivp(
+            rates, (t, t_end), state, "DOP853", rtol=1e-12, atol=1e-13, events=stands, max_step=0.02
+        )
+        if not found.t_events[0].size:
+            return turns, found.y[:, -1]
+        t, state = found.t[-1], found.y[:, -1] * [1.0, 0.0]
+        turns.append(state[0])
+        pull = -k * (state[0] - 2.0)
+        if abs(pull) <= STATIC * PRESS * RADIUS * abs(sin(state[0])):
+            return turns, state
+        sign = np.sign(pull)
+        state[1] = sign * 1e-13
+
+
+@pytest.mark.parametrize("pads", [1, 2])
+def test_a_crank_on_a_spring_swings_through_its_dead_centres_and_sticks(pads):
+    turns, end = independent_crank(0.15, [2.0, 1.2], 200.0)
+    run = fl.simulate(Crank(pads=pads, k=0.15), 200.0, x0=[2.0, 1.2])
+    assert run.status.ok
+    assert set(run.mode[-1].split(" | ")) == {"stick"}
+    rest = np.abs(run.events.state[:, 1]) < 1e-9
+    assert len(turns) == 3
+    assert max(turns) > pi
+    np.testing.assert_allclose(run.events.state[rest, 0], turns, rtol=1e-8)
+    np.testing.assert_allclose(run.final_state, end, rtol=1e-8, atol=1e-10)
