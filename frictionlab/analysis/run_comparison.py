@@ -1,4 +1,4 @@
-"""How far a run can be trusted: a warning from the defects of its steps, and the comparison with another run.
+"""The comparison of a run with another one.
 
 The two runs are of the same motion.  They are compared in their events and, between events, in their states.
 Events close together (two at once, the last bounces before a Zeno point) count as one.
@@ -6,59 +6,13 @@ Events close together (two at once, the last bounces before a Zeno point) count 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from frictionlab.analysis.motion_scales import Array
-from frictionlab.hybrid.accuracy import defects
 from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.hybrid.trajectory import Trajectory
-
-SUSPECT_TOLERANCES = 1e4  # times the tolerance: the defects of sound steps are hundreds of times smaller
-HARMLESS_DEFECT = 1e-9  # share of the motion's size: smaller than any analysis here resolves
-STEPS_PER_MODE = 64  # steps of a mode that are sampled, so that the check costs next to nothing
-
-
-def defect_warning(run: Trajectory) -> str | None:
-    """A warning where steps of a Taylor run are far less exact than its tolerance, else None.
-
-    Some steps are sampled of each mode whose equations are not low-degree polynomials of the states; for
-    polynomials the series itself tells how long a step may be.
-    """
-    tol = run.description.get("method", {}).get("tol")
-    if tol is None:
-        return None
-    code, order = run.problem.program.code, run.samples.order
-    modes = [mode for mode in np.unique(run.raw.step_modes) if code.degrees[mode] >= order]
-    steps = [_evenly_spread(np.flatnonzero(run.raw.step_modes == mode)) for mode in modes]
-    if not steps:
-        return None
-    return defect_message(defects(run.problem, run.raw, order, np.concatenate(steps)), tol)
-
-
-def defect_message(defect: Mapping[str, float], tol: float) -> str | None:
-    """A warning where a defect is too large for a run with the tolerance `tol`, else None."""
-    bad = {mode: size for mode, size in defect.items() if not size <= largest_sound_defect(tol)}
-    if not bad:
-        return None
-    worst = max(bad, key=bad.__getitem__)
-    return (
-        f"steps in mode {worst!r} are wrong by up to {bad[worst]:.1g} of the motion's size, "
-        f"{bad[worst] / tol:.0e} times the tolerance: a law may be too sharp there for its series"
-    )
-
-
-def largest_sound_defect(tol: float) -> float:
-    """The defect above which steps of a run with the tolerance `tol` are suspect."""
-    return max(SUSPECT_TOLERANCES * tol, HARMLESS_DEFECT)
-
-
-def _evenly_spread(steps: np.ndarray) -> np.ndarray:
-    """Some of the steps, evenly spread."""
-    return steps[np.unique(np.linspace(0, len(steps) - 1, STEPS_PER_MODE).astype(int))]
-
 
 SIMULTANEOUS_SHARE = 1e-5  # share of the longest stay in a mode: events nearer to each other count as one
 ACCUMULATION_SHARE = 1e-3  # share of the longest stay: shorter stays before a Zeno point belong to it

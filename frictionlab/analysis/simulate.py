@@ -25,6 +25,7 @@ from frictionlab.hybrid.solve import (
     state_from_mapping,
     state_from_x0,
     with_chatter_limit,
+    with_warning,
 )
 from frictionlab.hybrid.tape.automaton_data import DERIVED_FROM, automaton_from_data
 from frictionlab.hybrid.tape.packing import program_of, program_of_modes
@@ -133,6 +134,11 @@ def simulate(
     Trajectory
         Also if the run ended early: see ``run.status``.
 
+    Warns
+    -----
+    RuntimeWarning
+        Where some steps are far less exact than the tolerance: see ``run.warning``.
+
     Raises
     ------
     TypeError
@@ -161,7 +167,7 @@ def simulate(
     start = state_from_x0(automaton, model_initial_state(model, x0, automaton))
     if isinstance(model, MechanicalModel):
         check_masses(model, start)
-    return run_automaton(automaton, t_end, start, chosen, options)
+    return with_warning(run_automaton(automaton, t_end, start, chosen, options))
 
 
 def load(path: str | Path, model: Any = None) -> Trajectory:

@@ -15,7 +15,6 @@ from frictionlab.analysis.run_comparison import (
     RunComparison,
     accumulation_time,
     compare_runs,
-    defect_message,
     longest_stay,
     mode_stays,
 )
@@ -25,7 +24,7 @@ from frictionlab.hybrid.methods.base import Method
 from frictionlab.hybrid.methods.scipy_methods import Scipy
 from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.hybrid.problem import Status
-from frictionlab.hybrid.solve import method_of, solve
+from frictionlab.hybrid.solve import RunOptions, method_of, run_automaton
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models.model import automaton_of
 from frictionlab.presentation import Drawable
@@ -167,13 +166,13 @@ class _RunSetup:
         self.start, self._t_end = start, t_end
 
     def run(self, method: Method, start: Array | None = None, t_end: float | None = None) -> Trajectory:
-        return solve(
+        source = None if self._model is self._automaton else self._model
+        return run_automaton(
             self._automaton,
             self._t_end if t_end is None else t_end,
-            x0=self.start if start is None else start,
-            method=method,
-            progress=self._progress,
-            source=None if self._model is self._automaton else self._model,
+            self.start if start is None else start,
+            method,
+            RunOptions(progress=self._progress, source=source),
         )
 
     def neighbouring_run(self, run: Trajectory) -> Trajectory:
@@ -261,8 +260,7 @@ def _reason_for_doubt(run: Trajectory, second: Trajectory, same: RunComparison, 
             return f"it deviates from {which} by {found.error:.1g} of the motion's size"
     if second.raw.t < run.raw.t * (1 - TIME_RTOL):
         return f"a more exact one ends already at t = {second.raw.t:.6g} s: {second.status}"
-    tol = run.description["method"].get("tol")
-    return "" if tol is None else defect_message(run.defect, tol) or ""
+    return run.defect_warning() or ""
 
 
 def _agreement_message(

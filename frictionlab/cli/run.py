@@ -9,6 +9,7 @@ from __future__ import annotations
 import argparse
 import gc
 import math
+import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
@@ -214,7 +215,8 @@ def before(model: Any, method: Any, chosen: argparse.Namespace) -> str:
 
 def after(run: Any) -> str:
     """The lines printed after the run: its results."""
-    return "\n".join([f"\nRun: {run.status}", *_event_lines(run), *_time_lines(run), _cost_line(run)])
+    doubt = [] if run.warning is None else [f"Do not trust this run: {run.warning}"]
+    return "\n".join([f"\nRun: {run.status}", *doubt, *_event_lines(run), *_time_lines(run), _cost_line(run)])
 
 
 def _job_line(model: Any, method: Any, chosen: argparse.Namespace) -> str:
@@ -302,7 +304,9 @@ def _simulate(
     from frictionlab.interruption import partial_result
 
     try:
-        return simulate(model, chosen.t_end, progress=not (chosen.quiet or chosen.json), **options), None
+        with warnings.catch_warnings():  # the summary has it
+            warnings.filterwarnings("ignore", "do not trust this run", RuntimeWarning)
+            return simulate(model, chosen.t_end, progress=not (chosen.quiet or chosen.json), **options), None
     except KeyboardInterrupt as stopped:
         return partial_result(), stopped
     except ValueError as error:
@@ -326,6 +330,7 @@ def run_data(run: Any, chosen: argparse.Namespace) -> dict[str, Any]:
         "x0": chosen.x0,
         "t": run.raw.t,
         "status": str(run.status),
+        "warning": run.warning,
         "finished": run.status.ok,
         "sliding": sliding,
         "events": run.events.counts(),

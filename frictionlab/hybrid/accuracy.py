@@ -6,6 +6,9 @@ the end of the polynomial to that state.  The residual times the length of the s
 larger, as a share of the motion's size, is what the step adds to the error: this defect compares with the
 tolerance.  Whether event functions are positive and constraints zero at the samples is checked by their
 values alone, independently of how events are located.
+
+Every run by series is checked when it is over: the defects of a few of its steps are measured, of which those
+above what the tolerance allows give a warning.
 """
 
 from __future__ import annotations
@@ -38,15 +41,21 @@ CHECK_POINTS = 8  # points in a step, zeros of a Chebyshev polynomial: dense tow
 # Errors up to this share of a sum's absolute terms may be rounding, and do not count as a defect.
 RESIDUAL_ROUNDING = 8 * MACHINE_EPSILON
 UNKNOWN_END = np.nan  # end of a step without advance of time: its event cannot be told from an earlier one
+SUSPECT_TOLERANCES = 1e4  # times the tolerance: the defects of sound steps are hundreds of times smaller
+HARMLESS_DEFECT = 1e-9  # share of the motion's size: smaller than any analysis here resolves
+SAMPLED_SHARE = 0.01  # share of a mode's steps whose defect is measured in every run, within the next two
+LEAST_SAMPLE, LARGEST_SAMPLE = 8, 64
 
 
 class StoredSteps(NamedTuple):
-    """Steps of a run: start and length, mode, states at the start, and at the end before an event."""
+    """Steps of a run: start and length, mode, states at the start, and at the end before an event; and sizes
+    of the states that errors are relative to, where those in the step are smaller."""
 
     times: np.ndarray  # (steps, 2)
     modes: np.ndarray  # (steps,)
     states: np.ndarray  # (steps, states)
     ends: np.ndarray  # (steps, states)
+    sizes: np.ndarray  # (steps, states)
 
 
 class DefectScratch(NamedTuple):
@@ -62,20 +71,75 @@ class DefectScratch(NamedTuple):
     sizes: np.ndarray
 
 
-def defects(
-    problem: Problem, raw: RunData, order: int, chosen: np.ndarray | None = None
-) -> Mapping[str, float]:
-    """The largest defect of a run's steps, or of those `chosen`, by the name of the mode."""
-    program, steps = problem.program, stored_steps(raw)
-    if chosen is None:
-        chosen = np.arange(len(raw.step_modes))
+def defects(problem: Problem, raw: RunData, order: int) -> Mapping[str, float]:
+    """The largest defect of a run's steps, by the name of the mode."""
+    return _largest_defects(problem, stored_steps(raw), order)
+
+
+def _largest_defects(problem: Problem, steps: StoredSteps, order: int) -> Mapping[str, float]:
+    program = problem.program
     worst = np.full(len(program.modes), -1.0)
     system = system_of(native_code(program).code, problem.numbers)
-    scratch = new_defect_scratch(program.slots, raw.state.size, order)
+    scratch = new_defect_scratch(program.slots, steps.states.shape[1], order)
     with np.errstate(all="ignore"):
-        measure_defects(system, order, steps, chosen, worst, scratch)
+        measure_defects(system, order, steps, worst, scratch)
     found = zip(program.modes, worst.tolist())
     return FrozenMapping({name: defect for name, defect in found if defect >= 0.0})
+
+
+def motion_defects(
+    problem: Problem, raw: RunData, order: int, some: np.ndarray | None = None
+) -> Mapping[str, float]:
+    """As :func:`defects`, but as a share of the motion's size in the whole run; of all steps or of `some`."""
+    chosen = np.arange(len(raw.step_modes)) if some is None else some
+    times, states = raw.step_times[chosen], raw.step_states[chosen]
+    sizes = np.broadcast_to(np.abs(raw.step_states).max(axis=0, initial=0.0), states.shape).copy()
+    ends = np.full_like(states, UNKNOWN_END)  # that of a series is the next state
+    return _largest_defects(problem, StoredSteps(times, raw.step_modes[chosen], states, ends, sizes), order)
+
+
+def sampled_steps(problem: Problem, raw: RunData, order: int) -> np.ndarray:
+    """Some steps of each mode, a bounded number.
+
+    Modes whose equations are polynomials of the states of a degree below `order` are left out: the last terms
+    of their series tell how long a step may be.
+    """
+    degrees = problem.program.code.degrees
+    modes = [mode for mode in np.unique(raw.step_modes) if degrees[mode] >= order]
+    chosen = [_sample_of_steps(raw, np.flatnonzero(raw.step_modes == mode)) for mode in modes]
+    return np.concatenate([np.zeros(0, dtype=int), *chosen])
+
+
+def _sample_of_steps(raw: RunData, steps: np.ndarray) -> np.ndarray:
+    """Some of the `steps` of one mode: the longest, the last before events, and others all over the run."""
+    size = min(max(LEAST_SAMPLE, int(SAMPLED_SHARE * len(steps))), LARGEST_SAMPLE, len(steps))
+    lengths = raw.step_times[steps, 1]
+    longest = steps[np.argpartition(-lengths, size // 4)[: size // 4]] if size // 4 < len(steps) else steps
+    last = steps[np.append(np.diff(steps) > 1, True)]
+    others = np.linspace(0, len(steps) - 1, size - size // 4 - size // 4).astype(int)
+    return np.unique(np.concatenate([longest, _spread(last, size // 4), steps[others]]))
+
+
+def _spread(steps: np.ndarray, count: int) -> np.ndarray:
+    """As many of the steps, evenly spread."""
+    return steps[np.unique(np.linspace(0, len(steps) - 1, count).astype(int))]
+
+
+def largest_sound_defect(tol: float) -> float:
+    """The defect above which steps of a run with the tolerance `tol` are suspect."""
+    return max(SUSPECT_TOLERANCES * tol, HARMLESS_DEFECT)
+
+
+def defect_warning(defect: Mapping[str, float], tol: float) -> str | None:
+    """A warning where a defect is too large for a run with the tolerance `tol`, else None."""
+    bad = {mode: size for mode, size in defect.items() if not size <= largest_sound_defect(tol)}
+    if not bad:
+        return None
+    worst = max(bad, key=bad.__getitem__)
+    return (
+        f"steps in mode {worst!r} are wrong by up to {bad[worst]:.1g} of the motion's size, "
+        f"{bad[worst] / tol:.0e} times the tolerance: a law may be too sharp there for its series"
+    )
 
 
 def stored_steps(raw: RunData) -> StoredSteps:
@@ -86,7 +150,7 @@ def stored_steps(raw: RunData) -> StoredSteps:
     at_event = np.append(raw.event_times, np.inf)[first] == times
     ends[at_event] = raw.event_states[first[at_event], 0]
     ends[at_event & (raw.step_times[:, 0] == times)] = UNKNOWN_END
-    return StoredSteps(raw.step_times, raw.step_modes, raw.step_states, ends)
+    return StoredSteps(raw.step_times, raw.step_modes, raw.step_states, ends, np.zeros_like(ends))
 
 
 def new_defect_scratch(slots: int, states: int, order: int) -> DefectScratch:
@@ -96,12 +160,12 @@ def new_defect_scratch(slots: int, states: int, order: int) -> DefectScratch:
 
 
 @kernel
-def measure_defects(system, order, steps, chosen, worst, scratch):
+def measure_defects(system, order, steps, worst, scratch):
     """Write the largest defect of each mode's steps into `worst`."""
-    for step in chosen:
+    for step in range(steps.modes.shape[0]):
         mode, h = steps.modes[step], steps.times[step, 1]
         if h > 0.0:
-            begin_step(system, order, mode, h, steps.states[step], scratch)
+            begin_step(system, order, mode, h, steps.states[step], steps.sizes[step], scratch)
             for point in range(CHECK_POINTS):
                 s = 0.5 * h * (1.0 - cos(math.pi * (point + 0.5) / CHECK_POINTS))
                 record_residuals(system, order, mode, s, scratch)
@@ -112,11 +176,12 @@ def measure_defects(system, order, steps, chosen, worst, scratch):
 
 
 @kernel
-def begin_step(system, order, mode, h, state, scratch):
-    """Compute the series of a step, set the errors to zero, and the sizes to those at its start."""
+def begin_step(system, order, mode, h, state, sizes, scratch):
+    """Compute the series of a step, set the errors to zero, and the sizes to those at its start, or to the
+    given ones where these are larger."""
     step_series(system.code, system.numbers, mode, order, h, state, scratch.jets)
     for i in range(state.shape[0]):
-        scratch.errors[i], scratch.sizes[i] = 0.0, abs(state[i])
+        scratch.errors[i], scratch.sizes[i] = 0.0, max(sizes[i], abs(state[i]))
 
 
 @inlined

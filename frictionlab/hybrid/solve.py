@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import time
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
@@ -139,6 +140,11 @@ def solve(
     Trajectory
         Also where the run ended early: see ``run.status``.
 
+    Warns
+    -----
+    RuntimeWarning
+        Where some steps are far less exact than the tolerance: see ``run.warning``.
+
     Raises
     ------
     TypeError
@@ -149,13 +155,21 @@ def solve(
         After ctrl-C; :func:`partial_result` then returns the run as far as it went.
     """
     check_keywords("solve", keywords, RunKeywords.__annotations__)
-    return run_automaton(automaton, t_end, x0, method_of(method), RunOptions(mode, t_eval, **keywords))
+    options = RunOptions(mode, t_eval, **keywords)
+    return with_warning(run_automaton(automaton, t_end, x0, method_of(method), options))
+
+
+def with_warning(run: Trajectory) -> Trajectory:
+    """The run itself; warns where its steps are less exact than the tolerance asks for."""
+    if run.warning is not None:
+        warnings.warn(f"do not trust this run: {run.warning}", RuntimeWarning, stacklevel=3)
+    return run
 
 
 def run_automaton(
     automaton: HybridAutomaton, t_end: Any, x0: Any, method: Method, options: RunOptions
 ) -> Trajectory:
-    """Run an automaton by a method, as :func:`solve` says."""
+    """Run an automaton by a method, as :func:`solve` says, but without a warning."""
     check_automaton(automaton)
     t_end = check_number("t_end", t_end, above=0.0, cure="give the length of the run in seconds")
     state, times = state_from_x0(automaton, x0), _times(options.t_eval, t_end)

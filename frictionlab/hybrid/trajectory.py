@@ -17,7 +17,13 @@ import numpy as np
 
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.automaton.mode import ModeNames
-from frictionlab.hybrid.accuracy import condition_violation, defects
+from frictionlab.hybrid.accuracy import (
+    condition_violation,
+    defect_warning,
+    defects,
+    motion_defects,
+    sampled_steps,
+)
 from frictionlab.hybrid.codegen.native_cache import native_code
 from frictionlab.hybrid.kernels.run_state import StepData, jet_columns
 from frictionlab.hybrid.kernels.taylor_steps import sample_states, subdivide_steps
@@ -57,6 +63,7 @@ class Trajectory(Drawable):
     status : Status;  str(status) is a sentence
     stats : mapping: steps, events, Zeno accumulations closed, wall time in seconds
     defect : mapping: largest defect of a step in each mode
+    warning : str or None: what is wrong where some of these defects are beyond the tolerance
     violation : largest violation of a mode's condition at a sample, as a share of the condition's size
     sections : mapping of name to SectionPoints;  quadratures : mapping of name to the integral up to the end
     automaton : the automaton that ran;  source : the model it came from, if any
@@ -323,6 +330,29 @@ class Trajectory(Drawable):
         return defects(self.problem, self.raw, self.samples.order)
 
     @cached_property
+    def warning(self) -> str | None:
+        """A warning where steps by series are far less exact than the tolerance, else None.
+
+        Measured on some steps of each mode whose equations are no polynomials of a low degree, as a share of
+        the motion's size.
+        """
+        arguments = self.problem, self.raw, self.samples.order
+        some = sampled_steps(*arguments) if self._tolerance is not None else []
+        return self.defect_warning(some) if len(some) else None
+
+    @property
+    def _tolerance(self) -> float | None:
+        """The relative tolerance of a method by series; None for others."""
+        return self.description.get("method", {}).get("tol")
+
+    def defect_warning(self, steps: Any = None) -> str | None:
+        """As :attr:`warning`, of all steps, or of these by their numbers."""
+        if self._tolerance is None:
+            return None
+        found = motion_defects(self.problem, self.raw, self.samples.order, steps)
+        return defect_warning(found, self._tolerance)
+
+    @cached_property
     def violation(self) -> float:
         """Largest violation of a mode's condition at a sample, as a share of the condition's size."""
         return condition_violation(self.problem, self.raw, self.states, self.mode_indices)
@@ -396,4 +426,5 @@ class Trajectory(Drawable):
     def __repr__(self) -> str:
         steps, events = count(len(self.raw.step_modes), "step"), count(len(self.events), "event")
         end = f"0 to {self.raw.t:g} s, {steps}, {events}"
-        return f"Trajectory({end}, {self.status.name.lower()})"
+        doubt = "" if self.warning is None else f"; do not trust it: {self.warning}"
+        return f"Trajectory({end}, {self.status.name.lower()}{doubt})"

@@ -17,8 +17,8 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from frictionlab.analysis.motion_scales import Spectrum, amplitude_spectrum, highest_frequency
-from frictionlab.analysis.run_comparison import largest_sound_defect
 from frictionlab.analysis.verify import TRUSTED_DEVIATION
+from frictionlab.hybrid.accuracy import largest_sound_defect
 from frictionlab.hybrid.kernels.jets import MACHINE_EPSILON
 from frictionlab.plotting.appearance import (
     BLACK,

@@ -16,7 +16,6 @@ import ipywidgets
 import numpy as np
 import traitlets
 
-from frictionlab.analysis.run_comparison import defect_warning
 from frictionlab.presentation import state_unit
 
 from .result import python_snippet, time_of_rest, to_json
@@ -246,6 +245,6 @@ def run_end_text(result: Any) -> str:
     if not result.has_run:
         return ""
     if result.run.status.ok:
-        warning = defect_warning(result.run)
+        warning = result.run.warning
         return "" if warning is None else escape(f"Do not trust this picture: {warning}.")
     return escape(f"The run ended at {result.run.raw.t:.4g} s: {result.run.status}.")

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 from typing import Any, Unpack
 
 import numpy as np
@@ -17,7 +16,6 @@ from numpy.typing import NDArray
 
 from frictionlab.analysis.motion_scales import Spectrum, amplitude_spectrum
 from frictionlab.analysis.options import SteadyStateKeywords, SteadyStateOptions, merge_keywords
-from frictionlab.analysis.run_comparison import defect_warning
 from frictionlab.analysis.simulate import initial_state_of
 from frictionlab.analysis.steady_state.classification import MotionKind, classify_run, onsets_per_period
 from frictionlab.analysis.steady_state.drift import mean_rates
@@ -137,10 +135,10 @@ class SteadyState(Drawable):
     transient: float
     drift: Mapping[str, float] = field(default_factory=lambda: FrozenMapping({}))
 
-    @cached_property
+    @property
     def warning(self) -> str | None:
         """A warning where steps of the window are far less exact than the tolerance; else None."""
-        return defect_warning(self.trajectory)
+        return self.trajectory.warning
 
     @property
     def settled(self) -> bool:

@@ -139,7 +139,7 @@ def _specimens() -> dict[str, Any]:
         "scheme": runge_kutta.new_scheme(_tableau(), STEP, ORDER, 2),
         "runs": batch.runs,
         "lanes": batch.lanes,
-        "steps": StoredSteps(matrix, places, matrix, matrix),
+        "steps": StoredSteps(matrix, places, matrix, matrix, matrix),
         "step_data": step_data,
         "defect_scratch": new_defect_scratch(program.slots, 2, ORDER),
         "tangent_scratch": tangent_scratch,

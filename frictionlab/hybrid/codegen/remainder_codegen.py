@@ -203,10 +203,10 @@ class RemainderWriter(RangeWriter):
     def _bound_ranges(self, radius: Any) -> None:
         """Bounds of the slots that rates and guards depend on where these are no polynomials."""
         tape = self.function.tape
-        ranges = tape.ranges((*self.function.flow, *self.guards), self.guards)
+        ranges = tape.ranges((*self.function.flow, *self.guards))
         measured = [slot for slot, kind in enumerate(ranges) if kind in (Range.SERIES, Range.BOTH)]
         self.series = self._ranges(measured, radius)
-        polynomial = [degree < math.inf for degree in tape.degrees(self.guards)]
+        polynomial = [degree < math.inf for degree in tape.degrees()]
         self.bounds = dict.fromkeys(range(tape.slots), RangeBound(None, None))
         for slot, kind in enumerate(ranges):
             if kind is Range.SERIES:

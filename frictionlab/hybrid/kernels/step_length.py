@@ -184,14 +184,28 @@ def usable_order(code, order, mode, J):
 
 
 @kernel
-def truncate_series_near_zero(code, numbers, mode, order, z, passes, J):
-    """Jets where a base is nearly zero; returns the order of the series, 0 where powers count as constant.
+def keep_rates_unless_convergent(J, states, order, h):
+    """End the states' series after the rates, unless its last term says that it converges within `h`.
 
-    `passes` says whether the step goes beyond the zero of the base.  On entry `J` holds the jets of the full
-    order, in which powers without a series count as constant; coefficients above a lower order are made zero.
+    A negative power near its pole counts as a constant so large that later terms explode.
     """
+    rate = largest_coefficient(J, 0, states, 1)
+    if not largest_coefficient(J, 0, states, order) * whole_power(h, order - 1) <= rate:
+        J[:, 2:] = 0.0
+
+
+@kernel
+def truncate_series_near_zero(code, numbers, mode, order, z, h, J):
+    """Jets for a step `h` where a base is nearly zero; returns the order of the series, 0 where powers count
+    as constant.
+
+    On entry `J` holds the jets of the full order, in which powers without a series count as constant;
+    coefficients above a lower order are made zero.
+    """
+    passes = h > time_to_zero_base(code, mode, J)  # the step goes beyond the zero of a base
     few = 1 if passes else usable_order(code, order, mode, J)
     if few < MIN_USEFUL_ORDER and lacks_series(code, order, mode, J):
+        keep_rates_unless_convergent(J, z.shape[0], order, h)
         return 0
     if few < order or lacks_series(code, order, mode, J):
         mode_jets(code, numbers, mode, few, z, J)
@@ -250,7 +264,9 @@ def onset_step(system, truncation, mode, h, scratch):
                 error = h * abs(values[code.flow[mode, i], 0] - polynomial_slope(J[i], order, h))
                 if error > 0.0:
                     share = max(share, error / (truncation.tol * size))
+                elif error != 0.0:  # NaN: far beyond the convergence of the polynomials
+                    share = math.inf
         if not share > 1.0:
             break
-        h *= max(0.1, 0.9 * exp2(-0.4 * log2(share)))
+        h *= max(0.1, 0.9 * exp2(-0.4 * log2(share))) if share < math.inf else 0.1
     return h

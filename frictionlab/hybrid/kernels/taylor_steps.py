@@ -9,6 +9,8 @@ zero crossings that change no mode, are recorded along a step.
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from frictionlab.hybrid.compilation import inlined, kernel
@@ -47,6 +49,7 @@ from frictionlab.hybrid.kernels.step_length import (
     function_step,
     has_base_near_zero,
     lacks_series,
+    largest_coefficient,
     onset_step,
     step_length,
     time_to_zero_base,
@@ -129,8 +132,7 @@ def step_series(code, numbers, mode, order, h, z, J):
     """Compute again the jets along which a step of length `h` from `z` was taken."""
     mode_jets(code, numbers, mode, order, z, J)
     if code.powers[mode] and has_base_near_zero(code, order, mode, J):
-        passes = h > time_to_zero_base(code, mode, J)
-        truncate_series_near_zero(code, numbers, mode, order, z, passes, J)
+        truncate_series_near_zero(code, numbers, mode, order, z, h, J)
 
 
 @kernel
@@ -171,7 +173,7 @@ def power_onset_step(system, truncation, mode, left, run, scratch):
         onset = onset_step(system, truncation, mode, left, scratch)
     unresolved = unresolved_time(code, system.magnitudes, mode, z, J, scratch.bounds)
     h = min(left, max(onset, unresolved, CLOCK_RESOLUTION * run.times[NOW]))
-    few = truncate_series_near_zero(code, system.numbers, mode, order, z, h > scale, J)
+    few = truncate_series_near_zero(code, system.numbers, mode, order, z, h, J)
     if few < MIN_USEFUL_ORDER:
         return h
     shorter = Truncation(few, truncation.tol)
@@ -190,15 +192,18 @@ def take_taylor_step(system, truncation, run, record, scratch):
             scratch.leading_zeros[g] = 0
     counts[JETS_READY] = 0
     left = remaining_time(run.times)
-    h = step_length(code, order, truncation.tol, J)
-    if not h > 0.0:
-        return NOT_FINITE
-    h = function_step(code, order, truncation.tol, mode, min(h, left), J)
     if code.powers[mode] and has_base_near_zero(code, order, mode, J):
         h = power_onset_step(system, truncation, mode, left, run, scratch)
-    elif needs_remainder(code, order, mode, h, left):
-        visible = polynomials_visible(code, order, mode, h, left)
-        h = remainder_step(system, truncation, mode, h, visible, J, scratch.bounds)
+        if not largest_coefficient(J, 0, run.state.shape[0], 1) < math.inf:
+            return NOT_FINITE
+    else:
+        h = step_length(code, order, truncation.tol, J)
+        if not h > 0.0:
+            return NOT_FINITE
+        h = function_step(code, order, truncation.tol, mode, min(h, left), J)
+        if needs_remainder(code, order, mode, h, left):
+            visible = polynomials_visible(code, order, mode, h, left)
+            h = remainder_step(system, truncation, mode, h, visible, J, scratch.bounds)
     zero = first_event(system, mode, run.state, order, h, scratch)
     event, status = step_to_event(system, truncation, zero, left, run, record, scratch)
     if event.guard == NO_GUARD:

@@ -76,12 +76,12 @@ class LoweredMode(LoweredTape):
     @cached_property
     def degrees(self) -> list[float]:
         """Degree of each slot as a polynomial of the states; infinite where it is none."""
-        return self.tape.degrees(self.guards)
+        return self.tape.degrees()
 
     @cached_property
     def ranges(self) -> np.ndarray:
         """(slots,) how the range of each on a disc is found, a :class:`tape.Range`."""
-        return int_array(self.tape.ranges((*self.flow, *self.guards, *self.sections), self.guards))
+        return int_array(self.tape.ranges((*self.flow, *self.guards, *self.sections)))
 
     @cached_property
     def degree(self) -> int:

@@ -73,19 +73,15 @@ class Tape:
         self.constants.append(sp.sympify(constant, strict=True))
         return self.slots - 1
 
-    def degrees(self, guards: Sequence[int] = ()) -> list[float]:
-        """Degree of each slot as a polynomial of the states; infinite where it is not one.
-
-        A power of a guard counts as degree 1: it lacks a series only at zero, where the mode ends, and the
-        terms of its series tell how near that is.
-        """
+    def degrees(self) -> list[float]:
+        """Degree of each slot as a polynomial of the states; infinite where it is not one."""
         degrees = [1.0] * self.inputs
         for kind, a, b in self.ops:
             if kind == AFFINE:
                 degrees.append(max([0.0, *(degrees[slot] for slot, _ in self.terms[a:b])]))
             elif kind in (PRODUCT, SQUARE):
                 degrees.append(degrees[a] + degrees[b])
-            elif kind == RATE or (kind == POWER and a in guards):
+            elif kind == RATE:
                 degrees.append(1.0)
             else:
                 degrees.append(math.inf)
@@ -100,13 +96,13 @@ class Tape:
             return []
         return [a, b] if kind in (PRODUCT, SQUARE, QUOTIENT) else [a]
 
-    def ranges(self, outputs: Sequence[int], guards: Sequence[int]) -> list[Range]:
+    def ranges(self, outputs: Sequence[int]) -> list[Range]:
         """How the range of each slot on a disc is found, where `outputs` are asked for their remainders.
 
         Remainders of polynomials show in the last terms of their series.  So slots that serve only
         polynomials need no range, unless these terms do not tell (WHEN_BLIND).
         """
-        degrees, linear = self.degrees(guards), self._linear()
+        degrees, linear = self.degrees(), self._linear()
         curved, needed = {slot for slot in outputs if degrees[slot] == math.inf}, set[int]()
         all_needed, factors = set(outputs), set[int]()
         for op in reversed(range(len(self.ops))):

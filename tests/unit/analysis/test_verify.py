@@ -9,7 +9,7 @@ import pytest
 import sympy as sp
 
 import frictionlab as fl
-from frictionlab.analysis.run_comparison import ModeStays, defect_warning, first_event_difference
+from frictionlab.analysis.run_comparison import ModeStays, first_event_difference
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.widgets.layout import run_end_text
 from tests.helpers.automata import V, X, automaton
@@ -121,8 +121,8 @@ def with_longer_steps(run):
 def test_steps_beyond_the_reach_of_a_series_are_warned_of():
     sharp = automaton(fl.Mode("on", (V, -X - 0.1 * V - sp.tanh((X - 0.5) * 100))))
     run = fl.solve(sharp, 5.0, x0=[2.0, 0.0], progress=False)
-    assert defect_warning(run) is None
-    assert "steps in mode 'on' are wrong by up to" in str(defect_warning(with_longer_steps(run)))
+    assert run.warning is None
+    assert "steps in mode 'on' are wrong by up to" in str(with_longer_steps(run).warning)
 
 
 def test_a_steady_state_carries_the_warning():
@@ -132,7 +132,7 @@ def test_a_steady_state_carries_the_warning():
     state = fl.steady_state(sharp, [2.0, 0.0], transient=0.0, window=5.0, progress=False)
     assert state.warning is None
     bad = replace(state, trajectory=with_longer_steps(state.trajectory))
-    assert bad.warning == defect_warning(bad.trajectory)
+    assert bad.warning == bad.trajectory.warning
     assert bad.warning is not None
 
 

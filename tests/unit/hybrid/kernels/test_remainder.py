@@ -162,10 +162,11 @@ def test_polynomials_of_low_degree_need_no_bound():
     assert layered.degrees.max() > 60
 
 
-def test_a_power_of_the_penetration_needs_none_either():
+def test_a_power_of_a_guard_needs_one():
+    """Near its zero the motion may be a polynomial, whose last terms say nothing of the power."""
     model = fl.SliderOnBelt(contact=fl.HertzContact(), friction=fl.Coulomb())
     code = program_of(model.automaton())[0].code
-    assert code.degrees[model.automaton().names.index("slip+")] < 60
+    assert code.degrees[model.automaton().names.index("slip+")] > 60
 
 
 @pytest.mark.parametrize("n", [0.5, 0.7, 0.8, 0.9])
