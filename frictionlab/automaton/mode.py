@@ -54,7 +54,8 @@ class Event:
     reset : Reset
         The jump of the state.
     accumulation : Reset or None
-        Used instead of `reset` at a Zeno accumulation of these events (chatter).
+        Used instead of `reset` at a Zeno accumulation of these events (chatter).  An event that has one is an
+        impact: of several at one instant the one with the greatest jump comes first.
     """
 
     name: str

@@ -15,7 +15,7 @@ import numpy as np
 from frictionlab.hybrid.codegen.jet_codegen import CONTROL_ROWS, GUARD_TOL, LANE_COUNT, LOG_TOL, TOL
 from frictionlab.hybrid.codegen.native_cache import NativeCode, native_code
 from frictionlab.hybrid.kernels import run_state, step_length
-from frictionlab.hybrid.kernels.run_state import jet_columns, new_record, new_scratch
+from frictionlab.hybrid.kernels.run_state import jet_columns, most_impacts, new_record, new_scratch
 from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.hybrid.problem import Problem
 from frictionlab.hybrid.tape.functions import POWER, QUOTIENT
@@ -51,7 +51,7 @@ def new_batch(problems: Sequence[Problem], method: Taylor) -> Batch:
         native_code(program),
         _new_runs(program, numbers, states, method),
         _new_lanes(program, numbers, method),
-        new_record(code, 1, 2, 0),
+        new_record(code, 1, 1 + most_impacts(code), 0),
         new_scratch(program.slots, code, order),
         tuple(problems) if problems[0].derive is not None else (),
     )

@@ -103,6 +103,7 @@ def advance_single(code, truncation, runs, i, most, record, scratch):
     system, run = system_of_run(code, runs, i), run_state_of(runs, i)
     mode_jets(code, system.numbers, runs.counts[i, MODE], truncation.order, run.state, scratch.jets)
     copy_vector(runs.zeros[i], scratch.leading_zeros)
+    forget_zeros(scratch)
     runs.counts[i, JETS_READY] = 1
     over = False
     while not over and (most > 0 or runs.counts[i, JETS_READY]):
@@ -243,6 +244,7 @@ def finish_lane_step(code, truncation, runs, lanes, lane, record, scratch):
     runs.zeros[i] = 0.0
     event, status = step_to_event(system, truncation, zero, left, run, record, scratch)
     if event.guard != NO_GUARD:
+        forget_zeros(scratch)
         status = change_mode(system, truncation, event, run, lanes.counts, record, scratch)
         keep_zeros(runs, i, scratch)
     if not record_step_end(runs, i, status):

@@ -1,34 +1,35 @@
 """What is done at an event: it is recorded, the state is reset, the next mode entered; Zeno accumulations are
 closed.
 
-Two stays in a row that are shorter than a limit are taken for a Zeno accumulation, infinitely many events in
-finite time, where the event has a reset that closes it.  This reset is applied.  By the limit CHATTER the
-automaton's limit mode is entered, if it has one that is admissible; by the limit DWELL the next mode is
-chosen as after other events.
+A Zeno accumulation, infinitely many events in finite time, is closed by the reset that an event has for it.
+Where two stays in a row are shorter than the limit CHATTER, the automaton's limit mode is entered, if it has
+one that is admissible.  Otherwise the next mode is chosen as after other events, once rates are negligible:
+see `impacts`, also for impacts at one instant, which are no accumulation in time.
 """
 
 from __future__ import annotations
 
 from frictionlab.hybrid.compilation import inlined, kernel
 from frictionlab.hybrid.kernels.event_location import COEFFICIENT_ROUNDING
+from frictionlab.hybrid.kernels.impacts import impact
 from frictionlab.hybrid.kernels.jets import copy_vector
 from frictionlab.hybrid.kernels.mode_selection import (
     NO_MODE,
     Rounding,
-    apply_reset,
+    apply_event_reset,
+    is_impact,
     select_combination,
     select_mode,
-    set_zeros_by_construction,
 )
 from frictionlab.hybrid.kernels.run_state import (
     CHATTER,
     CLOCK_RESOLUTION,
-    DWELL,
     ENTERED,
     EVENT_GUARD,
     EVENT_MULTIPLICITY,
     EVENT_PENDING,
     EVENTS,
+    IMPACTS,
     JETS_READY,
     MODE,
     MODE_NOT_DERIVED,
@@ -45,14 +46,15 @@ from frictionlab.hybrid.kernels.run_state import (
 )
 from frictionlab.hybrid.kernels.step_length import FUNCTION_TOL_FACTOR
 
-MAX_REPEATS = 50  # events or steps without advance of time after which the run is called stalled
+MAX_REPEATS = 50  # other events or steps without advance of time after which the run is called stalled
+MAX_IMPACTS = 100_000  # impacts at one instant after which it is
 
 
 @inlined
 def status_after_repeat(counts):
     """Status of a run after an event or step that does not advance the clock: stalled after too many of
     them."""
-    return STALLED if counts[REPEATED] > MAX_REPEATS else RUNNING
+    return STALLED if counts[REPEATED] > MAX_REPEATS or counts[IMPACTS] > MAX_IMPACTS else RUNNING
 
 
 @kernel
@@ -63,17 +65,16 @@ def count_repeat(counts):
 
 
 @kernel
-def is_zeno(code, guard, limit, count, run):
-    """Whether the stay that ends and the one before it were both shorter than ``times[limit]``; updates the
-    counts."""
+def is_chatter(code, guard, run):
+    """Whether the stay that ends and the one before it were both shorter than the limit; counts them."""
     times, counts = run.times, run.counts
-    if times[NOW] - times[ENTERED] >= max(times[limit], CLOCK_RESOLUTION * abs(times[NOW])):
-        counts[count] = 0
-    elif code.resets[guard, 1] != code.resets[guard, 0]:
-        counts[count] += 1
-    if counts[count] < 2:
+    if times[NOW] - times[ENTERED] >= max(times[CHATTER], CLOCK_RESOLUTION * abs(times[NOW])):
+        counts[SHORT_FLIGHTS] = 0
+    elif is_impact(code, guard):
+        counts[SHORT_FLIGHTS] += 1
+    if counts[SHORT_FLIGHTS] < 2:
         return False
-    counts[count] = 0
+    counts[SHORT_FLIGHTS] = 0
     return True
 
 
@@ -82,8 +83,7 @@ def select_limit_mode(system, guard, order, run, scratch):
     """Reset, and select the limit mode, a :class:`Selection`; where none is admissible the state is kept."""
     code, z, before = system.code, run.state, scratch.states
     copy_vector(z, before)
-    apply_reset(system, code.resets[guard, 1], z, scratch.jets)
-    set_zeros_by_construction(code, guard, 1, scratch)
+    apply_event_reset(system, guard, 1, z, scratch)
     selection = select_mode(system, code.limits, z, Rounding(z, COEFFICIENT_ROUNDING), order, scratch)
     if selection.mode == NO_MODE and selection.missing == NO_MODE:
         copy_vector(before, z)
@@ -99,27 +99,77 @@ def select_target(system, queue, guard, z, rounding, order, scratch):
 
 
 @kernel
-def reset_and_select_mode(system, queue, truncation, event, run, scratch):
-    """Reset the state after an event and enter the next mode; returns (:class:`Selection`, closed)."""
-    code, guard, order = system.code, event.guard, truncation.order
-    closing = 0
-    if len(code.limits) and is_zeno(code, guard, CHATTER, SHORT_FLIGHTS, run):
-        selection = select_limit_mode(system, guard, order, run, scratch)
-        if selection.mode != NO_MODE or selection.missing != NO_MODE:
-            return selection, 1
-    if is_zeno(code, guard, DWELL, SHORT_DWELLS, run):
-        closing = 1
-    apply_reset(system, code.resets[guard, closing], run.state, scratch.jets)
-    set_zeros_by_construction(code, guard, closing, scratch)
-    if code.resets[guard, closing] < 0:
+def reset_at_event(system, truncation, event, run, record, scratch):
+    """Reset the state after an event; returns how many impacts that were.
+
+    Their guards, or that of another event, are in ``scratch.impacts``.
+    """
+    code, guard, impacts = system.code, event.guard, scratch.impacts
+    if is_impact(code, guard):
+        return impact(system, truncation, guard, run, record, scratch)
+    impacts.guards[0], impacts.closing[0] = guard, 0
+    apply_event_reset(system, guard, 0, run.state, scratch)
+    if code.resets[guard, 0] < 0:
         scratch.ended[0], scratch.ended[1] = guard, event.multiplicity
-    z = run.state
-    selection = select_target(system, queue, guard, z, Rounding(z, COEFFICIENT_ROUNDING), order, scratch)
+    return 1
+
+
+@kernel
+def reset_and_select_mode(system, queue, truncation, event, run, record, scratch):
+    """Reset the state after an event and enter the next mode; returns (:class:`Selection`, impacts), the
+    latter as :func:`reset_at_event`."""
+    code, order, z, impacts = system.code, truncation.order, run.state, scratch.impacts
+    if len(code.limits) and is_chatter(code, event.guard, run):
+        selection = select_limit_mode(system, event.guard, order, run, scratch)
+        if selection.mode != NO_MODE or selection.missing != NO_MODE:
+            impacts.guards[0], impacts.closing[0] = event.guard, 1
+            return selection, 1
+    count = reset_at_event(system, truncation, event, run, record, scratch)
+    guard = impacts.guards[0]
+    # What is left of an accumulation is a rounding error of the velocities before.
+    rounding = Rounding(run.sizes if is_closed(count, impacts) else z, COEFFICIENT_ROUNDING)
+    selection = select_target(system, queue, guard, z, rounding, order, scratch)
     # Another event at this instant? Its guard is zero up to the step's rounding, or up to its remainder.
     for share in (COEFFICIENT_ROUNDING, max(COEFFICIENT_ROUNDING, FUNCTION_TOL_FACTOR * truncation.tol)):
         if selection.mode == NO_MODE and selection.missing == NO_MODE:
             selection = select_target(system, queue, guard, z, Rounding(run.sizes, share), order, scratch)
-    return selection, closing
+    return selection, count
+
+
+@inlined
+def is_closed(count, impacts):
+    """Whether any of the impacts closed an accumulation."""
+    closed = 0
+    for i in range(count):
+        closed = max(closed, impacts.closing[i])
+    return closed
+
+
+@kernel
+def record_events(count, mode, run, record, impacts):
+    """Record an event, or impacts that acted together: the states between them are there."""
+    times, counts, row = run.times, run.counts, run.counts[EVENTS]
+    copy_vector(run.state, record.event_states[row + count - 1, 1])
+    for i in range(count):
+        record.event_times[row + i] = times[NOW]
+        record.event_codes[row + i, 0] = impacts.guards[i]
+        record.event_codes[row + i, 1] = mode
+        record.event_codes[row + i, 2] = impacts.closing[i]
+    counts[EVENTS] += count
+    counts[ZENO_COUNT] += is_closed(count, impacts)
+
+
+@inlined
+def count_at_instant(code, guard, run):
+    """Count the events, and apart the impacts, since the clock was advanced."""
+    times, counts = run.times, run.counts
+    if times[NOW] > times[ENTERED]:
+        counts[REPEATED] = counts[IMPACTS] = 0
+    elif is_impact(code, guard):
+        counts[IMPACTS] += 1
+    else:
+        counts[REPEATED] += 1
+    times[ENTERED] = times[NOW]
 
 
 @kernel
@@ -151,30 +201,22 @@ def handle_event_on_demand(system, queue, truncation, event, run, record, scratc
 @kernel
 def record_and_change_mode(system, queue, truncation, event, run, record, scratch):
     """As :func:`handle_event`; `queue` is None where modes are listed."""
-    times, counts = run.times, run.counts
-    row = counts[EVENTS]
-    record.event_times[row] = times[NOW]
+    counts, row = run.counts, run.counts[EVENTS]
     copy_vector(run.state, record.event_states[row, 0])
     short_dwells, short_flights = counts[SHORT_DWELLS], counts[SHORT_FLIGHTS]
-    selection, closed = reset_and_select_mode(system, queue, truncation, event, run, scratch)
+    selection, count = reset_and_select_mode(system, queue, truncation, event, run, record, scratch)
     mode = selection.mode
     if selection.missing != NO_MODE:  # it is to be derived first: undo the event, which is handled again then
         copy_vector(record.event_states[row, 0], run.state)
         counts[SHORT_DWELLS], counts[SHORT_FLIGHTS] = short_dwells, short_flights
         leave_event(event, run)
         return MODE_NOT_DERIVED
-    record.event_codes[row, 0] = event.guard
-    record.event_codes[row, 1] = mode
-    record.event_codes[row, 2] = closed
-    copy_vector(run.state, record.event_states[row, 1])
-    counts[EVENTS] += 1
-    counts[ZENO_COUNT] += closed
-    counts[REPEATED] = 0 if times[NOW] > times[ENTERED] else counts[REPEATED] + 1
-    times[ENTERED] = times[NOW]
+    record_events(count, mode, run, record, scratch.impacts)
+    count_at_instant(system.code, event.guard, run)
     if mode == NO_MODE:
         return NO_ADMISSIBLE_MODE
     counts[MODE] = mode
     counts[JETS_READY] = 1
-    if closed and counts[STOPS_AT_ZENO]:
+    if is_closed(count, scratch.impacts) and counts[STOPS_AT_ZENO]:
         return ZENO
     return status_after_repeat(counts)

@@ -58,6 +58,12 @@ def has_modes_on_demand(code):
     return code.targets.shape[1] == 0
 
 
+@inlined
+def is_impact(code, guard):
+    """Whether the event of a guard has a reset of its own that closes a Zeno accumulation."""
+    return code.resets[guard, 0] != code.resets[guard, 1]
+
+
 @kernel
 def apply_reset(system, reset, z, J):
     """Overwrite the state by its values after the reset number `reset`; -1 stands for no reset."""
@@ -74,6 +80,13 @@ def set_zeros_by_construction(code, guard, closing, scratch):
     row = 2 * guard + closing
     for k in range(code.zeros[row], code.zeros[row + 1]):
         scratch.structural_zeros[code.zero_classes[k]] = code.zero_counts[k]
+
+
+@kernel
+def apply_event_reset(system, guard, closing, z, scratch):
+    """Reset a state by an event's own reset or its `closing` one, and note which functions vanish then."""
+    apply_reset(system, system.code.resets[guard, closing], z, scratch.jets)
+    set_zeros_by_construction(system.code, guard, closing, scratch)
 
 
 @inlined
@@ -98,7 +111,8 @@ def admissibility(system, mode, rounding, order, scratch):
     Its flow must have a value, its constraints must be met up to rounding, and the first non-zero coefficient
     of every guard must be positive; where a guard has none up to `order` the matter is undecided.  A guard
     that is zero and falls is at another event, unless it is zero by construction after the last event: then
-    the mode is refused.  Writes how many leading coefficients of each guard are zero.
+    the mode is refused.  But an impact may set a guard in motion that closed a contact at rest: the contact
+    has an impact too.  Writes how many leading coefficients of each guard are zero.
     """
     code, J, bounds = system.code, scratch.jets, scratch.bounds
     majorant(code, system.magnitudes, mode, order, rounding.sizes, J, bounds)
@@ -117,7 +131,7 @@ def admissibility(system, mode, rounding, order, scratch):
         if k > order:
             verdict = min(verdict, UNDECIDED)
         elif J[slot, k] < 0.0:
-            if k == 0 or zeros > 0:
+            if k == 0 or (zeros > 0 and not (k == 1 and is_impact(code, g))):
                 return REFUSED
             verdict = AT_ANOTHER_EVENT
     return verdict

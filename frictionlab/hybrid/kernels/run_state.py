@@ -32,6 +32,18 @@ class CombinationQueue(NamedTuple):
     missing: np.ndarray  # (parts,) scratch, and in the end the combination that is to be derived
 
 
+class ImpactScratch(NamedTuple):
+    """Scratch arrays for the impacts at one instant."""
+
+    guards: np.ndarray  # (impacts,) of the impacts that act
+    closing: np.ndarray  # (impacts,) whether each closes a Zeno accumulation
+    places: np.ndarray  # (impacts,)
+    touching: np.ndarray  # (impacts,) whether guards were zero already after the last event at this instant
+    rates: np.ndarray  # (impacts, impacts + 1) how each impact changes the rates of all these guards
+    shares: np.ndarray  # (impacts,) of their own impulses by which they act together
+    total: np.ndarray  # (states,)
+
+
 class Scratch(NamedTuple):
     """Scratch arrays of a run."""
 
@@ -45,6 +57,7 @@ class Scratch(NamedTuple):
     )  # (2,) the guard that ended the last mode without a reset, -1 for none; its multiplicity
     leading_zeros: np.ndarray  # (guards of a mode,) leading coefficients that count as zero
     states: np.ndarray  # (states,)
+    impacts: ImpactScratch
 
 
 class Truncation(NamedTuple):
@@ -67,10 +80,12 @@ class RunState(NamedTuple):
 
     ``times`` (NOW to CARRY): now, the end, the entry into the mode, the limits below which a stay is taken
     for part of a Zeno accumulation or of chatter, and by how much the sum of the steps is beyond now.
-    ``counts`` (MODE to EVENT_MULTIPLICITY): mode, steps, events, section points, stays in a row shorter than
-    either limit, accumulations closed, events or steps without advance of time, whether the jets are at
-    hand, whether an accumulation ends the run, the number of the current cell of a fixed time grid, guard
-    and multiplicity of an event that has yet to be handled, or whose next mode has yet to be derived.
+    ``counts`` (MODE to EVENT_MULTIPLICITY): mode, steps, events, section points, whether the last impact
+    ended a flight shorter than the limit of Zeno accumulations, flights in a row shorter than that of
+    chatter, accumulations closed, other events or steps without advance of time, impacts without it,
+    whether the jets are at hand, whether an accumulation ends the run, the number of the current cell of a
+    fixed time grid, guard and multiplicity of an event that has yet to be handled, or whose next mode has yet
+    to be derived.
     ``sizes``: what the rounding errors of the state at the last event are relative to.
     ``signs``: the last sign of each section's function.
     """
@@ -92,13 +107,14 @@ NOW, END, ENTERED, DWELL, CHATTER, CARRY = range(6)
     SHORT_FLIGHTS,
     ZENO_COUNT,
     REPEATED,
+    IMPACTS,
     JETS_READY,
     STOPS_AT_ZENO,
     CELL,
     EVENT_GUARD,
     EVENT_MULTIPLICITY,
-) = range(13)
-COUNTS = 13
+) = range(14)
+COUNTS = 14
 
 
 class Record(NamedTuple):
@@ -154,6 +170,20 @@ def advance_clock(times, h, left):
     return times[NOW] > before
 
 
+def most_impacts(code: Code) -> int:
+    """How many impacts a mode has at most, and so how many events may be recorded at once; 1 at least."""
+    impacts = np.concatenate([[0], np.cumsum(code.resets[:, 0] != code.resets[:, 1])])
+    return max(1, int(np.diff(impacts[code.mode_guards]).max(initial=0)))
+
+
+def new_impact_scratch(code: Code) -> ImpactScratch:
+    """Scratch arrays for the impacts of a mode."""
+    count = most_impacts(code)
+    guards, closing, places, touching = np.zeros((4, count), dtype=np.int64)
+    room = np.zeros((count, count + 1)), np.zeros(count), np.zeros(code.inputs)
+    return ImpactScratch(guards, closing, places, touching, *room)
+
+
 def new_record(code: Code, steps: int, events: int, points: int) -> Record:
     """Empty buffers."""
     n = code.inputs
@@ -181,6 +211,7 @@ def new_scratch(slots: int, code: Code, order: int) -> Scratch:
         ended=np.array([-1, 0]),
         leading_zeros=np.zeros(max(1, int(np.diff(code.mode_guards).max())), dtype=np.int64),
         states=np.zeros(code.inputs),
+        impacts=new_impact_scratch(code),
     )
 
 

@@ -157,10 +157,10 @@ def subdivide_steps(step_times: np.ndarray, parts: int) -> tuple[np.ndarray, np.
 
 
 @inlined
-def record_sizes(start, run):
-    """Note what the state's rounding errors are relative to, after a step from `start`."""
+def record_sizes(start, h, run, J):
+    """Note what the state's rounding errors are relative to, after a step `h` from `start` along the jets."""
     for i in range(start.shape[0]):
-        run.sizes[i] = max(abs(start[i]), abs(run.state[i]))
+        run.sizes[i] = max(abs(start[i]), abs(run.state[i]), abs(J[i, 1] * h))
 
 
 @kernel
@@ -239,7 +239,7 @@ def step_to_event(system, truncation, zero, left, run, record, scratch):
         states_at(J, order, h, run.state)
         goes_on = advance_clock(times, h, left)
         if guard != NO_GUARD:
-            record_sizes(record.step_states[row], run)
+            record_sizes(record.step_states[row], h, run, J)
     status = RUNNING
     if guard == NO_GUARD and not goes_on:
         status = count_repeat(counts)
@@ -251,8 +251,9 @@ def advance_taylor(system, truncation, run, record, scratch):
     """Run until the end, an error, an event left to the caller, or a buffer that may be full (RUNNING)."""
     times, counts = run.times, run.counts
     room = record.point_times.shape[0] - (truncation.order + 2) * system.code.sections.shape[1]
+    event_room = record.event_times.shape[0] - scratch.impacts.guards.shape[0]
     while times[NOW] < times[END]:
-        full = counts[STEPS] == record.step_modes.shape[0] or counts[EVENTS] == record.event_times.shape[0]
+        full = counts[STEPS] == record.step_modes.shape[0] or counts[EVENTS] > event_room
         if full or counts[POINTS] > room:
             return RUNNING
         status = take_taylor_step(system, truncation, run, record, scratch)

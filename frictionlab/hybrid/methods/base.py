@@ -28,7 +28,12 @@ from frictionlab.hybrid.kernels.mode_selection import (
     select_combination,
     select_mode,
 )
-from frictionlab.hybrid.kernels.run_state import CombinationQueue, new_queue, new_record, new_scratch
+from frictionlab.hybrid.kernels.run_state import (
+    CombinationQueue,
+    new_queue,
+    new_record,
+    new_scratch,
+)
 from frictionlab.hybrid.problem import Problem, RecordList, RunData, Status
 from frictionlab.hybrid.tape.program import System, system_of
 from frictionlab.interruption import Progress
@@ -242,7 +247,7 @@ class Method(ABC):
             if progress.update(times[run_state.NOW]) and status is Status.RUNNING:
                 status = Status.INTERRUPTED
             elif end == run_state.MODE_NOT_DERIVED:
-                run = self._prepare(run.with_missing_mode(), run.cursor, run.event_left())
+                run = self._with_missing_mode(run)
         SPARE_SCRATCH.give((run.problem.program, self.degree), run.scratch)
         if record is not None and pieces.copied and len(record.step_modes) == RECORD_CAPACITY:
             SPARE_RECORDS.give(_record_sizes(record), record)
@@ -269,6 +274,13 @@ class Method(ABC):
         cursor.counts[run_state.MODE] = mode
         return run
 
+    def _with_missing_mode(self, run: ActiveRun) -> ActiveRun:
+        """The run, which goes on with the event at which a mode was missing."""
+        known = run.scratch.structural_zeros.copy()
+        run = self._prepare(run.with_missing_mode(), run.cursor, run.event_left())
+        run.scratch.structural_zeros[: len(known)] = known
+        return run
+
     def _prepare(
         self, problem: Problem, cursor: run_state.RunState, event: GuardZero | None = None
     ) -> ActiveRun:
@@ -288,7 +300,8 @@ class Method(ABC):
         """
         code = run.problem.program.code
         steps = min(RECORD_CAPACITY, self.max_steps - pieces.steps)
-        events = min(RECORD_CAPACITY, self.max_events - pieces.events)
+        # Impacts that act together are recorded at once.
+        events = min(RECORD_CAPACITY, self.max_events - pieces.events) + len(run.scratch.impacts.guards) - 1
         if (
             last is not None
             and pieces.copied

@@ -101,7 +101,7 @@ class OneStepMethod(Method):
             return advance_runge_kutta(run.system, scheme, run.cursor, record, run.scratch)
         times = run.cursor.times
         while times[NOW] < times[END]:
-            if is_full(run.cursor, record):
+            if is_full(run.cursor, record, run.scratch):
                 return RUNNING
             status = self._advance_step(run, record)
             if status != RUNNING:

@@ -145,10 +145,10 @@ def record_step(h, goal, new, run, record):
 
 
 @kernel
-def is_full(run, record):
-    """Whether there is no room for another step, or for its event."""
-    counts = run.counts
-    return counts[STEPS] == record.step_modes.shape[0] or counts[EVENTS] == record.event_times.shape[0]
+def is_full(run, record, scratch):
+    """Whether there is no room for another step, or for its events."""
+    counts, event_room = run.counts, record.event_times.shape[0] - scratch.impacts.guards.shape[0]
+    return counts[STEPS] == record.step_modes.shape[0] or counts[EVENTS] > event_room
 
 
 class Tableau(NamedTuple):
@@ -254,7 +254,7 @@ def take_runge_kutta_step(system, scheme, run, record, scratch):
 def advance_runge_kutta(system, scheme, run, record, scratch):
     """Run until the end, an error, an event left to the caller, or a full buffer (RUNNING)."""
     while run.times[NOW] < run.times[END]:
-        if is_full(run, record):
+        if is_full(run, record, scratch):
             return RUNNING
         status = take_runge_kutta_step(system, scheme, run, record, scratch)
         if status != RUNNING:

@@ -197,8 +197,9 @@ class Taylor(Method):
         Two flights in a row shorter than this (in seconds) are taken for chatter, and replaced by its limit
         (mode "chatter"); the error is proportional to its square.  0 computes every flight.
     dwell : float
-        Two flights in a row shorter than this (in seconds), where there is no such limit, are taken for a
-        Zeno accumulation of impacts, which is closed: the gap rate is set to zero.
+        Two flights in a row shorter than this (in seconds), where there is no such limit and a contact's own
+        acceleration ends them, are taken for a Zeno accumulation of impacts, which is closed: the gap rate is
+        set to zero.  Impacts at one instant, or across small gaps, are not.
     accumulation : "close" or "raise"
         Whether to go on after chatter or a Zeno accumulation, counted in ``run.stats``, or end the run there.
     max_steps, max_events : int

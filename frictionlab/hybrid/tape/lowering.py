@@ -310,26 +310,42 @@ def structural_zeros(mode: Mode, event: Event, reset: Reset) -> Mapping[Any, int
     """How many leading Taylor coefficients are zero after the event's reset, by function up to its sign.
 
     The reset declares such functions.  Besides, the function that triggered the event and the constraints of
-    the mode that ends were zero before the reset; they stay zero unless it changes them.
+    the mode that ends were zero before the reset; they stay zero unless it changes them where the event is.
     """
     zero: dict[Any, int] = {}
     for function, count in reset.vanishing.items():
         zero[sign_normal_form(function)] = max(count, zero.get(sign_normal_form(function), 0))
     for function in (event.function, *mode.constraints):
-        if sign_normal_form(function) not in zero and _survives(function, reset):
+        if sign_normal_form(function) not in zero and _survives(function, reset, event.function):
             zero[sign_normal_form(function)] = 1
     return zero
 
 
-def _survives(function: Expr, reset: Reset) -> bool:
-    """Whether a function that was zero before the reset is zero after it."""
+def _survives(function: Expr, reset: Reset, guard: Expr) -> bool:
+    """Whether a function that was zero before the reset is zero after it, where the guard is zero."""
     if function.free_symbols.isdisjoint(reset.jump):
         return True
     after: Any = sp.sympify(function.xreplace(dict(reset.jump)), strict=True)  # a jump may be a plain number
-    somewhere = after.xreplace(_integers(after.free_symbols))
+    if _is_zero(after):
+        return True
+    surface = _solved(guard, function.free_symbols & guard.free_symbols)
+    return surface is not None and _is_zero((after - function).xreplace(surface))
+
+
+def _solved(guard: Expr, symbols: set[Any]) -> dict[Any, Expr] | None:
+    """The value of one of the symbols at which the guard is zero; None where it is linear in none of them."""
+    for one in sorted(symbols, key=str):
+        slope = sp.diff(guard, one)
+        if slope != 0 and one not in slope.free_symbols:
+            return {one: -guard.xreplace({one: sp.S.Zero}) / slope}
+    return None
+
+
+def _is_zero(expression: Any) -> bool:
+    somewhere = expression.xreplace(_integers(expression.free_symbols))
     if somewhere.is_Rational and somewhere != 0:  # exact, and quicker than multiplying out
         return False
-    return multiply_out(after) in (0, 0.0)  # to sympy these are two numbers
+    return multiply_out(expression) in (0, 0.0)  # to sympy these are two numbers
 
 
 def _integers(symbols: set[Any]) -> dict[Any, Any]:

@@ -68,7 +68,10 @@ class Friction:
 
 @dataclass(frozen=True, eq=False)
 class Stop:
-    """A rigid stop; its modes are "flight" and "contact".
+    """A rigid stop, or a rigid contact of two bodies; its modes are "flight" and "contact".
+
+    Impacts of several at one instant are a sequence of single ones, as with small gaps, the greatest first;
+    equally great ones act together.
 
     Parameters
     ----------

@@ -1,0 +1,358 @@
+"""Impacts at one instant: which of them comes first, which act together, and which is the last.
+
+An event with a reset that closes a Zeno accumulation is an impact: its guard closes, and its reset turns the
+guard's rate.  Impacts at one instant are a sequence, which goes on until no guard closes; time stands still
+meanwhile.  So touching bodies do what bodies with small gaps do, where this does not depend on the gaps.
+
+Where several guards close at once, the impact whose jump has the greatest kinetic energy comes first.  Those
+that are equally great act together, by the impulses after which each guard has the rate that its own reset
+gives it, if all these impulses push.  So the order in which guards are listed does not matter, symmetric
+motions stay symmetric, and energy never grows: with closing rates g >= 0, impulses L >= 0 and restitution e
+it changes by -L (1 - e) g / 2, summed over the impacts.
+
+The energies are compared without masses.  With the compliances G and the impulse L_i of impact i alone, its
+reset changes the rate of guard j by R_ji = G_ji L_i, and its jump has the energy L_i G_ii L_i / 2.  So
+(R_ii R_ji) / (R_jj R_ij) is the ratio of the energies of impacts i and j.  Where R_ij = 0 the order does not
+matter.
+
+The sequence may be infinite, as for a body between two others with e < 1.  Its limit is reached where closing
+rates are rounding errors of the velocities: then the resets that close an accumulation end it.  These also
+end an accumulation in time, where a contact's own acceleration brings it back, in flights shorter than a
+limit.  Other impacts within that time, across small gaps, are not touched.
+"""
+
+from __future__ import annotations
+
+from frictionlab.hybrid.compilation import inlined, kernel
+from frictionlab.hybrid.kernels.event_location import COEFFICIENT_ROUNDING
+from frictionlab.hybrid.kernels.jets import copy_vector, majorant, mode_jets
+from frictionlab.hybrid.kernels.mode_selection import (
+    apply_event_reset,
+    apply_reset,
+    is_impact,
+    set_zeros_by_construction,
+)
+from frictionlab.hybrid.kernels.run_state import (
+    CLOCK_RESOLUTION,
+    DWELL,
+    ENTERED,
+    EVENTS,
+    MODE,
+    NOW,
+    SHORT_DWELLS,
+)
+from frictionlab.hybrid.kernels.step_length import FUNCTION_TOL_FACTOR
+
+EQUAL_SHARE = 1e-9  # share within which two impacts are equally great
+COUPLED_SHARE = 1e-20  # squared cosine of the angle between two guards above which they are coupled
+PIVOT_SHARE = 1e-9  # of impulses with the same effect, which have smaller pivots, one is enough
+MAX_SWEEPS = 100  # times that all contacts are closed in turn
+FLIGHTS = 4.0  # a flight of one contact may consist of several stays, between events of others
+
+
+@inlined
+def has_several_impacts(code, mode):
+    """Whether several guards of a mode have impacts."""
+    count = 0
+    for g in range(code.mode_guards[mode], code.mode_guards[mode + 1]):
+        if is_impact(code, g):
+            count += 1
+    return count > 1
+
+
+@inlined
+def stay_limit(run):
+    """The time below which a stay is taken for part of a Zeno accumulation."""
+    return max(run.times[DWELL], CLOCK_RESOLUTION * abs(run.times[NOW]))
+
+
+@kernel
+def linearise_guards(system, run, scratch):
+    """Rates and accelerations of the guards at the event, and the bounds of their rounding errors.
+
+    These are relative to the velocities of all impacts at this instant.
+    """
+    mode, J = run.counts[MODE], scratch.jets
+    for i in range(run.state.shape[0]):
+        run.sizes[i] = max(run.sizes[i], abs(run.state[i]))
+    mode_jets(system.code, system.numbers, mode, 2, run.state, J)
+    majorant(system.code, system.magnitudes, mode, 2, run.sizes, J, scratch.bounds)
+
+
+@inlined
+def is_rounding(code, guard, scratch):
+    """Whether the closing rate of an impact is a rounding error."""
+    slot = code.function_slots[guard]
+    return abs(scratch.jets[slot, 1]) <= COEFFICIENT_ROUNDING * scratch.bounds[slot, 1]
+
+
+@inlined
+def ends_short_flight(code, guard, run, scratch):
+    """Whether an impact has no greater closing rate than the guard's own acceleration gives in a flight as
+    short as the limit."""
+    c = scratch.jets[code.function_slots[guard]]
+    return -c[1] <= -FLIGHTS * c[2] * stay_limit(run)
+
+
+@kernel
+def write_closing(count, run, code, scratch):
+    """Write which impacts close an accumulation: what is left is a rounding error, or their rate and that of
+    the impact before are those of short flights."""
+    impacts, counts = scratch.impacts, run.counts
+    short = run.times[NOW] - run.times[ENTERED] < stay_limit(run)
+    again = counts[SHORT_DWELLS] > 0
+    if not short:
+        counts[SHORT_DWELLS] = 0
+    for i in range(count):
+        guard, impacts.closing[i] = impacts.guards[i], 0
+        if short and ends_short_flight(code, guard, run, scratch):
+            counts[SHORT_DWELLS] = 1
+            impacts.closing[i] = again
+        if short and is_rounding(code, guard, scratch):
+            impacts.closing[i] = 1
+    for i in range(count):
+        if impacts.closing[i]:
+            counts[SHORT_DWELLS] = 0
+
+
+@inlined
+def is_zero(code, guard, tol, scratch):
+    """Whether a guard is zero up to rounding, or up to the remainder of the step."""
+    slot, share = code.function_slots[guard], max(COEFFICIENT_ROUNDING, FUNCTION_TOL_FACTOR * tol)
+    return abs(scratch.jets[slot, 0]) <= share * scratch.bounds[slot, 0]
+
+
+@kernel
+def write_closing_guards(system, guard, tol, run, scratch):
+    """Write the guards whose impacts are at this instant, first that of the event; returns how many."""
+    code, mode, guards, count = system.code, run.counts[MODE], scratch.impacts.guards, 1
+    guards[0] = guard
+    for g in range(code.mode_guards[mode], code.mode_guards[mode + 1]):
+        slot = code.function_slots[g]
+        closes = scratch.jets[slot, 1] < -COEFFICIENT_ROUNDING * scratch.bounds[slot, 1]
+        if g != guard and is_impact(code, g) and closes and is_zero(code, g, tol, scratch):
+            guards[count] = g
+            count += 1
+    return count
+
+
+@kernel
+def write_rate_changes(system, count, run, scratch):
+    """Write in ``rates[j, i]`` by how much the impact i alone changes the rate of guard j."""
+    code, J, z, impacts = system.code, scratch.jets, scratch.states, scratch.impacts
+    guards, rates = impacts.guards, impacts.rates
+    for j in range(count):
+        rates[j, count] = J[code.function_slots[guards[j]], 1]
+    for i in range(count):
+        copy_vector(run.state, z)
+        apply_reset(system, code.resets[guards[i], impacts.closing[i]], z, J)
+        mode_jets(code, system.numbers, run.counts[MODE], 1, z, J)
+        for j in range(count):
+            rates[j, i] = J[code.function_slots[guards[j]], 1] - rates[j, count]
+
+
+@inlined
+def is_greater(rates, j, i):
+    """Whether impact j is coupled with impact i, and its jump has the greater energy."""
+    one, other = rates[i, i] * rates[j, i], rates[j, j] * rates[i, j]
+    coupled = abs(rates[i, j] * rates[j, i]) > COUPLED_SHARE * abs(rates[i, i] * rates[j, j])
+    return coupled and abs(other) > (1.0 + EQUAL_SHARE) * abs(one)
+
+
+@kernel
+def choose_greatest(count, impacts):
+    """Leave out the impacts beside which a coupled one is greater; returns how many are left."""
+    rates, places, left = impacts.rates, impacts.places, 0
+    for i in range(count):
+        beaten = False
+        for j in range(count):
+            beaten = beaten or is_greater(rates, j, i)
+        if not beaten:
+            places[left] = i
+            left += 1
+    for i in range(left):  # rows and columns move up
+        impacts.guards[i] = impacts.guards[places[i]]
+        impacts.closing[i] = impacts.closing[places[i]]
+        for j in range(left):
+            rates[i, j] = rates[places[i], places[j]]
+    return left
+
+
+@kernel
+def eliminate(k, count, impacts):
+    """Gauss's elimination of unknown `k` from the equations below; False where it has no pivot."""
+    rates, shares, place = impacts.rates, impacts.shares, k
+    for i in range(k + 1, count):
+        if abs(rates[i, k]) > abs(rates[place, k]):
+            place = i
+    if not abs(rates[place, k]) > PIVOT_SHARE * rates[k, count]:
+        return False
+    shares[k], shares[place] = shares[place], shares[k]
+    for j in range(count):
+        rates[k, j], rates[place, j] = rates[place, j], rates[k, j]
+    for i in range(k + 1, count):
+        factor = rates[i, k] / rates[k, k]
+        shares[i] -= factor * shares[k]
+        for j in range(k, count):
+            rates[i, j] -= factor * rates[k, j]
+    return True
+
+
+@kernel
+def solve_impulses(count, impacts):
+    """Write the shares of their own impulses by which impacts act together; False where one would pull.
+
+    Each guard then has the rate that its own reset gives it.  An impulse with the effect of others is left
+    out.
+    """
+    rates, shares, places = impacts.rates, impacts.shares, impacts.places
+    for j in range(count):
+        shares[j] = rates[j, j]
+        rates[j, count] = abs(rates[j, j])
+    for k in range(count):
+        places[k] = eliminate(k, count, impacts)
+    pushes = True
+    for k in range(count - 1, -1, -1):
+        for j in range(k + 1, count):
+            shares[k] -= rates[k, j] * shares[j]
+        shares[k] = shares[k] / rates[k, k] if places[k] else 0.0
+        pushes = pushes and shares[k] >= 0.0
+    return pushes
+
+
+@kernel
+def set_common_zeros(code, count, scratch):
+    """Note which functions vanish after several impacts: each guard, and what all of them leave at zero."""
+    guards, closing, zeros = scratch.impacts.guards, scratch.impacts.closing, scratch.structural_zeros
+    set_zeros_by_construction(code, guards[0], closing[0], scratch)
+    for c in range(zeros.shape[0]):
+        for i in range(count):
+            row, zero = 2 * guards[i] + closing[i], 0
+            for k in range(code.zeros[row], code.zeros[row + 1]):
+                if code.zero_classes[k] == c:
+                    zero = code.zero_counts[k]
+            if code.function_classes[guards[i]] == c:
+                zeros[c] = zero
+                break
+            zeros[c] = min(zeros[c], zero)
+
+
+@kernel
+def apply_impacts(system, count, run, record, scratch):
+    """Apply several impacts at once, each by its share; the state between any two of them is recorded."""
+    code, z, impacts, first = system.code, scratch.states, scratch.impacts, run.counts[EVENTS]
+    total = impacts.total
+    copy_vector(run.state, total)
+    for i in range(count):
+        copy_vector(total, record.event_states[first + i, 0])
+        copy_vector(run.state, z)
+        apply_reset(system, code.resets[impacts.guards[i], impacts.closing[i]], z, scratch.jets)
+        for k in range(z.shape[0]):
+            total[k] += impacts.shares[i] * (z[k] - run.state[k])
+        copy_vector(total, record.event_states[first + i, 1])
+    copy_vector(total, run.state)
+    set_common_zeros(code, count, scratch)
+
+
+@kernel
+def close_accumulation(system, tol, run, scratch):
+    """Apply the reset that closes an accumulation, in turn with those of other contacts that then close.
+
+    Each takes less than the one before; what is left is a rounding error.
+    """
+    code, mode, J, impacts = system.code, run.counts[MODE], scratch.jets, scratch.impacts
+    guards, count = impacts.guards, 1
+    apply_reset(system, code.resets[guards[0], 1], run.state, J)
+    linearise_guards(system, run, scratch)
+    for g in range(code.mode_guards[mode], code.mode_guards[mode + 1]):
+        if g != guards[0] and is_impact(code, g) and is_zero(code, g, tol, scratch):
+            guards[count], impacts.closing[count] = g, 0
+            count += 1
+    for _ in range(MAX_SWEEPS):
+        closed = False
+        for i in range(count):
+            mode_jets(code, system.numbers, mode, 1, run.state, J)
+            if J[code.function_slots[guards[i]], 1] < 0.0:
+                apply_reset(system, code.resets[guards[i], 1], run.state, J)
+                impacts.closing[i], closed = 1, True
+        if not closed:
+            break
+    left = 0
+    for i in range(count):
+        if impacts.closing[i]:
+            guards[left] = guards[i]
+            impacts.closing[left] = 1
+            left += 1
+    set_common_zeros(code, left, scratch)
+
+
+@kernel
+def spread_rounding(code, reset, run):
+    """Note that the coordinates which an impact may move share one rounding error.
+
+    They do not jump: an impact only takes the rounding error of a distance between them from it.
+    """
+    sizes, largest = run.sizes, 0.0
+    if reset >= 0:
+        for i in range(code.groups[1]):
+            if code.reset_out[reset, i] != i:
+                largest = max(largest, sizes[i])
+        for i in range(code.groups[1]):
+            if code.reset_out[reset, i] != i:
+                sizes[i] = max(sizes[i], largest)
+
+
+@inlined
+def note_touching(code, run, scratch):
+    """Note which guards with impacts were zero by construction after the last event, if at this instant."""
+    mode, touching, count = run.counts[MODE], scratch.impacts.touching, 0
+    for g in range(code.mode_guards[mode], code.mode_guards[mode + 1]):
+        if is_impact(code, g):
+            zero = scratch.structural_zeros[code.function_classes[g]] > 0
+            touching[count] = zero and run.times[NOW] == run.times[ENTERED]
+            count += 1
+
+
+@inlined
+def keep_touching(code, run, scratch):
+    """Note that these guards are still zero: impacts move no coordinates."""
+    mode, touching, count = run.counts[MODE], scratch.impacts.touching, 0
+    for g in range(code.mode_guards[mode], code.mode_guards[mode + 1]):
+        if is_impact(code, g):
+            c = code.function_classes[g]
+            scratch.structural_zeros[c] = max(scratch.structural_zeros[c], touching[count])
+            count += 1
+
+
+@kernel
+def impact(system, truncation, guard, run, record, scratch):
+    """Apply the greatest of the impacts at the instant of an event, or several that are equally great.
+
+    Writes their guards into ``scratch.impacts``, and whether each closes a Zeno accumulation; returns how
+    many they are.
+    """
+    code, impacts, count = system.code, scratch.impacts, 1
+    short = run.times[NOW] - run.times[ENTERED] < stay_limit(run)
+    several = has_several_impacts(code, run.counts[MODE])
+    impacts.guards[0] = guard
+    note_touching(code, run, scratch)
+    if short or several:
+        linearise_guards(system, run, scratch)
+    if several:
+        count = write_closing_guards(system, guard, truncation.tol, run, scratch)
+    write_closing(count, run, code, scratch)
+    if count > 1:
+        write_rate_changes(system, count, run, scratch)
+        count = choose_greatest(count, impacts)
+    if count > 1 and solve_impulses(count, impacts):
+        apply_impacts(system, count, run, record, scratch)
+    elif several and impacts.closing[0]:
+        count = 1
+        close_accumulation(system, truncation.tol, run, scratch)
+    else:
+        count = 1
+        apply_event_reset(system, impacts.guards[0], impacts.closing[0], run.state, scratch)
+    keep_touching(code, run, scratch)
+    for i in range(count):
+        spread_rounding(code, code.resets[impacts.guards[i], impacts.closing[i]], run)
+    return count
