@@ -183,6 +183,10 @@ class ModeNames(Sequence[str]):
         found = tuple(numbers.get(word, -1) for numbers, word in zip(self._numbers, words))
         return found if -1 not in found and self._allows(found) else None
 
+    def has_regime(self, name: str) -> bool:
+        """Whether some part has a regime of this name."""
+        return any(name in names for names in self._names)
+
     def place_of(self, name: str) -> int:
         """The place of a mode in the order, counted as if all combinations were modes."""
         place = 0

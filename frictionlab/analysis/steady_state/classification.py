@@ -23,9 +23,11 @@ from frictionlab.analysis.steady_state.drift import TREND_PARTS, Drift, drift_of
 from frictionlab.analysis.steady_state.poincare_sections import (
     STICK,
     Section,
+    contacts_that_stick,
     covers_period,
     only_phase_resets,
     phase_on_circle,
+    phase_returns,
     section_crossings,
     stick_onsets,
     turning_section,
@@ -35,6 +37,7 @@ from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.presentation import Kind
 
 MIN_PERIODS_SEEN = 3  # periods that the window has to contain at least
+AT_ONCE_SHARE = 1e-3  # of the longest time between crossings: one that follows sooner is no other crossing
 MAX_LAG = 500  # largest number of crossings in a period
 NEAR_RECURRENCE_RTOL = 1e-3
 MIN_SETTLING_FACTOR = (
@@ -116,6 +119,11 @@ def is_periodic(found: Recurrence, tolerance: float) -> bool:
     return found.deviation < tolerance or (
         found.deviation < NEAR_RECURRENCE_RTOL and found.shrinking > MIN_SETTLING_FACTOR
     )
+
+
+def is_near(found: Recurrence) -> bool:
+    """Whether a motion that is not periodic may be on its way to a periodic one."""
+    return found.deviation < NEAR_RECURRENCE_RTOL or found.shrinking > MIN_SETTLING_FACTOR
 
 
 def _recurrence_at_lag(t: Array, states: Array, lag: int) -> Recurrence:
@@ -319,10 +327,9 @@ def kind_of_motion(of: Comparison, crossings: Array, returns: Recurrence, tolera
         return MotionKind.PERIODIC
     if of.drift is None and _decays_slowly(run):
         return MotionKind.EQUILIBRIUM
-    near = returns.deviation < NEAR_RECURRENCE_RTOL or returns.shrinking > MIN_SETTLING_FACTOR
     return (
         MotionKind.NOT_SETTLED
-        if len(crossings) < MIN_CROSSINGS or near or _has_trend(of, crossings)
+        if len(crossings) < MIN_CROSSINGS or is_near(returns) or _has_trend(of, crossings)
         else MotionKind.NON_PERIODIC
     )
 
@@ -379,8 +386,9 @@ def _even_samples(run: Trajectory) -> Array:
 
 
 def onsets_per_period(run: Trajectory, period: float) -> int:
-    """Transitions from slip to stick in a period: their mean over all whole periods of the run."""
-    times = run.events.t[stick_onsets(run)]
+    """Transitions from slip to stick in a period, of all contacts: their mean over all whole periods of the
+    run."""
+    times = np.repeat(run.events.t, contacts_that_stick(run))
     if not len(times):
         return 0
     count = max(1, int((times[-1] - times[0]) / period + 0.5))
@@ -420,7 +428,11 @@ def _classify(of: Comparison, section: Section | None, tolerance: float) -> Moti
         section = STICK if stick_onsets(run).sum() >= MIN_PERIODS_SEEN else of.turning_section
     crossings = section_crossings(run, section)
     states, returns = _section_recurrence(of, crossings, tolerance)
-    if section == STICK and not is_periodic(returns, tolerance):
+    # A force returns to its phase once a period, however many crossings there are in it.
+    forced = _section_recurrence(of, phase_returns(run), tolerance)[1]
+    if is_periodic(forced, tolerance) or (is_near(forced) and not is_periodic(returns, tolerance)):
+        returns = forced
+    elif section == STICK and not is_periodic(returns, tolerance):
         # Where the slider only just reaches the belt's speed, rounding decides whether stick begins.
         turns, other = _section_recurrence(of, section_crossings(run, of.turning_section), tolerance)
         if is_periodic(other, tolerance) or len(states) < MIN_CROSSINGS:
@@ -434,5 +446,16 @@ def _section_recurrence(
     of: Comparison, crossings: SectionPoints, tolerance: float
 ) -> tuple[Array, Recurrence]:
     """The states at crossings of a section, as they are compared, and their recurrence."""
+    crossings = _apart(crossings)
     states, size = of.columns(crossings.state), state_ranges(of.columns(of.run.raw.step_states))
     return states, find_recurrence(crossings.t, states, size, tolerance)
+
+
+def _apart(crossings: SectionPoints) -> SectionPoints:
+    """The crossings without those at once after another, of which rounding decides how many there are.
+
+    So it is where infinitely many impacts come to an end, and where a section is only touched.
+    """
+    after = np.diff(crossings.t)
+    apart = np.append(True, after > AT_ONCE_SHARE * after.max(initial=0.0))[: len(crossings.t)]
+    return SectionPoints(crossings.t[apart], crossings.state[apart])

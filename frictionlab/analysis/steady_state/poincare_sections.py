@@ -12,6 +12,7 @@ import numpy as np
 
 from frictionlab.analysis.motion_scales import Array
 from frictionlab.automaton import Mode
+from frictionlab.automaton.mode import JOINT, ModeNames
 from frictionlab.hybrid.expression_functions import array_function
 from frictionlab.hybrid.problem import SectionPoints
 from frictionlab.hybrid.tape.arguments import read_expression
@@ -99,16 +100,23 @@ def section_function(automaton: Any, section: Section) -> dict[str, Any]:
     ------
     ValueError
         For an unknown name in the expression, or no expression; for another direction; for "stick" where
-        no mode has that name.
+        no contact has that mode.
     """
     if isinstance(section, str) and section == STICK:
-        if STICK not in automaton.names:
+        if not _can_stick(automaton.names):
             modes = ", ".join(automaton.names)
             raise ValueError(f"section 'stick' needs a mode of that name, got {modes}: leave it out")
         return {}
     text, direction = (section, 0) if isinstance(section, str) else _check_pair(section)
     check_number("the section's direction", direction, integer=True, least=-1, most=1, cure="0 takes both")
     return {"section": (read_expression(automaton, text, "section"), direction)}
+
+
+def _can_stick(names: Any) -> bool:
+    """Whether a contact sticks in some mode; of many contacts, modes are not gone through one by one."""
+    return (
+        names.has_regime(STICK) if isinstance(names, ModeNames) else any(STICK in _regimes(n) for n in names)
+    )
 
 
 def _check_pair(section: Any) -> Any:
@@ -164,9 +172,34 @@ def _states_before_events(run: Trajectory, found: SectionPoints) -> SectionPoint
 
 
 def stick_onsets(run: Trajectory) -> Any:
-    """Which events lead from slip to stick."""
-    events = run.events
-    return (events.target == STICK) & ~np.isin(events.source, (STICK, "separation", "chatter"))
+    """Which events lead a contact from slip to stick."""
+    return contacts_that_stick(run) > 0
+
+
+def contacts_that_stick(run: Trajectory) -> Any:
+    """How many contacts each event leads from slip to stick; a mode has the regimes of all contacts."""
+    pairs = list(zip(run.events.source.tolist(), run.events.target.tolist()))
+    counts = {pair: sum(map(_begins_to_stick, *(_regimes(name) for name in pair))) for pair in {*pairs}}
+    return np.array([counts[pair] for pair in pairs], dtype=int)
+
+
+def _regimes(mode: str) -> list[str]:
+    return mode.split(JOINT)
+
+
+def _begins_to_stick(before: str, after: str) -> bool:
+    return after == STICK and before not in (STICK, "separation", "chatter")
+
+
+def phase_returns(run: Trajectory) -> SectionPoints:
+    """Where the phase of a force begins anew: the slowest one, which others have to return with.
+
+    None where there is no phase.
+    """
+    at = np.flatnonzero(phase_resets(run))
+    guards, counts = np.unique(run.events.guard[at], return_counts=True)
+    chosen = at[run.events.guard[at] == guards[np.argmin(counts)]] if len(at) else at
+    return SectionPoints(run.events.t[chosen], run.events.state[chosen])
 
 
 def _search_crossings(run: Trajectory, function: Any, direction: int) -> SectionPoints:

@@ -7,6 +7,7 @@ import sympy as sp
 import frictionlab as fl
 from frictionlab.analysis.steady_state.poincare_sections import covers_period, phase_on_circle, phase_resets
 from tests.helpers.automata import V, X, automaton
+from tests.helpers.impact_map import Oscillator
 from tests.helpers.known_motions import settled
 
 SLIDES = {"v": 2.0}  # a belt too fast for the masses to come up to it
@@ -153,3 +154,62 @@ def test_two_blocks_that_come_to_move_by_turns_are_periodic_in_the_end():
     assert found.kind == "periodic"
     run = found.trajectory
     assert run(run.raw.t - found.period) == pytest.approx(run.final_state, abs=1e-9)
+
+
+def share_at_the_stop(beside):
+    """Share of a period of the force for which a mass rests at its stop after complete chatter, if it does.
+
+    Released where the force no longer presses it, it comes back by impacts to the same state; the last ones
+    are those under a constant acceleration.
+    """
+    period, release = 2 * np.pi / beside.Omega, np.arccos(beside.k * beside.d / beside.F) / beside.Omega
+    t, v, impacts = release, -1e-7, 0
+    while impacts < 2 or abs(v) > 1e-5:
+        (t, v, _), impacts = beside.impact(t, v), impacts + 1
+    pressed = beside.acceleration(t, 0.0)
+    assert pressed > 0.0
+    assert t < release + period
+    return 1.0 - (t - 2 * v / (pressed * (1 - beside.e)) - release) / period
+
+
+@pytest.mark.parametrize(
+    "beside", [Oscillator(c=0.02, d=0.1, Omega=0.37, e=0.6), Oscillator(Omega=0.6, e=0.5)]
+)
+@pytest.mark.parametrize("periods", [50, 400])
+def test_infinitely_many_impacts_in_each_period_are_periodic(beside, periods):
+    """How many of them are seen in a period is rounding, as they end in rest at the stop."""
+    m, c, k, d, force, speed, e = beside
+    model = fl.ImpactOscillator(m=m, c=c, k=k, d=d, F=force, Omega=speed, impact=fl.RestitutionImpact(e=e))
+    period = 2 * np.pi / speed
+    found = settled(model, transient=50 * period, window=periods * period)
+    assert (found.kind, found.period) == ("periodic", pytest.approx(period, rel=1e-9))
+    assert found.time_in_mode["contact"] == pytest.approx(share_at_the_stop(beside), abs=1e-6)
+
+
+def test_infinitely_many_impacts_are_periodic_without_a_phase_too():
+    """The same, with a force that is the state of another oscillator."""
+    c, s, pull = *sp.symbols("c s"), 1 - sp.Symbol("c") ** 2 - sp.Symbol("s") ** 2
+    w, d, e, c0 = 0.37, 0.1, 0.6, 0.02
+    clock = -w * s + c * pull, w * c + s * pull
+    hit = fl.Event("hit", d - X, ("flight",), fl.Reset({X: d, V: -e * V}), fl.Reset({X: d, V: 0}, {d - X: 2}))
+    flight = fl.Mode("flight", (V, c - X - c0 * V, *clock), (hit,))
+    rest = fl.Mode("rest", (V, sp.S.Zero, *clock), (fl.Event("off", c - d, ("flight",)),), (d - X, V))
+    scene = automaton(flight, rest, states=(X, V, c, s))
+    found = settled(scene, [0.0, 0.0, 1.0, 0.0], transient=800.0, window=1000.0)
+    assert (found.kind, found.period) == ("periodic", pytest.approx(2 * np.pi / w, rel=1e-9))
+    assert found.time_in_mode["rest"] == pytest.approx(
+        share_at_the_stop(Oscillator(c=c0, d=d, Omega=w, e=e)), abs=0.02
+    )
+
+
+def test_onsets_of_stick_are_counted_of_each_contact():
+    """Two blocks without a spring between are two masses on a belt, each of which sticks once a period."""
+    model, period = fl.TwoBlocks(k12=0.0), 5 + 2 * np.pi - 2 * np.arctan(2.5)
+    found = settled(model, [0.1, -0.2, 0.0, 0.0], transient=100.0, window=100.0, section="stick")
+    assert (found.kind, found.period) == ("periodic", pytest.approx(period, rel=1e-9))
+    assert found.onsets_per_period == 2
+    assert {*found.trajectory.events.target} >= {"stick | slip+", "slip+ | stick"}
+    swept = fl.bifurcation(
+        model, "v", [0.2], [0.1, -0.2, 0.0, 0.0], transient=100, window=100, progress=False
+    )
+    assert swept.onsets.tolist() == [2]
