@@ -32,7 +32,11 @@ from frictionlab.hybrid.kernels.remainder import (
     RADIUS_TRIES,
     SUFFICIENT_SHARE,
 )
-from frictionlab.hybrid.kernels.step_length import INSTANT, LOG2_FUNCTION_TOL_FACTOR, MIN_FUNCTION_STEP_SHARE
+from frictionlab.hybrid.kernels.step_length import (
+    INSTANT,
+    LOG2_FUNCTION_TOL_FACTOR,
+    ROUNDING_SUSPECT_SHARE,
+)
 from frictionlab.hybrid.llvm_instructions import Values, write_exp2, write_log2, write_loop, write_while_loop
 from frictionlab.hybrid.tape.functions import AFFINE, POWER, PRODUCT, QUOTIENT, RATE, SQUARE
 from frictionlab.hybrid.tape.program import NOT_POLYNOMIAL
@@ -100,7 +104,7 @@ class RemainderWriter(RangeWriter):
 
         def attempt(carried: Values) -> tuple[Values, Any]:
             best, radius, active, usual, tries = carried
-            support, known = self._support(radius, h)
+            support, known = self._support(radius)
             enough = build.fcmp_ordered(">=", support, build.fmul(self._number(SUFFICIENT_SHARE), h))
             better = build.not_(build.fcmp_ordered("<", support, best))
             found = build.select(enough, self._min(support, h), build.select(better, support, best))
@@ -113,6 +117,8 @@ class RemainderWriter(RangeWriter):
 
         start = [zero, build.fmul(self._number(FIRST_RADIUS), h), blind, self._all(), self.whole(0)]
         best, _, _, usual, _ = write_while_loop(build, self._any(blind), start, attempt)
+        suspect = build.fmul(self._number(ROUNDING_SUSPECT_SHARE), h)
+        usual = build.and_(usual, build.or_(build.not_(blind), build.fcmp_ordered(">=", best, suspect)))
         h = build.select(blind, best, h)
         return h, build.and_(fine, build.and_(usual, build.fcmp_ordered(">", h, zero)))
 
@@ -134,8 +140,8 @@ class RemainderWriter(RangeWriter):
         bits = self.build.bitcast(lanes, self.ir.IntType(LANE_COUNT))
         return self.build.icmp_unsigned("!=", bits, bits.type(0))
 
-    def _support(self, radius: Any, h: Any) -> tuple[Any, Any]:
-        """As :func:`remainder.supported_step`, and whether no group needed terms after its first three."""
+    def _support(self, radius: Any) -> tuple[Any, Any]:
+        """As :func:`remainder.supported_step`, and whether nothing needed terms after its first three."""
         build, ir, known = self.build, self.ir, self._all()
         self._bound_ranges(radius)
         log_radius = write_log2(ir, build, radius)
@@ -153,11 +159,11 @@ class RemainderWriter(RangeWriter):
                 best = build.select(leaves, self._min(best, longest), best)
                 known = build.and_(known, build.or_(build.not_(leaves), self._some(sizes)))
                 bounded = build.and_(bounded, build.fcmp_ordered("<", rest, self._number(math.inf)))
-        least = write_log2(ir, build, build.fmul(self._number(MIN_FUNCTION_STEP_SHARE), h))
         room = build.fadd(room, build.fadd(self._number(LOG2_FUNCTION_TOL_FACTOR), log_radius))
         for slot in self.guards:
             if self.bounds[slot].rest is not None:
-                best = self._min(best, self._max(least, self._guard_support(slot, room)))
+                support, usual = self._guard_support(slot, room)
+                best, known = self._min(best, support), build.and_(known, usual)
         longest = build.fmul(self._number(BOUND_EXCESS), write_exp2(ir, build, best))
         return self._where(bounded, longest, 0.0), known
 
@@ -181,13 +187,17 @@ class RemainderWriter(RangeWriter):
         largest = self._max(self._max(sizes[0], sizes[1]), sizes[2])
         return self.build.fcmp_ordered(">", largest, self._number(0.0))
 
-    def _guard_support(self, slot: int, room: Any) -> Any:
+    def _guard_support(self, slot: int, room: Any) -> tuple[Any, Any]:
+        """As :func:`remainder.log2_function_support`, and whether the first three terms tell its size."""
         build, rest = self.build, self.bounds[slot].rest
         row = self._place(slot, self.J)
         sizes = [self._abs(self._load(row, m)) for m in range(3)]
+        total = build.fadd(build.fadd(sizes[0], sizes[1]), sizes[2])
+        leaves = build.fcmp_ordered(">", rest, self._number(0.0))
+        told = build.and_(self._some(sizes), build.fcmp_ordered("<", total, self._number(math.inf)))
         longest = self._longest(build.fsub(room, write_log2(self.ir, build, rest)), sizes)
         longest = self._where(build.fcmp_ordered("<", rest, self._number(math.inf)), longest, -math.inf)
-        return self._where(build.fcmp_ordered(">", rest, self._number(0.0)), longest, math.inf)
+        return self._where(leaves, longest, math.inf), build.or_(build.not_(leaves), told)
 
     def _longest(self, room: Any, sizes: Values) -> Any:
         """As :func:`remainder.log2_longest_step`."""

@@ -125,8 +125,9 @@ class _StepWriter(RemainderWriter):
         last = self._max(self._abs(self._load(end, -1)), last)
         limit = build.fmul(self._load(self.control, GUARD_TOL), size)
         last = build.fmul(last, self._whole_power(h, self._last_but_one()))
-        holds = build.fcmp_unordered("<=", last, limit)
-        return build.or_(holds, build.fcmp_ordered("==", size, self._number(0.0)))
+        holds = build.fcmp_ordered("<=", last, limit)
+        holds = build.or_(holds, build.fcmp_ordered("==", size, self._number(0.0)))
+        return build.and_(holds, build.fcmp_ordered("<", last, self._number(math.inf)))
 
     def _whole_power(self, h: Any, n: Any) -> Any:
         """As :func:`step_length.whole_power`."""

@@ -44,7 +44,7 @@ from frictionlab.hybrid.kernels.run_state import (
     advance_clock,
     remaining_time,
 )
-from frictionlab.hybrid.kernels.step_length import function_step
+from frictionlab.hybrid.kernels.step_length import function_step, is_cut_short
 from frictionlab.hybrid.kernels.taylor_steps import advance_taylor, step_to_event
 from frictionlab.hybrid.tape.program import Numbers, System
 
@@ -212,11 +212,13 @@ def copy_needed_jets(lanes, lane, mode, order, scratch):
 @inlined
 def shorter_length(code, truncation, lanes, lane, mode, scratch):
     """Length of a lane's step where only its guards make it shorter; 0 where it needs more than that."""
-    h, left = lanes.control[LENGTH, lane], lanes.control[LEFT, lane]
+    longest, left = lanes.control[LENGTH, lane], lanes.control[LEFT, lane]
     if lanes.control[SUITED, lane] == 0.0 or code.powers[mode]:
         return 0.0
-    h = function_step(code, truncation.order, truncation.tol, mode, h, scratch.jets)
-    return 0.0 if needs_remainder(code, truncation.order, mode, h, left) else h
+    h = function_step(code, truncation, mode, longest, False, scratch.jets, scratch.values)
+    if is_cut_short(h, longest) or needs_remainder(code, truncation.order, mode, longest, left):
+        return 0.0
+    return h
 
 
 @kernel

@@ -326,12 +326,15 @@ def first_event(system, mode, z, order, h, scratch):
         m = scratch.leading_zeros[g - first]
         if m > order or lower_bound_of_guard(J, slot, m, order, h) > 0.0:
             continue
-        if c[m] <= SUSPECT_SHARE * absolute_sum(c, m, order, h):
+        size = absolute_sum(c, m, order, h)
+        if c[m] <= SUSPECT_SHARE * size:
             m = leading_order_of_slot(system, mode, slot, m, z, order, J, scratch.bounds)
             if m > order:
                 continue
             if c[m] < 0.0:
                 return GuardZero(0.0, g, 1)
+        if not size < math.inf:  # so near to a pole its polynomial has no meaning
+            continue
         n = rescale(c, m, order, h, roots.scaled)
         found = isolate_roots(n, 1, roots)
         # Of two at one instant the first in the mode's order counts.

@@ -18,13 +18,16 @@ import math
 from frictionlab.hybrid.compilation import inlined, kernel
 from frictionlab.hybrid.elementary.exponentials import power
 from frictionlab.hybrid.kernels.arithmetic import exp2, log2
-from frictionlab.hybrid.kernels.jets import series_range
+from frictionlab.hybrid.kernels.jets import has_series, majorant, series_range
+from frictionlab.hybrid.kernels.run_state import CLOCK_RESOLUTION, NOW
 from frictionlab.hybrid.kernels.step_length import (
     INSTANT,
+    LAST_SIZE_TERM,
     LOG2_FUNCTION_TOL_FACTOR,
-    MIN_FUNCTION_STEP_SHARE,
+    is_cut_short,
     largest_coefficient,
     log2_step_from_later_terms,
+    share_of_rounding,
 )
 from frictionlab.hybrid.tape.functions import AFFINE, POWER, PRODUCT, QUOTIENT, RATE, SQUARE, function_range
 from frictionlab.hybrid.tape.tape import Range
@@ -55,8 +58,11 @@ def power_range(exponent, base, d):
 
 
 @inlined
-def operation_range(code, numbers, op, out, d, e, J):
-    """How far the result of a quotient, power or function goes, where its operands go `d` and `e`."""
+def operation_range(code, numbers, op, out, order, d, e, J):
+    """How far the result of a quotient, power or function goes, where its operands go `d` and `e`.
+
+    A power without a series counts as constant (:mod:`frictionlab.hybrid.kernels.power_onset`).
+    """
     kind, a, b = code.ops[op, 0], code.ops[op, 1], code.ops[op, 2]
     if kind == QUOTIENT:
         least = abs(J[b, 0]) - e
@@ -64,7 +70,7 @@ def operation_range(code, numbers, op, out, d, e, J):
     if d == 0.0:
         return 0.0
     if kind == POWER:
-        return power_range(numbers.constants[op], J[a, 0], d)
+        return power_range(numbers.constants[op], J[a, 0], d) if has_series(J[a, 0], J[a, 1], order) else 0.0
     return function_range(kind, J[a, 0], abs(J[out, 0]), abs(J[b, 0]), d)
 
 
@@ -135,7 +141,7 @@ def bound_ranges(system, mode, order, radius, visible, J, bounds):
             if kind in (PRODUCT, SQUARE):
                 bound_product(J, a, b, out, d, e, known, bounds)
             else:
-                reach = infinite_if_nan(operation_range(code, system.numbers, op, out, d, e, J))
+                reach = infinite_if_nan(operation_range(code, system.numbers, op, out, order, d, e, J))
                 bounds[out, REACH] = reach
                 bounds[out, REST] = 0.0 if known else reach
 
@@ -159,8 +165,13 @@ def log2_group_support(room, order, first, last, J):
 
 
 @inlined
-def supported_step(code, truncation, mode, radius, shortest, J, bounds):
-    """Longest step that the ranges on the disc of a radius support: no slot leaves out more than allowed."""
+def supported_step(code, truncation, mode, radius, rounds, shortest, scratch):
+    """Longest step that the ranges on the disc of a radius support: no slot leaves out more than allowed.
+
+    Guards and sections ask for no less than the `shortest`.  `rounds` says whether their rounding errors
+    count, which the majorants in ``scratch.values`` give.
+    """
+    J, bounds = scratch.jets, scratch.bounds
     order, log_radius = truncation.order, log2(radius)
     log_room = log2(truncation.tol) + order * log_radius
     best = log_radius - LOG2_RADIUS_MARGIN
@@ -175,57 +186,66 @@ def supported_step(code, truncation, mode, radius, shortest, J, bounds):
                 return 0.0
             room = log_room + log2(order + 1.0) - log2(rest)
             best = min(best, log2_group_support(room, order, first, last, J))
-    least = log2(shortest)
+    share = share_of_rounding(truncation.tol) if rounds else 0.0
     log_room += LOG2_FUNCTION_TOL_FACTOR + log_radius
+    least = log2(shortest) if shortest > 0.0 else -math.inf
     for g in range(code.mode_guards[mode], code.mode_guards[mode + 1]):
         slot = code.function_slots[g]
-        best = min(best, max(least, log2_function_support(slot, log_room, order, J, bounds)))
+        best = min(best, max(least, log2_function_support(slot, log_room, order, share, scratch)))
     for section in range(code.sections.shape[1]):
         slot = code.sections[mode, section]
-        best = min(best, max(least, log2_function_support(slot, log_room, order, J, bounds)))
+        best = min(best, max(least, log2_function_support(slot, log_room, order, share, scratch)))
     return BOUND_EXCESS * exp2(best)
 
 
 @kernel
-def log2_function_support(slot, log_room, order, J, bounds):
-    """Logarithm of the longest step that the range of a guard or section supports."""
-    rest = bounds[slot, REST]
-    if rest == 0.0:
+def log2_function_support(slot, log_room, order, share, scratch):
+    """Logarithm of the longest step that the range of a guard or section supports.
+
+    Its size is at least a `share` of the majorants of its first three terms.  A function that is not finite
+    at the start asks for nothing.
+    """
+    c, majorants, rest = scratch.jets[slot], scratch.values[slot], scratch.bounds[slot, REST]
+    size0, size1, size2 = abs(c[0]), abs(c[1]), abs(c[2])
+    if rest == 0.0 or not size0 + size1 + size2 < math.inf:
         return math.inf
     if rest == math.inf:
         return -math.inf
-    c = J[slot]
-    return log2_longest_step(log_room - log2(rest), order + 1, abs(c[0]), abs(c[1]), abs(c[2]))
+    if share > 0.0:
+        size0 = max(size0, share * majorants[0])
+        size1 = max(size1, share * majorants[1])
+        size2 = max(size2, share * majorants[2])
+    room = log_room - log2(rest)
+    if size0 > 0.0 or size1 > 0.0 or size2 > 0.0:
+        return log2_longest_step(room, order + 1, size0, size1, size2)
+    return log2_step_from_later_terms(room, order + 1, slot, slot + 1, scratch.jets)
 
 
 @inlined
-def needs_remainder(code, order, mode, h, left):
+def needs_remainder(code, order, mode, longest, left):
     """Whether the last two terms of the series may not tell how long a step may be.
 
-    They tell in polynomials of a degree below `order`; at a higher degree all terms may be zero.  In a step
-    that is cut at the end of the run (`left`) they tell only at degrees up to 1.
+    They tell in polynomials of a degree below `order`; at a higher degree all terms may be zero.  Where the
+    states allow a step to the end of the run (the `longest` is all that is `left`), as they do if their own
+    last terms are zero, they tell only at degrees up to 1.
     """
     degree = code.degrees[mode]
-    return degree >= order or (degree > 1 and h == left)
+    return degree >= order or (degree > 1 and longest == left)
 
 
 @inlined
-def polynomials_visible(code, order, mode, h, left):
+def polynomials_visible(code, order, mode, longest, left):
     """Whether the last two terms tell what polynomials leave out."""
-    return code.polynomial_degrees[mode] < order and h < left
+    return code.polynomial_degrees[mode] < order and longest < left
 
 
-@inlined
-def remainder_step(system, truncation, mode, h, visible, J, bounds):
-    """Longest step up to `h` whose remainder is bounded within the tolerances; `bounds` is scratch.
-
-    `visible` says that the last terms of polynomials show what these leave out.
-    """
+@kernel
+def longest_supported_step(system, truncation, mode, h, visible, rounds, shortest, scratch):
+    """Longest step up to `h` that the ranges on any disc support."""
     best, radius = 0.0, FIRST_RADIUS * h
     for _ in range(RADIUS_TRIES):
-        bound_ranges(system, mode, truncation.order, radius, visible, J, bounds)
-        shortest = MIN_FUNCTION_STEP_SHARE * h
-        support = supported_step(system.code, truncation, mode, radius, shortest, J, bounds)
+        bound_ranges(system, mode, truncation.order, radius, visible, scratch.jets, scratch.bounds)
+        support = supported_step(system.code, truncation, mode, radius, rounds, shortest, scratch)
         if support >= SUFFICIENT_SHARE * h:
             return min(support, h)
         if support < best:
@@ -233,3 +253,18 @@ def remainder_step(system, truncation, mode, h, visible, J, bounds):
         best = support
         radius *= RADIUS_FACTOR
     return best
+
+
+@inlined
+def remainder_step(system, truncation, mode, h, visible, run, scratch):
+    """Longest step up to `h` whose remainder is bounded within the tolerances.
+
+    `visible` says that the last terms of polynomials show what these leave out.  Rounding errors of guards
+    and sections count where they may be the reason for a short step, as in `measured_function_step`.
+    """
+    code, magnitudes, least = system.code, system.magnitudes, CLOCK_RESOLUTION * run.times[NOW]
+    shorter = longest_supported_step(system, truncation, mode, h, visible, False, 0.0, scratch)
+    if is_cut_short(shorter, h) or shorter < least:
+        majorant(code, magnitudes, mode, LAST_SIZE_TERM, run.state, scratch.jets, scratch.values)
+        shorter = longest_supported_step(system, truncation, mode, h, visible, True, least, scratch)
+    return shorter

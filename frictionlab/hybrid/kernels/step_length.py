@@ -18,15 +18,18 @@ from frictionlab.hybrid.kernels.jets import (
     has_series,
     majorant,
     mode_jets,
-    polynomial_slope,
     series_range,
     states_at,
 )
+from frictionlab.hybrid.kernels.run_state import CLOCK_RESOLUTION, END, NOW
 from frictionlab.hybrid.tape.functions import POWER
 
 # Factor by which the tolerance of a function of the states is wider than theirs: room for rounding.
 FUNCTION_TOL_FACTOR, LOG2_FUNCTION_TOL_FACTOR = 64.0, 6.0
-MIN_FUNCTION_STEP_SHARE = 0.02
+SERIES_TRIES = 200  # most lengths tried
+LAST_SIZE_TERM = 2  # the size of a function is that of its first three terms
+# Share of a step; a function that asks for less may be all rounding error.
+ROUNDING_SUSPECT_SHARE = 0.02
 
 
 @kernel
@@ -112,37 +115,111 @@ def whole_power(h, n):
     return power
 
 
+@inlined
+def share_of_rounding(tol):
+    """The share of a majorant whose tolerance, for functions, is the rounding error."""
+    return MACHINE_EPSILON / (FUNCTION_TOL_FACTOR * tol)
+
+
+@inlined
+def size_of_rounding(tol, slot, h, majorants):
+    """The size whose tolerance is the rounding error of a function, by its first three terms."""
+    terms = majorants[slot, 0] + h * (majorants[slot, 1] + h * majorants[slot, 2])
+    return share_of_rounding(tol) * terms
+
+
 @kernel
-def series_step(J, slot, order, tol, h):
-    """Longest step up to `h` in which the last two terms of a series stay below `tol` times all terms."""
-    for _ in range(20):
+def series_step(J, slot, truncation, h, rounds, majorants):
+    """Longest step up to `h` in which the last two terms of a function's series stay below its tolerance.
+
+    This is a share of all terms; where the function `rounds`, of the size at which the share is rounding
+    error.  A function that is not finite asks for no length, and with `rounds` for any.
+    """
+    order, tol, longest = truncation.order, truncation.tol, h
+    if not abs(J[slot, 0]) < math.inf:
+        return longest if rounds else 0.0
+    for _ in range(SERIES_TRIES):
         size = abs(J[slot, 0]) + series_range(J, slot, order, h)
         last = max(abs(J[slot, order - 1]), abs(J[slot, order]) * h) * whole_power(h, order - 1)
-        if size == 0.0 or not last > tol * size:
-            break
-        h *= max(0.1, exp2(log2(tol * size / last) / (order - 1)))
+        if not last < math.inf:  # beyond the largest number, as h is long or a pole is near
+            h *= 0.1
+            continue
+        if rounds:
+            size = max(size, size_of_rounding(tol, slot, h, majorants))
+        most = FUNCTION_TOL_FACTOR * tol * size
+        if size == 0.0 or not last > most:
+            return h
+        shorter = h * max(0.1, exp2(log2(most / last) / (order - 1)))
+        if shorter == h:
+            return h
+        h = shorter
+    return longest
+
+
+@kernel
+def function_step(code, truncation, mode, h, rounds, J, majorants):
+    """Longest step up to `h` in which the series of guards, sections and integrals are accurate too.
+
+    The states' series do not show this: a guard x^5 needs a fifth of the step that x does.  `rounds` says
+    whether the rounding errors of these functions count, which the `majorants` of their series give.
+    """
+    for g in range(code.mode_guards[mode], code.mode_guards[mode + 1]):
+        h = series_step(J, code.function_slots[g], truncation, h, rounds, majorants)
+    for section in range(code.sections.shape[1]):
+        h = series_step(J, code.sections[mode, section], truncation, h, rounds, majorants)
+    for i in range(code.groups[3], code.inputs):
+        h = series_step(J, i, truncation, h, rounds, majorants)
     return h
 
 
 @inlined
-def function_step(code, order, tol, mode, h, J):
-    """Longest step up to `h` in which the series of guards, sections and integrals are accurate too.
+def is_cut_short(shorter, h):
+    """Whether functions ask for so much shorter a step than `h` that rounding errors may be their reason."""
+    return shorter < ROUNDING_SUSPECT_SHARE * h
 
-    The states' series do not show this: a guard x^5 needs a fifth of the step that x does.  A series that
-    asks for less than the share `MIN_FUNCTION_STEP_SHARE` of their step is all rounding error.
+
+@inlined
+def measured_function_step(system, truncation, mode, h, run, scratch):
+    """:func:`function_step`, in which rounding errors count where they may be the reason for a short step.
+
+    A pole is passed by a step that the clock can just resolve, and so is one that the step starts at.
     """
-    tol *= FUNCTION_TOL_FACTOR
-    shortest = MIN_FUNCTION_STEP_SHARE * h
+    code, J, majorants, least = system.code, scratch.jets, scratch.values, CLOCK_RESOLUTION * run.times[NOW]
+    shorter = function_step(code, truncation, mode, h, False, J, majorants)
+    if is_cut_short(shorter, h) or shorter < least:
+        majorant(code, system.magnitudes, mode, LAST_SIZE_TERM, run.state, J, majorants)
+        shorter = function_step(code, truncation, mode, h, True, J, majorants)
+        shorter = min(h, max(shorter, least))
+        instant = CLOCK_RESOLUTION * run.times[END]
+        if shorter > instant and leaves_pole(system, truncation.order, mode, instant, scratch):
+            shorter = instant
+    return shorter
+
+
+@kernel
+def leaves_pole(system, order, mode, s, scratch):
+    """Whether a guard, section or integrand is not finite at the start of a step, but a time `s` later."""
+    code, J, values = system.code, scratch.jets, scratch.values
+    states_at(J, order, s, scratch.states)
+    mode_jets(code, system.numbers, mode, 0, scratch.states, values)
     for g in range(code.mode_guards[mode], code.mode_guards[mode + 1]):
-        h = series_step(J, code.function_slots[g], order, tol, h)
+        if becomes_finite(J, values, code.function_slots[g]):
+            return True
     for section in range(code.sections.shape[1]):
-        h = series_step(J, code.sections[mode, section], order, tol, h)
+        if becomes_finite(J, values, code.sections[mode, section]):
+            return True
+    leaves = False
     for i in range(code.groups[3], code.inputs):
-        h = series_step(J, i, order, tol, h)
-    return max(h, shortest)
+        leaves = leaves or becomes_finite(J, values, code.flow[mode, i])
+    return leaves
 
 
-ONSET_TRIES = 100
+@inlined
+def becomes_finite(before, after, slot):
+    """Whether the value of a slot is finite only later."""
+    return not abs(before[slot, 0]) < math.inf and abs(after[slot, 0]) < math.inf
+
+
 MIN_USEFUL_ORDER = 4  # a series of a lower order is not worth while
 INSTANT = (
     1e-11  # s: errors are relative to a size that is at least the distance that is moved in so short a time
@@ -239,34 +316,3 @@ def unresolved_time(code, magnitudes, mode, z, J, bounds):
             if abs(J[a, 0]) <= error:
                 longest = min(longest, error / abs(J[a, 1]), math.sqrt(error / abs(J[a, 2])))
     return longest if longest < math.inf else 0.0
-
-
-@kernel
-def onset_step(system, truncation, mode, h, scratch):
-    """Longest step up to `h` in which powers whose base is nearly zero may count as constant.
-
-    At its end the states' rates, with the powers there, then differ from those of the polynomials by an
-    error that changes no state by more than `tol` of its size.
-    """
-    code, order = system.code, truncation.order
-    J, values, z = scratch.jets, scratch.bounds, scratch.states
-    for _ in range(ONSET_TRIES):
-        states_at(J, order, h, z)
-        mode_jets(code, system.numbers, mode, 0, z, values)
-        share = 0.0
-        for group in range(3):
-            first, last = code.groups[group], code.groups[group + 1]
-            size = max(
-                largest_coefficient(J, first, last, 0),
-                largest_coefficient(J, first, last, 1) * max(h, INSTANT),
-            )
-            for i in range(first, last):
-                error = h * abs(values[code.flow[mode, i], 0] - polynomial_slope(J[i], order, h))
-                if error > 0.0:
-                    share = max(share, error / (truncation.tol * size))
-                elif error != 0.0:  # NaN: far beyond the convergence of the polynomials
-                    share = math.inf
-        if not share > 1.0:
-            break
-        h *= max(0.1, 0.9 * exp2(-0.4 * log2(share))) if share < math.inf else 0.1
-    return h

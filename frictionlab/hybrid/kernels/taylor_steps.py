@@ -18,7 +18,6 @@ from frictionlab.hybrid.kernels.event_handling import count_repeat, handle_event
 from frictionlab.hybrid.kernels.event_location import (
     NO_GUARD,
     GuardZero,
-    absolute_sum,
     first_event,
     is_guard_truncated,
     isolate_roots,
@@ -27,6 +26,7 @@ from frictionlab.hybrid.kernels.event_location import (
 )
 from frictionlab.hybrid.kernels.jets import copy_vector, mode_jets, polynomial_value, states_at
 from frictionlab.hybrid.kernels.mode_selection import has_modes_on_demand
+from frictionlab.hybrid.kernels.power_onset import onset_step
 from frictionlab.hybrid.kernels.remainder import needs_remainder, polynomials_visible, remainder_step
 from frictionlab.hybrid.kernels.run_state import (
     CLOCK_RESOLUTION,
@@ -46,34 +46,49 @@ from frictionlab.hybrid.kernels.run_state import (
 )
 from frictionlab.hybrid.kernels.step_length import (
     MIN_USEFUL_ORDER,
-    function_step,
     has_base_near_zero,
     lacks_series,
     largest_coefficient,
-    onset_step,
+    measured_function_step,
     step_length,
     time_to_zero_base,
     truncate_series_near_zero,
     unresolved_time,
 )
 
-SECTION_ROUNDING = 1e-14  # a value below this share of its terms has no sign
+SECTION_ROUNDING = 1e-14  # the rounding error of a section, as a share of its terms
 
 
 @kernel
-def sign_beyond_rounding(value, size):
-    """Sign of a value; 0 where it is not above the rounding error of terms of this `size`."""
-    if abs(value) <= SECTION_ROUNDING * size:
+def error_of_section(c, order, h):
+    """The error of a section in a step: of rounding, and of the series, which is about its last two terms.
+
+    Two steps may differ by so much at the instant between them: a value below has no sign, or a crossing
+    there could be found in both or in neither.
+    """
+    total = last = before = 0.0
+    power = 1.0
+    for k in range(order + 1):
+        before, last = last, abs(c[k]) * power
+        total += last
+        power *= h
+    return SECTION_ROUNDING * total + before + last
+
+
+@kernel
+def sign_beyond_error(value, error):
+    """Sign of a value; 0 where it is not above the error."""
+    if abs(value) <= error:
         return 0
     return 1 if value > 0.0 else -1
 
 
 @kernel
-def sign_after_start(c, order, h, size):
+def sign_after_start(c, order, h, error):
     """Sign just after the start of a step, and the number of leading terms that are zero."""
     power = 1.0
     for k in range(order + 1):
-        sign = sign_beyond_rounding(c[k] * power, size)
+        sign = sign_beyond_error(c[k] * power, error)
         if sign != 0:
             return sign, k
         power *= h
@@ -92,17 +107,24 @@ def record_section_point(section, s, order, run, record, scratch):
 
 @kernel
 def record_section_events(code, order, mode, h, run, record, scratch):
-    """Record every crossing in (0, h]; a crossing between two steps, by a jump, belongs to the later step."""
+    """Record every crossing in (0, h]; a crossing between two steps, by a jump, belongs to the later step.
+
+    Where a pole is so near that the polynomial has no meaning, only the value at the start has a sign.
+    """
     for section in range(code.sections.shape[1]):
         c = scratch.jets[code.sections[mode, section]]
-        size = absolute_sum(c, 0, order, h)
-        start, skipped = sign_after_start(c, order, h, size)
+        error = error_of_section(c, order, h)
+        has_meaning = error < math.inf
+        start, skipped = sign_after_start(c, order if has_meaning else 0, h, error if has_meaning else 0.0)
         if start != 0:
             if run.signs[section] == -start and code.directions[section] != -start:
                 record_section_point(section, 0.0, order, run, record, scratch)
             run.signs[section] = start
-            record_crossings(code, (section, skipped), mode, order, h, run, record, scratch)
-        end = sign_beyond_rounding(polynomial_value(c, order, h), size)
+            if has_meaning:
+                record_crossings(code, (section, skipped), mode, order, h, run, record, scratch)
+        if not has_meaning:
+            continue
+        end = sign_beyond_error(polynomial_value(c, order, h), error)
         if end != 0:
             run.signs[section] = end
 
@@ -170,14 +192,16 @@ def power_onset_step(system, truncation, mode, left, run, scratch):
     scale = time_to_zero_base(code, mode, J)
     onset = 0.0
     if lacks_series(code, order, mode, J):
-        onset = onset_step(system, truncation, mode, left, scratch)
+        onset = measured_function_step(system, truncation, mode, left, run, scratch)
+        onset = remainder_step(system, truncation, mode, onset, False, run, scratch)
+        onset = onset_step(system, truncation, mode, onset, run, scratch)
     unresolved = unresolved_time(code, system.magnitudes, mode, z, J, scratch.bounds)
     h = min(left, max(onset, unresolved, CLOCK_RESOLUTION * run.times[NOW]))
     few = truncate_series_near_zero(code, system.numbers, mode, order, z, h, J)
     if few < MIN_USEFUL_ORDER:
         return h
     shorter = Truncation(few, truncation.tol)
-    return remainder_step(system, shorter, mode, min(left, scale), False, J, scratch.bounds)
+    return remainder_step(system, shorter, mode, min(left, scale), False, run, scratch)
 
 
 @inlined
@@ -200,10 +224,11 @@ def take_taylor_step(system, truncation, run, record, scratch):
         h = step_length(code, order, truncation.tol, J)
         if not h > 0.0:
             return NOT_FINITE
-        h = function_step(code, order, truncation.tol, mode, min(h, left), J)
-        if needs_remainder(code, order, mode, h, left):
-            visible = polynomials_visible(code, order, mode, h, left)
-            h = remainder_step(system, truncation, mode, h, visible, J, scratch.bounds)
+        longest = min(h, left)
+        h = measured_function_step(system, truncation, mode, longest, run, scratch)
+        if needs_remainder(code, order, mode, longest, left):
+            visible = polynomials_visible(code, order, mode, longest, left)
+            h = remainder_step(system, truncation, mode, h, visible, run, scratch)
     zero = first_event(system, mode, run.state, order, h, scratch)
     event, status = step_to_event(system, truncation, zero, left, run, record, scratch)
     if event.guard == NO_GUARD:
