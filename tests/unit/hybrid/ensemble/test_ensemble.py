@@ -149,6 +149,29 @@ def test_steps_heed_every_function_as_those_of_a_run_alone():
             assert steps == alone.stats["steps"]
 
 
+@pytest.mark.parametrize("name", ["peak", "waves", "pole"])
+def test_guards_that_change_fast_are_those_of_a_run_alone(name):
+    """They ask for far shorter steps than the states, down to what the clock resolves beside a pole."""
+    x, v, a = sp.symbols("x v a")
+    guards = {
+        "peak": 2 - a * sp.exp(-((500 * (x - sp.Rational(1, 2))) ** 2)),
+        "waves": a + sp.Rational(1, 4) + sp.sin(90 * x),
+        "pole": 3 * a - 1 / (1 + 100 * x) ** 2,
+    }
+    hit = Event("hit", guards[name], ("m",), Reset({v: -v}))
+    modes = (Mode("m", (v, -x), (hit,)),)
+    automata = [HybridAutomaton((x, v), modes, {a: value}, 1) for value in np.linspace(0.7, 2.3, 6)]
+    compiled(automata[0])
+    for tol in TOLS:
+        method = fl.Taylor(tol=tol)
+        ends = fl.ensemble(automata, 6.0, x0=[0.1, 1.0], method=method, progress=False)
+        assert ends.events.max() > 0
+        for i, automaton in enumerate(automata):
+            alone = fl.solve(automaton, 6.0, x0=[0.1, 1.0], method=method, progress=False)
+            np.testing.assert_array_equal(ends.states[i], alone.final_state)
+            assert (ends.steps[i], ends.events[i]) == (alone.stats["steps"], len(alone.events))
+
+
 @pytest.mark.plain_python
 @pytest.mark.parametrize("powers", [(1,), (3,), (3, 30)])
 def test_guards_that_begin_with_zeros_are_those_of_a_run_alone(powers):
