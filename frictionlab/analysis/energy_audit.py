@@ -21,7 +21,7 @@ from frictionlab.hybrid.problem import evaluate_output
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.interruption import progress_bar
 from frictionlab.models import MechanicalModel
-from frictionlab.models.mechanical.contact_regimes import CHATTER_MODE, material_rate
+from frictionlab.models.mechanical.contact_regimes import APART, CHATTER_MODE, material_rate
 from frictionlab.models.mechanical.equations_of_motion import LagrangeSystem, system_of
 from frictionlab.models.mechanical.mechanics import Friction, Stop
 from frictionlab.models.mechanical.modes import contact_suffix
@@ -238,7 +238,7 @@ class Balance:
 
     def _modes_in_contact(self, contact: ContactTerms) -> np.ndarray:
         """Whether the contact's spring acts in each mode: not in flight, nor in the limit mode of chatter."""
-        apart = "separation", CHATTER_MODE
+        apart = *APART, CHATTER_MODE
         return np.array([name.split(JOINT)[contact.place] not in apart for name in self.mode_names])
 
 

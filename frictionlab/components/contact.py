@@ -20,6 +20,16 @@ class Interface(Component):
 
     modes: ClassVar[tuple[str, ...]]
 
+    @property
+    def sticks(self) -> bool:
+        """Whether friction may reverse, so that it needs no fixed direction."""
+        return "slip" not in self.modes
+
+    @property
+    def separates(self) -> bool:
+        """Whether contacts may be lost."""
+        return "separation" in self.modes
+
 
 @dataclass(frozen=True, repr=False)
 class StickSlipSeparation(Interface):
@@ -30,7 +40,10 @@ class StickSlipSeparation(Interface):
 
 @dataclass(frozen=True, repr=False)
 class StickSlip(Interface):
-    """Stick and slip with bilateral contact: Eqs. (2), (3) hold as printed for F_N < 0 too."""
+    """Stick and slip with bilateral contact: Eqs. (2), (3) hold as printed for F_N < 0 too.
+
+    Friction then feeds energy in, as in the paper; a guide that rubs on its other side needs a contact there.
+    """
 
     modes: ClassVar[tuple[str, ...]] = ("stick", "slip+", "slip-")
 

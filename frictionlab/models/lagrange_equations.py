@@ -22,6 +22,7 @@ from frictionlab.models.equations import (
     time_functions,
 )
 from frictionlab.models.mechanical.contact_regimes import (
+    APART,
     RATE_SYMBOLS,
     ContactRegime,
     friction_impulse,
@@ -231,7 +232,7 @@ def _forces(
         friction = _friction(write, mode, regime, i)
     else:
         friction = write(solve_contact_forces(write.named, chosen)[1][i])
-    pressed = 0 if regime.name == "separation" else write(contact.pressing)
+    pressed = 0 if regime.name in APART else write(contact.pressing)
     return equation(normal, pressed), equation(force, friction)
 
 
@@ -242,8 +243,9 @@ def _friction(write: TimeDependentSystem, mode: str, regime: ContactRegime, i: i
     normal, velocity = (_contact_function(found, name, i) for name in ("F_N", "v_r"))
     if mode == "slip" and regime.name == "slip+":
         return sympy.sign(velocity) * contact.law.kinetic(normal, sympy.Abs(velocity))
-    fixed = sympy.sign(found.at_rest(contact.relative_velocity))
-    return sliding_friction(contact, {"slip+": 1, "slip-": -1}.get(regime.name, fixed), normal, velocity)
+    signs = {"slip+": 1, "slip-": -1}
+    sign = found.sliding_sign(contact) if regime.name == "slip" else signs[regime.name]
+    return sliding_friction(contact, sign, normal, velocity)
 
 
 def _definitions(write: TimeDependentSystem) -> tuple[Any, ...]:
@@ -277,8 +279,8 @@ def _conditions(write: TimeDependentSystem, mode: str, regime: ContactRegime, i:
     if isinstance(contact, Stop):
         positive = _force_function(found, i) if regime.name == "contact" else write(contact.distance)
         return (sympy.Gt(positive, 0, evaluate=False),)
-    if regime.name == "separation":
-        return (sympy.Lt(write(contact.penetration), 0, evaluate=False),)
+    if regime.name in APART:
+        return _apart(write, regime, contact)
     normal, velocity = (_contact_function(found, name, i) for name in ("F_N", "v_r"))
     pressed = (sympy.Gt(normal, 0, evaluate=False),) if "separation" in contact.modes else ()
     if regime.name == "stick":
@@ -288,6 +290,16 @@ def _conditions(write: TimeDependentSystem, mode: str, regime: ContactRegime, i:
         return pressed
     signs = {"slip": sympy.Ne, "slip+": sympy.Gt, "slip-": sympy.Lt}
     return (signs["slip" if mode == "slip" else regime.name](velocity, 0, evaluate=False), *pressed)
+
+
+def _apart(write: TimeDependentSystem, regime: ContactRegime, contact: Friction) -> tuple[Any, ...]:
+    """What holds while there are no contact forces: a gap, or a law that would pull."""
+    if regime.name == "separation" and contact.penetration is not None:
+        return (sympy.Lt(write(contact.penetration), 0, evaluate=False),)
+    pulls = sympy.Lt(write(contact.pressing), 0, evaluate=False)
+    if contact.penetration is None:
+        return (pulls,)
+    return (pulls, sympy.Gt(write(contact.penetration), 0, evaluate=False))
 
 
 def _impact(copy: Any, found: LagrangeSystem, letters: Mapping[str, str]) -> Equations:

@@ -37,6 +37,7 @@ PHASE = "phase"
 # The regimes tried first after an event, in this order, where the contact has them.
 AFTER_SLIP = {"slip+": ("stick", "slip-"), "slip-": ("stick", "slip+")}
 AFTER_FLIGHT = ("slip+", "slip-", "slip", "stick")
+APART = ("separation", "relaxation")  # regimes without contact forces
 
 
 class RegimeEnd(NamedTuple):
@@ -71,6 +72,8 @@ class ContactRegime:
         Largest force (N) of friction that can hold; None for other regimes.
     resting : ContactRegime or None
         What takes the place of slip where other contacts keep v_r at zero: friction at its limit.
+    pressing : Expr
+        F_N of a contact with friction, N.
     """
 
     name: str
@@ -80,6 +83,7 @@ class ContactRegime:
     ends: Callable[[Any, Any], tuple[RegimeEnd, ...]]
     limit: Any = None
     resting: ContactRegime | None = None
+    pressing: Any = sympy.S.Zero
 
 
 def regimes_of_contact(contact: Friction | Stop, found: LagrangeSystem) -> tuple[ContactRegime, ...]:
@@ -112,16 +116,23 @@ def _slip(contact: Friction, found: LagrangeSystem, name: str) -> ContactRegime:
     sign, speed = 1 if name == "slip+" else -1, contact.relative_velocity
     stops = RegimeEnd("v_r", sign * speed, _known(contact, AFTER_SLIP[name]), "project", common=True)
     force = sliding_friction(contact, sign, contact.pressing, speed)
-    limit = sign * contact.law.static_limit(contact.pressing)
-    resting = ContactRegime(name, limit, None, (speed,), lambda *_: _leaving(contact))
-    return ContactRegime(name, force, None, (), lambda *_: (stops, *_leaving(contact)), resting=resting)
+    pressing = contact.pressing
+    limit = sign * contact.law.static_limit(pressing)
+    resting = ContactRegime(name, limit, None, (speed,), lambda *_: _leaving(contact), pressing=pressing)
+    return ContactRegime(
+        name, force, None, (), lambda *_: (stops, *_leaving(contact)), resting=resting, pressing=pressing
+    )
 
 
 def _slip_on(contact: Friction, found: LagrangeSystem) -> ContactRegime:
     """Slip whose friction force keeps its sign, that of the belt's speed."""
-    speed = contact.relative_velocity
-    force = sliding_friction(contact, sympy.sign(found.at_rest(speed)), contact.pressing, speed)
-    return ContactRegime("slip", force, None, (), lambda *_: _leaving(contact))
+    sign, belt = found.sliding_sign(contact), found.at_rest(contact.relative_velocity)
+    force = sliding_friction(contact, sign, contact.pressing, contact.relative_velocity)
+    # A belt whose speed depends on time or place may turn round; then the force has no sign.
+    turns = (RegimeEnd("belt", sign * belt, ()),) if found.varies(belt) else ()
+    return ContactRegime(
+        "slip", force, None, (), lambda *_: (*turns, *_leaving(contact)), pressing=contact.pressing
+    )
 
 
 def _stick(contact: Friction, found: LagrangeSystem) -> ContactRegime:
@@ -133,14 +144,26 @@ def _stick(contact: Friction, found: LagrangeSystem) -> ContactRegime:
         backwards = RegimeEnd("cone-", largest + force, _known(contact, ("slip-",)), common=True)
         return (forwards, backwards, *_leaving(contact))
 
-    return ContactRegime("stick", None, speed, (speed,), breaks, limit)
+    return ContactRegime("stick", None, speed, (speed,), breaks, limit, pressing=contact.pressing)
 
 
 def _separation(contact: Friction, found: LagrangeSystem) -> ContactRegime:
     """Flight, Eq. (9): no contact forces; it ends where the gap closes."""
+    if contact.penetration is None:
+        return ContactRegime("separation", sympy.S.Zero, None, (), lambda *_: (_pressed(contact),))
     jump = None if contact.impact is None else "impact"
-    lands = RegimeEnd("gap", -contact.penetration, _known(contact, AFTER_FLIGHT), jump)
+    lands = RegimeEnd("gap", -contact.penetration, _known(contact, (*AFTER_FLIGHT, "relaxation")), jump)
     return ContactRegime("separation", sympy.S.Zero, None, (), lambda *_: (lands,))
+
+
+def _relaxation(contact: Friction, found: LagrangeSystem) -> ContactRegime:
+    """No contact forces, as the law would pull: it ends where it would press, or where a gap opens."""
+    opens = RegimeEnd("gap", contact.penetration, _known(contact, ("separation",)))
+    return ContactRegime("relaxation", sympy.S.Zero, None, (), lambda *_: (_pressed(contact), opens))
+
+
+def _pressed(contact: Friction) -> RegimeEnd:
+    return RegimeEnd("F_N", -contact.pressing, _known(contact, AFTER_FLIGHT))
 
 
 BUILDERS: dict[str, Callable[[Friction, Any], ContactRegime]] = {
@@ -149,13 +172,20 @@ BUILDERS: dict[str, Callable[[Friction, Any], ContactRegime]] = {
     "slip-": partial(_slip, name="slip-"),
     "slip": _slip_on,
     "separation": _separation,
+    "relaxation": _relaxation,
 }
 
 
 def _leaving(contact: Friction) -> tuple[RegimeEnd, ...]:
-    # A contact is bilateral where its interface has no mode for a lost contact.
-    targets = _known(contact, ("separation",))
-    return (RegimeEnd("gap", contact.penetration, targets),) if targets else ()
+    """What ends contact: nothing where it is bilateral, as its interface has no mode for a lost contact."""
+    apart = _known(contact, APART[::-1])
+    gap = (RegimeEnd("gap", contact.penetration, _known(contact, ("separation",))),)
+    pulls = (RegimeEnd("F_N", contact.pressing, apart),)
+    if not apart:
+        return ()
+    if contact.penetration is None:
+        return pulls
+    return (*gap, *pulls) if "relaxation" in contact.modes else gap
 
 
 def _known(contact: Friction, names: tuple[str, ...]) -> tuple[str, ...]:

@@ -14,7 +14,8 @@ from typing import Any, NamedTuple
 import sympy
 
 from frictionlab.automaton.mode import Combination, ModeNames
-from frictionlab.models.symbols import Structure, gradient, symbol, symbolic_copy
+from frictionlab.components.contact import Interface
+from frictionlab.models.symbols import Structure, expand_products, gradient, symbol, symbolic_copy
 from frictionlab.validation import did_you_mean_or_known
 
 from .common_directions import RUBBING, CommonDirection, common_directions
@@ -248,6 +249,15 @@ class LagrangeSystem:
         there = expression.free_symbols
         return expression.subs({rate: 0 for rate in self.v if rate in there})
 
+    def speed_at_origin(self, contact: Friction) -> Any:
+        """The speed of the belt, v_r at rest, where all coordinates and the phase are zero."""
+        origin = dict.fromkeys((*self.q, *self.phase), 0)
+        return sympy.sympify(self.at_rest(contact.relative_velocity)).subs(origin)
+
+    def sliding_sign(self, contact: Friction) -> Any:
+        """The sign of slip in one direction, that of the belt's speed; at the origin where it varies."""
+        return sympy.sign(self.speed_at_origin(contact))
+
     @_remembered
     def direction(self, contact: Friction | Stop) -> Any:
         """W (n, 1): the direction of a contact's friction force, or of the reaction of a stop."""
@@ -319,7 +329,7 @@ def system_at(model: Any, q: Sequence[Any], v: Sequence[Any]) -> LagrangeSystem:
     names = model.coordinates
     at = _Symbols(**dict(zip(names, q, strict=True)), phase=symbol(PHASE))
     about = model.mechanics(at, _Symbols(**dict(zip(names, v, strict=True))))
-    about = _in_regimes(check_mechanics(about, model, q, v), model)
+    about = _in_regimes(check_mechanics(about, model, q, v), model, (*q, *v, symbol(PHASE)))
     about, momenta, mass = mass_matrix(about, model, v)
     loads = tuple(sympy.sympify(about.loads.get(name, 0), strict=True) for name in names)
     # In matrix form where the statics need K; the form determines the last bits of equilibria.
@@ -337,10 +347,50 @@ class _Symbols(SimpleNamespace):
         raise AttributeError(f"there is no coordinate {name!r}{did_you_mean_or_known(name, vars(self))}")
 
 
-def _in_regimes(about: Mechanics, model: Any) -> Mechanics:
-    """The contacts, with the model's interface for those that have none."""
-    contacts = (c if c.interface else replace(c, interface=model.interface) for c in about.contacts)
+@dataclass(frozen=True, repr=False)
+class Regimes(Interface):
+    """The regimes of one contact, by their names."""
+
+    names: tuple[str, ...] = ()
+
+    @property
+    def modes(self) -> tuple[str, ...]:  # type: ignore[override]
+        """The names."""
+        return self.names
+
+
+def _in_regimes(about: Mechanics, model: Any, states: Sequence[Any]) -> Mechanics:
+    """The contacts, each with the names of its regimes as interface."""
+    contacts = (replace(c, interface=Regimes(_names(c, model.interface, states))) for c in about.contacts)
     return replace(about, contacts=tuple(contacts))
+
+
+def _names(contact: Friction | Stop, allowed: Interface, states: Sequence[Any]) -> tuple[str, ...]:
+    """Names of a contact's regimes: those of its own interface, without what the model's leaves out."""
+    own = contact.interface or allowed
+    names = own.modes
+    if not allowed.sticks and own.sticks:
+        names = dict.fromkeys("slip" if name in RUBBING else name for name in names)
+    names = tuple(name for name in names if name != "separation" or allowed.separates)
+    if isinstance(contact, Stop) or "separation" not in names:
+        return names
+    if contact.penetration is None:
+        varies = sympy.sympify(contact.pressing, strict=True).free_symbols.intersection(states)
+        return names if varies else tuple(name for name in names if name != "separation")
+    return names if is_law(contact, states) else (*names, "relaxation")
+
+
+def is_law(contact: Friction, states: Sequence[Any]) -> bool:
+    """Whether F_N is a function of the penetration and of parameters only."""
+    if callable(contact.normal_force):
+        law = sympy.sympify(contact.normal_force(sympy.Dummy(real=True)), strict=True)
+        if not law.free_symbols.intersection(states):
+            return True
+    force, depth = gradient(contact.pressing, states), gradient(contact.penetration, states)
+    pivot = next((i for i, slope in enumerate(depth) if slope != 0), 0)
+    return all(
+        expand_products(f * depth[pivot] - force[pivot] * d) == 0 for f, d in zip(force, depth, strict=True)
+    )
 
 
 def _internal(about: Mechanics, momenta: Sequence[Any], q: Sequence[Any], v: Sequence[Any]) -> Any:

@@ -9,15 +9,16 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self
 
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.components import functions
 from frictionlab.components.contact import Interface, StickSlipSeparation
 from frictionlab.models.composition import Nonlinearity, nonlinearities_of
 from frictionlab.models.model import Model
-from frictionlab.models.serialisation import derivations_of, structure_of_component
+from frictionlab.models.serialisation import structure_of_component
 
+from .contact_numbers import check_contacts, check_sliding, numbers_of_contacts
 from .masses import check_masses
 from .mechanics import Friction, Mechanics
 
@@ -40,12 +41,25 @@ class MechanicalModel(Model):
 
     @property
     def nonlinearities(self) -> Mapping[str, Nonlinearity]:
-        """The nonlinearities of the components; "nonsmooth" is one of them only if there are contacts."""
-        found, key = nonlinearities_of(self), structure_of_component(self)
-        kept = derivations_of(key, key.parameters)
-        if not kept.value("contacts", lambda: len(self.system().mechanics.contacts)):
+        """The nonlinearities of the components; "nonsmooth" only if there are contacts, whose belts move."""
+        found, contacts = nonlinearities_of(self), numbers_of_contacts(self)
+        if not contacts or any(one is not None and one.speed == 0 for one in contacts):
             found.pop("nonsmooth", None)
         return MappingProxyType(found)
+
+    def without(self, *names: str) -> Self:
+        """The model without some of its :attr:`nonlinearities`.
+
+        Without "nonsmooth" contacts slide in the direction of their belts.
+
+        Raises
+        ------
+        ValueError
+            For any other name, where nothing can take a law's place, and where a belt is at rest.
+        """
+        if "nonsmooth" in names:
+            check_sliding(self)
+        return super().without(*names)
 
     def system(self) -> LagrangeSystem:
         """Lagrange's equations of its structure, in symbols."""
@@ -63,9 +77,11 @@ class MechanicalModel(Model):
         Raises
         ------
         ValueError
-            Where a law has no real value, or a mass is not above 0, at the values of the parameters.
+            Where a law has no real value, a mass is not above 0, or a given normal force is negative, at the
+            values of the parameters.
         """
         check_masses(self)
+        check_contacts(self)
         return super().automaton()
 
     def derive(self) -> HybridAutomaton:

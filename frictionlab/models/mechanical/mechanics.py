@@ -18,6 +18,8 @@ class Friction:
     """A contact with dry friction; its modes are "stick", "slip+", "slip-" and, where the bodies can
     separate, "separation".
 
+    A contact does not pull: it is lost where F_N comes to zero, unless its interface is bilateral.
+
     The friction force F_T acts along the relative velocity v_r: where velocities of the bodies change v_r by
     dv_r, its power on the bodies is -F_T dv_r.
 
@@ -26,13 +28,16 @@ class Friction:
     relative_velocity : Expr
         v_r, linear in the velocities, m/s.
     normal_force : Expr or callable
-        F_N, N.  Where the bodies can separate, it should be a function of the penetration, such as
-        ``contact.force`` of a law: its integral is the energy that the contact stores.
+        F_N, N.  Where the bodies can separate, it should be a function of the penetration that has its sign,
+        such as ``contact.force`` of a law: its integral is the energy that the contact stores.  If it depends
+        on anything else, as with a damper in the contact, the contact ends where F_N comes to zero, and has
+        the mode "relaxation" while F_N would pull at a penetration above zero: the surface, which has no
+        mass, returns without a force.
     law : FrictionLaw
     penetration : Expr or None
-        Penetration, m, positive in contact, of bodies that can separate: F_N is zero where it is zero, and
-        there is no force where it is negative.  None for a contact that is never lost, and whose normal force
-        does no work.
+        Penetration, m, positive in contact, of bodies that can separate: there is no force where it is
+        negative.  None for a contact whose normal force does no work; it is lost only where F_N depends on
+        the state and becomes negative.
     normal : tuple of Expr or None
         W_N, the factors of F_N in the equations of all coordinates; by default the gradient of the gap, which
         is minus that of the penetration, so that the contact does no work but that of its spring.
@@ -40,7 +45,7 @@ class Friction:
     impact : ImpactLaw or None
         The impact law where the gap closes; by default there is no impact, as the contact has no mass.
     interface : Interface or None
-        The regimes that the contact has; by default those of the model's `interface`.
+        The regimes that the contact has, of those of the model's `interface`; by default all of these.
     """
 
     relative_velocity: Any
@@ -58,12 +63,8 @@ class Friction:
 
     @property
     def modes(self) -> tuple[str, ...]:
-        """Names of the regimes, in the order in which they are tried; a contact without a penetration cannot
-        separate."""
-        names = (self.interface or StickSlipSeparation()).modes
-        return (
-            names if self.penetration is not None else tuple(name for name in names if name != "separation")
-        )
+        """Names of the regimes, in the order in which they are tried."""
+        return (self.interface or StickSlipSeparation()).modes
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,8 +81,8 @@ class Stop:
     law : ImpactLaw
         The impact law where the distance comes to 0.
     interface : Interface or None
-        The regimes of the contact; by default those of the model's `interface`.  If "separation" is not one
-        of them, the stop has no effect.
+        The regimes of the contact, of those of the model's `interface`; by default all of these.  If
+        "separation" is not one of them, the stop has no effect.
     """
 
     distance: Any

@@ -119,8 +119,8 @@ def _hold(found: LagrangeSystem, chosen: Sequence[ContactRegime], held: Sequence
     free = [load - rest for load, rest in zip(found.loads, found.internal, strict=True)]
     for contact, regime in zip(contacts, chosen, strict=True):
         found.apply(found.direction(contact), 0 if regime.force is None else regime.force, free)
-        if isinstance(contact, Friction) and regime.name != "separation":
-            found.apply(found.normal(contact), contact.pressing, free)
+        if regime.pressing != 0:
+            found.apply(found.normal(contact), regime.pressing, free)
     if not held:
         return found.accelerations(free), forces, {}
     pair = found.pair(chosen[held[0]].held) if len(held) == 1 else None
@@ -291,9 +291,8 @@ def _outputs(found: LagrangeSystem, chosen: Sequence[ContactRegime], forces: Seq
 def _contact_outputs(contact: Friction | Stop, regime: ContactRegime, force: Any) -> Any:
     if isinstance(contact, Stop):
         return ("distance", contact.distance), ("reaction", force)
-    normal = sympy.S.Zero if regime.name == "separation" else contact.pressing
     shown = (
-        ("normal_force", normal),
+        ("normal_force", regime.pressing),
         ("friction_force", force),
         ("relative_velocity", contact.relative_velocity),
     )
