@@ -82,6 +82,6 @@ def check_sliding(model: Any) -> None:
         if one is not None and one.speed == 0:
             raise ValueError(
                 f"contact {i} of {type(model).__name__} must rub a belt that moves where it only slides, got "
-                "one at rest, which gives friction no direction: give the belt a speed, or keep stick, as with "
-                "interface=StickSlip()"
+                "one at rest, which gives friction no direction: give the belt a speed, or keep stick, as "
+                "with interface=StickSlip()"
             )
