@@ -18,6 +18,7 @@ from frictionlab.analysis.run_comparison import (
     longest_stay,
     mode_stays,
 )
+from frictionlab.analysis.run_conditions import broken_condition
 from frictionlab.analysis.simulate import initial_state_of
 from frictionlab.hybrid.kernels.jets import MACHINE_EPSILON, MAX_ORDER
 from frictionlab.hybrid.methods.base import Method
@@ -253,6 +254,8 @@ def _differ(found: RunComparison) -> bool:
 
 def _reason_for_doubt(run: Trajectory, second: Trajectory, same: RunComparison, other: RunComparison) -> str:
     """The reason why a run is not to be trusted; an empty text where it can be trusted."""
+    if broken := broken_condition(run):
+        return broken
     for found, which in ((same, "a more exact one"), (other, "an independent one")):
         if found.differs_at < np.inf:
             return f"its events are not those of {which} from t = {found.differs_at:.4g} s on"

@@ -272,14 +272,23 @@ def condition_violation(problem: Problem, raw: RunData, states: np.ndarray, mode
     modes : int array (N,)
         The mode of each sample.
     """
-    worst = 0.0
+    return float(worst_conditions(problem, raw, states, modes)[0].max(initial=0.0))
+
+
+def worst_conditions(
+    problem: Problem, raw: RunData, states: np.ndarray, modes: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """As :func:`condition_violation`, at each sample, and the number of the condition: guards come first."""
+    worst, which = np.zeros(len(states)), np.zeros(len(states), dtype=int)
     for mode in np.unique(modes):
-        inside = states[modes == mode]
-        amounts, terms = _condition_values(problem, mode, np.vstack([inside, raw.step_states]))
+        inside = np.flatnonzero(modes == mode)
+        amounts, terms = _condition_values(problem, mode, np.vstack([states[inside], raw.step_states]))
         sizes = np.where(np.isfinite(terms), terms, 0.0).max(axis=0)  # in other modes NaN, as sqrt(gap)
-        shares = amounts[: len(inside), sizes > 0] / sizes[sizes > 0]
-        worst = max(worst, shares.max(initial=0.0))
-    return float(worst)
+        if not (sizes > 0).any():
+            continue
+        shares = np.where(sizes > 0, amounts[: len(inside)] / np.where(sizes > 0, sizes, 1.0), 0.0)
+        worst[inside], which[inside] = np.maximum(shares.max(axis=1), 0.0), shares.argmax(axis=1)
+    return worst, which
 
 
 def _condition_values(problem: Problem, mode: int, states: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

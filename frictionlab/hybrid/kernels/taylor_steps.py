@@ -16,21 +16,31 @@ import numpy as np
 from frictionlab.hybrid.compilation import inlined, kernel
 from frictionlab.hybrid.kernels.event_handling import count_repeat, handle_event, leave_event
 from frictionlab.hybrid.kernels.event_location import (
+    COEFFICIENT_ROUNDING,
     NO_GUARD,
     GuardZero,
+    absolute_sum,
     first_event,
     is_guard_truncated,
     isolate_roots,
     refine_event_time,
     rescale,
 )
-from frictionlab.hybrid.kernels.jets import copy_vector, mode_jets, polynomial_value, states_at
+from frictionlab.hybrid.kernels.jets import (
+    copy_vector,
+    majorant,
+    mode_jets,
+    polynomial_value,
+    series_range,
+    states_at,
+)
 from frictionlab.hybrid.kernels.mode_selection import has_modes_on_demand
 from frictionlab.hybrid.kernels.power_onset import onset_step
 from frictionlab.hybrid.kernels.remainder import needs_remainder, polynomials_visible, remainder_step
 from frictionlab.hybrid.kernels.run_state import (
     CLOCK_RESOLUTION,
     END,
+    ENTERED,
     EVENTS,
     FINISHED,
     JETS_READY,
@@ -56,43 +66,7 @@ from frictionlab.hybrid.kernels.step_length import (
     unresolved_time,
 )
 
-SECTION_ROUNDING = 1e-14  # the rounding error of a section, as a share of its terms
-
-
-@kernel
-def error_of_section(c, order, h):
-    """The error of a section in a step: of rounding, and of the series, which is about its last two terms.
-
-    Two steps may differ by so much at the instant between them: a value below has no sign, or a crossing
-    there could be found in both or in neither.
-    """
-    total = last = before = 0.0
-    power = 1.0
-    for k in range(order + 1):
-        before, last = last, abs(c[k]) * power
-        total += last
-        power *= h
-    return SECTION_ROUNDING * total + before + last
-
-
-@kernel
-def sign_beyond_error(value, error):
-    """Sign of a value; 0 where it is not above the error."""
-    if abs(value) <= error:
-        return 0
-    return 1 if value > 0.0 else -1
-
-
-@kernel
-def sign_after_start(c, order, h, error):
-    """Sign just after the start of a step, and the number of leading terms that are zero."""
-    power = 1.0
-    for k in range(order + 1):
-        sign = sign_beyond_error(c[k] * power, error)
-        if sign != 0:
-            return sign, k
-        power *= h
-    return 0, order + 1
+SIGN_SAMPLES = 5  # points between two zeros of a section at which its sign is told from rounding
 
 
 @kernel
@@ -105,48 +79,92 @@ def record_section_point(section, s, order, run, record, scratch):
     run.counts[POINTS] += 1
 
 
-@kernel
-def record_section_events(code, order, mode, h, run, record, scratch):
-    """Record every crossing in (0, h]; a crossing between two steps, by a jump, belongs to the later step.
+@inlined
+def keeps_sign(J, slot, sign, order, h):
+    """Whether a section's series has the same `sign` throughout [0, h]."""
+    return sign * J[slot, 0] > series_range(J, slot, order, h)
 
-    Where a pole is so near that the polynomial has no meaning, only the value at the start has a sign.
+
+@kernel
+def sign_of(value):
+    """Sign of a value; 0 for zero and NaN."""
+    return 1 if value > 0.0 else (-1 if value < 0.0 else 0)
+
+
+@kernel
+def note_sign(code, section, sign, s, order, run, record, scratch):
+    """Note the sign that a section has from `s` after the start of the step on; record where it changes."""
+    if sign != 0:
+        if run.signs[section] == -sign and code.directions[section] != -sign:
+            record_section_point(section, s, order, run, record, scratch)
+        run.signs[section] = sign
+
+
+@kernel
+def record_section_events(system, order, mode, h, run, record, scratch):
+    """Record every crossing in (0, h]: the section changes its sign from one open interval to another.
+
+    Values within rounding have no sign, so that to touch the surface, or to lie on it for a while, is no
+    crossing.  A crossing between two steps, by a jump, belongs to the later step.  Where a pole is near only
+    the value at the start has a sign.
     """
+    code, J = system.code, scratch.jets
+    bounded = False
     for section in range(code.sections.shape[1]):
-        c = scratch.jets[code.sections[mode, section]]
-        error = error_of_section(c, order, h)
-        has_meaning = error < math.inf
-        start, skipped = sign_after_start(c, order if has_meaning else 0, h, error if has_meaning else 0.0)
-        if start != 0:
-            if run.signs[section] == -start and code.directions[section] != -start:
-                record_section_point(section, 0.0, order, run, record, scratch)
-            run.signs[section] = start
-            if has_meaning:
-                record_crossings(code, (section, skipped), mode, order, h, run, record, scratch)
-        if not has_meaning:
+        slot = code.sections[mode, section]
+        if keeps_sign(J, slot, run.signs[section], order, h):
             continue
-        end = sign_beyond_error(polynomial_value(c, order, h), error)
-        if end != 0:
-            run.signs[section] = end
+        if not bounded:
+            bound_section_errors(system, order, mode, h, run, scratch)
+            bounded = True
+        error = COEFFICIENT_ROUNDING * scratch.bounds[slot, 0]
+        error += abs(polynomial_value(J[slot], order, h) - scratch.values[slot, 0])
+        if not error < math.inf:  # a pole is so near that the polynomial has no meaning
+            note_sign(code, section, sign_of(J[slot, 0]), 0.0, order, run, record, scratch)
+        elif absolute_sum(J[slot], 0, order, h) > error:
+            record_crossings(code, section, error, mode, order, h, run, record, scratch)
 
 
 @kernel
-def record_crossings(code, start, mode, order, h, run, record, scratch):
-    """Record the sign changes in (0, h] of a section whose sign just after the start is known.
+def bound_section_errors(system, order, mode, h, run, scratch):
+    """Write the values of all slots at the end of a step, and bounds of their terms throughout it.
 
-    `start` is the number of the section, and how many of its leading coefficients count as zero.
+    Right after an event the states have rounding errors of the size that they had before it.
     """
-    section, skipped = start
-    roots = scratch.roots
-    c = scratch.jets[code.sections[mode, section]]
-    n = rescale(c, skipped, order, h, roots.scaled)
-    sign = run.signs[section]
+    code, J, sizes = system.code, scratch.jets, scratch.states
+    states_at(J, order, h, sizes)
+    mode_jets(code, system.numbers, mode, 0, sizes, scratch.values)
+    begins = run.times[NOW] == run.times[ENTERED]
+    for i in range(sizes.shape[0]):
+        sizes[i] = abs(J[i, 0]) + series_range(J, i, order, h)
+        if begins:
+            sizes[i] = max(sizes[i], run.sizes[i])
+    majorant(code, system.magnitudes, mode, 0, sizes, J, scratch.bounds)
+
+
+@kernel
+def sign_between(c, order, first, last, error):
+    """Sign of a polynomial between two of its zeros; 0 where it goes no farther from zero than `error`."""
+    largest = 0.0
+    for i in range(SIGN_SAMPLES):
+        value = polynomial_value(c, order, first + (last - first) * (i + 0.5) / SIGN_SAMPLES)
+        if abs(value) > abs(largest):
+            largest = value
+    return sign_of(largest) if abs(largest) > error else 0
+
+
+@kernel
+def record_crossings(code, section, error, mode, order, h, run, record, scratch):
+    """Record where a section whose series has this `error` changes its sign in a step."""
+    roots, c = scratch.roots, scratch.jets[code.sections[mode, section]]
+    n = rescale(c, 0, order, h, roots.scaled)
     count = isolate_roots(n, n + 1, roots)
-    for i in range(count):
-        if roots.multiplicity[i] % 2 == 1:
-            sign = -sign
-            if sign != 0 and code.directions[section] != -sign:
-                record_section_point(section, roots.places[i] * h, order, run, record, scratch)
-    run.signs[section] = sign
+    place = 0.0
+    for i in range(count + 1):
+        end = roots.places[i] * h if i < count else h
+        sign = sign_between(c, order, place, end, error)
+        note_sign(code, section, sign, place, order, run, record, scratch)
+        place = end
 
 
 @kernel
@@ -260,7 +278,7 @@ def step_to_event(system, truncation, zero, left, run, record, scratch):
         copy_vector(run.state, record.step_states[row])
         counts[STEPS] += 1
         if code.sections.shape[1]:
-            record_section_events(code, order, mode, h, run, record, scratch)
+            record_section_events(system, order, mode, h, run, record, scratch)
         states_at(J, order, h, run.state)
         goes_on = advance_clock(times, h, left)
         if guard != NO_GUARD:

@@ -1,5 +1,7 @@
 """Sections record every crossing once, quadratures are exact, and neither changes the motion."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 import sympy as sp
@@ -88,3 +90,39 @@ def test_sections_need_the_taylor_method():
 def test_an_unknown_name_in_a_function_is_refused(kind, function):
     with pytest.raises(ValueError, match=r"'mine'.*nowhere"):
         fl.solve(oscillator(), 1.0, x0=[1.0, 0.0], **{kind: {"mine": function}})
+
+
+@ONCE
+@pytest.mark.parametrize("tol", [1e-15, 1e-9, 1e-5])
+def test_to_touch_the_surface_is_no_crossing(tol):
+    """Every bounce ends one arc on the ground and begins the next there; a power of the gap is no other."""
+    sections = {"up": (X, 1), "down": (X, -1), "cube": X**3, "square": X**2, "jumps": (V, 1)}
+    run = fl.solve(ball(), 2.5, x0=[1.0, 0.0], sections=sections, method=fl.Taylor(tol=tol), progress=False)
+    fewer = {name: len(points.t) for name, points in run.sections.items()}
+    assert fewer == {"up": 0, "down": 0, "cube": 0, "square": 0, "jumps": (~run.events.closed).sum()}
+
+
+@ONCE
+@pytest.mark.parametrize("tol", [1e-15, 1e-9, 1e-5])
+def test_to_lie_on_the_surface_is_no_crossing(tol):
+    """v_r of a mass on a belt is positive, zero in stick, and positive again; that of the free slider changes
+    its sign as often as slip changes its direction."""
+    method, sections = fl.Taylor(tol=tol), {"v_r": "relative_velocity"}
+    run = fl.simulate(fl.MassOnBelt(), 30.0, sections=sections, method=method, progress=False)
+    assert "slip+ -> stick" in run.events.counts()
+    assert len(run.sections["v_r"].t) == 0
+    run = fl.simulate(fl.SliderOnBelt(mu_k=1.4), 1.0, sections=sections, method=method, progress=False)
+    slips = [mode for mode in ["slip+", *run.events.target] if mode in ("slip+", "slip-")]
+    assert len(run.sections["v_r"].t) == sum(a != b for a, b in pairwise(slips)) > 0
+
+
+@ONCE
+def test_a_function_that_is_zero_but_for_rounding_is_never_crossed():
+    """w and v have the same rate, so that w - v stays zero."""
+    w = sp.Symbol("w", real=True)
+    force = -X - X**3 - V / 7
+    twin = fl.HybridAutomaton((X, V, w), (fl.Mode("on", (V, force, force / 3 + 2 * force / 3)),), {}, 1)
+    sections = {"zero": V - w, "product": (V - w) * X, "x": X}
+    run = fl.solve(twin, 60.0, x0=[1.0, 0.3, 0.3], sections=sections, progress=False)
+    assert [len(run.sections[name].t) for name in ("zero", "product")] == [0, 0]
+    assert len(run.sections["x"].t) > 10
