@@ -111,9 +111,17 @@ def _positive(argument: str) -> Any:
 def expand_products(expr: Any) -> Any:
     """Expand products of sums, unless that is too long; arguments of a law's functions stay as they are.
 
-    Otherwise exp(v - x') would become exp(v) exp(-x'), of which one factor may overflow.
+    Otherwise exp(-((v - x')/v_s)^2) would become a product of exponentials, of which one overflows and
+    another is zero.
     """
-    return multiply_out(expr, power_exp=False, power_base=False, log=False)
+    given = sympy.sympify(expr, strict=True)
+    functions = {part: sympy.Dummy() for part in given.atoms(sympy.Function, sympy.Pow) if _is_function(part)}
+    back = {dummy: part for part, dummy in functions.items()}
+    return multiply_out(given.xreplace(functions)).xreplace(back)
+
+
+def _is_function(part: Any) -> bool:
+    return not part.is_Pow or not part.exp.is_Integer
 
 
 def explain_errors(copy: Component) -> None:

@@ -77,6 +77,10 @@ class System:
         """Sliding speeds, which the friction law depends on; linear in the velocities."""
         return []
 
+    def longest_step(self, mode: Any, z: np.ndarray, rate: np.ndarray) -> float:
+        """Longest step (s) in which what only the guards see, as a corrugated ground, is not jumped over."""
+        return np.inf
+
     def laws(self, mode: Any, t: Any, z: Any) -> dict[str, Any]:
         """What must not be negative in a mode, by name, for many states: for checks of other runs."""
         raise NotImplementedError
@@ -155,7 +159,7 @@ def _advance(run: Walker) -> None:
 def _accepted(run: Walker) -> tuple[Step, Any]:
     """A step whose error is below the tolerance and which jumps over no layer; sets the next length."""
     f = run.rate(run.t, run.z)
-    h = min(run.h, _layer_limit(run, f))
+    h = min(run.h, _layer_limit(run, f), run.system.longest_step(run.mode, run.z, f))
     while True:
         run.found.steps += 1
         if run.found.steps > run.cap or h < 1e-15 * max(run.t, run.system.period):

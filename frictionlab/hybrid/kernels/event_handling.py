@@ -18,6 +18,7 @@ from frictionlab.hybrid.kernels.mode_selection import (
     Rounding,
     apply_event_reset,
     is_impact,
+    keep_held_at_zero,
     select_combination,
     select_mode,
 )
@@ -108,9 +109,13 @@ def reset_at_event(system, truncation, event, run, record, scratch):
     if is_impact(code, guard):
         return impact(system, truncation, guard, run, record, scratch)
     impacts.guards[0], impacts.closing[0] = guard, 0
-    apply_event_reset(system, guard, 0, run.state, scratch)
+    z, before = run.state, scratch.states
+    copy_vector(z, before)
+    apply_event_reset(system, guard, 0, z, scratch)
     if code.resets[guard, 0] < 0:
         scratch.ended[0], scratch.ended[1] = guard, event.multiplicity
+    else:
+        keep_held_at_zero(system, run.counts[MODE], before, z, run.sizes, scratch)
     return 1
 
 

@@ -89,6 +89,27 @@ def apply_event_reset(system, guard, closing, z, scratch):
     set_zeros_by_construction(system.code, guard, closing, scratch)
 
 
+@kernel
+def keep_held_at_zero(system, mode, before, z, sizes, scratch):
+    """Count the constraints of the mode that ends as zero where its reset changed them by rounding only.
+
+    A contact that comes to rest while another sticks is stopped by an impulse that may move the other by a
+    rounding error.  Where everything comes to rest at once this error is not small beside the state at that
+    instant, but beside that of the step before, `sizes`.
+    """
+    code, J, earlier, bounds = system.code, scratch.jets, scratch.values, scratch.bounds
+    first, last = code.mode_constraints[mode], code.mode_constraints[mode + 1]
+    if first == last:
+        return
+    mode_jets(code, system.numbers, mode, 0, before, earlier)
+    mode_jets(code, system.numbers, mode, 0, z, J)
+    majorant(code, system.magnitudes, mode, 0, sizes, J, bounds)
+    for f in range(first, last):
+        slot, function = code.function_slots[f], code.function_classes[f]
+        if abs(J[slot, 0] - earlier[slot, 0]) <= COEFFICIENT_ROUNDING * bounds[slot, 0]:
+            scratch.structural_zeros[function] = max(1, scratch.structural_zeros[function])
+
+
 @inlined
 def forget_zeros(scratch):
     """Note that no function vanishes by construction."""

@@ -220,7 +220,9 @@ def stick_reset(found: LagrangeSystem, contact: Any) -> Reset:
     vanishes, as at the dead centre of a crank, where no impulse changes v_r.
     """
     pair = found.pair(contact.relative_velocity)
-    zero = {sign * speed: 1 for speed in _alike(found, contact) for sign in (1, -1)}
+    # Stated, as v_r after the impulse need not be zero to the last bit, and sympy need not see that it is.
+    resting = (contact.relative_velocity, *_alike(found, contact))
+    zero = {sign * speed: 1 for speed in resting for sign in (1, -1)}
     if pair is not None:
         return Reset(_together(found, pair), zero)
     w = found.direction(contact)

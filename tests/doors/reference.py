@@ -1,0 +1,255 @@
+"""The reference system of a mechanism: masses and forces by Lagrange's equations, as numbers of a state.
+
+d/dt dT/dv - dT/dq = Q is written out for T(q, v, t): M a = Q + dT/dq - (d2T/dv dq) v - d2T/dv dt.  sympy
+differentiates, and prints one function of numbers.  The forces of contacts that hold a velocity follow
+from one linear system.  Nothing comes from the package.
+"""
+
+from __future__ import annotations
+
+from itertools import product
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import sympy
+
+from tests.doors.mechanism import FUNCTIONS, Law, Mechanism, Rub, Touch, Wall, evaluated
+from tests.reference.friction import law as friction_law
+from tests.reference.hybrid import Next, System, Undecided
+
+SIGN = {"slip+": 1.0, "slip-": -1.0}
+DEAD = 1e-7  # compliance of a direction, by the largest, below which it can hold nothing
+FAINT = 1e-6  # speed of an impact, by the fastest so far, at which an accumulation is left alone
+
+
+class Reference(System):
+    """Contacts decide one by one, the others kept; those that can be lost by their springs, too."""
+
+    def __init__(self, one: Mechanism) -> None:
+        self.one, self.n, self.period = one, one.n, one.period
+        self.laws_of = [None if isinstance(c, Wall) else _law(c.law) for c in one.contacts]
+        self.layers = tuple(layer for law in self.laws_of if law is not None for layer in law.layers)
+        self.numbers = _numbers(one)
+        self.fastest = [0.0] * len(one.contacts)
+
+    # --- one state
+
+    def at(self, t: float, z: Any) -> SimpleNamespace:
+        """Mass matrix, forces, and of each contact what it needs."""
+        n, k = self.n, len(self.one.contacts)
+        flat = np.array(self.numbers(t, *z))
+        mass, free, rest = flat[: n * n].reshape(n, n), flat[n * n : n * n + n], flat[n * n + n :]
+        contacts = rest.reshape(k, 3 + 2 * n + 2) if k else np.zeros((0, 5 + 2 * n))
+        return SimpleNamespace(
+            mass=mass,
+            free=free,
+            value=contacts[:, 0],  # v_r, or the rate of the distance
+            bias=contacts[:, 1],  # what its rate has besides J a
+            place=contacts[:, 2],  # penetration or distance
+            J=contacts[:, 3 : 3 + n],
+            out=contacts[:, 3 + n : 3 + 2 * n],  # direction of the normal force
+            normal=contacts[:, 3 + 2 * n],
+        )
+
+    def forces(self, mode: Any, t: float, z: Any) -> tuple[np.ndarray, np.ndarray, Any]:
+        """Accelerations, the force of each contact along -J, and the numbers of the state."""
+        at = self.at(t, z)
+        total, force = at.free.copy(), np.zeros(len(mode))
+        held = [i for i, word in enumerate(mode) if word in ("stick", "contact")]
+        for i, word in enumerate(mode):
+            if isinstance(self.one.contacts[i], Touch) and word != "separation":
+                total += at.out[i] * at.normal[i]
+            if word in SIGN:
+                force[i] = SIGN[word] * self.laws_of[i].kinetic(at.normal[i], SIGN[word] * at.value[i])
+                total -= at.J[i] * force[i]
+        inverse = np.linalg.inv(at.mass)
+        if held:
+            J = at.J[held]
+            drive = J @ inverse @ total + at.bias[held]
+            holding = np.linalg.solve(J @ inverse @ J.T, drive)
+            total = total - J.T @ holding
+            force[held] = holding
+        return inverse @ total, force, at
+
+    def rate(self, mode: Any, t: float, z: np.ndarray) -> Any:
+        z = z.tolist()
+        return [*z[self.n :], *self.forces(mode, t, z)[0]]
+
+    def speeds(self, mode: Any, z: np.ndarray) -> list[float]:
+        at = self.at(0.0, z)  # the belt's phase hardly matters for the width of a layer
+        return [SIGN[word] * at.value[i] for i, word in enumerate(mode) if word in SIGN]
+
+    def longest_step(self, mode: Any, z: np.ndarray, rate: np.ndarray) -> float:
+        waves = [c.wave for c in self.one.contacts if isinstance(c, Wall) and c.wave]
+        limit = min(waves, default=np.inf) / (12 * abs(z[self.n]) + 1e-300)
+        return min(limit, self.period / 6)
+
+    # --- events
+
+    def named(self, mode: Any, t: float, z: Any) -> list[tuple[int, str, float]]:
+        """Event functions of a mode: contact, name, value."""
+        _, force, at = self.forces(mode, t, z)
+        rows = []
+        for i, word in enumerate(mode):
+            if word == "separation":
+                rows.append((i, "land", -at.place[i]))
+            elif word == "flight":
+                rows.append((i, "impact", at.place[i]))
+            elif word == "contact":
+                rows.append((i, "off", -force[i]))  # the reaction acts along +J
+            else:
+                if word == "stick":
+                    limit = self.laws_of[i].static(at.normal[i])
+                    rows += [(i, "slip+", limit - force[i]), (i, "slip-", limit + force[i])]
+                else:
+                    rows.append((i, "stop", SIGN[word] * at.value[i]))
+                if isinstance(self.one.contacts[i], Touch):
+                    rows.append((i, "separation", at.place[i]))
+        return rows
+
+    def guards(self, mode: Any, t: Any, z: Any) -> np.ndarray:
+        if np.ndim(t) == 0:
+            return np.array([value for *_, value in self.named(mode, t, list(z))])
+        return np.array([self.guards(mode, s, z[:, j]) for j, s in enumerate(t)]).T
+
+    def start(self, z: np.ndarray) -> tuple[str, ...]:
+        at = self.at(0.0, z)
+        words = []
+        for i, contact in enumerate(self.one.contacts):
+            if isinstance(contact, Wall):
+                words.append("flight")
+            elif isinstance(contact, Touch) and at.place[i] < 0:
+                words.append("separation")
+            else:
+                words.append("slip+" if at.value[i] > 0 else "slip-")
+        return tuple(words)
+
+    def leave(self, mode: Any, guard: int, t: float, z: np.ndarray) -> Next:
+        i, kind, _ = self.named(mode, t, list(z))[guard]
+        at = self.at(t, z)
+        if kind == "land":
+            return Next(_with(mode, i, "slip+" if at.value[i] > 0 else "slip-"), z)
+        if kind == "impact":
+            return self.impact(mode, i, t, z, at)
+        if kind in ("off", "separation"):
+            return Next(_with(mode, i, "flight" if kind == "off" else kind), z)
+        if kind != "stop":
+            return Next(self.settled(mode, i, (kind,), t, z), z)
+        return self.stop(mode, i, t, z, at)
+
+    def settled(self, mode: Any, i: int, first: tuple[str, ...], t: float, z: Any) -> tuple[str, ...]:
+        """The mode in which the rates agree with the regimes of all contacts at v_r = 0.
+
+        The others are kept if they can be; else all combinations are tried, and one only may do.
+        """
+        for word in first:
+            if self.lasts(_with(mode, i, word), i, t, z):
+                return _with(mode, i, word)
+        still = [j for j, word in enumerate(mode) if word == "stick" or j == i]
+        some = []
+        for words in product(("stick", "slip+", "slip-"), repeat=len(still)):
+            tried = list(mode)
+            for j, word in zip(still, words, strict=True):
+                tried[j] = word
+            if all(self.lasts(tuple(tried), j, t, z) for j in still):
+                some.append(tuple(tried))
+        if len(some) != 1:
+            raise Undecided(f"{len(some)} modes may follow {mode} at {t!r} s")
+        return some[0]
+
+    def lasts(self, mode: Any, i: int, t: float, z: Any) -> bool:
+        """Whether contact i, at v_r = 0, and those that stick agree with the forces of a mode."""
+        try:
+            rates, force, at = self.forces(mode, t, z)
+        except np.linalg.LinAlgError:
+            return False
+        for j, word in enumerate(mode):
+            if word == "stick" and not abs(force[j]) < self.laws_of[j].static(at.normal[j]):
+                return False
+            if word in SIGN and j == i and not SIGN[word] * (at.J[j] @ rates + at.bias[j]) > 0:
+                return False
+        return True
+
+    def stop(self, mode: Any, i: int, t: float, z: np.ndarray, at: Any) -> Next:
+        """Stick where v_r comes to zero, if the force allows; slip the other way else."""
+        inverse = np.linalg.inv(at.mass)
+        softness = at.J[i] @ inverse @ at.J[i]
+        other = "slip-" if mode[i] == "slip+" else "slip+"
+        if softness * at.mass.max() < DEAD**2:
+            raise Undecided(f"a dead centre at {t!r} s")
+        stuck = _with(mode, i, "stick")
+        held = [j for j, word in enumerate(stuck) if word in ("stick", "contact")]
+        J = at.J[held]
+        z = z.copy()
+        z[self.n :] -= inverse @ J.T @ np.linalg.solve(J @ inverse @ J.T, at.value[held])
+        return Next(self.settled(mode, i, ("stick", other), t, z), z)
+
+    def impact(self, mode: Any, i: int, t: float, z: np.ndarray, at: Any) -> Next:
+        """Newton's restitution along the gradient of the distance; contacts that stuck slip after it."""
+        inverse, e = np.linalg.inv(at.mass), self.one.contacts[i].e
+        speed = -at.value[i]
+        self.fastest[i] = max(self.fastest[i], speed)
+        if e > 0 and speed < FAINT * self.fastest[i]:
+            raise Undecided(f"impacts accumulate at {t!r} s")
+        z = z.copy()
+        push = inverse @ at.J[i]
+        z[self.n :] += push * (1 + e) * speed / (at.J[i] @ push)
+        after = self.at(t, z)
+        words = [
+            ("slip+" if after.value[j] > 0 else "slip-")
+            if word == "stick" and abs(after.value[j]) > 1e-12
+            else word
+            for j, word in enumerate(mode)
+        ]
+        words[i] = "flight"
+        if e == 0:
+            words[i] = "contact"
+            if self.forces(words, t, z)[1][i] > 0:
+                words[i] = "flight"
+        return Next(tuple(words), z, abs(speed))
+
+
+def _with(mode: Any, i: int, word: str) -> tuple[str, ...]:
+    return (*mode[:i], word, *mode[i + 1 :])
+
+
+def _law(law: Law) -> Any:
+    return friction_law(law.name, SimpleNamespace(**dict(law.numbers)))
+
+
+def _numbers(one: Mechanism) -> Any:
+    """A function of t, coordinates and velocities: M, forces without contacts, and the rows of contacts."""
+    n = one.n
+    t = sympy.Symbol("t", real=True)
+    q = sympy.symbols(f"q1:{n + 1}", real=True)
+    v = sympy.symbols(f"v1:{n + 1}", real=True)
+    names = {name: getattr(sympy, name) for name in FUNCTIONS}
+    names |= {f"q{i + 1}": x for i, x in enumerate(q)} | {f"v{i + 1}": x for i, x in enumerate(v)}
+    names["p"] = one.frequency * t
+    energies = (one.kinetic, one.potential, one.dissipation)
+    T, V, D = (sympy.sympify(evaluated(text, names)) for text in energies)
+    loads = [evaluated(text, names) for text in one.loads]
+    momenta = [T.diff(x) for x in v]
+    mass = [[p.diff(x) for x in v] for p in momenta]
+    free = [
+        load + T.diff(x) - V.diff(x) - D.diff(u) - sum(p.diff(y) * w for y, w in zip(q, v)) - p.diff(t)
+        for load, x, u, p in zip(loads, q, v, momenta, strict=True)
+    ]
+    flat = [entry for row in mass for entry in row] + free
+    for contact in one.contacts:
+        zero = sympy.S.Zero
+        if isinstance(contact, Wall):
+            place = sympy.sympify(evaluated(contact.distance, names))
+            value = sum(place.diff(x) * w for x, w in zip(q, v)) + place.diff(t)
+            normal, out = zero, [zero] * n
+        else:
+            value = sympy.sympify(evaluated(contact.speed, names))
+            if isinstance(contact, Rub):
+                place, normal, out = zero, sympy.sympify(evaluated(contact.normal, names)), [zero] * n
+            else:
+                place = sympy.sympify(evaluated(contact.penetration, names))
+                normal, out = contact.k * place + contact.k3 * place**3, [-place.diff(x) for x in q]
+        bias = sum(value.diff(x) * w for x, w in zip(q, v)) + value.diff(t)
+        flat += [value, bias, place, *(value.diff(w) for w in v), *out, normal, zero]
+    return sympy.lambdify((t, *q, *v), flat, modules="math", cse=True)

@@ -1,0 +1,48 @@
+"""Mechanisms that are not the library's, against a reference that shares no code, and against themselves.
+
+Many more: python -m tests.doors --count 2000 --seed 1 [--words]
+"""
+
+from dataclasses import replace
+
+import pytest
+import sympy
+
+from frictionlab.models.symbols import expand_products
+from tests.doors.generate import generate
+from tests.doors.judge import AGREES, compared, judge, predict, run_of
+from tests.doors.metamorphic import OTHER_WORDS, applies, complaint
+
+PERIODS = 6.0
+# Masses that depend on time (17, 24); several contacts that come to rest at one instant (25).
+NUMBERS = (17, 24, 25)
+
+
+@pytest.mark.parametrize("number", NUMBERS)
+def test_a_random_mechanism_moves_as_the_reference(number):
+    one = generate(1, number)
+    verdict = judge(one, PERIODS * one.period)
+    assert (verdict.kind, verdict.words) == (AGREES, "")
+    assert verdict.events > 0 or not one.contacts
+
+
+@pytest.mark.parametrize("words", OTHER_WORDS)
+def test_the_same_mechanism_in_other_words_moves_alike(words):
+    number = next(k for k in range(20, 60) if applies(words, generate(1, k)) and generate(1, k).n < 3)
+    assert complaint(words, 1, number, PERIODS * generate(1, number).period) == ""
+
+
+def test_a_run_with_another_mass_is_seen():
+    one = generate(1, 16)
+    heavier = replace(one, kinetic=f"({one.kinetic})*1.00001")
+    known = predict(one, PERIODS * one.period)
+    run = run_of(heavier, PERIODS * one.period, t_eval=known.motion.t)
+    assert compared(one, known, run, 1e-15).failed
+
+
+def test_products_are_expanded_without_the_arguments_of_functions():
+    v, q = sympy.symbols("v q")
+    peak = sympy.exp(-(((0.2 - v) / 0.0035) ** 2))  # exp(-3265), a part of it, is zero in floats
+    expanded = expand_products((1.0 + peak) * (q + 2.0))
+    assert peak in expanded.atoms(sympy.exp)
+    assert float(expanded.subs({v: 0.2, q: 1.0})) == 6.0
