@@ -36,6 +36,21 @@ def write_text(path: Path, text: str) -> Path:
     return path
 
 
+def read_file(path: Path, cure: str) -> bytes:
+    """The content of a file; OSError, with what can be done, for a folder, a pipe, or what cannot be read.
+
+    A pipe would wait for ever for somebody to write.
+    """
+    try:
+        if not stat.S_ISREG(os.stat(path).st_mode) and not path.is_dir():
+            raise OSError(f"{path} must be a file, it is a pipe or a device: {cure}")
+        return path.read_bytes()
+    except OSError as error:
+        if error.errno is None:
+            raise
+        raise with_cure(error, path, cure) from error
+
+
 @contextmanager
 def replace_file(path: Any) -> Iterator[Any]:
     """Context that gives another path to write to: of the same name, in a new folder beside `path`.

@@ -28,6 +28,8 @@ from types import TracebackType
 from typing import Any, ClassVar
 from weakref import WeakSet
 
+from frictionlab.validation import check_flag
+
 POLL_TIME = 0.1  # seconds between two looks at ctrl-C while something else computes
 
 # Functions of `signal` make enums, which takes longer than all else of a short run's handlers; those of
@@ -188,8 +190,7 @@ def progress(shown: bool) -> ProgressSetting:
     >>> with fl.progress(False):
     ...     run = fl.simulate(fl.SliderOnBelt(), 0.1)
     """
-    if not isinstance(shown, bool):
-        raise TypeError(f"shown must be True or False, got {shown!r}: write fl.progress(False)")
+    shown = check_flag("shown", shown, "write fl.progress(False)")
     setting = ProgressSetting(_switch["shown"])
     _switch["shown"] = shown
     return setting

@@ -28,9 +28,10 @@ from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models import MechanicalModel
 from frictionlab.models.composition import parameter_metadata
 from frictionlab.models.mechanical.mechanics import Mechanics, Stop
-from frictionlab.models.model import Model
+from frictionlab.models.model import Model, require_model
 from frictionlab.models.serialisation import component_from_dict, component_to_dict
 from frictionlab.models.symbols import structure_of_component, symbol, symbolic_copy
+from frictionlab.validation import abbreviate, check_number
 
 __all__ = ["check_law", "check_model"]
 
@@ -42,7 +43,7 @@ LAW_RTOL = 1e-12
 
 def fail(subject: Any, rule: str, got: Any) -> None:
     """Raise AssertionError with what is checked, the rule, and what there is instead."""
-    raise AssertionError(f"{subject!r}: {rule}, got {got!r}")
+    raise AssertionError(f"{subject!r}: {rule}, got {abbreviate(got)}")
 
 
 def check_parameters(subject: Component, known: Mapping[str, Parameter]) -> None:
@@ -59,7 +60,13 @@ def check_parameters(subject: Component, known: Mapping[str, Parameter]) -> None
 
 def check_round_trip(subject: Component) -> None:
     """Fail unless the repr, as an expression, and the dictionary each make the object again."""
-    again = eval(repr(subject), _class_names(subject))
+    names, text = _class_names(subject), repr(subject)
+    for kind in names.values():  # that of a class in a function or a class, as dataclasses write it
+        text = text.replace(kind.__qualname__, kind.__name__)
+    try:
+        again = eval(text, names)
+    except Exception as error:
+        again = f"{text}, which fails with {type(error).__name__}: {error}"
     if again != subject:
         fail(subject, "its repr must make it again", again)
     again = component_from_dict(component_to_dict(subject), type(subject))
@@ -101,7 +108,7 @@ def check_law(law: Component) -> None:
     """
     kind = next((kind for kind in LAW_CHECKS if isinstance(law, kind)), None)
     if kind is None:
-        raise TypeError(f"law must be a ContactLaw, FrictionLaw or ImpactLaw, got {law!r}")
+        raise TypeError(f"law must be a ContactLaw, FrictionLaw or ImpactLaw, got {abbreviate(law)}")
     check_parameters(law, parameters_of(type(law)))
     check_round_trip(law)
     LAW_CHECKS[kind](law)
@@ -146,12 +153,22 @@ def _consistent_values(law: Any, method: str, *arguments: Any) -> Any:
         getattr(symbolic_copy(structure_of_component(law)), method)(*symbols), strict=True
     ).subs(numbers)
     for i, row in enumerate(zip(*arguments, strict=True)):
-        exact = float(formula.subs(dict(zip(symbols, map(float, row), strict=True))))
-        single = float(getattr(law, method)(*map(float, row)))
+        at = tuple(map(float, row))
+        exact = _real(law, method, at, formula.subs(dict(zip(symbols, at, strict=True))))
+        single = _real(law, method, at, getattr(law, method)(*at))
         if not np.allclose([values[i], single], exact, rtol=LAW_RTOL, atol=0.0):
             rule = f"{method} must give the same for symbols ({exact}), numbers and arrays at {row}"
             fail(law, rule, (single, values[i]))
     return values
+
+
+def _real(law: Any, method: str, at: tuple[float, ...], value: Any) -> float:
+    """The value as a number; fails for a complex one, as of a root of a negative number."""
+    try:
+        return float(value)
+    except TypeError:
+        fail(law, f"{method} must give a real number at {at}", value)
+        raise
 
 
 LAW_CHECKS: dict[type, Callable[[Any], None]] = {
@@ -203,6 +220,8 @@ def check_model(model: Model, t_end: float = 1.0) -> Trajectory:
     AssertionError
         With the rule that the model breaks, and what there is instead.
     """
+    require_model(model)
+    t_end = check_number("t_end", t_end, above=0.0, cure="give the length of the run in seconds")
     check_parameters(model, parameter_metadata(type(model), model.components))
     check_round_trip(model)
     _check_equations(model)

@@ -7,15 +7,24 @@ only where it is needed.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+import os
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from difflib import get_close_matches
+from functools import wraps
+from itertools import islice
 from numbers import Real
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     import numpy as np
 
+P = ParamSpec("P")
+R = TypeVar("R")
 MAX_CHARACTERS = 100  # characters of a value that a message shows
+MAX_PATH = 4096  # characters of a path: no system takes longer ones
+MAX_ELEMENTS = 50  # elements of a value of which a message could show anything
 
 
 def plain_number(value: Any) -> Any:
@@ -24,13 +33,6 @@ def plain_number(value: Any) -> Any:
     Such arrays are what numpy and xarray give for one element or a mean.
     """
     return value.item() if getattr(value, "shape", None) == () and hasattr(value, "item") else value
-
-
-def store_plain_numbers(settings: Any) -> None:
-    """Replace zero-dimensional arrays among the fields of a frozen dataclass by the numbers they hold."""
-    for name, value in list(vars(settings).items()):
-        if (number := plain_number(value)) is not value:
-            object.__setattr__(settings, name, number)
 
 
 def check_number(
@@ -44,7 +46,10 @@ def check_number(
     below: float = math.inf,
     cure: str = "",
 ) -> Any:
-    """The value as a plain number; raises unless it is finite and within the bounds."""
+    """The value as a plain number, 4.0 as the integer 4 where one is asked for.
+
+    Raises ValueError unless it is finite and within the bounds.
+    """
     value = plain_number(value)
     kind = "an integer" if integer else "a finite number"
     rules = [kind]
@@ -58,49 +63,175 @@ def check_number(
         or (integer and value != int(value))
         or not (least <= value <= most and above < value < below)
     ):
-        raise ValueError(f"{name} must be {', '.join(rules)}, got {value!r}" + (f": {cure}" if cure else ""))
-    return value
+        raise ValueError(
+            f"{name} must be {', '.join(rules)}, got {abbreviate(value)}" + (f": {cure}" if cure else "")
+        )
+    return int(value) if integer else value
 
 
 def _is_number(value: Any) -> bool:
-    return isinstance(value, Real) and not isinstance(value, bool) and math.isfinite(float(value))
+    if not isinstance(value, Real) or isinstance(value, bool):
+        return False
+    try:
+        return math.isfinite(float(value))
+    except OverflowError:  # an integer such as 10**400
+        return False
 
 
-def check_mapping(name: str, value: Any, cure: str) -> None:
-    """Raise unless `value` is a mapping."""
+def check_field(settings: Any, name: str, **rules: Any) -> None:
+    """Check one number of a frozen dataclass by :func:`check_number`, and store it as a plain number."""
+    object.__setattr__(settings, name, check_number(name, getattr(settings, name), **rules))
+
+
+def check_flag(name: str, value: Any, cure: str = "") -> bool:
+    """The value as a truth value; raises for what Python only takes for one, such as the text "no"."""
+    value = plain_number(value)
+    if not isinstance(value, bool):
+        cure = cure or f"write {name}=False"
+        raise TypeError(f"{name} must be True or False, got {abbreviate(value)}: {cure}")
+    return value
+
+
+def check_text(name: str, value: Any, cure: str, most: int = 100_000) -> str:
+    """The value, if it is a text of at most so many characters."""
+    if not isinstance(value, str) or len(value) > most:
+        rule = f"a text of at most {most} characters" if isinstance(value, str) else "a text"
+        raise ValueError(f"{name} must be {rule}, got {abbreviate(value)}: {cure}")
+    return value
+
+
+def check_mapping(name: str, value: Any, cure: str, keys: type = str) -> None:
+    """Raise unless `value` is a mapping whose keys are texts, or of another class."""
     if not isinstance(value, Mapping):
         raise ValueError(f"{name} must be a mapping, got {abbreviate(value)}: {cure}")
+    for key in value:
+        if not isinstance(key, keys):
+            kind = "names" if keys is str else f"of the class {keys.__name__}"
+            raise ValueError(f"the keys of {name} must be {kind}, got {abbreviate(key)}: {cure}")
 
 
-def float_array(name: str, values: Any, cure: str) -> np.ndarray:
-    """The values as a new array of floats; raises unless they are numbers."""
+def is_sequence(value: Any) -> bool:
+    """Whether it is a list, a tuple or an array: a text, a mapping, a set and one number are not."""
+    if isinstance(value, (str, bytes)):
+        return False
+    return isinstance(value, Sequence) or (hasattr(value, "__array__") and getattr(value, "ndim", 0) > 0)
+
+
+def check_sequence(name: str, value: Any, cure: str) -> tuple[Any, ...]:
+    """The elements of a list, a tuple or an array."""
+    if not is_sequence(value):
+        raise ValueError(f"{name} must be a sequence such as a list, got {abbreviate(value)}: {cure}")
+    return tuple(value)
+
+
+def check_pair(name: str, value: Any, rule: str, cure: str) -> tuple[Any, Any]:
+    """The two elements of a list or a tuple, which the `rule` names: "a parameter and its values"."""
+    if not isinstance(value, (list, tuple)) or len(value) != 2:
+        raise ValueError(f"{name} must be {rule}, got {abbreviate(value)}: {cure}")
+    return value[0], value[1]
+
+
+def check_limits(name: str, value: Any, cure: str, *, positive: str = "") -> tuple[float, float]:
+    """Two finite numbers in ascending order; above 0 where `positive` says why: "where log=True"."""
+    rule = "two numbers in ascending order" + (f", above 0 {positive}" if positive else "")
+    pair = tuple(value) if is_sequence(value) else ()
+    numbers = [plain_number(each) for each in pair]
+    if len(pair) == 2 and all(map(_is_number, numbers)):
+        low, high = map(float, numbers)
+        if low < high and (low > 0.0 or not positive):
+            return low, high
+    raise ValueError(f"{name} must be {rule}, got {abbreviate(value)}: {cure}")
+
+
+def _is_file_name(text: str) -> bool:
+    return 0 < len(text) <= MAX_PATH and "\0" not in text
+
+
+def check_path(name: str, value: Any, suffixes: Sequence[str] = (), cure: str = "") -> Path:
+    """The path of a file, with one of the suffixes where there are any; upper or lower case."""
+    from pathlib import Path
+
+    if not isinstance(value, (str, os.PathLike)) or not _is_file_name(str(value)):
+        raise ValueError(
+            f"{name} must be the path of a file, got {abbreviate(value)}: {cure or 'give its name as a text'}"
+        )
+    path = Path(value)
+    if suffixes and path.suffix.lower() not in suffixes:
+        raise ValueError(
+            f"{name} must end in {' or '.join(suffixes)}, got {abbreviate(str(value))}: "
+            f"{cure or f'write {path.stem[:MAX_CHARACTERS]}{suffixes[0]}'}"
+        )
+    return path
+
+
+def float_array(name: str, values: Any, cure: str, *, finite: bool = False) -> np.ndarray:
+    """The values as a new array of floats; raises unless they are real numbers, finite ones if so asked.
+
+    An imaginary part, a mask, a text or None would be lost without a word.
+    """
     import numpy as np
 
+    def refusal(rule: str) -> ValueError:
+        return ValueError(f"{name} must hold {rule}, got {abbreviate(values)}: {cure}")
+
+    if np.ma.is_masked(values):
+        raise refusal("numbers without a mask")
     try:
-        return np.array(values, dtype=float)
-    except (TypeError, ValueError):
-        raise ValueError(f"{name} must hold numbers, got {abbreviate(values)}: {cure}") from None
+        given = np.array(values)
+        if given.dtype.kind not in "iufO":
+            raise TypeError
+        numbers = given if given.dtype.kind != "O" else np.array(_floats(given.tolist()), dtype=float)
+    except (TypeError, ValueError, OverflowError, RecursionError):
+        raise refusal("numbers") from None
+    if finite and not np.isfinite(numbers).all():
+        raise refusal("finite numbers")
+    return numbers.astype(float, copy=False)
+
+
+def _floats(values: Any) -> Any:
+    """Numbers of any class, such as fractions, in nested lists, as floats."""
+    if isinstance(values, list):
+        return [_floats(each) for each in values]
+    if values is None or isinstance(values, (bool, str, bytes)) or not hasattr(values, "__float__"):
+        raise TypeError
+    return float(values)
 
 
 def abbreviate(value: Any) -> str:
-    """The value as a message shows it, cut if it is long."""
-    text = repr(value.tolist() if hasattr(value, "tolist") else value)  # an array as a list
+    """The value as a message shows it, cut if it is long: an array as a list."""
+    try:
+        text = repr(_beginning(value.tolist() if hasattr(value, "tolist") else value))
+    except Exception:  # a repr may do anything; integers of 4300 digits have none
+        text = f"a value of the class {type(value).__name__}"
+    text = text if text.isprintable() else text.encode("unicode_escape").decode()
     return text if len(text) <= MAX_CHARACTERS else f"{text[:MAX_CHARACTERS]}..."
 
 
-def check_choice(name: str, value: Any, choices: Sequence[str], cure: str = "") -> None:
+def _beginning(value: Any) -> Any:
+    """The beginning of a text or a list, of which no more than that can be shown."""
+    if isinstance(value, (str, bytes)):
+        return value[: 2 * MAX_CHARACTERS]
+    if type(value) in (list, tuple, set, frozenset) and len(value) > MAX_ELEMENTS:
+        return list(islice(value, MAX_ELEMENTS))
+    return value
+
+
+def check_choice(name: str, value: Any, choices: Iterable[str], cure: str = "") -> None:
     """Raise unless `value` is one of `choices`; suggests the nearest, or the cure where none is near."""
-    if value not in choices:
+    choices = tuple(choices)
+    if not isinstance(value, str) or value not in choices:
         allowed = ", ".join(map(repr, choices))
         hint = did_you_mean(value, choices) or (f": {cure}" if cure else "")
-        raise ValueError(f"{name} must be one of {allowed}, got {value!r}{hint}")
+        raise ValueError(f"{name} must be one of {allowed}, got {abbreviate(value)}{hint}")
 
 
 def nearest_name(name: Any, known: Iterable[str]) -> str | None:
     """The known name that was probably meant, whatever the case of its letters; None where none is near."""
+    if not isinstance(name, str):
+        return None
     names = list(known)
     lower = [each.lower() for each in names]
-    near = get_close_matches(str(name).lower(), lower, n=1)
+    near = get_close_matches(name[:MAX_CHARACTERS].lower(), lower, n=1)
     return names[lower.index(near[0])] if near else None
 
 
@@ -117,11 +248,48 @@ def did_you_mean_or_known(name: Any, known: Iterable[str]) -> str:
     return did_you_mean(name, names) or listed
 
 
+# What arguments of other libraries are called here.
+ELSEWHERE = {
+    "rtol": "tolerances are the method's: write method=fl.Taylor(tol=1e-10)",
+    "atol": "tolerances are the method's: write method=fl.Taylor(tol=1e-10)",
+    "tol": "it is the method's: write method=fl.Taylor(tol=1e-10)",
+    "t_span": "a run begins at 0: give its end as t_end",
+    "y0": "initial states are given as x0",
+    "max_step": "steps are the method's: write method=fl.Scipy(max_step=0.01)",
+    "events": "give crossings to be recorded as sections",
+    "dense_output": "a run always has it: write run(t)",
+}
+
+
 def check_keywords(function: str, given: Iterable[str], known: Iterable[str]) -> None:
     """Raise TypeError for a keyword that the function does not take."""
+    known = tuple(known)
     for name in given:
         if name not in known:
-            raise TypeError(f"{function} takes no {name!r}{did_you_mean(name, known)}")
+            hint = f": {ELSEWHERE[name]}" if name in ELSEWHERE else did_you_mean(name, known)
+            raise TypeError(f"{function} takes no {abbreviate(name)}{hint}")
+
+
+def explains_keywords(function: Callable[P, R]) -> Callable[P, R]:
+    """Let a function answer an unknown keyword with what was meant, by :func:`check_keywords`."""
+    code = function.__code__
+    known = code.co_varnames[: code.co_argcount + code.co_kwonlyargcount]
+    names = frozenset(known)
+
+    @wraps(function)
+    def call(*arguments: P.args, **keywords: P.kwargs) -> R:
+        if not names.issuperset(keywords):
+            check_keywords(function.__name__, keywords, known)
+        return function(*arguments, **keywords)
+
+    return call
+
+
+def check_key(what: str, key: Any, known: Iterable[str]) -> None:
+    """Raise KeyError unless `key` is one of the names that a result has."""
+    names = list(known)
+    if not isinstance(key, str) or key not in names:
+        raise KeyError(f"no {what} {abbreviate(key)}: name one of {', '.join(names) or 'none'}")
 
 
 def unknown_parameter(owner: str, name: Any, known: Sequence[str], hint: str = "") -> TypeError:
@@ -129,7 +297,9 @@ def unknown_parameter(owner: str, name: Any, known: Sequence[str], hint: str = "
 
     A TypeError, as Python's for an unknown keyword, since parameters are keywords of models.
     """
-    return TypeError(f"{owner} has no parameter {name!r}{hint or did_you_mean_or_known(name, known)}")
+    return TypeError(
+        f"{owner} has no parameter {abbreviate(name)}{hint or did_you_mean_or_known(name, known)}"
+    )
 
 
 def with_cure(error: OSError, path: Any, cure: str) -> OSError:

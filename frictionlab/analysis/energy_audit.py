@@ -18,7 +18,7 @@ from frictionlab.automaton import HybridAutomaton
 from frictionlab.automaton.mode import JOINT
 from frictionlab.hybrid.expression_functions import array_function
 from frictionlab.hybrid.problem import evaluate_output
-from frictionlab.hybrid.trajectory import Trajectory
+from frictionlab.hybrid.trajectory import Trajectory, check_run
 from frictionlab.interruption import progress_bar
 from frictionlab.models import MechanicalModel
 from frictionlab.models.mechanical.contact_regimes import APART, CHATTER_MODE, material_rate
@@ -27,6 +27,7 @@ from frictionlab.models.mechanical.mechanics import Friction, Stop
 from frictionlab.models.mechanical.modes import contact_suffix
 from frictionlab.models.symbols import Structure, parameter_symbols, structure_of_component, structure_values
 from frictionlab.presentation import Drawable, FrozenMapping, shorten
+from frictionlab.validation import check_flag
 
 # Exact for contact laws that are polynomials in sqrt(penetration).
 CONTACT_NODES, CONTACT_WEIGHTS = np.polynomial.legendre.leggauss(12)
@@ -440,6 +441,7 @@ def energy_audit(run: Trajectory, *, progress: bool = True) -> EnergyAudit:
     >>> bool(audit.works["belt drive"][-1] > 0 > audit.works["friction"][-1])
     True
     """
+    check_flag("progress", progress)
     balance = _balance(run)
     edges = np.unique(np.concatenate([[0.0], run.raw.step_times[:, 0], run.t, [run.raw.t]]))
     net, gross = _work_integrals(run, balance, edges, progress)
@@ -463,8 +465,7 @@ def energy_audit(run: Trajectory, *, progress: bool = True) -> EnergyAudit:
 
 
 def _balance(run: Any) -> Balance:
-    if not isinstance(run, Trajectory):
-        raise TypeError(f"run must be a Trajectory, got {run!r}: give what frictionlab.simulate returns")
+    check_run(run)
     if not isinstance(run.source, MechanicalModel):
         of = type(run.automaton if run.source is None else run.source).__name__
         raise ValueError(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -22,13 +22,14 @@ from frictionlab.hybrid.tape.arguments import check_automaton
 from frictionlab.hybrid.tape.packing import program_of
 from frictionlab.interruption import Progress, interruption
 from frictionlab.models.model import automaton_of
-from frictionlab.validation import check_number
+from frictionlab.validation import abbreviate, check_flag, check_number, explains_keywords, is_sequence
 
 __all__ = ["BatchResult", "ensemble"]
 
 MOST_MODES_IN_LANES = 81  # those of four contacts; deriving more takes longer than lanes save
 
 
+@explains_keywords
 def ensemble(
     models: Sequence[Any],
     t_end: float,
@@ -77,13 +78,16 @@ def ensemble(
     >>> ends.states.shape
     (3, 8)
     """
+    check_flag("progress", progress)
     chosen = method_of(method)
     if not isinstance(chosen, Taylor):
-        raise ValueError(f"method must be 'taylor' or a Taylor, got {method!r}: use fl.sweep for others")
+        raise ValueError(
+            f"method must be 'taylor' or a Taylor, got {abbreviate(method)}: use fl.sweep for others"
+        )
     t_end = check_number("t_end", t_end, above=0.0, cure="give the length of the runs in seconds")
-    if not isinstance(models, Iterable):
+    if not is_sequence(models):
         raise TypeError(
-            f"models must be a sequence of models, got {models!r}: write [model], or [model] * 100"
+            f"models must be a sequence of models, got {abbreviate(models)}: write [model], or [model] * 100"
         )
     models = list(models)
     if not models:

@@ -14,9 +14,11 @@ from frictionlab.hybrid.variational.tangent_flow import tangent_growth
 from frictionlab.interruption import interruption, progress_bar
 from frictionlab.models.model import automaton_of
 from frictionlab.presentation import Drawable, shorten
-from frictionlab.validation import check_number
+from frictionlab.validation import check_flag, check_number, explains_keywords
 
 from .motion_scales import Array, state_scales
+
+MAX_BLOCKS = 1_000_000  # each is a run
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -52,6 +54,7 @@ class LyapunovSpectrum(Drawable):
         return bool(self.exponents[0] > 3.0 * self.standard_errors[0])
 
 
+@explains_keywords
 def lyapunov(
     model: Any,
     x0: Any = "rest",
@@ -100,9 +103,10 @@ def lyapunov(
     >>> found.chaotic
     False
     """
+    check_flag("progress", progress)
     transient = check_number("transient", transient, least=0.0, cure="give the seconds to throw away")
     t_end = check_number("t_end", t_end, above=0.0, cure="give the seconds to average over")
-    blocks = check_number("blocks", blocks, integer=True, least=2, cure="20 parts are usual")
+    blocks = check_number("blocks", blocks, integer=True, least=2, most=MAX_BLOCKS, cure="20 parts are usual")
     automaton = automaton_of(model)
     state = initial_state_of(model, x0, automaton)
     if transient:

@@ -12,10 +12,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionlab.hybrid.trajectory import Trajectory
+from frictionlab.hybrid.trajectory import Trajectory, check_run
 from frictionlab.models import Model
 from frictionlab.presentation import Drawable, count
-from frictionlab.validation import check_choice
+from frictionlab.validation import check_choice, check_number
 
 Array = NDArray[np.float64]
 
@@ -96,6 +96,7 @@ MAX_PERIODS = (
 # samples per period of f_max, so that the high harmonics of kinks are not aliased into view
 OVERSAMPLING = 16
 MIN_LINES = 5
+MAX_SAMPLES = 1e7  # of a spectrum: a minute of computation
 
 
 class Spectrum(NamedTuple):
@@ -128,6 +129,7 @@ class Spectrum(NamedTuple):
         determines: frequencies are right to some hundredths of the resolution, and amplitudes to some
         thousandths, where other peaks are several lines away.
         """
+        check_number("share", share, least=0.0, below=1.0, cure="0.05 is usual")
         a = self.amplitudes
         i = 1 + np.flatnonzero((a[1:-1] > a[:-2]) & (a[1:-1] >= a[2:]) & (a[1:-1] > share * a.max()))
         ratio = np.maximum(a[i - 1], a[i + 1]) / a[i]
@@ -161,14 +163,28 @@ def amplitude_spectrum(
     Spectrum or None
         None where the part is too short to resolve five lines up to `f_max`.
     """
+    check_run(run)
     shown: str = run.names[0] if name is None else name
     check_choice("name", shown, run.names)
-    f_max = f_max or highest_frequency(run.source)
     stop = float(run.raw.t)
-    length = min(stop / 2, MAX_PERIODS * oscillation_period(run.source)) if start is None else stop - start
+    if f_max is None:
+        f_max = highest_frequency(run.source)
+    else:
+        f_max = float(
+            check_number("f_max", f_max, above=0.0, cure="leave it out for six times the model's own")
+        )
+    if start is None:
+        length = min(stop / 2, MAX_PERIODS * oscillation_period(run.source))
+    else:
+        cure = "give a time of the run, in seconds"
+        length = stop - check_number("start", start, least=0.0, most=stop, cure=cure)
     if length * f_max < MIN_LINES:
         return None
-    count = int(np.ceil(length * f_max * OVERSAMPLING))
+    samples = length * f_max * OVERSAMPLING
+    check_number(
+        "the number of samples", samples, most=MAX_SAMPLES, cure="lower f_max, or give a later start"
+    )
+    count = int(np.ceil(samples))
     t = np.clip(stop - length + np.arange(count) * (length / count), 0.0, stop)
     x = run(t)[:, run.names.index(shown)]
     window = 0.5 - 0.5 * np.cos(2 * np.pi * np.arange(count) / count)

@@ -14,7 +14,7 @@ from typing import Any, TypedDict
 
 from frictionlab.hybrid.methods.base import Method
 from frictionlab.hybrid.solve import method_of
-from frictionlab.validation import abbreviate, check_number, did_you_mean, store_plain_numbers
+from frictionlab.validation import abbreviate, check_field, check_flag, check_path, did_you_mean
 
 from .steady_state.poincare_sections import Section
 
@@ -64,13 +64,12 @@ class SteadyStateOptions:
     rtol: float = 1e-3
 
     def __post_init__(self) -> None:
-        store_plain_numbers(self)
-        check_number("window", self.window, above=0.0, cure="give the seconds to look at")
-        check_number("transient", self.transient, least=0.0, cure="give the seconds to throw away")
-        check_number("tolerance", self.tolerance, above=0.0, cure="1e-6 suits the exact solver")
-        check_number("rtol", self.rtol, above=0.0, below=1.0, cure="1e-3 suits attractors well apart")
+        check_field(self, "window", above=0.0, cure="give the seconds to look at")
+        check_field(self, "transient", least=0.0, cure="give the seconds to throw away")
+        check_field(self, "tolerance", above=0.0, cure="1e-6 suits the exact solver")
+        check_field(self, "rtol", above=0.0, below=1.0, cure="1e-3 suits attractors well apart")
         if self.t_max is not None:
-            check_number("t_max", self.t_max, above=0.0, cure="give the most seconds to go on for")
+            check_field(self, "t_max", above=0.0, cure="give the most seconds to go on for")
         object.__setattr__(self, "method", method_of(self.method))
 
     @property
@@ -114,11 +113,16 @@ class Execution:
     progress: bool = True
 
     def __post_init__(self) -> None:
-        store_plain_numbers(self)
         if self.workers is not None:
-            check_number(
-                "workers", self.workers, integer=True, least=1, cure="leave it out for all processors"
+            check_field(self, "workers", integer=True, least=1, cure="leave it out for all processors")
+        if self.executor is not None and not callable(getattr(self.executor, "submit", None)):
+            raise TypeError(
+                f"executor must be one of concurrent.futures, got {abbreviate(self.executor)}: "
+                "give one such as ProcessPoolExecutor(), or workers=2 for threads"
             )
+        if self.resume is not None:
+            check_path("resume", self.resume)
+        check_flag("progress", self.progress)
 
 
 class SteadyStateKeywords(TypedDict, total=False):

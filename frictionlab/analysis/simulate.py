@@ -35,7 +35,7 @@ from frictionlab.models.mechanical.masses import check_masses
 from frictionlab.models.model import Model, automaton_of, require_model
 from frictionlab.models.symbols import automaton_from_structure_data
 from frictionlab.stability.eigenproblems.displaced_equilibrium import displaced_equilibrium
-from frictionlab.validation import abbreviate, check_choice, float_array, plain_number
+from frictionlab.validation import abbreviate, check_choice, explains_keywords, float_array, plain_number
 
 RATES_RTOL = 1e-9  # rates by the same equations agree to rounding, on every processor
 
@@ -53,7 +53,8 @@ def model_initial_state(model: Any, x0: Any, automaton: Any = None) -> Any:
         return state_from_mapping(automaton, x0, model_initial_state(model, "rest", automaton))
     n, names = len(model.coordinates), list(automaton.state_names)
     if not isinstance(x0, str):
-        return np.append(x0, np.zeros(len(names) - 2 * n)) if np.shape(x0) == (2 * n,) else x0
+        given = float_array("x0", x0, f"give a number for each of the states {', '.join(names)}")
+        return np.append(given, np.zeros(len(names) - 2 * n)) if given.shape == (2 * n,) else given
     check_choice("x0", x0, ("rest", "near"), "or give numbers, one for each state")
     if x0 == "near":
         return displaced_equilibrium(model)
@@ -76,22 +77,19 @@ def named_state(x0: Any) -> Any:
     """An initial state as data that JSON can hold; names stay names."""
     if isinstance(x0, Mapping):
         return {name: plain_number(value) for name, value in x0.items()}
-    return x0 if isinstance(x0, str) else np.asarray(x0, dtype=float).tolist()
+    return x0 if isinstance(x0, str) else float_array("x0", x0, "give a number for each state").tolist()
 
 
 def initial_state_of(model: Any, x0: Any, automaton: HybridAutomaton | None = None) -> np.ndarray:
     """The initial state (n,) of a run of a model or an automaton; raises for a bad `x0`."""
     automaton = automaton_of(model) if automaton is None else automaton
-    names, size = ", ".join(automaton.state_names), len(automaton.state_names)
-    rule = f"a finite number for each of the states {names}"
-    start = float_array("x0", model_initial_state(model, x0, automaton), f"give {rule}")
-    if start.shape != (size,) or not np.isfinite(start).all():
-        raise ValueError(f"x0 must hold {rule}, got {abbreviate(x0)}: give {size} numbers, in this order")
+    start = state_from_x0(automaton, model_initial_state(model, x0, automaton))
     if isinstance(model, MechanicalModel):
         check_masses(model, start)
     return start
 
 
+@explains_keywords
 def simulate(
     model: Any,
     t_end: float,

@@ -29,7 +29,7 @@ from frictionlab.hybrid.solve import RunOptions, method_of, run_automaton
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models.model import automaton_of
 from frictionlab.presentation import Drawable
-from frictionlab.validation import check_number
+from frictionlab.validation import check_flag, check_number, explains_keywords
 
 NEIGHBOUR_OFFSET = (
     # share of the initial motion by which the neighbouring run's start is changed, to show how far the motion
@@ -93,6 +93,7 @@ class Verification(Drawable):
         return f"Verification({self.verdict})"
 
 
+@explains_keywords
 def verify(
     model: Any, t_end: float, *, x0: Any = "rest", method: str | Method = "taylor", progress: bool = True
 ) -> Verification:
@@ -133,6 +134,7 @@ def verify(
     >>> found.ok, found.until, found.events_agree
     (True, 1.0, True)
     """
+    check_flag("progress", progress)
     chosen = method_of(method)
     t_end = check_number("t_end", t_end, above=0.0, cure="give the length of the run in seconds")
     start = initial_state_of(model, x0)

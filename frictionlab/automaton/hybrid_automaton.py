@@ -6,7 +6,15 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, ClassVar, NamedTuple
 
-from frictionlab.validation import unknown_parameter
+from frictionlab.validation import (
+    abbreviate,
+    check_field,
+    check_key,
+    check_mapping,
+    check_number,
+    check_sequence,
+    unknown_parameter,
+)
 
 from .mode import Mode, ModesOnDemand, Symbol, check_elements, names_of_regimes
 
@@ -76,12 +84,19 @@ class HybridAutomaton:
     def __post_init__(self) -> None:
         if not isinstance(self.modes, ModesOnDemand):
             check_elements("modes", self.modes, Mode)
-        for what, symbols in {"states": self.states, "parameters": self.parameters}.items():
-            if words := [s for s in symbols if isinstance(s, str)]:
-                raise TypeError(
-                    f"{what} must be symbols, got {words[0]!r}: make them with sympy.symbols, and write the "
-                    "expressions with these"
-                )
+        cure = "make them with sympy.symbols, and write the expressions with these"
+        states = check_sequence("states", self.states, cure)
+        check_mapping("parameters", self.parameters, "give symbols their values, {k: 1.0}", keys=object)
+        for what, symbols in {"states": states, "parameters": self.parameters}.items():
+            if others := [s for s in symbols if isinstance(s, str) or not getattr(s, "is_Symbol", False)]:
+                raise TypeError(f"{what} must be symbols, got {abbreviate(others[0])}: {cure}")
+        check_field(
+            self,
+            "coordinates",
+            integer=True,
+            least=0,
+            cure="count the coordinates, which come first in states",
+        )
 
     def __getattr__(self, name: str) -> Any:  # for the fields that are derived late
         if self._late is None or name not in LATE_FIELDS:
@@ -152,10 +167,8 @@ class HybridAutomaton:
         """
         if isinstance(self.modes, ModesOnDemand):
             return self.modes.named(name)
-        found = next((mode for mode in self.modes if mode.name == name), None)
-        if found is None:
-            raise KeyError(f"no mode is called {name!r}: the modes are {', '.join(self.names)}")
-        return found
+        check_key("mode", name, self.names)
+        return next(mode for mode in self.modes if mode.name == name)
 
     def replace(self, **values: float) -> HybridAutomaton:
         """The automaton with other values of parameters, by their names.
@@ -169,6 +182,10 @@ class HybridAutomaton:
         for name in values:
             if name not in known:
                 raise unknown_parameter("HybridAutomaton", name, list(known))
+            if not getattr(values[name], "is_real", False):  # of sympy, such as pi
+                check_number(
+                    f"the parameter {name}", values[name], cure=f"give it one, such as replace({name}=1.0)"
+                )
         if self._late is not None:
             return late_automaton(self._late._replace(values=known | values))
         symbols = {symbol.name: symbol for symbol in self.parameters}

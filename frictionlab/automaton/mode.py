@@ -13,7 +13,15 @@ from itertools import islice, product
 from threading import Lock
 from typing import Any, NamedTuple, overload
 
-from frictionlab.validation import check_choice
+from frictionlab.validation import (
+    abbreviate,
+    check_choice,
+    check_flag,
+    check_mapping,
+    check_number,
+    check_sequence,
+    check_text,
+)
 
 # sympy's types, named without importing sympy: this package only carries them.
 Expr = Any
@@ -37,6 +45,14 @@ class Reset:
 
     jump: Mapping[Symbol, Expr] = field(default_factory=dict)
     vanishing: Mapping[Expr, int] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        check_mapping("jump", self.jump, "give states their values after the event", keys=object)
+        check_mapping(
+            "vanishing", self.vanishing, "give expressions the numbers of coefficients", keys=object
+        )
+        for count in self.vanishing.values():
+            check_number("a count in vanishing", count, integer=True, least=0, cure="1 is the value alone")
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,11 +81,16 @@ class Event:
     accumulation: Reset | None = None
 
     def __post_init__(self) -> None:
-        if isinstance(self.targets, str):
+        check_text("the name of an event", self.name, "give it a name", most=MAX_NAME)
+        if not isinstance(self.targets, (tuple, list)) or not all(isinstance(t, str) for t in self.targets):
+            example = f"({self.targets!r},)" if isinstance(self.targets, str) else "('slip+', 'slip-')"
             raise TypeError(
-                f"the targets of event {self.name!r} must be a tuple of names, got {self.targets!r}: "
-                f"write ({self.targets!r},)"
+                f"the targets of event {self.name!r} must be a tuple of names, "
+                f"got {abbreviate(self.targets)}: write {abbreviate(example)[1:-1]}"
             )
+        check_element(f"the reset of event {self.name!r}", self.reset, Reset)
+        if self.accumulation is not None:
+            check_element(f"the accumulation of event {self.name!r}", self.accumulation, Reset)
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,7 +121,13 @@ class Mode:
     limit: bool = False
 
     def __post_init__(self) -> None:
-        check_elements(f"the events of mode {self.name!r}", self.events, Event)
+        check_text("the name of a mode", self.name, "give it a name", most=MAX_NAME)
+        of = f"mode {self.name!r}"
+        check_elements(f"the events of {of}", self.events, Event)
+        check_sequence(f"the flow of {of}", self.flow, "give the rate of each state, (v, -x)")
+        check_sequence(f"the constraints of {of}", self.constraints, "give expressions, (v,)")
+        check_mapping(f"the outputs of {of}", self.outputs, "give each a name, {'force': expression}")
+        check_flag(f"limit of {of}", self.limit, "leave it out for usual modes")
 
     @property
     def holds(self) -> bool:
@@ -116,13 +143,21 @@ def check_elements(what: str, given: Any, *classes: type) -> None:
             f"{what} must be a tuple, got the {type(given).__name__}{name} alone: write it in brackets, "
             "with a comma after it"
         )
-    for one in given:
-        if not isinstance(one, classes):
-            names = [each.__name__ for each in classes]
-            calls = " or ".join(f"{name}(...)" for name in names)
-            raise TypeError(f"{what} must be of the class {' or '.join(names)}, got {one!r}: write {calls}")
+    for one in check_sequence(what, given, "write it in brackets"):
+        check_element(what, one, *classes)
 
 
+def check_element(what: str, given: Any, *classes: type) -> None:
+    """Raise TypeError unless it is of one of these classes."""
+    if not isinstance(given, classes):
+        names = [each.__name__ for each in classes]
+        calls = " or ".join(f"{name}(...)" for name in names)
+        raise TypeError(
+            f"{what} must be of the class {' or '.join(names)}, got {abbreviate(given)}: write {calls}"
+        )
+
+
+MAX_NAME = 1000  # characters of the name of a mode or an event, which messages repeat
 JOINT = " | "  # separates the regimes in a mode's name
 NO_PARTS = "only"  # the name of the only mode where there are no parts
 LISTED = 243  # most modes that a message lists: those of five contacts
@@ -245,12 +280,13 @@ def names_of_regimes(regimes: Sequence[Sequence[str]], names: Sequence[str]) -> 
 
 def check_mode_name(mode: Any, names: Sequence[str], others: Sequence[str] = ()) -> None:
     """Raise ValueError unless there is a mode of that name, or it is one of the `others`."""
-    if mode in names or mode in others:
+    if isinstance(mode, str) and (mode in names or mode in others):
         return
     if not isinstance(names, ModeNames) or not names.more_than(LISTED):
         check_choice("mode", mode, (*names, *others))
     raise ValueError(
-        f"mode must have one regime for each contact, {names!r}, got {mode!r}: join them by {JOINT!r}"
+        f"mode must have one regime for each contact, {names!r}, "
+        f"got {abbreviate(mode)}: join them by {JOINT!r}"
     )
 
 

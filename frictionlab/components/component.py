@@ -17,7 +17,16 @@ from numbers import Real
 from types import MappingProxyType
 from typing import Any, Self, TypedDict, Unpack
 
-from frictionlab.validation import check_keywords, plain_number, unknown_parameter
+from frictionlab.validation import (
+    abbreviate,
+    check_flag,
+    check_keywords,
+    check_limits,
+    check_number,
+    check_text,
+    plain_number,
+    unknown_parameter,
+)
 
 METADATA_KEY = "frictionlab parameter"
 
@@ -90,29 +99,33 @@ def parameter(default: float, **about: Unpack[ParameterKeywords]) -> Any:
     _check_default(default)
     check_keywords("parameter", about, ParameterKeywords.__annotations__)
     found = Parameter(default=default, **about)
-    _check_range(found.range, found.log)
+    _check_metadata(found)
     return dataclasses.field(default=default, metadata={METADATA_KEY: found})
 
 
 def _check_default(default: Any) -> None:
     if isinstance(default, bool) or not isinstance(default, Real):
         raise TypeError(
-            f"the default of a parameter must be a number, got {default!r}: give a float, or make the field "
+            f"the default of a parameter must be a number, "
+            f"got {abbreviate(default)}: give a float, or make the field "
             "one without parameter(...)"
         )
 
 
-def _check_range(range: Any, log: bool) -> None:
-    if range is None:
-        return
-    try:
-        low, high = range
-        fits = low < high and (low > 0 or not log)
-    except (TypeError, ValueError):
-        fits = False
-    if not fits:
-        rule = "two numbers in ascending order" + ", above 0 where log=True" * log
-        raise ValueError(f"range must be {rule}, got {range!r}: give (low, high), the ends of a slider")
+def _check_metadata(about: Parameter) -> None:
+    for name in ("unit", "symbol", "meaning"):
+        check_text(name, getattr(about, name), "leave it out for none")
+    for name in ("minimum", "exclusive_minimum", "maximum"):
+        if (bound := getattr(about, name)) is not None:
+            check_number(name, bound, cure="leave it out for no bound")
+    check_flag("log", about.log)
+    if about.range is not None:
+        check_limits(
+            "range",
+            about.range,
+            "give (low, high), the ends of a slider",
+            positive="where log=True" if about.log else "",
+        )
 
 
 @cache
@@ -178,7 +191,7 @@ def check_value(name: str, value: Any, about: Parameter) -> float:
 
 def _finite_number(name: str, value: Any, about: Parameter) -> float:
     if isinstance(value, bool) or not isinstance(value, Real):
-        what = f"{value!r} ({type(value).__name__})"
+        what = f"{abbreviate(value)} ({type(value).__name__})"
         raise TypeError(_value_message(name, "one real number", what, "give a float", about))
     try:
         number = float(value)
@@ -249,7 +262,8 @@ def _check_structure(owner: str, name: str, value: Any) -> None:
         hash(value)
     except TypeError:
         raise TypeError(
-            f"{name} of {owner} must not change later, as its equations depend on it, got {value!r}: "
+            f"{name} of {owner} must not change later, as its equations depend on it, "
+            f"got {abbreviate(value)}: "
             "write a tuple or a number"
         ) from None
 

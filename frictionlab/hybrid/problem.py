@@ -29,6 +29,7 @@ from frictionlab.hybrid.elementary.parameter_functions import OF_OUTPUTS
 from frictionlab.hybrid.kernels.run_state import Record, new_record
 from frictionlab.hybrid.tape.program import Code, Numbers, Program
 from frictionlab.presentation import MAX_ROWS, count, dataframe, shorten, span, state_unit
+from frictionlab.validation import abbreviate, is_sequence
 
 
 @dataclass(frozen=True)
@@ -240,10 +241,24 @@ class Events:
 
     def __getitem__(self, index: Any) -> Any:
         """One event for an integer; `Events` for a slice, or for an array of integers or truth values."""
-        if isinstance(index, (int, np.integer)):
+        if isinstance(index, (int, np.integer)) and not isinstance(index, bool):
+            if not -len(self) <= index < len(self):
+                raise IndexError(
+                    f"there are {len(self)} events, got the index {abbreviate(index)}: count from 0"
+                )
             t, source, target, guard, state, before, closed = (column[index] for column in self._columns())
             return RunEvent(float(t), str(source), str(target), str(guard), state, before, bool(closed))
-        chosen = dict(zip(RunEvent._fields, (column[index] for column in self._columns()), strict=True))
+        places = np.arange(len(self))
+        try:
+            if not isinstance(index, slice) and not is_sequence(index):
+                raise TypeError
+            places = places[index if isinstance(index, slice) or len(index) else []]
+        except (IndexError, TypeError, ValueError):
+            raise IndexError(
+                f"the {len(self)} events are chosen by integers, a slice or truth values, "
+                f"got {abbreviate(index)}: write events[events.target == 'stick']"
+            ) from None
+        chosen = dict(zip(RunEvent._fields, (column[places] for column in self._columns()), strict=True))
         return replace(self, **chosen)
 
     def __iter__(self) -> Iterator[RunEvent]:

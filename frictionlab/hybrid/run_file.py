@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import io
 import json
+import re
 import tokenize
 import zipfile
 import zlib
@@ -19,14 +20,17 @@ from typing import Any
 import numpy as np
 
 from frictionlab._version import __version__
-from frictionlab.file_writing import write_file
+from frictionlab.file_writing import read_file, write_file
 from frictionlab.hybrid.kernels.jets import MAX_ORDER, state_rates
 from frictionlab.hybrid.problem import Problem, RunData
-from frictionlab.validation import with_cure
+from frictionlab.validation import check_path
 
 FILE_FORMAT = 2
+LARGE_FILE = 100_000_000  # bytes of arrays, below which a file is read whatever its size
+MOST_COMPRESSION = 100  # of the arrays of a large run, whose last bits are random
 STORED_ARRAYS = (*RunData._fields[:9], "state")  # of a run; its last time, mode and status are in the JSON
 INTEGER_ARRAYS = "step_modes", "event_codes", "point_sections"
+OTHER_SUFFIX = re.compile(r"\.[A-Za-z]\w*")
 MAX_PARTS = 1000  # into which samples cut a step: methods use eight at most
 
 # What the readers of archives, arrays and JSON raise where the content is no such thing.
@@ -50,10 +54,19 @@ class StoredRun:
         return self.about["description"]
 
 
+def path_of_run(path: Any) -> Path:
+    """The path of a run's file, with the suffix .npz added where there is none."""
+    path = check_path("path", path)
+    if path.suffix == ".npz":
+        return path
+    if OTHER_SUFFIX.fullmatch(path.suffix):  # such as .mp3; "mu_k=0.5" has none
+        check_path("path", path, (".npz",))
+    return path.with_name(path.name + ".npz")
+
+
 def write_run_file(path: str | Path, about: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> Path:
     """Write `about` as JSON, and arrays; returns the path, with the suffix .npz added where it is missing."""
-    path = Path(path)
-    path = path if path.suffix == ".npz" else path.with_name(path.name + ".npz")
+    path = path_of_run(path)
     text = json.dumps({"format": FILE_FORMAT, "version": __version__, **about})
     everything: dict[str, Any] = {"about": np.array(text), **arrays}
     with write_file(path) as beside, open(beside, "wb") as stream:
@@ -71,12 +84,11 @@ def read_run_file(path: str | Path) -> StoredRun:
     ValueError
         Where it is not such a file.
     """
-    try:
-        content = io.BytesIO(Path(path).read_bytes())
-    except OSError as error:
-        raise with_cure(error, path, "give a file that run.save(path) wrote") from error
+    path = check_path("path", path)
+    content = io.BytesIO(read_file(path, "give a file that run.save(path) wrote"))
     try:
         with zipfile.ZipFile(content) as file:
+            _check_sizes(path, file, content.getbuffer().nbytes)
             # each is read whole, so that its checksum is compared before numpy reads its content
             arrays = {
                 name.removesuffix(".npy"): np.lib.format.read_array(
@@ -85,6 +97,8 @@ def read_run_file(path: str | Path) -> StoredRun:
                 for name in file.namelist()
             }
         about = json.loads(str(arrays.pop("about")))
+    except _TooLargeError:
+        raise
     except DAMAGED as error:
         raise ValueError(f"{path} is no saved run: write one with run.save(path)") from error
     if not isinstance(about, dict) or about.get("format") != FILE_FORMAT:
@@ -93,7 +107,21 @@ def read_run_file(path: str | Path) -> StoredRun:
             f"{path} has format {about.get('format')}, this version reads {FILE_FORMAT}: read it with "
             f"frictionlab {about.get('version')}"
         )
-    return StoredRun(Path(path), about, arrays)
+    return StoredRun(path, about, arrays)
+
+
+class _TooLargeError(ValueError):
+    """The arrays of a file would take more memory than a run of its size has."""
+
+
+def _check_sizes(path: Path, file: zipfile.ZipFile, stored: int) -> None:
+    """Raise ValueError where a small file would take a large memory, before any of it is taken."""
+    size = sum(member.file_size for member in file.infolist())
+    if size > LARGE_FILE and size > MOST_COMPRESSION * stored:
+        raise _TooLargeError(
+            f"{path} would take {size / 1e9:.3g} GB of memory, but has {stored / 1e6:.3g} MB: no run is "
+            "compressed so much, give a file that run.save(path) wrote"
+        )
 
 
 def rates_by_mode(problem: Problem, raw: RunData) -> dict[str, list[float]]:

@@ -31,6 +31,7 @@ from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.interruption import Progress, interruption
 from frictionlab.validation import (
     abbreviate,
+    check_flag,
     check_keywords,
     check_mapping,
     check_number,
@@ -58,7 +59,8 @@ def method_of(method: Any) -> Method:
     known = [*NAMED_METHODS, *INTEGRATORS]
     names = ", ".join(map(repr, known))
     raise ValueError(
-        f"method must be a frictionlab method or one of {names}, got {method!r}{did_you_mean(method, known)}"
+        f"method must be a frictionlab method or one of {names}, "
+        f"got {abbreviate(method)}{did_you_mean(method, known)}"
     )
 
 
@@ -96,6 +98,15 @@ class RunOptions:
     quadratures: Mapping[str, Any] | None = None
     progress: bool = True
     source: Any = None
+
+    def __post_init__(self) -> None:
+        check_flag("progress", self.progress)
+        for name, example in (
+            ("sections", '{"top": (expression, -1)}'),
+            ("quadratures", '{"work": expression}'),
+        ):
+            if (asked := getattr(self, name)) is not None:
+                check_mapping(name, asked, f"give each a name, such as {example}")
 
 
 def solve(
@@ -175,7 +186,9 @@ def run_automaton(
     state, times = state_from_x0(automaton, x0), _times(options.t_eval, t_end)
     asked = _records(automaton, options) if options.sections or options.quadratures else ({}, {})
     if any(asked) and not method.records_sections:
-        raise ValueError(f"sections and quadratures need method='taylor', got {method!r}: change the method")
+        raise ValueError(
+            f"sections and quadratures need method='taylor', got {abbreviate(method)}: change the method"
+        )
     automaton = with_chatter_limit(automaton, method.limits[1])
     # Such a run numbers modes as they are derived, a kept program in the automaton's order.
     if any(asked) and automaton.on_demand:
@@ -215,34 +228,26 @@ def with_chatter_limit(automaton: HybridAutomaton, limit: float) -> HybridAutoma
 
 def state_from_mapping(automaton: HybridAutomaton, given: Mapping[str, Any], rest: Any) -> np.ndarray:
     """The state with the values `given` by name; the other states have those of `rest`."""
+    check_mapping("x0", given, "give states by their names")
     state, names = np.array(rest, dtype=float), list(automaton.state_names)
     for name, value in given.items():
         if name not in names:
-            raise ValueError(f"x0 has no state {name!r}{did_you_mean_or_known(name, names)}")
+            raise ValueError(f"x0 has no state {abbreviate(name)}{did_you_mean_or_known(name, names)}")
         state[names.index(name)] = check_number(f"x0[{name!r}]", value, cure="give one in SI units")
     return state
 
 
 def state_from_x0(automaton: HybridAutomaton, x0: Any) -> np.ndarray:
-    """The initial state as an array; ValueError for what is none."""
+    """The initial state (n,) that an array or a mapping stands for; raises unless it is finite."""
+    names = automaton.state_names
     if isinstance(x0, Mapping):
-        return state_from_mapping(automaton, x0, np.zeros(len(automaton.state_names)))
-    try:
-        state = np.array(x0, dtype=float)
-    except (TypeError, ValueError) as error:
-        raise _bad_state(automaton, "must hold numbers for the states {}", abbreviate(x0)) from error
-    if state.shape != (len(automaton.state_names),):
-        got = f"{abbreviate(x0)} of shape {state.shape}"
-        raise _bad_state(automaton, "must hold one number per state {}", got)
-    if not np.isfinite(state).all():
-        raise _bad_state(automaton, "must be finite in all states {}", str(state.tolist()))
+        return state_from_mapping(automaton, x0, np.zeros(len(names)))
+    rule = f"a finite number for each of the states {', '.join(names)}"
+    cure = f"give {len(names)} numbers, in this order"
+    state = float_array("x0", x0, f"give {rule}")
+    if state.shape != (len(names),) or not np.isfinite(state).all():
+        raise ValueError(f"x0 must hold {rule}, got {abbreviate(x0)}: {cure}")
     return state
-
-
-def _bad_state(automaton: HybridAutomaton, rule: str, got: str) -> ValueError:
-    names = ", ".join(automaton.state_names)
-    cure = f"give {len(automaton.state_names)} numbers, in this order"
-    return ValueError(f"x0 {rule.format(f'({names})')}, got {got}: {cure}")
 
 
 def _times(t_eval: Any, t_end: float) -> np.ndarray | None:
@@ -268,8 +273,6 @@ def _times(t_eval: Any, t_end: float) -> np.ndarray | None:
 def _records(automaton: HybridAutomaton, options: RunOptions) -> tuple[dict[str, Section], dict[str, Any]]:
     """The sections and the quadratures, as expressions of the automaton."""
     sections, quadratures = options.sections or {}, options.quadratures or {}
-    check_mapping("sections", sections, 'give each a name, such as {"top": (expression, -1)}')
-    check_mapping("quadratures", quadratures, 'give each a name, such as {"work": expression}')
 
     def read(kind: str, name: str, function: Any) -> Any:
         found = read_expression(automaton, function, f"{kind} {name!r}")

@@ -40,9 +40,18 @@ from frictionlab.presentation import (
     output_unit,
     state_unit,
 )
-from frictionlab.validation import did_you_mean, float_array
+from frictionlab.validation import abbreviate, check_sequence, did_you_mean, float_array
 
 PICKLED = "automaton", "source", "raw", "status", "samples", "quadratures", "description", "_wall_time"
+
+
+def check_run(run: Any, name: str = "run") -> None:
+    """Raise TypeError unless it is a run."""
+    if not isinstance(run, Trajectory):
+        raise TypeError(
+            f"{name} must be a Trajectory, got {abbreviate(run)}: "
+            "give what frictionlab.simulate or solve returns"
+        )
 
 
 class Trajectory(Drawable):
@@ -248,13 +257,18 @@ class Trajectory(Drawable):
         Several names give an array with a column for each: ``run[["x1", "x2"]]``.
         """
         if not isinstance(name, str):
-            return np.column_stack([self[each] for each in name])
+            several = check_sequence("name", name, "write run['x'] or run[['x', 'y']]; run(t) gives a time")
+            if not all(isinstance(each, str) for each in several) or not several:
+                raise KeyError(f"the run has no {abbreviate(name)}: write run['x'], or run[['x', 'y']]")
+            return np.column_stack([self[each] for each in several])
         if name in self.names:
             return self.states[:, self.names.index(name)]
         if name in self.automaton.outputs:
             return self.output(name)
         known = [*self.names, *self.automaton.outputs]
-        raise KeyError(f"the run has no {name!r}{did_you_mean(name, known)}; it has {', '.join(known)}")
+        raise KeyError(
+            f"the run has no {abbreviate(name)}{did_you_mean(name, known)}; it has {', '.join(known)}"
+        )
 
     def __getattr__(self, name: str) -> np.ndarray:
         automaton = self.__dict__.get("automaton")
@@ -276,9 +290,12 @@ class Trajectory(Drawable):
             Where the model has no output of that name.
         """
         known = list(self.automaton.outputs)
-        if name not in known:
-            hint = f": write run[{name!r}]" if name in self.names else did_you_mean(name, known)
-            raise KeyError(f"the run has no output {name!r}{hint}; it has {', '.join(known) or 'none'}")
+        if not isinstance(name, str) or name not in known:
+            state = isinstance(name, str) and name in self.names
+            hint = f": write run[{name!r}]" if state else did_you_mean(name, known)
+            raise KeyError(
+                f"the run has no output {abbreviate(name)}{hint}; it has {', '.join(known) or 'none'}"
+            )
         if t is None:
             return evaluate_output(self.automaton, name, self.states, self.mode_indices, self.mode_names)
         values = evaluate_output(self.automaton, name, *self.states_and_modes(t), self.mode_names)

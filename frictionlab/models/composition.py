@@ -30,7 +30,7 @@ from frictionlab.components.contact import (
     LinearContact,
     SlidingOnly,
 )
-from frictionlab.validation import did_you_mean, unknown_parameter
+from frictionlab.validation import abbreviate, did_you_mean, unknown_parameter
 
 
 @cache
@@ -106,7 +106,9 @@ def refuse_positional(values: tuple[Any, ...], cls: type) -> None:
     """Raise TypeError if a constructor was given positional arguments."""
     if values:
         name, of = cls.__name__, next(iter(inspect.signature(cls).parameters), "name")
-        raise TypeError(f"{name} takes its parameters by name, got {values[0]!r}: write {name}({of}=...)")
+        raise TypeError(
+            f"{name} takes its parameters by name, got {abbreviate(values[0])}: write {name}({of}=...)"
+        )
 
 
 def refuse_unknown(
@@ -133,7 +135,9 @@ def check_component(role: str, base: type, component: object) -> Component:
         name = component.__name__
         raise TypeError(f"{role} must be a {base.__name__}, got the class {name}: write {name}()")
     kinds = ", ".join(f"{kind.__name__}()" for kind in base.__subclasses__())
-    raise TypeError(f"{role} must be a {base.__name__}, got {component!r}: take {kinds} or derive your own")
+    raise TypeError(
+        f"{role} must be a {base.__name__}, got {abbreviate(component)}: take {kinds} or derive your own"
+    )
 
 
 def with_values(component: Component, values: Mapping[str, float]) -> Component:
@@ -163,6 +167,8 @@ def parameter_metadata(cls: type, components: Mapping[str, Component]) -> dict[s
 
 def owner_among_laws(name: Any, roles: Mapping[str, type], components: Mapping[str, Component]) -> str:
     """The end of a message, which says which law has the parameter; empty where none has."""
+    if not isinstance(name, str):
+        return ""
     for role, base in roles.items():
         for kind in base.__subclasses__():
             # A class that lacks its decorator is no owner; it raises an error of its own when it is used.
@@ -279,14 +285,14 @@ def without(model: Any, names: tuple[str, ...]) -> dict[str, Any]:
     known = model.nonlinearities
     if names and not known:
         raise ValueError(
-            f"{type(model).__name__} has no nonlinearity to leave out by name, got {names!r}: "
+            f"{type(model).__name__} has no nonlinearity to leave out by name, got {abbreviate(names)}: "
             "give it another law with replace(...)"
         )
     for name in names:
         if not isinstance(name, str) or name not in known:
             listed = ", ".join(map(repr, known))
             hint = did_you_mean(name, known) if isinstance(name, str) else f": write without({listed})"
-            raise ValueError(f"a model can be without {listed}, got {name!r}{hint}")
+            raise ValueError(f"a model can be without {listed}, got {abbreviate(name)}{hint}")
     return {key: value for name in names for key, value in known[name].without(model).items()}
 
 

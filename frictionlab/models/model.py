@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self, TypeVar
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.components.component import Component, parameters_of, value_repr
 from frictionlab.models.mechanical.mechanics import SlidingStatics
-from frictionlab.validation import unknown_parameter
+from frictionlab.validation import abbreviate, unknown_parameter
 
 from .composition import (
     Nonlinearity,
@@ -102,6 +102,17 @@ class Model(Component):
     reference: ClassVar[str] = ""
     statics: ClassVar[SlidingStatics | None] = None
     __signature__: ClassVar[inspect.Signature]
+
+    def __new__(cls, *unnamed: Any, **given: Any) -> Self:
+        """Refuse a class whose constructor a dataclass has made: it knows nothing of components."""
+        owner = next(kind for kind in cls.__mro__ if "__init__" in vars(kind))
+        made = vars(owner).get("__dataclass_params__")
+        if made is not None and made.init and owner is not Model:
+            raise TypeError(
+                f"{owner.__name__} must keep the constructor of a model, which takes parameters of laws too: "
+                "write @dataclass(frozen=True, init=False, repr=False) above it"
+            )
+        return super().__new__(cls, *unnamed, **given)
 
     def __init__(self, *unnamed: Any, **given: Any) -> None:
         cls = type(self)
@@ -291,7 +302,7 @@ def require_model(
     if isinstance(model, type) and issubclass(model, Model):
         got, cure = f"the class {model.__name__}", f"write {model.__name__}()"
     else:
-        got = repr(model)
+        got = abbreviate(model)
     raise TypeError(f"model must be {kinds}, got {got}: {cure}")
 
 
@@ -299,7 +310,7 @@ def check_parameter_name(model: Any, name: Any) -> None:
     """Raise TypeError, with a suggestion, unless `name` is a parameter of the model or automaton."""
     of_model = isinstance(model, Model)
     known = list(model.parameters) if of_model else [each.name for each in automaton_of(model).parameters]
-    if name not in known:
+    if not isinstance(name, str) or name not in known:
         hint = owner_among_laws(name, model.roles, model.components) if of_model else ""
         raise unknown_parameter(type(model).__name__, name, known, hint)
 

@@ -32,6 +32,7 @@ import frictionlab
 from frictionlab import cache_folder
 from frictionlab.automaton.straight_line import StraightLine, straight_line_data
 from frictionlab.components.component import Component, parameters_of, structure_of
+from frictionlab.validation import abbreviate
 
 PACKAGE = Path(__file__).parents[1]
 # Folders of all sources that derive, lower or read the data.
@@ -100,7 +101,9 @@ def component_from_dict(data: Mapping[str, Any], base: type) -> Any:
         If the data is malformed, or its class is not loaded or not a subclass of `base`.
     """
     if not isinstance(data, Mapping) or not isinstance(data.get("fields"), Mapping):
-        raise ValueError(f"a {base.__name__} must be a mapping with 'class' and 'fields', got {data!r}")
+        raise ValueError(
+            f"a {base.__name__} must be a mapping with 'class' and 'fields', got {abbreviate(data)}"
+        )
     cls = loaded_class(data.get("class"), base)
     roles: Mapping[str, type] = getattr(cls, "roles", {})
     values = {

@@ -30,6 +30,7 @@ from frictionlab.automaton.straight_line import MATH, StraightLine, straight_lin
 from frictionlab.components import ContactLaw, FrictionLaw, ImpactLaw
 from frictionlab.components.component import Component, parameters_of, structure_of
 from frictionlab.lazy_names import sympy
+from frictionlab.validation import abbreviate
 
 from .serialisation import Structure, derivations_of, loaded_class, structure_of_component, value_from_data
 
@@ -238,7 +239,9 @@ def automaton_from_structure_data(data: Any, kind: type, parameters: Mapping[str
 
 def _structure_from_data(data: Any, base: type) -> Structure:
     if not isinstance(data, Mapping) or not isinstance(data.get("structure"), Mapping):
-        raise ValueError(f"a {base.__name__} must be a mapping with 'class' and 'structure', got {data!r}")
+        raise ValueError(
+            f"a {base.__name__} must be a mapping with 'class' and 'structure', got {abbreviate(data)}"
+        )
     cls, values = loaded_class(data.get("class"), base), data["structure"]
     names, roles = structure_of(cls), getattr(cls, "roles", {})
     if sorted(values) != sorted(names):

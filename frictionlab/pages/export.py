@@ -30,7 +30,7 @@ from frictionlab.models.model import Model, require_model
 from frictionlab.pages.page_data import preset_data, slider_data, structure_data, structures, switch_names
 from frictionlab.plotting.animation.parts import MARKS, WIDTH
 from frictionlab.plotting.animation.tilting_belt import SPRING_LABELS
-from frictionlab.validation import check_number
+from frictionlab.validation import check_number, check_path, check_text
 
 BUILD_COMMAND = "python -m frictionlab.hybrid.ahead_of_time --web"
 CURE = f'in a clone, run `pip install -e ".[pages]"` and `{BUILD_COMMAND}` once'
@@ -107,6 +107,9 @@ def export_page(
     PosixPath('slider.html')
     """
     model = require_model(model, cure="write export_page(model, path)")
+    path = check_path("path", path, (".html", ".htm"))
+    if title is not None:
+        check_text("title", title, "leave it out for the model's name")
     names = switch_names(model, switches)
     if t_end is None:
         t_end = round_down_1_2_5(PERIODS * oscillation_period(model))
@@ -127,7 +130,7 @@ def export_page(
     script = _script()
     solver = solver_data(script)
     found = {key: structure_data(each) for key, each in structures(model, names).items()}
-    return write_text(Path(path), _html(scene, found, solver, script))
+    return write_text(path, _html(scene, found, solver, script))
 
 
 def _call(model: Model) -> str:
@@ -204,7 +207,8 @@ def _html(
 
 
 def _json(data: Any) -> str:
-    return json.dumps(data, allow_nan=False, separators=(",", ":")).replace("</", "<\\/")
+    # No "<": the browser would read "<!--<script>" in a text as the end of what it runs.
+    return json.dumps(data, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c")
 
 
 def _structures(found: dict[str, dict[str, Any]]) -> str:

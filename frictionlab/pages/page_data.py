@@ -32,7 +32,13 @@ from frictionlab.models.symbols import structure_of_component, symbolic_copy
 from frictionlab.pages.javascript import javascript_function, javascript_function_apart, rule_data
 from frictionlab.plotting.appearance import mode_colours
 from frictionlab.stability import equilibrium
-from frictionlab.validation import check_mapping, check_number, did_you_mean_or_known
+from frictionlab.validation import (
+    abbreviate,
+    check_limits,
+    check_mapping,
+    check_sequence,
+    did_you_mean_or_known,
+)
 
 OPEN_SLIDERS = 8  # shown at first where none are chosen; the others are one click away
 MAX_MODES = 64  # with more, a page would have megabytes and take minutes to derive
@@ -169,12 +175,13 @@ def switch_names(model: Model, switches: Sequence[str] | None) -> tuple[str, ...
     known = {name: each for name, each in model.nonlinearities.items() if not each.missing(model)}
     if switches is None:
         return tuple(name for name in known if _can_be_switched(model, name))
+    switches = check_sequence("switches", switches, "give names of nonlinearities in a list")
     for name in switches:
-        if name not in known:
+        if not isinstance(name, str) or name not in known:
             raise ValueError(
-                f"switches has no nonlinearity {name!r}{did_you_mean_or_known(name, list(known))}"
+                f"switches has no nonlinearity {abbreviate(name)}{did_you_mean_or_known(name, list(known))}"
             )
-    return tuple(switches)
+    return switches
 
 
 def _can_be_switched(model: Model, name: str) -> bool:
@@ -195,11 +202,18 @@ def slider_data(model: Model, sliders: Mapping[str, Any] | Sequence[str] | None)
     """One entry for each parameter: name, symbol, unit, meaning, range; `open` if it is shown at first."""
     about = parameter_metadata(type(model), model.components)
     names = list(model.parameters)
-    chosen = _default_sliders(model) if sliders is None else list(sliders)
+    if sliders is None:
+        chosen = _default_sliders(model)
+    elif isinstance(sliders, Mapping):
+        chosen = list(sliders)
+    else:
+        chosen = list(check_sequence("sliders", sliders, "give names of parameters in a list"))
     ranges = sliders if isinstance(sliders, Mapping) else {}
     for name in chosen:
-        if name not in names:
-            raise ValueError(f"sliders has no parameter {name!r}{did_you_mean_or_known(str(name), names)}")
+        if not isinstance(name, str) or name not in names:
+            raise ValueError(
+                f"sliders has no parameter {abbreviate(name)}{did_you_mean_or_known(name, names)}"
+            )
     ordered = [*chosen, *(name for name in names if name not in chosen)]
     return [
         _slider(name, about[name], model.parameters[name], ranges.get(name)) | {"open": name in chosen}
@@ -231,9 +245,7 @@ def _slider(name: str, about: Parameter, value: float, bounds: Any) -> dict[str,
 
 def _range(name: str, about: Parameter, value: float, bounds: Any) -> tuple[float, float]:
     if bounds is not None:
-        low, high = bounds
-        check_number(f"the low end of slider {name!r}", low, cure="give (low, high)")
-        check_number(f"the high end of slider {name!r}", high, above=low, cure="give (low, high)")
+        low, high = check_limits(f"the range of slider {name!r}", bounds, "give (low, high)")
     elif about.range is not None:
         low, high = about.range
     else:
@@ -246,19 +258,19 @@ def _range(name: str, about: Parameter, value: float, bounds: Any) -> tuple[floa
 
 def preset_data(model: Model, switches: Sequence[str], presets: Any) -> list[dict[str, Any]]:
     """Names with values of parameters and, as ``without``, the switches that are off."""
-    check_mapping("presets", presets or {}, 'give each a name, such as {"flutter": {"mu_k": 1.4}}')
-    return [_preset(model, switches, name, values) for name, values in (presets or {}).items()]
+    presets = {} if presets is None else presets
+    check_mapping("presets", presets, 'give each a name, such as {"flutter": {"mu_k": 1.4}}')
+    return [_preset(model, switches, name, values) for name, values in presets.items()]
 
 
 def _preset(model: Model, switches: Sequence[str], name: str, values: Any) -> dict[str, Any]:
     check_mapping(f"presets[{name!r}]", values, 'give values, such as {"mu_k": 1.4}')
     values = dict(values)
     off = values.pop("without", ())
-    off = [off] if isinstance(off, str) else list(off)
+    off = [off] if isinstance(off, str) else list(check_sequence("without", off, "give names in a list"))
     for switch in off:
-        if switch not in switches:
-            raise ValueError(
-                f"presets[{name!r}] has no switch {switch!r}{did_you_mean_or_known(switch, list(switches))}"
-            )
+        if not isinstance(switch, str) or switch not in switches:
+            hint = did_you_mean_or_known(switch, list(switches))
+            raise ValueError(f"presets[{name!r}] has no switch {abbreviate(switch)}{hint}")
     model.replace(**values)  # raises for unknown names and values that break a rule
     return {"name": name, "values": {key: float(value) for key, value in values.items()}, "without": off}

@@ -23,7 +23,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from io import BytesIO
+from os import PathLike
 from os.path import splitext
+from pathlib import Path
 from textwrap import fill
 from typing import Any, Literal, NamedTuple
 
@@ -31,12 +33,22 @@ import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
+from matplotlib.figure import Figure, FigureBase
 from matplotlib.image import imsave
 from numpy.typing import NDArray
 
 from frictionlab.file_writing import write_file
 from frictionlab.plotting.appearance import PANEL_SIZE, crowding, figure_size, font_size, rcParams
+from frictionlab.validation import (
+    abbreviate,
+    check_choice,
+    check_limits,
+    check_mapping,
+    check_number,
+    check_pair,
+    check_path,
+    check_text,
+)
 
 Array = NDArray[np.float64]
 ENVELOPE_BINS = 400  # about the width of a panel in pixels
@@ -93,6 +105,43 @@ class Drawing:
     ylim: tuple[float, float] | None = None
     progress: tuple[int, int] | None = None
 
+    def __post_init__(self) -> None:
+        for name in ("xlabel", "ylabel", "right", "note"):
+            check_text(name, getattr(self, name), "write what the panel shows")
+        check_choice("yscale", self.yscale, ("linear", "log"))
+        check_mapping("curves", self.curves, "give each curve its label, such as {'x1': fl.Curve(t, x)}")
+        for label, curve in self.curves.items():
+            _check_curve(label, curve)
+        for name in ("xlim", "ylim"):
+            if (limits := getattr(self, name)) is not None:
+                check_limits(name, limits, "give (low, high), or leave it out to follow the curves")
+        if self.progress is not None:
+            done, total = check_pair("progress", self.progress, "parts done and their total", "give (3, 10)")
+            check_number("progress[0]", done, integer=True, least=0)
+            check_number("progress[1]", total, integer=True, least=0)
+
+
+def _shape(values: Any) -> tuple[int, ...]:
+    try:
+        return np.shape(values)
+    except ValueError:  # of rows of different lengths
+        return (len(values), 0)
+
+
+def _check_curve(label: str, curve: Any) -> None:
+    cure = "write fl.Curve(x, y)"
+    if not isinstance(curve, Curve):
+        raise TypeError(f"curves[{label!r}] must be a Curve, got {abbreviate(curve)}: {cure}")
+    shapes = _shape(curve.x), _shape(curve.y)
+    if len(shapes[0]) != 1 or shapes[0] != shapes[1]:
+        raise ValueError(
+            f"curves[{label!r}] must have as many x as y, got the shapes {shapes[0]} and {shapes[1]}: {cure}"
+        )
+    check_choice(f"the axis of curves[{label!r}]", curve.axis, ("left", "right", "strip"))
+    check_mapping(
+        f"the style of curves[{label!r}]", curve.style, "give keywords of Line2D, as {'color': 'red'}"
+    )
+
 
 def envelope(x: Any, y: Any, bins: int = ENVELOPE_BINS) -> tuple[Array, Array]:
     """The curve in few points: both extremes of each of its `bins` parts, in order, and its ends.
@@ -140,6 +189,9 @@ class RunFigure(Figure):
 
     def savefig(self, fname: Any, **options: Any) -> None:
         """Write a file or to a stream; see :meth:`matplotlib.figure.Figure.savefig`."""
+        if isinstance(fname, (str, PathLike)) and options.get("format") is None and Path(fname).suffix:
+            known = [f".{kind}" for kind in self.canvas.get_supported_filetypes()]
+            check_path("fname", fname, known)
         with write_file(fname) as beside:
             # An Agg canvas that the figure has already may draw in its own way, so it is used.
             if _is_plain_png(beside, options) and not isinstance(self.canvas, FigureCanvasAgg):
@@ -197,9 +249,19 @@ def new_figure(width: float, height: float) -> RunFigure:
 
 def axes_or_new(ax: Axes | None, size: tuple[float, float] = PANEL_SIZE) -> Axes:
     """The axes given, or those of a new figure of a size in inches, found as ``artist.axes.figure``."""
-    if ax is not None:
-        return ax
-    return new_figure(*size).add_subplot(axes_class=RunAxes)
+    if ax is None:
+        return new_figure(*size).add_subplot(axes_class=RunAxes)
+    if not isinstance(ax, Axes):
+        raise TypeError(f"ax must be axes of matplotlib, got {abbreviate(ax)}: leave it out for a new figure")
+    return ax
+
+
+def check_figure(figure: Any) -> None:
+    """Raise TypeError unless it is a figure of matplotlib, a part of one, or None."""
+    if figure is not None and not isinstance(figure, FigureBase):
+        raise TypeError(
+            f"figure must be one of matplotlib, got {abbreviate(figure)}: leave it out for a new one"
+        )
 
 
 def legend_beside(ax: Axes, handles: list[Any] | None = None) -> None:

@@ -35,7 +35,7 @@ from frictionlab.plotting.appearance import (
     mode_colours,
     pen,
 )
-from frictionlab.plotting.figure import axes_or_new, legend_beside, new_figure, set_long_title
+from frictionlab.plotting.figure import axes_or_new, check_figure, legend_beside, new_figure, set_long_title
 from frictionlab.plotting.labels import state_label
 from frictionlab.plotting.time_histories import (
     DEFAULT_WINDOW,
@@ -230,6 +230,7 @@ def plot_run(run: Any, figure: Figure | None = None, *, window: Window = DEFAULT
     ['time (s)', '$x_{1}$ (m)', 'time (s)', 'frequency (Hz)']
     """
     check_run_with_coordinates(run)
+    check_figure(figure)
     own = figure is None
     figure = new_figure(*SIZE) if figure is None else figure
     panels = figure.subplots(2, 2, width_ratios=(1.5, 1))

@@ -40,6 +40,7 @@ from frictionlab.plotting.labels import (
 )
 from frictionlab.plotting.time_histories import Array
 from frictionlab.presentation import state_unit
+from frictionlab.validation import abbreviate
 
 
 def plot_equilibrium(found: Any, ax: Axes | None = None) -> Sequence[Artist]:
@@ -207,7 +208,9 @@ def select_modes(locus: Any, modes: Sequence[int] | None) -> list[int]:
     count = locus.values.shape[1]
     chosen = list(range(count)) if modes is None else [int(mode) for mode in modes]
     if not chosen or not all(0 <= mode < count for mode in chosen):
-        raise ValueError(f"modes must be numbers from 0 to {count - 1}, got {modes!r}: leave it out for all")
+        raise ValueError(
+            f"modes must be numbers from 0 to {count - 1}, got {abbreviate(modes)}: leave it out for all"
+        )
     return chosen
 
 

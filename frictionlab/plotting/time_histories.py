@@ -6,6 +6,7 @@ the part between two times, or (None) the whole run.
 
 from __future__ import annotations
 
+from numbers import Real
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,7 +16,7 @@ from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from frictionlab.analysis.motion_scales import oscillation_period
-from frictionlab.hybrid.trajectory import Trajectory
+from frictionlab.hybrid.trajectory import check_run
 from frictionlab.plotting.appearance import (
     BLUE,
     GREEN,
@@ -30,7 +31,7 @@ from frictionlab.plotting.appearance import (
 from frictionlab.plotting.figure import axes_or_new
 from frictionlab.plotting.labels import coordinate_axis_label, secondary_axis_angles, state_label
 from frictionlab.presentation import is_angle, state_unit
-from frictionlab.validation import float_array, plain_number
+from frictionlab.validation import abbreviate, check_number, float_array, plain_number
 
 Array = NDArray[np.float64]
 
@@ -43,6 +44,7 @@ class Periods(NamedTuple):
 
 Window = float | tuple[float, float] | Periods | None
 
+WINDOW_CURE = "give seconds, Periods(10), (start, stop), or None for the whole run"
 DEFAULT_WINDOW = Periods(7.5)  # 0.75 s of the slider on a belt
 SAMPLES = 4001
 SHADE, DARK_SHADE = 0.35, 0.2  # opacity of the modes behind lines, on light and on dark backgrounds
@@ -52,12 +54,6 @@ SAMPLING_RTOL = 1e-12  # rounding allowed for where the whole steps within a win
 def end_time(run: Any) -> float:
     """The time that the run reached."""
     return float(run.raw.t)
-
-
-def check_run(run: Any) -> None:
-    """Raise TypeError unless it is a run."""
-    if not isinstance(run, Trajectory):
-        raise TypeError(f"run must be a Trajectory, got {run!r}: give what frictionlab.simulate returns")
 
 
 def check_run_with_coordinates(run: Any) -> None:
@@ -84,20 +80,22 @@ def window_limits(run: Any, window: Window = DEFAULT_WINDOW) -> tuple[float, flo
         return 0.0, end
     if isinstance(window, Periods):
         window = window.count * oscillation_period(run.source)
-    if isinstance(window, (int, float)):
-        start, stop = max(0.0, end - window), end
+    if isinstance(window, Real):
+        seconds = check_number("window", window, cure=WINDOW_CURE)
+        start, stop = max(0.0, end - seconds), end
     else:
         start, stop = _two_times(window)
     if not 0.0 <= start <= stop <= end or (start == stop and end > 0):
-        raise ValueError(f"window must lie within the run, 0 to {end:g} s, got {window!r}: change its times")
+        raise ValueError(
+            f"window must lie within the run, 0 to {end:g} s, got {abbreviate(window)}: change its times"
+        )
     return float(start), float(stop)
 
 
 def _two_times(window: Any) -> Array:
-    cure = "give seconds, Periods(10), (start, stop), or None for the whole run"
-    times = float_array("window", window, cure)
+    times = float_array("window", window, WINDOW_CURE)
     if times.shape != (2,):
-        raise ValueError(f"window must be one number or two, got {window!r}: {cure}")
+        raise ValueError(f"window must be one number or two, got {abbreviate(window)}: {WINDOW_CURE}")
     return times
 
 

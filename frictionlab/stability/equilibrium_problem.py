@@ -24,6 +24,7 @@ from frictionlab.components.component import check_value
 from frictionlab.models.composition import parameter_metadata
 from frictionlab.models.model import Model, check_parameter_name
 from frictionlab.stability.flow import Flow, Jacobian
+from frictionlab.validation import abbreviate, check_limits, check_pair, float_array
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complexfloating[Any, Any]]
@@ -214,37 +215,30 @@ def check_parameter(model: Any, name: Any, values: Sequence[float]) -> None:
 
 def check_path(problem: EquilibriumProblem, name: Any, values: Any) -> NDArray[np.float64]:
     """The values (N,) of a parameter, at least one, checked against its rule."""
-    try:
-        at = np.atleast_1d(np.asarray(values, dtype=float)).ravel()
-    except (TypeError, ValueError):
-        at = np.empty(0)
+    check_parameter_name(problem.model, name)
+    at = float_array("values", values, f"give those of {name}").ravel()
     if not len(at):
-        raise ValueError(f"values must be one number or more, got {values!r}: give those of {name}")
+        raise ValueError(f"values must be one number or more, got {abbreviate(values)}: give those of {name}")
     check_parameter(problem.model, name, at.tolist())
     return at
 
 
 def check_axis(problem: EquilibriumProblem, which: str, given: tuple[str, Any]) -> Array:
     """The values (N,) of a parameter along one side of a grid, given as its name and values; they ascend."""
-    try:
-        name, values = given[0], np.asarray(given[1], dtype=float).ravel()
-    except (TypeError, ValueError, IndexError):
-        raise ValueError(
-            f"{which} must be a parameter and its values, got {given!r}: ('F', [1, 2])"
-        ) from None
+    name, numbers = check_pair(which, given, "a parameter and its values", "give ('F', [1, 2])")
+    check_parameter_name(problem.model, name)
+    values = float_array(f"the values of {which}", numbers, f"give those of {name}").ravel()
     if len(values) < 2 or not (np.diff(values) > 0).all():
-        raise ValueError(f"the values of {which} must ascend, two at least, got {values}: sort them")
+        raise ValueError(
+            f"the values of {which} must ascend, two at least, got {abbreviate(values)}: sort them"
+        )
     check_parameter(problem.model, name, values.tolist())
     return values
 
 
 def check_bounds(model: Any, name: Any, bounds: Any) -> tuple[float, float]:
     """Two values of a parameter, in ascending order."""
-    try:
-        low, high = (float("nan") if isinstance(b, str) else float(b) for b in bounds)
-    except (TypeError, ValueError):
-        low = high = float("nan")
-    if not low < high:
-        raise ValueError(f"bounds must be two numbers in ascending order, got {bounds!r}: give (low, high)")
+    check_parameter_name(model, name)
+    low, high = check_limits("bounds", bounds, "give (low, high)")
     check_parameter(model, name, (low, high))
     return low, high

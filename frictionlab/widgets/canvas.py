@@ -174,7 +174,7 @@ def watch(
     for name, value in {"speed": speed, "rate": rate, "magnify": magnify}.items():
         if value is not None:
             check_number(name, value, above=0.0)
-    rate = FRAMES / oscillation_period(run.source) if rate is None else rate
+    rate = FRAMES / oscillation_period(run.source) if rate is None else float(rate)
     speed = rounded_period(run.source) / SECONDS if speed is None else speed
     count = (stop - start) * rate
     if count > MAX_FRAMES:

@@ -17,6 +17,7 @@ from frictionlab.components.impact import PlasticImpact, RestitutionImpact
 from frictionlab.hybrid.methods.one_step import RK4
 from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.models.composition import parameter_metadata, parameter_owners, without
+from frictionlab.validation import abbreviate
 
 from .number_control import label_control, remove_browser_rounding, slider
 from .result import QUICK_METHOD, WHAT_MOVES, Settings
@@ -275,5 +276,6 @@ def _parse_state(text: str) -> tuple[float, ...]:
         return tuple(float(part) for part in text.replace(";", ",").split(",") if part.strip())
     except ValueError as error:
         raise ValueError(
-            f"the own state must be numbers with commas between, got {text!r}: write for example 0.01, 0, ..."
+            f"the own state must be numbers with commas between, "
+            f"got {abbreviate(text)}: write for example 0.01, 0, ..."
         ) from error

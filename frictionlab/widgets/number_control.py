@@ -19,6 +19,7 @@ import traitlets
 
 from frictionlab.analysis.motion_scales import ROUND_NUMBER_RTOL
 from frictionlab.components.component import Parameter, check_value
+from frictionlab.validation import abbreviate
 
 LABEL_WIDTH, CONTROL_WIDTH = "7.1em", "24em"
 NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?", re.IGNORECASE)
@@ -53,9 +54,11 @@ def number_from_text(name: str, text: str) -> float:
     if THOUSANDS.fullmatch(typed):
         plain, decimal = typed.replace(",", ""), typed.replace(",", ".", 1)
         cure = f"write {plain} or {decimal}0" if typed.count(",") == 1 else f"write {plain}"
-        raise ValueError(f"{name} must be one number, got {text!r}, whose comma has two meanings: {cure}")
+        raise ValueError(
+            f"{name} must be one number, got {abbreviate(text)}, whose comma has two meanings: {cure}"
+        )
     if not NUMBER.fullmatch(typed.replace(",", ".", 1)):
-        raise ValueError(f"{name} must be one number, got {text!r}: write for example 0.5 or 2e4")
+        raise ValueError(f"{name} must be one number, got {abbreviate(text)}: write for example 0.5 or 2e4")
     return float(typed.replace(",", ".", 1))
 
 

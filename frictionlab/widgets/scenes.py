@@ -14,7 +14,7 @@ from urllib.parse import parse_qsl, urlencode
 import ipywidgets
 
 from frictionlab.models.library.catalogue import PRESETS, ROW_MODELS, list_models
-from frictionlab.validation import did_you_mean_or_known
+from frictionlab.validation import abbreviate, did_you_mean_or_known
 
 from .explorer import Explorer, explore
 from .layout import error_text
@@ -153,7 +153,7 @@ def values_of_link(link: str, scenes: list[str]) -> tuple[str, State]:
     scene = values.pop(SCENE, "")
     if scene and scene not in scenes:
         hint = did_you_mean_or_known(scene, scenes)
-        raise ValueError(f"scene in the link must be one of the menu, got {scene!r}{hint}")
+        raise ValueError(f"scene in the link must be one of the menu, got {abbreviate(scene)}{hint}")
     return scene, values
 
 

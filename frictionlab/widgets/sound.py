@@ -10,16 +10,19 @@ import numpy as np
 
 from frictionlab.analysis.motion_scales import oscillation_period
 from frictionlab.file_writing import write_file
+from frictionlab.hybrid.trajectory import check_run
 from frictionlab.interruption import progress_bar
 from frictionlab.models.model import PITCH, Model, Tone
-from frictionlab.plotting.time_histories import SAMPLING_RTOL, Array, Window, check_run, window_limits
-from frictionlab.validation import check_choice, check_number
+from frictionlab.plotting.time_histories import SAMPLING_RTOL, Array, Window, window_limits
+from frictionlab.validation import check_choice, check_number, check_path
 
 PEAK_LEVEL = 0.9  # of full scale: no player clips it
 FADE_TIME = 0.01  # seconds at both ends, at most a tenth of the sound: a cut waveform clicks
 # oversampling: stick-slip has corners and impacts are jumps, whose high harmonics must not be aliased
 OVERSAMPLING = 8
 SILENCE_LEVEL = 1e-9  # a signal that varies by less than this share of its size is rounding, not sound
+MAX_SAMPLES = 2e7  # of a sound: some eight minutes, computed in as much time
+MAX_RATE = 1_000_000  # samples a second, more than any player takes
 MIN_SAMPLES = 16  # samples
 CHUNK_SAMPLES = 200_000  # samples computed at a time
 
@@ -67,7 +70,7 @@ class Sound:
         """Write a WAV file of 16 bits; returns its path."""
         from scipy.io import wavfile
 
-        path = Path(path)
+        path = check_path("path", path, (".wav",))
         with write_file(path) as beside:
             wavfile.write(beside, self.rate, np.round(self.samples * np.iinfo(np.int16).max).astype(np.int16))
         return path
@@ -131,10 +134,16 @@ def listen(
     usual = _usual(run)
     signal, pitch = usual.signal if signal is None else signal, usual.pitch if pitch is None else pitch
     check_choice("signal", signal, (*run.automaton.outputs, *run.names))
-    check_number("pitch", pitch, above=0.0)
-    check_number("rate", rate, integer=True, least=1)
+    pitch = float(check_number("pitch", pitch, above=0.0, cure="20 takes 11 Hz to 220 Hz"))
+    rate = check_number("rate", rate, integer=True, least=1, most=MAX_RATE, cure="44100 is that of a CD")
     start, stop = window_limits(run, window)
-    count = int((stop - start) / pitch * rate * (1 + SAMPLING_RTOL))
+    seconds = (stop - start) / pitch
+    if not seconds * rate <= MAX_SAMPLES:
+        raise ValueError(
+            f"the sound must have at most {MAX_SAMPLES:.0e} samples, got {seconds:.3g} s of {rate} a second: "
+            "take a shorter window or a larger pitch"
+        )
+    count = int(seconds * rate * (1 + SAMPLING_RTOL))
     if count < MIN_SAMPLES:
         cure = "take a longer window or a smaller pitch"
         raise ValueError(
@@ -142,7 +151,7 @@ def listen(
         )
     fine = start + np.arange(count * OVERSAMPLING) * (pitch / rate / OVERSAMPLING)
     samples = _low_pass(_signal_samples(run, signal, np.minimum(fine, stop)))
-    return Sound(_normalize(_fade(samples, rate)), int(rate), signal, float(pitch), (start, stop))
+    return Sound(_normalize(_fade(samples, rate)), rate, signal, pitch, (start, stop))
 
 
 def _usual(run: Any) -> Tone:

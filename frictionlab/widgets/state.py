@@ -18,7 +18,7 @@ import numpy as np
 import traitlets
 
 from frictionlab.models import Model
-from frictionlab.validation import did_you_mean
+from frictionlab.validation import abbreviate, did_you_mean
 
 from .canvas import MovingMechanism
 from .layout import Layout, verdict_text
@@ -124,7 +124,7 @@ def set_control(name: str, control: Any, data: Any) -> None:
             control.value = type(control.value)(data)
     except Exception as error:  # the widgets raise errors of several kinds
         raise ValueError(
-            f"{name} must be a value of its control, got {data!r}: take one that the explorer shows"
+            f"{name} must be a value of its control, got {abbreviate(data)}: take one that the explorer shows"
         ) from error
 
 
@@ -154,7 +154,9 @@ def state_from_text(text: str | bytes) -> tuple[Any, State]:
         found = data["format"] == FORMAT and isinstance(data["changed"], dict)
         model = data["model"]
     except (ValueError, KeyError, TypeError) as error:
-        raise ValueError(f"the file must be one that an explorer saved, got {text[:40]!r}") from error
+        raise ValueError(
+            f"the file must be one that an explorer saved, got {abbreviate(text[:40])}"
+        ) from error
     if not found:
         raise ValueError(f"the file must be one that an explorer saved, got the format {data['format']!r}")
     return Model.from_dict(model), data["changed"]

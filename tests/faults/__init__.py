@@ -15,4 +15,6 @@
     All that writes files, on a small disk: what was there is still there, and the error names the path.
 ``kills``
     Long commands, ended at random moments by SIGKILL, SIGINT or a full disk: the file resumed is the same.
+``bad_values``
+    Every public name with arguments of wrong types, shapes and sizes: it takes them, or raises on purpose.
 """

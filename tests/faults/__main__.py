@@ -15,6 +15,7 @@ SUITES = {
     "files": "stored_files",
     "disks": "full_disks",
     "kills": "kills",
+    "values": "bad_values",
 }
 
 

@@ -25,7 +25,15 @@ from frictionlab.analysis.sweeps.journal import read_journal, write_journal
 from frictionlab.file_writing import name_written_file
 from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.presentation import Drawable, shorten
-from frictionlab.validation import abbreviate, check_choice, check_mapping, check_number, float_array
+from frictionlab.validation import (
+    abbreviate,
+    check_choice,
+    check_limits,
+    check_mapping,
+    check_number,
+    check_pair,
+    float_array,
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -258,7 +266,7 @@ def basins(
     settings, how = _settings("basins", keywords, options, execution)
     axes = [_axis(model, "x", x), _axis(model, "y", y)]
     if axes[0][0] == axes[1][0]:
-        raise ValueError(f"x and y must be two states, got {x[0]!r} twice: choose another")
+        raise ValueError(f"x and y must be two states, got {abbreviate(x[0])} twice: choose another")
     plane = np.stack(np.meshgrid(axes[0][1], axes[1][1]), axis=-1).reshape(-1, 2)
     starts = _initial_states(model, [name for name, _ in axes], plane, x0)
     about = {key: {"name": name, "values": v.tolist()} for key, (name, v) in zip("xy", axes)}
@@ -332,7 +340,7 @@ def _settings(
     chosen, how = merge_keywords(function, keywords, "t_max", **bundles)
     if not isinstance(chosen.method, Taylor):
         raise ValueError(
-            f"method must be 'taylor' or a Taylor, got {chosen.method!r}: others have no ensembles"
+            f"method must be 'taylor' or a Taylor, got {abbreviate(chosen.method)}: others have no ensembles"
         )
     check_number("transient", chosen.transient, above=0.0, cure="give the seconds in which motions settle")
     if chosen.t_max is not None:
@@ -345,53 +353,40 @@ def _settings(
 def _axis(model: Any, which: str, axis: Any) -> tuple[str, Array]:
     names = state_names(model)
     cure = f"for instance ({names[0]!r}, [0, 1])"
-    if not isinstance(axis, (tuple, list)) or len(axis) != 2 or not isinstance(axis[0], str):
-        raise ValueError(f"{which} must be a name and its values, got {abbreviate(axis)}: {cure}")
-    check_choice(which, axis[0], names)
-    values = float_array(f"the values of {axis[0]}", axis[1], cure).ravel()
+    name, numbers = check_pair(which, axis, "a name and its values", cure)
+    check_choice(which, name, names)
+    values = float_array(f"the values of {name}", numbers, cure).ravel()
     if not len(values) or not np.isfinite(values).all():
         raise ValueError(
-            f"{which} must hold finite values of {axis[0]}, got {abbreviate(axis[1])}: give one at least"
+            f"{which} must hold finite values of {name}, got {abbreviate(numbers)}: give one at least"
         )
-    return axis[0], values
+    return name, values
 
 
 def _range(model: Any, name: str, limits: Any) -> tuple[float, float]:
     check_choice("ranges", name, state_names(model))
-    low, high = np.asarray(limits, dtype=float).ravel()[[0, -1]] if np.size(limits) == 2 else (np.nan, np.nan)
-    if not -np.inf < low < high < np.inf:
-        raise ValueError(
-            f"the range of {name} must be two ascending numbers, got {limits!r}: swap or mend it"
-        )
-    return float(low), float(high)
+    return check_limits(f"the range of {name}", limits, "give (low, high)")
 
 
 def _initial_states(model: Any, names: Sequence[str], points: Array, x0: Any) -> Array:
     """Initial states (N, n): the named states take their values from the columns of `points`, the others from
     `x0`."""
     known = state_names(model)
-    base = np.zeros(len(known)) if callable(x0) else initial_state_of(model, x0)
+    own = callable(x0) and not isinstance(x0, type)
+    base = np.zeros(len(known)) if own else initial_state_of(model, x0)
     starts = np.repeat(base[None], len(points), axis=0)
     starts[:, [known.index(name) for name in names]] = points
-    return _complete_states(x0, starts, known) if callable(x0) else starts
+    return _complete_states(x0, starts, known) if own else starts
 
 
 def _complete_states(x0: Callable[[Array], Any], starts: Array, names: tuple[str, ...]) -> Array:
     """The states (N, n), each completed by `x0`."""
-    given = [x0(start.copy()) for start in starts]
-    try:
-        states = np.array(given, dtype=float)
-    except ValueError:  # of several lengths
-        states = np.zeros(0)
-    if states.shape != starts.shape or not np.isfinite(states).all():
-        bad = next(each for each in given if not _is_complete(each, len(names)))
-        raise ValueError(
-            f"x0 must give a finite number for each of {', '.join(names)}, got {np.asarray(bad).tolist()}: "
-            "return all of them"
-        )
-    return states
+    return np.array([_complete_state(x0(start.copy()), names) for start in starts])
 
 
-def _is_complete(state: Any, count: int) -> bool:
-    values = np.asarray(state, dtype=float)
-    return values.shape == (count,) and bool(np.isfinite(values).all())
+def _complete_state(given: Any, names: tuple[str, ...]) -> Array:
+    rule, cure = f"a finite number for each of {', '.join(names)}", "return all of them"
+    state = float_array("what x0 gives", given, f"return {rule}")
+    if state.shape != (len(names),) or not np.isfinite(state).all():
+        raise ValueError(f"x0 must give {rule}, got {abbreviate(given)}: {cure}")
+    return state

@@ -12,7 +12,14 @@ from numpy.typing import NDArray
 
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.automaton.mode import check_mode_name
-from frictionlab.validation import abbreviate, check_choice, check_mapping, check_number, float_array
+from frictionlab.validation import (
+    abbreviate,
+    check_choice,
+    check_mapping,
+    check_number,
+    check_text,
+    float_array,
+)
 
 Array = NDArray[np.float64]
 WINDOWS = ("rectangular", "hann")
@@ -115,7 +122,8 @@ class SpectrumRecord:
         lines = float_array("frequencies", self.frequencies, "give those of the lines in Hz")
         if lines.ndim != 1 or not len(lines) or not lines[0] > 0.0 or not (np.diff(lines) > 0.0).all():
             raise ValueError(
-                f"frequencies must ascend and be above 0, one at least, got {self.frequencies!r}: sort them"
+                f"frequencies must ascend and be above 0, one at least, "
+                f"got {abbreviate(self.frequencies)}: sort them"
             )
         object.__setattr__(self, "frequencies", lines)
         check_choice("window", self.window, WINDOWS, "say that of the measurement")
@@ -126,7 +134,11 @@ class SpectrumRecord:
     @classmethod
     def from_record(cls, record: TimeRecord, frequencies: Any, window: str = "rectangular") -> SpectrumRecord:
         """The lines of a time record, with the errors that follow from those of the record."""
-        lines = np.atleast_1d(np.asarray(frequencies, dtype=float))
+        if not isinstance(record, TimeRecord):
+            raise TypeError(
+                f"record must be a TimeRecord, got {abbreviate(record)}: write fl.TimeRecord(t, ...)"
+            )
+        lines = np.atleast_1d(float_array("frequencies", frequencies, "give those of the lines in Hz"))
         check_choice("window", window, WINDOWS, "take one of them")
         weights, w = line_weights(record.t, lines, window), _window(len(record.t), window)
         share = float(np.sqrt(2.0 * (w**2).sum()) / w.sum())
@@ -175,6 +187,7 @@ class EventTimes:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "t", _ascending(self.t, stamps=False)[0])
+        check_text("target", self.target, "name the mode that is entered")
         check_number("error", self.error, above=0.0, cure="give the standard deviation in s")
 
     @property
@@ -199,7 +212,7 @@ class Frequencies:
     error: float = 1.0
 
     def __post_init__(self) -> None:
-        check_mapping("values", self.values, FREQUENCIES_CURE)
+        check_mapping("values", self.values, FREQUENCIES_CURE, keys=object)
         for mode, value in self.values.items():
             check_number("a mode's number in values", mode, integer=True, least=0, cure=FREQUENCIES_CURE)
             check_number(f"values[{mode}]", value, above=0.0, cure="give the frequency in Hz")
@@ -312,7 +325,10 @@ def _seconds(t: Any) -> tuple[Any, Any]:
 
     Stamps are of numpy, pandas or Python, with or without a time zone.
     """
-    given = t if isinstance(t, np.ndarray) else np.asarray(t)
+    try:
+        given = t if isinstance(t, np.ndarray) else np.asarray(t)
+    except ValueError:  # rows of different lengths
+        return t, None
     if given.dtype.kind == "M" and given.size:
         return _seconds(given - given.flat[0])[0], given.flat[0]
     if given.dtype.kind == "m":

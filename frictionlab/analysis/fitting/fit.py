@@ -38,9 +38,18 @@ from frictionlab.analysis.simulate import initial_state_of
 from frictionlab.models.model import automaton_of, require_model
 from frictionlab.presentation import Drawable, dataframe, text_table
 from frictionlab.stability.equilibrium_problem import check_parameter
-from frictionlab.validation import check_choice, check_mapping, check_number, float_array
+from frictionlab.validation import (
+    abbreviate,
+    check_choice,
+    check_key,
+    check_mapping,
+    check_number,
+    check_sequence,
+    float_array,
+)
 
 Array = NDArray[np.float64]
+MAX_SEGMENTS = 10_000  # of a fit, each with an initial state of its own
 STRONG_CORRELATION = 0.95  # above it two parameters are named as hard to tell apart
 MAX_CHI_SQUARE = 10.0  # reduced: above it the model does not fit, even if errors are three times as large
 RANK_RTOL = 1e-8  # the data do not determine directions of smaller relative singular values
@@ -93,8 +102,7 @@ class Fit(Drawable):
 
     def __getitem__(self, parameter: str) -> float:
         """The fitted value of a parameter."""
-        if parameter not in self.parameters:
-            raise KeyError(f"no parameter {parameter!r}: name one of {', '.join(self.parameters)}")
+        check_key("parameter", parameter, self.parameters)
         return float(self.values[self.parameters.index(parameter)])
 
     @property
@@ -252,7 +260,8 @@ def fit(
     >>> round(fl.fit(fl.MassOnBelt(), record, ["k"])["k"], 6)
     1.2
     """
-    task = _check(model, data, parameters, x0, unknown, segments, bounds)
+    segments = check_number("segments", segments, integer=True, least=1, most=MAX_SEGMENTS, cure="8 is usual")
+    task = _check(model, data, parameters, x0, unknown, bounds)
     if not task.moving:
         return _result(task, _solve(task, None, task.first(), "one run"), None)
     run = first_run(task)
@@ -269,23 +278,28 @@ def fit(
     return _result(task, _solve(task, single, unknowns[:count], "one run"), single)
 
 
-def _check(model: Any, data: Any, parameters: Any, x0: Any, unknown: Any, segments: Any, bounds: Any) -> Task:
+def _check(model: Any, data: Any, parameters: Any, x0: Any, unknown: Any, bounds: Any) -> Task:
     require_model(model, cure="write fit(model, data, parameters), the model made")
-    found, names = as_data(data), (parameters,) if isinstance(parameters, str) else tuple(parameters)
+    found, names = as_data(data), _names("parameters", parameters)
     if not names:
         raise ValueError("parameters must name one at least, got none: write fit(model, data, ['k1'])")
     for name in names:
         check_parameter(model, name, [])
-    check_number("segments", segments, integer=True, least=1, cure="8 suits most records")
     limits = _check_bounds(model, names, {} if bounds is None else bounds)
     states = tuple(map(str, automaton_of(model).states))
     check_data(found, automaton_of(model))
+    unknown = _names("unknown", unknown)
     for name in unknown:
         check_choice("state", name, states, "name one of them")
     _check_distinct("parameters", names)
-    _check_distinct("unknown", tuple(unknown))
+    _check_distinct("unknown", unknown)
     places = tuple(states.index(name) for name in unknown)
     return Task(model, found, names, initial_state_of(model, x0), places, limits)
+
+
+def _names(what: str, given: Any) -> tuple[str, ...]:
+    """One name or several."""
+    return (given,) if isinstance(given, str) else check_sequence(what, given, "give names in a list")
 
 
 def _check_distinct(what: str, names: tuple[str, ...]) -> None:
@@ -307,7 +321,7 @@ def _check_bounds(model: Any, names: tuple[str, ...], bounds: Any) -> dict[str, 
         if found.shape != (2,) or not found[0] <= start <= found[1] or found[0] == found[1]:
             raise ValueError(
                 f"bounds[{name!r}] must be (low, high) with the model's {start:g} between, where the search "
-                f"begins, got {pair!r}: widen them or begin at another value"
+                f"begins, got {abbreviate(pair)}: widen them or begin at another value"
             )
         limits[name] = float(found[0]), float(found[1])
     return limits

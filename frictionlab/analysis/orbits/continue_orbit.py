@@ -28,7 +28,7 @@ from frictionlab.hybrid.solve import solve
 from frictionlab.interruption import interruption, progress_bar
 from frictionlab.models.model import automaton_of, check_parameter_name
 from frictionlab.presentation import Drawable, shorten
-from frictionlab.validation import check_number
+from frictionlab.validation import abbreviate, check_flag, check_limits, check_number
 
 
 @dataclass(frozen=True, eq=False)
@@ -158,6 +158,7 @@ def continue_orbit(
     >>> branch.ends, bool(branch.stable.all())
     (('bound', 'bound'), True)
     """
+    check_flag("progress", progress)
     value = _check(orbit, parameter, bounds, step, max_points)
     automaton = with_parameter_as_state(automaton_of(orbit.model), parameter)
     start = first_point(automaton, np.append(orbit.state, value), orbit.period, bounds[1] - bounds[0])
@@ -193,10 +194,12 @@ def continue_orbit(
 def _check(orbit: Any, parameter: str, bounds: Any, step: float, max_points: int) -> float:
     """Check the arguments, and return the parameter's value at the orbit."""
     if not isinstance(orbit, PeriodicOrbit):
-        raise TypeError(f"orbit must be a PeriodicOrbit, got {orbit!r}: find one with fl.periodic_orbit")
+        raise TypeError(
+            f"orbit must be a PeriodicOrbit, got {abbreviate(orbit)}: find one with fl.periodic_orbit"
+        )
     check_parameter_name(orbit.model, parameter)
     value = {s.name: value for s, value in automaton_of(orbit.model).parameters.items()}[parameter]
-    low, high = bounds
+    low, high = check_limits("bounds", bounds, "give (low, high)")
     check_number("bounds[0]", low, most=value, cure=f"the orbit is at {parameter} = {value:g}")
     check_number("bounds[1]", high, least=value, above=low, cure=f"the orbit is at {parameter} = {value:g}")
     for bound in bounds:

@@ -7,6 +7,7 @@ begins, keeps the conditions of its modes, and its monodromy matrix maps the flo
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -14,7 +15,7 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from frictionlab.analysis.motion_scales import AT_REST_RTOL, Array, state_groups, state_ranges, state_scales
-from frictionlab.analysis.simulate import model_initial_state
+from frictionlab.analysis.simulate import initial_state_of
 from frictionlab.analysis.steady_state.classification import MotionKind
 from frictionlab.analysis.steady_state.steady_state import SteadyState
 from frictionlab.automaton import HybridAutomaton
@@ -24,7 +25,7 @@ from frictionlab.hybrid.variational.tangent_flow import end_rates, tangent_flow
 from frictionlab.hybrid.variational.tangent_jets import SaltationError
 from frictionlab.models.model import automaton_of
 from frictionlab.presentation import Drawable, shorten
-from frictionlab.validation import check_number
+from frictionlab.validation import abbreviate, check_number, is_sequence
 
 PERIOD_DIVISORS = (2, 3, 5, 7)
 SAME_STATE_RTOL = 1e-6  # share of the motion's size within which two states are one
@@ -138,7 +139,7 @@ def periodic_orbit(
     """
     automaton = automaton_of(model)
     _check(model, guess, period, t_max, tolerance)
-    given = guess if isinstance(guess, (SteadyState, Trajectory)) else model_initial_state(model, guess)
+    given = guess if isinstance(guess, (SteadyState, Trajectory)) else initial_state_of(model, guess)
     start = _start_in_free_mode(automaton, *state_and_period(automaton, given, period, t_max))
     shot = shoot(automaton, start, tolerance)
     check_motion(shot, start)
@@ -168,12 +169,18 @@ def _check(model: Any, guess: Any, period: float | None, t_max: float, tolerance
         if run.names != names:
             raise ValueError(f"guess must have the model's states {names}, got {run.names}: run this model")
         return
-    state = np.asarray(model_initial_state(model, guess), dtype=float)
-    if state.shape != (len(names),) or not np.isfinite(state).all():
+    if not isinstance(guess, (str, Mapping)) and not is_sequence(guess):
         raise ValueError(
             f"guess must be a SteadyState, a Trajectory, or a finite number for each of {', '.join(names)}, "
-            f"got {guess!r}"
+            f"got {abbreviate(guess)}: run the model until it has settled"
         )
+    try:
+        initial_state_of(model, guess)
+    except ValueError as error:
+        raise ValueError(
+            f"guess must be a SteadyState, a Trajectory, or a finite number for each of {', '.join(names)}, "
+            f"got {abbreviate(guess)}: {error}"
+        ) from error
 
 
 def _start_in_free_mode(automaton: HybridAutomaton, state: Array, period: float) -> OrbitGuess:

@@ -38,6 +38,7 @@ from frictionlab.stability.flow import (
     flow_derivatives,
     null_vectors,
 )
+from frictionlab.validation import check_limits, check_text
 
 SCAN_POINTS = 257
 HALVINGS = 40
@@ -159,7 +160,8 @@ class _AtFirstLoss(Quantity):
     bounds: tuple[float, float]
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "bounds", tuple(map(float, self.bounds)))
+        check_text("parameter", self.parameter, "name a parameter")
+        object.__setattr__(self, "bounds", check_limits("bounds", self.bounds, "give (low, high)"))
 
     def _change(self, problem: EquilibriumProblem) -> StabilityChange:
         limits = check_bounds(problem.model, self.parameter, self.bounds)
@@ -278,7 +280,8 @@ class FoldValue(Quantity):
     bounds: tuple[float, float]
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "bounds", tuple(map(float, self.bounds)))
+        check_text("parameter", self.parameter, "name a parameter")
+        object.__setattr__(self, "bounds", check_limits("bounds", self.bounds, "give (low, high)"))
 
     @property
     def label(self) -> str:

@@ -11,10 +11,18 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize
 
 from frictionlab.analysis.quantities.quantities import Gradient, Quantity
-from frictionlab.models.model import require_model
+from frictionlab.models.model import check_parameter_name, require_model
 from frictionlab.presentation import Drawable, text_table
 from frictionlab.stability.equilibrium_problem import check_bounds
-from frictionlab.validation import check_choice, check_mapping, check_number
+from frictionlab.validation import (
+    abbreviate,
+    check_choice,
+    check_key,
+    check_mapping,
+    check_number,
+    check_sequence,
+    check_text,
+)
 
 Array = NDArray[np.float64]
 MAX_STEPS = 200
@@ -39,15 +47,23 @@ class ParameterValue(Quantity):
 
     name: str
 
+    def __post_init__(self) -> None:
+        check_text("name", self.name, "name a parameter")
+
     @property
     def label(self) -> str:
         return self.name
 
     def values(self, model: Any, changes: Mapping[str, Any]) -> Array:
+        check_parameter_name(model, self.name)
         return np.atleast_1d(np.asarray(changes.get(self.name, model.parameters[self.name]), dtype=float))
 
     def gradient(self, model: Any) -> Gradient:
+        check_parameter_name(model, self.name)
         return Gradient(float(model.parameters[self.name]), {self.name: 1.0})
+
+
+LIMIT_CURE = "give (quantity, low, high)"
 
 
 class Limit(NamedTuple):
@@ -96,8 +112,7 @@ class Optimum(Drawable):
 
     def __getitem__(self, parameter: str) -> float:
         """The best value of a parameter."""
-        if parameter not in self.parameters:
-            raise KeyError(f"no parameter {parameter!r}: name one of {', '.join(self.parameters)}")
+        check_key("parameter", parameter, self.parameters)
         return float(self.at[self.parameters.index(parameter)])
 
     def __repr__(self) -> str:
@@ -237,17 +252,26 @@ def _check(model: Any, quantity: Any, bounds: Any, constraints: Any, goal: Any) 
     if not bounds:
         raise ValueError("bounds must hold one parameter at least, got none: name those that may change")
     kept = {name: check_bounds(model, name, ends) for name, ends in bounds.items()}
-    limits = [Limit(*one) for one in constraints]
+    limits = [_limit(one) for one in check_sequence("constraints", constraints, LIMIT_CURE)]
     for one in (quantity, *(limit.quantity for limit in limits)):
         if not isinstance(one, Quantity):
             raise TypeError(
-                f"quantity must be one such as fl.GrowthRate(), got {one!r}: its derivatives have to be known"
+                f"quantity must be one such as fl.GrowthRate(), "
+                f"got {abbreviate(one)}: its derivatives have to be known"
             )
-    for limit in limits:
-        for end in (limit.low, limit.high):
-            if not np.isinf(end):
-                check_number("a limit of a constraint", end, cure="give (quantity, low, high)")
     return _Task(model, kept, limits)
+
+
+def _limit(given: Any) -> Limit:
+    """A constraint: a quantity and its limits, of which the upper one, or both, may be left out."""
+    parts = check_sequence("a constraint", given, LIMIT_CURE)
+    if not 1 <= len(parts) <= 3:
+        raise ValueError(f"a constraint must have one to three parts, got {abbreviate(given)}: {LIMIT_CURE}")
+    found = Limit(*parts)
+    for end in found[1:]:
+        if not (isinstance(end, float) and np.isinf(end)):
+            check_number("a limit of a constraint", end, cure=LIMIT_CURE)
+    return found
 
 
 def _size(task: _Task, limit: Limit) -> float:

@@ -38,7 +38,7 @@ from frictionlab.hybrid.variational.tangent_flow import end_rates
 from frictionlab.models.model import automaton_of
 from frictionlab.presentation import state_unit
 from frictionlab.stability.equilibrium_points.equilibria import equilibrium_problem
-from frictionlab.validation import check_choice
+from frictionlab.validation import abbreviate, check_choice, check_text
 
 SAME_TIME_SHARE = 1e-12  # share of the period: a turning point this near to an event is at the event
 REGULAR_RTOL = 1e-9  # least over largest singular value of the bordered matrix: smaller in a family of orbits
@@ -154,6 +154,17 @@ class _OfOrbit(Quantity):
     x0: Any = field(default="rest", kw_only=True)
     options: SteadyStateOptions = field(default=SteadyStateOptions(), kw_only=True)
 
+    def __post_init__(self) -> None:
+        if self.near is not None and not isinstance(self.near, PeriodicOrbit):
+            raise TypeError(
+                f"near must be a PeriodicOrbit, got {abbreviate(self.near)}: find one with fl.periodic_orbit"
+            )
+        if not isinstance(self.options, SteadyStateOptions):
+            raise TypeError(
+                f"options must be SteadyStateOptions, got {abbreviate(self.options)}: "
+                "write fl.SteadyStateOptions(...)"
+            )
+
     def _orbit(self, model: Any) -> PeriodicOrbit:
         """The orbit of a model.
 
@@ -167,7 +178,8 @@ class _OfOrbit(Quantity):
         found = steady_state(model, self.x0, options=self.options, progress=False)
         if found.kind != MotionKind.PERIODIC:
             raise ValueError(
-                f"the motion must settle to a periodic orbit, got {found.kind!r}: give another x0=, a longer "
+                f"the motion must settle to a periodic orbit, "
+                f"got {abbreviate(found.kind)}: give another x0=, a longer "
                 "transient in options=, or an orbit as near="
             )
         return periodic_orbit(model, found)
@@ -248,6 +260,10 @@ class OrbitAmplitude(_OfOrbit):
     """
 
     name: str
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        check_text("name", self.name, "name a coordinate")
 
     @property
     def label(self) -> str:

@@ -23,7 +23,7 @@ from frictionlab.stability.flow import (
     equilibrium_derivatives,
     null_vectors,
 )
-from frictionlab.validation import check_choice, check_number
+from frictionlab.validation import abbreviate, check_choice, check_field, check_key, check_text
 
 Array = NDArray[np.float64]
 BLOCK = 2500  # points that one task computes together
@@ -120,6 +120,9 @@ class EquilibriumCoordinate(Quantity):
 
     name: str
 
+    def __post_init__(self) -> None:
+        check_text("name", self.name, "name a coordinate")
+
     @property
     def label(self) -> str:
         return f"{self.name} at equilibrium ({state_unit(self.name)})"
@@ -160,7 +163,7 @@ class GrowthRate(Quantity):
     mode: int | None = None
 
     def __post_init__(self) -> None:
-        _check_mode(self.mode)
+        _check_mode(self)
 
     @property
     def label(self) -> str:
@@ -195,7 +198,7 @@ class ModeFrequency(Quantity):
     mode: int | None = None
 
     def __post_init__(self) -> None:
-        _check_mode(self.mode)
+        _check_mode(self)
 
     @property
     def label(self) -> str:
@@ -211,9 +214,9 @@ class ModeFrequency(Quantity):
         return gradient_of(problem, value.imag / (2 * np.pi), slopes.imag / (2 * np.pi))
 
 
-def _check_mode(mode: Any) -> None:
-    if mode is not None:
-        check_number("mode", mode, integer=True, least=0, cure="count from 0, by ascending frequency")
+def _check_mode(quantity: Any) -> None:
+    if quantity.mode is not None:
+        check_field(quantity, "mode", integer=True, least=0, cure="count from 0, by ascending frequency")
 
 
 def gradient_of(problem: EquilibriumProblem, value: float, slopes: Any) -> Gradient:
@@ -312,8 +315,7 @@ class Sensitivity(Drawable):
 
     def __getitem__(self, parameter: str) -> float:
         """d(quantity)/d(parameter)."""
-        if parameter not in self.parameters:
-            raise KeyError(f"no parameter {parameter!r}: name one of {', '.join(self.parameters)}")
+        check_key("parameter", parameter, self.parameters)
         return float(self.derivatives[self.parameters.index(parameter)])
 
     def __repr__(self) -> str:
@@ -373,7 +375,7 @@ def sensitivity(model: Any, quantity: Quantity) -> Sensitivity:
     """
     if not isinstance(quantity, Quantity):
         raise TypeError(
-            f"quantity must be one such as fl.CriticalValue('mu_k', (0, 4)), got {quantity!r}: "
+            f"quantity must be one such as fl.CriticalValue('mu_k', (0, 4)), got {abbreviate(quantity)}: "
             "its derivatives have to be known"
         )
     known = {symbol.name: value for symbol, value in automaton_of(model).parameters.items()}

@@ -21,10 +21,11 @@ from frictionlab.analysis.sweeps.sweep import check_function, function_name, own
 from frictionlab.models.model import require_model
 from frictionlab.presentation import Drawable, dataframe, text_table
 from frictionlab.stability.equilibrium_problem import check_parameter
-from frictionlab.validation import check_mapping, check_number
+from frictionlab.validation import abbreviate, check_mapping, check_number
 
 Array = NDArray[np.float64]
 GROUPS = 8
+MOST = 1 << 30  # points, of which no more are distinct; seeds
 
 
 def check_distributions(model: Any, distributions: Any) -> dict[str, Any]:
@@ -43,7 +44,8 @@ def check_distributions(model: Any, distributions: Any) -> dict[str, Any]:
         check_parameter(model, name, [])
         if not callable(getattr(distribution, "ppf", None)):
             raise TypeError(
-                f"distributions[{name!r}] must have a quantile function ppf, got {distribution!r}: {cure}"
+                f"distributions[{name!r}] must have a quantile function ppf, "
+                f"got {abbreviate(distribution)}: {cure}"
             )
     return dict(distributions)
 
@@ -144,7 +146,9 @@ class Uncertainty(Drawable):
         """
         if below is None and above is None:
             raise ValueError("below or above must be given, got neither: write probability(above=0.0)")
-        low, high = -np.inf if above is None else above, np.inf if below is None else below
+        cure = "give a value of the quantity, or leave it out"
+        low = -np.inf if above is None else check_number("above", above, cure=cure)
+        high = np.inf if below is None else check_number("below", below, cure=cure)
         return self._estimate(lambda values: float(((values > low) & (values < high)).mean()))
 
     def quantile(self, share: float) -> float:
@@ -228,6 +232,7 @@ def uncertainty(
     True
     """
     task = _check_task(model, quantity, distributions, n, seed, least=2 * GROUPS)
+    n, seed = task.n, task.seed
     seeds = range(seed * GROUPS, (seed + 1) * GROUPS)
     points = np.concatenate([sobol_points(len(task.distributions), n // GROUPS, s) for s in seeds])
     (how,) = merge_keywords("uncertainty", keywords, execution=(Execution, execution))
@@ -325,7 +330,7 @@ def sobol_indices(
     task = _check_task(model, quantity, distributions, n, seed, least=8)
     (how,) = merge_keywords("sobol_indices", keywords, execution=(Execution, execution))
     d = len(task.distributions)
-    both = sobol_points(2 * d, n, seed)
+    both = sobol_points(2 * d, task.n, task.seed)
     a, b = both[:, :d], both[:, d:]
     mixed = [np.where(np.arange(d) == i, b, a) for i in range(d)]
     values = quantiles(model, task.distributions, np.concatenate([a, b, *mixed]))
@@ -363,17 +368,19 @@ class _Task(NamedTuple):
     quantity: Any
     distributions: dict[str, Any]
     label: str
+    n: int
+    seed: int
 
 
 def _check_task(model: Any, quantity: Any, distributions: Any, n: Any, seed: Any, least: int) -> _Task:
     require_model(model, cure="write uncertainty(model, quantity, distributions), the model made")
     check_function("quantity", quantity, 'give one such as fl.CriticalValue("mu_k", (0, 4))')
-    check_number("n", n, integer=True, least=least, cure="give a power of two such as 1024")
-    check_number("seed", seed, integer=True, least=0, cure="give another seed for other points")
+    n = check_number("n", n, integer=True, least=least, most=MOST, cure="give a power of two such as 1024")
+    seed = check_number("seed", seed, integer=True, least=0, most=MOST, cure="give another for other points")
     if n & (n - 1):
         raise ValueError(f"n must be a power of two, got {n}: give {1 << (n.bit_length() - 1)} or its double")
     label = quantity.label if isinstance(quantity, Quantity) else own_name(quantity)
-    return _Task(model, quantity, check_distributions(model, distributions), label)
+    return _Task(model, quantity, check_distributions(model, distributions), label, n, seed)
 
 
 def _evaluated(task: _Task, values: Array, how: Execution, title: str) -> Array:

@@ -17,7 +17,7 @@ from frictionlab.hybrid.expression_functions import array_function
 from frictionlab.hybrid.problem import SectionPoints
 from frictionlab.hybrid.tape.arguments import read_expression
 from frictionlab.hybrid.trajectory import Trajectory
-from frictionlab.validation import check_number
+from frictionlab.validation import abbreviate, check_number
 
 STICK = "stick"
 BISECTIONS = 40
@@ -122,7 +122,9 @@ def _can_stick(names: Any) -> bool:
 def _check_pair(section: Any) -> Any:
     if isinstance(section, (tuple, list)) and len(section) == 2 and isinstance(section[0], str):
         return section
-    raise ValueError(f'section must be "stick", an expression, or (expression, direction), got {section!r}')
+    raise ValueError(
+        f'section must be "stick", an expression, or (expression, direction), got {abbreviate(section)}'
+    )
 
 
 def sections_to_record(automaton: Any, section: Section | None) -> dict[str, Any]:

@@ -27,6 +27,7 @@ from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models.model import automaton_of
 from frictionlab.presentation import Drawable, FrozenMapping
 from frictionlab.stability import equilibrium
+from frictionlab.validation import check_flag
 
 Array = NDArray[np.float64]
 SQUARED_DISTANCE = "square"
@@ -237,6 +238,7 @@ def steady_state(
     >>> fl.steady_state(fl.SliderOnBelt(mu_k=1.4).without("geometry"), transient=60, window=10)
     SteadyState(periodic, period 0.0905161 s, 1 onset of stick in it, L_s 0.0011701)
     """
+    check_flag("progress", progress)
     (chosen,) = merge_keywords("steady_state", keywords, unused="rtol", options=(SteadyStateOptions, options))
     check_section(model, chosen.section)
     return find_steady_state(model, initial_state_of(model, x0), chosen, progress)

@@ -14,7 +14,7 @@ from frictionlab.analysis.options import Execution, ExecutionKeywords, merge_key
 from frictionlab.analysis.simulate import named_state
 from frictionlab.models.model import require_model
 from frictionlab.presentation import Drawable, import_optional, text_table
-from frictionlab.validation import did_you_mean
+from frictionlab.validation import abbreviate, check_key, check_sequence, did_you_mean
 
 from .factorial_design import (
     Array,
@@ -74,18 +74,26 @@ class Ablation(Drawable):
         raise KeyError(f"no scene {scene!r}")
 
     def _levels(self, scene: str | tuple[str, ...] | Mapping[str, str]) -> Scene:
-        names = (scene,) if isinstance(scene, str) else scene
-        chosen = dict(names) if isinstance(names, Mapping) else dict.fromkeys(names, "without")
+        if isinstance(scene, Mapping):
+            chosen = dict(scene)
+        else:
+            cure = "name nonlinearities, such as found['geometry'] or found[()]"
+            names = (scene,) if isinstance(scene, str) else check_sequence("a scene", scene, cure)
+            for name in names:
+                check_key("switch", name, self.switches)
+            chosen = dict.fromkeys(names, "without")
         levels = []
         for switch in self.factors:
             level = chosen.pop(switch.name, switch.levels[0])
             if level not in switch.levels:
                 raise KeyError(
-                    f"{switch.name} has no level {level!r}: name one of {', '.join(switch.levels)}"
+                    f"{switch.name} has no level {abbreviate(level)}: name one of {', '.join(switch.levels)}"
                 )
             levels.append(switch.levels.index(level))
         if chosen:
-            raise KeyError(f"no scene lacks {sorted(chosen)}: name some of {', '.join(self.switches)}")
+            raise KeyError(
+                f"no scene lacks {abbreviate(list(chosen))}: name some of {', '.join(self.switches)}"
+            )
         return tuple(levels)
 
     @property
@@ -158,11 +166,11 @@ class Ablation(Drawable):
         known = self.quantities
         if quantity is None and len(known) == 1:
             return known[0]
-        if quantity not in known:
+        if not isinstance(quantity, str) or quantity not in known:
             hint = did_you_mean(quantity, known) if isinstance(quantity, str) else ": name one"
             raise ValueError(
                 f"quantity must be one of {', '.join(map(repr, known)) or 'none: no result holds a number'}, "
-                f"got {quantity!r}{hint}"
+                f"got {abbreviate(quantity)}{hint}"
             )
         return quantity
 
@@ -311,7 +319,8 @@ def ablation(
     named = studies_by_name(studies)
     (how,) = merge_keywords("ablation", keywords, execution=(Execution, execution))
     factors = switches_of(model, switches)
-    plan = _Plan(model, factors, {} if over is None else grid_axes(over), tuple(x0))
+    starts = check_sequence("x0", x0, "give initial states in a list")
+    plan = _Plan(model, factors, {} if over is None else grid_axes(over), starts)
     specification = {} if how.resume is None else plan.specification(named)
     tasks, names = plan.tasks(named)
     with Journal(specification, how.resume) as journal:

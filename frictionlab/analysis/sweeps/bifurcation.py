@@ -22,7 +22,7 @@ from frictionlab.hybrid.methods.base import Method
 from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.interruption import deferred_interrupts, progress_bar
 from frictionlab.models.composition import parameter_unit
-from frictionlab.models.model import Model, require_model
+from frictionlab.models.model import Model, check_parameter_name, require_model
 from frictionlab.presentation import Drawable, count, dataframe, dataset, span, tally
 from frictionlab.validation import check_choice, float_array
 
@@ -106,6 +106,8 @@ class Bifurcation(Drawable):
         """
         check_choice("name", name, self.names)
         column = self.names.index(name)
+        for kind in kinds:
+            check_choice("kinds", kind, tuple(MotionKind), "name some of them")
         chosen = kinds or tuple({*self.kinds} - {MotionKind.EQUILIBRIUM, ""})
         found = [self._states(i)[:, column] if kind in chosen else () for i, kind in enumerate(self.kinds)]
         return np.repeat(self.values, [len(f) for f in found]), np.concatenate([*found, np.zeros(0)])
@@ -267,6 +269,7 @@ def bifurcation(
 
 def _models(model: Any, parameter: str, values: Any) -> list[Any]:
     require_model(model, cure="write bifurcation(model, parameter, values)")
+    check_parameter_name(model, parameter)
     values = float_array("values", values, "give those of the parameter").ravel()
     if not len(values):
         raise ValueError("values must hold at least one number, got none: give those of the parameter")

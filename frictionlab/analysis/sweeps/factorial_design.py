@@ -22,7 +22,7 @@ from frictionlab.analysis.simulate import initial_state_of
 from frictionlab.analysis.steady_state.steady_state import SteadyState
 from frictionlab.components.component import Component
 from frictionlab.presentation import Drawable, dataframe, text_table
-from frictionlab.validation import did_you_mean
+from frictionlab.validation import abbreviate, check_key, check_mapping, did_you_mean, is_sequence
 
 Array = NDArray[np.float64]
 Scene = tuple[int, ...]  # one level for each switch
@@ -77,12 +77,17 @@ def switches_of(model: Any, switches: Any = None) -> tuple[Switch, ...]:
     """
     if switches is None:
         return tuple(_on_off(name) for name in model.nonlinearities)
-    if isinstance(switches, str) or not isinstance(switches, (Mapping, Sequence)):
+    if not isinstance(switches, Mapping) and not is_sequence(switches):
         raise TypeError(
             "switches must be names of nonlinearities or a mapping of names to alternatives, got "
-            f'{switches!r}: write ["cubic"] or {{"contact": [fl.LinearContact(), fl.CubicContact()]}}'
+            f'{abbreviate(switches)}: write ["cubic"] '
+            'or {"contact": [fl.LinearContact(), fl.CubicContact()]}'
         )
-    asked = switches if isinstance(switches, Mapping) else dict.fromkeys(switches)
+    if isinstance(switches, Mapping):
+        check_mapping("switches", switches, "write {'contact': [fl.LinearContact(), fl.CubicContact()]}")
+        asked = switches
+    else:
+        asked = {_known(model, name): None for name in switches}
     if not asked:
         raise ValueError("switches must name one at least, got none: leave it out for all nonlinearities")
     return tuple(
@@ -92,12 +97,12 @@ def switches_of(model: Any, switches: Any = None) -> tuple[Switch, ...]:
 
 def _known(model: Any, name: Any) -> str:
     known = tuple(model.nonlinearities)
-    if name not in known:
+    if not isinstance(name, str) or name not in known:
         hint = did_you_mean(name, known) if isinstance(name, str) else ""
         raise ValueError(
             f"switches must be nonlinearities of {type(model).__name__} "
             f"({', '.join(known) or 'it has none'}) or have alternatives, "
-            f"got {name!r}{hint or ': give it a list of alternatives'}"
+            f"got {abbreviate(name)}{hint or ': give it a list of alternatives'}"
         )
     return name
 
@@ -109,11 +114,15 @@ def _on_off(name: str) -> Switch:
 def _alternatives(model: Any, name: str, given: Any) -> Switch:
     if isinstance(given, (str, Component)) or not isinstance(given, (Mapping, Sequence)) or len(given) < 2:
         raise ValueError(
-            f"switches[{name!r}] must be two alternatives at least, got {given!r}: give a list, or a mapping "
+            f"switches[{name!r}] must be two alternatives at least, "
+            f"got {abbreviate(given)}: give a list, or a mapping "
             "of a label to each"
         )
     values = list(given.values()) if isinstance(given, Mapping) else list(given)
     labels = [str(label) for label in given] if isinstance(given, Mapping) else _labels(values)
+    for value in values:
+        if isinstance(value, Mapping):
+            check_mapping(f"an alternative of switches[{name!r}]", value, "name parameters or components")
     changes = tuple(dict(value) if isinstance(value, Mapping) else {name: value} for value in values)
     for change in changes:
         model.replace(**change)  # raises for impossible values before any work is done
@@ -273,8 +282,7 @@ class Effects(Drawable):
 
     def __getitem__(self, term: str) -> Array:
         """The values (P,) of an effect by its name."""
-        if term not in self.terms:
-            raise KeyError(f"no effect {term!r}: name one of {', '.join(self.terms)}")
+        check_key("effect", term, self.terms)
         return self.values[self.terms.index(term)]
 
     def to_dataframe(self) -> Any:

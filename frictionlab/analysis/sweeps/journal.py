@@ -24,9 +24,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from frictionlab._version import __version__
-from frictionlab.file_writing import replace_file
+from frictionlab.file_writing import read_file, replace_file
 from frictionlab.interruption import interruption
-from frictionlab.validation import with_cure
+from frictionlab.validation import abbreviate, check_path
 
 FORMAT = 1
 HEAD_KEYS = "frictionlab sweep", "version"  # of the first line, before the arguments of the sweep
@@ -69,7 +69,7 @@ class Journal:
     def _open(self, path: Path) -> None:
         try:
             if path.exists() and path.stat().st_size:
-                found = _read(path)
+                found = _read(path, read_file(path, "give another path"))
                 _refuse_another(path, found.specification, self._specification, found.version)
                 self.results = found.results
                 if found.damaged:
@@ -144,7 +144,7 @@ class _Content(NamedTuple):
 
 def write_journal(path: str | Path, specification: dict[str, Any], results: dict[int, Any]) -> Path:
     """Write all lines in order, atomically: even a power cut leaves the old file or the new one."""
-    path = Path(path)
+    path = check_path("path", path)
     head = dict(zip(HEAD_KEYS, (FORMAT, __version__))) | specification
     rows = ({"task": i, "result": results[i]} for i in sorted(results))
     with replace_file(path) as beside, open(beside, "wb") as file:
@@ -162,10 +162,8 @@ def read_journal(path: str | Path) -> tuple[dict[str, Any], dict[int, Any]]:
     ValueError
         If the file holds no sweep, or is damaged.
     """
-    try:
-        found = _read(Path(path))
-    except OSError as error:
-        raise with_cure(error, path, "give a file that save(path) or resume=path wrote") from error
+    path = check_path("path", path)
+    found = _read(path, read_file(path, "give a file that save(path) or resume=path wrote"))
     if found.damaged:
         raise ValueError(
             f"{path} is damaged in {found.damage}: use it as resume={str(path)!r}, which computes "
@@ -174,9 +172,9 @@ def read_journal(path: str | Path) -> tuple[dict[str, Any], dict[int, Any]]:
     return found.specification, found.results
 
 
-def _read(path: Path) -> _Content:
+def _read(path: Path, content: bytes) -> _Content:
     # What follows the last line feed is a line that was cut off, and is left out.
-    first, *rest = path.read_bytes().split(b"\n")[:-1] or [b""]
+    first, *rest = content.split(b"\n")[:-1] or [b""]
     head = _content(first)
     if head is None or HEAD_KEYS[0] not in head:
         raise ValueError(
@@ -221,7 +219,8 @@ def _json_value(value: Any) -> Any:
     if isinstance(value, (np.generic, np.ndarray)):
         return value.tolist()
     raise TypeError(
-        f"results that resume keeps must be numbers, texts, or lists and mappings of such, got {value!r}: "
+        f"results that resume keeps must be numbers, texts, or lists and mappings of such, "
+        f"got {abbreviate(value)}: "
         "let the function return these, or leave resume out"
     )
 

@@ -29,7 +29,7 @@ from frictionlab.interruption import POLL_TIME, STOP_SIGN, Presses, deferred_int
 from frictionlab.models.composition import parameter_unit
 from frictionlab.models.model import require_model
 from frictionlab.presentation import Drawable, count, import_optional, shorten, span
-from frictionlab.validation import check_mapping, float_array
+from frictionlab.validation import abbreviate, check_mapping, check_sequence, float_array
 
 TASKS_PER_WORKER = (
     2  # tasks handed to each worker at a time, so that ctrl-C does not have to wait for all of them
@@ -116,7 +116,7 @@ def _finish_tasks(running: Sized, presses: Presses, collect: Callable[[], None])
 def check_function(name: str, function: Any, cure: str) -> None:
     """Raise unless `function` can be called."""
     if not callable(function):
-        raise TypeError(f"{name} must be a function of a model, got {function!r}: {cure}")
+        raise TypeError(f"{name} must be a function of a model, got {abbreviate(function)}: {cure}")
 
 
 def function_name(function: Callable[..., Any]) -> str:
@@ -311,8 +311,7 @@ def sweep(
     axes = grid_axes(over)
     points = list(product(*axes.values()))
     models = [model.replace(**dict(zip(axes, map(float, point)))) for point in points]
-    if isinstance(x0, (str, Mapping)):
-        raise ValueError(f"x0 must be a sequence of initial states, got {x0!r}: write [{x0!r}]")
+    x0 = check_sequence("x0", x0, f"write [{abbreviate(x0)}]")
     starts = [named_state(start) for start in x0]
     for start in starts:
         initial_state_of(model, start)

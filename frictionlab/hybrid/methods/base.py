@@ -37,7 +37,7 @@ from frictionlab.hybrid.kernels.run_state import (
 from frictionlab.hybrid.problem import Problem, RecordList, RunData, Status
 from frictionlab.hybrid.tape.program import System, system_of
 from frictionlab.interruption import Progress
-from frictionlab.validation import check_number
+from frictionlab.validation import check_field
 
 RECORD_CAPACITY = 2048  # steps between two updates of the progress bar, which check for ctrl-C
 
@@ -217,9 +217,7 @@ class Method(ABC):
     def check_caps(self) -> None:
         """Raise ValueError unless the caps are positive integers."""
         for name in ("max_steps", "max_events"):
-            check_number(
-                name, getattr(self, name), integer=True, least=1, cure="leave it out for the default"
-            )
+            check_field(self, name, integer=True, least=1, cure="leave it out for the default")
 
     def handle_event(self, run: ActiveRun, event: GuardZero, record: run_state.Record) -> int:
         """Record an event and choose the next mode; returns the run's status, as :meth:`advance`."""

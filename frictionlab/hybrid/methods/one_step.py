@@ -33,7 +33,7 @@ from frictionlab.hybrid.methods.runge_kutta import (
     new_scheme,
     record_step,
 )
-from frictionlab.validation import check_number, store_plain_numbers
+from frictionlab.validation import check_field, check_number, check_sequence
 
 Rates = Callable[[np.ndarray], np.ndarray]
 
@@ -73,8 +73,7 @@ class OneStepMethod(Method):
     max_steps: int = field(default=10_000_000, kw_only=True)
 
     def __post_init__(self) -> None:
-        store_plain_numbers(self)
-        check_number("step", self.step, above=0.0, cure="2e-4 s reproduces the paper")
+        check_field(self, "step", above=0.0, cure="2e-4 s reproduces the paper")
         self.check_caps()
         if self.tableau is not None:
             _check_tableau(self.tableau)
@@ -195,6 +194,15 @@ class RK4(OneStepMethod):
 
 def _check_tableau(tableau: Tableau) -> None:
     """Raise ValueError unless each stage uses only stages before it, and has a weight."""
+    cure = "give (), (a,), (a, b), ..."
+    rows = check_sequence("stages of a tableau", tableau.stages, cure)
+    for row in (*rows, tableau.weights):
+        one = check_sequence("a row of a tableau", row, cure)
+        for number in one:
+            check_number("a number of a tableau", number, cure=cure)
+    check_number("divisor of a tableau", tableau.divisor, cure="give the sum of the weights")
+    if tableau.divisor == 0.0 or not rows:
+        raise ValueError("a tableau must have a stage, and a divisor that is not 0, got none: " + cure)
     lengths = [len(row) for row in tableau.stages]
     if len(lengths) != len(tableau.weights) or any(count > s for s, count in enumerate(lengths)):
         raise ValueError(

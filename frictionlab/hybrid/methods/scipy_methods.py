@@ -12,7 +12,7 @@ from frictionlab.hybrid.kernels import event_handling, run_state
 from frictionlab.hybrid.kernels.event_location import GuardZero
 from frictionlab.hybrid.kernels.jets import slot_gradients, state_rates
 from frictionlab.hybrid.methods.base import ActiveRun, Method
-from frictionlab.validation import check_choice, check_number, store_plain_numbers
+from frictionlab.validation import check_choice, check_field
 
 CHATTER_DWELL = 1e-6  # s: shorter flights are below what the tolerances resolve
 IMPLICIT_INTEGRATORS = ("Radau", "BDF", "LSODA")
@@ -51,12 +51,11 @@ class Scipy(Method):
     max_step: float | None = None
 
     def __post_init__(self) -> None:
-        store_plain_numbers(self)
         check_choice("integrator", self.integrator, INTEGRATORS)
-        check_number("rtol", self.rtol, least=3e-14, below=1.0, cure="1e-10 is the default")
-        check_number("atol", self.atol, least=0.0, cure="1e-13 is the default")
+        check_field(self, "rtol", least=3e-14, below=1.0, cure="1e-10 is the default")
+        check_field(self, "atol", least=0.0, cure="1e-13 is the default")
         if self.max_step is not None:
-            check_number("max_step", self.max_step, above=0.0, cure="leave it out for no limit")
+            check_field(self, "max_step", above=0.0, cure="leave it out for no limit")
         self.check_caps()
 
     @property

@@ -35,7 +35,7 @@ from frictionlab.hybrid.kernels.taylor_steps import advance_taylor
 from frictionlab.hybrid.methods.base import ActiveRun, Method
 from frictionlab.hybrid.tape.functions import AFFINE
 from frictionlab.hybrid.tape.program import Numbers, Program
-from frictionlab.validation import check_choice, check_number, store_plain_numbers
+from frictionlab.validation import check_choice, check_field
 
 MIN_STEP_SHARE = 0.5  # least length of the map's step, as a share of a Taylor step
 AFFINE_STATE_LIMIT = 1e200  # larger states are left to the Taylor steps, which deal with overflow
@@ -227,14 +227,11 @@ class Taylor(Method):
     accumulation: Literal["close", "raise"] = "close"
 
     def __post_init__(self) -> None:
-        store_plain_numbers(self)
-        check_number("tol", self.tol, above=0.0, below=0.1, cure="take 1e-15 for full accuracy")
+        check_field(self, "tol", above=0.0, below=0.1, cure="take 1e-15 for full accuracy")
         if self.order is not None:
-            check_number(
-                "order", self.order, integer=True, least=4, most=MAX_ORDER, cure="20 is a good order"
-            )
-        check_number("chatter", self.chatter, least=0.0, cure="1e-7 s is the default")
-        check_number("dwell", self.dwell, least=0.0, cure="1e-12 s is the default")
+            check_field(self, "order", integer=True, least=4, most=MAX_ORDER, cure="20 is a good order")
+        check_field(self, "chatter", least=0.0, cure="1e-7 s is the default")
+        check_field(self, "dwell", least=0.0, cure="1e-12 s is the default")
         check_choice("accumulation", self.accumulation, ("close", "raise"))
         self.check_caps()
 

@@ -90,7 +90,7 @@ def check_section_or_quadrature(name: str, function: Any, automaton: HybridAutom
 def _symbols(name: str, function: Any) -> set:
     try:
         return sp.sympify(function, strict=True).free_symbols
-    except (AttributeError, sp.SympifyError):
+    except (AttributeError, TypeError, sp.SympifyError):
         raise ValueError(
             f"the section or quadrature {name!r} must be an expression of the states, or an output's name, "
             f"got {abbreviate(function)}: write it with the automaton's symbols"
@@ -122,7 +122,7 @@ def check_mode(
                 f"{what} of mode {mode.name!r} must be an expression, got the text {abbreviate(expr)}: "
                 "write it with the automaton's symbols"
             )
-        if strange := sp.sympify(expr, strict=True).free_symbols - known:
+        if strange := _free_symbols(what, mode, expr) - known:
             raise ValueError(
                 f"{what} of mode {mode.name!r} uses {sorted(map(str, strange))}, which is neither a state "
                 f"nor a parameter: {_cure_of_unknown(strange)}"
@@ -138,6 +138,19 @@ def _cure_of_unknown(strange: set[Any]) -> str:
     return "add it to the automaton's parameters"
 
 
+def _free_symbols(what: str, mode: Mode, expr: Any) -> set:
+    try:
+        found = sp.sympify(expr, strict=True)
+        if not isinstance(found, sp.Expr):
+            raise TypeError
+        return found.free_symbols
+    except (TypeError, ValueError, AttributeError, OverflowError):  # SympifyError is a ValueError
+        raise TypeError(
+            f"{what} of mode {mode.name!r} must be an expression, got {abbreviate(expr)}: "
+            "write it with the automaton's symbols"
+        ) from None
+
+
 def _check_resets(event: Event, mode: Mode, states: tuple[Symbol, ...]) -> None:
     for reset in filter(None, (event.reset, event.accumulation)):
         if strange := [symbol for symbol in reset.jump if symbol not in states]:
@@ -148,13 +161,26 @@ def _check_resets(event: Event, mode: Mode, states: tuple[Symbol, ...]) -> None:
             )
 
 
+def _as_function(mode: Mode, what: str, expr: Any) -> Any:
+    """The expression, if it is one: a plain number or a text cannot be followed to its zero."""
+    if not hasattr(expr, "free_symbols"):
+        kind = "the text " if isinstance(expr, str) else ""
+        raise TypeError(
+            f"{what} of mode {mode.name!r} must be an expression, got {kind}{abbreviate(expr)}: "
+            "write it with the automaton's symbols"
+        )
+    return expr
+
+
 def _expressions(mode: Mode):
     yield from (("the flow", expr) for expr in mode.flow)
-    yield from (("a constraint", expr) for expr in mode.constraints)
+    yield from (("a constraint", _as_function(mode, "a constraint", expr)) for expr in mode.constraints)
     yield from ((f"output {name!r}", expr) for name, expr in mode.outputs.items())
     for event in mode.events:
-        yield f"event {event.name!r}", event.function
+        yield f"event {event.name!r}", _as_function(mode, f"event {event.name!r}", event.function)
         for reset in filter(None, (event.reset, event.accumulation)):
+            vanishing = f"what vanishes at event {event.name!r}"
+            yield from ((vanishing, _as_function(mode, vanishing, expr)) for expr in reset.vanishing)
             yield from ((f"the reset of event {event.name!r}", expr) for expr in reset.jump.values())
 
 
@@ -182,7 +208,7 @@ def read_expression(automaton: HybridAutomaton, text: Any, what: str) -> Any:
     unknown = [name for name in names_in(text) if name not in symbols]
     if unknown:
         hint = did_you_mean_or_known(unknown[0], [*states, *automaton.outputs])
-        raise ValueError(f"{what} {text!r} has the unknown name {unknown[0]!r}{hint}")
+        raise ValueError(f"{what} {abbreviate(text)} has the unknown name {abbreviate(unknown[0])}{hint}")
     expected = f'{what} must be an expression of the states such as "x1 - x2", got {abbreviate(text)}'
     try:
         found = symbols.get(text) or parse_expression(text, symbols)

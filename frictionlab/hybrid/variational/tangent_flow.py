@@ -19,7 +19,7 @@ from frictionlab.hybrid.kernels.jets import copy_vector
 from frictionlab.hybrid.kernels.run_state import StepData, Truncation
 from frictionlab.hybrid.methods.base import RECORD_CAPACITY
 from frictionlab.hybrid.problem import Events
-from frictionlab.hybrid.trajectory import Trajectory
+from frictionlab.hybrid.trajectory import Trajectory, check_run
 from frictionlab.hybrid.variational.tangent_jets import (
     MIN_TANGENT_STEP_SHARE,
     EventCrossing,
@@ -35,6 +35,7 @@ from frictionlab.hybrid.variational.tangent_jets import (
 )
 from frictionlab.interruption import progress_bar
 from frictionlab.presentation import Drawable, count
+from frictionlab.validation import abbreviate, check_flag
 
 # share of a vector's length that remains by rounding alone where an event removes the vector
 LOST_SHARE = 1e-12
@@ -105,6 +106,7 @@ def tangent_flow(run: Trajectory, *, progress: bool = True) -> TangentFlow:
     (8, 8)
     """
     check_taylor_run(run)
+    check_flag("progress", progress)
     frame, matrices = carry_frame(run, initial_frame(run), progress)
     return TangentFlow(frame, run.events, np.array(matrices).reshape(-1, *frame.shape), run.names)
 
@@ -154,13 +156,12 @@ def end_rates(run: Trajectory) -> tuple[np.ndarray, np.ndarray]:
 
 def check_taylor_run(run: Trajectory) -> None:
     """Raise for what is not a run, or is a run of a method whose events are not exact."""
-    if not isinstance(run, Trajectory):
-        raise TypeError(
-            f"run must be a Trajectory, got {run!r}: give what frictionlab.simulate or solve returns"
-        )
+    check_run(run)
     method = run.description.get("method", {}).get("name")
     if method != "taylor":
-        raise ValueError(f"the tangent flow needs a run of method 'taylor', got {method!r}: run it again so")
+        raise ValueError(
+            f"the tangent flow needs a run of method 'taylor', got {abbreviate(method)}: run it again so"
+        )
 
 
 def carry_rows(steps: Any, run: Trajectory, part: slice, rows: np.ndarray, *more: Growth) -> None:

@@ -121,6 +121,11 @@ class _Check:
                 )
             return
         speed = self.free("relative_velocity", contact.relative_velocity, (), "")
+        if not any(gradient(speed, self.v)):
+            raise ValueError(
+                f"relative_velocity of {self.of} must depend on the velocities, got {abbreviate(speed)}: "
+                "write it with the velocities v, as in self.v - v.x"
+            )
         if any({*one.free_symbols} & {*self.v} for one in map(multiply_out, gradient(speed, self.v))):
             raise ValueError(
                 f"relative_velocity of {self.of} must be linear in the velocities, got {abbreviate(speed)}: "

@@ -27,7 +27,7 @@ from frictionlab.plotting.appearance import (
     marker_size,
     mode_colours,
 )
-from frictionlab.plotting.figure import AnimatedFigure
+from frictionlab.plotting.figure import AnimatedFigure, check_figure
 from frictionlab.plotting.overview import plot_phase_plane
 from frictionlab.plotting.time_histories import (
     SAMPLING_RTOL,
@@ -37,7 +37,7 @@ from frictionlab.plotting.time_histories import (
     check_run,
     window_limits,
 )
-from frictionlab.validation import check_number, plain_number
+from frictionlab.validation import check_number, check_path
 
 from .parts import Parts, parts
 from .tilting_belt import (
@@ -56,6 +56,7 @@ from .tilting_belt import Mechanism as Sizes
 from .tilting_belt import lay_out_mechanism as sizes_of
 
 DEFAULT_DURATION = 6.0  # seconds that an animation lasts, or somewhat longer, where no speed is given
+MAX_FRAMES = 100_000  # of an animation: an hour and more
 DEFAULT_WINDOW = Periods(3.0)
 FONT_SIZE = 9.0
 DPI = 80.0  # an animation in a notebook holds every frame as a picture
@@ -219,16 +220,19 @@ def animate(
     """
     mechanism = mechanism_of(run, "animate")
     start, stop = window_limits(run, window)
-    for name, value in {"speed": speed, "fps": fps, "magnify": magnify}.items():
-        if value is not None:
-            check_number(name, value, above=0.0)
-    speed, fps, magnify = map(plain_number, (speed, fps, magnify))
-    speed = speed or round_down_1_2_5((stop - start) / DEFAULT_DURATION)
+    fps = check_number("fps", fps, above=0.0, cure="give the frames of a second")
+    if magnify is not None:
+        magnify = check_number("magnify", magnify, above=0.0, cure="leave it out to see displacements well")
+    usual = round_down_1_2_5((stop - start) / DEFAULT_DURATION)
+    slow = usual if speed is None else check_number("speed", speed, above=0.0, cure="leave it out for ten s")
+    frames = (stop - start) * fps / slow
+    check_number("the number of frames", frames, most=MAX_FRAMES, cure="lower fps, or take a shorter window")
+    check_figure(figure)
     size = figure_size(11.0, 5.6)
     figure = AnimatedFigure(figsize=size, dpi=DPI, layout="constrained") if figure is None else figure
-    picture = picture_of(run, mechanism, frame_times(start, stop, speed / fps), magnify)
+    picture = picture_of(run, mechanism, frame_times(start, stop, slow / fps), magnify)
     scene = _build_scene(run, figure, picture)
-    update = frame_updater(scene, speed)
+    update = frame_updater(scene, slow)
     moving_artists = update(0)
     figure.draw_without_rendering()
     figure.set_layout_engine("none")  # nothing that moves changes the layout
@@ -288,6 +292,23 @@ def frame_updater(scene: AnimationScene, speed: float) -> Callable[[int], list[A
     return update
 
 
+# What browsers, pillow and ffmpeg write.
+FILM_FORMATS = (
+    ".gif",
+    ".html",
+    ".htm",
+    ".webp",
+    ".apng",
+    ".mp4",
+    ".m4v",
+    ".mov",
+    ".avi",
+    ".mkv",
+    ".webm",
+    ".png",
+)
+
+
 class RunAnimation(FuncAnimation):
     """An animation that shows itself in a notebook, with a bar while its frames are drawn."""
 
@@ -302,6 +323,8 @@ class RunAnimation(FuncAnimation):
 
         An HTML page embeds all of its frames, unless a writer other than "html" is given.
         """
+        if not args and options.get("writer") is None:
+            filename = check_path("filename", filename, FILM_FORMATS)
         if str(filename).lower().endswith((".html", ".htm")) and not args:
             if options.get("writer", "html") != "html":  # its frames may be in a folder beside
                 with name_written_file(filename):

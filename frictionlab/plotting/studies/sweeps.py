@@ -36,6 +36,7 @@ from frictionlab.plotting.appearance import (
 from frictionlab.plotting.figure import axes_or_new, legend_beside
 from frictionlab.plotting.labels import parameter_label, state_label
 from frictionlab.presentation import state_unit
+from frictionlab.validation import abbreviate
 
 Array = NDArray[np.float64]
 MOTION_STYLES: dict[str, dict[str, Any]] = {
@@ -255,7 +256,9 @@ def plot_orbit_branch(branch: Any, ax: Axes | None = None, *, name: str | None =
 def _check_state_name(branch: Any, name: str | None) -> None:
     names = branch.orbits[0].trajectory.names
     if name is not None and name not in names:
-        raise ValueError(f"name must be one of {', '.join(names)}, or None for the period, got {name!r}")
+        raise ValueError(
+            f"name must be one of {', '.join(names)}, or None for the period, got {abbreviate(name)}"
+        )
 
 
 def _orbit_measure(orbit: Any, name: str | None) -> float:

@@ -27,6 +27,7 @@ from frictionlab.stability.equilibrium_points.equilibria import (
 from frictionlab.stability.equilibrium_points.static_equations import by_penetration
 from frictionlab.stability.equilibrium_problem import EquilibriumProblem, check_bounds
 from frictionlab.stability.flow import Flow
+from frictionlab.validation import float_array
 
 from .stability_changes import StabilityChange, StabilityKind, changes_on_lines
 
@@ -267,13 +268,13 @@ class HopfPoint(Drawable):
         value : float or array_like (...)
             The parameter's.
         """
-        distance = np.asarray(value, dtype=float) - self.value
+        distance = float_array("value", value, f"give values of {self.parameter}") - self.value
         shift = self.slope.imag * distance + self.cubic.imag * self._square(value)
         return self.frequency + shift / (2 * np.pi)
 
     def _square(self, value: Any) -> Array:
         """|w|^2 of the cycle."""
-        distance = np.asarray(value, dtype=float) - self.value
+        distance = float_array("value", value, f"give values of {self.parameter}") - self.value
         rate = -self.slope.real / self.cubic.real if self.cubic.real else float("nan")
         return np.where(rate * distance >= 0, rate * distance, np.nan)
 

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize.elementwise import find_root
 
+from frictionlab.models.model import check_parameter_name
 from frictionlab.presentation import Drawable, Kind, count, span
 from frictionlab.stability.equilibrium_points.equilibria import Equilibrium, equilibrium_problem
 from frictionlab.stability.equilibrium_problem import (
@@ -23,7 +24,7 @@ from frictionlab.stability.equilibrium_problem import (
     growth_rates,
     unstable_pairs,
 )
-from frictionlab.validation import float_array
+from frictionlab.validation import abbreviate, check_pair, float_array
 
 from .sign_changes import Brackets, Evaluate, bracket_sign_changes
 
@@ -232,14 +233,14 @@ def critical_curve(model: Any, parameter: str, bounds: Any, *, over: tuple[str, 
     problem = equilibrium_problem(model)
     low, high = check_bounds(problem.model, parameter, bounds)
     cure = 'give for example ("F", [100, 200])'
-    if not isinstance(over, (tuple, list)) or len(over) != 2:
-        raise ValueError(f"over must be a parameter and its values, got {over!r}: {cure}")
-    name, at = over[0], float_array("over", over[1], cure).ravel()
+    name, numbers = check_pair("over", over, "a parameter and its values", cure)
+    check_parameter_name(problem.model, name)
+    at = float_array("over", numbers, cure).ravel()
     check_parameter(problem.model, name, at.tolist())
     if name == parameter or not at.size:
         raise ValueError(
             f"over must be another parameter than {parameter!r} and at least one value of it, "
-            f"got {over!r}: {cure}"
+            f"got {abbreviate(over)}: {cure}"
         )
     losses = map(first_loss, changes_on_lines(problem, parameter, (low, high), {name: at}))
     return CriticalCurve(

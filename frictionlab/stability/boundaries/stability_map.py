@@ -28,6 +28,7 @@ from frictionlab.stability.equilibrium_problem import (
     growth_rates,
     unstable_pairs,
 )
+from frictionlab.validation import abbreviate, check_flag
 
 Array = NDArray[np.float64]
 NO_EQUILIBRIUM = -1
@@ -131,10 +132,11 @@ def stability_map(
     >>> plane.unstable.tolist()
     [[0, 0, 0], [0, 1, 1]]
     """
+    check_flag("progress", progress)
     problem = equilibrium_problem(model)
     xs, ys = (check_axis(problem, which, given) for which, given in (("x", x), ("y", y)))
     if x[0] == y[0]:
-        raise ValueError(f"x and y must be different parameters, got {x[0]!r} twice: change one")
+        raise ValueError(f"x and y must be different parameters, got {abbreviate(x[0])} twice: change one")
     spectra = _spectra_on_grid(problem, (x[0], xs), (y[0], ys), progress)
     growing = np.where(np.isnan(spectra[..., 0]), NO_EQUILIBRIUM, unstable_pairs(spectra))
     curves = boundary_curves(problem, (x[0], xs), (y[0], ys), spectra)

@@ -39,6 +39,7 @@ from frictionlab.stability.equilibrium_points.steady_modes import (
     parameter_values,
 )
 from frictionlab.stability.equilibrium_problem import EquilibriumProblem
+from frictionlab.validation import abbreviate
 
 EQUILIBRIUM_RTOL = 1e-12  # share of a coordinate: an equilibrium computed again is the same but for rounding
 
@@ -72,7 +73,7 @@ def _check_equilibrium(model: Any, equilibrium: Any) -> NDArray[np.float64]:
     known = equilibria(model)
     if not isinstance(equilibrium, Equilibrium) or not any(_same_equilibrium(e, equilibrium) for e in known):
         raise ValueError(
-            f"equilibrium must be one of the {len(known)} of the model, got {equilibrium!r}: "
+            f"equilibrium must be one of the {len(known)} of the model, got {abbreviate(equilibrium)}: "
             "take one from equilibria(model)"
         )
     if by_penetration(model) and not equilibrium.normal_force > 0:

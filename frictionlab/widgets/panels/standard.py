@@ -27,7 +27,7 @@ from frictionlab.plotting.labels import (
 from frictionlab.plotting.time_histories import force_outputs
 from frictionlab.presentation import is_angle, state_unit
 from frictionlab.stability import CriticalCurve, critical_curve
-from frictionlab.validation import did_you_mean
+from frictionlab.validation import abbreviate, check_sequence, did_you_mean
 from frictionlab.widgets.canvas import MovingMechanism
 from frictionlab.widgets.number_control import round_to_step, slider_range
 from frictionlab.widgets.update_scheduler import has_event_loop
@@ -288,7 +288,9 @@ def select_panels(asked: Iterable[Any]) -> dict[str, Any]:
     ValueError
         For an unknown name, something that is no function, or none at all.
     """
-    asked = [asked] if isinstance(asked, str) else asked
+    if isinstance(asked, str) or callable(asked):
+        asked = [asked]
+    asked = check_sequence("panels", asked, f"take some of {', '.join(NAMES)}")
     made = {MECHANISM: MovingMechanism(), **PANELS}
     found = {_panel_name(panel): made[panel] if isinstance(panel, str) else panel for panel in asked}
     if not found:
@@ -303,5 +305,5 @@ def _panel_name(panel: Any) -> str:
         return getattr(panel, "__name__", type(panel).__name__)
     known = ", ".join(map(repr, NAMES))
     raise ValueError(
-        f"panels must be functions or some of {known}, got {panel!r}{did_you_mean(panel, NAMES)}"
+        f"panels must be functions or some of {known}, got {abbreviate(panel)}{did_you_mean(panel, NAMES)}"
     )

@@ -34,7 +34,7 @@ def test_chosen_sliders_come_first_and_all_parameters_are_there():
         ({"switches": ["cubik"]}, "switches has no nonlinearity 'cubik'"),
         ({"presets": {"a": {"without": ["cubik"]}}}, "has no switch 'cubik'"),
         ({"t_end": -1.0}, "t_end must be"),
-        ({"sliders": {"F": (3.0, 1.0)}}, "high end of slider 'F'"),
+        ({"sliders": {"F": (3.0, 1.0)}}, "range of slider 'F'"),
     ],
 )
 def test_bad_options_are_named_before_anything_is_written(options, text, tmp_path):

@@ -134,9 +134,9 @@ def test_a_mode_that_cannot_be_entered_is_refused():
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ({"x0": [1.0]}, "one number per state"),
+        ({"x0": [1.0]}, "a finite number for each of the states"),
         ({"x0": [1.0, np.nan]}, "finite"),
-        ({"x0": ["a", "b"]}, "numbers for the states"),
+        ({"x0": ["a", "b"]}, "x0 must hold numbers, got .*for each of the states"),
         ({"t_end": 0.0}, "t_end"),
         ({"t_end": np.inf}, "t_end"),
         ({"t_end": "1"}, "t_end"),
@@ -148,8 +148,8 @@ def test_a_mode_that_cannot_be_entered_is_refused():
         ({"t_eval": [-0.1, 0.5]}, r"got t_eval\[0\] = -0.1: sort or cut it"),
         ({"t_eval": []}, r"one at least, got \[\]: leave it out"),
         ({"t_eval": "often"}, "t_eval must hold numbers, got 'often': give ascending times"),
-        ({"x0": [1.0]}, r"\(x, v\), got \[1.0\] of shape \(1,\): give 2 numbers, in this order"),
-        ({"x0": "rest"}, r"\(x, v\), got 'rest': give 2 numbers, in this order"),
+        ({"x0": [1.0]}, r"states x, v, got \[1.0\]: give 2 numbers, in this order"),
+        ({"x0": "rest"}, r"x0 must hold numbers, got 'rest': give a finite number .* x, v"),
         ({"sections": {"a": (X, 2)}}, "direction of section 'a'"),
         ({"sections": [X]}, r"sections must be a mapping, got \[x\]: give each a name"),
         ({"sections": {"a": [X, 1]}}, r"section 'a' must be .* \(expression, direction\), got \[x, 1\]"),
