@@ -250,16 +250,17 @@ class Events:
             return RunEvent(float(t), str(source), str(target), str(guard), state, before, bool(closed))
         places = np.arange(len(self))
         try:
+            chosen: Any = index
             if not isinstance(index, slice) and not is_sequence(index):
                 raise TypeError
-            places = places[index if isinstance(index, slice) or len(index) else []]
+            places = places[chosen if isinstance(index, slice) or len(chosen) else []]
         except (IndexError, TypeError, ValueError):
             raise IndexError(
                 f"the {len(self)} events are chosen by integers, a slice or truth values, "
                 f"got {abbreviate(index)}: write events[events.target == 'stick']"
             ) from None
-        chosen = dict(zip(RunEvent._fields, (column[places] for column in self._columns()), strict=True))
-        return replace(self, **chosen)
+        columns = dict(zip(RunEvent._fields, (column[places] for column in self._columns()), strict=True))
+        return replace(self, **columns)
 
     def __iter__(self) -> Iterator[RunEvent]:
         return (self[i] for i in range(len(self)))

@@ -35,6 +35,8 @@ from frictionlab.validation import (
     float_array,
 )
 
+MAX_SAMPLES = 10_000_000  # initial states, each of which is a run
+
 
 @dataclass(frozen=True, eq=False)
 class LabelledStates(Drawable):
@@ -319,7 +321,7 @@ def basin_stability(
     """
     settings, how = _settings("basin_stability", keywords, options, execution)
     samples = check_number(
-        "samples", samples, integer=True, least=1, cure="1000 give errors of 0.016 at most"
+        "samples", samples, integer=True, least=1, most=MAX_SAMPLES, cure="1000 give errors of 0.016 at most"
     )
     seed = check_number("seed", seed, integer=True, least=0, cure="give another for other random numbers")
     check_mapping("ranges", ranges, "give states their smallest and largest values, as {'x1': (0, 1)}")

@@ -12,7 +12,6 @@ from typing import Any, NamedTuple
 from frictionlab.automaton.straight_line import MATH, StraightLine, straight_line_data
 from frictionlab.lazy_names import sympy
 from frictionlab.models.serialisation import Structure, derivations_of, structure_of_component
-from frictionlab.models.symbols import parameter_symbols
 
 from .mechanics import Friction
 
@@ -51,6 +50,8 @@ def _formulas(key: Structure) -> list[Any]:
 
 
 def _derived_formulas(key: Structure) -> list[Any]:
+    from frictionlab.models.symbols import parameter_symbols
+
     from .equations_of_motion import system_of
 
     found, rows = system_of(key), []
@@ -59,8 +60,9 @@ def _derived_formulas(key: Structure) -> list[Any]:
             rows.append(None)
             continue
         formulas = [found.speed_at_origin(contact)]
-        press = sympy.sympify(contact.pressing, strict=True)
-        formulas += [press] if contact.penetration is None and not found.varies(press) else []
+        if contact.penetration is None:  # else F_N is a law's, which is not asked here
+            press = sympy.sympify(contact.pressing, strict=True)
+            formulas += [] if found.varies(press) else [press]
         function = sympy.lambdify(parameter_symbols(key), formulas, "math")
         rows.append(straight_line_data(function, MATH) or function)
     return rows

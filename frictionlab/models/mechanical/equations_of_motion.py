@@ -252,7 +252,7 @@ class LagrangeSystem:
     def speed_at_origin(self, contact: Friction) -> Any:
         """The speed of the belt, v_r at rest, where all coordinates and the phase are zero."""
         origin = dict.fromkeys((*self.q, *self.phase), 0)
-        return sympy.sympify(self.at_rest(contact.relative_velocity)).subs(origin)
+        return sympy.sympify(self.at_rest(contact.relative_velocity), strict=True).subs(origin)
 
     def sliding_sign(self, contact: Friction) -> Any:
         """The sign of slip in one direction, that of the belt's speed; at the origin where it varies."""
@@ -347,22 +347,20 @@ class _Symbols(SimpleNamespace):
         raise AttributeError(f"there is no coordinate {name!r}{did_you_mean_or_known(name, vars(self))}")
 
 
-@dataclass(frozen=True, repr=False)
-class Regimes(Interface):
-    """The regimes of one contact, by their names."""
+class Regimes(NamedTuple):
+    """The regimes of one contact, by their names, in place of an interface."""
 
-    names: tuple[str, ...] = ()
-
-    @property
-    def modes(self) -> tuple[str, ...]:  # type: ignore[override]
-        """The names."""
-        return self.names
+    modes: tuple[str, ...]
 
 
 def _in_regimes(about: Mechanics, model: Any, states: Sequence[Any]) -> Mechanics:
     """The contacts, each with the names of its regimes as interface."""
-    contacts = (replace(c, interface=Regimes(_names(c, model.interface, states))) for c in about.contacts)
+    contacts = (replace(c, interface=_regimes(c, model.interface, states)) for c in about.contacts)
     return replace(about, contacts=tuple(contacts))
+
+
+def _regimes(contact: Friction | Stop, allowed: Interface, states: Sequence[Any]) -> Any:
+    return Regimes(_names(contact, allowed, states))
 
 
 def _names(contact: Friction | Stop, allowed: Interface, states: Sequence[Any]) -> tuple[str, ...]:

@@ -19,12 +19,12 @@ from frictionlab.models.composition import parameter_metadata
 from frictionlab.models.serialisation import Structure, derivations_of, structure_of_component
 from frictionlab.models.symbols import symbol, symbolic_copy
 
+from .massless_motions import SEED, motion_without_energy
+
 Array = NDArray[np.float64]
-LEAST_SHARE = 1e-13  # of the masses of its coordinates; the energy of a motion below it is a rounding error
 # Phases, and sizes of coordinates, at which masses are checked that change with time, or depend on place.
 PHASES: list[float] = np.linspace(0.0, 2 * np.pi, 16, endpoint=False).tolist()
 SIZES: list[float] = np.geomspace(1e-3, 1.0, 8).tolist()
-SEED = 37
 
 
 def check_masses(model: Any, start: Any = None) -> None:
@@ -59,21 +59,6 @@ def _without_positive_energy(mass: Array) -> list[int]:
     if not (np.isfinite(mass).all() and (diagonal > 0).all()):
         return [int(np.argmin(np.where(np.isfinite(diagonal), diagonal, -np.inf)))]
     return motion_without_energy(mass)
-
-
-def motion_without_energy(mass: Array, least: float = -np.inf) -> list[int]:
-    """The coordinates of a motion whose energy, as a share of that of its parts, is zero to rounding.
-
-    From `least` on; so a motion of negative energy counts by default.
-    """
-    size = np.sqrt(np.abs(np.diag(mass)))
-    if not size.all():
-        return [int(i) for i in np.flatnonzero(size == 0.0)]
-    shares, motions = np.linalg.eigh(mass / size[:, None] / size)
-    if not least <= shares[0] <= LEAST_SHARE * len(mass):
-        return []
-    part = np.abs(motions[:, 0])
-    return [int(i) for i in np.flatnonzero(part > part.max() * 1e-6)]
 
 
 def _words(

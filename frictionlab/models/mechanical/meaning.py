@@ -20,7 +20,7 @@ from frictionlab.models.symbols import gradient, symbol
 from frictionlab.validation import abbreviate, did_you_mean_or_known
 
 from .contact_regimes import PHASE
-from .masses import LEAST_SHARE, SEED, motion_without_energy
+from .massless_motions import LEAST_SHARE, SEED, motion_without_energy
 from .mechanics import Friction, Mechanics, Stop
 
 NO_VALUES = sympy.nan, sympy.zoo, sympy.oo, -sympy.oo, sympy.I

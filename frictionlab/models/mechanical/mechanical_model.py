@@ -19,7 +19,6 @@ from frictionlab.models.model import Model
 from frictionlab.models.serialisation import structure_of_component
 
 from .contact_numbers import check_contacts, check_sliding, numbers_of_contacts
-from .masses import check_masses
 from .mechanics import Friction, Mechanics
 
 if TYPE_CHECKING:
@@ -57,7 +56,7 @@ class MechanicalModel(Model):
         ValueError
             For any other name, where nothing can take a law's place, and where a belt is at rest.
         """
-        if "nonsmooth" in names:
+        if any(isinstance(name, str) and name == "nonsmooth" for name in names):
             check_sliding(self)
         return super().without(*names)
 
@@ -80,6 +79,8 @@ class MechanicalModel(Model):
             Where a law has no real value, a mass is not above 0, or a given normal force is negative, at the
             values of the parameters.
         """
+        from .masses import check_masses  # it needs numpy, which a command's help does without
+
         check_masses(self)
         check_contacts(self)
         return super().automaton()

@@ -140,6 +140,9 @@ def test_without_cubic_needs_a_linear_stiffness_to_keep():
     class Wall(ContactLaw):
         k_w: float = 1.0
 
+        def force(self, penetration):
+            return self.k_w * penetration
+
     with pytest.raises(ValueError, match="has no k2 to keep"):
         SliderOnBelt(contact=Wall()).without("cubic")
 

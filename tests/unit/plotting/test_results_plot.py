@@ -187,4 +187,5 @@ def test_axes_that_are_given_get_no_legend():
 
 def test_a_legend_that_is_not_wanted_is_not_drawn():
     ax = result("basins").plot(legend=False)
-    assert not ax.figure.legends and ax.get_legend() is None
+    assert not ax.figure.legends
+    assert ax.get_legend() is None

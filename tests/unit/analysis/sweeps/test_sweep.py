@@ -169,7 +169,7 @@ def test_results_by_what_is_left_out(critical):
     assert critical["cubic", "geometry"] == critical["geometry", "cubic"] == expected
     assert critical["geometry"] == fl.critical_value(MODEL.without("geometry"), "mu_k", (0.0, 4.0))
     assert critical[()] == fl.critical_value(MODEL, "mu_k", (0.0, 4.0))
-    with pytest.raises(KeyError, match="name some of cubic, nonsmooth, geometry"):
+    with pytest.raises(KeyError, match="no switch 'geomtry': name one of cubic, nonsmooth, geometry"):
         critical["geomtry"]
 
 

@@ -1,4 +1,4 @@
-"""Kernels take few arguments: what travels together is one tuple, and has a name."""
+"""Every kernel says what it does."""
 
 import ast
 from pathlib import Path
@@ -7,7 +7,6 @@ import pytest
 
 import frictionlab.hybrid
 
-MOST_PARAMETERS = 8
 DECORATORS = {"kernel", "inlined"}
 
 
@@ -30,6 +29,5 @@ def test_kernels_are_found():
 
 
 @pytest.mark.parametrize("function", FOUND)
-def test_a_kernel_has_few_parameters_and_says_what_it_does(function):
-    assert len(function.args.args) <= MOST_PARAMETERS
+def test_a_kernel_says_what_it_does(function):
     assert ast.get_docstring(function)
