@@ -9,11 +9,13 @@ from typing import Any
 import numpy as np
 
 import frictionlab as fl
+from tests.differential import judge as judge_of_models
+from tests.differential.judge import AGREES, UNDECIDED
 from tests.doors.mechanism import Mechanism, model_of
 from tests.doors.reference import Reference
 from tests.reference.hybrid import START, Happening, Undecided, Walker, _advance
 
-AGREES, UNDECIDED, REFUSED = "agrees", "undecided", "refused"
+REFUSED = "refused"
 NEAR = 1e-9  # share by which the starts of the runs nearby differ
 FAR = 1e-3  # spread, by the motion's size, beyond which nothing is foretold
 SLACK = 3.0
@@ -24,17 +26,14 @@ LONG = 15.0  # periods
 
 
 @dataclass(frozen=True)
-class Verdict:
-    """What a case came to, and words."""
+class Verdict(judge_of_models.Verdict):
+    """What a case came to, "refused" where the package refuses it, and how many events were compared."""
 
-    kind: str
-    words: str = ""
-    horizon: float = 0.0
     events: int = 0
 
     @property
     def failed(self) -> bool:
-        return self.kind not in (AGREES, UNDECIDED, REFUSED)
+        return super().failed and self.kind != REFUSED
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,9 +151,9 @@ def judge(one: Mechanism, t_end: float, further: float = 1.0, tol: float = 1e-15
     try:
         run = run_of(one, further * t_end, tol, grid)
     except ValueError as error:
-        return Verdict(REFUSED, str(error), known.horizon)
+        return Verdict(REFUSED, str(error), horizon=known.horizon)
     except Exception as error:
-        return Verdict(f"raises {type(error).__name__}", str(error), known.horizon)
+        return Verdict(f"raises {type(error).__name__}", str(error), horizon=known.horizon)
     return compared(one, known, run, tol)
 
 
@@ -163,9 +162,9 @@ def compared(one: Mechanism, known: Prediction, run: Any, tol: float) -> Verdict
     horizon, slack = known.horizon, max(1.0, 1e3 * tol / ROUNDING)
     words = event_complaint(known, merged(happenings(run), INSTANT * one.period), slack)
     if words:
-        return Verdict("events", words, horizon, len(known.motion.events))
+        return Verdict("events", words, horizon=horizon, events=len(known.motion.events))
     if run.raw.t < horizon * (1 - 1e-9):
-        return Verdict("ends", f"at {run.raw.t:.9g}: {run.status}", horizon, len(known.motion.events))
+        return Verdict("ends", f"at {run.raw.t:.9g}: {run.status}", horizon=horizon)
     at = np.searchsorted(run.t, known.motion.t)
     use = known.motion.t < horizon
     n = 2 * one.n
@@ -174,8 +173,8 @@ def compared(one: Mechanism, known: Prediction, run: Any, tol: float) -> Verdict
     i, j = np.unravel_index(shares.argmax(), shares.shape)
     if not shares[i, j] <= 1.0:
         off = run.states[at[i], j] - known.motion.states[i, j]
-        return Verdict("states", f"state {j} at {known.motion.t[i]:.6g}: off by {off:.2e}", horizon)
-    return Verdict(AGREES, "", horizon, len([e for e in known.motion.events if e.t < horizon]))
+        return Verdict("states", f"state {j} at {known.motion.t[i]:.6g}: off by {off:.2e}", horizon=horizon)
+    return Verdict(AGREES, horizon=horizon, events=len([e for e in known.motion.events if e.t < horizon]))
 
 
 def happenings(run: Any) -> list[Happening]:
