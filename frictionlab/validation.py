@@ -63,9 +63,7 @@ def check_number(
         or (integer and value != int(value))
         or not (least <= value <= most and above < value < below)
     ):
-        raise ValueError(
-            f"{name} must be {', '.join(rules)}, got {abbreviate(value)}" + (f": {cure}" if cure else "")
-        )
+        raise ValueError(f"{name} must be {', '.join(rules)}, got {abbreviate(value)}{_cure(cure)}")
     return int(value) if integer else value
 
 
@@ -96,18 +94,23 @@ def check_text(name: str, value: Any, cure: str, most: int = 100_000) -> str:
     """The value, if it is a text of at most so many characters."""
     if not isinstance(value, str) or len(value) > most:
         rule = f"a text of at most {most} characters" if isinstance(value, str) else "a text"
-        raise ValueError(f"{name} must be {rule}, got {abbreviate(value)}: {cure}")
+        raise ValueError(f"{name} must be {rule}, got {abbreviate(value)}{_cure(cure)}")
     return value
+
+
+def _cure(cure: str) -> str:
+    """The end of a message: what can be done, if there is a cure of this argument's own."""
+    return f": {cure}" if cure else ""
 
 
 def check_mapping(name: str, value: Any, cure: str, keys: type = str) -> None:
     """Raise unless `value` is a mapping whose keys are texts, or of another class."""
     if not isinstance(value, Mapping):
-        raise ValueError(f"{name} must be a mapping, got {abbreviate(value)}: {cure}")
+        raise ValueError(f"{name} must be a mapping, got {abbreviate(value)}{_cure(cure)}")
     for key in value:
         if not isinstance(key, keys):
             kind = "names" if keys is str else f"of the class {keys.__name__}"
-            raise ValueError(f"the keys of {name} must be {kind}, got {abbreviate(key)}: {cure}")
+            raise ValueError(f"the keys of {name} must be {kind}, got {abbreviate(key)}{_cure(cure)}")
 
 
 def is_sequence(value: Any) -> bool:
@@ -172,7 +175,7 @@ def float_array(name: str, values: Any, cure: str, *, finite: bool = False) -> n
     import numpy as np
 
     def refusal(rule: str) -> ValueError:
-        return ValueError(f"{name} must hold {rule}, got {abbreviate(values)}: {cure}")
+        return ValueError(f"{name} must hold {rule}, got {abbreviate(values)}{_cure(cure)}")
 
     if np.ma.is_masked(values):
         raise refusal("numbers without a mask")
@@ -221,7 +224,7 @@ def check_choice(name: str, value: Any, choices: Iterable[str], cure: str = "") 
     choices = tuple(choices)
     if not isinstance(value, str) or value not in choices:
         allowed = ", ".join(map(repr, choices))
-        hint = did_you_mean(value, choices) or (f": {cure}" if cure else "")
+        hint = did_you_mean(value, choices) or _cure(cure)
         raise ValueError(f"{name} must be one of {allowed}, got {abbreviate(value)}{hint}")
 
 

@@ -14,7 +14,6 @@ from frictionlab.hybrid.problem import Problem, RunData, Sampling, Status
 from frictionlab.hybrid.run_file import (
     STORED_ARRAYS,
     StoredRun,
-    check_arrays,
     rates_by_mode,
     read_run_file,
 )
@@ -249,7 +248,6 @@ def _trajectory(stored: StoredRun, automaton: HybridAutomaton, source: Model | N
     _check_same(stored, "parameters", {name: float(value) for name, value in automaton.values.items()})
     program, numbers = program_of_modes(automaton, tuple(saved)) if known else program_of(automaton)
     _check_same(stored, "guards", list(program.guards))
-    check_arrays(stored, len(program.guards))
     arrays = {name: stored.arrays[name] for name in STORED_ARRAYS}
     raw = RunData(**arrays, t=float(about["t"]), mode=int(about["mode"]), status=Status[about["status"]])
     start = raw.step_states[0] if len(raw.step_states) else raw.state

@@ -11,21 +11,18 @@ made negative counts as zero.
 
 from __future__ import annotations
 
-import math
-import os
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from enum import Enum
 from functools import lru_cache
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from frictionlab.automaton import HybridAutomaton, Mode
 from frictionlab.hybrid.elementary.parameter_functions import OF_OUTPUTS
+from frictionlab.hybrid.free_memory import free_memory
 from frictionlab.hybrid.kernels.run_state import Record, new_record
 from frictionlab.hybrid.tape.program import Code, Numbers, Program
 from frictionlab.presentation import MAX_ROWS, count, dataframe, shorten, span, state_unit
@@ -129,10 +126,8 @@ class Status(Enum):
         return self is Status.FINISHED
 
 
-BYTES_BETWEEN_LOOKS = 2**26  # growth of a run between two checks of the free memory
-BYTES_PER_KILOBYTE = 1024
-MEMORY_INFORMATION = Path("/proc/meminfo")
-GROUP = Path("/sys/fs/cgroup")  # of a container, whose limit may be below the machine's memory
+BYTES_BETWEEN_LOOKS = 2**26  # largest growth of a run between two checks of the free memory
+BYTES_AT_FIRST_LOOK = 2**20  # below them a run is too small to fill a memory
 
 
 class RecordList:
@@ -147,53 +142,41 @@ class RecordList:
     def __init__(self) -> None:
         self._parts: list[Record] = []
         self.steps, self.events, self.copied = 0, 0, False
-        self._bytes, self._next_look = 0, BYTES_BETWEEN_LOOKS
+        self._bytes, self._next_look = 0, min(BYTES_AT_FIRST_LOOK, BYTES_BETWEEN_LOOKS)
 
     def add(self, record: Record, steps: int, events: int, points: int) -> None:
-        """Keep the filled part of a record."""
+        """Keep the filled part of a record: a copy, or all of it where there is no memory for one."""
         lengths = [steps] * 3 + [events] * 3 + [points] * 3
-        cut = [array[:n].copy() if n < len(array) else array for array, n in zip(record, lengths)]
-        self._parts.append(Record(*cut))
+        filled = [array[:n] for array, n in zip(record, lengths)]
+        try:
+            parts = [part.copy() if len(part) < len(array) else array for part, array in zip(filled, record)]
+            self.copied = all(n < len(array) for array, n in zip(record, lengths) if len(array))
+        except MemoryError:
+            parts, self.copied = filled, False
+        self._parts.append(Record(*parts))
         self._bytes += sum(array.nbytes for array in self._parts[-1])
-        self.copied = all(n < len(array) for array, n in zip(record, lengths) if len(array))
         self.steps += int(steps)
         self.events += int(events)
 
     def fills_memory(self) -> bool:
-        """Whether memory would soon run out; to join the records takes as much again as they hold."""
+        """Whether memory would soon run out; to work with the run takes as much again as it holds."""
         if self._bytes < self._next_look:
             return False
-        self._next_look = self._bytes + BYTES_BETWEEN_LOOKS
-        return free_memory() < self._bytes + 2 * BYTES_BETWEEN_LOOKS
+        growth = min(self._bytes, BYTES_BETWEEN_LOOKS)
+        self._next_look = self._bytes + growth
+        return free_memory() < self._bytes + 2 * growth
 
     def raw(self, code: Code, t: float, state: np.ndarray, mode: int, status: Status) -> RunData:
-        """All records joined, with the end of the run."""
-        parts = self._parts or [new_record(code, 0, 0, 0)]
-        arrays = parts[0] if len(parts) == 1 else map(np.concatenate, zip(*parts, strict=True))
-        joined = dict(zip(Record._fields, arrays))
+        """All records joined, with the end of the run; they are given up, which takes less memory."""
+        parts: list[list[Any]] = [[*each] for each in self._parts or [new_record(code, 0, 0, 0)]]
+        self._parts.clear()
+        joined = {}
+        for i, name in enumerate(Record._fields):
+            columns = [part[i] for part in parts]
+            joined[name] = columns[0] if len(columns) == 1 else np.concatenate(columns)
+            for part in parts:
+                part[i] = None
         return RunData(**joined, t=float(t), state=state, mode=mode, status=status)
-
-
-def free_memory() -> float:
-    """Bytes that this process can still allocate; infinite where the system does not tell."""
-    return min(_free_on_machine(), _free_in_group())
-
-
-def _free_on_machine() -> float:
-    with suppress(OSError, ValueError, IndexError):
-        for line in MEMORY_INFORMATION.read_text().splitlines():
-            if line.startswith("MemAvailable:"):
-                return float(line.split()[1]) * BYTES_PER_KILOBYTE
-    with suppress(OSError, ValueError, AttributeError):
-        return float(os.sysconf("SC_AVPHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
-    return math.inf
-
-
-def _free_in_group() -> float:
-    with suppress(OSError, ValueError):
-        limit, used = ((GROUP / f"memory.{name}").read_text() for name in ("max", "current"))
-        return float(limit) - float(used)  # without a limit the first is the word "max"
-    return math.inf
 
 
 MAX_KINDS = 6  # kinds of events that a summary counts

@@ -32,7 +32,7 @@ import frictionlab
 from frictionlab import cache_folder
 from frictionlab.automaton.straight_line import StraightLine, straight_line_data
 from frictionlab.components.component import Component, parameters_of, structure_of
-from frictionlab.validation import abbreviate
+from frictionlab.validation import MAX_CHARACTERS, abbreviate
 
 PACKAGE = Path(__file__).parents[1]
 # Folders of all sources that derive, lower or read the data.
@@ -92,6 +92,10 @@ def value_to_data(value: Any, owner: str) -> Any:
     )
 
 
+class NotLoadedError(ValueError):
+    """A class of which there is data is not defined in this session."""
+
+
 def component_from_dict(data: Mapping[str, Any], base: type) -> Any:
     """A component of the kind `base` from what :func:`component_to_dict` gave.
 
@@ -113,7 +117,8 @@ def component_from_dict(data: Mapping[str, Any], base: type) -> Any:
     try:
         return cls(**values)
     except (TypeError, AttributeError) as error:
-        raise ValueError(f"{cls.__name__} cannot be made from {dict(data['fields'])!r}: {error}") from error
+        given = abbreviate(dict(data["fields"]))
+        raise ValueError(f"{cls.__name__} cannot be made from {given}: {error}") from error
 
 
 def value_from_data(data: Any) -> Any:
@@ -126,7 +131,8 @@ def value_from_data(data: Any) -> Any:
         return component_from_dict(data, Component)
     members = getattr(loaded_class(data.get("enum"), Enum), "__members__", {})
     if data.get("name") not in members:
-        raise ValueError(f"{data.get('enum')} must have {data.get('name')!r}, it has {', '.join(members)}")
+        asked = abbreviate(data.get("name"))
+        raise ValueError(f"{abbreviate(data.get('enum'))} must have {asked}, it has {', '.join(members)}")
     return members[data["name"]]
 
 
@@ -136,9 +142,10 @@ def loaded_class(name: object, base: type) -> type:
     found = [cls for cls in _subclasses(base) if class_path(cls) == name]
     if found:
         return found[-1]
-    module = str(name).partition(":")[0]
-    raise ValueError(
-        f"no {base.__name__} {name!r} is loaded: import {module}, or run the cell that defines it, first"
+    module = str(name).partition(":")[0][:MAX_CHARACTERS]
+    raise NotLoadedError(
+        f"no {base.__name__} {abbreviate(name)} is loaded: import {module}, or run the cell that defines it, "
+        "first"
     )
 
 

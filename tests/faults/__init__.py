@@ -5,6 +5,8 @@
 
 ``damage``
     What is done to a file: truncated, bits changed, emptied, a folder in its place, unreadable.
+``mutations``
+    What somebody else may have written: an entry changed in a file, with a right checksum.
 ``processes``
     Each case runs in a process of its own, so that a crash is seen; `judge` says what counts as withstood.
 ``compiled_code``

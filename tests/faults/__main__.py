@@ -25,6 +25,7 @@ def main() -> int:
     parser.add_argument("suites", nargs="*", metavar="SUITE", help=f"{', '.join(SUITES)} (default: all)")
     parser.add_argument("--truncations", type=int, default=20, help="places in each kind of file")
     parser.add_argument("--flips", type=int, default=200, help="random bits in each kind of file")
+    parser.add_argument("--mutations", type=int, default=120, help="entries changed in each kind of file")
     parser.add_argument("--rooms", type=int, default=7, help="places at which the disk of a sweep is full")
     parser.add_argument("--kills", type=int, default=200, help="times that a command is ended")
     parser.add_argument("--seed", type=int, default=0, help="of the moments at which commands are ended")
@@ -52,6 +53,8 @@ def _run(suite: str, scratch: Path, chosen: argparse.Namespace) -> int:
         return module.main(scratch, chosen.kills, chosen.seed)
     if suite == "disks":
         return module.main(scratch, chosen.rooms)
+    if suite == "files":
+        return module.main(scratch, chosen.truncations, chosen.flips, chosen.mutations)
     return module.main(scratch, chosen.truncations, chosen.flips)
 
 

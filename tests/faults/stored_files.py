@@ -1,19 +1,28 @@
-"""Files of runs and sweeps, damaged in every way: read as they were, or refused with path and cure."""
+"""Files of runs and sweeps, damaged in every way: read as they were, or refused with path and cure.
+
+Mutated ones, whose checksums are right, may be read as something else, which then can be used.
+"""
 
 from __future__ import annotations
 
 import shutil
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from scipy.stats import uniform
+
 import frictionlab as fl
+from frictionlab.models.serialisation import NotLoadedError
 from tests.faults.damage import damages
+from tests.faults.mutations import mutations
 from tests.faults.processes import Report, in_a_process, judge, other_user
 from tests.helpers.own_models import Chain, Fitted
 
 SLIDER = fl.SliderOnBelt(mu_k=1.4).without("geometry")
 QUIET: dict[str, Any] = {"progress": False}
+MOST_BYTES = 6_000_000_000  # of a process that reads a file
 SHORT: dict[str, Any] = {"transient": 5.0, "window": 2.0, "workers": 1, **QUIET}
 
 
@@ -46,6 +55,15 @@ def basins(path: Path) -> Any:
     return fl.basins(SLIDER, ("x1'", [0.0, 0.25]), ("y1'", [0.0, 0.1]), "near", resume=path, **SHORT)
 
 
+def shares(path: Path) -> Any:
+    return fl.basin_stability(SLIDER, {"x1'": (0.0, 0.25)}, 6, x0="near", resume=path, **SHORT)
+
+
+def uncertainty(path: Path) -> Any:
+    quantity, preload = fl.CriticalValue("mu_k", (0.0, 4.0)), {"F": uniform(150.0, 50.0)}
+    return fl.uncertainty(SLIDER, quantity, preload, n=16, resume=path, workers=1, **QUIET)
+
+
 def speed(model: Any) -> dict[str, float]:
     return {"v": model.v, "share": model.v / 3}
 
@@ -55,22 +73,26 @@ def resumed(compute: Callable[[Path], Any]) -> Callable[[Path], Any]:
     return lambda path: (compute(path), {0: path.read_bytes()})[1]
 
 
+MADE: dict[str, Callable[[Path], Any]] = {
+    "run": lambda path: fl.simulate(SLIDER, 1.0, **QUIET).save(path),
+    "run of an automaton": lambda path: fl.solve(SLIDER.automaton(), 1.0, x0=[0.0] * 8, **QUIET).save(path),
+    "run of modes on demand": lambda path: fl.solve(
+        fl.TwoBlocks().automaton(), 2.0, x0=[0.0] * 4, **QUIET
+    ).save(path),
+    "run of own laws": lambda path: fl.simulate(Chain(friction=Fitted()), 2.0, **QUIET).save(path),
+    "bifurcation": bifurcation,
+    "basins": basins,
+    "shares of basins": shares,
+    "resumed bifurcation": bifurcation,
+    "resumed sweep": sweep,
+    "resumed basins": basins,
+    "resumed uncertainty": uncertainty,
+}
 STORED = {
-    "run": Stored(
-        lambda path: fl.simulate(SLIDER, 1.0, **QUIET).save(path), lambda path: content(fl.load(path))
-    ),
-    "run of an automaton": Stored(
-        lambda path: fl.solve(SLIDER.automaton(), 1.0, x0=[0.0] * 8, **QUIET).save(path),
-        lambda path: content(fl.load(path)),
-    ),
-    "run of modes on demand": Stored(
-        lambda path: fl.solve(fl.TwoBlocks().automaton(), 2.0, x0=[0.0] * 4, **QUIET).save(path),
-        lambda path: content(fl.load(path)),
-    ),
-    "run of own laws": Stored(
-        lambda path: fl.simulate(Chain(friction=Fitted()), 2.0, **QUIET).save(path),
-        lambda path: content(fl.load(path)),
-    ),
+    **{
+        name: Stored(MADE[name], lambda path: content(fl.load(path)))
+        for name in ("run", "run of an automaton", "run of modes on demand", "run of own laws")
+    },
     "bifurcation": Stored(bifurcation, lambda path: fl.load_bifurcation(path).results, complete=False),
     "basins": Stored(basins, lambda path: fl.load_basins(path).results, complete=False),
     "resumed bifurcation": Stored(bifurcation, resumed(bifurcation)),
@@ -79,9 +101,64 @@ STORED = {
 }
 
 
-def main(scratch: Path, truncations: int, flips: int) -> int:
+def used(found: Any) -> Any:
+    """A result of a file, after what users do with it."""
+    repr(found)
+    if isinstance(found, fl.Trajectory):
+        found(found.t[:3]), found.stats, found.warning, found.events.counts(), str(found.status)
+    if isinstance(found, fl.Bifurcation):
+        found.section(found.names[0]), found.warnings
+        with suppress(NotLoadedError):
+            found.to_dataframe(), found.to_xarray(), found.plot()
+    if hasattr(found, "fractions"):
+        found.plot()
+    return None
+
+
+USED: dict[str, Callable[[Path], Any]] = {
+    "run": lambda path: used(fl.load(path)),
+    "run of an automaton": lambda path: used(fl.load(path)),
+    "run of modes on demand": lambda path: used(fl.load(path)),
+    "bifurcation": lambda path: used(fl.load_bifurcation(path)),
+    "basins": lambda path: used(fl.load_basins(path)),
+    "shares of basins": lambda path: used(fl.load_basins(path)),
+    "resumed bifurcation": bifurcation,
+    "resumed sweep": sweep,
+    "resumed basins": basins,
+    "resumed uncertainty": uncertainty,
+}
+
+
+def main(scratch: Path, truncations: int, flips: int, mutated: int) -> int:
     """Do all damages to all kinds of files; returns how many were not withstood."""
     scratch.chmod(0o755)
+    return _damaged(scratch, truncations, flips) + _mutated(scratch, mutated)
+
+
+def _mutated(scratch: Path, count: int) -> int:
+    failed = 0
+    for name, use in USED.items():
+        report, folder = Report(f"mutated {name}"), scratch / f"mutated-{name.replace(' ', '-')}"
+        folder.mkdir()
+        whole, path = folder / "whole.npz", folder / "file.npz"
+        MADE[name](whole)
+        for mutation in mutations(count):
+            shutil.copy(whole, path)
+            mutation.do(path)
+            found = in_a_process(lambda use=use, path=path: (limit_memory(), use(path), None)[-1])
+            report.add(f"{name}, {mutation.name}", judge(found, path, lambda value: True))
+        failed += report.finish()
+    return failed
+
+
+def limit_memory() -> None:
+    """Let this process have no more than some GB."""
+    import resource
+
+    resource.setrlimit(resource.RLIMIT_AS, (MOST_BYTES, resource.RLIM_INFINITY))
+
+
+def _damaged(scratch: Path, truncations: int, flips: int) -> int:
     failed = 0
     for name, kind in STORED.items():
         report, folder, whole = Report(name), scratch / name.replace(" ", "-"), scratch / f"{name} whole.npz"

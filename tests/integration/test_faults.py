@@ -9,7 +9,7 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 SHORT = {
-    "files": ["--truncations", "3", "--flips", "5"],
+    "files": ["--truncations", "3", "--flips", "5", "--mutations", "12"],
     "disks": ["--rooms", "3"],
     "kills": ["--kills", "12"],
 }

@@ -9,22 +9,22 @@ from typing import Any, Unpack
 
 import numpy as np
 
-from frictionlab.analysis.basins.attractors import (
-    UNDECIDED,
-    Attractor,
-    AttractorCatalogue,
-    attractor_scale,
-    name_attractors,
-    transient_ranges,
+from frictionlab.analysis.basins.attractors import UNDECIDED, Attractor, name_attractors
+from frictionlab.analysis.basins.stored import (
+    MAX_SAMPLES,
+    check_results,
+    check_specification,
+    probed_attractors,
 )
 from frictionlab.analysis.basins.tasks import run_basin_tasks, state_names
 from frictionlab.analysis.motion_scales import Array
 from frictionlab.analysis.options import Execution, SteadyStateOptions, StudyKeywords, merge_keywords
 from frictionlab.analysis.simulate import initial_state_of
-from frictionlab.analysis.sweeps.journal import read_journal, write_journal
+from frictionlab.analysis.sweeps.journal import DELETE, read_journal, write_journal
 from frictionlab.file_writing import name_written_file
 from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.presentation import Drawable, shorten
+from frictionlab.stored_data import reading
 from frictionlab.validation import (
     abbreviate,
     check_choice,
@@ -34,8 +34,6 @@ from frictionlab.validation import (
     check_pair,
     float_array,
 )
-
-MAX_SAMPLES = 10_000_000  # initial states, each of which is a run
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,6 +131,9 @@ def load_basins(path: str | Path) -> Basins | BasinStability:
     specification, results = read_journal(path)
     if not {"coordinates", "probes", "group"} <= specification.keys():
         raise ValueError(f"{path} must be a file of basins, and is one of another sweep: give another path")
+    with reading(Path(path), DELETE):
+        check_specification(specification)
+        check_results(specification, results)
     return (
         basins_from_results(specification, results)
         if "x" in specification
@@ -181,12 +182,8 @@ def _collect_labels(
 ) -> tuple[np.ndarray, tuple[Attractor, ...]]:
     """Labels of all initial states, and the attractors: those of the probes, then those of each group."""
     probes, group = specification["probes"], specification["group"]
-    probed = [results[i] for i in range(probes) if i in results]
-    catalogue = AttractorCatalogue(
-        attractor_scale(probed, transient_ranges(probed), specification["coordinates"]), specification["rtol"]
-    )
-    places = [catalogue.place(found) for found in probed]
-    known, labels = len({*places}), np.full(specification["count"], UNDECIDED)
+    catalogue = probed_attractors(specification, results)
+    known, labels = len(catalogue.found), np.full(specification["count"], UNDECIDED)
     for i in sorted(i for i in results if i >= probes):
         index = np.array([*range(known), *(catalogue.place(found) for found in results[i]["found"])])
         first = (i - probes) * group
@@ -269,6 +266,12 @@ def basins(
     axes = [_axis(model, "x", x), _axis(model, "y", y)]
     if axes[0][0] == axes[1][0]:
         raise ValueError(f"x and y must be two states, got {abbreviate(x[0])} twice: choose another")
+    check_number(
+        "the number of initial states",
+        len(axes[0][1]) * len(axes[1][1]),
+        most=MAX_SAMPLES,
+        cure="give fewer values",
+    )
     plane = np.stack(np.meshgrid(axes[0][1], axes[1][1]), axis=-1).reshape(-1, 2)
     starts = _initial_states(model, [name for name, _ in axes], plane, x0)
     about = {key: {"name": name, "values": v.tolist()} for key, (name, v) in zip("xy", axes)}

@@ -19,6 +19,7 @@ from frictionlab.analysis.basins.attractors import (
     classify_attractor,
     probe_attractor,
 )
+from frictionlab.analysis.basins.stored import check_results
 from frictionlab.analysis.ensemble import advance_group, start_group
 from frictionlab.analysis.motion_scales import Array
 from frictionlab.analysis.options import Execution
@@ -74,7 +75,7 @@ def run_basin_tasks(
     specification = _basin_arguments(model, automaton, {**about, **layout}, settings)
     probes = [(automaton, starts[i], settings) for i in chosen]
     names = [f"initial state {i}" for i in chosen]
-    with Journal(specification, execution.resume) as journal:
+    with Journal(specification, execution.resume, check_results) as journal:
         complete = _run_probes(journal, probes, names, execution) and _run_groups(
             journal, automaton, groups, settings, len(chosen), execution
         )

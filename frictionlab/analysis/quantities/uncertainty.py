@@ -16,11 +16,12 @@ from numpy.typing import NDArray
 
 from frictionlab.analysis.options import Execution, ExecutionKeywords, merge_keywords
 from frictionlab.analysis.quantities.quantities import Quantity, evaluate, evaluation_tasks
-from frictionlab.analysis.sweeps.journal import Journal
+from frictionlab.analysis.sweeps.journal import Journal, results_schema
 from frictionlab.analysis.sweeps.sweep import check_function, function_name, own_name, run_tasks
 from frictionlab.models.model import require_model
 from frictionlab.presentation import Drawable, dataframe, text_table
 from frictionlab.stability.equilibrium_problem import check_parameter
+from frictionlab.stored_data import listed, none_or, real
 from frictionlab.validation import abbreviate, check_mapping, check_number
 
 Array = NDArray[np.float64]
@@ -388,7 +389,8 @@ def _evaluated(task: _Task, values: Array, how: Execution, title: str) -> Array:
     tasks, names = evaluation_tasks(task.model, task.quantity, tuple(task.distributions), values)
     specification = {"quantity": function_name(task.quantity), "model": task.model.to_dict()}
     specification |= {"parameters": list(task.distributions), "points": values.tolist()}
-    with Journal({} if how.resume is None else specification, how.resume) as journal:
+    schema = results_schema([listed(none_or(real), len(block[3])) for block in tasks])
+    with Journal({} if how.resume is None else specification, how.resume, schema) as journal:
         complete = run_tasks(
             evaluate,
             tasks,

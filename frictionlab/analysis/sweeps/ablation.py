@@ -14,6 +14,7 @@ from frictionlab.analysis.options import Execution, ExecutionKeywords, merge_key
 from frictionlab.analysis.simulate import named_state
 from frictionlab.models.model import require_model
 from frictionlab.presentation import Drawable, import_optional, text_table
+from frictionlab.stored_data import anything
 from frictionlab.validation import abbreviate, check_key, check_sequence, did_you_mean
 
 from .factorial_design import (
@@ -31,7 +32,7 @@ from .factorial_design import (
     switches_of,
     table_of_numbers,
 )
-from .journal import Journal
+from .journal import Journal, results_schema
 from .sweep import Sweep, function_name, grid_axes, run_tasks, studies_by_name
 
 
@@ -323,7 +324,8 @@ def ablation(
     plan = _Plan(model, factors, {} if over is None else grid_axes(over), starts)
     specification = {} if how.resume is None else plan.specification(named)
     tasks, names = plan.tasks(named)
-    with Journal(specification, how.resume) as journal:
+    schema = results_schema([anything] * len(tasks))  # users' functions return what they like
+    with Journal(specification, how.resume, schema) as journal:
         complete = run_tasks(
             _call_study,
             tasks,

@@ -5,7 +5,8 @@ one task.  Every line ends with its checksum.  At the end the lines are put in o
 not depend on how often the sweep was interrupted.
 
 A task depends on the arguments alone.  So a line that a power cut or a bad disk has damaged is left out, and
-its task is computed again; a file is useless only if its first line is damaged.
+its task is computed again; a file is useless only if its first line is damaged.  What has a right checksum is
+checked by the schema of its sweep, as anybody can compute a checksum.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ import os
 import re
 import warnings
 import zlib
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from pathlib import Path
 from time import monotonic
@@ -26,23 +28,33 @@ import numpy as np
 from frictionlab._version import __version__
 from frictionlab.file_writing import read_file, replace_file
 from frictionlab.interruption import interruption
-from frictionlab.validation import abbreviate, check_path
+from frictionlab.stored_data import Check, anything, integer, json_data, reading, record, text
+from frictionlab.validation import abbreviate, check_number, check_path
 
 FORMAT = 1
+DELETE = "delete it to begin anew, or give another path"
+VERSION = text()
+TASK = record({"task": integer(least=0), "result": anything})
 HEAD_KEYS = "frictionlab sweep", "version"  # of the first line, before the arguments of the sweep
 LINE = re.compile(rb'(\{.*), "crc32": "([0-9a-f]{8})"\}')
 SYNC_TIME = 1.0  # seconds of results that a power cut may destroy: each fsync takes some milliseconds
 
 
+Schema = Callable[[dict[str, Any], dict[int, Any]], Any]  # of a specification and the results
+
+
 class Journal:
     """The specification and results of a sweep so far, also on disk if there is a path.
 
-    It is a context manager that keeps other processes from writing to the file.
+    It is a context manager that keeps other processes from writing to the file.  The `schema` is called with
+    both when a file is read, and raises ValueError for results that no task returns.
     """
 
-    def __init__(self, specification: dict[str, Any], path: str | Path | None = None) -> None:
+    def __init__(
+        self, specification: dict[str, Any], path: str | Path | None = None, schema: Schema = anything
+    ) -> None:
         self.results: dict[int, Any] = {}
-        self._specification = specification
+        self._specification, self._schema = specification, schema
         self._path = None if path is None else Path(path)
         self._lock: Any = None
         self._file: Any = None
@@ -71,6 +83,8 @@ class Journal:
             if path.exists() and path.stat().st_size:
                 found = _read(path, read_file(path, "give another path"))
                 _refuse_another(path, found.specification, self._specification, found.version)
+                with reading(path, DELETE):
+                    self._schema(self._specification, found.results)
                 self.results = found.results
                 if found.damaged:
                     warnings.warn(f"{path} is damaged in {found.damage}: computed again", RuntimeWarning, 4)
@@ -152,8 +166,19 @@ def write_journal(path: str | Path, specification: dict[str, Any], results: dict
     return path
 
 
+def results_schema(checks: Sequence[Check]) -> Schema:
+    """The schema of the results of tasks: a check for each task."""
+
+    def check(specification: dict[str, Any], results: dict[int, Any]) -> None:
+        for task, result in results.items():
+            check_number("task", task, below=len(checks))
+            checks[task](f"results[{task}]", result)
+
+    return check
+
+
 def read_journal(path: str | Path) -> tuple[dict[str, Any], dict[int, Any]]:
-    """The specification of a sweep, and its results by index.
+    """The specification of a sweep, and its results by index; their own schemas are left to the caller.
 
     Raises
     ------
@@ -184,10 +209,15 @@ def _read(path: Path, content: bytes) -> _Content:
     form, version = (head.pop(key, None) for key in HEAD_KEYS)
     if form != FORMAT:
         raise ValueError(
-            f"{path} has format {form}, this version reads {FORMAT}: read it with frictionlab {version}, or "
-            "delete it to begin anew"
+            f"{path} has format {abbreviate(form)}, this version reads {FORMAT}: read it with frictionlab "
+            f"{str(version)[:20]}, or delete it to begin anew"
         )
     lines = {i: _content(line) for i, line in enumerate(rest, 2)}
+    with reading(path, DELETE):
+        VERSION("version", version)
+        for i, line in lines.items():
+            if line is not None:
+                TASK(f"line {i}", line)
     results = {line["task"]: line["result"] for line in lines.values() if line is not None}
     return _Content(head, results, version, [i for i, line in lines.items() if line is None])
 
@@ -211,7 +241,10 @@ def _content(line: bytes) -> dict[str, Any] | None:
     match = LINE.fullmatch(line)
     if match is None or zlib.crc32(match[1]) != int(match[2], 16):
         return None
-    return json.loads(match[1] + b"}")
+    try:
+        return json_data(match[1] + b"}")
+    except ValueError:
+        return None
 
 
 def _json_value(value: Any) -> Any:

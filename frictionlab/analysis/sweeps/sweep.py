@@ -24,11 +24,12 @@ from numpy.typing import NDArray
 
 from frictionlab.analysis.options import Execution, ExecutionKeywords, merge_keywords
 from frictionlab.analysis.simulate import initial_state_of, named_state
-from frictionlab.analysis.sweeps.journal import Journal
+from frictionlab.analysis.sweeps.journal import Journal, results_schema
 from frictionlab.interruption import POLL_TIME, STOP_SIGN, Presses, deferred_interrupts, progress_bar, tell
 from frictionlab.models.composition import parameter_unit
 from frictionlab.models.model import require_model
 from frictionlab.presentation import Drawable, count, import_optional, shorten, span
+from frictionlab.stored_data import anything
 from frictionlab.validation import abbreviate, check_mapping, check_sequence, float_array
 
 TASKS_PER_WORKER = (
@@ -318,7 +319,8 @@ def sweep(
     specification = {"function": function_name(function), "model": model.to_dict(), "x0": starts}
     specification |= {"over": {k: v.tolist() for k, v in axes.items()}}
     tasks = [(m, start) for m in models for start in x0] if starts else [(m,) for m in models]
-    with Journal(specification, how.resume) as journal:
+    schema = results_schema([anything] * len(tasks))  # users' functions return what they like
+    with Journal(specification, how.resume, schema) as journal:
         complete = run_tasks(
             function,
             tasks,

@@ -27,6 +27,7 @@ from frictionlab.hybrid.codegen import jet_codegen, remainder_codegen, step_code
 from frictionlab.hybrid.codegen.jet_codegen import ModeTape, jets_module
 from frictionlab.hybrid.codegen.remainder_codegen import StepStructure
 from frictionlab.hybrid.codegen.step_codegen import lane_step_module
+from frictionlab.hybrid.free_memory import free_memory
 from frictionlab.hybrid.kernels import arithmetic
 from frictionlab.hybrid.tape import functions, tape
 from frictionlab.hybrid.tape.program import Code, Program
@@ -38,6 +39,9 @@ COMPILE_AFTER = 20_000
 # Terms of a mode's affine sums, as of finite elements.  With more, its jets are not compiled: the kernel's
 # loops take no longer, and LLVM would take hundreds of MB.
 MOST_TERMS = 4000
+ROOM_TO_COMPILE = (
+    2**28
+)  # bytes of free memory below which nothing is compiled: LLVM ends a process without them
 NAME, STEP = "jets", "step"
 _MADE: WeakKeyDictionary[Program, NativeCode] = WeakKeyDictionary()
 _ENGINES: list[Any] = []  # engines own the code, so they live as long as the process
@@ -95,7 +99,8 @@ class NativeCode:
             return
         self._used += np.bincount(modes, minlength=len(self._used))
         for mode in np.flatnonzero((self._used > COMPILE_AFTER) & (self.code.native == 0)).tolist():
-            if mode not in self.requested and len(self.tapes[mode].tape.terms) <= MOST_TERMS:
+            small = len(self.tapes[mode].tape.terms) <= MOST_TERMS
+            if small and mode not in self.requested and free_memory() > ROOM_TO_COMPILE:
                 self.requested[mode] = _worker().submit(self.compile, mode)
 
     def compile(self, mode: int) -> None:
@@ -126,7 +131,8 @@ class NativeCode:
     def share(self, modes: Iterable[int]) -> None:
         """Start the compilation of the lane steps of these modes."""
         for mode in modes if compilation.HAS_MACHINE_CODE else ():
-            if not (self.code.lanes[mode] or self.code.powers[mode]) and ~mode not in self.requested:
+            known = self.code.lanes[mode] or self.code.powers[mode] or ~mode in self.requested
+            if not known and free_memory() > ROOM_TO_COMPILE:
                 self.requested[~mode] = _worker().submit(self.compile_step, mode)
 
 

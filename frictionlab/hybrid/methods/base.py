@@ -235,7 +235,11 @@ class Method(ABC):
         if counts[run_state.MODE] < 0:
             status = Status.NO_ADMISSIBLE_MODE
         while status is Status.RUNNING:
-            record = self._record(run, pieces, record)
+            try:
+                record = self._record(run, pieces, record)
+            except MemoryError:  # what is kept so far is the run
+                status = Status.MEMORY_CAP
+                break
             counts[_COUNTED] = 0
             end = int(self._advance_or_enter(run, record))
             run = replace(run, event=None) if run.event is not None else run

@@ -1,12 +1,15 @@
 """How runs end, and what is refused before they begin."""
 
+import os
+
 import numpy as np
 import pytest
 import sympy as sp
 
 import frictionlab as fl
-from frictionlab.hybrid import problem
+from frictionlab.hybrid import free_memory, problem
 from frictionlab.hybrid.methods.base import RECORD_CAPACITY
+from tests.faults.processes import in_a_process
 from tests.helpers.automata import ONCE, V, X, automaton, coulomb, oscillator
 
 
@@ -41,19 +44,43 @@ def test_a_run_that_would_fill_the_memory_keeps_what_was_computed(monkeypatch):
     assert on.status is fl.Status.FINISHED
 
 
+@ONCE
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="limits of memory are POSIX")
+@pytest.mark.parametrize("room", [4_000_000, 40_000_000])
+def test_under_a_limit_of_memory_a_run_keeps_what_it_has(room):
+    """The steps are those of a run without a limit that ends after as many."""
+
+    def limited():
+        import resource
+
+        limit = int(free_memory.PROCESS_SIZE.read_text().split()[0]) * resource.getpagesize() + room
+        resource.setrlimit(resource.RLIMIT_AS, (limit, resource.RLIM_INFINITY))
+        run = fl.solve(oscillator(), 1e7, x0=[1.0, 0.0], progress=False)
+        return run.status.name, run.stats["steps"], run.final_state.tobytes()
+
+    fl.solve(oscillator(), 1.0, x0=[1.0, 0.0], progress=False)
+    found = in_a_process(limited)
+    assert not found.error
+    status, steps, end = found.value
+    assert status == "MEMORY_CAP"
+    assert steps * 5 * 8 > room / 20  # a share of the memory is used
+    whole = fl.solve(oscillator(), 1e7, x0=[1.0, 0.0], method=fl.Taylor(max_steps=steps), progress=False)
+    assert whole.final_state.tobytes() == end
+
+
 def test_the_free_memory_is_what_the_system_tells(monkeypatch, tmp_path):
     information, group = tmp_path / "meminfo", tmp_path / "group"
-    monkeypatch.setattr(problem, "MEMORY_INFORMATION", information)
-    monkeypatch.setattr(problem, "GROUP", group)
-    assert problem.free_memory() > 0.0  # by sysconf, or unknown
+    monkeypatch.setattr(free_memory, "MEMORY_INFORMATION", information)
+    monkeypatch.setattr(free_memory, "GROUP", group)
+    assert free_memory.free_memory() > 0.0  # by sysconf, or unknown
     information.write_text("MemTotal: 9 kB\nMemAvailable:   2000 kB\n")
-    assert problem.free_memory() == 2000 * 1024
+    assert free_memory.free_memory() == 2000 * 1024
     group.mkdir()
     (group / "memory.max").write_text("max\n")
     (group / "memory.current").write_text("1000\n")
-    assert problem.free_memory() == 2000 * 1024
+    assert free_memory.free_memory() == 2000 * 1024
     (group / "memory.max").write_text("5000\n")
-    assert problem.free_memory() == 4000.0
+    assert free_memory.free_memory() == 4000.0
 
 
 @ONCE
@@ -108,7 +135,7 @@ def test_a_motion_from_rest_whose_first_coefficients_vanish():
 
 @ONCE
 def test_nothing_moves_in_a_state_of_rest():
-    run = fl.solve(oscillator(), 1e6, x0=[0.0, 0.0])
+    run = fl.solve(oscillator(), 1e7, x0=[0.0, 0.0])
     assert run.status.ok
     assert run.final_state.tolist() == [0.0, 0.0]
 
