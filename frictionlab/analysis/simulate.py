@@ -195,7 +195,10 @@ def _model_in_file(stored: StoredRun) -> Model:
     try:
         return Model.from_dict(stored.description["model"])
     except (ValueError, TypeError, RecursionError) as error:
-        raise ValueError(f"{stored.path} holds a run of a model that cannot be made: {error}") from error
+        raise ValueError(
+            f"{stored.path} holds a run of a model that cannot be made: {error}: "
+            "give it as load(path, model=model)"
+        ) from error
 
 
 def _automaton_in_file(stored: StoredRun) -> HybridAutomaton:
