@@ -7,10 +7,11 @@ changes, the reason is given: a stay in a mode vanishes, or an orbit grazes a gu
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.optimize import brentq
+from scipy.optimize import brentq, minimize_scalar, root_scalar
 
 from frictionlab.analysis.motion_scales import Array
 from frictionlab.analysis.orbits.periodic_orbit import floquet_multipliers
@@ -25,12 +26,16 @@ UNIT_CIRCLE_ATOL = (
     1e-3  # how far from the unit circle rounding may put the multipliers of a Neimark-Sacker point
 )
 
+TEST_ATOL = 1e-9  # test functions are differences of numbers of about 1: below this they are rounding
 NO_ORBIT = "no orbit found"
 VANISHING_STAY_SHARE = 1e-3  # share of the period below which a stay is about to vanish
 GRAZING_RTOL = (
     1e-4  # an orbit grazes where an event function falls to this share of its largest value between events
 )
 SAMPLES_PER_PERIOD = 4001
+# Shares of the distance of the bounds: how far an orbit that touches may be from the last one that impacts,
+# and the first step of the search for it.
+MAX_TOUCH_DISTANCE, TOUCH_STEP = 0.2, 1e-4
 
 
 def transverse_multipliers(point: BranchPoint) -> Array:
@@ -91,7 +96,9 @@ def special_points_between(
     """
     found = []
     for kind, test in TEST_FUNCTIONS.items():
-        if test(point) * test(after) < 0.0:
+        before, then = test(point), test(after)
+        # Both are rounding where a branch runs at one value of the parameter, or keeps its multipliers.
+        if before * then < 0.0 and max(abs(before), abs(then)) > TEST_ATOL:
             try:
                 at, share = locate_zero(automaton, point, step, test)
             except ValueError:
@@ -194,6 +201,59 @@ def _at_guard_limit(automaton: HybridAutomaton, point: BranchPoint) -> bool:
     return False
 
 
+def grazing_value(
+    automaton: HybridAutomaton, point: BranchPoint, bounds: tuple[float, float]
+) -> float | None:
+    """The parameter at which an orbit's weakest impact becomes a touch; None where it does not.
+
+    Towards it the impacting orbit changes as the root of the parameter's distance, so that Newton's method
+    ends before it.  The orbit that only touches is one without the impact as well, and smooth in the
+    parameter: it is where the least value of the event function over a period is zero.
+    """
+    events = point.shot.run.events
+    back = np.flatnonzero(events.source == events.target)
+    for i in back:
+        mode, guard = str(events.source[i]), str(events.guard[i])
+        if ((events.source == mode) & (events.guard == guard)).sum() == 1:
+            value = _touching_value(automaton, point, mode, guard)
+            if value is not None and bounds[0] <= value <= bounds[1]:
+                return value
+    return None
+
+
+def _touching_value(automaton: HybridAutomaton, point: BranchPoint, mode: str, guard: str) -> float | None:
+    left = automaton.mode(mode)
+    function = next(event.function for event in left.events if event.name == guard)
+    without = replace(left, events=tuple(event for event in left.events if event.name != guard))
+    modes = tuple(without if other.name == mode else other for other in automaton.modes)
+    free = replace(automaton, modes=modes)
+    least = array_function([*automaton.states, *automaton.parameters], function)
+    resting = point._replace(tangent=np.zeros_like(point.tangent))  # so that only the value is moved
+    numbers, at = tuple(automaton.parameters.values()), [resting]
+
+    def margin(value: float) -> float:
+        at[0] = continuation_step(free, at[0], MAX_TOUCH_DISTANCE, value)._replace(tangent=resting.tangent)
+        run = at[0].shot.run
+        t = np.linspace(0.0, run.raw.t, SAMPLES_PER_PERIOD)
+        i = int(np.argmin(least(*run(t).T, *numbers)))
+        near = minimize_scalar(
+            lambda s: float(least(*run(s % run.raw.t), *numbers)),
+            bounds=(t[i] - t[1], t[i] + t[1]),
+            method="bounded",
+            options={"xatol": 1e-9 * run.raw.t},
+        )
+        return float(near.fun)
+
+    try:
+        found: Any = root_scalar(
+            margin, x0=point.value, x1=point.value + TOUCH_STEP * point.scale[-1], method="secant", rtol=1e-12
+        )
+    except (ValueError, np.linalg.LinAlgError):
+        return None
+    near = abs(found.root - point.value) < MAX_TOUCH_DISTANCE * point.scale[-1]
+    return float(found.root) if found.converged and near else None
+
+
 def _has_zero_minimum(values: Array) -> bool:
     """Whether values, NaN in other modes, have a minimum of nearly zero."""
     inner = values[1:-1]
@@ -210,6 +270,7 @@ FAST_ITERATIONS, SLOW_ITERATIONS = (
     6,
 )  # up to so many iterations of Newton's method the next step is longer, from so many on shorter
 RESTART_LENGTHS = 5  # lengths tried to step beyond such a change, each a quarter of the one before
+MIN_ALIGNMENT = 0.8  # least cosine of the angle between a step's chord and the tangent at its end
 MAX_TANGENT_CHANGE = 0.3  # largest change of a component of the tangent in a step
 HOPF_FIT_POINTS, HOPF_FIT_SPARE = (
     12,
@@ -253,23 +314,32 @@ def follow_branch(
     point, length, largest = start, max_step / 4, start.scale[:-2]
     while len(points) < max_points:
         step = _next_step(automaton, point, length, max_step, bounds)
-        if step.after is not None:
-            special += special_points_between(automaton, point, step.after, step.length)
-            points.append(step.after)
-            largest, end = np.maximum(largest, step.after.scale[:-2]), step.end
-            if (step.after.scale[:-2] < HOPF_SIZE_RTOL * largest).all():
-                special.append(SpecialPoint(SpecialKind.HOPF, step.after, _hopf_value([start, *points])))
+        after, end = step.after, step.end
+        if after is not None:
+            between = special_points_between(automaton, point, after, step.length)
+            # Between two orbits within the bounds a branch may turn back outside.
+            beyond = next((each for each in between if not _is_inside(each.point, bounds)), None)
+            if beyond is not None:
+                after, end = _orbit_at_bound(automaton, point, step.length, beyond, bounds), BOUND
+                between = [each for each in between if _is_inside(each.point, bounds)]
+            special += between
+            points.append(after)
+            largest = np.maximum(largest, after.scale[:-2])
+            if (after.scale[:-2] < HOPF_SIZE_RTOL * largest).all():
+                special.append(SpecialPoint(SpecialKind.HOPF, after, _hopf_value([start, *points])))
                 end = SpecialKind.HOPF
             if end:
                 return (yield BranchHalf(points, special, end))
-            length = _next_length(step.length, step.after, max_step)
-            point = step.after
+            length = _next_length(step.length, after, max_step)
+            point = after
         if step.edge:
             kind, ahead = (
                 branch_end_kind(automaton, point, step.other),
                 _restart_beyond(automaton, step.other, max_step / SHORTEST_STEP_PARTS),
             )
-            special += [SpecialPoint(SpecialKind(kind), point, point.value)] if kind != NO_ORBIT else []
+            touch = grazing_value(automaton, point, bounds) if kind != SpecialKind.MODE_CHANGE else None
+            kind, value = (kind, point.value) if touch is None else (SpecialKind.GRAZING, touch)
+            special += [SpecialPoint(SpecialKind(kind), point, value)] if kind != NO_ORBIT else []
             if ahead is None or not bounds[0] <= ahead.value <= bounds[1]:
                 return (yield BranchHalf(points, special, kind))
             point, length = ahead, max_step / SHORTEST_STEP_PARTS
@@ -290,10 +360,14 @@ def _next_step(
         if at_bound is not None:
             return at_bound
         after = _try_step(automaton, point, length)
-        if _continues(point, after):
+        if after is not None and not _is_inside(after, bounds):
+            at = _try_step(automaton, point, length, min(max(after.value, bounds[0]), bounds[1]))
+            if _continues(point, at):
+                return BranchStep(at, length, BOUND)
+        elif _continues(point, after):
             return BranchStep(after, length)
         if length < max_step / SHORTEST_STEP_PARTS or (after is not None and after.modes != point.modes):
-            return _locate_mode_change(automaton, point, length, after)
+            return _locate_mode_change(automaton, point, length, after, bounds)
         length /= 2
 
 
@@ -310,8 +384,30 @@ def _step_to_bound(
     return BranchStep(after, share, BOUND) if _continues(point, after) else None
 
 
+def _orbit_at_bound(
+    automaton: HybridAutomaton,
+    point: BranchPoint,
+    length: float,
+    beyond: SpecialPoint,
+    bounds: tuple[float, float],
+) -> BranchPoint:
+    """The orbit at the bound that lies before a fold beyond it; the point itself where none is found."""
+    bound = bounds[int(beyond.value > bounds[1])]
+    share = length * (bound - point.value) / (beyond.value - point.value)
+    return _try_step(automaton, point, share, bound) or point
+
+
+def _is_inside(point: BranchPoint, bounds: tuple[float, float]) -> bool:
+    """Whether the parameter is within the bounds, outside of which there may be no model."""
+    return bounds[0] <= point.value <= bounds[1]
+
+
 def _locate_mode_change(
-    automaton: HybridAutomaton, point: BranchPoint, length: float, other: BranchPoint | None
+    automaton: HybridAutomaton,
+    point: BranchPoint,
+    length: float,
+    other: BranchPoint | None,
+    bounds: tuple[float, float],
 ) -> BranchStep:
     """The orbits on both sides of a change of modes, or of the branch's end, found by halving a step."""
     low, high, last = 0.0, length, None
@@ -319,10 +415,11 @@ def _locate_mode_change(
     for _ in range(END_BISECTIONS):
         middle = (low + high) / 2
         found = _try_step(automaton, point, middle)
-        if found is not None and found.modes == point.modes:
+        if found is not None and _is_same_way(point, found) and _is_inside(found, bounds):
             low, last = middle, found
         else:
-            high, other = middle, found if found is not None else other
+            high = middle
+            other = found if found is not None and found.modes != point.modes else other
     return BranchStep(last, low, edge=True, other=other)
 
 
@@ -340,9 +437,18 @@ def _continues(point: BranchPoint, after: BranchPoint | None) -> bool:
 
     The tangents are compared in period and parameter only, as the state has been moved along the orbit.
     """
-    if after is None or after.modes != point.modes:
+    if after is None or not _is_same_way(point, after):
         return False
     return bool(np.abs(np.abs(after.tangent[-2:]) - np.abs(point.tangent[-2:])).max() < MAX_TANGENT_CHANGE)
+
+
+def _is_same_way(point: BranchPoint, after: BranchPoint) -> bool:
+    """Whether a point has the same modes and its tangent is nearly along the chord.
+
+    Where an impact that comes once in two periods becomes a touch, the same orbit one period later starts:
+    a step from one to the other passes the touch, and only the chord tells so.
+    """
+    return after.modes == point.modes and after.alignment > MIN_ALIGNMENT
 
 
 def _hopf_value(points: list[BranchPoint]) -> float:

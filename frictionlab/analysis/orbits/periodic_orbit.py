@@ -81,11 +81,23 @@ class PeriodicOrbit(Drawable):
     @property
     def stable(self) -> bool:
         """Whether all multipliers but that along the orbit are inside the unit circle, beyond rounding."""
+        return self.stability == "stable"
+
+    @property
+    def stability(self) -> str:
+        """Whether it is "stable" or "unstable".
+
+        "neutral" where the largest of the other multipliers is on the unit circle but for rounding, as
+        without damping: the linear theory does not tell which.
+        """
         others = np.delete(self.multipliers, np.argmin(np.abs(self.multipliers - 1.0)))
-        return bool((np.abs(others) < 1.0 - MULTIPLIER_RTOL).all())
+        largest = np.abs(others).max(initial=0.0)
+        if largest < 1.0 - MULTIPLIER_RTOL:
+            return "stable"
+        return "unstable" if largest > 1.0 + MULTIPLIER_RTOL else "neutral"
 
     def __repr__(self) -> str:
-        kind = "stable" if self.stable else "unstable"
+        kind = self.stability
         modes = shorten((mode for mode, _ in self.modes), separator=" > ")
         return f"PeriodicOrbit({kind}, period {self.period:.6g} s, {modes})"
 

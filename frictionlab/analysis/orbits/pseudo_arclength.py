@@ -36,6 +36,7 @@ CORRECTOR_RCOND = (
 )
 # How far from its prediction, beyond the length of the step, an orbit may be found.
 MAX_PREDICTION_ERROR = 0.01
+SHORTEST_CHORD = 1e-6  # of a shorter one rounding turns the direction
 MIN_CONTRACTION = 0.5  # a residual that shrinks less has reached rounding, or will not converge
 
 
@@ -54,6 +55,7 @@ class BranchPoint(NamedTuple):
     tangent: Array
     modes: tuple[str, ...]
     cost: int
+    alignment: float = 1.0
 
     @property
     def value(self) -> float:
@@ -159,8 +161,13 @@ def _next_point(
     tangent = _tangent(shot, state, period, scale)
     ahead = float(tangent @ (before.tangent * before.scale / scale)) < 0.0
     tangent = -tangent if ahead else tangent
+    chord = np.append(state[:-1], [period, state[-1]])
+    chord = (chord - np.append(before.state[:-1], [before.period, before.value])) / scale
+    size = float(np.linalg.norm(chord))
+    alignment = abs(float(tangent @ chord)) / size if size > SHORTEST_CHORD else 1.0
+    modes = cyclic_mode_sequence(shot.run)
     return _centre_in_stay(
-        automaton, BranchPoint(shot, state, period, scale, tangent, cyclic_mode_sequence(shot.run), cost)
+        automaton, BranchPoint(shot, state, period, scale, tangent, modes, cost, alignment)
     )
 
 

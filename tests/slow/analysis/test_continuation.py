@@ -262,3 +262,36 @@ def test_where_an_impact_leads_back_to_its_mode_the_sequence_changes_all_the_sam
         beyond += [*impacts[branch.values > value + 1e-6]]
     # A branch may end where it grazes, as the return map has a corner there; not all of the three do.
     assert_all(np.array(beyond) > 0)
+
+
+@pytest.mark.parametrize(("force", "bounds"), [(0.45, (0.39, 3.0)), (0.45, (0.05, 1.0)), (0.6, (0.39, 3.0))])
+def test_an_impact_becomes_a_touch_at_one_force_whatever_the_bounds(force, bounds):
+    """Free motion just reaches the stop at F = d |k - m Omega^2 + i c Omega|.
+
+    At F = 0.45 it hits once in two periods of the force: there the orbits one period apart meet at the touch.
+    """
+    model = fl.ImpactOscillator(c=0.2, d=1.0, F=force, Omega=0.8)
+    steady = fl.steady_state(model, transient=400.0, window=100.0, progress=False)
+    branch = followed(fl.periodic_orbit(model, steady), "F", bounds)
+    grazing = [value for kind, value in specials(branch) if kind == "grazing"]
+    assert grazing[0] == pytest.approx(np.hypot(1 - 0.64, 0.16), abs=1e-12)
+    assert "fold" not in [kind for kind, _ in specials(branch)]
+
+
+@pytest.mark.parametrize(("low", "step"), [(-0.999, 0.3), (-0.9, 1.0)])
+def test_no_orbit_of_a_branch_lies_outside_the_bounds(low, step):
+    """The circles r^2 = 1 + sqrt(1 + s) turn back at s = -1, outside."""
+    start = fl.periodic_orbit(lobes(1.0), [np.sqrt(1 + np.sqrt(2.0)), 0.0], period=2 * np.pi)
+    branch = followed(start, "s", (low, 2.0), step=step)
+    assert (branch.ends, branch.values.min(), branch.values.max()) == (("bound", "bound"), low, 2.0)
+    assert specials(branch) == []
+
+
+def test_a_branch_at_one_value_of_its_parameter_has_no_folds():
+    """x'' = s x' - x has closed orbits at s = 0 only, of any amplitude: multipliers 1 and 1."""
+    scene = automaton(fl.Mode("only", (V, sp.Symbol("s") * V - X)), coordinates=1, s=0.0)
+    orbit = fl.periodic_orbit(scene, [1.0, 0.0])
+    branch = followed(orbit, "s", (-1.0, 2.0), max_points=10)
+    assert np.abs(branch.values).max() < 1e-13
+    assert specials(branch) == []
+    assert (orbit.stability, orbit.stable) == ("neutral", False)
