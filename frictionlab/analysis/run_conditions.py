@@ -1,8 +1,8 @@
 """Whether a run keeps the conditions of its modes, judged by their values alone, without another run.
 
-Nothing of the search for events is used: guards and constraints are computed at many places of the run, dense
-in time and in every step, so that an event that all methods step over alike is seen.  At an event that begins
-stick, the reset may remove rounding errors only.
+Nothing of the search for events is used: guards are bounded all over the run, and constraints computed, so
+that an event that all methods step over alike is seen.  At an event that begins stick, the reset may remove
+rounding errors only.
 """
 
 from __future__ import annotations
@@ -12,52 +12,94 @@ from typing import Any
 import numpy as np
 
 from frictionlab.analysis.motion_scales import Array, motion_size
-from frictionlab.hybrid.accuracy import largest_sound_defect, worst_conditions
+from frictionlab.hybrid.accuracy import largest_sound_defect
+from frictionlab.hybrid.guard_bounds import Negative, Pieces, Tape, negative_points, pieces_of
 from frictionlab.hybrid.trajectory import Trajectory
 
-TIMES, TIMES_PER_STEP = 20_000, 4  # places at which conditions are computed: in the whole run, in each step
-MAX_TIMES = 200_000
-# By its multiples the places are spread unevenly, so that no period hides from them.
-GOLDEN = 0.6180339887498949
+MOST_STEPS, PIECES_AT_ONCE = 20_000, 1000
+HALVINGS = 30  # by which the time of a violation is found
+SAMPLES_OF_SIZES = 2000
 VIOLATION_WITHOUT_TOLERANCE = 1e-6  # share of a condition's size, for methods whose tolerance is not known
 STICK_GUARD = "v_r"  # begins the names of the guards whose event makes a relative velocity zero
 
 
 def broken_condition(run: Trajectory) -> str:
     """Which condition a run breaks, and where; an empty text where it keeps them all."""
-    tol = run.description["method"].get("tol")
-    limit = VIOLATION_WITHOUT_TOLERANCE if tol is None else largest_sound_defect(tol)
+    limit = largest_violation(run)
     return _broken_guard(run, limit) or _broken_reset(run, limit)
 
 
+def largest_violation(run: Trajectory) -> float:
+    """The share of a condition's size by which a sound run may break it."""
+    tol = run.description["method"].get("tol")
+    return VIOLATION_WITHOUT_TOLERANCE if tol is None else largest_sound_defect(tol)
+
+
 def _broken_guard(run: Trajectory, limit: float) -> str:
-    t = _places(run)
-    states, modes = run.states_and_modes(t)
-    shares, which = worst_conditions(run.problem, run.raw, states, modes)
-    worst = int(np.argmax(shares))
-    if not shares[worst] > limit:
+    steps, raw, code = _chosen_steps(run), run.raw, run.problem.program.code
+    first, words, worst = np.inf, "", 0.0
+    for mode in np.unique(raw.step_modes[steps]):
+        tape, inside = Tape(code, run.problem.numbers, int(mode)), steps[raw.step_modes[steps] == mode]
+        if not tape.functions:
+            continue
+        sizes = tape.sizes(np.vstack([_spread(raw.step_states), _spread(raw.step_states[inside])]))
+        bounds = np.where(sizes > 0.0, -limit * sizes, -np.inf)
+        for some in np.array_split(inside, -(-len(inside) // PIECES_AT_ONCE)):
+            bad = negative_points(tape, _pieces(run, some), bounds)
+            if not len(bad.times):
+                continue
+            worst = max(worst, float((np.abs(bad.values) / sizes[bad.functions]).max()))
+            k = int(bad.times.argmin())
+            if bad.times[k] < first:
+                first = _beginning(run, tape, bounds, bad, k)
+                words = _name_of_function(run, mode, bad.functions[k])
+    if not words:
         return ""
-    first = int(np.argmax(shares > limit))
-    mode = run.automaton.mode(run.mode_names[modes[first]])
-    missed = [f"event {event.name!r} of mode {mode.name!r} is missed" for event in mode.events]
-    broken = [f"a constraint of mode {mode.name!r} is broken" for _ in mode.constraints]
     return (
-        f"{(*missed, *broken)[which[first]]}: at t = {t[first]:.6g} s its function is beyond zero, "
-        f"in the worst case by {shares[worst]:.1g} of its size"
+        f"{words}: at t = {first:.6g} s its function is beyond zero, "
+        f"in the worst case by {worst:.1g} of its size"
     )
 
 
-def _places(run: Trajectory) -> Array:
-    """Ascending times all over the run and in every step; of other methods than series the starts of steps,
-    as their dense output need not reach across a step."""
-    if "tol" not in run.description["method"]:
-        return np.unique(run.raw.step_times[:, 0])
+def _beginning(run: Trajectory, tape: Tape, bounds: Array, bad: Negative, k: int) -> float:
+    """The time at which a function that is broken at a point of a piece begins to be."""
+    sound, broken, function = float(bad.starts[k]), float(bad.times[k]), bad.functions[k]
+    for _ in range(HALVINGS):
+        middle = 0.5 * (sound + broken)
+        value = tape.values(run(middle)[None])[0, function]
+        amount = value if function < len(tape.guards) else -abs(value)
+        sound, broken = (middle, broken) if amount >= bounds[function] else (sound, middle)
+    return broken
+
+
+def _name_of_function(run: Trajectory, number: Any, function: Any) -> str:
+    mode = run.automaton.mode(run.mode_names[number])
+    missed = [f"event {event.name!r} of mode {mode.name!r} is missed" for event in mode.events]
+    return [*missed, *(f"a constraint of mode {mode.name!r} is broken" for _ in mode.constraints)][function]
+
+
+def _chosen_steps(run: Trajectory) -> Array:
+    """All steps that advance; of too many the longest, in which most can be missed, and others all over."""
     begins, lengths = run.raw.step_times.T
-    per_step = min(TIMES_PER_STEP, MAX_TIMES // max(len(begins), 1))
-    within = np.arange(1, per_step + 1) * GOLDEN % 1.0
-    over = (np.arange(TIMES) + np.arange(TIMES) * GOLDEN % 1.0) / TIMES
-    t = np.concatenate([(begins[:, None] + lengths[:, None] * within).ravel(), over * run.raw.t])
-    return np.unique(t[t < run.raw.t])
+    steps = np.flatnonzero(begins + lengths > begins)
+    if len(steps) <= MOST_STEPS:
+        return steps
+    longest = steps[np.argsort(-lengths[steps], kind="stable")[: MOST_STEPS // 2]]
+    return np.union1d(longest, steps[np.linspace(0, len(steps) - 1, MOST_STEPS // 2).astype(int)])
+
+
+def _spread(states: Array) -> Array:
+    """Some of the states, evenly spread."""
+    return states[np.unique(np.linspace(0, len(states) - 1, SAMPLES_OF_SIZES).astype(int))]
+
+
+def _pieces(run: Trajectory, steps: Array) -> Pieces:
+    """The steps as pieces; of other methods than series their starts, as their dense output need not reach
+    across a step."""
+    begins, lengths = run.raw.step_times[steps].T
+    if "tol" not in run.description["method"]:
+        return Pieces(begins, 0.0 * lengths, run.raw.step_states[steps][:, None])
+    return pieces_of(begins, lengths, run.samples.order, run)
 
 
 def _broken_reset(run: Trajectory, limit: float) -> str:

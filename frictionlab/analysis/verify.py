@@ -9,20 +9,17 @@ from typing import Any
 
 import numpy as np
 
+from frictionlab.analysis.independent_method import IndependentMethod
 from frictionlab.analysis.motion_scales import Array, motion_size
 from frictionlab.analysis.run_comparison import (
-    SIMULTANEOUS_SHARE,
     RunComparison,
     accumulation_time,
     compare_runs,
-    longest_stay,
-    mode_stays,
 )
 from frictionlab.analysis.run_conditions import broken_condition
 from frictionlab.analysis.simulate import initial_state_of
 from frictionlab.hybrid.kernels.jets import MACHINE_EPSILON, MAX_ORDER
 from frictionlab.hybrid.methods.base import Method
-from frictionlab.hybrid.methods.scipy_methods import Scipy
 from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.hybrid.problem import Status
 from frictionlab.hybrid.solve import RunOptions, method_of, run_automaton
@@ -45,7 +42,7 @@ UNPREDICTABLE_DEVIATION = (
 TRUSTED_DEVIATION = 1e-4  # share of the motion's size: runs that agree so well coincide in a plot
 EXTRA_ORDERS, TOLERANCE_FACTOR = 6, 0.1  # added to the order, and times the tolerance, for the second run
 INDEPENDENT_RTOL = 1e-12  # relative tolerance of the independent method
-MAX_INDEPENDENT_STEPS = 20_000  # of the independent method, some ten seconds
+MAX_INDEPENDENT_STEPS = 30_000  # of the independent method, some ten seconds
 TIME_RTOL = 1e-6  # share by which times in two runs with the same events may differ
 UNPREDICTABLE_MESSAGE = "a start changed by a billionth leads elsewhere."
 
@@ -148,12 +145,8 @@ def verify(
     if math.isclose(until, run.raw.t, rel_tol=TIME_RTOL):  # the neighbouring run ends a little earlier
         until = run.raw.t
     same = compare_runs(run, second, size, np.inf, until)
-    third = _independent_run(motion, second, size, until, 0.5)
-    other = _compare_independent(run, third, size)
-    if _differ(other) and not _differ(same):  # its steps may have missed events
-        third = _independent_run(motion, second, size, until, 0.0)
-        other = _compare_independent(run, third, size)
-    found = same, other
+    third = _independent_run(motion, second, size, until)
+    found = same, compare_runs(run, third, size, np.inf) if third else RunComparison(0.0, 0.0, np.inf)
     why = _reason_for_doubt(run, second, *found)
     verdict = f"Do not trust this run: {why}." if why else _agreement_message(run, third, until, found)
     agree = all(each.differs_at == np.inf for each in found)
@@ -209,49 +202,13 @@ def _more_exact_method(method: Method) -> Method:
     return replace(method, tol=TOLERANCE_FACTOR * method.tol, order=order)
 
 
-def _independent_run(
-    motion: _RunSetup, second: Trajectory, size: Array, until: float, share: float
-) -> Trajectory | None:
-    """The run by an independent method, up to where this can follow; None where it cannot follow at all.
-
-    Its steps are limited to a `share` of the shortest stay in a mode, but not to less than the whole time
-    divided by `MAX_INDEPENDENT_STEPS`.
-    """
+def _independent_run(motion: _RunSetup, second: Trajectory, size: Array, until: float) -> Trajectory | None:
+    """The run by an independent method, up to where this can follow; None where it cannot follow at all."""
     end = min(until, accumulation_time(second))
     if not end > 0.0:
         return None
-    lengths = _stays_before(second, end)[1]
-    step = max(share * float(lengths.min()), end / MAX_INDEPENDENT_STEPS)
     tolerances = INDEPENDENT_RTOL, INDEPENDENT_RTOL * float(size.min())
-    return motion.run(Scipy("DOP853", *tolerances, step, max_steps=3 * MAX_INDEPENDENT_STEPS), t_end=end)
-
-
-def _compare_independent(run: Trajectory, third: Trajectory | None, size: Array) -> RunComparison:
-    """Compare with the independent run.
-
-    It may miss a stay that is shorter than two of its steps; that does not count as a difference.
-    """
-    if third is None:
-        return RunComparison(0.0, 0.0, np.inf)
-    found = compare_runs(run, third, size, np.inf)
-    if found.differs_at < np.inf:
-        begins, lengths = _stays_before(run, run.raw.t)
-        near = np.searchsorted(begins, found.differs_at)
-        if lengths[max(near - 1, 0) : near + 2].min() < 2.0 * _method_settings(third)["max_step"]:
-            return found._replace(differs_at=np.inf)
-    return found
-
-
-def _stays_before(run: Trajectory, end: float) -> tuple[Array, Array]:
-    """Start and length of the stays that begin before `end`; the run's last stay reaches `end` at least."""
-    found = mode_stays(run, SIMULTANEOUS_SHARE * longest_stay(run, end))
-    begins = np.append(0.0, found.last)
-    lengths = np.append(found.first, max(run.raw.t, end)) - begins
-    return begins[begins < end], lengths[begins < end]
-
-
-def _differ(found: RunComparison) -> bool:
-    return found.differs_at < np.inf or not found.error <= TRUSTED_DEVIATION
+    return motion.run(IndependentMethod("DOP853", *tolerances, max_steps=MAX_INDEPENDENT_STEPS), t_end=end)
 
 
 def _reason_for_doubt(run: Trajectory, second: Trajectory, same: RunComparison, other: RunComparison) -> str:

@@ -69,17 +69,17 @@ class Scipy(Method):
     def advance(self, run: ActiveRun, record: run_state.Record) -> int:
         """Run up to the next event, to the end, or until the record is full."""
         cursor = run.cursor
-        solver = self._solver(run)
+        solver = self.solver_of(run)
         if solver is None:
             return run_state.NOT_FINITE
-        guards = _Guards(run)
+        guards = Guards(run)
         while solver.status == "running" and cursor.counts[run_state.STEPS] < len(record.step_modes):
             solver.step()
             if solver.status == "failed" or not np.isfinite(solver.y).all():
                 return run_state.NOT_FINITE
             length, guard = guards.first(solver)
             if length > 0.0:
-                _record_step(cursor, record, length)
+                record_step(cursor, record, length)
                 cursor.counts[run_state.REPEATED] = 0
             elif guard < 0:  # at a singularity LSODA steps for ever without advancing time
                 cursor.counts[run_state.REPEATED] += 1
@@ -98,7 +98,7 @@ class Scipy(Method):
         truncation = run_state.Truncation(self.degree, self.rtol)
         return run.without_native_code().handle_event(truncation, event, record)
 
-    def _solver(self, run: ActiveRun) -> Any:
+    def solver_of(self, run: ActiveRun) -> Any:
         """scipy's integrator at the state of the run; None where a rate there is not finite."""
         from scipy import integrate
 
@@ -129,33 +129,35 @@ class Scipy(Method):
         return getattr(integrate, self.integrator)(rates, start, cursor.state.copy(), end, **settings)
 
 
-class _Guards:
+class Guards:
     """Values of the current mode's guards along scipy's steps."""
 
     def __init__(self, run: ActiveRun) -> None:
         self._run = run
-        code, self._mode = run.problem.program.code, int(run.cursor.counts[run_state.MODE])
-        self._guards = range(code.mode_guards[self._mode], code.mode_guards[self._mode + 1])
+        code, self.mode = run.problem.program.code, int(run.cursor.counts[run_state.MODE])
+        self.numbers_of_guards = range(code.mode_guards[self.mode], code.mode_guards[self.mode + 1])
 
-    def _values(self, z: np.ndarray) -> np.ndarray:
+    def values(self, z: np.ndarray) -> np.ndarray:
         run, code = self._run, self._run.native.code
         state_rates(
-            code, run.problem.numbers, self._mode, np.ascontiguousarray(z), run.scratch.jets, np.empty_like(z)
+            code, run.problem.numbers, self.mode, np.ascontiguousarray(z), run.scratch.jets, np.empty_like(z)
         )
-        return run.scratch.jets[code.function_slots[self._guards.start : self._guards.stop], 0].copy()
+        return run.scratch.jets[
+            code.function_slots[self.numbers_of_guards.start : self.numbers_of_guards.stop], 0
+        ].copy()
 
     def first(self, solver: Any) -> tuple[float, int]:
         """Time from the step's start to its first event, and the guard; its whole length and -1 for none."""
         start, end = self._run.cursor.times[run_state.NOW], solver.t
-        failing = np.flatnonzero(self._values(solver.y) < 0.0)
+        failing = np.flatnonzero(self.values(solver.y) < 0.0)
         if not failing.size:
             return end - start, -1
         dense = solver.dense_output()
-        places = [self._root(lambda t, i=i: self._values(dense(t))[i], start, end) for i in failing]
+        places = [self.root(lambda t, i=i: self.values(dense(t))[i], start, end) for i in failing]
         first = int(np.argmin(places))
-        return places[first] - start, self._guards.start + int(failing[first])
+        return places[first] - start, self.numbers_of_guards.start + int(failing[first])
 
-    def _root(self, function: Any, start: float, end: float) -> float:
+    def root(self, function: Any, start: float, end: float) -> float:
         """Zero between the start, where the guard is positive, and the end, where it is negative."""
         from scipy import optimize
 
@@ -169,7 +171,7 @@ class _Guards:
         return start if left == end else float(brentq(function, left, end, xtol=1e-15, rtol=1e-15))
 
 
-def _record_step(cursor: run_state.RunState, record: run_state.Record, length: float) -> None:
+def record_step(cursor: run_state.RunState, record: run_state.Record, length: float) -> None:
     row = cursor.counts[run_state.STEPS]
     record.step_times[row] = cursor.times[run_state.NOW], length
     record.step_modes[row] = cursor.counts[run_state.MODE]

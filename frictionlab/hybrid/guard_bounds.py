@@ -1,0 +1,331 @@
+"""Where guards are negative: bounds of a mode's functions over pieces of a run, by interval arithmetic.
+
+Nothing of the search for events is used: neither series of guards, nor their roots, nor the lengths of the
+run's steps.  A piece is the polynomial of the states on an interval of time, by its Chebyshev coefficients.
+One pass through the tape gives ranges of the values and of the rates of all functions on it.  Where these do
+not show that a guard stays positive, the piece is halved.  So a function that changes fast against the step
+is resolved to any depth, and only where it may be zero.  Source: R. E. Moore, R. B. Kearfott, M. J. Cloud,
+Introduction to Interval Analysis, SIAM 2009, chapters 6 and 8.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import lru_cache
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from frictionlab.hybrid.tape import functions as kinds
+from frictionlab.hybrid.tape.program import Code, Numbers
+
+Array = Any
+
+MOST_HALVINGS = 40
+MOST_PIECES = 4096  # in doubt at once; beyond, the guards of the pieces in doubt count as positive
+POINTS = np.array([-1.0, 0.0, 1.0])  # of a piece, at which values are computed: its start, middle and end
+
+
+class Interval(NamedTuple):
+    """Ranges, each from `low` to `high`; infinite where nothing is known."""
+
+    low: Array
+    high: Array
+
+    def __add__(self, other: Any) -> Interval:  # type: ignore[override]
+        return Interval(self.low + other.low, self.high + other.high)
+
+    def __neg__(self) -> Interval:
+        return Interval(-self.high, -self.low)
+
+    def __mul__(self, other: Any) -> Interval:  # type: ignore[override]
+        ends = [a * b for a in self for b in other]
+        return _known(np.minimum.reduce(ends), np.maximum.reduce(ends))
+
+    def scaled(self, factor: float) -> Interval:
+        """The ranges times a number."""
+        ends = self.low * factor, self.high * factor
+        return _known(*(ends if factor >= 0.0 else ends[::-1]))
+
+    def squared(self) -> Interval:
+        """The squares, none of which is negative."""
+        ends = self.low**2, self.high**2
+        return Interval(np.where(self._holds(0.0), 0.0, np.minimum(*ends)), np.maximum(*ends))
+
+    def inverted(self) -> Interval:
+        """The reciprocals; unknown where a range holds zero."""
+        zero = self._holds(0.0)
+        return Interval(np.where(zero, -np.inf, 1.0 / self.high), np.where(zero, np.inf, 1.0 / self.low))
+
+    def power(self, exponent: float) -> Interval:
+        """A power of a base that is not negative."""
+        ends = [np.maximum(end, 0.0) ** exponent for end in self]
+        return _known(*(ends if exponent >= 0.0 else ends[::-1]))
+
+    def _holds(self, number: float) -> Array:
+        return (self.low <= number) & (self.high >= number)
+
+
+def _known(low: Array, high: Array) -> Interval:
+    return Interval(np.where(np.isnan(low), -np.inf, low), np.where(np.isnan(high), np.inf, high))
+
+
+def _increasing(function: Callable[[Array], Array]) -> Callable[[Interval], Interval]:
+    return lambda a: _known(function(a.low), function(a.high))
+
+
+def _even(function: Callable[[Array], Array]) -> Callable[[Interval], Interval]:
+    """The range of an even function that falls, or grows, with the distance from zero."""
+
+    def of(a: Interval) -> Interval:
+        near = np.where((a.low <= 0.0) & (a.high >= 0.0), 0.0, np.minimum(np.abs(a.low), np.abs(a.high)))
+        ends = function(near), function(np.maximum(np.abs(a.low), np.abs(a.high)))
+        return _known(np.minimum(*ends), np.maximum(*ends))
+
+    return of
+
+
+def _cos(a: Interval) -> Interval:
+    ends, turn = (np.cos(a.low), np.cos(a.high)), 2.0 * np.pi
+    top = np.floor(a.high / turn) >= np.ceil(a.low / turn)
+    bottom = np.floor((a.high - np.pi) / turn) >= np.ceil((a.low - np.pi) / turn)
+    finite = np.isfinite(a.low) & np.isfinite(a.high)
+    low, high = np.where(bottom, -1.0, np.minimum(*ends)), np.where(top, 1.0, np.maximum(*ends))
+    return Interval(np.where(finite, low, -1.0), np.where(finite, high, 1.0))
+
+
+def _sin(a: Interval) -> Interval:
+    return _cos(Interval(a.low - 0.5 * np.pi, a.high - 0.5 * np.pi))
+
+
+def _tan(a: Interval) -> Interval:
+    pole = np.floor(a.high / np.pi + 0.5) > np.floor(a.low / np.pi + 0.5)
+    return _known(np.where(pole, -np.inf, np.tan(a.low)), np.where(pole, np.inf, np.tan(a.high)))
+
+
+RANGES: dict[int, Callable[[Interval], Interval]] = {
+    kinds.EXP: _increasing(np.exp),
+    kinds.LOG: _increasing(lambda x: np.log(np.maximum(x, 0.0))),
+    kinds.SIN: _sin,
+    kinds.COS: _cos,
+    kinds.TAN: _tan,
+    kinds.TANH: _increasing(np.tanh),
+    kinds.SINH: _increasing(np.sinh),
+    kinds.COSH: _even(np.cosh),
+    kinds.ATAN: _increasing(np.arctan),
+    kinds.ASINH: _increasing(np.arcsinh),
+    kinds.SECH2: _even(lambda x: 1.0 / np.cosh(np.minimum(x, 350.0)) ** 2),
+}
+
+
+class Tape:
+    """A mode's operations at the parameters' values, evaluated on intervals."""
+
+    def __init__(self, code: Code, numbers: Numbers, mode: int) -> None:
+        first, last = (int(end) for end in code.mode_ops[mode : mode + 2])
+        self._inputs = int(code.inputs)
+        rows = code.ops[first:last].tolist()
+        self._operations = [(*row, float(numbers.constants[first + i])) for i, row in enumerate(rows)]
+        self._terms = list(zip(code.term_slots.tolist(), numbers.terms.tolist(), strict=True))
+        self.guards = code.function_slots[code.mode_guards[mode] : code.mode_guards[mode + 1]].tolist()
+        held = slice(code.mode_constraints[mode], code.mode_constraints[mode + 1])
+        self.held = code.function_slots[held].tolist()
+
+    def sizes(self, states: Array) -> Array:
+        """The largest sums of absolute terms of guards and constraints among states: their sizes."""
+        with np.errstate(all="ignore"):
+            terms = self.magnitudes(states)
+        return np.where(np.isfinite(terms), terms, 0.0).max(axis=0, initial=0.0)  # in other modes NaN
+
+    @property
+    def functions(self) -> list[int]:
+        """The slots of the guards, then those of the constraints."""
+        return [*self.guards, *self.held]
+
+    def ranges(self, states: list[Interval]) -> list[Interval]:
+        """Ranges of all slots."""
+        known = list(states)
+        for kind, a, b, constant in self._operations:
+            if kind == kinds.AFFINE:
+                known.append(self._sum(constant, self._terms[a:b], known))
+            elif kind == kinds.PRODUCT:
+                known.append(known[a] * known[b])
+            elif kind == kinds.SQUARE:
+                known.append(known[a].squared())
+            elif kind == kinds.QUOTIENT:
+                known.append(known[a] * known[b].inverted())
+            elif kind == kinds.POWER:
+                known.append(known[a].power(constant))
+            elif kind == kinds.RATE:  # belongs to the recurrence of the next operation
+                known.append(known[a])
+            else:
+                known.append(RANGES[kind](known[a]))
+        return known
+
+    def rates(self, known: list[Interval], states: list[Interval]) -> list[Interval]:
+        """Ranges of the rates of all slots, from those of the states and the ranges of the values."""
+        rates = list(states)
+        for out, (kind, a, b, constant) in enumerate(self._operations, start=self._inputs):
+            if kind == kinds.AFFINE:
+                rates.append(self._sum(0.0, self._terms[a:b], rates))
+            elif kind == kinds.PRODUCT:
+                rates.append(rates[a] * known[b] + known[a] * rates[b])
+            elif kind == kinds.SQUARE:
+                rates.append((known[a] * rates[a]).scaled(2.0))
+            elif kind == kinds.QUOTIENT:
+                rates.append((rates[a] + -(known[out] * rates[b])) * known[b].inverted())
+            elif kind == kinds.POWER:
+                rates.append((known[a].power(constant - 1.0) * rates[a]).scaled(constant))
+            elif kind == kinds.RATE:
+                rates.append(rates[a])
+            else:
+                rates.append(known[b] * rates[a])
+        return rates
+
+    def values(self, states: Array) -> Array:
+        """Values of guards and constraints at states (N, states): (N, functions)."""
+        known = self.ranges([Interval(z, z) for z in states.T])
+        values = [0.5 * (known[i].low + known[i].high) for i in self.functions]
+        return np.array(values).reshape(-1, len(states)).T
+
+    def magnitudes(self, states: Array) -> Array:
+        """Sums of the absolute terms of guards and constraints at states (N, states): (N, functions)."""
+        values = [value.low for value in self.ranges([Interval(z, z) for z in states.T])]
+        sums = list(np.abs(states.T))
+        for out, (kind, a, b, constant) in enumerate(self._operations, start=self._inputs):
+            if kind == kinds.AFFINE:
+                terms = (abs(factor) * sums[slot] for slot, factor in self._terms[a:b])
+                sums.append(sum(terms, abs(constant) + 0.0 * sums[0]))
+            elif kind in (kinds.PRODUCT, kinds.SQUARE):
+                sums.append(sums[a] * sums[b])
+            elif kind == kinds.QUOTIENT:
+                sums.append((sums[a] + sums[b] * np.abs(values[out])) / np.abs(values[b]))
+            elif kind == kinds.POWER:
+                sums.append(np.abs(values[out]) * (1.0 + np.abs(constant / values[a]) * sums[a]))
+            elif kind == kinds.RATE:
+                sums.append(sums[a])
+            else:
+                sums.append(np.abs(values[out]) + np.abs(values[b]) * sums[a])
+        return np.array([sums[i] for i in self.functions]).reshape(-1, len(states)).T
+
+    @staticmethod
+    def _sum(constant: float, terms: list[tuple[int, float]], known: list[Interval]) -> Interval:
+        low = high = constant + 0.0 * known[0].low  # an array
+        for slot, factor in terms:
+            least, most = known[slot] if factor > 0.0 else known[slot][::-1]
+            if factor:  # 0 times infinity would be no number
+                low, high = low + factor * least, high + factor * most
+        return _known(low, high)
+
+
+class Pieces(NamedTuple):
+    """Pieces of a run: where they begin, how long they are, and the states' Chebyshev coefficients."""
+
+    starts: Array  # (pieces,)
+    lengths: Array  # (pieces,)
+    coefficients: Array  # (pieces, order + 1, states)
+
+    def chosen(self, some: Array) -> Pieces:
+        """Some of the pieces."""
+        return Pieces(*(field[some] for field in self))
+
+    def halves(self) -> Pieces:
+        """The two halves of each, in the order of time."""
+        basis = chebyshev_basis(self.coefficients.shape[1] - 1)
+        both = np.stack([basis.left @ self.coefficients, basis.right @ self.coefficients], axis=1)
+        half = np.repeat(0.5 * self.lengths, 2)
+        starts = np.repeat(self.starts, 2) + np.where(np.arange(len(half)) % 2, half, 0.0)
+        return Pieces(starts, half, both.reshape(len(half), *self.coefficients.shape[1:]))
+
+
+class Basis(NamedTuple):
+    """The Chebyshev polynomials up to an order, T_k(x) for -1 <= x <= 1."""
+
+    nodes: Array
+    fit: Array  # from values at the nodes to coefficients
+    left: Array  # to the coefficients on the left half
+    right: Array
+    slope: Array  # to those of the derivative by x
+    points: Array  # (3, order + 1): values at POINTS
+
+
+@lru_cache(maxsize=16)
+def chebyshev_basis(order: int) -> Basis:
+    """The polynomials up to this order."""
+    count = order + 1
+    angles = np.pi * (np.arange(count) + 0.5) / count
+    nodes, k = np.cos(angles), np.arange(count)
+    fit = 2.0 / count * np.cos(np.outer(k, angles))
+    fit[0] *= 0.5
+    values = np.polynomial.chebyshev.chebvander
+    slope = np.zeros((count, count))
+    for j in range(1, count):
+        column = np.polynomial.chebyshev.chebder(np.eye(count)[j])
+        slope[: len(column), j] = column
+    left, right = (fit @ values(0.5 * (nodes + side), order) for side in (-1.0, 1.0))
+    return Basis(nodes, fit, left, right, slope, values(POINTS, order))
+
+
+def pieces_of(starts: Array, lengths: Array, order: int, states: Callable[[Array], Array]) -> Pieces:
+    """Pieces on which the states are polynomials of an order; `states` gives them at times (N,)."""
+    basis = chebyshev_basis(order)
+    times = starts[:, None] + 0.5 * lengths[:, None] * (1.0 + basis.nodes[::-1])
+    values = states(times.ravel()).reshape(*times.shape, -1)[:, ::-1]
+    return Pieces(starts, lengths, basis.fit @ values)
+
+
+class Negative(NamedTuple):
+    """Points at which functions are below their bounds: times, numbers of the functions, values, and the
+    starts of the pieces, before which there is none."""
+
+    times: Array
+    functions: Array
+    values: Array
+    starts: Array
+
+
+def negative_points(tape: Tape, pieces: Pieces, bounds: Array) -> Negative:
+    """Points at which guards are below `bounds` (functions,), or constraints farther from zero than that.
+
+    Before the first of them there is none, unless so many pieces are in doubt that some are left out.
+    """
+    found, guards, until = [], len(tape.guards), np.inf
+    with np.errstate(all="ignore"):
+        for _ in range(MOST_HALVINGS):
+            values, doubtful = _judge(tape, pieces, bounds)
+            bad = values < bounds
+            bad[..., guards:] = ~(np.abs(values[..., guards:]) <= -bounds[guards:])
+            piece, point, function = np.nonzero(bad)
+            times = pieces.starts[piece] + 0.5 * (1.0 + POINTS[point]) * pieces.lengths[piece]
+            found.append((times, function, values[piece, point, function], pieces.starts[piece]))
+            until = min(until, times.min(initial=np.inf))
+            doubtful &= (pieces.starts < until) & (pieces.lengths > 0.0)
+            if not 0 < doubtful.sum() <= MOST_PIECES:
+                break
+            pieces = pieces.chosen(doubtful).halves()
+    return Negative(*(np.concatenate(parts) for parts in zip(*found, strict=True)))
+
+
+def _judge(tape: Tape, pieces: Pieces, bounds: Array) -> tuple[Array, Array]:
+    """Values of the functions (pieces, 3, functions) at POINTS, and whether guards may be below elsewhere."""
+    basis = chebyshev_basis(pieces.coefficients.shape[1] - 1)
+    functions, guards = tape.functions, len(tape.guards)
+    at = (basis.points @ pieces.coefficients).reshape(-1, pieces.coefficients.shape[2])
+    values = tape.values(at).reshape(len(pieces.starts), 3, len(functions))
+    known = tape.ranges(_ranges(pieces.coefficients))
+    slopes = basis.slope @ pieces.coefficients
+    rates = tape.rates(known, _ranges(slopes))
+    doubtful = np.zeros(len(pieces.starts), dtype=bool)
+    for g, slot in enumerate(functions[:guards]):
+        steepest = np.maximum(np.abs(rates[slot].low), np.abs(rates[slot].high))  # by x, from -1 to 1
+        least = np.fmax(known[slot].low, values[:, 1, g] - steepest)
+        least = np.where(np.isnan(values[:, :, g]).any(axis=1), np.inf, least)  # no number, as sqrt(gap)
+        one_way = (rates[slot].low >= 0.0) | (rates[slot].high <= 0.0)
+        doubtful |= (least < bounds[g]) & ~one_way
+    return values, doubtful
+
+
+def _ranges(coefficients: Array) -> list[Interval]:
+    """Ranges of polynomials (pieces, order + 1, states), for each state."""
+    middle, reach = coefficients[:, 0], np.abs(coefficients[:, 1:]).sum(axis=1)
+    return [Interval(low, high) for low, high in zip((middle - reach).T, (middle + reach).T, strict=True)]
