@@ -21,6 +21,7 @@ import numpy as np
 import sympy as sp
 
 from frictionlab.analysis.simulate import simulate
+from frictionlab.analysis.stated_conditions import broken_statement
 from frictionlab.components import ContactLaw, FrictionLaw, ImpactLaw
 from frictionlab.components.component import Component, Parameter, parameters_of, structure_of
 from frictionlab.hybrid.tape.packing import program_of
@@ -202,7 +203,8 @@ def check_model(model: Model, t_end: float = 1.0) -> Trajectory:
     Its parameters are described; its repr makes it again; every mode's equations print; another value of a
     parameter changes no structure, so that a slider compiles nothing; a motion from rest keeps the rules of
     contact and friction, agrees with that of another integrator, and keeps Lagrange's equations with the
-    energies that the model states, whose derivatives are then differences of numbers.
+    energies that the model states, whose derivatives are then differences of numbers; its contacts do not
+    pull, hold no more than they can and no less, and their impacts keep momentum, energy and law.
 
     Parameters
     ----------
@@ -231,6 +233,8 @@ def check_model(model: Model, t_end: float = 1.0) -> Trajectory:
     _check_agreement(model, min(t_end, COMPARISON_TIME))
     if isinstance(model, MechanicalModel):
         check_lagrange(model, run)
+        if broken := broken_statement(run):
+            fail(model, "a motion must be one of the energies and contacts that the model states", broken)
     return run
 
 

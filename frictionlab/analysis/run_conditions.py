@@ -11,9 +11,17 @@ from typing import Any
 
 import numpy as np
 
-from frictionlab.analysis.motion_scales import Array, motion_size
+from frictionlab.analysis.motion_scales import motion_size
 from frictionlab.hybrid.accuracy import largest_sound_defect
-from frictionlab.hybrid.guard_bounds import Negative, Pieces, Tape, negative_points, pieces_of
+from frictionlab.hybrid.guard_bounds import (
+    Array,
+    Negative,
+    Pieces,
+    Tape,
+    largest_defect,
+    negative_points,
+    pieces_of,
+)
 from frictionlab.hybrid.trajectory import Trajectory
 
 MOST_STEPS, PIECES_AT_ONCE = 20_000, 1000
@@ -26,7 +34,7 @@ STICK_GUARD = "v_r"  # begins the names of the guards whose event makes a relati
 def broken_condition(run: Trajectory) -> str:
     """Which condition a run breaks, and where; an empty text where it keeps them all."""
     limit = largest_violation(run)
-    return _broken_guard(run, limit) or _broken_reset(run, limit)
+    return _broken_guard(run, limit) or _broken_reset(run, limit) or _broken_flow(run, limit)
 
 
 def largest_violation(run: Trajectory) -> float:
@@ -114,3 +122,24 @@ def _broken_reset(run: Trajectory, limit: float) -> str:
         f"at t = {events.t[first]:.6g} s the reset of event {str(events.guard[first])!r} takes away "
         f"{jumps[first].max():.1g} of the velocities, more than rounding"
     )
+
+
+def _broken_flow(run: Trajectory, limit: float) -> str:
+    """Where a run is no motion of its modes' equations; only of series, whose dense output is one."""
+    if "tol" not in run.description["method"]:
+        return ""
+    steps, raw, sizes = _chosen_steps(run), run.raw, motion_size(run)
+    for mode in np.unique(raw.step_modes[steps]):
+        tape, inside = (
+            Tape(run.problem.program.code, run.problem.numbers, int(mode)),
+            steps[raw.step_modes[steps] == mode],
+        )
+        for some in np.array_split(inside, -(-len(inside) // PIECES_AT_ONCE)):
+            found = largest_defect(tape, _pieces(run, some), sizes)
+            if found.share > limit:
+                return (
+                    f"at t = {found.time:.6g} s a step in mode {run.mode_names[mode]!r} does not keep the "
+                    f"rate of {run.names[found.state]!r}, by {found.share:.1g} of the motion's size: a law "
+                    "may be too sharp there for its series"
+                )
+    return ""

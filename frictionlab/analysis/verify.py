@@ -1,4 +1,5 @@
-"""`fl.verify`: whether a run can be trusted, judged by two other runs and one from a neighbouring state."""
+"""`fl.verify`: whether a run can be trusted, judged by what its model states, by two other runs and by one
+from a neighbouring state."""
 
 from __future__ import annotations
 
@@ -18,6 +19,7 @@ from frictionlab.analysis.run_comparison import (
 )
 from frictionlab.analysis.run_conditions import broken_condition
 from frictionlab.analysis.simulate import initial_state_of
+from frictionlab.analysis.stated_conditions import broken_statement
 from frictionlab.hybrid.kernels.jets import MACHINE_EPSILON, MAX_ORDER
 from frictionlab.hybrid.methods.base import Method
 from frictionlab.hybrid.methods.taylor import Taylor
@@ -94,10 +96,16 @@ class Verification(Drawable):
 def verify(
     model: Any, t_end: float, *, x0: Any = "rest", method: str | Method = "taylor", progress: bool = True
 ) -> Verification:
-    """Run a model, and check the run by others.
+    """Run a model, and check the run by what the model states, and by other runs.
+
+    Event functions and constraints of the modes are bounded all over the run, and rates compared with those
+    of its polynomials.  A run of a :class:`MechanicalModel` must keep what the model states, without the
+    equations and resets that were derived from it: Lagrange's equations by differences of the energies,
+    holding forces within their limits, stick that lasts as long as it can, contacts that do not pull, the
+    momentum, the energy and the law of impacts.
 
     The second run uses series of a higher order and a tighter tolerance.  The third is by DOP853 of scipy,
-    which shares the equations, but not the series, the root finder or the steps.  It cannot follow Zeno
+    which shares the equations, but not the series, the steps or the search for events.  It cannot follow Zeno
     behaviour (chatter, a ball that comes to rest) and is compared only up to there.  The fourth starts from
     an initial state changed by a billionth and shows how far the motion can be predicted: a chaotic motion is
     not compared beyond that time.
@@ -135,11 +143,16 @@ def verify(
     chosen = method_of(method)
     t_end = check_number("t_end", t_end, above=0.0, cure="give the length of the run in seconds")
     start = initial_state_of(model, x0)
-    motion = _RunSetup(model, start, float(t_end), progress)
+    motion = RunSetup(model, start, float(t_end), progress)
     run = motion.run(chosen)
     if not run.raw.t > 0.0:
         raise ValueError(f"the motion must not end where it begins, it does: {run.status}")
-    second = motion.run(_more_exact_method(chosen), t_end=run.raw.t)
+    return verification_of(run, motion, chosen)
+
+
+def verification_of(run: Trajectory, motion: RunSetup, method: Method) -> Verification:
+    """The verification of a run of a motion by a method."""
+    second = motion.run(_more_exact_method(method), t_end=run.raw.t)
     size = motion_size(second)
     until = compare_runs(motion.neighbouring_run(second), second, size, UNPREDICTABLE_DEVIATION).until
     if math.isclose(until, run.raw.t, rel_tol=TIME_RTOL):  # the neighbouring run ends a little earlier
@@ -154,7 +167,7 @@ def verify(
     return Verification(run, error, until, found[1].until, agree, run.defect, not why, verdict)
 
 
-class _RunSetup:
+class RunSetup:
     """What all runs of a verification share: the model, the initial state, the end time."""
 
     def __init__(self, model: Any, start: Array, t_end: float, progress: bool) -> None:
@@ -202,7 +215,7 @@ def _more_exact_method(method: Method) -> Method:
     return replace(method, tol=TOLERANCE_FACTOR * method.tol, order=order)
 
 
-def _independent_run(motion: _RunSetup, second: Trajectory, size: Array, until: float) -> Trajectory | None:
+def _independent_run(motion: RunSetup, second: Trajectory, size: Array, until: float) -> Trajectory | None:
     """The run by an independent method, up to where this can follow; None where it cannot follow at all."""
     end = min(until, accumulation_time(second))
     if not end > 0.0:
@@ -213,7 +226,7 @@ def _independent_run(motion: _RunSetup, second: Trajectory, size: Array, until: 
 
 def _reason_for_doubt(run: Trajectory, second: Trajectory, same: RunComparison, other: RunComparison) -> str:
     """The reason why a run is not to be trusted; an empty text where it can be trusted."""
-    if broken := broken_condition(run):
+    if broken := broken_condition(run) or broken_statement(run):
         return broken
     for found, which in ((same, "a more exact one"), (other, "an independent one")):
         if found.differs_at < np.inf:
@@ -241,17 +254,15 @@ def _agreement_message(
         text = f"The runs {agree} up to t = {until:.4g} s, {events}; "
         text += f"after that it cannot be predicted: {UNPREDICTABLE_MESSAGE}"
     if independent < until:
-        limit = _comparison_limit(run, third)
+        limit = _comparison_limit(third)
         text += f" The independent method was compared up to t = {independent:.4g} s, {limit}."
     return text if run.status.ok else f"{text} There the run ended: {run.status}."
 
 
-def _comparison_limit(run: Trajectory, third: Trajectory | None) -> str:
+def _comparison_limit(third: Trajectory | None) -> str:
     """Why the comparison with the independent method ended."""
     if third is not None and third.status is Status.STEP_CAP:
         return f"where it had taken {len(third.raw.step_modes)} steps"
     if third is not None and not third.status.ok:
         return f"where it ended ({third.status})"
-    if third is None or math.isclose(third.raw.t, accumulation_time(run), rel_tol=TIME_RTOL):
-        return "at a Zeno accumulation of events"
-    return "where a mode lasts too short a time for its steps"
+    return "at a Zeno accumulation of events"

@@ -23,6 +23,8 @@ Array = Any
 
 MOST_HALVINGS = 40
 MOST_PIECES = 4096  # in doubt at once; beyond, the guards of the pieces in doubt count as positive
+RESOLUTION = 0.1  # share of the largest rate by which rates between points may be unknown
+NOTHING = 1e-12  # share of a state's size that is not looked for
 POINTS = np.array([-1.0, 0.0, 1.0])  # of a piece, at which values are computed: its start, middle and end
 
 
@@ -130,6 +132,7 @@ class Tape:
         self.guards = code.function_slots[code.mode_guards[mode] : code.mode_guards[mode + 1]].tolist()
         held = slice(code.mode_constraints[mode], code.mode_constraints[mode + 1])
         self.held = code.function_slots[held].tolist()
+        self.flow = code.flow[mode].tolist()
 
     def sizes(self, states: Array) -> Array:
         """The largest sums of absolute terms of guards and constraints among states: their sizes."""
@@ -304,6 +307,59 @@ def negative_points(tape: Tape, pieces: Pieces, bounds: Array) -> Negative:
                 break
             pieces = pieces.chosen(doubtful).halves()
     return Negative(*(np.concatenate(parts) for parts in zip(*found, strict=True)))
+
+
+class Defect(NamedTuple):
+    """The largest |x' - f(x)| times the length of a piece, as a share of sizes: where, and of which state."""
+
+    share: float
+    time: float
+    state: int
+
+
+def largest_defect(tape: Tape, pieces: Pieces, sizes: Array) -> Defect:
+    """The largest defect of pieces as motions of a mode, where also what is narrow against them is resolved.
+
+    Pieces are halved until the rates on them are known, but for a share of the largest, from their values at
+    three points.
+    """
+    worst, largest = Defect(0.0, np.nan, 0), np.zeros(len(sizes))
+    with np.errstate(all="ignore"):
+        for _ in range(MOST_HALVINGS):
+            flow, slopes, reach = _flow(tape, pieces)
+            defects = np.abs(slopes - flow) * pieces.lengths[:, None, None] / sizes
+            defects = np.where(np.isnan(defects), 0.0, defects)
+            if (most := float(defects.max(initial=0.0))) > worst.share:
+                piece, point, state = np.unravel_index(int(defects.argmax()), defects.shape)
+                time = pieces.starts[piece] + 0.5 * (1.0 + POINTS[point]) * pieces.lengths[piece]
+                worst = Defect(most, float(time), int(state))
+            finite = np.where(np.isfinite(flow), np.abs(flow), 0.0)
+            largest = np.maximum(largest, finite.max(axis=(0, 1), initial=0.0))
+            beyond = np.fmax(reach.high - flow.max(axis=1), flow.min(axis=1) - reach.low)
+            doubtful = (beyond > RESOLUTION * largest) & (beyond * pieces.lengths[:, None] > NOTHING * sizes)
+            if not 0 < doubtful.any(axis=1).sum() <= MOST_PIECES:
+                break
+            pieces = pieces.chosen(doubtful.any(axis=1)).halves()
+    return worst
+
+
+def _flow(tape: Tape, pieces: Pieces) -> tuple[Array, Array, Interval]:
+    """Rates (pieces, 3, states) at POINTS by the tape, and of the polynomials; ranges (pieces, states) of the
+    former."""
+    basis = chebyshev_basis(pieces.coefficients.shape[1] - 1)
+    at, count = basis.points @ pieces.coefficients, len(pieces.starts)
+    known = tape.ranges([Interval(z, z) for z in at.reshape(-1, at.shape[2]).T])
+    flow = np.array([known[i].low for i in tape.flow]).reshape(-1, count, 3).transpose(1, 2, 0)
+    by_x = basis.slope @ pieces.coefficients
+    slopes = basis.points @ by_x * (2.0 / pieces.lengths)[:, None, None]
+    known = tape.ranges(_ranges(pieces.coefficients))
+    rates = tape.rates(known, _ranges(by_x))
+    low, high = [], []
+    for state, slot in enumerate(tape.flow):
+        steepest = np.maximum(np.abs(rates[slot].low), np.abs(rates[slot].high))
+        low.append(np.fmax(known[slot].low, flow[:, 1, state] - steepest))
+        high.append(np.fmin(known[slot].high, flow[:, 1, state] + steepest))
+    return flow, slopes, Interval(np.array(low).T, np.array(high).T)
 
 
 def _judge(tape: Tape, pieces: Pieces, bounds: Array) -> tuple[Array, Array]:

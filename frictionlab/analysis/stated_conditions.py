@@ -1,0 +1,557 @@
+"""Whether a run is a motion of what its mechanical model states: energies, loads, laws of contacts.
+
+The compiled automaton has no part in it, but for the names of the modes, each of which is a claim: v_r = 0 in
+stick, a distance of zero in contact.  Judged are
+
+* the claims, and that friction opposes v_r, that no contact pulls and none is overlapped in flight;
+* Lagrange's equations, with the sliding forces of the laws, and with holding forces that must be within their
+  limits, where these depend on each other in any way that is possible;
+* that what slips could not be held at rest;
+* impacts: impulses act where contacts are closed, none pulls, they keep the impact law of a single contact;
+  together they give no energy, and take none where all laws are elastic.
+"""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from frictionlab.analysis.motion_scales import motion_size
+from frictionlab.analysis.run_conditions import largest_violation
+from frictionlab.analysis.stated_mechanics import Array, StatedContact, StatedMechanics, differences
+from frictionlab.automaton.mode import JOINT
+from frictionlab.components.impact import ImpactLaw, PlasticImpact, RestitutionImpact
+from frictionlab.hybrid.trajectory import Trajectory
+from frictionlab.models import MechanicalModel
+from frictionlab.models.mechanical.contact_regimes import APART, CHATTER_MODE
+from frictionlab.models.mechanical.mechanics import Stop
+
+RUBBING = {"stick": 0, "slip+": 1, "slip-": -1}
+OF_FRICTION = {*RUBBING, "slip", *APART, CHATTER_MODE}
+OF_STOPS = {"flight", "contact"}
+LEAST_TOLERANCE = 1e-6  # share of the forces in an equation by which differences may miss it
+PLACES_PER_MODE, LONGEST_STEPS = 12, 4
+MOST_COORDINATES = 12  # of models with more, contacts and energies alone are judged
+SAMPLES = 2000
+MOST_EVENTS = 400
+STEP_SHARE, TIME_LEVELS = 1.0 / 9.0, 4  # of a step, between the points of differences by time
+ROUNDING = 1e-14  # of a velocity, or a time, in such differences
+NEAR_START = 0.02  # the middle of such differences in steps of methods whose dense output need not reach far
+BREAKAWAY_SLACK = 0.03  # share of the limits of static friction by which stick may end too early
+RESTING = 1e-9  # share of its size below which v_r counts as zero at an event
+CLOSED = 1e-7  # share of its size below which a gap counts as zero at an impact
+IMPACT_RTOL = 1e-6
+
+
+def broken_statement(run: Trajectory) -> str:
+    """What a run breaks of its model's statement, and where; an empty text where it keeps all of it.
+
+    There is none to break where the run is of an automaton, or has states that the statement does not know.
+    """
+    model = run.source
+    if not isinstance(model, MechanicalModel) or not len(run.raw.step_modes):
+        return ""
+    judge = _Judge(run, StatedMechanics(model, motion_size(run)))
+    if judge.stated.statement.names != run.names or not judge.knows_modes:
+        return ""
+    checks = (judge.claims, judge.balance, judge.breakaway, judge.impacts)
+    return next((words for check in checks if (words := check())), "")
+
+
+class Places(NamedTuple):
+    """Places of a run: times, states, modes."""
+
+    t: Array
+    states: Array
+    modes: Array
+
+    def where(self, some: Array) -> Places:
+        """Some of them."""
+        return Places(*(field[some] for field in self))
+
+
+class _Judge:
+    def __init__(self, run: Trajectory, stated: StatedMechanics) -> None:
+        self.run, self.stated, self.limit = run, stated, largest_violation(run)
+        self.names = [name.split(JOINT) if stated.contacts else [] for name in run.mode_names]
+        t = np.concatenate([np.linspace(0.0, run.raw.t, SAMPLES), *self._in_steps()])
+        t = np.unique(t[t < run.raw.t])
+        self.samples = Places(t, *run.states_and_modes(t))
+
+    def _in_steps(self) -> list[Array]:
+        begins, lengths = self.run.raw.step_times.T
+        some = np.unique(np.linspace(0, len(begins) - 1, SAMPLES).astype(int))
+        inside = [] if self._by_other_method else [begins[some] + lengths[some] * s for s in (0.3, 0.8)]
+        return [begins[some], *inside]
+
+    @property
+    def _by_other_method(self) -> bool:
+        return "tol" not in self.run.description["method"]
+
+    @property
+    def knows_modes(self) -> bool:
+        """Whether the visited modes are named by regimes of the contacts."""
+        return all(
+            len(self.names[mode]) == len(self.stated.contacts)
+            and all(
+                word in (OF_STOPS if c.speed is None else OF_FRICTION)
+                for word, c in zip(self.names[mode], self.stated.contacts, strict=True)
+            )
+            for mode in np.unique(self.run.raw.step_modes)
+        )
+
+    def _words(self, i: int, modes: Array) -> Array:
+        """The regime of contact `i` in each mode."""
+        return np.array([words[i] for words in self.names])[modes]
+
+    # --- what the names of the modes claim
+
+    def claims(self) -> str:
+        for i, contact in enumerate(self.stated.contacts):
+            words = self._words(i, self.samples.modes)
+            for rule, amounts in self._amounts(contact, words):
+                if (amounts > self.limit).any():
+                    first = int(np.argmax(amounts > self.limit))
+                    return (
+                        f"{rule} at contact {i + 1} from t = {self.samples.t[first]:.6g} s on, in the worst "
+                        f"case by {amounts.max():.1g} of its size"
+                    )
+        return ""
+
+    def _amounts(self, contact: StatedContact, words: Array) -> Any:
+        """Rules and by how much, as shares of sizes, they are broken at the samples."""
+        if contact.speed is not None:
+            speed = self._share(contact.speed)
+            yield "v_r is not zero in stick", np.where(words == "stick", np.abs(speed), 0.0)
+            for name, sign in (("slip+", 1), ("slip-", -1)):
+                yield f"v_r has not the sign of {name}", np.where(words == name, -sign * speed, 0.0)
+        if contact.gap is not None:
+            gap = self._share(contact.gap)
+            apart = (words == "separation") | (words == "flight")
+            yield "bodies overlap in flight", np.where(apart, -gap, 0.0)
+            yield "a closed contact is open", np.where(words == "contact", np.abs(gap), 0.0)
+        if contact.pressing is not None and self._separates(contact):
+            force, rubs = self._share(contact.pressing), np.isin(words, [*RUBBING, "slip"])
+            yield "the normal force pulls", np.where(rubs, -force, 0.0)
+            if contact.gap is not None:
+                yield "friction acts on a contact that is open", np.where(rubs, gap, 0.0)
+
+    def _separates(self, contact: StatedContact) -> bool:
+        """Whether the contact has regimes without forces, so that it does not pull."""
+        i = self.stated.contacts.index(contact)
+        regimes = self.run.automaton.names
+        found = {name.split(JOINT)[i] for name in regimes} if len(self.stated.contacts) < 4 else set()
+        return bool(found & {*APART})
+
+    def _share(self, function: Any) -> Array:
+        """A function at the samples as a share of its size: its slopes times the sizes of the states."""
+        return self.stated.at(function, self.samples.states) / self._size_of(function)
+
+    # --- Lagrange's equations
+
+    def balance(self) -> str:
+        """Lagrange's equations in steps of each mode, with holding forces within their limits."""
+        if self.stated.n > MOST_COORDINATES:
+            return ""
+        places, accelerations, errors = self._places()
+        if not len(places.t):
+            return ""
+        forces = self._forces(places)
+        values, rooms, sizes = self.stated.imbalance(places.states, accelerations)
+        there = self.stated.imbalance(places.states, accelerations + errors)[0]
+        rooms = rooms + np.abs(there - values)
+        values, sizes = values - forces.given, sizes + forces.sizes
+        for k, words in enumerate(self._names_at(places)):
+            scale = np.where(sizes.max(axis=0) > 0.0, sizes.max(axis=0), 1.0)
+            found = held_forces(values[k], forces.at(k), rooms[k], scale)
+            if found.miss > max(LEAST_TOLERANCE, self.limit):
+                name = self.run.automaton.state_names[found.worst]
+                why = "with forces of its contacts within their limits" if found.bounded else "by any force"
+                return (
+                    f"at t = {places.t[k]:.6g} s, in mode {words!r}, Lagrange's equation of {name!r} is not "
+                    f"kept {why}: {found.miss:.1g} of the forces in it are missing"
+                )
+        return ""
+
+    def _names_at(self, places: Places) -> list[str]:
+        return [self.run.mode_names[mode] for mode in places.modes]
+
+    def _places(self) -> tuple[Places, Array, Array]:
+        """Places within steps, accelerations there by differences along the run, and their errors."""
+        raw = self.run.raw
+        begins, lengths = raw.step_times.T
+        chosen = [
+            self._steps_of(np.flatnonzero(raw.step_modes == mode)) for mode in np.unique(raw.step_modes)
+        ]
+        steps = np.concatenate(chosen)
+        share = NEAR_START if self._by_other_method else 0.5
+        t, first = begins[steps] + share * lengths[steps], share * lengths[steps] * 2.0 * STEP_SHARE
+        n = self.stated.n
+        clear = (t - 4.0 * first > begins[steps]) & (t + 4.0 * first < begins[steps] + lengths[steps])
+        t, first = t[clear], first[clear]
+        accelerations, errors = differences(lambda h: self.run(t + h)[:, n : 2 * n], first, TIME_LEVELS)
+        errors += (
+            ROUNDING * (self.stated.sizes[n : 2 * n] + np.abs(accelerations) * t[:, None]) / first[:, None]
+        )
+        known = np.isfinite(errors).all(axis=1)
+        t = t[known]
+        return Places(t, *self.run.states_and_modes(t)), accelerations[known], errors[known]
+
+    def _steps_of(self, steps: Array) -> Array:
+        """The longest steps of a mode, and others all over the run."""
+        longest = steps[np.argsort(-self.run.raw.step_times[steps, 1])][:LONGEST_STEPS]
+        spread = steps[np.unique(np.linspace(0, len(steps) - 1, PLACES_PER_MODE).astype(int))]
+        return np.union1d(longest, spread)
+
+    def _forces(self, places: Places, resting: float = RESTING) -> Forces:
+        """The forces of all contacts, given or holding, at places."""
+        shape = len(places.t), self.stated.n
+        given, sizes = np.zeros(shape), np.zeros(shape)
+        columns, least, most = [], [], []
+        for i, contact in enumerate(self.stated.contacts):
+            words = self._words(i, places.modes)
+            normal = self.stated.normal_direction(contact, places.states)
+            if contact.speed is None:
+                columns.append(normal)
+                least.append(np.zeros(len(words)))
+                most.append(np.where(words == "contact", np.inf, 0.0))
+                continue
+            at, along = self.stated.at, self.stated.rubbing_direction(contact, places.states)
+            apart = np.isin(words, [*APART, CHATTER_MODE])
+            pressing = np.where(apart, 0.0, at(contact.pressing, places.states))
+            speed, sign = at(contact.speed, places.states), self._signs(contact, words, places)
+            still = (words != "slip") & (np.abs(speed) <= resting * self._speed_size(contact, along)) & ~apart
+            known = np.where(sign > 0, *(at(contact.sliding[s], places.states) for s in (1, -1)))
+            known = np.where(still | apart, 0.0, known)
+            for force, direction in ((pressing, normal), (known, along)):
+                given += force[:, None] * direction
+                sizes += np.abs(force[:, None] * direction)
+            limit = np.where(still, np.maximum(at(contact.limit, places.states), 0.0), 0.0)
+            columns += [along, normal]
+            least += [-limit, 0.0 * limit]
+            most += [limit, np.where(words == CHATTER_MODE, np.inf, 0.0)]
+        if not columns:
+            return Forces(given, sizes, np.zeros((shape[0], 0, shape[1])), *np.zeros((2, shape[0], 0)))
+        return Forces(given, sizes, np.stack(columns, axis=1), *(np.array(x).T for x in (least, most)))
+
+    def _speed_size(self, contact: StatedContact, along: Array) -> float:
+        n = self.stated.n
+        moving = float((np.abs(along) * self.stated.sizes[n : 2 * n]).sum(axis=1).max(initial=0.0))
+        some = self.samples.states[:: max(1, len(self.samples.t) // 50)]
+        return max(moving, float(np.abs(self.stated.at(contact.speed, some)).max(initial=0.0)))
+
+    def _signs(self, contact: StatedContact, words: Array, places: Places) -> Array:
+        """The direction of slip: that of v_r, or of the belt where sliding keeps its direction."""
+        belt = self.stated.at(contact.speed, np.zeros((1, places.states.shape[1])))[0]
+        return np.where(words == "slip", np.sign(belt), np.sign(self.stated.at(contact.speed, places.states)))
+
+    # --- stick that ends or does not begin
+
+    def breakaway(self) -> str:
+        """What leaves stick, or does not enter it, could not have been held."""
+        events: Any = self.run.events
+        n = self.stated.n
+        if n > MOST_COORDINATES or not any(c.speed is not None for c in self.stated.contacts):
+            return ""
+        kept = (events.state[:, : 2 * n] == events.before[:, : 2 * n]).all(axis=1)
+        index = {name: k for k, name in enumerate(self.run.mode_names)}
+        rows = []
+        for e in np.flatnonzero(kept & (events.source != "") & (events.target != ""))[:MOST_EVENTS]:
+            old, new = self.names[index[events.source[e]]], self.names[index[events.target[e]]]
+            if any(a == "stick" and b in ("slip+", "slip-") for a, b in zip(old, new, strict=True)):
+                rows.append((events.t[e], events.before[e], index[events.target[e]], "leaves stick"))
+        first = self.names[self.run.raw.step_modes[0]]
+        if any(word in ("slip+", "slip-") for word in first):
+            rows.append(
+                (0.0, self.run.problem.x0, int(self.run.raw.step_modes[0]), "does not start in stick")
+            )
+        if not rows:
+            return ""
+        t, states, modes, words = zip(*rows, strict=True)
+        places = Places(np.array(t), np.array(states), np.array(modes))
+        for k in self._holdable(places):
+            return (
+                f"at t = {t[k]:.6g} s a contact {words[k]}, though static friction holds it with "
+                f"{BREAKAWAY_SLACK:.0%} to spare"
+            )
+        return ""
+
+    def _holdable(self, places: Places) -> list[int]:
+        """Places at which forces well within their limits hold all velocities that are zero."""
+        forces, stated = self._forces(places), self.stated
+        masses, free = stated.masses(places.states), stated.imbalance(places.states)[0] - forces.given
+        rows, rates = [], []
+        for i, contact in enumerate(stated.contacts):
+            closed = self._words(i, places.modes) == "contact"
+            if contact.speed is None:
+                still, row = closed, stated.normal_direction(contact, places.states)
+                second = lambda z, c=contact: stated.rate_of(c.gap, z)  # noqa: E731
+            else:
+                still = forces.most[:, len(rows)] > 0.0
+                row = stated.rubbing_direction(contact, places.states)
+                second = lambda z, c=contact: -stated.at(c.speed, z)  # noqa: E731
+            rate = stated.slope(second, places.states, stated.rates(places.states))[0]
+            rows.append(np.where(still[:, None], row, 0.0))
+            rates.append(np.where(still, rate, 0.0))
+            if contact.speed is not None:
+                rows.append(0.0 * row)
+                rates.append(0.0 * rate)
+        found = []
+        for k in range(len(places.t)):
+            W, inverse = forces.columns[k].T, np.linalg.inv(masses[k])
+            J = np.array([row[k] for row in rows])
+            limits = (1.0 - BREAKAWAY_SLACK) * forces.least[k], (1.0 - BREAKAWAY_SLACK) * forces.most[k]
+            slipping = any(
+                word in ("slip+", "slip-") and forces.most[k][2 * i] > 0.0
+                for i, word in self._rubbing_words(places.modes[k])
+            )
+            # J (M^-1 (W lambda - free)) + rate = 0
+            right = J @ inverse @ free[k] - np.array([rate[k] for rate in rates])
+            if slipping and can_hold(J @ inverse @ W, right, *limits):
+                found.append(k)
+        return found
+
+    def _rubbing_words(self, mode: int) -> list[tuple[int, str]]:
+        return list(enumerate(self.names[mode]))
+
+    # --- impacts
+
+    def impacts(self) -> str:
+        """Impacts, of which those at one instant are one."""
+        jumps = self._jumps()
+        if self.stated.n > MOST_COORDINATES:
+            return ""
+        known = self._impact_terms(jumps)
+        for k in range(len(jumps.t)):
+            if words := self._broken_impact(jumps, known, k):
+                return f"at t = {jumps.t[k]:.6g} s {words}"
+        return ""
+
+    def _jumps(self) -> Jumps:
+        """The instants at which velocities jump."""
+        events: Any = self.run.events
+        n = self.stated.n
+        begins = np.flatnonzero(np.diff(events.t, prepend=-np.inf) > 0.0)
+        ends = np.append(begins[1:], len(events.t))[: len(begins)] - 1
+        before, after = events.before[begins], events.before[begins].copy()
+        after[:, n : 2 * n] = events.state[ends][:, n : 2 * n]
+        moves = (np.abs(after - before) > RESTING * self.stated.sizes).any(axis=1)
+        some = np.flatnonzero(moves)[:MOST_EVENTS]
+        closed = np.array(
+            [events.closed[a : b + 1].any() for a, b in zip(begins, ends, strict=True)], dtype=bool
+        )
+        return Jumps(events.t[begins][some], before[some], after[some], (begins == ends)[some], closed[some])
+
+    def _impact_terms(self, jumps: Jumps) -> list[ImpactTerms]:
+        """What each contact that has an impact law needs."""
+        found, stated = [], self.stated
+        still = np.zeros_like(jumps.before)
+        still[:, 2 * stated.n :] = stated.rates(jumps.before)[:, 2 * stated.n :]
+        for i, (contact, law) in enumerate(zip(stated.contacts, self._laws(), strict=True)):
+            if contact.gap is None or law is None:
+                continue
+            gap = contact.gap
+            moved = stated.slope(lambda z, g=gap: stated.at(g, z), jumps.before, still)[0]
+            share = np.abs(stated.at(gap, jumps.before)) / self._size_of(gap)
+            normal = stated.normal_direction(contact, jumps.before)
+            along, belt = None, 0.0 * moved
+            if contact.speed is not None and type(law).friction is not ImpactLaw.friction:
+                along = stated.rubbing_direction(contact, jumps.before)
+                resting = jumps.before.copy()
+                resting[:, stated.n : 2 * stated.n] = 0.0
+                belt = stated.at(contact.speed, resting)
+            rate = stated.rate_of(gap, jumps.before)
+            terms = normal, along, moved, belt, rate, contact.normal is None
+            found.append(ImpactTerms(i, law, share <= CLOSED, *terms))
+        return found
+
+    def _laws(self) -> list[Any]:
+        """The impact laws of all contacts, with numbers."""
+        names, x0 = self.run.names, self.run.problem.x0.tolist()
+        n = self.stated.n
+        q, v = (dict(zip(names[:n], x0[a : a + n], strict=True)) for a in (0, n))
+        phase = x0[2 * n] if len(x0) > 2 * n else 0.0
+        about = self.run.source.mechanics(SimpleNamespace(**q, phase=phase), SimpleNamespace(**v))
+        laws = [c.law if isinstance(c, Stop) else c.impact for c in about.contacts]
+        return [None if law is None else law.reduced() for law in laws]
+
+    def _broken_impact(self, jumps: Jumps, known: list[ImpactTerms], k: int) -> str:
+        n, before, after = self.stated.n, jumps.before[k], jumps.after[k]
+        change = (self.stated.momenta(after[None]) - self.stated.momenta(before[None]))[0]
+        closed = [one for one in known if one.closed[k]]
+        pairs = [(one, one.normal[k], 0.0) for one in closed]
+        pairs += [(one, one.along[k], -np.inf) for one in closed if one.along is not None]
+        columns = np.array([column for _, column, _ in pairs]).reshape(-1, n).T
+        floor = self.limit * self._momentum_size(before)
+        size = float(np.abs(change).max()) + floor / IMPACT_RTOL
+        impulses = np.linalg.lstsq(columns, change)[0] if pairs else np.zeros(0)
+        if np.abs(columns @ impulses - change).max() > IMPACT_RTOL * size:
+            return "velocities jump where no contact is closed that has an impact"
+        least = np.array([low for *_, low in pairs])
+        allowed = IMPACT_RTOL * np.abs(impulses).max() + floor / np.maximum(
+            np.abs(columns).max(axis=0), 1e-300
+        )
+        if (impulses < least - allowed).any():
+            from scipy.optimize import lsq_linear
+
+            impulses = lsq_linear(columns, change, (least - 1e-300, np.inf), tol=1e-14).x
+            if np.abs(columns @ impulses - change).max() > IMPACT_RTOL * size:
+                return "an impact pulls"
+        acting = [j for j, one in enumerate(closed) if impulses[j] > allowed[j]]
+        if all(closed[j].conservative for j in acting) and (
+            words := self._broken_energy(jumps, pairs, impulses, acting, change, floor, k)
+        ):
+            return words
+        if len(closed) == 1 and jumps.single[k] and closed[0].along is None:
+            return self._broken_law(closed[0], jumps, k, float(impulses[0]), float(allowed[0]))
+        return ""
+
+    def _broken_energy(
+        self,
+        jumps: Jumps,
+        pairs: Any,
+        impulses: Array,
+        acting: list[int],
+        change: Array,
+        floor: float,
+        k: int,
+    ) -> str:
+        """Whether impulses do work on the bodies and on the grounds, stops and belts that move, or take
+        energy where all laws are elastic."""
+        n, before, after = self.stated.n, jumps.before[k], jumps.after[k]
+        moved = sum(
+            impulse * (one.moved[k] if low == 0.0 else -one.belt[k])
+            for impulse, (one, _, low) in zip(impulses, pairs, strict=True)
+        )
+        work = change @ (0.5 * (before + after)[n : 2 * n]) + moved
+        speeds = (np.abs(before) + np.abs(after) + self.stated.sizes)[n : 2 * n]
+        room = IMPACT_RTOL * float(np.abs(change) @ speeds) + floor * float(speeds.max())
+        if work > room:
+            return f"an impact gives the energy {work:.3g} J, and takes none"
+        laws = [pairs[j][0].law for j in acting]
+        elastic = all(isinstance(law, RestitutionImpact) and law.e == 1 for law in laws)
+        if elastic and all(pairs[j][0].along is None for j in acting) and work < -room:
+            return f"an elastic impact takes the energy {-work:.3g} J"
+        return ""
+
+    def _momentum_size(self, state: Array) -> float:
+        n, masses = self.stated.n, self.stated.masses(state[None])[0]
+        return float((np.abs(masses) @ self.stated.sizes[n : 2 * n]).max())
+
+    def _broken_law(self, one: ImpactTerms, jumps: Jumps, k: int, impulse: float, room: float) -> str:
+        """Whether the impulse of a single contact is that of its law, or of the impact that closes an
+        accumulation."""
+        n = self.stated.n
+        inverse = np.linalg.inv(self.stated.masses(jumps.before[k][None])[0])
+        soft, full = one.normal[k] @ inverse @ one.normal[k], -one.before[k]
+        material = -one.normal[k] @ jumps.before[k, n : 2 * n] - one.moved[k]
+        laws = (one.law, PlasticImpact("full")) if jumps.closed[k] else (one.law,)
+        allowed = [float(law.impulse(material, full, soft)) for law in laws]
+        if min(abs(impulse - each) for each in allowed) <= room:
+            return ""
+        return (
+            f"an impact of contact {one.number + 1} is not that of its law: the impulse is {impulse:.6g} N s "
+            f"instead of {allowed[0]:.6g} N s"
+        )
+
+    def _size_of(self, function: Any) -> float:
+        some = self.samples.states[:: max(1, len(self.samples.t) // 50)]
+        size = np.abs(self.stated.at(function, some)).max(initial=0.0)
+        for i in range(len(self.stated.sizes)):
+            along = np.zeros_like(some)
+            along[:, i] = self.stated.sizes[i]
+            slope = self.stated.slope(lambda z: self.stated.at(function, z), some, along)[0]
+            size = max(size, float(np.abs(slope).max(initial=0.0)))
+        return size or 1.0
+
+
+class Jumps(NamedTuple):
+    """Jumps of velocities: times, states before them, and with the velocities after them; whether each is of
+    one event, and closes an accumulation."""
+
+    t: Array
+    before: Array
+    after: Array
+    single: Array
+    closed: Array
+
+
+class ImpactTerms(NamedTuple):
+    """A contact at jumps: its number and law, whether it is closed, the directions of its impulses, the rate
+    of the gap by time alone, the speed of the belt, the rate of the gap before; and whether the normal force
+    acts along the gradient of the gap, so that it does no work but by that rate."""
+
+    number: int
+    law: Any
+    closed: Array
+    normal: Array
+    along: Array | None
+    moved: Array
+    belt: Array
+    before: Array
+    conservative: bool
+
+
+class Forces(NamedTuple):
+    """Given forces (N, n) of contacts and the magnitudes of their parts, and directions (N, k, n) of forces
+    that hold, with the least and the most that each can be (N, k)."""
+
+    given: Array
+    sizes: Array
+    columns: Array
+    least: Array
+    most: Array
+
+    def at(self, k: int) -> tuple[Array, Array, Array]:
+        """The directions, as columns, and limits of the forces that can hold at one place."""
+        some = self.most[k] > 0.0
+        return self.columns[k][some].T, self.least[k][some], self.most[k][some]
+
+
+class Held(NamedTuple):
+    """By how much the equations are missed, as a share; the worst of them; whether forces without limits
+    would do."""
+
+    miss: float
+    worst: int
+    bounded: bool
+
+
+def held_forces(values: Array, forces: tuple[Array, Array, Array], rooms: Array, scale: Array) -> Held:
+    """The least by which holding forces miss the balance `values` - W lambda = 0."""
+    W, least, most = forces
+    some = np.isfinite(rooms)
+    matrix, right = (W / scale[:, None])[some], (values / scale)[some]
+    shares, names = (rooms / scale)[some], np.flatnonzero(some)
+
+    def missed(forces: Array) -> tuple[float, int]:
+        misses = np.abs(right - matrix @ forces) - shares
+        return (float(misses.max()), int(names[misses.argmax()])) if len(misses) else (0.0, 0)
+
+    free = np.linalg.lstsq(matrix, right)[0] if W.shape[1] else np.zeros(0)
+    slack = 1e-6 * np.where(np.isfinite(most), most, 0.0)
+    if not W.shape[1] or ((free >= least - slack) & (free <= most + slack)).all():
+        return Held(*missed(free), False)
+    from scipy.optimize import lsq_linear
+
+    bounded = lsq_linear(matrix, right, (least - slack - 1e-300, most + slack), tol=1e-14).x
+    return Held(*missed(bounded), missed(free)[0] < missed(bounded)[0])
+
+
+def can_hold(matrix: Array, right: Array, least: Array, most: Array) -> bool:
+    """Whether forces within limits solve matrix @ forces = right."""
+    from scipy.optimize import lsq_linear
+
+    rows = np.abs(matrix).max(axis=1, initial=0.0) > 0.0
+    if not rows.any():
+        return False
+    sizes = np.abs(matrix[rows]).max(axis=1)
+    matrix, right = matrix[rows] / sizes[:, None], right[rows] / sizes
+    free = most > least
+    scale = max(float(np.abs(right).max(initial=0.0)), float(most[free & np.isfinite(most)].max(initial=0.0)))
+    if not free.any() or scale == 0.0:
+        return False
+    forces = lsq_linear(matrix[:, free], right, (least[free], most[free]), tol=1e-14).x
+    return bool(np.abs(matrix[:, free] @ forces - right).max() <= 1e-8 * scale)

@@ -1,0 +1,228 @@
+"""What a mechanical model states, in numbers: energies, loads and contacts at states, and their differences.
+
+Nothing of the derivation of an automaton is used: no mass matrix, no equations of motion, no resets.  Slopes
+are central differences of order 8 at several steps; of these the two that agree best give the value, and
+their difference its error.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import sympy as sp
+
+from frictionlab.hybrid.expression_functions import array_function
+from frictionlab.models import MechanicalModel
+from frictionlab.models.mechanical.mechanics import Friction, Stop
+from frictionlab.models.symbols import (
+    Structure,
+    parameter_symbols,
+    structure_of_component,
+    structure_values,
+    symbol,
+    symbolic_copy,
+)
+
+Array = Any
+Function = Callable[..., Any]
+
+FIRST_SHARE, REFINEMENT, LEVELS = (
+    1e-2,
+    0.25,
+    7,
+)  # of the steps of differences: share of a state's size, factor
+CENTRAL_WEIGHTS = 4 / 5, -1 / 5, 4 / 105, -1 / 280
+
+
+@dataclass(frozen=True, eq=False)
+class StatedContact:
+    """The functions of a contact; None for those that it does not have.
+
+    Parameters
+    ----------
+    speed, pressing, limit : callable or None
+        v_r (m/s), F_N (N) and the static limit of friction (N), of contacts with friction.
+    sliding : mapping of int to callable
+        Friction (N) along v_r where this is positive, by 1, or negative, by -1.
+    gap : callable or None
+        The distance from a stop, or minus the penetration, m.
+    normal : tuple of callable or None
+        W_N, where it is not the gradient of the gap.
+    law : ImpactLaw or None
+    """
+
+    gap: Function | None
+    law: Any
+    speed: Function | None = None
+    pressing: Function | None = None
+    limit: Function | None = None
+    sliding: Any = None
+    normal: tuple[Function, ...] | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Statement:
+    """Energies (J), loads (N) and contacts as functions of states and parameters."""
+
+    names: tuple[str, ...]
+    kinetic: Function
+    stored: Function
+    dissipation: Function
+    loads: tuple[Function, ...]
+    contacts: tuple[StatedContact, ...]
+    frequency: Function | None
+
+
+@lru_cache(maxsize=64)
+def _statement_of(key: Structure) -> Statement:
+    copy = symbolic_copy(key)
+    names = tuple(copy.coordinates)
+    q, v = ({name: symbol(name + prime) for name in names} for prime in ("", "'"))
+    about = copy.mechanics(SimpleNamespace(**q, phase=symbol("phase")), SimpleNamespace(**v))
+    states = [*q.values(), *v.values(), *([] if about.frequency is None else [symbol("phase")])]
+
+    def compiled(expression: Any) -> Function:
+        return array_function([*states, *parameter_symbols(key)], sp.sympify(expression, strict=True))
+
+    return Statement(
+        tuple(map(str, states)),
+        compiled(about.kinetic),
+        compiled(about.stored),
+        compiled(about.dissipation),
+        tuple(compiled(about.loads.get(name, 0)) for name in names),
+        tuple(_contact(contact, compiled) for contact in about.contacts),
+        None if about.frequency is None else compiled(about.frequency),
+    )
+
+
+def _contact(contact: Friction | Stop, compiled: Callable[[Any], Function]) -> StatedContact:
+    if isinstance(contact, Stop):
+        return StatedContact(compiled(contact.distance), contact.law)
+    speed, force = contact.relative_velocity, contact.pressing
+    return StatedContact(
+        None if contact.penetration is None else compiled(-contact.penetration),
+        contact.impact,
+        compiled(speed),
+        compiled(force),
+        compiled(contact.law.static_limit(force)),
+        {sign: compiled(sign * contact.law.kinetic(force, sign * speed)) for sign in (1, -1)},
+        None if contact.normal is None else tuple(map(compiled, contact.normal)),
+    )
+
+
+class StatedMechanics:
+    """A model's statement at the values of its parameters; states are arrays (N, states).
+
+    Parameters
+    ----------
+    model : MechanicalModel
+    sizes : array (states,)
+        Sizes of the states, by which steps of differences are chosen.
+    """
+
+    def __init__(self, model: MechanicalModel, sizes: Array) -> None:
+        self._values = structure_values(model)
+        self.statement = _statement_of(structure_of_component(model))
+        self.contacts = self.statement.contacts
+        self.n, self.sizes = len(self.statement.loads), sizes
+
+    def at(self, function: Any, states: Array) -> Array:
+        """Values (N,) of a function."""
+        with np.errstate(all="ignore"):
+            values = function(*states.T, *self._values)
+        return np.broadcast_to(np.asarray(values, dtype=float), len(states))
+
+    def slope(self, function: Callable[[Array], Array], states: Array, along: Array) -> tuple[Array, Array]:
+        """The derivative of a function of states along directions (N, states), and its error."""
+        with np.errstate(all="ignore"):
+            room = np.where(along != 0.0, self.sizes / np.abs(along), np.inf).min(axis=1)
+        first = np.where(np.isfinite(room), FIRST_SHARE * room, 1.0)
+        return differences(lambda h: function(states + h[:, None] * along), first, LEVELS)
+
+    def gradient(self, function: Function, states: Array, first: int) -> tuple[Array, Array]:
+        """Derivatives (N, n) by the coordinates, `first` 0, or the velocities, and their errors."""
+        found = []
+        for i in range(self.n):
+            along = np.zeros_like(states)
+            along[:, (n := self.n) * first + i] = 1.0
+            found.append(self.slope(lambda z: self.at(function, z), states, along))
+        values, errors = (np.array(part).reshape(n, len(states)).T for part in zip(*found, strict=True))
+        return values, errors
+
+    def rates(self, states: Array, accelerations: Any = 0.0) -> Array:
+        """The rates (N, states) of the states with these accelerations."""
+        rates, n = np.zeros_like(states), self.n
+        rates[:, :n], rates[:, n : 2 * n] = states[:, n : 2 * n], accelerations
+        if self.statement.frequency is not None:
+            rates[:, -1] = self.at(self.statement.frequency, states)
+        return rates
+
+    def momentum(self, states: Array, i: int) -> Array:
+        """dT/dv_i (N,): T is a polynomial of degree 2 in the velocities, so that no step is too long."""
+        h = np.zeros(states.shape[1])
+        h[self.n + i] = step = self.sizes[self.n + i]
+        there, back = (self.at(self.statement.kinetic, states + side * h) for side in (1, -1))
+        return (there - back) / (2.0 * step)
+
+    def momenta(self, states: Array) -> Array:
+        """dT/dv (N, n)."""
+        return np.array([self.momentum(states, i) for i in range(self.n)]).T
+
+    def imbalance(self, states: Array, accelerations: Any = 0.0) -> tuple[Array, Array, Array]:
+        """d/dt (dT/dv) - dT/dq + dV/dq + dD/dv less the loads (N, n), its error, and the sum of its terms'
+        magnitudes; contacts have no part in it."""
+        rates, about = self.rates(states, accelerations), self.statement
+        turning = [self.slope(lambda z, i=i: self.momentum(z, i), states, rates) for i in range(self.n)]
+        parts = [tuple(np.array(part).reshape(self.n, -1).T for part in zip(*turning, strict=True))]
+        for function, first in ((about.kinetic, 0), (about.stored, 0), (about.dissipation, 1)):
+            parts.append(self.gradient(function, states, first))
+        loads = np.array([self.at(load, states) for load in about.loads]).reshape(self.n, -1).T
+        values = [parts[0][0], -parts[1][0], parts[2][0], parts[3][0], -loads]
+        return sum(values), sum(error for _, error in parts), np.abs(values).sum(axis=0)
+
+    def masses(self, states: Array) -> Array:
+        """M (N, n, n)."""
+        columns = []
+        for j in range(self.n):
+            h = np.zeros(states.shape[1])
+            h[self.n + j] = step = self.sizes[self.n + j]
+            columns.append((self.momenta(states + h) - self.momenta(states - h)) / (2.0 * step))
+        return np.stack(columns, axis=-1)
+
+    def rubbing_direction(self, contact: StatedContact, states: Array) -> Array:
+        """-dv_r/dv (N, n), along which friction acts."""
+        assert contact.speed is not None
+        return -self.gradient(contact.speed, states, 1)[0]
+
+    def normal_direction(self, contact: StatedContact, states: Array) -> Array:
+        """W_N (N, n), along which the normal force or the reaction acts."""
+        if contact.normal is not None:
+            return np.array([self.at(entry, states) for entry in contact.normal]).reshape(self.n, -1).T
+        if contact.gap is None:
+            return np.zeros((len(states), self.n))
+        return self.gradient(contact.gap, states, 0)[0]
+
+    def rate_of(self, function: Any, states: Array, accelerations: Any = 0.0) -> Array:
+        """The rate (N,) of a function."""
+        return self.slope(lambda z: self.at(function, z), states, self.rates(states, accelerations))[0]
+
+
+def differences(function: Callable[[Array], Array], first: Array, levels: int) -> tuple[Array, Array]:
+    """The derivative at 0 of a function of steps (N,), and its error; infinite where there is none."""
+    known: Sequence[Array] = []
+    for level in range(levels):
+        h = first * REFINEMENT**level
+        pairs = (w * (function(k * h) - function(-k * h)) for k, w in enumerate(CENTRAL_WEIGHTS, start=1))
+        total = sum(pairs)
+        known = [*known, total / h.reshape(-1, *[1] * (np.ndim(total) - 1))]
+    values = np.array(known)
+    errors = np.abs(np.diff(values, axis=0))
+    errors = np.where(np.isfinite(errors), errors, np.inf)
+    best = errors.argmin(axis=0)[None]
+    value = np.take_along_axis(values, best + 1, 0)[0]
+    return np.where(np.isfinite(value), value, 0.0), np.take_along_axis(errors, best, 0)[0]
