@@ -6,12 +6,12 @@ Steps are as long as the integrator's own error control allows.  All over them g
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from frictionlab.hybrid.guard_bounds import Pieces, Tape, negative_points, pieces_of
+from frictionlab.hybrid.guard_bounds import Pieces, Tape, largest_defect, negative_points, pieces_of
 from frictionlab.hybrid.kernels import run_state
 from frictionlab.hybrid.kernels.event_location import GuardZero
 from frictionlab.hybrid.methods.base import ActiveRun
@@ -19,6 +19,8 @@ from frictionlab.hybrid.methods.scipy_methods import Guards, Scipy, record_step
 
 DENSE_ORDER = 7  # of the polynomials of DOP853's dense output
 GUARD_RTOL = 1e-10  # share of a guard's size that the dense output does not resolve
+DEFECT = 1e-7  # share of the motion's size: more of it in a step is a layer of a law that was passed over
+SHORTER, MOST_SHORTENINGS = 0.125, 8
 STEPS_AT_ONCE = 24  # whose guards are bounded together, which costs little more than those of one
 
 
@@ -42,7 +44,7 @@ class IndependentMethod(Scipy):
         cursor, solver = run.cursor, self.solver_of(run)
         if solver is None:
             return run_state.NOT_FINITE
-        guards = BoundedGuards(run)
+        guards, shorter = BoundedGuards(run), 0
         while solver.status == "running":
             room = len(record.step_modes) - int(cursor.counts[run_state.STEPS])
             if room == 0:
@@ -50,6 +52,10 @@ class IndependentMethod(Scipy):
             steps = guards.steps(solver, min(room, STEPS_AT_ONCE))
             if solver.status == "failed" or not steps:
                 return run_state.NOT_FINITE
+            longest = guards.longest_step(steps)
+            if longest < np.inf and shorter < MOST_SHORTENINGS:
+                solver, shorter = replace(self, max_step=longest).solver_of(run), shorter + 1
+                continue
             which, zero, guard = guards.first_of(steps)
             for step in steps[: which + 1]:
                 end = zero if step is steps[which] else step.end
@@ -60,6 +66,8 @@ class IndependentMethod(Scipy):
                 cursor.state[:] = step.state if end == step.end else step.dense(end)
             if guard >= 0:
                 return self.handle_event(run, GuardZero(zero - steps[which].start, guard, 1), record)
+            if shorter and solver.status == "running":
+                solver, shorter = self.solver_of(run), 0
         cursor.times[run_state.NOW] = cursor.times[run_state.END]
         return run_state.FINISHED
 
@@ -71,6 +79,8 @@ class BoundedGuards(Guards):
         super().__init__(run)
         self._tape = Tape(run.problem.program.code, run.problem.numbers, self.mode)
         self._sizes = np.zeros(len(self._tape.functions))
+        self._groups = run.problem.program.code.groups
+        self._largest = np.abs(run.cursor.state)
 
     def steps(self, solver: Any, most: int) -> list[Step]:
         """The next steps: at most so many, up to one at whose end a guard is negative."""
@@ -100,6 +110,15 @@ class BoundedGuards(Guards):
                 zero, guard = min((zero, guard), other) if guard >= 0 else other
         return which, zero, guard
 
+    def longest_step(self, steps: list[Step]) -> float:
+        """The longest step that would not pass over what the rates do within; infinite where none did."""
+        pieces = self._pieces(steps)
+        found = largest_defect(self._tape, pieces, self._state_sizes(pieces))
+        if not found.share > DEFECT:
+            return np.inf
+        which = max(int(np.searchsorted(pieces.starts, found.time, side="right")) - 1, 0)
+        return float(pieces.lengths[which]) * SHORTER
+
     def _zero(self, step: Step, function: int, end: float) -> tuple[float, int]:
         """The zero of a guard between the start of a step and a time at which it is negative."""
         zero = self.root(lambda t: self.values(step.dense(t))[function], step.start, end)
@@ -114,6 +133,14 @@ class BoundedGuards(Guards):
             return np.concatenate([step.dense(times).T for step, times in parts])
 
         return pieces_of(starts, ends - starts, DENSE_ORDER, states)
+
+    def _state_sizes(self, pieces: Pieces) -> np.ndarray:
+        """The largest value of each state's group so far."""
+        self._largest = np.maximum(self._largest, np.abs(pieces.coefficients.sum(axis=1)).max(axis=0))
+        sizes = np.ones_like(self._largest)
+        for first, last in zip(self._groups[:-1], self._groups[1:], strict=True):
+            sizes[first:last] = self._largest[first:last].max(initial=0.0) or 1.0
+        return sizes
 
     def _bounds(self, pieces: Pieces) -> np.ndarray:
         self._sizes = np.maximum(self._sizes, self._tape.sizes(pieces.coefficients.sum(axis=1)))
