@@ -32,7 +32,7 @@ NOT_PYTHON = (  # in the wheel
     *("widgets/layout.css", "widgets/screen.js", "widgets/number_control.js", "widgets/file_button.js"),
 )
 # In a wheel: machine code of the solver, and what has been derived of the models.
-MOST_BYTES = {"/objects/": 1_000_000, "/structures.zip": 150_000}
+MOST_BYTES = {"/objects/": 400_000, "/structures.zip": 150_000}
 WITHOUT_COMPILER = """
 import importlib.util
 from frictionlab.hybrid import compilation

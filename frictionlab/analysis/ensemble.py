@@ -111,7 +111,7 @@ def ensemble(
 
 def start_group(automaton: HybridAutomaton, states: np.ndarray, method: Taylor) -> Batch:
     """A batch of runs of one automaton from states (N, n), to be advanced; the arguments are not checked."""
-    problem = problem_for_batch(with_chatter_limit(automaton, method.limits[1]), states[0])
+    problem = problem_for_batch(with_chatter_limit(automaton, method.chatter_limit), states[0])
     return new_batch([replace(problem, x0=state) for state in states], method)
 
 
@@ -139,7 +139,7 @@ def _problems(models: Sequence[Any], x0: Any, t_end: float, method: Taylor) -> l
     for i, model in enumerate(models):
         first.setdefault(id(model), i)
     automata = {key: _check_model(models[i], i) for key, i in first.items()}
-    limit = method.limits[1]
+    limit = method.chatter_limit
     starts = [initial_state_of(model, x0, automata[id(model)]) for model, x0 in zip(models, each)]
     made = {
         key: problem_for_batch(with_chatter_limit(one, limit), starts[first[key]], t_end)

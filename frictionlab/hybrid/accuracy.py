@@ -43,6 +43,7 @@ RESIDUAL_ROUNDING = 8 * MACHINE_EPSILON
 UNKNOWN_END = np.nan  # end of a step without advance of time: its event cannot be told from an earlier one
 SUSPECT_TOLERANCES = 1e4  # times the tolerance: the defects of sound steps are hundreds of times smaller
 HARMLESS_DEFECT = 1e-9  # share of the motion's size: smaller than any analysis here resolves
+SHORT_SHARE = 1 / 32  # of the longest stay; what replaced flights leave out goes with the square of theirs
 SAMPLED_SHARE = 0.01  # share of a mode's steps whose defect is measured in every run, within the next two
 LEAST_SAMPLE, LARGEST_SAMPLE = 8, 64
 
@@ -104,9 +105,9 @@ def sampled_steps(problem: Problem, raw: RunData, order: int) -> np.ndarray:
     Modes whose equations are polynomials of the states of a degree below `order` are left out: the last terms
     of their series tell how long a step may be.
     """
-    degrees = problem.program.code.degrees
-    modes = [mode for mode in np.unique(raw.step_modes) if degrees[mode] >= order]
-    chosen = [_sample_of_steps(raw, np.flatnonzero(raw.step_modes == mode)) for mode in modes]
+    modes = np.flatnonzero(problem.program.code.degrees >= order)
+    steps = (np.flatnonzero(raw.step_modes == mode) for mode in modes)
+    chosen = [_sample_of_steps(raw, each) for each in steps if len(each)]
     return np.concatenate([np.zeros(0, dtype=int), *chosen])
 
 
@@ -142,6 +143,21 @@ def defect_warning(defect: Mapping[str, float], tol: float) -> str | None:
     )
 
 
+def chatter_warning(limit_modes: np.ndarray, raw: RunData, limit: float) -> str | None:
+    """A warning where flights below the `limit` of chatter (s) were replaced though no stay is much longer,
+    as in a model whose unit of time is a week; else None."""
+    if not np.isin(raw.event_codes[:, 1], limit_modes).any():
+        return None
+    longest = np.diff(raw.event_times, prepend=0.0, append=raw.t).max()
+    if limit <= SHORT_SHARE * longest:
+        return None
+    return (
+        f"flights below {limit:.3g} s were replaced by the limit of chatter, which is not short beside the "
+        f"longest stay in a mode, {longest:.3g} s: give the method a limit that is, such as "
+        f"chatter={SHORT_SHARE * SHORT_SHARE * longest:.1g}"
+    )
+
+
 def stored_steps(raw: RunData) -> StoredSteps:
     """The steps with the states at their ends: the next stored state, or the state before the event there."""
     times = np.append(raw.step_times[1:, 0], raw.t)[: len(raw.step_times)]
@@ -163,9 +179,9 @@ def new_defect_scratch(slots: int, states: int, order: int) -> DefectScratch:
 def measure_defects(system, order, steps, worst, scratch):
     """Write the largest defect of each mode's steps into `worst`."""
     for step in range(steps.modes.shape[0]):
-        mode, h = steps.modes[step], steps.times[step, 1]
+        mode, now, h = steps.modes[step], steps.times[step, 0], steps.times[step, 1]
         if h > 0.0:
-            begin_step(system, order, mode, h, steps.states[step], steps.sizes[step], scratch)
+            begin_step(system, order, mode, now, h, steps.states[step], steps.sizes[step], scratch)
             for point in range(CHECK_POINTS):
                 s = 0.5 * h * (1.0 - cos(math.pi * (point + 0.5) / CHECK_POINTS))
                 record_residuals(system, order, mode, s, scratch)
@@ -176,10 +192,10 @@ def measure_defects(system, order, steps, worst, scratch):
 
 
 @kernel
-def begin_step(system, order, mode, h, state, sizes, scratch):
+def begin_step(system, order, mode, now, h, state, sizes, scratch):
     """Compute the series of a step, set the errors to zero, and the sizes to those at its start, or to the
     given ones where these are larger."""
-    step_series(system.code, system.numbers, mode, order, h, state, scratch.jets)
+    step_series(system.code, system.numbers, mode, order, now, h, state, scratch.jets)
     for i in range(state.shape[0]):
         scratch.errors[i], scratch.sizes[i] = 0.0, max(sizes[i], abs(state[i]))
 

@@ -179,7 +179,7 @@ def needs_compilation(function: Any) -> bool:
 def kernel(function: Callable) -> Callable:
     """The function as compiled ahead of time; else numba compiles it on its first call, once per machine;
     without numba the function itself."""
-    return _compile(function, {})
+    return _compile(function, {"forceinline": False})  # else it inherits this from its callers
 
 
 def inlined(function: Callable) -> Callable:

@@ -189,7 +189,7 @@ def run_automaton(
         raise ValueError(
             f"sections and quadratures need method='taylor', got {abbreviate(method)}: change the method"
         )
-    automaton = with_chatter_limit(automaton, method.limits[1])
+    automaton = with_chatter_limit(automaton, method.chatter_limit)
     # Such a run numbers modes as they are derived, a kept program in the automaton's order.
     if any(asked) and automaton.on_demand:
         automaton = automaton.derived()

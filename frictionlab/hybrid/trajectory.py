@@ -18,6 +18,7 @@ import numpy as np
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.automaton.mode import ModeNames
 from frictionlab.hybrid.accuracy import (
+    chatter_warning,
     condition_violation,
     defect_warning,
     defects,
@@ -348,13 +349,19 @@ class Trajectory(Drawable):
 
     @cached_property
     def warning(self) -> str | None:
-        """A warning where steps by series are far less exact than the tolerance, else None.
+        """A warning where steps by series are far less exact than the tolerance, or where flights that have
+        been replaced by their limit are not short beside the stays in modes, else None.
 
-        Measured on some steps of each mode whose equations are no polynomials of a low degree, as a share of
-        the motion's size.
+        Steps are measured in some of each mode whose equations are no polynomials of a low degree, as a share
+        of the motion's size.
         """
-        arguments = self.problem, self.raw, self.samples.order
-        some = sampled_steps(*arguments) if self._tolerance is not None else []
+        limit = self.automaton.values.get("chatter", 0.0)
+        if (unlimited := chatter_warning(self.problem.program.code.limits, self.raw, limit)) is not None:
+            return unlimited
+        order = self.samples.order
+        if self._tolerance is None or self.problem.program.code.degrees.max() < order:
+            return None
+        some = sampled_steps(self.problem, self.raw, order)
         return self.defect_warning(some) if len(some) else None
 
     @property

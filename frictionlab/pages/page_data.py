@@ -53,7 +53,7 @@ def structure_data(model: Model) -> dict[str, Any]:
         Where the model has more than 64 modes.
     """
     method = Taylor()
-    automaton = with_chatter_limit(model.automaton(), method.limits[1]).derived()
+    automaton = with_chatter_limit(model.automaton(), method.chatter_limit).derived()
     count = len(automaton.modes)
     if count > MAX_MODES:
         raise ValueError(
@@ -111,7 +111,7 @@ def _colours(program: Program) -> list[str]:
 def run_arrays(program: Program, method: Taylor) -> list[dict[str, Any]]:
     """The arrays and numbers that the kernels take for a run, each with its name there."""
     code, n = program.code, program.code.inputs
-    run = new_run_state(np.zeros(n), 0, 1.0, method.limits, method.raises)
+    run = new_run_state(np.zeros(n), 0, 1.0, method.chatter_limit, method.raises)
     leaves: list[tuple[str, Any]] = []
     _collect("code", code, leaves)
     _collect("run", run._replace(signs=np.zeros(code.sections.shape[1], dtype=np.int64)), leaves)

@@ -52,7 +52,7 @@ def data_of(case: Case, run: Any) -> dict[str, Any]:
     """A run as node is given it; its initial state and parameters are those of the native run."""
     model, method = case.model, case.method
     found = model.automaton() if isinstance(model, fl.Model) else model
-    automaton = with_chatter_limit(found, method.limits[1]).derived()
+    automaton = with_chatter_limit(found, method.chatter_limit).derived()
     program, _ = program_of(automaton)
     apart = isinstance(automaton.modes, ModesOnDemand)  # whose numbers are computed one by one
     scene = {

@@ -273,7 +273,7 @@ def doors() -> dict[str, Door]:
         # classes that users make
         "Taylor": Door(
             lambda **k: fl.simulate(BELT, 0.1, method=fl.Taylor(**k), **QUIET),
-            names=("tol", "order", "chatter", "dwell", "accumulation", "max_steps", "max_events"),
+            names=("tol", "order", "chatter", "accumulation", "max_steps", "max_events"),
         ),
         "RK4": Door(
             lambda **k: fl.simulate(BELT, 0.01, method=fl.RK4(**k), **QUIET),

@@ -21,7 +21,7 @@ from frictionlab.hybrid.compilation import HAS_MACHINE_CODE
 from frictionlab.hybrid.kernels import event_handling, run_state
 from frictionlab.hybrid.kernels.event_location import GuardZero
 from frictionlab.hybrid.methods.base import ActiveRun, Method
-from frictionlab.hybrid.methods.scipy_methods import CHATTER_DWELL
+from frictionlab.hybrid.methods.scipy_methods import Scipy
 from frictionlab.hybrid.problem import Problem, RecordList, Status
 from frictionlab.presentation import import_optional
 
@@ -97,8 +97,8 @@ class ExternalMethod(Method):
         return 20
 
     @property
-    def limits(self) -> tuple[float, float]:
-        return 0.0, CHATTER_DWELL
+    def chatter_limit(self) -> float:
+        return Scipy().chatter
 
     @property
     def steps(self) -> int:
@@ -125,7 +125,7 @@ class ExternalMethod(Method):
         """The parameters and their values; the dwell time `chatter` is the method's, as in `solve`."""
         numbers = self.automaton.parameters.items()
         return tuple(
-            (symbol, CHATTER_DWELL if symbol.name == "chatter" else number) for symbol, number in numbers
+            (symbol, self.chatter_limit if symbol.name == "chatter" else number) for symbol, number in numbers
         )
 
     @cached_property

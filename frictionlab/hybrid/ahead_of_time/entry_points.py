@@ -131,7 +131,7 @@ def _specimens() -> dict[str, Any]:
         "truncation": Truncation(ORDER, TOL),
         "event": GuardZero(0.0, 0, 1),
         "queue": new_queue(_demand()),
-        "run": new_run_state(row, 0, 1.0, (0.0, 0.0), False),
+        "run": new_run_state(row, 0, 1.0, 0.0, False),
         "record": new_record(code, 1, 1, 1),
         "scratch": new_scratch(program.slots, code, ORDER),
         "rounding": mode_selection.Rounding(row, TOL),

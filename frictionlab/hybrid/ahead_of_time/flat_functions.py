@@ -21,13 +21,12 @@ from unittest.mock import patch
 import llvmlite.binding as llvm
 import numpy as np
 from llvmlite import ir
-from numba import njit, types
+from numba import njit, typeof, types
 from numba.core import sigutils
 from numba.core.codegen import CPUCodeLibrary, JITCodeLibrary, JITCPUCodegen
 from numba.core.lowering import BaseLower
 from numba.extending import intrinsic
 from numba.np.arrayobj import populate_array
-from numba.np.numpy_support import from_dtype
 
 from frictionlab.hybrid.ahead_of_time.entry_points import EntryPoint, Symbol
 from frictionlab.hybrid.ahead_of_time.manifest import Function, Word
@@ -146,8 +145,8 @@ def put(typing_context: Any, table: Any, place: Any, value: Any) -> Any:
     return types.void(table, types.int64, value), code
 
 
-def _array_at(element: Any, axes: int) -> Any:
-    kind = types.Array(element, axes, "C")
+def _array_at(kind: Any) -> Any:
+    element, axes = kind.dtype, kind.ndim
 
     @intrinsic
     def array_at(typing_context: Any, table: Any, place: Any) -> Any:
@@ -174,8 +173,6 @@ def _array_at(element: Any, axes: int) -> Any:
 
 def flat_function(entry: EntryPoint) -> FlatFunction:
     """Compile the function of an entry point, within :func:`captured_libraries`."""
-    from numba import typeof
-
     inner = compiled(entry.kernel, tuple(map(typeof, entry.arguments.values())))
     results = _results(inner.signature.return_type)
     names: dict[str, Any] = {
@@ -240,9 +237,10 @@ def _expression(name: str, value: Any, names: dict[str, Any], leaves: list[Any],
     if isinstance(value, np.ndarray):
         element, axes = value.dtype.str[1:], value.ndim
         leaves.append((name, element, axes))
-        reader = f"array_{element}_{axes}"
+        kind = typeof(value)  # as the kernel was compiled for: some arrays are read only
+        reader = f"array_{element}_{axes}_{kind.mutable}"
         if reader not in names:
-            names[reader] = _array_at(from_dtype(value.dtype), axes)
+            names[reader] = _array_at(kind)
         for _ in range(axes):
             next(place)
         return f"{reader}(table, {at})"

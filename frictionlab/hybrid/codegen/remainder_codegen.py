@@ -33,7 +33,6 @@ from frictionlab.hybrid.kernels.remainder import (
     SUFFICIENT_SHARE,
 )
 from frictionlab.hybrid.kernels.step_length import (
-    INSTANT,
     LOG2_FUNCTION_TOL_FACTOR,
     ROUNDING_SUSPECT_SHARE,
 )
@@ -177,11 +176,8 @@ class RemainderWriter(RangeWriter):
         return largest
 
     def _sizes(self, first: int, last: int) -> Values:
-        """Sizes of a group's first three terms; the first is at least that an instant after the start."""
-        instant = self._number(INSTANT)
-        start, rate, second = (self._largest(first, last, self.whole(m)) for m in range(3))
-        moved = self._max(rate, self.build.fmul(second, instant))
-        return [self._max(start, self.build.fmul(moved, instant)), rate, second]
+        """Sizes of a group's first three terms."""
+        return [self._largest(first, last, self.whole(m)) for m in range(3)]
 
     def _some(self, sizes: Values) -> Any:
         largest = self._max(self._max(sizes[0], sizes[1]), sizes[2])

@@ -73,7 +73,7 @@ def _new_runs(program: Program, numbers: Numbers, states: np.ndarray, method: Ta
     return BatchRuns(
         states=states.copy(),
         sizes=np.abs(states),
-        times=np.tile(run_state.initial_times(0.0, method.limits), (count, 1)),
+        times=np.tile(run_state.initial_times(0.0, method.chatter_limit), (count, 1)),
         counts=counts,
         signs=np.zeros(0, dtype=np.int64),
         constants=numbers.constants,

@@ -65,7 +65,7 @@ def count_repeat(counts):
     return status_after_repeat(counts)
 
 
-@kernel
+@inlined
 def is_chatter(code, guard, run):
     """Whether the stay that ends and the one before it were both shorter than the limit; counts them."""
     times, counts = run.times, run.counts
@@ -99,7 +99,7 @@ def select_target(system, queue, guard, z, rounding, order, scratch):
     return select_combination(system, queue, guard, z, rounding, order, scratch)
 
 
-@kernel
+@inlined
 def reset_at_event(system, truncation, event, run, record, scratch):
     """Reset the state after an event; returns how many impacts that were.
 
@@ -119,7 +119,7 @@ def reset_at_event(system, truncation, event, run, record, scratch):
     return 1
 
 
-@kernel
+@inlined
 def reset_and_select_mode(system, queue, truncation, event, run, record, scratch):
     """Reset the state after an event and enter the next mode; returns (:class:`Selection`, impacts), the
     latter as :func:`reset_at_event`."""
@@ -150,7 +150,7 @@ def is_closed(count, impacts):
     return closed
 
 
-@kernel
+@inlined
 def record_events(count, mode, run, record, impacts):
     """Record an event, or impacts that acted together: the states between them are there."""
     times, counts, row = run.times, run.counts, run.counts[EVENTS]
@@ -203,7 +203,7 @@ def handle_event_on_demand(system, queue, truncation, event, run, record, scratc
     return record_and_change_mode(system, queue, truncation, event, run, record, scratch)
 
 
-@kernel
+@inlined
 def record_and_change_mode(system, queue, truncation, event, run, record, scratch):
     """As :func:`handle_event`; `queue` is None where modes are listed."""
     counts, row = run.counts, run.counts[EVENTS]

@@ -34,7 +34,6 @@ from frictionlab.hybrid.kernels.mode_selection import (
 )
 from frictionlab.hybrid.kernels.run_state import (
     CLOCK_RESOLUTION,
-    DWELL,
     ENTERED,
     EVENTS,
     MODE,
@@ -62,8 +61,14 @@ def has_several_impacts(code, mode):
 
 @inlined
 def stay_limit(run):
-    """The time below which a stay is taken for part of a Zeno accumulation."""
-    return max(run.times[DWELL], CLOCK_RESOLUTION * abs(run.times[NOW]))
+    """The time up to which a stay is taken for part of a Zeno accumulation: the clock resolves no shorter."""
+    return CLOCK_RESOLUTION * run.times[NOW]
+
+
+@inlined
+def is_short(run):
+    """Whether the stay that ends may be part of a Zeno accumulation."""
+    return run.times[NOW] - run.times[ENTERED] <= stay_limit(run)
 
 
 @kernel
@@ -99,7 +104,7 @@ def write_closing(count, run, code, scratch):
     """Write which impacts close an accumulation: what is left is a rounding error, or their rate and that of
     the impact before are those of short flights."""
     impacts, counts = scratch.impacts, run.counts
-    short = run.times[NOW] - run.times[ENTERED] < stay_limit(run)
+    short = is_short(run)
     again = counts[SHORT_DWELLS] > 0
     if not short:
         counts[SHORT_DWELLS] = 0
@@ -286,7 +291,7 @@ def close_accumulation(system, tol, run, scratch):
     set_common_zeros(code, left, scratch)
 
 
-@kernel
+@inlined
 def spread_rounding(code, reset, run):
     """Note that the coordinates which an impact may move share one rounding error.
 
@@ -324,20 +329,31 @@ def keep_touching(code, run, scratch):
             count += 1
 
 
-@kernel
+@inlined
 def impact(system, truncation, guard, run, record, scratch):
     """Apply the greatest of the impacts at the instant of an event, or several that are equally great.
 
     Writes their guards into ``scratch.impacts``, and whether each closes a Zeno accumulation; returns how
-    many they are.
+    many they are.  Most impacts are alone.
     """
+    code = system.code
+    if is_short(run) or has_several_impacts(code, run.counts[MODE]):
+        return impacts_at_instant(system, truncation, guard, run, record, scratch)
+    run.counts[SHORT_DWELLS] = 0
+    scratch.impacts.guards[0], scratch.impacts.closing[0] = guard, 0
+    apply_event_reset(system, guard, 0, run.state, scratch)
+    spread_rounding(code, code.resets[guard, 0], run)
+    return 1
+
+
+@kernel
+def impacts_at_instant(system, truncation, guard, run, record, scratch):
+    """As :func:`impact`, where another impact is at this instant or just before it, or may be."""
     code, impacts, count = system.code, scratch.impacts, 1
-    short = run.times[NOW] - run.times[ENTERED] < stay_limit(run)
     several = has_several_impacts(code, run.counts[MODE])
     impacts.guards[0] = guard
     note_touching(code, run, scratch)
-    if short or several:
-        linearise_guards(system, run, scratch)
+    linearise_guards(system, run, scratch)
     if several:
         count = write_closing_guards(system, guard, truncation.tol, run, scratch)
     write_closing(count, run, code, scratch)

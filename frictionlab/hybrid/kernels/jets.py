@@ -203,11 +203,7 @@ def first_order_bounds(code, magnitudes, mode, jets, J):
     """
     ops, inputs = code.ops, code.inputs
     first, last = mode_operations(code, mode)
-    divides = False
-    for i in range(first, last):
-        if ops[i, 0] == QUOTIENT:
-            divides = True
-    if not divides:
+    if not code.quotients[mode]:
         return False
     vanishes = False
     for i in range(first, last):

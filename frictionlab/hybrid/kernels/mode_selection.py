@@ -82,7 +82,7 @@ def set_zeros_by_construction(code, guard, closing, scratch):
         scratch.structural_zeros[code.zero_classes[k]] = code.zero_counts[k]
 
 
-@kernel
+@inlined
 def apply_event_reset(system, guard, closing, z, scratch):
     """Reset a state by an event's own reset or its `closing` one, and note which functions vanish then."""
     apply_reset(system, system.code.resets[guard, closing], z, scratch.jets)
@@ -125,7 +125,7 @@ def zeros_by_construction(code, scratch, f):
     return max(zeros, scratch.ended[1]) if f == scratch.ended[0] else zeros
 
 
-@kernel
+@inlined
 def admissibility(system, mode, rounding, order, scratch):
     """Whether a mode can be entered, judged by its Taylor coefficients in `scratch` up to `order`.
 

@@ -21,7 +21,6 @@ from frictionlab.hybrid.kernels.arithmetic import exp2, log2
 from frictionlab.hybrid.kernels.jets import has_series, majorant, series_range
 from frictionlab.hybrid.kernels.run_state import CLOCK_RESOLUTION, NOW
 from frictionlab.hybrid.kernels.step_length import (
-    INSTANT,
     LAST_SIZE_TERM,
     LOG2_FUNCTION_TOL_FACTOR,
     is_cut_short,
@@ -155,10 +154,10 @@ def log2_longest_step(room, power, size0, size1, size2):
 
 @kernel
 def log2_group_support(room, order, first, last, J):
-    """The same for the states [first, last); their size is at least that an instant after the start."""
+    """The same for the states [first, last)."""
+    size0 = largest_coefficient(J, first, last, 0)
     size1 = largest_coefficient(J, first, last, 1)
     size2 = largest_coefficient(J, first, last, 2)
-    size0 = max(largest_coefficient(J, first, last, 0), max(size1, size2 * INSTANT) * INSTANT)
     if size0 > 0.0 or size1 > 0.0 or size2 > 0.0:
         return log2_longest_step(room, order + 1, size0, size1, size2)
     return log2_step_from_later_terms(room, order + 1, first, last, J)

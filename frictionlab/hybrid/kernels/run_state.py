@@ -78,11 +78,11 @@ class StepData(NamedTuple):
 class RunState(NamedTuple):
     """Where a run stands.
 
-    ``times`` (NOW to CARRY): now, the end, the entry into the mode, the limits below which a stay is taken
-    for part of a Zeno accumulation or of chatter, and by how much the sum of the steps is beyond now.
+    ``times`` (NOW to CARRY): now, the end, the entry into the mode, the limit below which a flight is taken
+    for part of chatter, and by how much the sum of the steps is beyond now.
     ``counts`` (MODE to EVENT_MULTIPLICITY): mode, steps, events, section points, whether the last impact
-    ended a flight shorter than the limit of Zeno accumulations, flights in a row shorter than that of
-    chatter, accumulations closed, other events or steps without advance of time, impacts without it,
+    ended a flight too short for the clock, flights in a row shorter than the limit of chatter, accumulations
+    closed, other events or steps without advance of time, impacts without it,
     whether the jets are at hand, whether an accumulation ends the run, the number of the current cell of a
     fixed time grid, guard and multiplicity of an event that has yet to be handled, or whose next mode has yet
     to be derived.
@@ -97,7 +97,7 @@ class RunState(NamedTuple):
     signs: np.ndarray
 
 
-NOW, END, ENTERED, DWELL, CHATTER, CARRY = range(6)
+NOW, END, ENTERED, CHATTER, CARRY = range(5)
 (
     MODE,
     STEPS,
@@ -131,19 +131,17 @@ class Record(NamedTuple):
     point_states: np.ndarray
 
 
-def new_run_state(
-    state: np.ndarray, mode: int, t_end: float, limits: tuple[float, float], raises: bool
-) -> RunState:
+def new_run_state(state: np.ndarray, mode: int, t_end: float, chatter: float, raises: bool) -> RunState:
     """A run at time 0 in `mode`, whose jets have been computed; without sections."""
     counts = np.zeros(COUNTS, dtype=np.int64)
     counts[MODE], counts[JETS_READY], counts[STOPS_AT_ZENO] = mode, 1, raises
     signs = np.zeros(0, dtype=np.int64)
-    return RunState(state.copy(), np.abs(state), initial_times(t_end, limits), counts, signs)
+    return RunState(state.copy(), np.abs(state), initial_times(t_end, chatter), counts, signs)
 
 
-def initial_times(t_end: float, limits: tuple[float, float]) -> np.ndarray:
+def initial_times(t_end: float, chatter: float) -> np.ndarray:
     """The times of a run at t = 0."""
-    return np.array([0.0, t_end, 0.0, *limits, 0.0])
+    return np.array([0.0, t_end, 0.0, chatter, 0.0])
 
 
 @inlined

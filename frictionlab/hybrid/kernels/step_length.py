@@ -156,7 +156,7 @@ def series_step(J, slot, truncation, h, rounds, majorants):
     return longest
 
 
-@kernel
+@inlined
 def function_step(code, truncation, mode, h, rounds, J, majorants):
     """Longest step up to `h` in which the series of guards, sections and integrals are accurate too.
 
@@ -221,9 +221,6 @@ def becomes_finite(before, after, slot):
 
 
 MIN_USEFUL_ORDER = 4  # a series of a lower order is not worth while
-INSTANT = (
-    1e-11  # s: errors are relative to a size that is at least the distance that is moved in so short a time
-)
 LOG2_LARGEST_COEFFICIENT = 960.0  # near the 1e290 beyond which a power counts as without a series (jets)
 
 
@@ -240,9 +237,9 @@ def lacks_series(code, order, mode, J):
 
 
 @kernel
-def has_base_near_zero(code, order, mode, J):
-    """Whether the base of a power is zero, or comes to zero within an instant."""
-    return lacks_series(code, order, mode, J) or time_to_zero_base(code, mode, J) < INSTANT
+def has_base_near_zero(code, order, mode, now, J):
+    """Whether the base of a power is zero, or comes to zero before the clock can be advanced."""
+    return lacks_series(code, order, mode, J) or time_to_zero_base(code, mode, J) <= CLOCK_RESOLUTION * now
 
 
 @kernel

@@ -168,10 +168,10 @@ def record_crossings(code, section, error, mode, order, h, run, record, scratch)
 
 
 @kernel
-def step_series(code, numbers, mode, order, h, z, J):
-    """Compute again the jets along which a step of length `h` from `z` was taken."""
+def step_series(code, numbers, mode, order, now, h, z, J):
+    """Compute again the jets along which a step of length `h` from `z` was taken at the time `now`."""
     mode_jets(code, numbers, mode, order, z, J)
-    if code.powers[mode] and has_base_near_zero(code, order, mode, J):
+    if code.powers[mode] and has_base_near_zero(code, order, mode, now, J):
         truncate_series_near_zero(code, numbers, mode, order, z, h, J)
 
 
@@ -182,8 +182,8 @@ def sample_states(code, numbers, order, steps, which, times, out, J):
     for i in range(times.shape[0]):
         step = which[i]
         if step != current:
-            mode, h = steps.modes[step], steps.times[step, 1]
-            step_series(code, numbers, mode, order, h, steps.states[step], J)
+            mode, now, h = steps.modes[step], steps.times[step, 0], steps.times[step, 1]
+            step_series(code, numbers, mode, order, now, h, steps.states[step], J)
             current = step
         states_at(J, order, times[i] - steps.times[step, 0], out[i])
 
@@ -234,7 +234,7 @@ def take_taylor_step(system, truncation, run, record, scratch):
             scratch.leading_zeros[g] = 0
     counts[JETS_READY] = 0
     left = remaining_time(run.times)
-    if code.powers[mode] and has_base_near_zero(code, order, mode, J):
+    if code.powers[mode] and has_base_near_zero(code, order, mode, run.times[NOW], J):
         h = power_onset_step(system, truncation, mode, left, run, scratch)
         if not largest_coefficient(J, 0, run.state.shape[0], 1) < math.inf:
             return NOT_FINITE

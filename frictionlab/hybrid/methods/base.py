@@ -190,10 +190,9 @@ class Method(ABC):
     max_events: int = field(default=1_000_000, kw_only=True)
 
     @property
-    def limits(self) -> tuple[float, float]:
-        """Dwell times (s) below which consecutive events count as Zeno: without a limit mode, and with
-        one."""
-        return 0.0, 0.0
+    def chatter_limit(self) -> float:
+        """Time (s) below which two flights in a row are replaced by the limit mode of chatter, if any."""
+        return 0.0
 
     @property
     def raises(self) -> bool:
@@ -266,7 +265,7 @@ class Method(ABC):
         return end
 
     def _begin(self, problem: Problem) -> ActiveRun:
-        cursor = run_state.new_run_state(problem.x0, NO_MODE, problem.t_end, self.limits, self.raises)
+        cursor = run_state.new_run_state(problem.x0, NO_MODE, problem.t_end, self.chatter_limit, self.raises)
         cursor = cursor._replace(signs=np.zeros(problem.program.code.sections.shape[1], dtype=np.int64))
         run = self._prepare(problem, cursor)
         mode, missing = initial_mode(run, self.degree)

@@ -14,7 +14,6 @@ from frictionlab.hybrid.kernels.jets import slot_gradients, state_rates
 from frictionlab.hybrid.methods.base import ActiveRun, Method
 from frictionlab.validation import check_choice, check_field
 
-CHATTER_DWELL = 1e-6  # s: shorter flights are below what the tolerances resolve
 IMPLICIT_INTEGRATORS = ("Radau", "BDF", "LSODA")
 INTEGRATORS = ("RK23", "RK45", "DOP853", *IMPLICIT_INTEGRATORS)
 
@@ -37,6 +36,8 @@ class Scipy(Method):
     max_step : float or None
         Longest step in seconds, None for no limit.  With half of the shortest stay in a mode no event is
         missed.
+    chatter : float
+        As that of :class:`Taylor`, in seconds: the flights that the tolerances resolve are longer.
     max_steps, max_events : int
         A run that reaches one ends with a status and keeps what it has.
     """
@@ -49,6 +50,7 @@ class Scipy(Method):
     rtol: float = 1e-10
     atol: float = 1e-13
     max_step: float | None = None
+    chatter: float = 1e-6
 
     def __post_init__(self) -> None:
         check_choice("integrator", self.integrator, INTEGRATORS)
@@ -56,11 +58,12 @@ class Scipy(Method):
         check_field(self, "atol", least=0.0, cure="1e-13 is the default")
         if self.max_step is not None:
             check_field(self, "max_step", above=0.0, cure="leave it out for no limit")
+        check_field(self, "chatter", least=0.0, cure="1e-6 s is the default")
         self.check_caps()
 
     @property
-    def limits(self) -> tuple[float, float]:
-        return 0.0, CHATTER_DWELL
+    def chatter_limit(self) -> float:
+        return self.chatter
 
     @property
     def degree(self) -> int:

@@ -195,11 +195,10 @@ class Taylor(Method):
         favours higher orders.
     chatter : float
         Two flights in a row shorter than this (in seconds) are taken for chatter, and replaced by its limit
-        (mode "chatter"); the error is proportional to its square.  0 computes every flight.
-    dwell : float
-        Two flights in a row shorter than this (in seconds), where there is no such limit and a contact's own
-        acceleration ends them, are taken for a Zeno accumulation of impacts, which is closed: the gap rate is
-        set to zero.  Impacts at one instant, or across small gaps, are not.
+        (mode "chatter"); the error is proportional to its square.  0 computes every flight.  Without such a
+        limit flights are computed down to the resolution of time: where a contact's own acceleration ends
+        two in a row that the clock no longer tells apart, the Zeno accumulation of impacts is closed, and the
+        gap rate is set to zero.
     accumulation : "close" or "raise"
         Whether to go on after chatter or a Zeno accumulation, counted in ``run.stats``, or end the run there.
     max_steps, max_events : int
@@ -223,7 +222,6 @@ class Taylor(Method):
     tol: float = 1e-15
     order: int | None = None
     chatter: float = 1e-7
-    dwell: float = 1e-12
     accumulation: Literal["close", "raise"] = "close"
 
     def __post_init__(self) -> None:
@@ -231,7 +229,6 @@ class Taylor(Method):
         if self.order is not None:
             check_field(self, "order", integer=True, least=4, most=MAX_ORDER, cure="20 is a good order")
         check_field(self, "chatter", least=0.0, cure="1e-7 s is the default")
-        check_field(self, "dwell", least=0.0, cure="1e-12 s is the default")
         check_choice("accumulation", self.accumulation, ("close", "raise"))
         self.check_caps()
 
@@ -240,8 +237,8 @@ class Taylor(Method):
         return self.order or order_of_tolerance(self.tol)
 
     @property
-    def limits(self) -> tuple[float, float]:
-        return self.dwell, self.chatter
+    def chatter_limit(self) -> float:
+        return self.chatter
 
     @property
     def raises(self) -> bool:

@@ -24,7 +24,7 @@ from frictionlab.automaton.expressions import combinations_of, multiply_out, und
 from frictionlab.automaton.mode import Expr
 from frictionlab.automaton.straight_line import side_by_side, straight_line_data
 from frictionlab.hybrid.elementary.parameter_functions import OF_PARAMETERS
-from frictionlab.hybrid.tape.functions import AFFINE, POWER
+from frictionlab.hybrid.tape.functions import AFFINE
 from frictionlab.hybrid.tape.program import (
     NOT_POLYNOMIAL,
     Demand,
@@ -103,10 +103,9 @@ class LoweredMode(LoweredTape):
         """Degrees of the event functions."""
         return int_array([_finite(self.degrees[slot]) for slot in self.guards])
 
-    @cached_property
-    def has_powers(self) -> bool:
-        """Whether there are powers, whose base may be zero."""
-        return any(op[0] == POWER for op in self.tape.ops)
+    def has(self, kind: int) -> bool:
+        """Whether there are operations of a kind."""
+        return any(op[0] == kind for op in self.tape.ops)
 
     @cached_property
     def flow_slots(self) -> np.ndarray:

@@ -21,7 +21,7 @@ import numpy as np
 from frictionlab.automaton import Event, HybridAutomaton, Mode, Reset
 from frictionlab.automaton.mode import Combination, KnownModes, ModesOnDemand, Symbol
 from frictionlab.hybrid.tape.arguments import check_mode, check_structure
-from frictionlab.hybrid.tape.functions import AFFINE
+from frictionlab.hybrid.tape.functions import AFFINE, POWER, QUOTIENT
 from frictionlab.hybrid.tape.lowering import (
     LoweredMode,
     LoweredReset,
@@ -335,7 +335,8 @@ class Packer:
             native=np.zeros(count, dtype=np.int64),
             lanes=np.zeros(count, dtype=np.int64),
             built=int_array([i < len(self.modes) for i in range(count)]),
-            powers=int_array([one.has_powers for one in lowered]),
+            powers=int_array([one.has(POWER) for one in lowered]),
+            quotients=int_array([one.has(QUOTIENT) for one in lowered]),
             degrees=int_array([one.degree for one in lowered]),
             ranges=_joined([one.ranges[inputs:] for one in lowered], np.int64),
             state_ranges=np.array([one.ranges[:inputs] for one in lowered]),

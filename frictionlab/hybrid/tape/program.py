@@ -75,6 +75,7 @@ class Code(NamedTuple):
     lanes: np.ndarray  # (modes,) the same for the code of a step of several runs side by side
     built: np.ndarray  # (modes,) whether the mode is derived; if not, its constraints are those of `Demand`
     powers: np.ndarray  # (modes,) whether there are powers, whose base may be zero
+    quotients: np.ndarray  # (modes,) whether there are quotients, whose divisor may be zero
     degrees: (
         np.ndarray
     )  # (modes,) highest degree of a mode's polynomials, NOT_POLYNOMIAL where there are other functions

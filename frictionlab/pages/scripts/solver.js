@@ -130,7 +130,7 @@ class Solver {
   }
 
   begin(values, state, end) { // set numbers, state and clock of a new run; whether its first mode was found
-    const { structure, arrays } = this, { dwell, chatter } = SCENE.method;
+    const { structure, arrays } = this, { chatter } = SCENE.method;
     const all = structure.numbers(values), constants = all.slice(0, structure.constants), terms = all.slice(structure.constants);
     if (!all.every(Number.isFinite)) throw new RangeError("the equations have no finite value for these parameters");
     for (const [part, list] of [["constants", constants], ["terms", terms]]) {
@@ -143,7 +143,7 @@ class Solver {
     }
     arrays["run.state"].view.set(state);
     arrays["run.sizes"].view.set(state.map(Math.abs));
-    arrays["run.times"].view.set([0, end, 0, dwell, chatter, 0]);
+    arrays["run.times"].view.set([0, end, 0, chatter, 0]);
     arrays["scratch.ended"].view[0] = NO_MODE;
     const found = this.call("select_mode", { z: arrays["run.state"], "rounding.sizes": arrays["run.state"], "rounding.share": SCENE.method.rounding, ...this.rounding(arrays["run.state"]) });
     arrays["run.counts"].view[MODE] = found.integers[0];

@@ -62,7 +62,7 @@ def test_damping_up_to_overdamped(damping):
 def test_a_million_events():
     """Without a limit for chatter every flight is walked through."""
     model, x0 = PRINTED.replace(F=0.0), [0, 1e-3, 0, 0, 0, 0, 0, 0, 0, 0]
-    walked = {"chatter": 0.0, "dwell": 0.0, "max_steps": 2_000_000}
+    walked = {"chatter": 0.0, "max_steps": 2_000_000}
     run = ended(model, 5.0, x0=x0, method=fl.Taylor(max_events=1_000_000, **walked))
     assert run.status is fl.Status.EVENT_CAP or run.status is fl.Status.FINISHED
     assert (np.diff(run.events.t) >= 0).all()

@@ -1,0 +1,73 @@
+"""No length, time or force in the solver has a unit of its own: the same motion in other units is the same.
+
+A factor that is a power of two changes no rounding error, so that nothing but a quantity with a unit could
+make a difference.
+"""
+
+import math
+
+import numpy as np
+import pytest
+
+import frictionlab as fl
+
+TIME_UNITS = (2.0**-20, 2.0**20)  # s, some microseconds and some weeks
+PER_SECOND = ("c1", "c2", "c4", "c5", "c6", "v")
+PER_SECOND_SQUARED = ("k1", "k2", "k3", "k4", "k5", "k6", "k_nl", "k_h", "F", "g")
+
+
+def in_unit(model, unit):
+    """The model with all numbers in a unit of time of so many seconds."""
+    factors = dict.fromkeys(PER_SECOND, unit) | dict.fromkeys(PER_SECOND_SQUARED, unit**2)
+    return model.replace(**{name: value * factors.get(name, 1.0) for name, value in model.parameters.items()})
+
+
+def scaled(states, unit):
+    """States in seconds, of numbers in another unit."""
+    coordinates = states.shape[-1] // 2
+    return np.concatenate([states[..., :coordinates], states[..., coordinates:] / unit], axis=-1)
+
+
+@pytest.mark.parametrize("unit", TIME_UNITS)
+@pytest.mark.parametrize("tol", [1e-6, 1e-15])
+@pytest.mark.parametrize(
+    ("model", "t_end", "chatter"),
+    [
+        (fl.BouncingBall(impact=fl.RestitutionImpact(0.8)), 5.0, 0.0),
+        (fl.SliderOnBelt(mu_k=1.4, impact=fl.RestitutionImpact(0.5)), 1.0, 0.0),
+        (fl.SliderOnBelt(mu_k=1.4, contact=fl.HertzContact()), 0.5, 1e-7),
+        (fl.SliderOnBelt(mu_k=1.4), 0.5, 1e-7),
+    ],
+    ids=["ball", "restitution", "Hertz", "chatter"],
+)
+def test_a_motion_does_not_depend_on_the_unit_of_time(model, t_end, chatter, tol, unit):
+    start = {"y": 1.0} if isinstance(model, fl.BouncingBall) else "rest"
+
+    def run_of(model, t_end, chatter):
+        method = fl.Taylor(tol=tol, chatter=chatter)
+        return fl.simulate(model, t_end, x0=start, method=method, progress=False)
+
+    usual, other = run_of(model, t_end, chatter), run_of(in_unit(model, unit), t_end / unit, chatter / unit)
+    assert other.events.target.tolist() == usual.events.target.tolist()
+    # A power near zero has a series as far as its coefficients, in 1/s^k, are no numbers beyond the largest.
+    rel = 1e-13 if tol < 1e-9 or "k_h" not in model.parameters else 0.1 * tol
+    assert other.events.t * unit == pytest.approx(usual.events.t, rel=rel)
+    assert scaled(other.final_state, unit) == pytest.approx(usual.final_state, rel=100 * rel, abs=rel)
+
+
+def test_a_zeno_accumulation_ends_where_it_should_in_any_unit():
+    """sqrt(2 h/g) (1 + e)/(1 - e), whatever the second is."""
+    for unit in TIME_UNITS:
+        run = fl.simulate(in_unit(fl.BouncingBall(), unit), 2.0 / unit, progress=False)
+        expected = math.sqrt(2.0 / fl.BouncingBall().g) * 3.0
+        assert run.events.t[-1] * unit == pytest.approx(expected, rel=1e-14)
+        assert run.mode[-1] == "contact"
+
+
+def test_a_limit_of_chatter_that_is_long_for_the_motion_is_told():
+    model = fl.SliderOnBelt(mu_k=1.4)
+    assert fl.simulate(model, 0.5, progress=False).warning is None
+    fast = in_unit(model, 2.0**20)
+    with pytest.warns(RuntimeWarning, match="limit of chatter, which is not short"):
+        run = fl.simulate(fast, 0.5 * 2.0**-20, progress=False)
+    assert "such as chatter=" in run.warning
