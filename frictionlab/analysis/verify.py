@@ -19,7 +19,6 @@ from frictionlab.analysis.run_comparison import (
 )
 from frictionlab.analysis.run_conditions import broken_condition
 from frictionlab.analysis.simulate import initial_state_of
-from frictionlab.analysis.stated_conditions import broken_statement
 from frictionlab.hybrid.kernels.jets import MACHINE_EPSILON, MAX_ORDER
 from frictionlab.hybrid.methods.base import Method
 from frictionlab.hybrid.methods.taylor import Taylor
@@ -226,6 +225,10 @@ def _independent_run(motion: RunSetup, second: Trajectory, size: Array, until: f
 
 def _reason_for_doubt(run: Trajectory, second: Trajectory, same: RunComparison, other: RunComparison) -> str:
     """The reason why a run is not to be trusted; an empty text where it can be trusted."""
+    from frictionlab.analysis.stated_conditions import (
+        broken_statement,
+    )  # it needs sympy, which plots do without
+
     if broken := broken_condition(run) or broken_statement(run):
         return broken
     for found, which in ((same, "a more exact one"), (other, "an independent one")):

@@ -298,7 +298,7 @@ def test_the_independent_method_finds_all_of_many_events():
 
 
 def test_the_independent_method_passes_over_no_layer():
-    """x' = 1 - p(x), p = 0.9 exp(-(10^4 (x - 1))^2), takes longer than x' = 1 by the integral of p/(1 - p)."""
+    """x' = 1 - p(x), p = 0.9 exp(-(10^4 (x - 1))^2), is late by the integral of p/(1 - p)."""
     layer = sp.Rational(9, 10) * sp.exp(-((10**4 * (X - 1)) ** 2))
     run = fl.solve(
         walk(2 - X, 1 - layer), 9.0, x0=[0.0], method=IndependentMethod("DOP853", 1e-12, 1e-13), **QUIET
