@@ -225,9 +225,8 @@ def _independent_run(motion: RunSetup, second: Trajectory, size: Array, until: f
 
 def _reason_for_doubt(run: Trajectory, second: Trajectory, same: RunComparison, other: RunComparison) -> str:
     """The reason why a run is not to be trusted; an empty text where it can be trusted."""
-    from frictionlab.analysis.stated_conditions import (
-        broken_statement,
-    )  # it needs sympy, which plots do without
+    # It needs sympy, which the plots that show verifications do without.
+    from frictionlab.analysis.stated_conditions import broken_statement
 
     if broken := broken_condition(run) or broken_statement(run):
         return broken
