@@ -1,8 +1,9 @@
 """The server of `frictionlab app`: Voila on this machine, for whoever has the link, with few kernels.
 
 Voila and jupyter-server have tokens, cookies, the check of a request's origin, and an end for idle kernels.
-This module puts them together.  The token is compared in constant time, exchanged for a cookie and taken out
-of the address.  Requests that name another host are refused, and the number of kernels is limited.
+This module puts them together.  The channels of kernels are files of this user, not ports.  The token is
+compared in constant time, exchanged for a cookie and taken out of the address.  Requests that name another
+host are refused, and the number of kernels is limited.
 """
 
 from __future__ import annotations
@@ -10,12 +11,15 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import hmac
+import os
 import socket
 import threading
 import webbrowser
 from pathlib import Path
+from tempfile import gettempdir
 from typing import Any
 from urllib.parse import urlencode
+from uuid import UUID
 
 from jupyter_server.auth.identity import IdentityProvider
 from jupyter_server.base.call_context import CallContext
@@ -34,6 +38,8 @@ LOCAL_HOSTS = r"(localhost|127\.0\.0\.1|\[::1\])$"
 MAX_KERNELS = 4  # explorers at once; a kernel takes some 310 MB
 IDLE_TIME = 120  # s that a kernel without its page is kept: the network may pause, a laptop may be closed
 IDLE_CHECK = 20  # s between two searches for such kernels
+SOCKET_PATH = 104  # bytes of a socket's path, with the zero at its end; the least that systems allow
+SOCKET_NAME = f"voila_12345678/kernel-{UUID(int=0)}-ipc-1"  # as long as those that there will be
 LINK_NEEDED = "The explorer needs the whole link that frictionlab app printed, with its token"
 TOO_MANY = f"{MAX_KERNELS} explorers are open: close one of their pages, then reload this one"
 # Voila's page requests an optional style sheet from another server, and stays blank until that answers
@@ -179,12 +185,25 @@ def _page(handler: Any) -> Any:
     return ExplorerPage if handler is TornadoVoilaHandler else handler
 
 
+def kernel_sockets(folder: str, system: str = os.name) -> dict[str, dict[str, str]]:
+    """Settings by which the server speaks to kernels through files of this user alone, not through ports.
+
+    Ports of this machine are open to all its users.  Windows has no such files; where the path of the
+    temporary folder is too long for them, they are in /tmp, in a folder of this user's too.
+    """
+    if system == "nt":
+        return {}
+    root = folder if len(os.path.join(folder, SOCKET_NAME).encode()) < SOCKET_PATH else "/tmp"
+    return {"KernelManager": {"transport": "ipc"}, "Voila": {"connection_dir_root": root}}
+
+
 def serve(notebook: Path, sockets: list[socket.socket], token: str, browser: bool) -> None:
     """Serve the notebook's page until the loop is stopped."""
     config = Config(
         {
             "VoilaConfiguration": {"show_tracebacks": True, "multi_kernel_manager_class": PageKernels},
             "LinkIdentity": {"cookie_options": SAME_SITE},
+            **kernel_sockets(gettempdir()),
         }
     )
     ExplorerServer.launch_instance(

@@ -73,7 +73,8 @@ APP_DESCRIPTION = """\
 Show the explorer (fl.explore) in the browser: scenes worth seeing and all
 models from a menu, sliders, switches and pictures, no notebook. Everything is
 served by this machine, to this machine, for whoever has the link that is
-printed; no network is needed. At most four pages at once. ctrl-C ends it.
+printed; no network is needed. Whoever holds the link runs code as you: give
+it to nobody. At most four pages at once. ctrl-C ends it.
 Needs Voila: pip install "frictionlab[lab]"."""
 
 APP_EPILOG = """\

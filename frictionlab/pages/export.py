@@ -8,8 +8,10 @@ from __future__ import annotations
 
 import base64
 import gzip
+import hashlib
 import html
 import json
+import re
 from collections.abc import Mapping, Sequence
 from importlib import resources
 from pathlib import Path
@@ -47,6 +49,14 @@ SCRIPTS = (
     "plots",
     "state",
     "page",
+)
+
+
+# What an exported page may do: run its own scripts, by their digests, and WebAssembly; show itself in its own
+# style.  It requests nothing, and sends nothing.
+POLICY = (
+    "default-src 'none'; script-src {scripts} 'wasm-unsafe-eval'; style-src {styles}; base-uri 'none'; "
+    "form-action 'none'"
 )
 
 
@@ -202,7 +212,15 @@ def _html(
     page = _text("page.html")
     for name, part in parts.items():
         page = page.replace(f"<!--{name}-->", part)
-    return page
+    policy = POLICY.format(scripts=_digests(page, "script"), styles=_digests(page, "style"))
+    return page.replace("<!--POLICY-->", policy, 1)
+
+
+def _digests(page: str, element: str) -> str:
+    """The digests of a page's scripts or styles, as a content security policy names them."""
+    texts = re.findall(rf"<{element}>(.*?)</{element}>", page, re.DOTALL)
+    digests = (hashlib.sha256(text.encode()).digest() for text in texts)
+    return " ".join(f"'sha256-{base64.b64encode(digest).decode()}'" for digest in digests)
 
 
 def _json(data: Any) -> str:

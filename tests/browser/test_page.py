@@ -50,6 +50,7 @@ def opened(browser, path, width=1280, fragment=""):
     page = context.new_page()
     page.problems = []
     page.on("pageerror", lambda error: page.problems.append(str(error)))
+    page.on("console", lambda said: page.problems.append(said.text) if said.type == "error" else None)
     page.goto(path.resolve().as_uri() + fragment)
     page.wait_for_selector("body[data-ready]")
     return page

@@ -61,6 +61,17 @@ def test_without_standard_output_a_command_runs_on(redirection, tmp_path):
 
 
 @posix
+@pytest.mark.parametrize(
+    "words", ["models", "models --json", "eig", "critical mu_k 0 4", "--help", "--version", "completion bash"]
+)
+def test_without_standard_output_every_command_ends_well(words):
+    """As tools of Python do: `python -m json.tool --help >&-` ends with 0."""
+    status, _, err = frictionlab(words, ">&-")
+    assert status == 0
+    assert "Traceback" not in err
+
+
+@posix
 @pytest.mark.parametrize("redirection", ["2>&-", "2>/dev/full"])
 def test_without_standard_error_a_run_has_no_bar(redirection):
     assert ended(["-c", f"{LONG_RUN}; print('ran')"], redirection)[:2] == (0, "ran\n")

@@ -18,6 +18,8 @@ psutil = pytest.importorskip("psutil", reason="it counts kernels, and comes with
 from tornado.httpclient import HTTPClientError, HTTPRequest  # noqa: E402
 from tornado.websocket import websocket_connect  # noqa: E402
 
+from frictionlab.cli import app_server  # noqa: E402
+
 pytestmark = pytest.mark.slow
 
 ROOT = Path(__file__).parents[3]
@@ -78,8 +80,7 @@ class App:
 
     def kernels(self):
         """How many run."""
-        children = psutil.Process(self.process.pid).children(recursive=True)
-        return sum("ipykernel_launcher" in " ".join(command_line(child)) for child in children)
+        return len(self.kernel_processes())
 
     def wait_for_kernels(self, number):
         end = time.monotonic() + PATIENCE
@@ -96,6 +97,10 @@ class App:
     def end(self):
         self.process.terminate()
         self.process.communicate(timeout=PATIENCE)
+
+    def kernel_processes(self):
+        children = psutil.Process(self.process.pid).children(recursive=True)
+        return [child for child in children if "ipykernel_launcher" in " ".join(command_line(child))]
 
 
 def cookies_in(headers):
@@ -139,6 +144,28 @@ def test_without_the_token_there_is_nothing_to_see(app, path):
     assert status in (400, 403)
     assert "kernelId" not in text
     assert "Location" not in headers
+
+
+@pytest.mark.skipif(os.name == "nt", reason="kernels have ports on Windows")
+def test_the_channels_of_kernels_have_no_ports(app, visitor):
+    """Other users of the machine could knock there; the files they listen at are in a folder of this user.
+
+    ipykernel has one port of its own, for what its child processes print.
+    """
+    for process in app.kernel_processes():
+        sockets = process.net_connections("all")
+        listening = [each for each in sockets if each.status == psutil.CONN_LISTEN]
+        assert len(listening) <= 1
+        folders = {Path(each.laddr).parent for each in sockets if "-ipc-" in str(each.laddr)}
+        assert len(folders) == 1
+        assert folders.pop().stat().st_mode & 0o077 == 0
+
+
+@pytest.mark.parametrize(("folder", "root"), [("/tmp", "/tmp"), ("/var/folders/" + "x" * 40, "/tmp")])
+def test_the_path_of_a_kernels_sockets_is_not_too_long(folder, root):
+    found = app_server.kernel_sockets(folder, "posix")
+    assert found["Voila"] == {"connection_dir_root": root}
+    assert app_server.kernel_sockets(folder, "nt") == {}
 
 
 @pytest.mark.parametrize("host", ["evil.example", "localhost.evil.example", "192.168.0.1", ""])

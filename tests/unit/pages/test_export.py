@@ -1,5 +1,9 @@
 """What `export_page` refuses, and what its controls are made of."""
 
+import base64
+import hashlib
+from html.parser import HTMLParser
+
 import pytest
 
 import frictionlab as fl
@@ -60,3 +64,50 @@ def test_a_solver_older_than_the_kernels_is_refused(monkeypatch, tmp_path):
     monkeypatch.setattr(export, "read_object", lambda manifest, name: b"")
     with pytest.raises(export.SolverNotBuiltError, match=r"solve\.py has changed since .* --web` once"):
         fl.export_page(fl.MassOnBelt(), tmp_path / "page.html")
+
+
+class Elements(HTMLParser):
+    """The texts of scripts and styles of a page, its title, and its security policy."""
+
+    def __init__(self, page):
+        super().__init__()
+        self.texts, self.policy, self._open = {"script": [], "style": [], "title": []}, "", ""
+        self.feed(page)
+
+    def handle_starttag(self, tag, attrs):
+        attributes = dict(attrs)
+        self._open = tag
+        if tag in self.texts:
+            self.texts[tag].append("")
+        if attributes.get("http-equiv") == "Content-Security-Policy":
+            self.policy = attributes["content"]
+        assert not any(name.startswith("on") or name == "style" for name in attributes)  # the policy forbids
+
+    def handle_data(self, data):
+        if self._open in self.texts:
+            self.texts[self._open][-1] += data
+
+    def handle_endtag(self, tag):
+        self._open = ""
+
+
+@pytest.mark.parametrize("title", ["a <!--<script> b", "</script><script>alert(1)</script>", "<!--SCRIPT-->"])
+def test_a_page_may_run_its_own_scripts_and_nothing_else(title):
+    """The digests are computed anew from what a parser of HTML takes for scripts and styles."""
+    solver = {"module": "", "tables": {}}
+    page = Elements(export._html({"title": title}, {}, solver, export._script()))
+    assert page.texts["title"] == [title]
+    assert [len(page.texts[kind]) for kind in ("script", "style")] == [2, 1]
+    assert not any("<!--" in text for text in page.texts["script"])  # such a text would hide their end
+    rules = dict(rule.split(" ", 1) for rule in page.policy.split("; "))
+    own = {
+        kind: [base64.b64encode(hashlib.sha256(text.encode()).digest()).decode() for text in texts]
+        for kind, texts in page.texts.items()
+    }
+    assert rules == {
+        "default-src": "'none'",
+        "script-src": " ".join([f"'sha256-{digest}'" for digest in own["script"]] + ["'wasm-unsafe-eval'"]),
+        "style-src": f"'sha256-{own['style'][0]}'",
+        "base-uri": "'none'",
+        "form-action": "'none'",
+    }
