@@ -16,7 +16,7 @@ from frictionlab.hybrid.methods.base import Method
 from frictionlab.hybrid.solve import method_of
 from frictionlab.validation import abbreviate, check_field, check_flag, check_path, did_you_mean
 
-from .steady_state.poincare_sections import Section
+from .steady_state.poincare_sections import Section, check_section_form
 
 
 @dataclass(frozen=True)
@@ -70,6 +70,8 @@ class SteadyStateOptions:
         check_field(self, "rtol", above=0.0, below=1.0, cure="1e-3 suits attractors well apart")
         if self.t_max is not None:
             check_field(self, "t_max", above=0.0, cure="give the most seconds to go on for")
+        if self.section is not None:
+            check_section_form(self.section)
         object.__setattr__(self, "method", method_of(self.method))
 
     @property

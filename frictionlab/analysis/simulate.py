@@ -34,7 +34,14 @@ from frictionlab.models.mechanical.masses import check_masses
 from frictionlab.models.model import Model, automaton_of, require_model
 from frictionlab.models.symbols import automaton_from_structure_data
 from frictionlab.stability.eigenproblems.displaced_equilibrium import displaced_equilibrium
-from frictionlab.validation import abbreviate, check_choice, explains_keywords, float_array, plain_number
+from frictionlab.validation import (
+    abbreviate,
+    check_choice,
+    check_mapping,
+    check_number,
+    explains_keywords,
+    float_array,
+)
 
 RATES_RTOL = 1e-9  # rates by the same equations agree to rounding, on every processor
 
@@ -73,10 +80,20 @@ def _automaton_initial_state(automaton: HybridAutomaton, x0: Any) -> Any:
 
 
 def named_state(x0: Any) -> Any:
-    """An initial state as data that JSON can hold; names stay names."""
+    """An initial state of any model as data that JSON can hold; names stay names.
+
+    Raises ValueError for what is none of any model.
+    """
     if isinstance(x0, Mapping):
-        return {name: plain_number(value) for name, value in x0.items()}
-    return x0 if isinstance(x0, str) else float_array("x0", x0, "give a number for each state").tolist()
+        check_mapping("x0", x0, "give states by their names")
+        cure = "give one in SI units"
+        return {name: check_number(f"x0[{abbreviate(name)}]", each, cure=cure) for name, each in x0.items()}
+    if isinstance(x0, str):
+        return x0
+    numbers = float_array("x0", x0, "give a number for each state", finite=True)
+    if numbers.ndim != 1 or not numbers.size:
+        raise ValueError(f"x0 must be a list of numbers, got {abbreviate(x0)}: give one for each state")
+    return numbers.tolist()
 
 
 def initial_state_of(model: Any, x0: Any, automaton: HybridAutomaton | None = None) -> np.ndarray:

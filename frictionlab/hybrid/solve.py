@@ -101,6 +101,12 @@ class RunOptions:
 
     def __post_init__(self) -> None:
         check_flag("progress", self.progress)
+        known = isinstance(self.source, HybridAutomaton) or hasattr(self.source, "automaton")
+        if self.source is not None and (isinstance(self.source, type) or not known):
+            raise TypeError(
+                f"source must be the model of the automaton, got {abbreviate(self.source)}: leave it out, or "
+                "give the model itself"
+            )
         for name, example in (
             ("sections", '{"top": (expression, -1)}'),
             ("quadratures", '{"work": expression}'),
@@ -143,7 +149,7 @@ def solve(
         Functions to be integrated over the run.  Step lengths take their accuracy into account too.
     progress : bool
         Show a progress bar on runs of more than a second.
-    source : object
+    source : Model or None
         The model that the automaton comes from, kept as ``run.source``; saved runs store its ``to_dict()``.
 
     Returns
@@ -233,7 +239,7 @@ def state_from_mapping(automaton: HybridAutomaton, given: Mapping[str, Any], res
     for name, value in given.items():
         if name not in names:
             raise ValueError(f"x0 has no state {abbreviate(name)}{did_you_mean_or_known(name, names)}")
-        state[names.index(name)] = check_number(f"x0[{name!r}]", value, cure="give one in SI units")
+        state[names.index(name)] = check_number(f"x0[{abbreviate(name)}]", value, cure="give one in SI units")
     return state
 
 

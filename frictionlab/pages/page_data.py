@@ -264,13 +264,13 @@ def preset_data(model: Model, switches: Sequence[str], presets: Any) -> list[dic
 
 
 def _preset(model: Model, switches: Sequence[str], name: str, values: Any) -> dict[str, Any]:
-    check_mapping(f"presets[{name!r}]", values, 'give values, such as {"mu_k": 1.4}')
+    check_mapping(f"presets[{abbreviate(name)}]", values, 'give values, such as {"mu_k": 1.4}')
     values = dict(values)
     off = values.pop("without", ())
     off = [off] if isinstance(off, str) else list(check_sequence("without", off, "give names in a list"))
     for switch in off:
         if not isinstance(switch, str) or switch not in switches:
             hint = did_you_mean_or_known(switch, list(switches))
-            raise ValueError(f"presets[{name!r}] has no switch {abbreviate(switch)}{hint}")
+            raise ValueError(f"presets[{abbreviate(name)}] has no switch {abbreviate(switch)}{hint}")
     model.replace(**values)  # raises for unknown names and values that break a rule
     return {"name": name, "values": {key: float(value) for key, value in values.items()}, "without": off}

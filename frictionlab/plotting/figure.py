@@ -129,17 +129,19 @@ def _shape(values: Any) -> tuple[int, ...]:
 
 
 def _check_curve(label: str, curve: Any) -> None:
-    cure = "write fl.Curve(x, y)"
+    which, cure = f"curves[{abbreviate(label)}]", "write fl.Curve(x, y)"
     if not isinstance(curve, Curve):
-        raise TypeError(f"curves[{label!r}] must be a Curve, got {abbreviate(curve)}: {cure}")
+        raise TypeError(f"{which} must be a Curve, got {abbreviate(curve)}: {cure}")
     shapes = _shape(curve.x), _shape(curve.y)
     if len(shapes[0]) != 1 or shapes[0] != shapes[1]:
         raise ValueError(
-            f"curves[{label!r}] must have as many x as y, got the shapes {shapes[0]} and {shapes[1]}: {cure}"
+            f"{which} must have as many x as y, got the shapes {shapes[0]} and {shapes[1]}: {cure}"
         )
-    check_choice(f"the axis of curves[{label!r}]", curve.axis, ("left", "right", "strip"))
+    check_choice(f"the axis of {which}", curve.axis, ("left", "right", "strip"))
     check_mapping(
-        f"the style of curves[{label!r}]", curve.style, "give keywords of Line2D, as {'color': 'red'}"
+        f"the style of {which}",
+        curve.style,
+        "give keywords of Line2D, as {'color': 'red'}",
     )
 
 

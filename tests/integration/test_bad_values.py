@@ -19,7 +19,7 @@ from tests.faults.bad_values import SLOW_DOORS, bad_values, doors, try_value
 
 QUIET = {"progress": False}
 BELT = fl.MassOnBelt()
-SHORT_FORM = ("object", "10**400", "nested", "long text")
+SHORT_FORM = ("object", "10**400", "nested", "long text", "long key")
 X = sp.Symbol("x", real=True)
 
 
@@ -99,6 +99,22 @@ REFUSED = {
         lambda: fl.TimeRecord([0.1, 0.2], {"x": np.ma.masked_array([1, 2], [0, 1])}), ValueError, "x",
     ),
     "a slow sound": (lambda: fl.listen(RUN, pitch=1e-9), ValueError, "at most .* samples"),
+    "a section's direction": (
+        lambda: fl.SteadyStateOptions(section=("x'", 2)), ValueError, "section's direction must be .*got 2",
+    ),
+    "no section": (
+        lambda: fl.SteadyStateOptions(section=5), ValueError, "section must be .*got 5: write \"stick\"",
+    ),
+    "the start of an orbit": (
+        lambda: fl.OrbitPeriod(x0="nearby"), ValueError, "x0 must be one of 'rest', 'near', got 'nearby'",
+    ),
+    "values of a start": (
+        lambda: fl.OrbitAmplitude("x", x0={"x": None}), ValueError, r"x0\['x'\] must be .*, got None: give",
+    ),
+    "a source": (
+        lambda: fl.solve(BELT.automaton(), 1.0, x0=[0, 0], source="MassOnBelt"), TypeError,
+        "source must be the model of the automaton, got 'MassOnBelt': leave it out",
+    ),
     "a pipe": (lambda: load_pipe(), OSError, "must be a file, it is a pipe"),
     "a number as relative velocity": (
         lambda: fl.explore(Rubbed()), ValueError, "must depend on the velocities, got 0.5",

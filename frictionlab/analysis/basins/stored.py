@@ -24,7 +24,7 @@ from frictionlab.stored_data import (
     record,
     text,
 )
-from frictionlab.validation import check_choice, check_limits, check_mapping, check_number
+from frictionlab.validation import abbreviate, check_choice, check_limits, check_mapping, check_number
 
 MAX_SAMPLES = 10_000_000  # initial states, each of which is a run
 
@@ -73,7 +73,7 @@ def check_specification(specification: Mapping[str, Any]) -> None:
     check_number("the number of ranges", len(specification["ranges"]), least=1)
     for name, limits in specification["ranges"].items():
         check_choice("ranges", name, states)
-        check_limits(f"ranges[{name!r}]", limits, "")
+        check_limits(f"ranges[{abbreviate(name)}]", limits, "")
     check_number("count", count, least=specification["samples"], most=specification["samples"])
 
 

@@ -240,7 +240,7 @@ def as_data(data: Any) -> tuple[Any, ...]:
         if not isinstance(one, KINDS):
             raise TypeError(
                 "data must be TimeRecord, SpectrumRecord, EventTimes, Frequencies or several of them, got "
-                f'{one!r}: write fl.TimeRecord(t, {{"x1": measured}}, error=1e-4)'
+                f'{abbreviate(one)}: write fl.TimeRecord(t, {{"x1": measured}}, error=1e-4)'
             )
     return found
 
@@ -280,9 +280,9 @@ def _columns(values: Any, error: Any, count: int, of: str) -> tuple[dict[str, Ar
     check_mapping("values", values, 'give arrays by state, such as {"x1": measured}')
     if not values:
         raise ValueError('values must hold one state at least, got none: write {"x1": measured}')
-    kept = {n: _measured(f"values[{n!r}]", column) for n, column in values.items()}
+    kept = {n: _measured(f"values[{abbreviate(n)}]", column) for n, column in values.items()}
     for name, column in kept.items():
-        rule = f"values[{name!r}] must hold a finite number for each of the {count} {of}"
+        rule = f"values[{abbreviate(name)}] must hold a finite number for each of the {count} {of}"
         if column.shape != (count,):
             raise ValueError(f"{rule}, got shape {column.shape}: leave out {of} without one")
         if not np.isfinite(column).all():

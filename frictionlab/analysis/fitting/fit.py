@@ -314,14 +314,14 @@ def _check_bounds(model: Any, names: tuple[str, ...], bounds: Any) -> dict[str, 
     for name, pair in bounds.items():
         if name not in names:
             raise ValueError(
-                f"bounds must be of parameters that are fitted, got one of {name!r}: name it there"
+                f"bounds must be of parameters that are fitted, got one of {abbreviate(name)}: name it there"
             )
-        found = float_array(f"bounds[{name!r}]", pair, cure)
+        found = float_array(f"bounds[{abbreviate(name)}]", pair, cure)
         start = model.parameters[name]
         if found.shape != (2,) or not found[0] <= start <= found[1] or found[0] == found[1]:
             raise ValueError(
-                f"bounds[{name!r}] must be (low, high) with the model's {start:g} between, where the search "
-                f"begins, got {abbreviate(pair)}: widen them or begin at another value"
+                f"bounds[{abbreviate(name)}] must be (low, high) with the model's {start:g} between, where "
+                f"the search begins, got {abbreviate(pair)}: widen them or begin at another value"
             )
         limits[name] = float(found[0]), float(found[1])
     return limits

@@ -30,6 +30,7 @@ from frictionlab.analysis.quantities.quantities import (
     derivatives_at,
     equilibrium_at,
 )
+from frictionlab.analysis.simulate import named_state
 from frictionlab.analysis.steady_state.classification import MotionKind
 from frictionlab.analysis.steady_state.steady_state import steady_state
 from frictionlab.hybrid.solve import solve
@@ -159,6 +160,9 @@ class _OfOrbit(Quantity):
             raise TypeError(
                 f"near must be a PeriodicOrbit, got {abbreviate(self.near)}: find one with fl.periodic_orbit"
             )
+        if isinstance(self.x0, str):
+            check_choice("x0", self.x0, ("rest", "near"), "or give numbers, one for each state")
+        named_state(self.x0)  # raises for what is no state of any model
         if not isinstance(self.options, SteadyStateOptions):
             raise TypeError(
                 f"options must be SteadyStateOptions, got {abbreviate(self.options)}: "

@@ -45,7 +45,7 @@ def check_distributions(model: Any, distributions: Any) -> dict[str, Any]:
         check_parameter(model, name, [])
         if not callable(getattr(distribution, "ppf", None)):
             raise TypeError(
-                f"distributions[{name!r}] must have a quantile function ppf, "
+                f"distributions[{abbreviate(name)}] must have a quantile function ppf, "
                 f"got {abbreviate(distribution)}: {cure}"
             )
     return dict(distributions)
@@ -72,7 +72,7 @@ def quantiles(model: Any, distributions: Mapping[str, Any], points: Array) -> Ar
             check_parameter(model, name, [float(column.min()), float(column.max())])
         except ValueError as error:
             raise ValueError(
-                f"distributions[{name!r}] must keep to the parameter's rule: {error}; "
+                f"distributions[{abbreviate(name)}] must keep to the parameter's rule: {error}; "
                 "or cut the distribution off"
             ) from error
     return np.stack(columns, axis=1)

@@ -17,7 +17,7 @@ from frictionlab.hybrid.expression_functions import array_function
 from frictionlab.hybrid.problem import SectionPoints
 from frictionlab.hybrid.tape.arguments import read_expression
 from frictionlab.hybrid.trajectory import Trajectory
-from frictionlab.validation import abbreviate, check_number
+from frictionlab.validation import abbreviate, check_number, check_text
 
 STICK = "stick"
 BISECTIONS = 40
@@ -107,8 +107,7 @@ def section_function(automaton: Any, section: Section) -> dict[str, Any]:
             modes = ", ".join(automaton.names)
             raise ValueError(f"section 'stick' needs a mode of that name, got {modes}: leave it out")
         return {}
-    text, direction = (section, 0) if isinstance(section, str) else _check_pair(section)
-    check_number("the section's direction", direction, integer=True, least=-1, most=1, cure="0 takes both")
+    text, direction = check_section_form(section)
     return {"section": (read_expression(automaton, text, "section"), direction)}
 
 
@@ -119,12 +118,20 @@ def _can_stick(names: Any) -> bool:
     )
 
 
-def _check_pair(section: Any) -> Any:
-    if isinstance(section, (tuple, list)) and len(section) == 2 and isinstance(section[0], str):
-        return section
-    raise ValueError(
-        f'section must be "stick", an expression, or (expression, direction), got {abbreviate(section)}'
+def check_section_form(section: Any) -> tuple[str, int]:
+    """The text and the direction of a section, whatever the automaton; raises for what can be none."""
+    pair = isinstance(section, (tuple, list)) and len(section) == 2
+    text, direction = section if pair else (section, 0)
+    cure = 'write "stick", an expression such as "x1\'", or ("x1\'", -1)'
+    if not isinstance(text, str) or not text.strip():
+        raise ValueError(
+            f'section must be "stick", an expression, or (expression, direction), got {abbreviate(section)}: '
+            f"{cure}"
+        )
+    direction = check_number(
+        "the section's direction", direction, integer=True, least=-1, most=1, cure="0 takes both"
     )
+    return check_text("section", text, cure), direction
 
 
 def sections_to_record(automaton: Any, section: Section | None) -> dict[str, Any]:

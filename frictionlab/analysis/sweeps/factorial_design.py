@@ -114,7 +114,7 @@ def _on_off(name: str) -> Switch:
 def _alternatives(model: Any, name: str, given: Any) -> Switch:
     if isinstance(given, (str, Component)) or not isinstance(given, (Mapping, Sequence)) or len(given) < 2:
         raise ValueError(
-            f"switches[{name!r}] must be two alternatives at least, "
+            f"switches[{abbreviate(name)}] must be two alternatives at least, "
             f"got {abbreviate(given)}: give a list, or a mapping "
             "of a label to each"
         )
@@ -122,7 +122,9 @@ def _alternatives(model: Any, name: str, given: Any) -> Switch:
     labels = [str(label) for label in given] if isinstance(given, Mapping) else _labels(values)
     for value in values:
         if isinstance(value, Mapping):
-            check_mapping(f"an alternative of switches[{name!r}]", value, "name parameters or components")
+            check_mapping(
+                f"an alternative of switches[{abbreviate(name)}]", value, "name parameters or components"
+            )
     changes = tuple(dict(value) if isinstance(value, Mapping) else {name: value} for value in values)
     for change in changes:
         model.replace(**change)  # raises for impossible values before any work is done

@@ -345,7 +345,9 @@ def grid_axes(over: Mapping[str, Any]) -> dict[str, NDArray[np.float64]]:
     """Parameters and their values (N,), one axis of a grid each."""
     cure = 'give each its values, such as {"mu_k": [0.5, 1.0]}'
     check_mapping("over", over, cure)
-    axes = {name: float_array(f"over[{name!r}]", values, cure).ravel() for name, values in over.items()}
+    axes = {
+        name: float_array(f"over[{abbreviate(name)}]", values, cure).ravel() for name, values in over.items()
+    }
     empty = [name for name, values in axes.items() if not len(values)]
     if empty or not axes:
         raise ValueError(

@@ -18,6 +18,7 @@ from typing import Any
 from frictionlab.automaton import Event, HybridAutomaton, Mode
 from frictionlab.automaton.mode import Symbol
 from frictionlab.lazy_names import sympy as sp
+from frictionlab.presentation import shorten
 from frictionlab.validation import abbreviate, check_number, did_you_mean_or_known
 
 NAME_PATTERN = re.compile(r"(?<![\w.])[A-Za-z_]\w*'?")  # x' is the rate of x
@@ -112,8 +113,8 @@ def check_mode(
     for event in mode.events:
         if unknown := [name for name in event.targets if name not in names]:
             raise ValueError(
-                f"event {event.name!r} of mode {mode.name!r} leads to {unknown}, "
-                f"but the modes are {list(names)}: correct its targets"
+                f"event {event.name!r} of mode {mode.name!r} leads to {abbreviate(unknown)}, "
+                f"but the modes are {abbreviate(list(names))}: correct its targets"
             )
         _check_resets(event, mode, states)
     for what, expr in _expressions(mode):
@@ -156,7 +157,7 @@ def _check_resets(event: Event, mode: Mode, states: tuple[Symbol, ...]) -> None:
         if strange := [symbol for symbol in reset.jump if symbol not in states]:
             raise ValueError(
                 f"the reset of event {event.name!r} of mode {mode.name!r} may give values to states only "
-                f"({', '.join(sorted(map(str, states)))}), got one for {', '.join(map(str, strange))}: "
+                f"({', '.join(sorted(map(str, states)))}), got one for {shorten(map(abbreviate, strange))}: "
                 "take the symbol that the automaton's states hold, with the same assumptions"
             )
 

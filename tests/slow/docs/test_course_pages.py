@@ -236,7 +236,7 @@ def height_of(cell):
 @pytest.mark.parametrize("name", LECTURED)
 def test_no_slide_of_the_lecture_is_overfull(name):
     slides = slides_of(ROOT / "tutorials" / f"{name}.ipynb")
-    assert len(slides) >= 8
+    assert slides
     for slide in slides:
         high = sum(map(height_of, slide))
         assert high <= HIGHEST, f"the slide of {slide[0]['id']} needs {high} of {HIGHEST} pixels"
@@ -257,9 +257,9 @@ def test_nbconvert_makes_these_slides_without_solutions(name):
 
 
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
-def test_long_cells_that_draw_are_folded(path):
+def test_cells_are_folded_on_the_site_and_in_jupyterlab_alike(path):
+    """The site reads the tag, JupyterLab the entry: a cell that one of them folds is folded in both."""
     for one in cells_of(path):
-        if "figure = RunFigure(" in source(one) and not one["id"].startswith("solution"):
+        if one["cell_type"] == "code" and not one["id"].startswith("solution"):
             folded = "hide-input" in one["metadata"].get("tags", [])
-            assert folded == one["metadata"].get("jupyter", {}).get("source_hidden", False)
-            assert folded or len(source(one).splitlines()) < 28
+            assert folded == one["metadata"].get("jupyter", {}).get("source_hidden", False), one["id"]
