@@ -14,6 +14,11 @@ import frictionlab as fl
 from frictionlab.hybrid import compilation
 from frictionlab.hybrid.ahead_of_time.entry_points import entry_points
 from frictionlab.hybrid.ahead_of_time.loaded_kernels import prepared_call
+from frictionlab.hybrid.ahead_of_time.manifest import (
+    code_digest,
+    lacking_objects,
+    targets_of_machine,
+)
 from frictionlab.hybrid.kernels.jets import state_rates
 from frictionlab.hybrid.tape.packing import program_of
 
@@ -53,6 +58,32 @@ def test_the_list_of_what_is_compiled_can_be_made_where_kernels_are_loaded():
         assert list(each.arguments) == list(code.co_varnames[: code.co_argcount])
 
 
+CODE = """# A comment.
+def area(r, shown=("text", 1)):
+    \"\"\"Of a circle.\"\"\"
+    # pi
+    return 3.0 * r  # not quite
+"""
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "same"),
+    [
+        ("# A comment.\n", "", True),
+        ("Of a circle.", "Of a circle\n\n    of radius r.", True),
+        ("  # not quite", "", True),
+        ("    # pi\n", "    'a statement'\n\n", True),
+        ("3.0", "3.1", False),
+        ('"text"', '"word"', False),
+        ("    return", "  return", False),
+        ("3.0 * r", "(3.0 *", False),
+    ],
+)
+def test_prose_makes_no_object_stale(before, after, same):
+    assert before in CODE
+    assert (code_digest(CODE.encode()) == code_digest(CODE.replace(before, after).encode())) == same
+
+
 HOOK = """
 import json, sys
 sys.path.insert(0, "frictionlab/hybrid/ahead_of_time")
@@ -85,7 +116,10 @@ def hooked(version, root=ROOT, **environment):
     return "\n".join(said), json.loads(data)
 
 
-@pytest.mark.skipif(compilation.LOADED is None, reason="no kernels compiled ahead of time")
+ALL_FILES = [target.file for target in targets_of_machine()]
+
+
+@pytest.mark.skipif(bool(lacking_objects(ALL_FILES)), reason="a clone has the object of its own processor")
 def test_objects_that_are_there_go_into_the_wheel():
     _, data = hooked("standard")
     assert data["pure_python"] is False

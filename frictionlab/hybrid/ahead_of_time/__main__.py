@@ -14,9 +14,12 @@ def main() -> None:
     parser.add_argument(
         "--target", choices=[target.name for target in TARGETS], help="for this processor and system only"
     )
+    parser.add_argument("--best", action="store_true", help="for the best that this processor can do only")
     parser.add_argument("--if-changed", action="store_true", help="not where the objects fit the sources")
     arguments = parser.parse_args()
     chosen = [*(TARGETS if arguments.all else targets_of_machine())]
+    if arguments.best:
+        chosen = chosen[:1]
     if arguments.target:
         chosen = [target for target in TARGETS if target.name == arguments.target]
     if arguments.web or arguments.all:

@@ -32,6 +32,7 @@ from frictionlab.hybrid.ahead_of_time.manifest import (
     Function,
     Manifest,
     Target,
+    code_digest,
     digest,
     kernel_sources,
     objects_folder,
@@ -103,10 +104,10 @@ def _capture() -> tuple[str, dict[str, Function], list[str]]:
     return str(module), {each.name: each.table for each in flat}, [each.name for each, _ in scalar]
 
 
-def _sources() -> dict[str, str]:
+def _sources() -> dict[str, tuple[str, str]]:
     """Digests of the files that the kernels and their objects depend on."""
     files = kernel_sources() | source_files(BUILDERS)
-    return {path: digest(content) for path, content in sorted(files.items())}
+    return {path: (digest(content), code_digest(content)) for path, content in sorted(files.items())}
 
 
 def shim(name: str, symbol: str) -> str:

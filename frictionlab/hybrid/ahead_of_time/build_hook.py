@@ -36,9 +36,10 @@ class KernelBuildHook(BuildHookInterface):
         """Compile before the files of a wheel are chosen; `version` is "standard" or "editable"."""
         if os.environ.get(VARIABLE, "1") in ("", "0"):
             return
-        self.app.display_info("frictionlab compiles its solver for this machine, some three minutes ...")
+        self.app.display_info("frictionlab compiles its solver for this machine, a minute or two ...")
         fails = "the solver could not be compiled, it will run by numba or as plain Python"
-        if not self._has_run(COMMAND, fails) or version == "editable":
+        is_clone = version == "editable"  # which stays on this machine; a wheel may go to another
+        if not self._has_run((*COMMAND, "--best") if is_clone else COMMAND, fails) or is_clone:
             return
         build_data["pure_python"] = False
         build_data["tag"] = f"py3-none-{self._platform()}"

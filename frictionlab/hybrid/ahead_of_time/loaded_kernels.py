@@ -79,7 +79,7 @@ def load_kernels() -> tuple[LoadedKernels | None, str]:
         if packed is not None:
             code = lzma.decompress(packed)
             LOGGER.debug("kernels compiled ahead of time for %s", target.name)
-            sources = "".join(manifest.sources.values()).encode()
+            sources = "".join(of_code for _, of_code in manifest.sources.values()).encode()
             return LoadedKernels(manifest, digest(sources + code), _engine(llvm, code)), ""
     return None, "the kernels have not been compiled ahead of time for this processor and system"
 

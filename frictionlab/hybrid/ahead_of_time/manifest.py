@@ -9,9 +9,11 @@ from __future__ import annotations
 
 import ast
 import hashlib
+import io
 import json
 import platform
 import sys
+import tokenize
 from collections.abc import Iterable, Iterator
 from dataclasses import asdict, dataclass, field
 from functools import cache
@@ -164,8 +166,9 @@ class Manifest:
 
     Parameters
     ----------
-    sources : dict of str to str
-        Digest of each file that compiled code depends on, by its path in the package.
+    sources : dict of str to (str, str)
+        Digests of each file that compiled code depends on, by its path in the package: of its bytes, and of
+        its code (:func:`code_digest`).
     functions : dict of str to Function
         The entry points that Python calls.
     symbols : tuple of str
@@ -174,7 +177,7 @@ class Manifest:
         Digest of each file with machine code, by its name.
     """
 
-    sources: dict[str, str]
+    sources: dict[str, tuple[str, str]]
     functions: dict[str, Function] = field(default_factory=dict)
     symbols: tuple[str, ...] = ()
     objects: dict[str, str] = field(default_factory=dict)
@@ -200,7 +203,8 @@ def read_manifest() -> Manifest | None:
             )
             for name, each in given.pop("functions").items()
         }
-        return Manifest(functions=functions, **given)
+        sources = {path: (of_bytes, of_code) for path, (of_bytes, of_code) in given.pop("sources").items()}
+        return Manifest(sources, functions, **given)
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
         return None
 
@@ -230,14 +234,38 @@ def digest(content: bytes) -> str:
 def changed_sources(manifest: Manifest) -> list[str]:
     """Sources that have changed since they were compiled."""
     package = resources.files("frictionlab")
-    return [path for path, known in manifest.sources.items() if _digest_of(package, path) != known]
+    return [path for path, known in manifest.sources.items() if not _is_source(package, path, known)]
 
 
-def _digest_of(package: Any, path: str) -> str:
+def _is_source(package: Any, path: str, known: tuple[str, str]) -> bool:
+    """Whether a file has the same bytes, or else the same code, as when it was compiled."""
     try:
-        return digest((package / path).read_bytes())
+        content = (package / path).read_bytes()
     except OSError:
-        return ""
+        return False
+    return digest(content) == known[0] or code_digest(content) == known[1]
+
+
+def code_digest(content: bytes) -> str:
+    """Digest of a file without its docstrings, comments and blank lines, of which no machine code depends."""
+    try:
+        tokens = list(tokenize.tokenize(io.BytesIO(content).readline))
+    except (tokenize.TokenError, SyntaxError):
+        return digest(content)
+    lines = content.decode().splitlines()
+    for before, token, after in reversed(list(zip(tokens, tokens[1:], tokens[2:], strict=False))):
+        is_statement = before.type in STATEMENT_ENDS and after.type == tokenize.NEWLINE
+        if token.type == tokenize.COMMENT or (token.type == tokenize.STRING and is_statement):
+            (first, begin), (last, end) = token.start, token.end
+            lines[first - 1 : last] = [lines[first - 1][:begin] + lines[last - 1][end:]]
+    return digest("\n".join(line.rstrip() for line in lines if line.strip()).encode())
+
+
+# What stands before a statement that is a string alone.
+STATEMENT_ENDS = (
+    *(tokenize.ENCODING, tokenize.NEWLINE, tokenize.NL),
+    *(tokenize.INDENT, tokenize.DEDENT, tokenize.COMMENT),
+)
 
 
 # Features of x86-64-v3 beyond the baseline; a processor must have all of them.
