@@ -1,6 +1,6 @@
-"""Compare random mechanisms of users with the reference, and with themselves in other words.
+"""Compare random mechanisms and automata of users with the reference, mechanisms with themselves in other words.
 
-python -m tests.doors --count 2000 --seed 1
+python -m tests.doors --count 2000 --seed 1 [--words] [--automata]
 """
 
 from __future__ import annotations
@@ -8,6 +8,7 @@ from __future__ import annotations
 import argparse
 from collections import Counter
 
+from tests.doors import automata
 from tests.doors.generate import generate
 from tests.doors.judge import AGREES, LONG, judge
 from tests.doors.metamorphic import OTHER_WORDS, applies, complaint
@@ -23,7 +24,11 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--words", action="store_true", help="compare with the same in other words")
+    parser.add_argument("--automata", action="store_true", help="automata in place of mechanisms")
     options = parser.parse_args()
+    if options.automata:
+        of_automata(options)
+        return
     if options.words:
         in_other_words(options)
         return
@@ -34,6 +39,17 @@ def main() -> None:
         count[verdict.kind] += 1
         if verdict.kind != AGREES:
             print(f"{number}: {verdict.kind}, {verdict.words[:300]}", flush=True)
+    print(dict(count))
+
+
+def of_automata(options: argparse.Namespace) -> None:
+    """Compare runs of automata with the reference."""
+    count: Counter[str] = Counter()
+    for number in range(options.first, options.first + options.count):
+        words = automata.judge(automata.generate(options.seed, number), *EXTRAS[number % len(EXTRAS)])
+        count["undecided" if words.startswith("undecided") else "differs" if words else AGREES] += 1
+        if words:
+            print(f"{number}: {words}", flush=True)
     print(dict(count))
 
 

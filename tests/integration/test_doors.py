@@ -1,6 +1,6 @@
 """Mechanisms that are not the library's, against a reference that shares no code, and against themselves.
 
-Many more: python -m tests.doors --count 2000 --seed 1 [--words]
+Many more: python -m tests.doors --count 2000 --seed 1 [--words] [--automata]
 """
 
 from dataclasses import replace
@@ -8,7 +8,9 @@ from dataclasses import replace
 import pytest
 import sympy
 
+import frictionlab as fl
 from frictionlab.models.symbols import expand_products
+from tests.doors import automata
 from tests.doors.generate import generate
 from tests.doors.judge import AGREES, compared, judge, predict, run_of
 from tests.doors.metamorphic import OTHER_WORDS, applies, complaint
@@ -30,6 +32,27 @@ def test_a_random_mechanism_moves_as_the_reference(number):
 def test_the_same_mechanism_in_other_words_moves_alike(words):
     number = next(k for k in range(20, 60) if applies(words, generate(1, k)) and generate(1, k).n < 3)
     assert complaint(words, 1, number, PERIODS * generate(1, number).period) == ""
+
+
+# A peak in a guard (7), waves and a run that is ten times longer (11), a step, a power and resets (19).
+@pytest.mark.parametrize(("number", "longer"), [(7, 1.0), (11, 10.0), (19, 1.0)])
+def test_a_random_automaton_moves_as_the_reference(number, longer):
+    assert automata.judge(automata.generate(1, number), longer) == ""
+
+
+def test_an_automaton_moves_alike_in_another_unit_and_in_two_halves():
+    one, other = automata.generate(1, 3), automata.generate(1, 3, unit=1024.0)
+    t_end = automata.PERIODS * one.period
+
+    def run_of(which, t_end, x0=one.x0, mode=automata.MODES[0]):
+        return fl.solve(which.automaton(), t_end, x0=x0, mode=mode, progress=False)
+
+    whole, scaled = run_of(one, t_end), run_of(other, 1024.0 * t_end)
+    assert scaled.events.t / 1024.0 == pytest.approx(whole.events.t, rel=1e-12)
+    half = run_of(one, 0.37 * t_end)
+    rest = run_of(one, 0.63 * t_end, half.final_state, str(half.mode[-1]))
+    times = [*half.events.t, *(0.37 * t_end + rest.events.t)]
+    assert times == pytest.approx(whole.events.t, rel=1e-11)
 
 
 def test_a_run_with_another_mass_is_seen():
