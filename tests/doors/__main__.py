@@ -1,4 +1,4 @@
-"""Compare random mechanisms and automata of users with the reference, mechanisms with themselves in other words.
+"""Compare random mechanisms and automata of users with the reference, and with themselves in other words.
 
 python -m tests.doors --count 2000 --seed 1 [--words] [--automata]
 """

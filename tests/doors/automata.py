@@ -1,8 +1,8 @@
-"""Random automata of users against the reference: guards and flows with layers and waves, resets, any unit of time.
+"""Random automata of users against the reference: layers and waves in guards and flows, resets, any unit.
 
-A state x moves up and down between two bounds, each of which a fast function of an oscillator y makes rough; a
-further state w follows x through a layer.  sympy reads the texts and makes functions of numbers for the reference;
-nothing else is shared with the package.
+A state x moves up and down between two bounds, each of which a fast function of an oscillator y makes rough;
+a further state w follows x through a layer.  sympy reads the texts and makes functions of numbers for the
+reference; nothing else is shared with the package.
 """
 
 from __future__ import annotations
