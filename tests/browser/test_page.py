@@ -1,5 +1,6 @@
 """An exported page in Chromium, from a file, without a network: results, controls, pictures."""
 
+import time
 from dataclasses import dataclass
 from itertools import combinations
 from pathlib import Path
@@ -27,6 +28,7 @@ TEN = [
     {"v": 0.1, "mu_s": 1.0, "mu_k": 0.9},
 ]
 SECONDS = 1.0
+PATIENCE = 30.0  # s
 RUN = """([values, without, start, end]) => {
   resetSettings();
   Object.assign(settings, { off: without, start, end });
@@ -54,6 +56,17 @@ def opened(browser, path, width=1280, fragment=""):
     page.goto(path.resolve().as_uri() + fragment)
     page.wait_for_selector("body[data-ready]")
     return page
+
+
+def wait_until(page, condition, arg=None):
+    """Wait until an expression, or a function of `arg`, is true.
+
+    Playwright's own function evaluates texts in the page, which the page's policy forbids.
+    """
+    end = time.monotonic() + PATIENCE
+    while not page.evaluate(condition, arg):
+        assert time.monotonic() < end, condition
+        page.wait_for_timeout(20)
 
 
 @pytest.fixture(scope="module")
@@ -155,7 +168,7 @@ def test_a_slider_changes_the_pictures_and_the_state(page):
     page.evaluate(RUN, [{}, [], "rest", SECONDS])
     before = [picture(page, name) for name in ("mechanism", "phase")], page.inner_text("#final")
     page.fill("#slider-mu_k", "2")
-    page.wait_for_function("(text) => document.getElementById('final').innerText !== text", arg=before[1])
+    wait_until(page, "(text) => document.getElementById('final').innerText !== text", before[1])
     assert page.evaluate("settings.values.mu_k") == pytest.approx(2.0, abs=0.02)
     assert all(new != old for new, old in zip([picture(page, n) for n in ("mechanism", "phase")], before[0]))
 
@@ -196,18 +209,42 @@ def test_the_link_holds_what_is_set(browser, slider):
     page.context.close()
 
 
+INTRUDE = """async () => {
+  const broken = [];
+  document.addEventListener("securitypolicyviolation", (event) => broken.push(event.violatedDirective));
+  const script = Object.assign(document.createElement("script"), { textContent: "window.intruded = 1" });
+  document.body.append(script, Object.assign(new Image(), { src: "https://example.org/a.png" }));
+  const other = '<img src="a.png" style="color: red" onerror="window.intruded = 2">';
+  document.body.insertAdjacentHTML("beforeend", other);
+  const answer = await fetch("https://example.org/").catch(() => "refused");
+  await new Promise((done) => setTimeout(done, 200));
+  return [answer, window.intruded, [...new Set(broken)].sort()];
+}"""
+
+
+def test_a_page_runs_nothing_but_its_own_scripts_whatever_its_title(browser, tmp_path):
+    path = exported(fl.MassOnBelt(c=0.1), tmp_path / "page.html", t_end=1.0, title="a <!--<script> b")
+    page = opened(browser, path)
+    assert page.title() == page.inner_text("h1") == "a <!--<script> b"
+    assert not page.problems
+    answer, intruded, broken = page.evaluate(INTRUDE)
+    assert (answer, intruded) == ("refused", None)
+    assert broken == ["connect-src", "img-src", "script-src-attr", "script-src-elem", "style-src-attr"]
+    page.context.close()
+
+
 def test_presets_and_switches(page):
     page.select_option("#preset", label="strong")
-    page.wait_for_function("view.run.structure === STRUCTURES.geometry")
-    page.wait_for_function("settings.values.F === 1000")
+    wait_until(page, "view.run.structure === STRUCTURES.geometry")
+    wait_until(page, "settings.values.F === 1000")
     page.check("#switch-geometry")
-    page.wait_for_function("view.run.structure === STRUCTURES['']")
+    wait_until(page, "view.run.structure === STRUCTURES['']")
 
 
 def test_copied_python_computes_the_same(page):
     found = page.evaluate(RUN, [{"mu_k": 0.7}, ["cubic"], "rest", 0.5])
     page.click("#copy")
-    page.wait_for_function("view.copied")
+    wait_until(page, "view.copied")
     text = page.evaluate("view.copied")
     scope = {}
     exec(text.replace("print(run.final_state.tolist())", "state = run.final_state.tolist()"), scope)
@@ -218,7 +255,7 @@ def test_play_moves_the_picture(page):
     page.evaluate(RUN, [{}, [], "rest", SECONDS])
     before = page.inner_text("#now")
     page.click("#play")
-    page.wait_for_function("(text) => document.getElementById('now').innerText !== text", arg=before)
+    wait_until(page, "(text) => document.getElementById('now').innerText !== text", before)
     assert page.inner_text("#play") == "pause"
     page.click("#play")
     assert page.inner_text("#play") == "play"

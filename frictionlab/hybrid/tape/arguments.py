@@ -19,7 +19,7 @@ from frictionlab.automaton import Event, HybridAutomaton, Mode
 from frictionlab.automaton.mode import Symbol
 from frictionlab.lazy_names import sympy as sp
 from frictionlab.presentation import shorten
-from frictionlab.validation import abbreviate, check_number, did_you_mean_or_known
+from frictionlab.validation import MAX_CHARACTERS, abbreviate, check_number, did_you_mean_or_known
 
 NAME_PATTERN = re.compile(r"(?<![\w.])[A-Za-z_]\w*'?")  # x' is the rate of x
 MAX_LENGTH = 1000  # characters; a text that a person wrote is shorter
@@ -155,9 +155,10 @@ def _free_symbols(what: str, mode: Mode, expr: Any) -> set:
 def _check_resets(event: Event, mode: Mode, states: tuple[Symbol, ...]) -> None:
     for reset in filter(None, (event.reset, event.accumulation)):
         if strange := [symbol for symbol in reset.jump if symbol not in states]:
+            given = shorten(str(symbol)[:MAX_CHARACTERS] for symbol in strange)
             raise ValueError(
                 f"the reset of event {event.name!r} of mode {mode.name!r} may give values to states only "
-                f"({', '.join(sorted(map(str, states)))}), got one for {shorten(map(abbreviate, strange))}: "
+                f"({', '.join(sorted(map(str, states)))}), got one for {given}: "
                 "take the symbol that the automaton's states hold, with the same assumptions"
             )
 

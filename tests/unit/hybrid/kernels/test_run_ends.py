@@ -46,7 +46,7 @@ def test_a_run_that_would_fill_the_memory_keeps_what_was_computed(monkeypatch):
 
 @ONCE
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="limits of memory are POSIX")
-@pytest.mark.parametrize("room", [4_000_000, 40_000_000])
+@pytest.mark.parametrize("room", [8_000_000, 40_000_000])
 def test_under_a_limit_of_memory_a_run_keeps_what_it_has(room):
     """The steps are those of a run without a limit that ends after as many."""
 
