@@ -13,6 +13,7 @@ import numpy as np
 
 from frictionlab.analysis.motion_scales import motion_size
 from frictionlab.hybrid.accuracy import largest_sound_defect
+from frictionlab.hybrid.codegen.native_cache import native_code
 from frictionlab.hybrid.guard_bounds import (
     Array,
     Negative,
@@ -22,6 +23,8 @@ from frictionlab.hybrid.guard_bounds import (
     negative_points,
     pieces_of,
 )
+from frictionlab.hybrid.kernels.run_state import StepData, jet_columns
+from frictionlab.hybrid.kernels.taylor_steps import sample_states
 from frictionlab.hybrid.trajectory import Trajectory
 
 MOST_STEPS, PIECES_AT_ONCE = 20_000, 1000
@@ -104,10 +107,21 @@ def _spread(states: Array) -> Array:
 def _pieces(run: Trajectory, steps: Array) -> Pieces:
     """The steps as pieces; of other methods than series their starts, as their dense output need not reach
     across a step."""
-    begins, lengths = run.raw.step_times[steps].T
+    raw, program, order = run.raw, run.problem.program, run.samples.order
+    begins, lengths = raw.step_times[steps].T
     if "tol" not in run.description["method"]:
-        return Pieces(begins, 0.0 * lengths, run.raw.step_states[steps][:, None])
-    return pieces_of(begins, lengths, run.samples.order, run)
+        return Pieces(begins, 0.0 * lengths, raw.step_states[steps][:, None])
+    # By times from the starts of the steps: the rounding of the clock would spoil slopes.
+    local = np.column_stack([0.0 * lengths, lengths])
+    stored = StepData(local, raw.step_modes[steps], raw.step_states[steps])
+    code, jets = native_code(program).code, np.zeros((program.slots, jet_columns(order)))
+
+    def states(times: Array) -> Array:
+        which, out = np.repeat(np.arange(len(steps)), order + 1), np.empty((len(times), raw.state.size))
+        sample_states(code, run.problem.numbers, order, stored, which, times, out, jets)
+        return out
+
+    return pieces_of(0.0 * begins, lengths, order, states)._replace(starts=begins)
 
 
 def _broken_reset(run: Trajectory, limit: float) -> str:
