@@ -47,6 +47,32 @@ def integer_exponent(power: Any) -> int | None:
     return None
 
 
+# Numbers in front of exponential functions outside of these powers of e belong into them.
+MOST_POWER_OF_E = 200.0
+
+
+@lru_cache(maxsize=4096)
+def within_floats(expression: Any) -> Any:
+    """An equal expression whose numbers are floats, and whose integer exponents are integers.
+
+    sympy makes 1e-1000 exp(2303.0 y) of exp(2303.0 (y - 1)): that number is zero as a float, and the
+    exponential function overflows.  An exact number stays in the argument.
+    """
+    expr = sympy.sympify(expression, strict=True)
+    changes = {}
+    for part in expr.atoms(sympy.Pow, sympy.exp):
+        if part.is_Pow and part.exp.is_Float and (exponent := integer_exponent(part)) is not None:
+            changes[part] = part.base**exponent
+    products = expr.atoms(sympy.Mul) if expr.has(sympy.exp) else ()
+    for part in products:
+        number, rest = part.as_coeff_Mul()
+        power = next((factor for factor in sympy.Mul.make_args(rest) if isinstance(factor, sympy.exp)), None)
+        if power is not None and number.is_Float and abs(shift := sympy.log(abs(number))) > MOST_POWER_OF_E:
+            whole = sympy.exp(power.args[0] + sympy.Rational(float(shift)))
+            changes[part] = sympy.sign(number) * (rest / power) * whole
+    return expr.xreplace(changes) if changes else expr
+
+
 @dataclass(frozen=True, eq=False)
 class Combinations:
     """Sums of numbers times expressions.

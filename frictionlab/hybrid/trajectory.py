@@ -28,7 +28,16 @@ from frictionlab.hybrid.accuracy import (
 from frictionlab.hybrid.codegen.native_cache import native_code
 from frictionlab.hybrid.kernels.run_state import StepData, jet_columns
 from frictionlab.hybrid.kernels.taylor_steps import sample_states, subdivide_steps
-from frictionlab.hybrid.problem import Events, Problem, RunData, Sampling, SectionPoints, evaluate_output
+from frictionlab.hybrid.problem import (
+    Events,
+    Problem,
+    RunData,
+    Sampling,
+    SectionPoints,
+    Status,
+    evaluate_output,
+)
+from frictionlab.hybrid.real_powers import negative_base
 from frictionlab.hybrid.run_file import STORED_ARRAYS, rates_by_mode, write_run_file
 from frictionlab.hybrid.tape.automaton_data import storable_automaton
 from frictionlab.hybrid.tape.packing import program_of, program_of_modes
@@ -353,13 +362,18 @@ class Trajectory(Drawable):
         been replaced by their limit are not short beside the stays in modes, else None.
 
         Steps are measured in some of each mode whose equations are no polynomials of a low degree, as a share
-        of the motion's size.
+        of the motion's size.  Or where the run ended as the base of a power became negative.
         """
+        code = self.problem.program.code
+        if self.raw.status is Status.NOT_FINITE and code.powers[self.raw.mode]:
+            words = negative_base(self.automaton, self.problem, self.raw.state, self.raw.mode)
+            if words:
+                return f"it ended at {self.raw.t:g} s with {words}"
         limit = self.automaton.values.get("chatter", 0.0)
-        if (unlimited := chatter_warning(self.problem.program.code.limits, self.raw, limit)) is not None:
+        if (unlimited := chatter_warning(code.limits, self.raw, limit)) is not None:
             return unlimited
         order = self.samples.order
-        if self._tolerance is None or self.problem.program.code.degrees.max() < order:
+        if self._tolerance is None or code.degrees.max() < order:
             return None
         some = sampled_steps(self.problem, self.raw, order)
         return self.defect_warning(some) if len(some) else None

@@ -20,7 +20,7 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionlab.automaton.expressions import combinations_of
+from frictionlab.automaton.expressions import combinations_of, within_floats
 from frictionlab.hybrid.elementary.parameter_functions import OF_ARRAYS
 from frictionlab.lazy_names import sympy
 from frictionlab.models.serialisation import Derivations
@@ -192,6 +192,7 @@ class Flow:
         from frictionlab.hybrid.expression_functions import numpy_function  # which loads sympy
 
         arguments = [*self.states, *self.parameters]
+        expressions = [within_floats(one) for one in expressions]
         if sum(len(sympy.Add.make_args(one)) for one in expressions) < MANY_TERMS:
             return numpy_function(arguments, list(expressions))
         from scipy.sparse import csr_array  # imported here, as few flows need it

@@ -11,7 +11,7 @@ its modes: the data of any program, and what kernels need to choose among modes 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from typing import Any, NamedTuple
@@ -20,7 +20,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from frictionlab.automaton import Event, Mode, Reset
-from frictionlab.automaton.expressions import combinations_of, multiply_out, undefined_part
+from frictionlab.automaton.expressions import combinations_of, multiply_out, undefined_part, within_floats
 from frictionlab.automaton.mode import Expr
 from frictionlab.automaton.straight_line import side_by_side, straight_line_data
 from frictionlab.hybrid.elementary.parameter_functions import OF_PARAMETERS
@@ -141,13 +141,15 @@ def lower_mode(
 ) -> LoweredMode:
     """Lower a mode with its sections; the integrands of quadratures follow the flow."""
     builder = TapeBuilder(states, _linear_terms(states))
+
+    def slots(expressions: Iterable[Any]) -> list[int]:
+        return [builder.slot(within_floats(expr)) for expr in expressions]
+
     return LoweredMode(
-        flow=[
-            builder.slot(expr) for expr in (*mode.flow, *(_section_expression(e, mode) for e in integrands))
-        ],
-        guards=[builder.slot(event.function) for event in mode.events],
-        constraints=[builder.slot(expr) for expr in mode.constraints],
-        sections=[builder.slot(_section_expression(section.function, mode)) for section in sections],
+        flow=slots((*mode.flow, *(_section_expression(e, mode) for e in integrands))),
+        guards=slots(event.function for event in mode.events),
+        constraints=slots(mode.constraints),
+        sections=slots(_section_expression(section.function, mode) for section in sections),
         tape=builder.tape,
     )
 
@@ -163,7 +165,8 @@ def lower_reset(reset: Reset, states: tuple[Any, ...]) -> LoweredReset:
     """Lower a reset."""
     builder = ResetBuilder(states, _linear_terms(states))
     return LoweredReset(
-        out=[builder.slot(reset.jump.get(state, state)) for state in states], tape=builder.tape
+        out=[builder.slot(within_floats(reset.jump.get(state, state))) for state in states],
+        tape=builder.tape,
     )
 
 

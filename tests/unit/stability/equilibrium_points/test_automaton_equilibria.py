@@ -271,3 +271,14 @@ def test_a_zero_row_and_a_rigid_body():
     np.testing.assert_allclose(np.abs(fl.eigenvalues(model).values), [0, 0, 2, 2], atol=1e-12)
     locus = fl.root_locus(linear([[4 + sympy.Symbol("p"), 0], [0, 0]]), "p", [0.0, 5.0])
     np.testing.assert_allclose(np.sort(locus.values.imag, axis=1), [[0, 2], [0, 3]], atol=1e-9)
+
+
+@pytest.mark.parametrize("k", [400.0, 1e3, 1e4, 1e6])
+def test_two_coupled_steep_exponentials(k):
+    """1 - x = exp(k (y - 1)), 2 - y = exp(k (x - 1/2)), by iteration: both change little where they meet."""
+    flow = (1 - X - sympy.exp(k * (V - 1)), 2 - V - sympy.exp(k * (X - 0.5)))
+    x = y = 0.5
+    for _ in range(20):
+        x, y = 0.5 + np.log(2 - y) / k, 1 + np.log(1 - x) / k
+    found = fl.equilibria(automaton(flow, states=(X, V), coordinates=0))
+    assert [one.state.tolist() for one in found] == [pytest.approx([x, y], rel=1e-13)]

@@ -1,0 +1,110 @@
+"""Powers of a base that has become negative: there a law has no real value, and a run ends.
+
+A root, and any power whose exponent is no integer in the structure of the equations (1.5, or a parameter),
+has a real value for a base that is not negative.  The solver counts a base that rounding has made negative as
+zero; what is more negative than that is seen here, at the steps of a run.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from frictionlab.automaton import HybridAutomaton
+from frictionlab.automaton.expressions import integer_exponent
+from frictionlab.hybrid.kernels.jets import majorant, mode_operations, run_tape
+from frictionlab.hybrid.problem import Problem, RunData, Status
+from frictionlab.hybrid.tape.functions import POWER
+from frictionlab.hybrid.tape.program import system_of
+from frictionlab.lazy_names import sympy
+
+MOST_STATES = 256  # of each mode at which bases are computed
+# Share of the largest sum of a base's absolute terms along the run: what is less negative may be rounding.
+ROUNDING_SHARE = 1e-6
+
+
+def cut_where_undefined(automaton: HybridAutomaton, problem: Problem, raw: RunData) -> RunData:
+    """The run up to the first step at which a base is negative, with the status "not finite".
+
+    Raises
+    ------
+    ValueError
+        Where a base is negative at the start.
+    """
+    code, modes = problem.program.code, np.append(raw.step_modes, raw.mode)
+    if not code.powers[modes[modes >= 0]].any():
+        return raw
+    states = np.vstack([raw.step_states, raw.state])
+    firsts = [_first_negative(problem, mode, states, modes) for mode in np.unique(modes[modes >= 0])]
+    first = min((at for at in firsts if at is not None), default=None)
+    if first is None:
+        return raw
+    if first == 0:
+        raise ValueError(f"x0 must be where the laws have real values, got {_words(automaton, problem, raw)}")
+    if first == len(raw.step_modes):  # after the last step
+        return raw._replace(status=Status.NOT_FINITE)
+    t = float(raw.step_times[first, 0])
+    kept = {"step_": np.arange(len(raw.step_modes)) < first}
+    kept |= {"event_": raw.event_times <= t, "point_": raw.point_times <= t}
+    arrays = {name: getattr(raw, name)[kept[part]] for name in raw._fields for part in kept if part in name}
+    mode, state = int(modes[first]), states[first].copy()
+    return raw._replace(**arrays, t=t, state=state, mode=mode, status=Status.NOT_FINITE)
+
+
+def negative_base(automaton: HybridAutomaton, problem: Problem, state: np.ndarray, mode: int) -> str:
+    """A message that names the first base that is negative at a state; empty where none is."""
+    of = automaton.mode(problem.program.modes[mode])
+    values = dict(zip(automaton.states, state.tolist())) | dict(automaton.parameters)
+    for expression in (*of.flow, *(event.function for event in of.events), *of.constraints):
+        for power in sympy.sympify(expression, strict=True).atoms(sympy.Pow):
+            if integer_exponent(power) is None and not power.base.free_symbols.isdisjoint(automaton.states):
+                base = complex(power.base.subs(values)).real
+                if base < 0.0:
+                    exponent = f"{float(power.exp):g}" if power.exp.is_Number else power.exp
+                    return (
+                        f"{power.base} = {base:.6g} to the power {exponent} in mode {of.name!r}: write an "
+                        "integer exponent as a number, let an event end the mode where the base is zero, or "
+                        f"give Abs(base)**{exponent}*sign(base) as two modes"
+                    )
+    return ""
+
+
+def _words(automaton: HybridAutomaton, problem: Problem, raw: RunData) -> str:
+    return negative_base(automaton, problem, raw.step_states[0], int(raw.step_modes[0]))
+
+
+def _first_negative(problem: Problem, mode: int, states: np.ndarray, modes: np.ndarray) -> int | None:
+    """The first of the states (N, n) in a mode at which a base is negative; None where none is seen."""
+    code = problem.program.code
+    operations = np.arange(code.mode_ops[mode], code.mode_ops[mode + 1])
+    bases = np.unique(code.ops[operations[code.ops[operations, 0] == POWER], 1]).astype(int)
+    inside = np.flatnonzero(modes == mode)
+    if not len(bases):
+        return None
+    some = np.unique(np.linspace(0, len(inside) - 1, MOST_STATES).astype(int))
+    values, sizes = _values(problem, mode, states[inside[some]], bases)
+    least = -ROUNDING_SHARE * np.where(np.isfinite(sizes), sizes, 0.0).max(axis=0)
+    negative = np.flatnonzero((values < least).any(axis=1))
+    if not len(negative):
+        return None
+    low, high = int(some[negative[0] - 1]) if negative[0] else -1, int(some[negative[0]])
+    while high - low > 1:
+        middle = (low + high) // 2
+        there = (_values(problem, mode, states[inside[[middle]]], bases)[0] < least).any()
+        low, high = (low, middle) if there else (middle, high)
+    return int(inside[high])
+
+
+def _values(
+    problem: Problem, mode: int, states: np.ndarray, slots: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Values (N, slots) of slots of a mode's tape at states, and the sums of their absolute terms."""
+    code, numbers = problem.program.code, problem.numbers
+    magnitudes, J = system_of(code, numbers).magnitudes, np.zeros((problem.program.slots, 1))
+    values, sums = np.empty((2, len(states), len(slots)))
+    terms = J.copy()
+    for i, z in enumerate(states):
+        J[: len(z), 0] = z
+        run_tape(code, numbers, mode_operations(code, mode), 0, code.flow[mode], -1.0, J, J)
+        majorant(code, magnitudes, mode, 0, z, J, terms)
+        values[i], sums[i] = J[slots, 0], terms[slots, 0]
+    return values, sums

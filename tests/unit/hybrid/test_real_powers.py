@@ -1,0 +1,62 @@
+"""Powers whose base becomes negative, and numbers that floats cannot hold, in equations of users."""
+
+import numpy as np
+import pytest
+import sympy as sp
+
+import frictionlab as fl
+from tests.helpers.automata import V, X, automaton
+
+P = sp.Symbol("p")
+
+
+def solved(flow, t_end, x0, **values):
+    states = (X, V)[: len(flow)]
+    scene = automaton(fl.Mode("only", flow), states=states, coordinates=len(flow) // 2, **values)
+    return fl.solve(scene, t_end, x0=x0, progress=False)
+
+
+@pytest.mark.parametrize(
+    ("flow", "x0", "values"),
+    [
+        ((V, -(X**P)), [-0.5, 0.0], {"p": 3.0}),
+        ((sp.sqrt(X - 2),), [0.0], {}),
+        ((V, -(X**1.5)), [-1e-9, 0.0], {}),
+    ],
+)
+def test_a_run_does_not_begin_where_a_power_has_no_real_value(flow, x0, values):
+    with pytest.raises(
+        ValueError, match=r"x0 must be where the laws have real values, got x.* = -.* to the power"
+    ):
+        solved(flow, 1.0, x0, **values)
+
+
+@pytest.mark.parametrize("exponent", [1.5, P])
+def test_a_run_ends_where_the_base_of_a_power_becomes_negative(exponent):
+    """x'' = -9 - x^1.5 from 1: v at x = 0 by the energy, v^2 = 2 (9 + 0.4)."""
+    values = {"p": 1.5} if exponent is P else {}
+    with pytest.warns(RuntimeWarning, match=r"it ended at .* with x = -.* to the power"):
+        run = solved((V, -9 - X**exponent), 4.0, [1.0, 0.0], **values)
+    assert run.status.name == "NOT_FINITE"
+    assert run.states[:, 0].min() > -1e-4
+    assert run.final_state[1] == pytest.approx(-np.sqrt(2 * 9.4), abs=1e-3)
+
+
+def test_a_root_that_comes_to_rest_at_zero_goes_on():
+    """x' = -sqrt(x): x = (1 - t/2)^2 until 2, then 0."""
+    run = solved((-sp.sqrt(X),), 4.0, [1.0])
+    assert run.status.ok
+    assert abs(run.final_state[0]) < 1e-12
+
+
+def test_an_exponential_function_with_a_number_that_floats_cannot_hold():
+    """sympy makes 5e-435 exp(1000.0 x) of it.  exp(-k (x - 1)) = k t + exp(-k (x0 - 1))."""
+    run = solved((-sp.exp(1000.0 * (X - 1)),), 1.0, [1.01])
+    assert run.final_state[0] == pytest.approx(1 - np.log(1000 + np.exp(-10.0)) / 1000, rel=1e-13)
+
+
+def test_an_exponent_written_as_a_float_is_the_integer():
+    works = {"float": sp.Float(3.7) * (X - 3) ** sp.Float(1.0), "integer": 3.7 * (X - 3)}
+    scene = automaton(fl.Mode("only", (V, -X)), coordinates=1)
+    run = fl.solve(scene, 7.3, x0=[0.3, 0.1], quadratures=works, progress=False)
+    assert run.quadratures["float"] == run.quadratures["integer"]
