@@ -41,6 +41,18 @@ class ParameterPrinter(PythonCodePrinter):
         return f"{self.prefix}real_power({base}, {self._print(exponent)})"
 
 
+def _lambdify(arguments: Sequence[Any], expressions: Any, modules: list[Any], **options: Any) -> Any:
+    """As sympy's; arguments named as one of the functions, such as power, get other names."""
+    functions = {n for names in modules if isinstance(names, dict) for n in names if callable(names[n])}
+    others = {each: sp.Dummy() for each in arguments if str(each) in functions}
+    if others:
+        several = isinstance(expressions, (list, tuple))
+        changed = [sp.sympify(one).xreplace(others) for one in (expressions if several else [expressions])]
+        arguments = [others.get(each, each) for each in arguments]
+        expressions = changed if several else changed[0]
+    return sp.lambdify(arguments, expressions, modules, **options)
+
+
 def function_of_parameters(parameters: Sequence[Any], expressions: Any) -> Callable[..., Any]:
     """Function of the parameters that gives the values of one or several expressions.
 
@@ -62,19 +74,20 @@ def function_of_parameters(parameters: Sequence[Any], expressions: Any) -> Calla
     [2.0, 8.0]
     """
     several = isinstance(expressions, (list, tuple))
-    return sp.lambdify(parameters, expressions, [OF_PARAMETERS, "math"], ParameterPrinter(), cse=several)
+    printer = ParameterPrinter()
+    return _lambdify(parameters, expressions, [OF_PARAMETERS, "math"], printer=printer, cse=several)
 
 
 def numpy_function(arguments: Sequence[Any], expressions: Any) -> Callable[..., Any]:
     """Function of numbers or arrays, in the order of the `arguments`: the values of the expressions."""
     printer = NumPyPrinter(_SETTINGS)
-    return sp.lambdify(arguments, expressions, modules=[OF_ARRAYS], printer=printer, cse=True)
+    return _lambdify(arguments, expressions, [OF_ARRAYS], printer=printer, cse=True)
 
 
 def array_function(arguments: Sequence[Any], expressions: Any) -> Callable[..., Any]:
     """Function of arrays, in the order of the `arguments`, that gives the values of the expressions."""
     printer = _ArrayPrinter(_SETTINGS)
-    return sp.lambdify(arguments, expressions, modules=[OF_OUTPUTS], printer=printer, cse=True)
+    return _lambdify(arguments, expressions, [OF_OUTPUTS], printer=printer, cse=True)
 
 
 class _ArrayPrinter(NumPyPrinter):

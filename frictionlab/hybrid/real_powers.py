@@ -31,10 +31,11 @@ def cut_where_undefined(automaton: HybridAutomaton, problem: Problem, raw: RunDa
         Where a base is negative at the start.
     """
     code, modes = problem.program.code, np.append(raw.step_modes, raw.mode)
+    n = code.inputs  # integrals may follow the states
     if not code.powers[modes[modes >= 0]].any():
         return raw
     states = np.vstack([raw.step_states, raw.state])
-    firsts = [_first_negative(problem, mode, states, modes) for mode in np.unique(modes[modes >= 0])]
+    firsts = [_first_negative(problem, mode, states[:, :n], modes) for mode in np.unique(modes[modes >= 0])]
     first = min((at for at in firsts if at is not None), default=None)
     if first is None:
         return raw
@@ -69,7 +70,8 @@ def negative_base(automaton: HybridAutomaton, problem: Problem, state: np.ndarra
 
 
 def _words(automaton: HybridAutomaton, problem: Problem, raw: RunData) -> str:
-    return negative_base(automaton, problem, raw.step_states[0], int(raw.step_modes[0]))
+    state = raw.step_states[0, : problem.program.code.inputs]
+    return negative_base(automaton, problem, state, int(raw.step_modes[0]))
 
 
 def _first_negative(problem: Problem, mode: int, states: np.ndarray, modes: np.ndarray) -> int | None:

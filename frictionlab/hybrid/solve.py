@@ -210,10 +210,10 @@ def run_automaton(
     wall_time = time.perf_counter() - begin
     counts = len(raw.step_modes), len(raw.event_times)
     LOGGER.debug("run to %g s: %d steps, %d events, %.3g s, %s", raw.t, *counts, wall_time, raw.status.name)
-    raw = cut_where_undefined(automaton, problem, raw)
-    integrals = dict(zip(asked[1], raw.state[len(state) :].tolist(), strict=True))
     if any(asked) or automaton.on_demand:  # without the integrals, with all modes that the run has derived
         problem = problem_of(automaton, state, float(t_end), options.mode)
+    raw = cut_where_undefined(automaton, problem, raw)
+    integrals = dict(zip(asked[1], raw.state[len(state) :].tolist(), strict=True))
     run = Trajectory(
         automaton,
         problem,

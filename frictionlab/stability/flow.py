@@ -31,6 +31,17 @@ Array = NDArray[np.float64]
 MANY_TERMS = 1000
 
 
+def _real_derivatives(row: Any, states: set[Any]) -> dict[Any, Any]:
+    """Derivatives by the states, which are real: to sympy Abs(x) has none unless it is told so."""
+    row = sympy.sympify(row, strict=True)
+    if not row.has(sympy.Abs, sympy.sign):
+        return derivatives(row, states)
+    real = {x: sympy.Dummy(x.name, real=True) for x in row.free_symbols if not x.is_real}
+    back = {dummy: x for x, dummy in real.items()}
+    found = derivatives(row.xreplace(real), {real.get(x, x) for x in states})
+    return {back.get(x, x): entry.xreplace(back) for x, entry in found.items()}
+
+
 class Jacobian(NamedTuple):
     """The state matrix of a flow as its entries that are not zero.
 
@@ -114,7 +125,7 @@ class Flow:
         return {
             (i, places[x]): entry
             for i, row in enumerate(self.expressions)
-            for x, entry in sorted(derivatives(row, states).items(), key=lambda item: places[item[0]])
+            for x, entry in sorted(_real_derivatives(row, states).items(), key=lambda item: places[item[0]])
         }
 
     @cached_property

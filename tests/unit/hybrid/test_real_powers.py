@@ -60,3 +60,13 @@ def test_an_exponent_written_as_a_float_is_the_integer():
     scene = automaton(fl.Mode("only", (V, -X)), coordinates=1)
     run = fl.solve(scene, 7.3, x0=[0.3, 0.1], quadratures=works, progress=False)
     assert run.quadratures["float"] == run.quadratures["integer"]
+
+
+@pytest.mark.parametrize("name", ["power", "sqrt", "exp", "select"])
+def test_a_parameter_may_have_the_name_of_a_function(name):
+    number = sp.Symbol(name)
+    outputs = {"f": (X + 3) ** sp.Rational(3, 2) * number * sp.exp(X)}
+    scene = automaton(fl.Mode("only", (V, -X - V + sp.exp(number)), outputs=outputs), **{name: 2.0})
+    run = fl.solve(scene, 1.0, x0=[0.0, 0.0], progress=False)
+    assert run.f == pytest.approx(2 * (run["x"] + 3) ** 1.5 * np.exp(run["x"]), rel=1e-14)
+    assert [one.state[0] for one in fl.equilibria(scene)] == [pytest.approx(np.exp(2.0), rel=1e-14)]

@@ -282,3 +282,9 @@ def test_two_coupled_steep_exponentials(k):
         x, y = 0.5 + np.log(2 - y) / k, 1 + np.log(1 - x) / k
     found = fl.equilibria(automaton(flow, states=(X, V), coordinates=0))
     assert [one.state.tolist() for one in found] == [pytest.approx([x, y], rel=1e-13)]
+
+
+def test_symbols_of_states_need_not_be_declared_real():
+    """x'' = 1 - |x| - x' rests at 1 and -1."""
+    found = fl.equilibria(automaton((V, 1 - abs(X) - V)))
+    assert sorted(one.state[0] for one in found) == [-1.0, 1.0]
