@@ -115,7 +115,7 @@ def reset_at_event(system, truncation, event, run, record, scratch):
     if code.resets[guard, 0] < 0:
         scratch.ended[0], scratch.ended[1] = guard, event.multiplicity
     else:
-        keep_held_at_zero(system, run.counts[MODE], before, z, run.sizes, scratch)
+        keep_held_at_zero(system, run.counts[MODE], code.resets[guard, 0], before, z, run.sizes, scratch)
     return 1
 
 

@@ -237,6 +237,18 @@ def reset_values(code, numbers, reset, z, J):
     run_tape(code, numbers, operations, 0, code.reset_out[reset], -1.0, J, J)
 
 
+@kernel
+def widen_by_reset(system, reset, z, sizes, jets, J):
+    """Widen the `sizes` of the states by those of the terms that a reset adds up at `z`, by its `jets`."""
+    code = system.code
+    for i in range(z.shape[0]):
+        J[i, 0] = abs(z[i])
+    operations = code.reset_ops[reset], code.reset_ops[reset + 1]
+    run_tape(code, system.magnitudes, operations, 0, code.reset_out[reset], 1.0, jets, J)
+    for i in range(z.shape[0]):
+        sizes[i] = max(sizes[i], J[code.reset_out[reset, i], 0])
+
+
 @inlined
 def polynomial_value(c, n, s):
     """Value at `s` of the polynomial with coefficients c[0..n]."""

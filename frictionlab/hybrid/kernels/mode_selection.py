@@ -31,6 +31,7 @@ from frictionlab.hybrid.kernels.jets import (
     majorant,
     mode_jets,
     reset_values,
+    widen_by_reset,
 )
 
 NO_MODE, MISSING = -1, -2
@@ -90,17 +91,18 @@ def apply_event_reset(system, guard, closing, z, scratch):
 
 
 @kernel
-def keep_held_at_zero(system, mode, before, z, sizes, scratch):
-    """Count the constraints of the mode that ends as zero where its reset changed them by rounding only.
+def keep_held_at_zero(system, mode, reset, before, z, sizes, scratch):
+    """Count the constraints of the mode that ends as zero where a reset changed them by rounding only.
 
     A contact that comes to rest while another sticks is stopped by an impulse that may move the other by a
     rounding error.  Where everything comes to rest at once this error is not small beside the state at that
-    instant, but beside that of the step before, `sizes`.
+    instant, but beside that of the step before, `sizes`, and the terms that the reset adds up.
     """
     code, J, earlier, bounds = system.code, scratch.jets, scratch.values, scratch.bounds
     first, last = code.mode_constraints[mode], code.mode_constraints[mode + 1]
     if first == last:
         return
+    widen_by_reset(system, reset, before, sizes, J, bounds)
     mode_jets(code, system.numbers, mode, 0, before, earlier)
     mode_jets(code, system.numbers, mode, 0, z, J)
     majorant(code, system.magnitudes, mode, 0, sizes, J, bounds)
@@ -287,26 +289,30 @@ def add_change(demand, guard, row, joint):
 
 
 @kernel
-def put_next(queue, tried, row, count):
-    """Make a combination the next to try in the queue of `count`, unless it is there; the new count."""
+def insert_candidate(queue, place, row, count):
+    """Put a combination at a place in the queue of `count`, unless it is there; the new count."""
     longer = add_candidate(row, queue, count)
     if longer > count:
-        for k in range(count, tried, -1):
+        for k in range(count, place, -1):
             copy_vector(queue.rows[k - 1], queue.rows[k])
-        copy_vector(row, queue.rows[tried])
+        copy_vector(row, queue.rows[place])
     return longer
 
 
 @kernel
-def add_targets_of_failed_guards(system, queue, mode, tried, rounding, order, scratch, count):
+def add_targets_of_failed_guards(system, queue, mode, tried, own, rounding, order, scratch, count):
     """Queue the targets of the events that keep the mode tried last from being entered: next the combination
-    with the changes of all, then at the end those of each; returns the new count."""
+    with the changes of all, then at the end those of each; returns the new count.
+
+    The targets of the event itself, the `own` first, come before them: they change one contact only, and
+    another that sticks leaves stick only where it has to.
+    """
     code, row, joint = system.code, queue.rows[tried - 1], queue.missing
     copy_vector(row, joint)
     for g in range(code.mode_guards[mode], code.mode_guards[mode + 1]):
         if has_failed(system, g, rounding, order, scratch):
             add_change(queue.demand, g, row, joint)
-    count = put_next(queue, tried, joint, count)
+    count = insert_candidate(queue, max(tried, own), joint, count)
     for g in range(code.mode_guards[mode], code.mode_guards[mode + 1]):
         if has_failed(system, g, rounding, order, scratch):
             count = add_targets(queue, g, count)
@@ -374,8 +380,8 @@ def select_combination(system, queue, guard, z, rounding, order, scratch):
     Otherwise as :func:`select_mode`.  The combination of a missing mode is left in ``queue.missing``.
     """
     rows, marked, begins, passed = queue.rows, False, True, NO_MODE
-    count = 0 if guard == NO_MODE else add_targets(queue, guard, 0)
-    tried = 0
+    own = 0 if guard == NO_MODE else add_targets(queue, guard, 0)
+    count, tried = own, 0
     while True:
         while tried == count:
             if not marked:
@@ -403,4 +409,4 @@ def select_combination(system, queue, guard, z, rounding, order, scratch):
             passed = mode
         mode_jets(system.code, system.numbers, mode, order, z, scratch.jets)
         majorant(system.code, system.magnitudes, mode, order, rounding.sizes, scratch.jets, scratch.bounds)
-        count = add_targets_of_failed_guards(system, queue, mode, tried, rounding, order, scratch, count)
+        count = add_targets_of_failed_guards(system, queue, mode, tried, own, rounding, order, scratch, count)

@@ -220,6 +220,7 @@ def becomes_finite(before, after, slot):
     return not abs(before[slot, 0]) < math.inf and abs(after[slot, 0]) < math.inf
 
 
+MISSED_EVENT_SHARE = 64.0  # times its rounding error that a function may be beyond zero at its event
 MIN_USEFUL_ORDER = 4  # a series of a lower order is not worth while
 LOG2_LARGEST_COEFFICIENT = 960.0  # near the 1e290 beyond which a power counts as without a series (jets)
 
@@ -302,14 +303,18 @@ def time_to_zero_base(code, mode, J):
 
 @kernel
 def unresolved_time(code, magnitudes, mode, z, J, bounds):
-    """Time in which no base within its rounding error moves by more than this; 0 without such a base."""
+    """Time in which no base within its rounding error moves by more than this; 0 without such a base.
+
+    A base that is negative by as much as an event may be missed comes to zero first.
+    """
     majorant(code, magnitudes, mode, 0, z, J, bounds)
     longest = math.inf
     first = code.mode_ops[mode]
     for i in range(first, code.mode_ops[mode + 1]):
         if code.ops[i, 0] == POWER:
             a = code.ops[i, 1]
-            error = MACHINE_EPSILON * bounds[a, 0]
-            if abs(J[a, 0]) <= error:
+            error, short = MACHINE_EPSILON * bounds[a, 0], -J[a, 0]
+            if abs(short) <= error or 0.0 < short <= MISSED_EVENT_SHARE * error:
+                error = max(error, short)
                 longest = min(longest, error / abs(J[a, 1]), math.sqrt(error / abs(J[a, 2])))
     return longest if longest < math.inf else 0.0
