@@ -66,10 +66,12 @@ def within_floats(expression: Any) -> Any:
     products = expr.atoms(sympy.Mul) if expr.has(sympy.exp) else ()
     for part in products:
         number, rest = part.as_coeff_Mul()
-        power = next((factor for factor in sympy.Mul.make_args(rest) if isinstance(factor, sympy.exp)), None)
+        factors = list(sympy.Mul.make_args(rest))
+        power = next((factor for factor in factors if isinstance(factor, sympy.exp)), None)
         if power is not None and number.is_Float and abs(shift := sympy.log(abs(number))) > MOST_POWER_OF_E:
+            factors.remove(power)
             whole = sympy.exp(power.args[0] + sympy.Rational(float(shift)))
-            changes[part] = sympy.sign(number) * (rest / power) * whole
+            changes[part] = sympy.Mul(sympy.sign(number), *factors, whole)
     return expr.xreplace(changes) if changes else expr
 
 

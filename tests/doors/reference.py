@@ -32,6 +32,7 @@ class Reference(System):
         self.layers = tuple(layer for law in self.laws_of if law is not None for layer in law.layers)
         self.numbers = _numbers(one)
         self.fastest = [0.0] * len(one.contacts)
+        self.now = 0.0
 
     # --- one state
 
@@ -73,11 +74,11 @@ class Reference(System):
         return inverse @ total, force, at
 
     def rate(self, mode: Any, t: float, z: np.ndarray) -> Any:
-        z = z.tolist()
+        self.now, z = t, z.tolist()
         return [*z[self.n :], *self.forces(mode, t, z)[0]]
 
     def speeds(self, mode: Any, z: np.ndarray) -> list[float]:
-        at = self.at(0.0, z)  # the belt's phase hardly matters for the width of a layer
+        at = self.at(self.now, z)
         return [SIGN[word] * at.value[i] for i, word in enumerate(mode) if word in SIGN]
 
     def longest_step(self, mode: Any, z: np.ndarray, rate: np.ndarray) -> float:
