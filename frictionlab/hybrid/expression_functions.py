@@ -44,11 +44,12 @@ class ParameterPrinter(PythonCodePrinter):
 def _lambdify(arguments: Sequence[Any], expressions: Any, modules: list[Any], **options: Any) -> Any:
     """As sympy's; arguments named as one of the functions, such as power, get other names."""
     functions = {n for names in modules if isinstance(names, dict) for n in names if callable(names[n])}
-    others = {each: sp.Dummy() for each in arguments if str(each) in functions}
+    others = {name: sp.Dummy() for name in arguments if str(name) in functions}
     if others:
         several = isinstance(expressions, (list, tuple))
-        changed = [sp.sympify(one).xreplace(others) for one in (expressions if several else [expressions])]
-        arguments = [others.get(each, each) for each in arguments]
+        each = expressions if several else [expressions]
+        changed = [sp.sympify(one, strict=True).xreplace(others) for one in each]
+        arguments = [others.get(name, name) for name in arguments]
         expressions = changed if several else changed[0]
     return sp.lambdify(arguments, expressions, modules, **options)
 

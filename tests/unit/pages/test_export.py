@@ -59,7 +59,7 @@ def test_without_the_solver_the_error_says_how_to_build_it(monkeypatch, tmp_path
 
 
 def test_a_solver_older_than_the_kernels_is_refused(monkeypatch, tmp_path):
-    old = manifest.Manifest({"hybrid/solve.py": ""}, objects={"kernels.wasm": manifest.digest(b"")})
+    old = manifest.Manifest({"hybrid/solve.py": ("", "")}, objects={"kernels.wasm": manifest.digest(b"")})
     monkeypatch.setattr(export, "read_manifest", lambda: old)
     monkeypatch.setattr(export, "read_object", lambda manifest, name: b"")
     with pytest.raises(export.SolverNotBuiltError, match=r"solve\.py has changed since .* --web` once"):
