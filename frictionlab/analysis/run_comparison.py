@@ -96,15 +96,16 @@ def compare_runs(
     if not end > 0.0:
         return RunComparison(0.0, 0.0, np.inf)
     longest = longest_stay(other, end)
-    one, two = mode_stays(run, SIMULTANEOUS_SHARE * longest), mode_stays(other, SIMULTANEOUS_SHARE * longest)
+    together = SIMULTANEOUS_SHARE * longest
+    one, two = mode_stays(run, together), mode_stays(other, together)
     differs_at = first_event_difference(one, two, end, END_MARGIN_SHARE * longest)
     end = min(end, differs_at)
     taylor = other.description["method"]["name"] == Taylor.name
     t = _comparison_times(two, end) if taylor else other.raw.step_times[:, 0]
     t = t[
         (t <= end)
-        & _outside_accumulations(one, t)
-        & _outside_accumulations(two, t)
+        & _between_events(one, t, together)
+        & _between_events(two, t, together)
         & (_events_before(one.first, t) == _events_before(two.first, t))
     ]
     deviation = np.abs((run(t) - other(t)) / size).max(axis=1, initial=0.0)
@@ -144,6 +145,6 @@ def _events_before(first: Array, t: Array) -> Any:
     return np.searchsorted(first, t, side="right")
 
 
-def _outside_accumulations(found: ModeStays, t: Array) -> Any:
-    """Whether a time is outside all groups of events close together."""
-    return _events_before(found.first, t) == _events_before(found.last, t)
+def _between_events(found: ModeStays, t: Array, near: float) -> Any:
+    """Whether a time is not as `near` to an event as events that count as one, nor within a group of these."""
+    return _events_before(found.first - near, t) == _events_before(found.last + near, t)

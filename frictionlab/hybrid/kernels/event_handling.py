@@ -151,6 +151,17 @@ def is_closed(count, impacts):
 
 
 @inlined
+def note_holding(code, mode, count, impacts):
+    """Note the impacts after which a mode holds their guard at zero: they close an accumulation."""
+    for i in range(count):
+        guard = impacts.guards[i]
+        if mode != NO_MODE and is_impact(code, guard):
+            for f in range(code.mode_constraints[mode], code.mode_constraints[mode + 1]):
+                if code.function_classes[f] == code.function_classes[guard]:
+                    impacts.closing[i] = 1
+
+
+@inlined
 def record_events(count, mode, run, record, impacts):
     """Record an event, or impacts that acted together: the states between them are there."""
     times, counts, row = run.times, run.counts, run.counts[EVENTS]
@@ -216,6 +227,7 @@ def record_and_change_mode(system, queue, truncation, event, run, record, scratc
         counts[SHORT_DWELLS], counts[SHORT_FLIGHTS] = short_dwells, short_flights
         leave_event(event, run)
         return MODE_NOT_DERIVED
+    note_holding(system.code, mode, count, scratch.impacts)
     record_events(count, mode, run, record, scratch.impacts)
     count_at_instant(system.code, event.guard, run)
     if mode == NO_MODE:

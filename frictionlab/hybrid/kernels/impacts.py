@@ -46,6 +46,7 @@ EQUAL_SHARE = 1e-9  # share within which two impacts are equally great
 COUPLED_SHARE = 1e-20  # squared cosine of the angle between two guards above which they are coupled
 PIVOT_SHARE = 1e-9  # of impulses with the same effect, which have smaller pivots, one is enough
 MAX_SWEEPS = 100  # times that all contacts are closed in turn
+SHORT_STAY = 64.0  # times what the clock resolves; rates after such stays are nearly rounding errors
 FLIGHTS = 4.0  # a flight of one contact may consist of several stays, between events of others
 
 
@@ -61,8 +62,8 @@ def has_several_impacts(code, mode):
 
 @inlined
 def stay_limit(run):
-    """The time up to which a stay is taken for part of a Zeno accumulation: the clock resolves no shorter."""
-    return CLOCK_RESOLUTION * run.times[NOW]
+    """The time up to which a stay is taken for part of a Zeno accumulation: the clock hardly resolves it."""
+    return SHORT_STAY * CLOCK_RESOLUTION * run.times[NOW]
 
 
 @inlined

@@ -304,15 +304,19 @@ def add_targets_of_failed_guards(system, queue, mode, tried, own, rounding, orde
     """Queue the targets of the events that keep the mode tried last from being entered: next the combination
     with the changes of all, then at the end those of each; returns the new count.
 
-    The targets of the event itself, the `own` first, come before them: they change one contact only, and
-    another that sticks leaves stick only where it has to.
+    Where the event's own contact cannot be as tried, its next regime comes before them (the `own` first
+    combinations are the event's targets): another contact that sticks leaves stick only where it has to.
     """
     code, row, joint = system.code, queue.rows[tried - 1], queue.missing
     copy_vector(row, joint)
     for g in range(code.mode_guards[mode], code.mode_guards[mode + 1]):
         if has_failed(system, g, rounding, order, scratch):
             add_change(queue.demand, g, row, joint)
-    count = insert_candidate(queue, max(tried, own), joint, count)
+    place = tried
+    for i in range(row.shape[0]):
+        if tried < own and joint[i] != row[i] and queue.rows[tried, i] != row[i]:
+            place = own
+    count = insert_candidate(queue, place, joint, count)
     for g in range(code.mode_guards[mode], code.mode_guards[mode + 1]):
         if has_failed(system, g, rounding, order, scratch):
             count = add_targets(queue, g, count)
