@@ -146,5 +146,5 @@ def _events_before(first: Array, t: Array) -> Any:
 
 
 def _between_events(found: ModeStays, t: Array, near: float) -> Any:
-    """Whether a time is not as `near` to an event as events that count as one, nor within a group of these."""
+    """Whether a time is neither `near` an event nor within a group of events that count as one."""
     return _events_before(found.first - near, t) == _events_before(found.last + near, t)
