@@ -12,23 +12,23 @@ and unilateral contact, and Lagrange's equations by differences of the energies 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from enum import Enum
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import sympy as sp
 
+from frictionlab.analysis.motion_scales import motion_size
 from frictionlab.analysis.simulate import simulate
-from frictionlab.analysis.stated_conditions import broken_statement
+from frictionlab.analysis.stated_conditions import Places, broken_statement, places_within_steps
+from frictionlab.analysis.stated_mechanics import StatedMechanics
 from frictionlab.components import ContactLaw, FrictionLaw, ImpactLaw
 from frictionlab.components.component import Component, Parameter, parameters_of, structure_of
 from frictionlab.hybrid.tape.packing import program_of
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models import MechanicalModel
 from frictionlab.models.composition import parameter_metadata
-from frictionlab.models.mechanical.mechanics import Mechanics, Stop
 from frictionlab.models.model import Model, require_model
 from frictionlab.models.serialisation import component_from_dict, component_to_dict
 from frictionlab.models.symbols import structure_of_component, symbol, symbolic_copy
@@ -183,13 +183,7 @@ COMPARISON_TIME = 0.02  # s, of the comparison with another integrator
 COMPARISON_METHOD, COMPARISON_RTOL = "DOP853", 1e-7
 PARAMETER_FACTOR = 1.0 + 2.0**-20  # by which a parameter's value is changed
 
-STEPS_PER_MODE = 4  # in which Lagrange's equations are checked, for as many coordinates at most as
-MOST_COORDINATES, COORDINATE_SEED = 6, 8
 LAGRANGE_RTOL = 1e-6
-DIFFERENCE_SHARE = 1e-2  # of the largest value of a state, by which it is changed for a difference
-ROUNDING = 1e-14  # of a momentum, or a time, in a difference
-STEP_SHARE = 1.0 / 9.0  # of a step, between the points of a difference by time
-CENTRAL_WEIGHTS = 4 / 5, -1 / 5, 4 / 105, -1 / 280
 
 SAMPLE_COUNT = 400
 SLIP_SIGNS = {"slip+": 1.0, "slip-": -1.0}
@@ -289,23 +283,22 @@ def _check_agreement(model: Any, t_end: float) -> None:
 def check_lagrange(model: MechanicalModel, run: Trajectory) -> None:
     """Raise AssertionError unless a run keeps Lagrange's equations with the energies that the model states.
 
-    In the middle of the longest steps of each mode d/dt (dT/dv) - dT/dq + dV/dq + dD/dv is compared with
-    the loads and the forces of the contacts.  All derivatives are differences of numbers, that by time along
-    the run, so that nothing of the derivation by symbols is used.
+    In steps of each mode d/dt (dT/dv) - dT/dq + dV/dq + dD/dv is compared with the loads and the forces of
+    the contacts, which are the outputs of the run.  All derivatives are differences of numbers, that by time
+    along the run, so that nothing of the derivation by symbols is used.
     """
-    balance = _LagrangeBalance(model, run)
-    begins, lengths = run.raw.step_times.T
-    middles, n = begins + lengths / 2, len(model.coordinates)
-    coordinates = np.random.default_rng(COORDINATE_SEED).permutation(n)[:MOST_COORDINATES]
-    places = [(k, i) for k in _longest_steps(run.modes_at(middles), lengths) for i in coordinates]
-    each = [balance.terms(middles[k], lengths[k], i) for k, i in places]
-    terms = np.array([terms for terms, _ in each]).reshape(-1, len(coordinates), balance.count)
-    rooms = np.array([room for _, room in each]).reshape(terms.shape[:2])
-    sizes = np.abs(terms).sum(axis=2).max(axis=0, initial=0.0)
-    misses = np.maximum(np.abs(terms.sum(axis=2)) - rooms, 0.0)
-    shares = misses / np.where(sizes > 0, sizes, 1.0)
+    stated = StatedMechanics(model, motion_size(run))
+    places, accelerations, errors = places_within_steps(run, stated)
+    values, rooms, sizes = stated.imbalance(places.states, accelerations)
+    rooms += np.abs(stated.imbalance(places.states, accelerations + errors)[0] - values)
+    for force, direction in _contact_forces(stated, run, places):
+        values = values - force[:, None] * direction
+        sizes = sizes + np.abs(force[:, None] * direction)
+    misses = np.maximum(np.abs(values) - rooms, 0.0)
+    largest = sizes.max(axis=0, initial=0.0)
+    shares = misses / np.where(largest > 0, largest, 1.0)
     if not shares.max(initial=0.0) <= LAGRANGE_RTOL:
-        worst = int(coordinates[np.unravel_index(shares.argmax(), shares.shape)[1]])
+        worst = int(np.unravel_index(shares.argmax(), shares.shape)[1])
         rule = (
             f"its motion must keep Lagrange's equation of {model.coordinates[worst]!r} but for a share of "
             f"{LAGRANGE_RTOL:g} of the forces in it"
@@ -313,90 +306,21 @@ def check_lagrange(model: MechanicalModel, run: Trajectory) -> None:
         fail(model, rule, shares.max())
 
 
-def _longest_steps(modes: Any, lengths: Any) -> list[int]:
-    """The indices of the longest steps in each mode."""
-    some = (np.flatnonzero(modes == name) for name in np.unique(modes))
-    return [int(k) for steps in some for k in steps[np.argsort(-lengths[steps])][:STEPS_PER_MODE]]
-
-
-class _LagrangeBalance:
-    """The terms of Lagrange's equations along a run, from the energies in numbers."""
-
-    def __init__(self, model: MechanicalModel, run: Trajectory) -> None:
-        self.model, self.run, self.names = model, run, model.coordinates
-        n = len(self.names)
-        sizes = np.abs(run.states[:, : 2 * n]).max(axis=0, initial=0.0)
-        self.count = 5 + sum(_force_count(c) for c in self._mechanics(run.states[0]).contacts)
-        self.steps = DIFFERENCE_SHARE * np.where(sizes > 0, sizes, 1.0)
-
-    def terms(self, t: float, length: float, i: int) -> tuple[list[float], float]:
-        """The terms of the equation of coordinate `i` at a time in the middle of a step, of a sum of zero.
-
-        And what rounding of momentum and time may leave in the first, which is a difference by time.
-        """
-        n, state = len(self.names), self.run(t)
-
-        def momentum(offset: float) -> float:
-            there = self.run(t + offset)
-            return self._slope(lambda about: about.kinetic, there, n + i)
-
-        about = self._mechanics(state)
-        h = length * STEP_SHARE
-        terms = [_difference(momentum, h)]
-        room = ROUNDING * (abs(momentum(0.0)) + abs(terms[0]) * t) / h
-        terms += [-self._slope(lambda about: about.kinetic, state, i)]
-        terms += [self._slope(lambda about: about.stored, state, i)]
-        terms += [self._slope(lambda about: about.dissipation, state, n + i)]
-        terms += [-float(about.loads.get(self.names[i], 0.0))]
-        for k, contact in enumerate(about.contacts):
-            terms += self._contact_terms(state, i, k, contact, lambda name: float(self.run.output(name, t)))
-        return terms, room
-
-    def _contact_terms(self, state: Any, i: int, k: int, contact: Any, force: Any) -> list[float]:
-        known = self.run.automaton.outputs
-        suffix = "" if "friction_force" in known or "reaction" in known else f"_{k + 1}"
-        if isinstance(contact, Stop):
-            return [-force("reaction" + suffix) * self._slope(lambda m: m.contacts[k].distance, state, i)]
-        n = len(self.names)
-        along = self._slope(lambda m: m.contacts[k].relative_velocity, state, n + i)
-        terms = [force("friction_force" + suffix) * along]
-        if contact.penetration is None:
-            return terms
-        if contact.normal is not None:
-            return [*terms, -force("normal_force" + suffix) * float(contact.normal[i])]
-        return [
-            *terms,
-            force("normal_force" + suffix) * self._slope(lambda m: m.contacts[k].penetration, state, i),
-        ]
-
-    def _slope(self, of: Callable[[Any], Any], state: Any, place: int) -> float:
-        """The derivative of what a model states by one of the states."""
-
-        def value(offset: float) -> float:
-            there = state.copy()
-            there[place] += offset
-            return float(of(self._mechanics(there)))
-
-        return _difference(value, self.steps[place])
-
-    def _mechanics(self, state: Any) -> Mechanics:
-        n = len(self.names)
-        q, v = (
-            dict(zip(self.names, map(float, part), strict=True)) for part in (state[:n], state[n : 2 * n])
+def _contact_forces(stated: StatedMechanics, run: Trajectory, places: Places) -> Iterator[tuple[Any, Any]]:
+    """The forces of the contacts by a run's outputs, each with its direction (N, n)."""
+    known = run.automaton.outputs
+    for k, contact in enumerate(stated.contacts, start=1):
+        suffix = "" if "friction_force" in known or "reaction" in known else f"_{k}"
+        normal = stated.normal_direction(contact, places.states)
+        if contact.speed is None:
+            yield run.output(f"reaction{suffix}", places.t), normal
+            continue
+        yield (
+            run.output(f"friction_force{suffix}", places.t),
+            stated.rubbing_direction(contact, places.states),
         )
-        phase = {"phase": float(state[2 * n])} if len(state) > 2 * n else {}
-        return self.model.mechanics(SimpleNamespace(**q, **phase), SimpleNamespace(**v))
-
-
-def _force_count(contact: Any) -> int:
-    """How many forces a contact has."""
-    return 1 if isinstance(contact, Stop) or contact.penetration is None else 2
-
-
-def _difference(function: Callable[[float], float], h: float) -> float:
-    """The derivative at 0 by a central difference of order 8."""
-    pairs = (w * (function(k * h) - function(-k * h)) for k, w in enumerate(CENTRAL_WEIGHTS, start=1))
-    return sum(pairs) / h
+        if contact.gap is not None or contact.normal is not None:
+            yield run.output(f"normal_force{suffix}", places.t), normal
 
 
 def rule_violations(run: Trajectory) -> dict[str, float]:

@@ -72,6 +72,35 @@ class Places(NamedTuple):
         return Places(*(field[some] for field in self))
 
 
+def is_of_series(run: Trajectory) -> bool:
+    """Whether a run's dense output is a series, so that it reaches across each step."""
+    return "tol" in run.description["method"]
+
+
+def places_within_steps(run: Trajectory, stated: StatedMechanics) -> tuple[Places, Array, Array]:
+    """Places within steps of each mode, accelerations there by differences along the run, their errors."""
+    begins, lengths = run.raw.step_times.T
+    modes = run.raw.step_modes
+    steps = np.concatenate([_some_steps(run, np.flatnonzero(modes == mode)) for mode in np.unique(modes)])
+    share = 0.5 if is_of_series(run) else NEAR_START
+    t, first = begins[steps] + share * lengths[steps], share * lengths[steps] * 2.0 * STEP_SHARE
+    n = stated.n
+    clear = (t - 4.0 * first > begins[steps]) & (t + 4.0 * first < begins[steps] + lengths[steps])
+    t, first = t[clear], first[clear]
+    accelerations, errors = differences(lambda h: run(t + h)[:, n : 2 * n], first, TIME_LEVELS)
+    errors += ROUNDING * (stated.sizes[n : 2 * n] + np.abs(accelerations) * t[:, None]) / first[:, None]
+    known = np.isfinite(errors).all(axis=1)
+    t = t[known]
+    return Places(t, *run.states_and_modes(t)), accelerations[known], errors[known]
+
+
+def _some_steps(run: Trajectory, steps: Array) -> Array:
+    """The longest of some steps, and others all over them."""
+    longest = steps[np.argsort(-run.raw.step_times[steps, 1])][:LONGEST_STEPS]
+    spread = steps[np.unique(np.linspace(0, len(steps) - 1, PLACES_PER_MODE).astype(int))]
+    return np.union1d(longest, spread)
+
+
 class _Judge:
     def __init__(self, run: Trajectory, stated: StatedMechanics) -> None:
         self.run, self.stated, self.limit = run, stated, largest_violation(run)
@@ -83,12 +112,8 @@ class _Judge:
     def _in_steps(self) -> list[Array]:
         begins, lengths = self.run.raw.step_times.T
         some = np.unique(np.linspace(0, len(begins) - 1, SAMPLES).astype(int))
-        inside = [] if self._by_other_method else [begins[some] + lengths[some] * s for s in (0.3, 0.8)]
+        inside = [begins[some] + lengths[some] * s for s in (0.3, 0.8)] if is_of_series(self.run) else []
         return [begins[some], *inside]
-
-    @property
-    def _by_other_method(self) -> bool:
-        return "tol" not in self.run.description["method"]
 
     @property
     def knows_modes(self) -> bool:
@@ -155,7 +180,7 @@ class _Judge:
         """Lagrange's equations in steps of each mode, with holding forces within their limits."""
         if self.stated.n > MOST_COORDINATES:
             return ""
-        places, accelerations, errors = self._places()
+        places, accelerations, errors = places_within_steps(self.run, self.stated)
         if not len(places.t):
             return ""
         forces = self._forces(places)
@@ -177,33 +202,6 @@ class _Judge:
 
     def _names_at(self, places: Places) -> list[str]:
         return [self.run.mode_names[mode] for mode in places.modes]
-
-    def _places(self) -> tuple[Places, Array, Array]:
-        """Places within steps, accelerations there by differences along the run, and their errors."""
-        raw = self.run.raw
-        begins, lengths = raw.step_times.T
-        chosen = [
-            self._steps_of(np.flatnonzero(raw.step_modes == mode)) for mode in np.unique(raw.step_modes)
-        ]
-        steps = np.concatenate(chosen)
-        share = NEAR_START if self._by_other_method else 0.5
-        t, first = begins[steps] + share * lengths[steps], share * lengths[steps] * 2.0 * STEP_SHARE
-        n = self.stated.n
-        clear = (t - 4.0 * first > begins[steps]) & (t + 4.0 * first < begins[steps] + lengths[steps])
-        t, first = t[clear], first[clear]
-        accelerations, errors = differences(lambda h: self.run(t + h)[:, n : 2 * n], first, TIME_LEVELS)
-        errors += (
-            ROUNDING * (self.stated.sizes[n : 2 * n] + np.abs(accelerations) * t[:, None]) / first[:, None]
-        )
-        known = np.isfinite(errors).all(axis=1)
-        t = t[known]
-        return Places(t, *self.run.states_and_modes(t)), accelerations[known], errors[known]
-
-    def _steps_of(self, steps: Array) -> Array:
-        """The longest steps of a mode, and others all over the run."""
-        longest = steps[np.argsort(-self.run.raw.step_times[steps, 1])][:LONGEST_STEPS]
-        spread = steps[np.unique(np.linspace(0, len(steps) - 1, PLACES_PER_MODE).astype(int))]
-        return np.union1d(longest, spread)
 
     def _forces(self, places: Places, resting: float = RESTING) -> Forces:
         """The forces of all contacts, given or holding, at places."""

@@ -10,7 +10,7 @@ Introduction to Interval Analysis, SIAM 2009, chapters 6 and 8.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import lru_cache
 from typing import Any, NamedTuple
 
@@ -133,6 +133,7 @@ class Tape:
         held = slice(code.mode_constraints[mode], code.mode_constraints[mode + 1])
         self.held = code.function_slots[held].tolist()
         self.flow = code.flow[mode].tolist()
+        self.bases = sorted({row[1] for row in rows if row[0] == kinds.POWER})
 
     def sizes(self, states: Array) -> Array:
         """The largest sums of absolute terms of guards and constraints among states: their sizes."""
@@ -185,14 +186,17 @@ class Tape:
                 rates.append(known[b] * rates[a])
         return rates
 
-    def values(self, states: Array) -> Array:
-        """Values of guards and constraints at states (N, states): (N, functions)."""
+    def values(self, states: Array, slots: Sequence[int] | None = None) -> Array:
+        """Values of slots, if not given guards and constraints, at states (N, states): (N, slots)."""
         known = self.ranges([Interval(z, z) for z in states.T])
-        values = [0.5 * (known[i].low + known[i].high) for i in self.functions]
+        values = [0.5 * (known[i].low + known[i].high) for i in self._asked(slots)]
         return np.array(values).reshape(-1, len(states)).T
 
-    def magnitudes(self, states: Array) -> Array:
-        """Sums of the absolute terms of guards and constraints at states (N, states): (N, functions)."""
+    def _asked(self, slots: Sequence[int] | None) -> Sequence[int]:
+        return self.functions if slots is None else slots
+
+    def magnitudes(self, states: Array, slots: Sequence[int] | None = None) -> Array:
+        """Sums of the absolute terms of slots, as :meth:`values`."""
         values = [value.low for value in self.ranges([Interval(z, z) for z in states.T])]
         sums = list(np.abs(states.T))
         for out, (kind, a, b, constant) in enumerate(self._operations, start=self._inputs):
@@ -209,7 +213,7 @@ class Tape:
                 sums.append(sums[a])
             else:
                 sums.append(np.abs(values[out]) + np.abs(values[b]) * sums[a])
-        return np.array([sums[i] for i in self.functions]).reshape(-1, len(states)).T
+        return np.array([sums[i] for i in self._asked(slots)]).reshape(-1, len(states)).T
 
     @staticmethod
     def _sum(constant: float, terms: list[tuple[int, float]], known: list[Interval]) -> Interval:

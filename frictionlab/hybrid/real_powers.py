@@ -11,13 +11,11 @@ import numpy as np
 
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.automaton.expressions import integer_exponent
-from frictionlab.hybrid.kernels.jets import majorant, mode_operations, run_tape
+from frictionlab.hybrid.guard_bounds import Tape
 from frictionlab.hybrid.problem import Problem, RunData, Status
-from frictionlab.hybrid.tape.functions import POWER
-from frictionlab.hybrid.tape.program import system_of
 from frictionlab.lazy_names import sympy
 
-MOST_STATES = 256  # of each mode at which bases are computed
+STATES_AT_ONCE = 20_000  # at which bases are computed
 # Share of the largest sum of a base's absolute terms along the run: what is less negative may be rounding.
 ROUNDING_SHARE = 1e-6
 
@@ -31,11 +29,8 @@ def cut_where_undefined(automaton: HybridAutomaton, problem: Problem, raw: RunDa
         Where a base is negative at the start.
     """
     code, modes = problem.program.code, np.append(raw.step_modes, raw.mode)
-    n = code.inputs  # integrals may follow the states
-    if not code.powers[modes[modes >= 0]].any():
-        return raw
-    states = np.vstack([raw.step_states, raw.state])
-    firsts = [_first_negative(problem, mode, states[:, :n], modes) for mode in np.unique(modes[modes >= 0])]
+    visited = np.unique(modes[modes >= 0])
+    firsts = [_first_negative(problem, mode, raw, modes) for mode in visited[code.powers[visited] != 0]]
     first = min((at for at in firsts if at is not None), default=None)
     if first is None:
         return raw
@@ -47,7 +42,7 @@ def cut_where_undefined(automaton: HybridAutomaton, problem: Problem, raw: RunDa
     kept = {"step_": np.arange(len(raw.step_modes)) < first}
     kept |= {"event_": raw.event_times <= t, "point_": raw.point_times <= t}
     arrays = {name: getattr(raw, name)[kept[part]] for name in raw._fields for part in kept if part in name}
-    mode, state = int(modes[first]), states[first].copy()
+    mode, state = int(modes[first]), raw.step_states[first].copy()
     return raw._replace(**arrays, t=t, state=state, mode=mode, status=Status.NOT_FINITE)
 
 
@@ -74,39 +69,17 @@ def _words(automaton: HybridAutomaton, problem: Problem, raw: RunData) -> str:
     return negative_base(automaton, problem, state, int(raw.step_modes[0]))
 
 
-def _first_negative(problem: Problem, mode: int, states: np.ndarray, modes: np.ndarray) -> int | None:
-    """The first of the states (N, n) in a mode at which a base is negative; None where none is seen."""
+def _first_negative(problem: Problem, mode: int, raw: RunData, modes: np.ndarray) -> int | None:
+    """The first step in a mode at whose start a base is negative, one more at the end; None for none."""
     code = problem.program.code
-    operations = np.arange(code.mode_ops[mode], code.mode_ops[mode + 1])
-    bases = np.unique(code.ops[operations[code.ops[operations, 0] == POWER], 1]).astype(int)
-    inside = np.flatnonzero(modes == mode)
-    if not len(bases):
-        return None
-    some = np.unique(np.linspace(0, len(inside) - 1, MOST_STATES).astype(int))
-    values, sizes = _values(problem, mode, states[inside[some]], bases)
+    tape, inside = Tape(code, problem.numbers, mode), np.flatnonzero(modes == mode)
+    states = raw.step_states[inside[inside < len(raw.step_modes)], : code.inputs]  # integrals may follow
+    if raw.mode == mode:
+        states = np.vstack([states, raw.state[: code.inputs]])
+    with np.errstate(all="ignore"):
+        parts = np.array_split(states, -(-len(states) // STATES_AT_ONCE))
+        values = np.concatenate([tape.values(part, tape.bases) for part in parts])
+        sizes = np.concatenate([tape.magnitudes(part, tape.bases) for part in parts])
     least = -ROUNDING_SHARE * np.where(np.isfinite(sizes), sizes, 0.0).max(axis=0)
     negative = np.flatnonzero((values < least).any(axis=1))
-    if not len(negative):
-        return None
-    low, high = int(some[negative[0] - 1]) if negative[0] else -1, int(some[negative[0]])
-    while high - low > 1:
-        middle = (low + high) // 2
-        there = (_values(problem, mode, states[inside[[middle]]], bases)[0] < least).any()
-        low, high = (low, middle) if there else (middle, high)
-    return int(inside[high])
-
-
-def _values(
-    problem: Problem, mode: int, states: np.ndarray, slots: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Values (N, slots) of slots of a mode's tape at states, and the sums of their absolute terms."""
-    code, numbers = problem.program.code, problem.numbers
-    magnitudes, J = system_of(code, numbers).magnitudes, np.zeros((problem.program.slots, 1))
-    values, sums = np.empty((2, len(states), len(slots)))
-    terms = J.copy()
-    for i, z in enumerate(states):
-        J[: len(z), 0] = z
-        run_tape(code, numbers, mode_operations(code, mode), 0, code.flow[mode], -1.0, J, J)
-        majorant(code, magnitudes, mode, 0, z, J, terms)
-        values[i], sums[i] = J[slots, 0], terms[slots, 0]
-    return values, sums
+    return int(inside[negative[0]]) if len(negative) else None

@@ -361,8 +361,8 @@ class Trajectory(Drawable):
         """A warning where steps by series are far less exact than the tolerance, or where flights that have
         been replaced by their limit are not short beside the stays in modes, else None.
 
-        Steps are measured in some of each mode whose equations are no polynomials of a low degree, as a share
-        of the motion's size.  Or where the run ended as the base of a power became negative.
+        Also where the run ended as the base of a power became negative.  The steps measured are some of each
+        mode whose equations are no polynomials of a low degree, as a share of the motion's size.
         """
         code = self.problem.program.code
         if self.raw.status is Status.NOT_FINITE and code.powers[self.raw.mode]:
@@ -370,8 +370,8 @@ class Trajectory(Drawable):
             if words:
                 return f"it ended at {self.raw.t:g} s with {words}"
         limit = self.automaton.values.get("chatter", 0.0)
-        if (unlimited := chatter_warning(code.limits, self.raw, limit)) is not None:
-            return unlimited
+        if (words := chatter_warning(code.limits, self.raw, limit)) is not None:
+            return words
         order = self.samples.order
         if self._tolerance is None or code.degrees.max() < order:
             return None

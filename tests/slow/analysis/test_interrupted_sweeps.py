@@ -56,6 +56,7 @@ def test_a_killed_sweep_goes_on_to_the_file_of_an_undisturbed_one(tmp_path):
     process = started(path, "threads")
     os.killpg(process.pid, signal.SIGKILL)
     process.communicate(timeout=60.0)
+    # The head and some results, so that there is something to go on from and something left.
     assert 4 <= len(path.read_text().splitlines()) <= len(VALUES)
     fl.bifurcation(MODEL, "mu_k", VALUES, resume=path, **SETTINGS)
     undisturbed = fl.bifurcation(MODEL, "mu_k", VALUES, workers=2, **SETTINGS)
