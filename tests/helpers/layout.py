@@ -1,4 +1,4 @@
-"""The layout of the package in numbers, for docs/architecture.md: `python -m tests.helpers.layout`."""
+"""The layout of the package in numbers: `python -m tests.helpers.layout`."""
 
 import ast
 import inspect
@@ -117,7 +117,7 @@ def touched(call: Callable[[], object]) -> tuple[int, int]:
 
 
 def _calls() -> dict[str, Callable[[], object]]:
-    """What the table follows through the package, each the first time after those before it."""
+    """Calls that are followed through the package, each the first time after those before it."""
     import frictionlab as fl
 
     model = fl.SliderOnBelt(mu_k=1.4)
@@ -132,7 +132,7 @@ def _calls() -> dict[str, Callable[[], object]]:
 
 
 def main() -> None:
-    """Print the rows of the table."""
+    """Print files, parameters, import cycles, and what calls go through."""
     lines = {path: len(path.read_text(encoding="utf-8").splitlines()) for path in files()}
     largest = max(lines, key=lambda path: lines[path])
     counts = parameter_counts()
