@@ -44,7 +44,7 @@ class IndependentMethod(Scipy):
         cursor, solver = run.cursor, self.solver_of(run)
         if solver is None:
             return run_state.NOT_FINITE
-        guards, shorter = BoundedGuards(run), 0
+        guards, shorter = BoundedGuards(run, self.atol / self.rtol), 0
         while solver.status == "running":
             room = len(record.step_modes) - int(cursor.counts[run_state.STEPS])
             if room == 0:
@@ -52,11 +52,12 @@ class IndependentMethod(Scipy):
             steps = guards.steps(solver, min(room, STEPS_AT_ONCE))
             if solver.status == "failed" or not steps:
                 return run_state.NOT_FINITE
-            longest = guards.longest_step(steps)
+            pieces = guards.pieces(steps)
+            longest = guards.longest_step(pieces)
             if longest < np.inf and shorter < MOST_SHORTENINGS:
                 solver, shorter = replace(self, max_step=longest).solver_of(run), shorter + 1
                 continue
-            which, zero, guard = guards.first_of(steps)
+            which, zero, guard = guards.first_of(steps, pieces)
             for step in steps[: which + 1]:
                 end = zero if step is steps[which] else step.end
                 if end > step.start:
@@ -73,14 +74,14 @@ class IndependentMethod(Scipy):
 
 
 class BoundedGuards(Guards):
-    """Guards that are bounded all over the steps."""
+    """Guards that are bounded all over the steps; states below `least` count as that large."""
 
-    def __init__(self, run: ActiveRun) -> None:
+    def __init__(self, run: ActiveRun, least: float) -> None:
         super().__init__(run)
         self._tape = Tape(run.problem.program.code, run.problem.numbers, self.mode)
         self._sizes = np.zeros(len(self._tape.functions))
         self._groups = run.problem.program.code.groups
-        self._largest = np.abs(run.cursor.state)
+        self._largest = np.maximum(np.abs(run.cursor.state), least)
 
     def steps(self, solver: Any, most: int) -> list[Step]:
         """The next steps: at most so many, up to one at whose end a guard is negative."""
@@ -94,10 +95,10 @@ class BoundedGuards(Guards):
                 break
         return found
 
-    def first_of(self, steps: list[Step]) -> tuple[int, float, int]:
+    def first_of(self, steps: list[Step], pieces: Pieces) -> tuple[int, float, int]:
         """The first event: its step, its time and its guard; the end of the last step and -1 for none."""
         which, zero, guard = len(steps) - 1, steps[-1].end, -1
-        bad = negative_points(self._tape, pieces := self._pieces(steps), self._bounds(pieces))
+        bad = negative_points(self._tape, pieces, self._bounds(pieces))
         if len(bad.times):
             k = int(bad.times.argmin())
             which = max(int(np.searchsorted(pieces.starts, bad.times[k])) - 1, 0)
@@ -110,9 +111,8 @@ class BoundedGuards(Guards):
                 zero, guard = min((zero, guard), other) if guard >= 0 else other
         return which, zero, guard
 
-    def longest_step(self, steps: list[Step]) -> float:
+    def longest_step(self, pieces: Pieces) -> float:
         """The longest step that would not pass over what the rates do within; infinite where none did."""
-        pieces = self._pieces(steps)
         found = largest_defect(self._tape, pieces, self._state_sizes(pieces))
         if not found.share > DEFECT:
             return np.inf
@@ -124,7 +124,8 @@ class BoundedGuards(Guards):
         zero = self.root(lambda t: self.values(step.dense(t))[function], step.start, end)
         return zero, self.numbers_of_guards.start + function
 
-    def _pieces(self, steps: list[Step]) -> Pieces:
+    def pieces(self, steps: list[Step]) -> Pieces:
+        """The steps as pieces."""
         starts, ends = (np.array([step[i] for step in steps]) for i in (0, 1))
         at = DENSE_ORDER + 1
 

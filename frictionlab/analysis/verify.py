@@ -43,7 +43,9 @@ UNPREDICTABLE_DEVIATION = (
 TRUSTED_DEVIATION = 1e-4  # share of the motion's size: runs that agree so well coincide in a plot
 EXTRA_ORDERS, TOLERANCE_FACTOR = 6, 0.1  # added to the order, and times the tolerance, for the second run
 INDEPENDENT_RTOL = 1e-12  # relative tolerance of the independent method
-MAX_INDEPENDENT_STEPS = 30_000  # of the independent method, some ten seconds
+# Fewest and most steps that the independent method may take, in between as many as the run; one takes as
+# long as some 20 of series.
+INDEPENDENT_STEPS = 4_000, 30_000
 TIME_RTOL = 1e-6  # share by which times in two runs with the same events may differ
 UNPREDICTABLE_MESSAGE = "a start changed by a billionth leads elsewhere."
 
@@ -63,7 +65,9 @@ class Verification(Drawable):
         s: time up to which the motion can be predicted.  After it, a run from an initial state changed by a
         billionth deviates.
     independent_until : float
-        s: time up to which the run was compared with the independent one, at most up to a Zeno point.
+        s: time up to which the run was compared with the independent one: at most up to a Zeno point, to
+        where the run from the changed state deviates by a ten-thousandth, and as far as it came in as many
+        steps as the run has, or in 4000.
     events_agree : bool
         Whether the events up to `until` are the same, in the same sequence.
     defect : mapping
@@ -105,9 +109,10 @@ def verify(
 
     The second run uses series of a higher order and a tighter tolerance.  The third is by DOP853 of scipy,
     which shares the equations, but not the series, the steps or the search for events.  It cannot follow Zeno
-    behaviour (chatter, a ball that comes to rest) and is compared only up to there.  The fourth starts from
-    an initial state changed by a billionth and shows how far the motion can be predicted: a chaotic motion is
-    not compared beyond that time.
+    behaviour (chatter, a ball that comes to rest) and is compared only up to there, and as far as it comes in
+    a time that is in proportion to the run's.  The fourth starts from an initial state changed by a billionth
+    and shows how far the motion can be predicted: a chaotic motion is not compared beyond that time.  The
+    verdict says what was not compared.
 
     Parameters
     ----------
@@ -153,11 +158,13 @@ def verification_of(run: Trajectory, motion: RunSetup, method: Method) -> Verifi
     """The verification of a run of a motion by a method."""
     second = motion.run(_more_exact_method(method), t_end=run.raw.t)
     size = motion_size(second)
-    until = compare_runs(motion.neighbouring_run(second), second, size, UNPREDICTABLE_DEVIATION).until
-    if math.isclose(until, run.raw.t, rel_tol=TIME_RTOL):  # the neighbouring run ends a little earlier
-        until = run.raw.t
+    neighbour, end = motion.neighbouring_run(second), float(run.raw.t)
+    until, clear = (
+        _end_of_agreement(neighbour, second, size, share, end)
+        for share in (UNPREDICTABLE_DEVIATION, TRUSTED_DEVIATION)
+    )
     same = compare_runs(run, second, size, np.inf, until)
-    third = _independent_run(motion, second, size, until)
+    third = _independent_run(motion, second, size, clear)
     found = same, compare_runs(run, third, size, np.inf) if third else RunComparison(0.0, 0.0, np.inf)
     why = _reason_for_doubt(run, second, *found)
     verdict = f"Do not trust this run: {why}." if why else _agreement_message(run, third, until, found)
@@ -214,13 +221,23 @@ def _more_exact_method(method: Method) -> Method:
     return replace(method, tol=TOLERANCE_FACTOR * method.tol, order=order)
 
 
+def _end_of_agreement(one: Trajectory, two: Trajectory, size: Array, share: float, end: float) -> float:
+    """The time up to which two runs that end at `end` deviate by less than a share of the motion's size."""
+    until = compare_runs(one, two, size, share).until
+    return end if math.isclose(until, end, rel_tol=TIME_RTOL) else until  # one may end a little earlier
+
+
 def _independent_run(motion: RunSetup, second: Trajectory, size: Array, until: float) -> Trajectory | None:
-    """The run by an independent method, up to where this can follow; None where it cannot follow at all."""
+    """The run by an independent method, up to where this can follow; None where it cannot follow at all.
+
+    Where the neighbouring run deviates, `until`, errors of a method with a tolerance have grown as well.
+    """
     end = min(until, accumulation_time(second))
     if not end > 0.0:
         return None
     tolerances = INDEPENDENT_RTOL, INDEPENDENT_RTOL * float(size.min())
-    return motion.run(IndependentMethod("DOP853", *tolerances, max_steps=MAX_INDEPENDENT_STEPS), t_end=end)
+    most = int(np.clip(len(second.raw.step_modes), *INDEPENDENT_STEPS))
+    return motion.run(IndependentMethod("DOP853", *tolerances, max_steps=most), t_end=end)
 
 
 def _reason_for_doubt(run: Trajectory, second: Trajectory, same: RunComparison, other: RunComparison) -> str:
@@ -256,15 +273,17 @@ def _agreement_message(
         text = f"The runs {agree} up to t = {until:.4g} s, {events}; "
         text += f"after that it cannot be predicted: {UNPREDICTABLE_MESSAGE}"
     if independent < until:
-        limit = _comparison_limit(third)
+        limit = _comparison_limit(run, third)
         text += f" The independent method was compared up to t = {independent:.4g} s, {limit}."
     return text if run.status.ok else f"{text} There the run ended: {run.status}."
 
 
-def _comparison_limit(third: Trajectory | None) -> str:
+def _comparison_limit(run: Trajectory, third: Trajectory | None) -> str:
     """Why the comparison with the independent method ended."""
     if third is not None and third.status is Status.STEP_CAP:
         return f"where it had taken {len(third.raw.step_modes)} steps"
     if third is not None and not third.status.ok:
         return f"where it ended ({third.status})"
+    if third is not None and third.raw.t < accumulation_time(run):
+        return "where errors of its size have grown too large"
     return "at a Zeno accumulation of events"

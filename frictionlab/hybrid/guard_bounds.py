@@ -25,6 +25,9 @@ MOST_HALVINGS = 40
 MOST_PIECES = 4096  # in doubt at once; beyond, the guards of the pieces in doubt count as positive
 RESOLUTION = 0.1  # share of the largest rate by which rates between points may be unknown
 NOTHING = 1e-12  # share of a state's size that is not looked for
+HIDDEN = 1e-11  # share of a state's size that functions which change much on a piece may add unseen
+SCALE = 1.0  # of a function: by how much its argument may change on a piece
+RATIO = 2.0  # the same of powers, quotients and logarithms, by the ratio of the ends of the argument's range
 POINTS = np.array([-1.0, 0.0, 1.0])  # of a piece, at which values are computed: its start, middle and end
 
 
@@ -41,8 +44,10 @@ class Interval(NamedTuple):
         return Interval(-self.high, -self.low)
 
     def __mul__(self, other: Any) -> Interval:  # type: ignore[override]
-        ends = [a * b for a in self for b in other]
-        return _known(np.minimum.reduce(ends), np.maximum.reduce(ends))
+        (a, b), (c, d) = self, other
+        ac, ad, bc, bd = a * c, a * d, b * c, b * d
+        low = np.minimum(np.minimum(ac, ad), np.minimum(bc, bd))
+        return _known(low, np.maximum(np.maximum(ac, ad), np.maximum(bc, bd)))
 
     def scaled(self, factor: float) -> Interval:
         """The ranges times a number."""
@@ -64,12 +69,23 @@ class Interval(NamedTuple):
         ends = [np.maximum(end, 0.0) ** exponent for end in self]
         return _known(*(ends if exponent >= 0.0 else ends[::-1]))
 
+    @property
+    def width(self) -> Array:
+        """How far the ends are apart."""
+        return self.high - self.low
+
+    @property
+    def spans_ratio(self) -> Array:
+        """Whether the ends differ in sign, or by more than the factor `RATIO`."""
+        ends = np.abs(self.low), np.abs(self.high)
+        return (np.maximum(*ends) > RATIO * np.minimum(*ends)) | (self.low * self.high < 0.0)
+
     def _holds(self, number: float) -> Array:
         return (self.low <= number) & (self.high >= number)
 
 
 def _known(low: Array, high: Array) -> Interval:
-    return Interval(np.where(np.isnan(low), -np.inf, low), np.where(np.isnan(high), np.inf, high))
+    return Interval(np.fmax(low, -np.inf), np.fmin(high, np.inf))  # of no number and a number, the number
 
 
 def _increasing(function: Callable[[Array], Array]) -> Callable[[Interval], Interval]:
@@ -186,6 +202,34 @@ class Tape:
                 rates.append(known[b] * rates[a])
         return rates
 
+    def hidden(self, known: list[Interval]) -> list[Array]:
+        """How much of the values of all slots, in their ranges, values at points may not show.
+
+        That is the whole range of a function whose argument changes by more than the function's own scale,
+        and what follows from it.  What is smooth against the range hides nothing.
+        """
+        hidden: list[Array] = [0.0 * known[0].low] * self._inputs
+        for out, (kind, a, b, constant) in enumerate(self._operations, start=self._inputs):
+            if kind == kinds.AFFINE:
+                terms = (abs(factor) * hidden[slot] for slot, factor in self._terms[a:b] if factor)
+                hidden.append(sum(terms, hidden[0]))
+            elif kind == kinds.PRODUCT:
+                hidden.append(_times(known[a], hidden[b]) + _times(known[b], hidden[a]))
+            elif kind == kinds.SQUARE:
+                hidden.append(2.0 * _times(known[a], hidden[a]))
+            elif kind == kinds.QUOTIENT:
+                part = _times(known[b].inverted(), hidden[a] + _times(known[out], hidden[b]))
+                hidden.append(np.where(known[b].spans_ratio, known[out].width, part))
+            elif kind == kinds.POWER:
+                part = abs(constant) * _times(known[a].power(constant - 1.0), hidden[a])
+                hidden.append(np.where(known[a].spans_ratio, known[out].width, part))
+            elif kind == kinds.RATE:
+                hidden.append(hidden[a])
+            else:
+                wide = known[a].spans_ratio if kind == kinds.LOG else known[a].width > SCALE
+                hidden.append(np.where(wide, known[out].width, _times(known[b], hidden[a])))
+        return hidden
+
     def values(self, states: Array, slots: Sequence[int] | None = None) -> Array:
         """Values of slots, if not given guards and constraints, at states (N, states): (N, slots)."""
         known = self.ranges([Interval(z, z) for z in states.T])
@@ -223,6 +267,11 @@ class Tape:
             if factor:  # 0 times infinity would be no number
                 low, high = low + factor * least, high + factor * most
         return _known(low, high)
+
+
+def _times(values: Interval, hidden: Array) -> Array:
+    """What is hidden in a product of values with what hides something."""
+    return np.where(hidden > 0.0, np.maximum(np.abs(values.low), np.abs(values.high)) * hidden, 0.0)
 
 
 class Pieces(NamedTuple):
@@ -325,12 +374,12 @@ def largest_defect(tape: Tape, pieces: Pieces, sizes: Array) -> Defect:
     """The largest defect of pieces as motions of a mode, where also what is narrow against them is resolved.
 
     Pieces are halved until the rates on them are known, but for a share of the largest, from their values at
-    three points.
+    three points, and until no function that changes much on them, as the layer of a law, adds anything.
     """
     worst, largest = Defect(0.0, np.nan, 0), np.zeros(len(sizes))
     with np.errstate(all="ignore"):
         for _ in range(MOST_HALVINGS):
-            flow, slopes, reach = _flow(tape, pieces)
+            flow, slopes, reach, hidden = _flow(tape, pieces)
             defects = np.abs(slopes - flow) * pieces.lengths[:, None, None] / sizes
             defects = np.where(np.isnan(defects), 0.0, defects)
             if (most := float(defects.max(initial=0.0))) > worst.share:
@@ -340,39 +389,39 @@ def largest_defect(tape: Tape, pieces: Pieces, sizes: Array) -> Defect:
             finite = np.where(np.isfinite(flow), np.abs(flow), 0.0)
             largest = np.maximum(largest, finite.max(axis=(0, 1), initial=0.0))
             beyond = np.fmax(reach.high - flow.max(axis=1), flow.min(axis=1) - reach.low)
-            doubtful = (beyond > RESOLUTION * largest) & (beyond * pieces.lengths[:, None] > NOTHING * sizes)
+            lengths = pieces.lengths[:, None]
+            doubtful = (beyond > RESOLUTION * largest) & (beyond * lengths > NOTHING * sizes)
+            doubtful |= hidden * lengths > HIDDEN * sizes
             if not 0 < doubtful.any(axis=1).sum() <= MOST_PIECES:
                 break
             pieces = pieces.chosen(doubtful.any(axis=1)).halves()
     return worst
 
 
-def _flow(tape: Tape, pieces: Pieces) -> tuple[Array, Array, Interval]:
-    """Rates (pieces, 3, states) at POINTS by the tape, and of the polynomials; ranges (pieces, states) of the
-    former."""
-    basis = chebyshev_basis(pieces.coefficients.shape[1] - 1)
-    at, count = basis.points @ pieces.coefficients, len(pieces.starts)
-    known = tape.ranges([Interval(z, z) for z in at.reshape(-1, at.shape[2]).T])
-    flow = np.array([known[i].low for i in tape.flow]).reshape(-1, count, 3).transpose(1, 2, 0)
-    by_x = basis.slope @ pieces.coefficients
+def _flow(tape: Tape, pieces: Pieces) -> tuple[Array, Array, Interval, Array]:
+    """Rates (pieces, 3, states) at POINTS by the tape, and of the polynomials; of the former ranges (pieces,
+    states), and what is hidden between the points."""
+    basis, count = chebyshev_basis(pieces.coefficients.shape[1] - 1), len(pieces.starts)
+    points, known = _known_slots(tape, pieces, tape.flow)
+    flow, by_x = points.reshape(count, 3, -1), basis.slope @ pieces.coefficients
     slopes = basis.points @ by_x * (2.0 / pieces.lengths)[:, None, None]
-    known = tape.ranges(_ranges(pieces.coefficients))
     rates = tape.rates(known, _ranges(by_x))
     low, high = [], []
     for state, slot in enumerate(tape.flow):
         steepest = np.maximum(np.abs(rates[slot].low), np.abs(rates[slot].high))
         low.append(np.fmax(known[slot].low, flow[:, 1, state] - steepest))
         high.append(np.fmin(known[slot].high, flow[:, 1, state] + steepest))
-    return flow, slopes, Interval(np.array(low).T, np.array(high).T)
+    hidden = tape.hidden(known)
+    reach = Interval(np.array(low).T, np.array(high).T)
+    return flow, slopes, reach, np.array([hidden[i] for i in tape.flow]).T
 
 
 def _judge(tape: Tape, pieces: Pieces, bounds: Array) -> tuple[Array, Array]:
     """Values of the functions (pieces, 3, functions) at POINTS, and whether guards may be below elsewhere."""
     basis = chebyshev_basis(pieces.coefficients.shape[1] - 1)
     functions, guards = tape.functions, len(tape.guards)
-    at = (basis.points @ pieces.coefficients).reshape(-1, pieces.coefficients.shape[2])
-    values = tape.values(at).reshape(len(pieces.starts), 3, len(functions))
-    known = tape.ranges(_ranges(pieces.coefficients))
+    points, known = _known_slots(tape, pieces, functions)
+    values = points.reshape(len(pieces.starts), 3, len(functions))
     slopes = basis.slope @ pieces.coefficients
     rates = tape.rates(known, _ranges(slopes))
     doubtful = np.zeros(len(pieces.starts), dtype=bool)
@@ -383,6 +432,16 @@ def _judge(tape: Tape, pieces: Pieces, bounds: Array) -> tuple[Array, Array]:
         one_way = (rates[slot].low >= 0.0) | (rates[slot].high <= 0.0)
         doubtful |= (least < bounds[g]) & ~one_way
     return values, doubtful
+
+
+def _known_slots(tape: Tape, pieces: Pieces, slots: list[int]) -> tuple[Array, list[Interval]]:
+    """Values of slots (3 pieces, slots) at POINTS, and the ranges of all slots on the pieces, by one pass."""
+    basis = chebyshev_basis(pieces.coefficients.shape[1] - 1)
+    at = (basis.points @ pieces.coefficients).reshape(-1, pieces.coefficients.shape[2])
+    both = zip(at.T, _ranges(pieces.coefficients), strict=True)
+    known = tape.ranges([Interval(*(np.append(z, end) for end in span)) for z, span in both])
+    points = np.array([known[i].low[: len(at)] for i in slots]).reshape(len(slots), len(at)).T
+    return points, [Interval(low[len(at) :], high[len(at) :]) for low, high in known]
 
 
 def _ranges(coefficients: Array) -> list[Interval]:

@@ -12,6 +12,8 @@ import frictionlab as fl
 from frictionlab.analysis.run_comparison import ModeStays, first_event_difference
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.widgets.layout import run_end_text
+from tests.doors.generate import generate
+from tests.doors.mechanism import model_of
 from tests.helpers.automata import V, X, automaton
 from tests.helpers.known_motions import logistic
 
@@ -46,6 +48,16 @@ def test_chaos_is_told_from_error():
     assert found.until == pytest.approx(math.log2(1e6), abs=4)
     assert found.error < 1e-6
     assert "cannot be predicted" in str(found)
+    assert found.independent_until < found.until  # errors of the independent method double as well
+    assert "where errors of its size have grown too large" in str(found)
+
+
+def test_bumps_of_friction_that_are_small_beside_other_forces():
+    """Each passes within a step of the independent method, which agrees to its tolerance all the same."""
+    one = generate(11, 109)
+    found = fl.verify(model_of(one), 10 * one.period, x0=one.x0, progress=False)
+    assert found.ok
+    assert found.error < 1e-9
 
 
 @pytest.mark.parametrize("method", [fl.RK4(step=5e-3), fl.Taylor(tol=1e-3)])
