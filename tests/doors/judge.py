@@ -11,7 +11,7 @@ import numpy as np
 import frictionlab as fl
 from tests.differential import judge as judge_of_models
 from tests.differential.judge import AGREES, UNDECIDED
-from tests.doors.mechanism import Mechanism, model_of
+from tests.doors.mechanism import Mechanism, automaton_of, model_of
 from tests.doors.reference import Reference
 from tests.reference.hybrid import START, Happening, Undecided, Walker, _advance
 
@@ -50,10 +50,10 @@ class Motion:
 def reference_motion(one: Mechanism, shift: float, times: np.ndarray, rtol: float = 1e-12) -> Motion:
     """The reference's motion from a start that is shifted by a share."""
     system = Reference(one)
-    half = one.n
-    sizes = np.repeat([np.abs(one.x0[:half]).max(), np.abs(one.x0[half:]).max()], half)
-    z = np.array(one.x0) + shift * sizes * np.where(np.arange(2 * half) % 2, 1.0, -1.0)
-    run = Walker(system, times, rtol, 0.0, z, system.start(z), np.zeros(2 * half), STEPS)
+    sizes = system.grouped(np.abs(one.starts))
+    sizes[2 * one.n :] = [state.size for state in one.further]
+    z = np.array(one.starts) + shift * sizes * np.where(np.arange(len(sizes)) % 2, 1.0, -1.0)
+    run = Walker(system, times, rtol, 0.0, z, system.start(z), np.zeros(len(z)), STEPS)
     run.h, why = START * system.period, ""
     with np.errstate(all="ignore"):
         try:
@@ -70,7 +70,7 @@ def reference_motion(one: Mechanism, shift: float, times: np.ndarray, rtol: floa
     keep = [i for i, t in enumerate(run.found.t) if t < end or not why]
     return Motion(
         np.array([run.found.t[i] for i in keep]),
-        np.array([run.found.states[i] for i in keep]).reshape(len(keep), 2 * half),
+        np.array([run.found.states[i] for i in keep]).reshape(len(keep), len(z)),
         [e for e in merged(run.found.events, INSTANT * one.period) if e.t < end or not why],
         end,
         why,
@@ -94,7 +94,8 @@ def predict(one: Mechanism, t_end: float) -> Prediction:
     horizon, spreads, widths = exact.end, [], []
     if not len(exact.t):
         return Prediction(exact, np.zeros(0), np.zeros((0, 2)), 0.0)
-    size = _grouped(np.abs(exact.states)).max(axis=0)
+    grouped = Reference(one).grouped
+    size = grouped(np.abs(exact.states)).max(axis=0)
     for shift in (NEAR, -NEAR):
         other = reference_motion(one, shift, grid)
         horizon = min(horizon, other.end)
@@ -111,7 +112,7 @@ def predict(one: Mechanism, t_end: float) -> Prediction:
         count = min(len(exact.t), len(other.t))
         apart = np.zeros_like(exact.states)
         apart[:count] = np.abs(exact.states[:count] - other.states[:count])
-        widths.append(_grouped(apart))
+        widths.append(grouped(apart))
     count = min(map(len, spreads))
     times = np.max([s[:count] for s in spreads], axis=0) if count else np.zeros(0)
     times = SLACK * np.maximum.accumulate(times) + ROUNDING * one.period if count else times
@@ -124,22 +125,21 @@ def predict(one: Mechanism, t_end: float) -> Prediction:
     return Prediction(exact, times, bounds, float(horizon))
 
 
-def _grouped(amounts: np.ndarray) -> np.ndarray:
-    half = amounts.shape[1] // 2
-    return np.repeat(
-        np.stack([amounts[:, :half].max(axis=1), amounts[:, half:].max(axis=1)], axis=1), half, axis=1
-    )
-
-
-def run_of(one: Mechanism, t_end: float, tol: float = 1e-15, t_eval: Any = None, model: Any = None) -> Any:
+def run_of(one: Mechanism, t_end: float, tol: float = 1e-15, t_eval: Any = None) -> Any:
     """The package's run."""
-    model = model_of(one) if model is None else model
-    x0 = [*one.x0, *([one.phase] if one.frequency else [])]
+    phase = [one.phase] if one.frequency else []
+    x0 = [*one.x0, *phase, *one.starts[2 * one.n :]]
+    given = {"x0": x0, "method": fl.Taylor(tol=tol, max_steps=400_000), "t_eval": t_eval, "progress": False}
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        return fl.simulate(
-            model, t_end, x0=x0, method=fl.Taylor(tol=tol, max_steps=400_000), t_eval=t_eval, progress=False
-        )
+        if one.further:
+            return fl.solve(automaton_of(one), t_end, **given)
+        return fl.simulate(model_of(one), t_end, **given)
+
+
+def states_of(one: Mechanism, states: np.ndarray) -> np.ndarray:
+    """Coordinates, velocities and further states of a run, without the phase."""
+    return np.delete(states, 2 * one.n, axis=1) if one.frequency else states
 
 
 def judge(one: Mechanism, t_end: float, further: float = 1.0, tol: float = 1e-15) -> Verdict:
@@ -167,12 +167,12 @@ def compared(one: Mechanism, known: Prediction, run: Any, tol: float) -> Verdict
         return Verdict("ends", f"at {run.raw.t:.9g}: {run.status}", horizon=horizon)
     at = np.searchsorted(run.t, known.motion.t)
     use = known.motion.t < horizon
-    n = 2 * one.n
-    shares = np.abs(run.states[at, :n] - known.motion.states) / (slack * known.bounds + 1e-300)
+    states = states_of(one, run.states[at])
+    shares = np.abs(states - known.motion.states) / (slack * known.bounds + 1e-300)
     shares[~use] = 0.0
     i, j = np.unravel_index(shares.argmax(), shares.shape)
     if not shares[i, j] <= 1.0:
-        off = run.states[at[i], j] - known.motion.states[i, j]
+        off = states[i, j] - known.motion.states[i, j]
         return Verdict("states", f"state {j} at {known.motion.t[i]:.6g}: off by {off:.2e}", horizon=horizon)
     return Verdict(AGREES, horizon=horizon, events=len([e for e in known.motion.events if e.t < horizon]))
 

@@ -1,18 +1,24 @@
 """A mechanism as text: energies, loads and contacts; the package and the reference make a system of it.
 
 Expressions are Python in the coordinates q1, q2 ..., the velocities v1, v2 ..., the phase p of a force that
-depends on time, and functions of one argument (sin, cos, exp, tanh).
+depends on time, and functions of one argument (sin, cos, exp, tanh).  Further states s1, s2 ... have rates of
+their own; loads and given normal forces may depend on them.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
+
+import sympy
 
 import frictionlab as fl
 from frictionlab import functions
+from frictionlab.automaton import HybridAutomaton, Mode
+from frictionlab.automaton.mode import ModesOnDemand
 from frictionlab.models import Friction, Mechanics, with_signature
 from frictionlab.models.mechanical.mechanics import Stop
+from frictionlab.models.symbols import symbol
 from tests.differential.laws import OWN
 
 FUNCTIONS = ("sin", "cos", "exp", "tanh")
@@ -58,6 +64,26 @@ class Wall:
 
 
 @dataclass(frozen=True)
+class Further:
+    """A state with a rate of its own.
+
+    Parameters
+    ----------
+    rate : str
+    start, size : float
+        Where it starts, and how large it is about.
+    steep : str
+        What the rate, or a force, changes fast with: at `layer`, centre and width.
+    """
+
+    rate: str
+    start: float
+    size: float
+    steep: str = "0"
+    layer: tuple[float, float] | None = None
+
+
+@dataclass(frozen=True)
 class Mechanism:
     """Energies, dissipation, loads and contacts of n coordinates."""
 
@@ -71,6 +97,17 @@ class Mechanism:
     x0: tuple[float, ...]
     period: float  # s: a time in which the motion changes
     phase: float = 0.0  # where the phase starts
+    further: tuple[Further, ...] = ()
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the further states."""
+        return tuple(f"s{i + 1}" for i in range(len(self.further)))
+
+    @property
+    def starts(self) -> tuple[float, ...]:
+        """Where coordinates, velocities and further states start."""
+        return (*self.x0, *(state.start for state in self.further))
 
     @property
     def coordinates(self) -> tuple[str, ...]:
@@ -84,13 +121,16 @@ def evaluated(text: str, names: dict[str, Any]) -> Any:
 
 
 def model_of(mechanism: Mechanism) -> fl.MechanicalModel:
-    """The package's model."""
+    """The package's model; for it further states are parameters."""
     one = mechanism
 
     @with_signature
     @dataclass(frozen=True, init=False, repr=False)
     class Made(fl.MechanicalModel):
         """A random mechanism."""
+
+        s1: float = fl.parameter(0.0, symbol="s_1", meaning="a further state")
+        s2: float = fl.parameter(0.0, symbol="s_2", meaning="another one")
 
         coordinates = one.coordinates
         period = one.period
@@ -99,7 +139,7 @@ def model_of(mechanism: Mechanism) -> fl.MechanicalModel:
             names = {name: getattr(functions, name) for name in FUNCTIONS}
             names |= {f"q{i + 1}": getattr(q, name) for i, name in enumerate(one.coordinates)}
             names |= {f"v{i + 1}": getattr(v, name) for i, name in enumerate(one.coordinates)}
-            names["p"] = q.phase
+            names |= {"p": q.phase, **{name: getattr(self, name) for name in one.names}}
             loads = {
                 name: evaluated(text, names)
                 for name, text in zip(one.coordinates, one.loads, strict=True)
@@ -115,6 +155,30 @@ def model_of(mechanism: Mechanism) -> fl.MechanicalModel:
             )
 
     return Made()
+
+
+def automaton_of(one: Mechanism) -> HybridAutomaton:
+    """The model's automaton, in which further states are no parameters any longer, but have rates."""
+    derived = model_of(one).automaton()
+    names = {name: getattr(functions, name) for name in FUNCTIONS} | {"p": symbol("phase")}
+    names |= {f"q{i + 1}": symbol(name) for i, name in enumerate(one.coordinates)}
+    names |= {f"v{i + 1}": symbol(f"{name}'") for i, name in enumerate(one.coordinates)}
+    names |= (further := {name: symbol(name) for name in one.names})
+    rates = tuple(sympy.sympify(evaluated(state.rate, names)) for state in one.further)
+
+    def completed(mode: Mode | None) -> Mode:
+        assert mode is not None
+        return replace(mode, flow=(*mode.flow, *rates))
+
+    modes = derived.modes
+    if isinstance(modes, ModesOnDemand):
+        parts, allowed = modes.parts, set(modes.names.combinations())
+        completed_modes: Any = ModesOnDemand(parts, lambda c: completed(modes.mode(c)), allowed.__contains__)
+    else:
+        completed_modes = tuple(map(completed, modes))
+    numbers = {s: value for s, value in derived.parameters.items() if s not in further.values()}
+    states = (*derived.states, *further.values())
+    return HybridAutomaton(states, completed_modes, numbers, derived.coordinates)
 
 
 def law_of(law: Law) -> Any:

@@ -5,45 +5,48 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from tests.doors.generate import SI, Units, generate
-from tests.doors.judge import INSTANT, happenings, merged, predict, run_of
+from tests.doors.judge import INSTANT, happenings, merged, predict, run_of, states_of
 from tests.doors.mechanism import Mechanism, Rub
 from tests.reference.hybrid import Happening
 
 UNITS = (Units(1e3, 1e6, 1e-3), Units(1e-6, 1e-3, 1e6), Units(1.0, 1e-6, 1.0), Units(1e9, 1.0, 1e-9))
 SAMPLES = 25
 Runs = tuple[list[Happening], np.ndarray]
+Maker = Callable[..., Mechanism]  # of a case in units
 
 
 def outcome(one: Mechanism, t_end: float, samples: np.ndarray) -> Runs:
     """Events and states of a run."""
     run = run_of(one, t_end, t_eval=np.union1d(samples, [t_end]))
     at = np.searchsorted(run.t, samples[samples <= run.t[-1]])
-    return merged(happenings(run), INSTANT * one.period), run.states[at, : 2 * one.n]
+    return merged(happenings(run), INSTANT * one.period), states_of(one, run.states[at])
 
 
-def in_other_units(seed: int, number: int, t_end: float, samples: np.ndarray) -> Runs:
+def in_other_units(make: Maker, number: int, t_end: float, samples: np.ndarray) -> Runs:
     """The run in other units, its results in SI."""
     units = UNITS[number % len(UNITS)]
-    one = generate(seed, number, units)
+    one = make(units)
     events, states = outcome(one, t_end * units.time, samples * units.time)
-    scale = np.repeat([units.length, units.length / units.time], one.n)
+    sizes = [a.size / b.size for a, b in zip(one.further, make(SI).further, strict=True)]
+    scale = np.array([*[units.length] * one.n, *[units.length / units.time] * one.n, *sizes])
     return [e._replace(t=e.t / units.time) for e in events], states / scale
 
 
-def longer(seed: int, number: int, t_end: float, samples: np.ndarray) -> Runs:
+def longer(make: Maker, number: int, t_end: float, samples: np.ndarray) -> Runs:
     """The run as the beginning of one that is three times as long, and of one that ends a little later."""
-    one = generate(seed, number)
+    one = make(SI)
     return outcome(one, t_end * (3.0 if number % 2 else 1.0371), samples)
 
 
-def contacts_reversed(seed: int, number: int, t_end: float, samples: np.ndarray) -> Runs:
+def contacts_reversed(make: Maker, number: int, t_end: float, samples: np.ndarray) -> Runs:
     """The run with the contacts in the opposite order, its modes named in the first one."""
-    one = generate(seed, number)
+    one = make(SI)
     events, states = outcome(replace(one, contacts=one.contacts[::-1]), t_end, samples)
     turned = [e._replace(source=_turned(e.source), target=_turned(e.target)) for e in events]
     return turned, states
@@ -53,9 +56,9 @@ def _turned(mode: str) -> str:
     return " | ".join(mode.split(" | ")[::-1])
 
 
-def split_in_two(seed: int, number: int, t_end: float, samples: np.ndarray) -> Runs:
+def split_in_two(make: Maker, number: int, t_end: float, samples: np.ndarray) -> Runs:
     """The run with each given normal force on two pads, half of it on each; modes named by one of them."""
-    one = generate(seed, number)
+    one = make(SI)
     contacts: list[Any] = []
     for contact in one.contacts:
         half = replace(contact, normal=f"({contact.normal})*0.5") if isinstance(contact, Rub) else contact
@@ -76,9 +79,9 @@ def _joined(mode: str, one: Mechanism) -> str:
     return " | ".join(kept)
 
 
-def phase_from_elsewhere(seed: int, number: int, t_end: float, samples: np.ndarray) -> Runs:
+def phase_from_elsewhere(make: Maker, number: int, t_end: float, samples: np.ndarray) -> Runs:
     """The run with the origin of the phase moved: p + a starts from -a."""
-    one = generate(seed, number)
+    one = make(SI)
     shift = 1.234
     turned = replace(
         one,
@@ -88,6 +91,9 @@ def phase_from_elsewhere(seed: int, number: int, t_end: float, samples: np.ndarr
         contacts=tuple(
             replace(c, **{n: _shifted(x, shift) for n, x in vars(c).items() if isinstance(x, str)})
             for c in one.contacts
+        ),
+        further=tuple(
+            replace(f, rate=_shifted(f.rate, shift), steep=_shifted(f.steep, shift)) for f in one.further
         ),
         phase=2 * np.pi - shift,
     )
@@ -116,16 +122,17 @@ def applies(name: str, one: Mechanism) -> bool:
     return name != "phase from elsewhere" or one.frequency != 0.0
 
 
-def complaint(name: str, seed: int, number: int, t_end: float) -> str:
+def complaint(name: str, seed: int, number: int, t_end: float, generator: Any = generate) -> str:
     """What differs in other words, up to where runs nearby part; nothing if nothing does."""
-    one = generate(seed, number, SI)
+    make = partial(generator, seed, number)
+    one = make(SI)
     known = predict(one, t_end)
     horizon = known.horizon
     samples = known.motion.t[known.motion.t < horizon]
     if len(samples) < 2:
         return ""
     events, states = outcome(one, t_end, samples)
-    others, again = OTHER_WORDS[name](seed, number, t_end, samples)
+    others, again = OTHER_WORDS[name](make, number, t_end, samples)
     widths = np.append(known.times, np.full(max(len(events), len(others)), np.inf))
     for i, width in enumerate(widths[: len(known.times)]):
         pair = [some[i] if i < len(some) else None for some in (events, others)]

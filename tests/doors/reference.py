@@ -30,6 +30,8 @@ class Reference(System):
         self.one, self.n, self.period = one, one.n, one.period
         self.laws_of = [None if isinstance(c, Wall) else _law(c.law) for c in one.contacts]
         self.layers = tuple(layer for law in self.laws_of if law is not None for layer in law.layers)
+        self.layers += tuple(state.layer for state in one.further if state.layer is not None)
+        self.further = len(one.further)
         self.numbers = _numbers(one)
         self.fastest = [0.0] * len(one.contacts)
         self.now = 0.0
@@ -41,6 +43,7 @@ class Reference(System):
         n, k = self.n, len(self.one.contacts)
         flat = np.array(self.numbers(t, *z))
         mass, free, rest = flat[: n * n].reshape(n, n), flat[n * n : n * n + n], flat[n * n + n :]
+        rest, rates, steep = np.split(rest, [len(rest) - 2 * self.further, len(rest) - self.further])
         contacts = rest.reshape(k, 3 + 2 * n + 2) if k else np.zeros((0, 5 + 2 * n))
         return SimpleNamespace(
             mass=mass,
@@ -51,6 +54,8 @@ class Reference(System):
             J=contacts[:, 3 : 3 + n],
             out=contacts[:, 3 + n : 3 + 2 * n],  # direction of the normal force
             normal=contacts[:, 3 + 2 * n],
+            rates=rates,  # of further states
+            steep=steep,
         )
 
     def forces(self, mode: Any, t: float, z: Any) -> tuple[np.ndarray, np.ndarray, Any]:
@@ -75,11 +80,14 @@ class Reference(System):
 
     def rate(self, mode: Any, t: float, z: np.ndarray) -> Any:
         self.now, z = t, z.tolist()
-        return [*z[self.n :], *self.forces(mode, t, z)[0]]
+        accelerations, _, at = self.forces(mode, t, z)
+        return [*z[self.n : 2 * self.n], *accelerations, *at.rates]
 
     def speeds(self, mode: Any, z: np.ndarray) -> list[float]:
         at = self.at(self.now, z)
-        return [SIGN[word] * at.value[i] for i, word in enumerate(mode) if word in SIGN]
+        sliding = [SIGN[word] * at.value[i] for i, word in enumerate(mode) if word in SIGN]
+        steep = [at.steep[i] for i, state in enumerate(self.one.further) if state.layer is not None]
+        return sliding + steep
 
     def longest_step(self, mode: Any, z: np.ndarray, rate: np.ndarray) -> float:
         waves = [c.wave for c in self.one.contacts if isinstance(c, Wall) and c.wave]
@@ -189,7 +197,7 @@ class Reference(System):
         held = [j for j, word in enumerate(stuck) if word in ("stick", "contact")]
         J = at.J[held]
         z = z.copy()
-        z[self.n :] -= inverse @ J.T @ np.linalg.solve(J @ inverse @ J.T, at.value[held])
+        z[self.n : 2 * self.n] -= inverse @ J.T @ np.linalg.solve(J @ inverse @ J.T, at.value[held])
         return Next(self.settled(mode, i, ("stick", other), t, z), z)
 
     def impact(self, mode: Any, i: int, t: float, z: np.ndarray, at: Any) -> Next:
@@ -201,7 +209,7 @@ class Reference(System):
             raise Undecided(f"impacts accumulate at {t!r} s")
         z = z.copy()
         push = inverse @ at.J[i]
-        z[self.n :] += push * (1 + e) * speed / (at.J[i] @ push)
+        z[self.n : 2 * self.n] += push * (1 + e) * speed / (at.J[i] @ push)
         after = self.at(t, z)
         words = [
             ("slip+" if after.value[j] > 0 else "slip-")
@@ -226,14 +234,17 @@ def _law(law: Law) -> Any:
 
 
 def _numbers(one: Mechanism) -> Any:
-    """A function of t, coordinates and velocities: M, forces without contacts, and the rows of contacts."""
+    """A function of t, coordinates, velocities and further states: M, forces without contacts, the rows of
+    contacts, the rates of further states and what these are steep in.
+    """
     n = one.n
     t = sympy.Symbol("t", real=True)
     q = sympy.symbols(f"q1:{n + 1}", real=True)
     v = sympy.symbols(f"v1:{n + 1}", real=True)
     names = {name: getattr(sympy, name) for name in FUNCTIONS}
     names |= {f"q{i + 1}": x for i, x in enumerate(q)} | {f"v{i + 1}": x for i, x in enumerate(v)}
-    names["p"] = one.frequency * t
+    s = sympy.symbols(one.names, real=True)
+    names |= {"p": one.frequency * t, **dict(zip(one.names, s, strict=True))}
     energies = (one.kinetic, one.potential, one.dissipation)
     T, V, D = (sympy.sympify(evaluated(text, names)) for text in energies)
     loads = [evaluated(text, names) for text in one.loads]
@@ -259,4 +270,6 @@ def _numbers(one: Mechanism) -> Any:
                 normal, out = contact.k * place + contact.k3 * place**3, [-place.diff(x) for x in q]
         bias = sum(value.diff(x) * w for x, w in zip(q, v)) + value.diff(t)
         flat += [value, bias, place, *(value.diff(w) for w in v), *out, normal, zero]
-    return sympy.lambdify((t, *q, *v), flat, modules="math", cse=True)
+    flat += [sympy.sympify(evaluated(state.rate, names)) for state in one.further]
+    flat += [sympy.sympify(evaluated(state.steep, names)) for state in one.further]
+    return sympy.lambdify((t, *q, *v, *s), flat, modules="math", cse=True)

@@ -49,13 +49,15 @@ class Next(NamedTuple):
 
 
 class System:
-    """What is integrated.  States are coordinates, then velocities; a mode has one word for each contact.
+    """What is integrated.  States are coordinates, then velocities, then `further` ones; a mode has one word
+    for each contact.
 
     `guards` are positive while a mode lasts, one row each; they take one state (n,) or many (n, samples).
     """
 
     period: float = 1.0
     layers: tuple[tuple[float, float], ...] = ()  # centre and width in the sliding speed
+    further: int = 0
 
     def start(self, z: np.ndarray) -> tuple[str, ...]:
         """Mode at t = 0."""
@@ -72,6 +74,13 @@ class System:
     def leave(self, mode: Any, guard: int, t: float, z: np.ndarray) -> Next:
         """What follows where a guard has come to zero."""
         raise NotImplementedError
+
+    def grouped(self, amounts: np.ndarray) -> np.ndarray:
+        """The largest of the amounts (..., states) of coordinates, of velocities, and each further one."""
+        half = (amounts.shape[-1] - self.further) // 2
+        parts = amounts[..., :half], amounts[..., half : 2 * half]
+        most = [np.repeat(part.max(axis=-1, keepdims=True), half, axis=-1) for part in parts]
+        return np.concatenate([*most, amounts[..., 2 * half :]], axis=-1)
 
     def speeds(self, mode: Any, z: np.ndarray) -> list[float]:
         """Sliding speeds, which the friction law depends on; linear in the velocities."""
@@ -118,9 +127,7 @@ class Walker:
 
     def scale(self) -> np.ndarray:
         """Largest coordinate and velocity so far, each for its group; 1e-3 of it where all began at zero."""
-        half = len(self.z) // 2
-        now = np.abs(self.z)
-        self.size = np.maximum(self.size, np.repeat([now[:half].max(), now[half:].max()], half))
+        self.size = np.maximum(self.size, self.system.grouped(np.abs(self.z)))
         return self.rtol * np.maximum(self.size, 1e-3)
 
 
