@@ -1,6 +1,6 @@
 """Mechanisms that are not the library's, against a reference that shares no code, and against themselves.
 
-Many more: python -m tests.doors --count 2000 --seed 1 [--words] [--automata]
+Many more: python -m tests.doors --count 2000 --seed 1 [--further] [--words] [--automata]
 """
 
 from dataclasses import replace
@@ -11,6 +11,7 @@ import sympy
 import frictionlab as fl
 from frictionlab.models.symbols import expand_products
 from tests.doors import automata
+from tests.doors.further import generate_further
 from tests.doors.generate import generate
 from tests.doors.judge import AGREES, compared, judge, predict, run_of
 from tests.doors.metamorphic import OTHER_WORDS, applies, complaint
@@ -27,6 +28,21 @@ def test_a_random_mechanism_moves_as_the_reference(seed, number):
     verdict = judge(one, PERIODS * one.period)
     assert (verdict.kind, verdict.words) == (AGREES, "")
     assert verdict.events > 0 or not one.contacts
+
+
+# A current and a filter on a pad (6), and between a wall and a contact that is lost (13); a temperature that
+# softens friction (18); bristles (19).
+@pytest.mark.parametrize("number", [6, 13, 18, 19])
+def test_a_random_mechanism_with_further_states_moves_as_the_reference(number):
+    one = generate_further(41, number)
+    verdict = judge(one, PERIODS * one.period)
+    assert (verdict.kind, verdict.words) == (AGREES, "")
+    assert verdict.events > 1
+
+
+@pytest.mark.parametrize("words", ["other units", "split in two"])
+def test_further_states_move_alike_in_other_words(words):
+    assert complaint(words, 41, 18, PERIODS * generate_further(41, 18).period, generate_further) == ""
 
 
 @pytest.mark.parametrize("words", OTHER_WORDS)
@@ -61,6 +77,15 @@ def test_a_run_with_another_mass_is_seen():
     heavier = replace(one, kinetic=f"({one.kinetic})*1.00001")
     known = predict(one, PERIODS * one.period)
     run = run_of(heavier, PERIODS * one.period, t_eval=known.motion.t)
+    assert compared(one, known, run, 1e-15).failed
+
+
+def test_a_further_state_with_another_rate_is_seen():
+    one = generate_further(41, 18)
+    (heat,) = one.further
+    hotter = replace(one, further=(replace(heat, rate=f"({heat.rate})*1.00001"),))
+    known = predict(one, PERIODS * one.period)
+    run = run_of(hotter, PERIODS * one.period, t_eval=known.motion.t)
     assert compared(one, known, run, 1e-15).failed
 
 
