@@ -211,14 +211,3 @@ class Drawable:
         if ax is None and options.get("legend", True):
             plotting.add_missing_legend(drawn.figure)
         return drawn
-
-
-def three_digits(value: float) -> str:
-    """A positive number rounded to three digits, without a power of ten where it is large.
-
-    Examples
-    --------
-    >>> three_digits(0.0123456), three_digits(12345.6)
-    ('0.0123', '12300')
-    """
-    return f"{float(f'{value:.3g}'):.0f}" if value >= 1e3 else f"{value:.3g}"

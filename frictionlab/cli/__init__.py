@@ -10,7 +10,7 @@
     app_server     what `frictionlab app` serves
     preparation    `frictionlab course` and `frictionlab warmup`; and, for building wheels only, the models'
                    structures derived beforehand
-    reports        `frictionlab figure`, `frictionlab reproduce` and `frictionlab bench`
+    reports        `frictionlab figure` and `frictionlab reproduce`
 
 Each command has a function `add_...`, which adds its options, and a function `..._command`, which checks them
 all, does the work and returns the exit status.  What a command needs beyond its options is imported when it

@@ -26,7 +26,7 @@ from .parsing import (
     unknown_option_text,
 )
 from .preparation import add_course, add_warmup
-from .reports import add_bench, add_figure, add_reproduce
+from .reports import add_figure, add_reproduce
 from .run import add_run
 
 PROGRAM = "frictionlab"
@@ -105,7 +105,7 @@ def build_parsers() -> tuple[OneLineParser, dict[str, OneLineParser]]:
     added = {"models": add_models, "run": add_run, "eig": add_eig, "critical": add_critical}
     added |= {"animate": add_animate, "sound": add_sound, "app": add_app, "page": add_page}
     added |= {"course": add_course, "warmup": add_warmup}
-    added |= {"figure": add_figure, "reproduce": add_reproduce, "bench": add_bench}
+    added |= {"figure": add_figure, "reproduce": add_reproduce}
     added |= {"completion": add_completion}
     return parser, {name: add(commands) for name, add in added.items()}
 
@@ -114,13 +114,13 @@ def _run_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
     from .media import animate_command, app_command, page_command, sound_command
     from .models import critical_command, eig_command, models_command
     from .preparation import course_command, warmup_command
-    from .reports import bench_command, figure_command, reproduce_command
+    from .reports import figure_command, reproduce_command
     from .run import run_command
 
     does = {"models": models_command, "run": run_command, "eig": eig_command, "critical": critical_command}
     does |= {"animate": animate_command, "sound": sound_command, "app": app_command, "page": page_command}
     does |= {"course": course_command, "warmup": warmup_command}
-    does |= {"figure": figure_command, "reproduce": reproduce_command, "bench": bench_command}
+    does |= {"figure": figure_command, "reproduce": reproduce_command}
     return does[chosen.command](chosen, parser)
 
 

@@ -140,7 +140,6 @@ def test_every_package_that_is_imported_is_declared():
     build = PROJECT["build-system"]["requires"]  # of the step that compiles the kernels
     asked = [
         *project["dependencies"],
-        *extras["bench"],
         *extras["compile"],
         *extras["data"],
         *extras["lab"],
@@ -173,9 +172,9 @@ def test_no_text_is_run_as_python():
     assert len(parsers) > 10
     assert [(name, text) for name, text in parsers if not text.endswith(", strict=True)")] == []
     runs = {(name, function) for name, function, _ in named if function in ("eval", "exec")}
-    # A law's own repr in its check; source that sympy prints for other tools in benchmarks; the call of a
-    # kernel with the names of its own arguments, where kernels are compiled ahead of time.
-    assert runs == {("testing.py", "eval"), ("external.py", "exec"), ("flat_functions.py", "exec")}
+    # A law's own repr in its check; the call of a kernel with the names of its own arguments, where kernels
+    # are compiled ahead of time.
+    assert runs == {("testing.py", "eval"), ("flat_functions.py", "exec")}
 
 
 def test_there_is_a_notebook():

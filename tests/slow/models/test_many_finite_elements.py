@@ -4,7 +4,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 import frictionlab as fl
-from frictionlab.bench.growth import rod, rod_matrices
+from chain_and_rod import rod, rod_matrices
 from frictionlab.stability.equilibrium_points import newton
 from frictionlab.stability.equilibrium_points.equilibria import equilibrium_problem
 from frictionlab.stability.equilibrium_points.newton import newton_step

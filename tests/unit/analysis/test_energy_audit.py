@@ -10,7 +10,6 @@ from scipy.integrate import trapezoid
 
 import frictionlab as fl
 from frictionlab import plotting
-from frictionlab.bench.harness import scenes
 from frictionlab.components import SlidingOnly, StickSlip
 
 USUAL = fl.SliderOnBelt(mu_k=1.4)
@@ -41,14 +40,6 @@ def test_the_balance_closes(name):
     assert audit.turned_over > 10.0
     assert audit.error < 1e-13
     assert np.abs(audit.residual).max() == pytest.approx(audit.error * audit.turned_over)
-
-
-@pytest.mark.parametrize("name", ["A", "B", "C", "D"])
-def test_the_scenes_are_those_of_the_benchmark(name):
-    scene = scenes()[name]
-    mine = SCENES[name].automaton()
-    assert mine.modes is scene.automaton.modes
-    assert dict(mine.parameters) == dict(scene.automaton.parameters)
 
 
 def with_powers(automaton):

@@ -67,7 +67,6 @@ BAD = {
     "figure 2 --outptu a.png": "unknown option '--outptu': did you mean '--output'?",
     "reproduce --workers 0": "--workers must be an integer, at least 1, got 0",
     "reproduce --quik": "unknown option '--quik': did you mean '--quick'?",
-    "bench --scene E": "--scene must be one of A, B, C, D, Coulomb, linear, got 'E'",
 }
 
 

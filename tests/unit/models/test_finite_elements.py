@@ -8,7 +8,7 @@ import scipy.linalg
 import sympy
 
 import frictionlab as fl
-from frictionlab.bench.growth import rod, rod_matrices
+from chain_and_rod import rod, rod_matrices
 from frictionlab.models import Friction, Mechanics, quadratic_form, with_signature
 from frictionlab.models.mechanical.coupled_masses import inverse_of
 from frictionlab.models.symbols import gradient

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import frictionlab as fl
-from frictionlab.bench.growth import chain
+from chain_and_rod import chain
 from frictionlab.hybrid.solve import problem_of
 
 MANY = 30

@@ -9,7 +9,6 @@ import pytest
 from PIL import Image
 
 import frictionlab as fl
-from frictionlab.bench.response_times import latencies, latency_table
 from frictionlab.plotting.figure import Curve, Drawing
 from frictionlab.widgets.panels.picture import DPI, PANEL_HEIGHT, PANEL_WIDTH, Picture, encode_png
 from frictionlab.widgets.panels.tile import AXES_RECTANGLE
@@ -168,22 +167,6 @@ def test_a_slow_update_is_marked_while_it_runs():
     assert waited
     assert explorer.error is None
     assert explorer.busy.widget.layout.visibility == "hidden"
-
-
-def test_latency_counts_every_step_and_what_is_simulation():
-    steps = latencies(MODEL, ("F", "k2"), 2, ("response",))
-    assert [step.parameter for step in steps] == ["F", "F", "k2", "k2"]
-    assert all(0 < step.simulation < step.seconds for step in steps)
-    line = latency_table({"scene": steps}).splitlines()[-1]
-    share = sum(step.simulation for step in steps) / sum(step.seconds for step in steps)
-    assert line.startswith("| scene | F, k2 | 4 | ")
-    assert line.endswith(f" | {100 * share:.0f} % |")
-
-
-def test_latency_tells_of_a_step_that_fails():
-    model = fl.SliderOnBelt(mu_k=2.0, mu_s=2.0).without("geometry")
-    with pytest.raises(ValueError, match="mu_s must be at least mu_k"):
-        latencies(model, ("mu_k",), 1, ("eigenvalues",))
 
 
 @pytest.mark.parametrize(

@@ -16,6 +16,8 @@ from typing import Any
 import numpy as np
 import sympy
 
+from adapters import Cvode, Diffrax, Heyoka, PathSim, SolveIvp
+from external import compile_peer
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.hybrid.kernels import run_state, taylor_steps
 from frictionlab.hybrid.methods.base import ActiveRun, Method
@@ -23,9 +25,6 @@ from frictionlab.hybrid.methods.one_step import RK4
 from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.models.mechanical.equations_of_motion import system_of
 from frictionlab.models.symbols import structure_of_component, symbol
-
-from .adapters import Cvode, Diffrax, Heyoka, PathSim, SolveIvp
-from .external import compile_peer
 
 REGULARISATION_WIDTH = 1e-3  # m/s, width over which friction reverses
 RTOL = 1e-9
@@ -46,7 +45,7 @@ def regularised_flow(model: Any) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
     return found.states, tuple(sympy.sympify(rate, strict=True).subs(numbers) for rate in rates)
 
 
-def run(model: Any, t_end: float) -> tuple[np.ndarray, float, int]:
+def run_regularised(model: Any, t_end: float) -> tuple[np.ndarray, float, int]:
     """Final state from rest, wall time of a second run (a short first one compiles), and steps."""
     from scipy.integrate import solve_ivp
 
@@ -80,7 +79,7 @@ class InterpretedTaylor(Taylor):
 
 
 @dataclass(frozen=True)
-class BenchMethod:
+class ComparedMethod:
     """A method by name, how it is made for an automaton, and the package it needs."""
 
     family: str
@@ -89,55 +88,55 @@ class BenchMethod:
     package: str = ""
 
 
-def _taylor(tol: float) -> BenchMethod:
-    return BenchMethod("frictionlab", f"frictionlab, tol {tol:.0e}", lambda a: Taylor(tol=tol))
+def _taylor(tol: float) -> ComparedMethod:
+    return ComparedMethod("frictionlab", f"frictionlab, tol {tol:.0e}", lambda a: Taylor(tol=tol))
 
 
-def _order(order: int) -> BenchMethod:
+def _order(order: int) -> ComparedMethod:
     """Taylor of a given order, that of heyoka at a tolerance of 1e-15, to compare the times of a step."""
     name = f"frictionlab, tol 1e-15, order {order}"
-    return BenchMethod("frictionlab, other order", name, lambda a: Taylor(tol=1e-15, order=order))
+    return ComparedMethod("frictionlab, other order", name, lambda a: Taylor(tol=1e-15, order=order))
 
 
-def _interpreted(tol: float) -> BenchMethod:
+def _interpreted(tol: float) -> ComparedMethod:
     name = f"frictionlab, tol {tol:.0e}, interpreted"
-    return BenchMethod("frictionlab, interpreted", name, lambda a: InterpretedTaylor(tol=tol))
+    return ComparedMethod("frictionlab, interpreted", name, lambda a: InterpretedTaylor(tol=tol))
 
 
-def _rk4(step: float) -> BenchMethod:
-    return BenchMethod("RK4", f"RK4, step {step:g} s", lambda a: RK4(step=step))
+def _rk4(step: float) -> ComparedMethod:
+    return ComparedMethod("RK4", f"RK4, step {step:g} s", lambda a: RK4(step=step))
 
 
-def _ivp(integrator: str, rtol: float) -> BenchMethod:
+def _ivp(integrator: str, rtol: float) -> ComparedMethod:
     def create(automaton: HybridAutomaton) -> Method:
         return SolveIvp(automaton, integrator, rtol, rtol * 1e-3)
 
-    return BenchMethod(f"scipy {integrator}", f"scipy {integrator}, rtol {rtol:.0e}", create)
+    return ComparedMethod(f"scipy {integrator}", f"scipy {integrator}, rtol {rtol:.0e}", create)
 
 
-def _heyoka(tol: float) -> BenchMethod:
-    return BenchMethod("heyoka", f"heyoka, tol {tol:.0e}", lambda a: Heyoka(a, tol), "heyoka")
+def _heyoka(tol: float) -> ComparedMethod:
+    return ComparedMethod("heyoka", f"heyoka, tol {tol:.0e}", lambda a: Heyoka(a, tol), "heyoka")
 
 
-def _cvode(formula: str, rtol: float) -> BenchMethod:
+def _cvode(formula: str, rtol: float) -> ComparedMethod:
     def create(automaton: HybridAutomaton) -> Method:
         return Cvode(automaton, formula, rtol, rtol * 1e-3)
 
-    return BenchMethod(f"CVODE {formula}", f"CVODE {formula}, rtol {rtol:.0e}", create, "sksundae")
+    return ComparedMethod(f"CVODE {formula}", f"CVODE {formula}, rtol {rtol:.0e}", create, "sksundae")
 
 
-def _pathsim(rtol: float) -> BenchMethod:
+def _pathsim(rtol: float) -> ComparedMethod:
     def create(automaton: HybridAutomaton) -> Method:
         return PathSim(automaton, rtol=rtol, atol=rtol * 1e-3, max_steps=MAX_STEPS)
 
-    return BenchMethod("PathSim RKDP87", f"PathSim RKDP87, rtol {rtol:.0e}", create, "pathsim")
+    return ComparedMethod("PathSim RKDP87", f"PathSim RKDP87, rtol {rtol:.0e}", create, "pathsim")
 
 
-def _diffrax(rtol: float) -> BenchMethod:
+def _diffrax(rtol: float) -> ComparedMethod:
     def create(automaton: HybridAutomaton) -> Method:
         return Diffrax(automaton, rtol, rtol * 1e-3, max_steps=MAX_STEPS)
 
-    return BenchMethod("diffrax Dopri8", f"diffrax Dopri8, rtol {rtol:.0e}", create, "diffrax")
+    return ComparedMethod("diffrax Dopri8", f"diffrax Dopri8, rtol {rtol:.0e}", create, "diffrax")
 
 
 METHODS = (

@@ -5,14 +5,17 @@ import re
 import numpy as np
 import pytest
 
-from frictionlab.bench import harness, page_figures, performance_page, single_costs
-from frictionlab.bench.harness import BenchScene, scenes
-from frictionlab.hybrid.compilation import HAS_MACHINE_CODE
+import page_figures
+import pages
+import single_costs
+import work_precision
+from compared_methods import METHODS
 from frictionlab.hybrid.solve import solve
+from reference_scenes import ReferenceScene, scenes
 
 
 @pytest.fixture(scope="module")
-def found():
+def landing():
     return page_figures.missed_event()
 
 
@@ -21,9 +24,9 @@ def rows():
     """Scene B for 0.2 s, by frictionlab and RK4."""
     scene = scenes()["B"]
     end = solve(scene.automaton, 0.2, x0=scene.x0, progress=False).final_state
-    short = BenchScene("B", "", scene.automaton, scene.x0, 0.2, lambda: end)
-    ways = [way for way in harness.METHODS if way.family in page_figures.PICTURE_FAMILIES[:2]]
-    return harness.measure(short, ways, repeats=1)
+    short = ReferenceScene("B", "", scene.automaton, scene.x0, 0.2, lambda: end)
+    ways = [way for way in METHODS if way.family in page_figures.PICTURE_FAMILIES[:2]]
+    return work_precision.measure(short, ways, repeats=1)
 
 
 @pytest.fixture(scope="module")
@@ -31,24 +34,24 @@ def switched():
     return single_costs.nonlinearity_costs(t_end=0.1, repeats=1)
 
 
-def test_the_landing_is_missed(found):
+def test_the_landing_is_missed(landing):
     """The first hop begins and ends between two looks of the longer step; the others see it."""
-    fixed, shorter, *located = found.results
+    fixed, shorter, *located = landing.results
     looks = fixed.ends[0][fixed.ends[0] > 1e-9]
-    assert found.hop < looks[0] < found.hop + 2e-5
+    assert landing.hop < looks[0] < landing.hop + 2e-5
     assert fixed.landings == 0
     assert [course.landings for course in (shorter, *located)] == [4, 4, 4]
     assert fixed.height.min() < -1e-5
     assert located[-1].height.min() > -1e-12
 
 
-def test_a_missed_event_is_not_a_small_error(found):
+def test_a_missed_event_is_not_a_small_error(landing):
     """From the method's own error to a share of the motion, for good; located events keep the error."""
-    fixed, shorter, *located = found.results
+    fixed, shorter, *located = landing.results
     before, later = page_figures.TIMES_OF_ERRORS < -1e-4, page_figures.TIMES_OF_ERRORS > 6e-3
     for course in (fixed, shorter):
         assert course.error[later].min() > 1e3 * course.error[before].max()
-        assert course.error[later].min() > 0.01 * found.size
+        assert course.error[later].min() > 0.01 * landing.size
     assert fixed.error[before].min() > 1e3 * shorter.error[before].max()
     assert fixed.moments[1] > 1e3 * fixed.moments[0]
     for course, size in zip(located, (1e-6, 1e-12), strict=True):
@@ -75,7 +78,7 @@ def test_the_bars_are_the_rows_sorted(switched):
 
 
 def test_the_page_and_its_pictures(tmp_path, rows, switched):
-    text = performance_page.write_exact_and_fast(tmp_path, rows, switched).read_text(encoding="utf-8")
+    text = pages.write_exact_and_fast(tmp_path, rows, switched).read_text(encoding="utf-8")
     assert text.startswith("# Exact and fast")
     assert "{" not in text
     pictures = re.findall(r"\]\((images/.*?)\)", text)
@@ -83,24 +86,7 @@ def test_the_page_and_its_pictures(tmp_path, rows, switched):
     assert all((tmp_path / name).stat().st_size > 10_000 for name in pictures)
 
 
-@pytest.mark.parametrize(
-    "snippet", re.findall(r"```python\n(.*?)```", performance_page.STUDENTS_TEXT, re.DOTALL)
-)
+@pytest.mark.parametrize("snippet", re.findall(r"```python\n(.*?)```", pages.STUDENTS_TEXT, re.DOTALL))
 def test_the_snippets_run(snippet, capsys):
     exec(snippet, {})
-    assert len(capsys.readouterr().out.splitlines()) in (4, 5)
-
-
-def test_a_fresh_process_is_timed(monkeypatch):
-    monkeypatch.setattr(single_costs, "COMBINATIONS", (single_costs.NONLINEARITIES,))
-    starts = single_costs.starts(repeats=1)
-    assert starts.imported > 0
-    assert len(starts.first) == 1
-
-
-@pytest.mark.skipif(not HAS_MACHINE_CODE, reason="native code needs numba")
-def test_native_code_of_every_mode():
-    rows = single_costs.native_code_times(repeats=1)
-    assert [row.mode for row in rows] == ["stick", "slip+", "slip-", "separation"]
-    assert all(row.compiled > 0 and row.loaded > 0 for row in rows)
-    assert len(single_costs.native_table(rows).splitlines()) == 6
+    assert capsys.readouterr().out

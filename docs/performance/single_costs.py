@@ -29,7 +29,6 @@ from typing import Any
 import numpy as np
 
 from frictionlab.analysis.simulate import simulate
-from frictionlab.bench.harness import FULL_GAP_RATE_SLIDER, BenchScene, interleaved_medians, scenes, warm_up
 from frictionlab.hybrid import compilation
 from frictionlab.hybrid.codegen.native_cache import NativeCode, native_code
 from frictionlab.hybrid.kernels.run_state import StepData, jet_columns
@@ -42,6 +41,8 @@ from frictionlab.hybrid.tape.program import Program
 from frictionlab.hybrid.tape.tape import Tape
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.presentation import markdown_table
+from reference_scenes import FULL_GAP_RATE_SLIDER, ReferenceScene, scenes
+from timing import interleaved_medians, warm_up
 
 NONLINEARITIES = ("cubic", "nonsmooth", "geometry")
 COMBINATIONS = tuple(tuple(compress(NONLINEARITIES, choice)) for choice in product((0, 1), repeat=3))
@@ -286,7 +287,7 @@ def time_shares(names: Sequence[str] = MEASURED, repeats: int = 25) -> list[Time
     return [_shares(scenes()[name], repeats) for name in names]
 
 
-def _shares(scene: BenchScene, repeats: int) -> TimeShares:
+def _shares(scene: ReferenceScene, repeats: int) -> TimeShares:
     method = Taylor()
     warm_up(scene.automaton, method)
     begin = partial(solve, scene.automaton, x0=scene.x0, method=method, progress=False)

@@ -14,8 +14,6 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Patch
 
 from frictionlab.analysis.simulate import simulate
-from frictionlab.bench.harness import WorkPrecisionRow, scenes
-from frictionlab.bench.single_costs import NONLINEARITIES, NonlinearityCost
 from frictionlab.hybrid.methods.base import Method
 from frictionlab.hybrid.methods.one_step import RK4
 from frictionlab.hybrid.methods.taylor import Taylor
@@ -35,6 +33,9 @@ from frictionlab.plotting.appearance import (
     YELLOW,
 )
 from frictionlab.presentation import markdown_table
+from reference_scenes import scenes
+from single_costs import NONLINEARITIES, NonlinearityCost
+from work_precision import WorkPrecisionRow
 
 MISSED_EVENT_MODEL = SliderOnBelt(mu_k=1.4)  # Eq. (13) as printed: short hops after each landing
 T_END = 0.14  # s

@@ -1,4 +1,4 @@
-"""Run time against error: complete rows, real errors, unlike tools agree; nothing looks at a clock."""
+"""Our solver beside reference states and other tools, by the scripts of docs/performance."""
 
 from dataclasses import replace
 from functools import partial
@@ -6,18 +6,20 @@ from functools import partial
 import numpy as np
 import pytest
 
-from frictionlab.bench import harness, page_figures, performance_page
-from frictionlab.bench.harness import FULL_GAP_RATE_SLIDER, BenchScene, WorkPrecisionRow, scenes
-from frictionlab.bench.peers import methods
-from frictionlab.bench.peers.adapters import Cvode, Diffrax, Heyoka, PathSim, SolveIvp
-from frictionlab.bench.peers.methods import METHODS, BenchMethod, InterpretedTaylor
-from frictionlab.cli import command
+import measure
+import page_figures
+import pages
+import work_precision
+from adapters import Cvode, Diffrax, Heyoka, PathSim, SolveIvp
+from compared_methods import METHODS, ComparedMethod, InterpretedTaylor, run_regularised
 from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.hybrid.problem import Status
 from frictionlab.hybrid.solve import solve
+from reference_scenes import FULL_GAP_RATE_SLIDER, ReferenceScene, scenes
+from work_precision import WorkPrecisionRow
 
 EXACT = {"A": 1e-10, "B": 1e-10, "C": 1e-10, "D": 1e-9, "Coulomb": 1e-9, "linear": 1e-10}
-ABSENT = BenchMethod("nobody", "nobody's", lambda automaton: Taylor(), "no_such_package")
+ABSENT = ComparedMethod("nobody", "nobody's", lambda automaton: Taylor(), "no_such_package")
 
 
 @pytest.mark.parametrize("name", scenes())
@@ -32,7 +34,7 @@ def shorter(name, t_end):
     """A scene whose reference is the solver's own state."""
     scene = scenes()[name]
     end = solve(scene.automaton, t_end, x0=scene.x0, progress=False)
-    return BenchScene(name, "", scene.automaton, scene.x0, t_end, lambda: end.final_state), end
+    return ReferenceScene(name, "", scene.automaton, scene.x0, t_end, lambda: end.final_state), end
 
 
 OTHERS = {
@@ -49,7 +51,7 @@ OTHERS = {
 @pytest.mark.parametrize("name", ["A", "B", "C", "Coulomb", "linear"])
 def test_unlike_tools_find_the_same_events_and_the_same_end(name, other):
     create, package = OTHERS[other]
-    pytest.importorskip(package, reason=f"{package} comes with the extra bench")
+    pytest.importorskip(package, reason=f"{package} is in docs/performance/requirements.txt")
     scene, exact = shorter(name, {"C": 0.1, "Coulomb": 30.0}.get(name, 0.5))
     method = create(scene.automaton)
     run = solve(scene.automaton, scene.t_end, x0=scene.x0, method=method, progress=False)
@@ -69,7 +71,7 @@ def test_a_tool_that_takes_too_many_steps_is_cut_off():
 
 @pytest.mark.parametrize(("create", "package"), [(PathSim, "pathsim"), (Diffrax, "diffrax")])
 def test_a_tool_is_cut_off_within_a_mode(create, package):
-    pytest.importorskip(package, reason=f"{package} comes with the extra bench")
+    pytest.importorskip(package, reason=f"{package} is in docs/performance/requirements.txt")
     scene, _ = shorter("linear", 0.5)
     method = create(scene.automaton, max_steps=20)
     run = solve(scene.automaton, 0.5, x0=scene.x0, method=method, progress=False)
@@ -87,8 +89,8 @@ def test_interpreted_it_is_the_same_to_the_last_bit():
 
 def test_a_smoothed_model_starts_alike_and_ends_elsewhere():
     """No impacts and no stick: the same until the first event, another motion after it."""
-    early, *_ = methods.run(FULL_GAP_RATE_SLIDER, 0.02)
-    late, *_ = methods.run(FULL_GAP_RATE_SLIDER, 1.0)
+    early, *_ = run_regularised(FULL_GAP_RATE_SLIDER, 0.02)
+    late, *_ = run_regularised(FULL_GAP_RATE_SLIDER, 1.0)
     exact = [solve(scenes()["B"].automaton, t, x0=np.zeros(10)).final_state for t in (0.02, 1.0)]
     assert np.abs(early - exact[0])[:5].max() < 1e-5
     assert np.abs(late - exact[1])[:5].max() > 1e-2
@@ -98,7 +100,7 @@ def test_a_smoothed_model_starts_alike_and_ends_elsewhere():
 def rows():
     scene, exact = shorter("B", 0.2)
     scene = replace(scene, events=(len(exact.events), len(exact.events)))
-    return harness.measure(scene, [*METHODS[:8], ABSENT], repeats=1)
+    return work_precision.measure(scene, [*METHODS[:8], ABSENT], repeats=1)
 
 
 def test_rows_rank_the_methods(rows):
@@ -108,55 +110,34 @@ def test_rows_rank_the_methods(rows):
 
 
 def test_an_absent_tool_is_a_row_that_says_so(rows):
-    assert rows[-1] == WorkPrecisionRow(
-        "B", "nobody", "nobody's", *[None] * 5, note="no_such_package is not installed"
-    )
-    lines = harness.work_precision_table(rows).splitlines()
-    assert len(lines) == 2 + len(rows)
-    assert lines[-1] == "| nobody's | no_such_package is not installed |  |  |  |  |  |  |"
-    assert "| 1 |" in lines[2]
+    note = "no_such_package is not installed"
+    assert rows[-1] == WorkPrecisionRow("B", "nobody", "nobody's", *[None] * 5, note=note)
+    assert f"| nobody's | {note} |" in work_precision.work_precision_table(rows)
 
 
 def test_steps_and_what_was_missed(rows):
-    found = {row.method: row for row in rows}
-    assert found["frictionlab, tol 1e-15"].missed == 0
-    assert found["frictionlab, tol 1e-15"].steps == found["frictionlab, tol 1e-15, interpreted"].steps > 0
-    assert found["RK4, step 0.001 s"].steps > 200
-    assert harness.work_precision_table(rows).startswith(
-        "| method | wall time | x | error | steps | per step | events | missed |"
-    )
-    without = [replace(row, events=0, missed=None) for row in rows]
-    assert harness.work_precision_table(without).startswith(
-        "| method | wall time | x | error | steps | per step |\n"
-    )
+    of = {row.method: row for row in rows}
+    assert of["frictionlab, tol 1e-15"].missed == 0
+    assert of["frictionlab, tol 1e-15"].steps == of["frictionlab, tol 1e-15, interpreted"].steps > 0
+    assert of["RK4, step 0.001 s"].steps > 200
     assert [scenes()["Coulomb"].missed(n) for n in (1998, 1999, 2000, 2001)] == [1, 0, 0, -1]
     assert scenes()["D"].missed(15) is None
 
 
-def test_the_picture_has_a_panel_for_each_scene(rows):
-    figure = page_figures.draw_work_precision(rows)
-    labels = [line.get_label() for line in figure.axes[0].lines]
-    assert labels == ["frictionlab", "frictionlab, interpreted", "RK4"]
-    assert figure.axes[0].get_xscale() == figure.axes[0].get_yscale() == "log"
-
-
-def test_the_command(monkeypatch, tmp_path, capsys, rows):
-    monkeypatch.setattr(harness, "measure", lambda scene, repeats: rows)
+def test_one_scene_as_printed(monkeypatch, tmp_path, capsys, rows):
+    monkeypatch.setattr(work_precision, "measure", lambda scene, repeats: rows)
     files = tmp_path / "b.json", tmp_path / "b.png"
-    assert command.main(["bench", "--scene", "B", "--json", str(files[0]), "--picture", str(files[1])]) == 0
+    measure.main(["--scene", "B", "--json", str(files[0]), "--picture", str(files[1])])
     assert capsys.readouterr().out.startswith("\nB: with it, full gap rate, 20 s\n")
     assert all(path.stat().st_size > 500 for path in files)
 
 
-def test_the_page(tmp_path, rows):
+def test_the_page_has_all_scenes_and_tables(tmp_path, rows):
     every = [replace(row, scene=name) for name in scenes() for row in rows]
-    words = [f"table {letter}" for letter in "abcdefghijkl"]
-    text = performance_page.write_performance(
-        tmp_path, every, [f"| {word} |" for word in words], ["0.1", "1.2"]
-    ).read_text()
-    assert text.startswith("# Performance\n")
+    tables = [f"| table {letter} |" for letter in "abcdefghijkl"]
+    text = pages.write_performance(tmp_path, every, tables, ["0.1", "1.2"]).read_text(encoding="utf-8")
     assert text.count("frictionlab, tol 1e-15 |") == 6
-    assert "own work: 0.1, 1.2." in text
-    assert (tmp_path / "images" / "performance.png").exists()
-    places = [text.index(f"| {word} |") for word in words]
+    places = [text.index(table) for table in tables]
     assert places == sorted(places)
+    labels = [line.get_label() for line in page_figures.draw_work_precision(rows).axes[0].lines]
+    assert labels == ["frictionlab", "frictionlab, interpreted", "RK4"]

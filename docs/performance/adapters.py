@@ -21,8 +21,8 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 import sympy
 
+from external import CompiledMode, ExternalMethod, RestartedMethod
 from frictionlab.automaton import Mode
-from frictionlab.bench.peers.external import CompiledMode, ExternalMethod, RestartedMethod
 
 IMPLICIT = ("Radau", "BDF", "LSODA")
 

@@ -18,26 +18,21 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
+from adapters import Heyoka
+from external import compile_peer
 from frictionlab.analysis.basins.basins import BasinStability, basin_stability
 from frictionlab.analysis.ensemble import ensemble
 from frictionlab.analysis.simulate import simulate
 from frictionlab.analysis.steady_state.classification import MotionKind
 from frictionlab.analysis.sweeps.sweep import Sweep, sweep
 from frictionlab.automaton import Event, HybridAutomaton, Mode, Reset
-from frictionlab.bench.harness import (
-    FULL_GAP_RATE_SLIDER,
-    STIFF_SLIDER,
-    interleaved_medians,
-    warm_up,
-    warm_up_lanes,
-)
-from frictionlab.bench.peers.adapters import Heyoka
-from frictionlab.bench.peers.external import compile_peer
 from frictionlab.hybrid.methods.base import Method
 from frictionlab.hybrid.methods.one_step import RK4
 from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.hybrid.solve import solve
 from frictionlab.presentation import markdown_table
+from reference_scenes import FULL_GAP_RATE_SLIDER, STIFF_SLIDER
+from timing import interleaved_medians, warm_up, warm_up_lanes
 
 MU_K = np.round(np.arange(1, 61) * 0.05, 10)
 SWEEP_STARTS = ("rest", "near")

@@ -1,4 +1,4 @@
-"""The pages that `frictionlab bench -o docs` writes: docs/performance.md, with all the numbers, and
+"""The pages that `measure.py -o docs` writes: docs/performance.md, with all the numbers, and
 docs/exact-and-fast.md, three pictures for students.
 """
 
@@ -10,12 +10,14 @@ from pathlib import Path
 
 import numpy as np
 
-from frictionlab.bench import harness, page_figures
-from frictionlab.bench.harness import WorkPrecisionRow, scenes
-from frictionlab.bench.many_runs import EQUILIBRIUM_SHARE
-from frictionlab.bench.single_costs import NonlinearityCost
+import page_figures
+import work_precision
 from frictionlab.file_writing import write_text
 from frictionlab.hybrid.methods.taylor import Taylor
+from many_runs import EQUILIBRIUM_SHARE
+from reference_scenes import scenes
+from single_costs import NonlinearityCost
+from work_precision import WorkPrecisionRow
 
 PAGE, PICTURE = "performance.md", Path("images", "performance.png")
 GROWTH_PICTURE = Path("images", "growth.png")
@@ -23,12 +25,14 @@ GROWTH_PICTURE = Path("images", "growth.png")
 HEAD = """\
 # Performance
 
-Written by `frictionlab bench -o docs`. Absolute times belong to the machine; the columns "x" are ratios
-of one run, which is what to compare; [exact-and-fast.md](exact-and-fast.md) explains it in three
-pictures. Times are medians of interleaved runs on one core, the caches warm; those of more
-than {slow:g} s are measured once. What the tools compile is compiled before. `frictionlab bench --quick`
-takes a fraction of the time. Load average of the machine when it began and when the scenes were done, of
-which one is this command's own work: {loads}.
+Written in a clone by `python docs/performance/measure.py -o docs`, after
+`pip install -r docs/performance/requirements.txt` for the other tools; one that is not installed has a row
+that says so. `--quick` takes a fraction of the time, `--scene B` measures one scene, `--help` says the rest.
+Absolute times belong to the machine; the columns "x" are ratios of one run, which is what to compare;
+[exact-and-fast.md](exact-and-fast.md) explains it in three pictures. Times are medians of interleaved runs
+on one core, the caches warm; those of more than {slow:g} s are measured once. What the tools compile is
+compiled before. Load average of the machine when it began and when the scenes were done, of which one is
+this command's own work: {loads}.
 
 ## How many times our time
 
@@ -215,10 +219,12 @@ def write_performance(
     """Write the page and its picture; `tables` are in the order of their heads below."""
     (folder / PICTURE.parent).mkdir(parents=True, exist_ok=True)
     page_figures.draw_work_precision(rows).savefig(folder / PICTURE, dpi=110)
-    ratios, loaded = harness.ratio_table(rows), ", ".join(loads)
-    text = HEAD.format(slow=harness.SINGLE_RUN_ABOVE, picture=PICTURE.as_posix(), loads=loaded, ratios=ratios)
+    ratios, loaded = work_precision.ratio_table(rows), ", ".join(loads)
+    text = HEAD.format(
+        slow=work_precision.SINGLE_RUN_ABOVE, picture=PICTURE.as_posix(), loads=loaded, ratios=ratios
+    )
     for name, scene in scenes().items():
-        table = harness.work_precision_table([row for row in rows if row.scene == name])
+        table = work_precision.work_precision_table([row for row in rows if row.scene == name])
         text += folded(f"{name}: {scene.text}, {scene.t_end:.5g} s", table)
     heads = (
         SHARES,
@@ -242,8 +248,8 @@ def write_performance(
 STUDENTS_TEXT = """\
 # Exact and fast, in three pictures
 
-Written by `frictionlab bench -o docs`, like [performance.md](performance.md), which has all the numbers. For
-students who have solved an equation of motion on a computer before, say by Runge-Kutta.
+Written by `python docs/performance/measure.py -o docs`, like [performance.md](performance.md), which has all
+the numbers. For students who have solved an equation of motion on a computer before, say by Runge-Kutta.
 
 The model is a slider that is pressed onto a moving belt. It can stick to the belt, slip on it, or lift off. A
 change from one of these *modes* to another is an *event*. In each mode certain quantities stay positive, such

@@ -2,7 +2,7 @@
 of `fl.sensitivity`, by all parameters, against that of the quantity alone; Floquet multipliers by the tangent
 tape against finite differences.
 
-`python -m frictionlab.bench.stability_costs` prints the table of docs/how-to/sensitivity.md.  Quantities of
+`python docs/performance/stability_costs.py` prints the table of docs/how-to/sensitivity.md.  Quantities of
 orbits start from a known orbit; the search for it, which both sides would share, is not timed.
 """
 
@@ -28,13 +28,14 @@ from frictionlab.analysis.quantities.quantities import (
     sensitivity,
 )
 from frictionlab.analysis.simulate import simulate
-from frictionlab.bench.harness import FULL_GAP_RATE_SLIDER, interleaved_medians, warm_up
 from frictionlab.components import PlasticImpact
 from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.hybrid.variational.tangent_flow import tangent_flow
 from frictionlab.models import ImpactOscillator, MassOnBelt, ModeCoupling, SliderOnBelt, SliderOnRigidBelt
 from frictionlab.presentation import markdown_table
 from frictionlab.stability import eigenvalues, root_locus, stability_changes
+from reference_scenes import FULL_GAP_RATE_SLIDER
+from timing import interleaved_medians, warm_up
 
 LOOP_STRIDE = 20  # the loop solves one problem in so many and is scaled up
 EIGENPROBLEM_MODEL = SliderOnBelt()

@@ -72,7 +72,7 @@ def compile_peer(function: Callable[..., Any]) -> Callable[..., Any]:
     """A function of another method, compiled by numba; plain Python where our kernels are too."""
     if not HAS_MACHINE_CODE:
         return function
-    return import_optional("numba", "the benchmark", "compile").njit(function)
+    return import_optional("numba", "what other tools call", "compile").njit(function)
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,6 @@
+"""Numbers of tables."""
+
+
+def three_digits(value: float) -> str:
+    """A positive number rounded to three digits, without a power of ten where it is large: 0.0123, 12300."""
+    return f"{float(f'{value:.3g}'):.0f}" if value >= 1e3 else f"{value:.3g}"

@@ -1,0 +1,49 @@
+"""How runs are timed: code is compiled before, and runs take turns, so that a slow moment affects all."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from statistics import median
+from typing import Any
+
+import numpy as np
+
+from frictionlab.automaton import HybridAutomaton
+from frictionlab.hybrid.codegen.native_cache import native_code
+from frictionlab.hybrid.compilation import HAS_MACHINE_CODE
+from frictionlab.hybrid.methods.base import Method
+from frictionlab.hybrid.methods.taylor import Taylor
+from frictionlab.hybrid.solve import solve
+from frictionlab.hybrid.tape.packing import program_of
+
+
+def warm_up(automaton: HybridAutomaton, method: Method) -> None:
+    """Compile what is missing, so that no mode is native code in one run and interpreted in the next."""
+    solve(automaton, 1e-9, x0=np.zeros(len(automaton.states)), method=method, progress=False)
+    if not isinstance(method, Taylor):
+        return
+    jets = native_code(program_of(automaton)[0])
+    for mode in np.flatnonzero(jets.code.native == 0) if HAS_MACHINE_CODE else ():
+        jets.compile(int(mode))
+
+
+def warm_up_lanes(automaton: HybridAutomaton, method: Taylor) -> None:
+    """Compile what the steps of several runs side by side need."""
+    native = native_code(program_of(automaton)[0])
+    for mode in np.flatnonzero(native.code.lanes == 0) if HAS_MACHINE_CODE else ():
+        native.compile_step(int(mode))
+
+
+def interleaved_medians(runs: Sequence[Callable[[], Any]], repeats: int) -> list[float]:
+    """Median wall time of each, after one call to warm up; in turns, so that a slow moment affects all."""
+    for run in runs:
+        run()
+    spent = [[_time_call(run) for run in runs] for _ in range(repeats)]
+    return [median(column) for column in zip(*spent, strict=True)]
+
+
+def _time_call(run: Callable[[], Any]) -> float:
+    begin = time.perf_counter()
+    run()
+    return time.perf_counter() - begin
