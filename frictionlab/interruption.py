@@ -39,6 +39,11 @@ SIGNALS: Any = sys.modules.get("_signal", signal)
 _LAST: list[Any] = [None]  # the result of the last interruption
 # for the runs in a sweep's threads: set when the sweep no longer waits for them
 STOP_SIGN: ContextVar[threading.Event | None] = ContextVar("STOP_SIGN", default=None)
+PROGRESS_DELAY = 1.0  # seconds before a bar is shown
+URGENT_PRESS = 2  # the press of ctrl-C that interrupts a run at once, wherever it is
+PROGRESS_VARIABLE = "FRICTIONLAB_PROGRESS"  # environment variable: 0, off, no or false shows no bars
+VOILA = "voila/"  # what Voila says of itself in the environment of its kernels
+_switch = {"shown": os.environ.get(PROGRESS_VARIABLE, "1").strip().lower() not in ("0", "off", "no", "false")}
 
 
 def interruption(what: str, result: Any, more: str = "") -> KeyboardInterrupt:
@@ -144,15 +149,6 @@ def _end_thread(thread: threading.Thread) -> None:
             ctypes.c_ulong(thread.ident or 0), ctypes.py_object(SystemExit)
         )
         thread.join(POLL_TIME)
-
-
-PROGRESS_DELAY = 1.0  # seconds before a bar is shown
-URGENT_PRESS = 2  # the press of ctrl-C that interrupts a run at once, wherever it is
-PROGRESS_VARIABLE = "FRICTIONLAB_PROGRESS"  # environment variable: 0, off, no or false shows no bars
-
-VOILA = "voila/"  # what Voila says of itself in the environment of its kernels
-
-_switch = {"shown": os.environ.get(PROGRESS_VARIABLE, "1").strip().lower() not in ("0", "off", "no", "false")}
 
 
 class ProgressSetting:

@@ -14,6 +14,21 @@ from importlib import import_module
 from typing import Any, ClassVar, Generic, TypeVar
 
 Value = TypeVar("Value")
+MAX_LISTED = 8  # items that a summary names before it says how many more there are
+MAX_ROWS = 10  # rows of a table in text
+MAX_ROW_LENGTH = 110  # characters of such a row
+# in LaTeX; all other coordinates are lengths
+ANGLE_LETTERS = {"phi": r"\varphi", "theta": r"\theta", "psi": r"\psi"}
+OUTPUT_UNITS = {
+    "penetration": "m",
+    "gap": "m",
+    "distance": "m",
+    "normal_force": "N",
+    "friction_force": "N",
+    "reaction": "N",
+    "relative_velocity": "m/s",
+}
+CLOCK = "phase"  # the state that stands for time in models with a periodic force, rad
 
 
 class FrozenMapping(Mapping[str, Value], Generic[Value]):
@@ -45,24 +60,6 @@ class Kind(StrEnum):
 
     def __repr__(self) -> str:
         return repr(self.value)
-
-
-MAX_LISTED = 8  # items that a summary names before it says how many more there are
-MAX_ROWS = 10  # rows of a table in text
-MAX_ROW_LENGTH = 110  # characters of such a row
-
-# in LaTeX; all other coordinates are lengths
-ANGLE_LETTERS = {"phi": r"\varphi", "theta": r"\theta", "psi": r"\psi"}
-OUTPUT_UNITS = {
-    "penetration": "m",
-    "gap": "m",
-    "distance": "m",
-    "normal_force": "N",
-    "friction_force": "N",
-    "reaction": "N",
-    "relative_velocity": "m/s",
-}
-CLOCK = "phase"  # the state that stands for time in models with a periodic force, rad
 
 
 def is_angle(name: str) -> bool:

@@ -40,6 +40,14 @@ PENETRATIONS = np.linspace(1e-4, 0.1, 7)
 SPEEDS = np.linspace(0.0, 3.0, 7)
 FORCES = np.array([1.0, 50.0, 1e3])
 LAW_RTOL = 1e-12
+COMPARISON_TIME = 0.02  # s, of the comparison with another integrator
+COMPARISON_METHOD, COMPARISON_RTOL = "DOP853", 1e-7
+PARAMETER_FACTOR = 1.0 + 2.0**-20  # by which a parameter's value is changed
+LAGRANGE_RTOL = 1e-6
+SAMPLE_COUNT = 400
+SLIP_SIGNS = {"slip+": 1.0, "slip-": -1.0}
+MAX_VIOLATION = 1e-9
+CONTACT_OUTPUTS = ("penetration", "normal_force", "friction_force", "relative_velocity")
 
 
 def fail(subject: Any, rule: str, got: Any) -> None:
@@ -177,18 +185,6 @@ LAW_CHECKS: dict[type, Callable[[Any], None]] = {
     FrictionLaw: _check_friction,
     ImpactLaw: _check_impact,
 }
-
-
-COMPARISON_TIME = 0.02  # s, of the comparison with another integrator
-COMPARISON_METHOD, COMPARISON_RTOL = "DOP853", 1e-7
-PARAMETER_FACTOR = 1.0 + 2.0**-20  # by which a parameter's value is changed
-
-LAGRANGE_RTOL = 1e-6
-
-SAMPLE_COUNT = 400
-SLIP_SIGNS = {"slip+": 1.0, "slip-": -1.0}
-MAX_VIOLATION = 1e-9
-CONTACT_OUTPUTS = ("penetration", "normal_force", "friction_force", "relative_velocity")
 
 
 def check_model(model: Model, t_end: float = 1.0) -> Trajectory:

@@ -26,6 +26,18 @@ MAX_CHARACTERS = 100  # characters of a value that a message shows
 MAX_PATH = 4096  # characters of a path: no system takes longer ones
 MAX_ELEMENTS = 50  # elements of a value of which a message could show anything
 
+# What arguments of other libraries are called here.
+ELSEWHERE = {
+    "rtol": "tolerances are the method's: write method=fl.Taylor(tol=1e-10)",
+    "atol": "tolerances are the method's: write method=fl.Taylor(tol=1e-10)",
+    "tol": "it is the method's: write method=fl.Taylor(tol=1e-10)",
+    "t_span": "a run begins at 0: give its end as t_end",
+    "y0": "initial states are given as x0",
+    "max_step": "steps are the method's: write method=fl.Scipy(max_step=0.01)",
+    "events": "give crossings to be recorded as sections",
+    "dense_output": "a run always has it: write run(t)",
+}
+
 
 def plain_number(value: Any) -> Any:
     """The element of a zero-dimensional array; any other value as it is.
@@ -249,19 +261,6 @@ def did_you_mean_or_known(name: Any, known: Iterable[str]) -> str:
     names = list(known)
     listed = f": known are {', '.join(names)}" if names else ": there are none"
     return did_you_mean(name, names) or listed
-
-
-# What arguments of other libraries are called here.
-ELSEWHERE = {
-    "rtol": "tolerances are the method's: write method=fl.Taylor(tol=1e-10)",
-    "atol": "tolerances are the method's: write method=fl.Taylor(tol=1e-10)",
-    "tol": "it is the method's: write method=fl.Taylor(tol=1e-10)",
-    "t_span": "a run begins at 0: give its end as t_end",
-    "y0": "initial states are given as x0",
-    "max_step": "steps are the method's: write method=fl.Scipy(max_step=0.01)",
-    "events": "give crossings to be recorded as sections",
-    "dense_output": "a run always has it: write run(t)",
-}
 
 
 def check_keywords(function: str, given: Iterable[str], known: Iterable[str]) -> None:

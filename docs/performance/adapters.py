@@ -28,6 +28,7 @@ IMPLICIT = ("Radau", "BDF", "LSODA")
 
 BITE = 1e-7  # s: the first step of heyoka in a mode; a tenth of the shortest stay that is no chatter
 EVALUATIONS_PER_STEP = 13  # evaluations in a step of RKDP87, to cap the steps
+EVENT_TOLERANCE = 1e-12  # of time (s) and of a guard: smaller ones use up all iterations of the search
 
 
 @dataclass(frozen=True)
@@ -217,9 +218,6 @@ class _Diagram:
             self.simulation.stop()
 
         return stop
-
-
-EVENT_TOLERANCE = 1e-12  # of time (s) and of a guard: smaller ones use up all iterations of the search
 
 
 @dataclass(frozen=True)

@@ -47,6 +47,7 @@ WORKERS = (1, 2)
 RUNS_OF_WORKERS = 64
 BYTES_PER_MEGABYTE = 1e6
 BYTES_OF_UNIT = 1024  # of "kB" in /proc, and of `ru_maxrss` but for macOS, which counts bytes
+SCENES: dict[str, Any] = {"chain": (chain, CHAIN_SECONDS), "rod": (rod, ROD_SECONDS)}
 
 
 @dataclass(frozen=True)
@@ -63,9 +64,6 @@ class GrowthRow:
     steps: int
     events: int
     modes: int
-
-
-SCENES: dict[str, Any] = {"chain": (chain, CHAIN_SECONDS), "rod": (rod, ROD_SECONDS)}
 
 
 def measure_growth(scene: str, size: int) -> GrowthRow:

@@ -38,6 +38,13 @@ MU_K = np.round(np.arange(1, 61) * 0.05, 10)
 SWEEP_STARTS = ("rest", "near")
 HEYOKA_TOLERANCES = (1e-15, 1e-9)
 FIXED_STEP_STRIDE = 10  # fixed steps and heyoka run one value in so many; their times are scaled up
+BELT_SPEED = 1.5
+EQUILIBRIUM_SHARE = 0.30713  # share of initial states that go to the equilibrium, known independently
+RANGES = {"x": (-2.0, 2.0), "v": (0.0, 2.0)}
+WIDTHS = (1.0, 1e-1, 1e-2)
+T_END = 300.0  # of every run of the smooth model
+REST_DISTANCE = 0.1  # distance from the equilibrium within which a run of the smooth model counts as settled
+RTOL = 1e-6
 
 
 @dataclass(frozen=True)
@@ -163,15 +170,6 @@ def sweep_table(rows: Sequence[SweepRow]) -> str:
     """The rows as Markdown; times also as multiples of the first."""
     lines = (f"{r.name} | {r.seconds:.3g} s | {r.seconds / rows[0].seconds:.2g} | {r.runs}" for r in rows)
     return markdown_table("Fig. 9's sweep, 120 runs | wall time | x | runs timed", lines)
-
-
-BELT_SPEED = 1.5
-EQUILIBRIUM_SHARE = 0.30713  # share of initial states that go to the equilibrium, known independently
-RANGES = {"x": (-2.0, 2.0), "v": (0.0, 2.0)}
-WIDTHS = (1.0, 1e-1, 1e-2)
-T_END = 300.0  # of every run of the smooth model
-REST_DISTANCE = 0.1  # distance from the equilibrium within which a run of the smooth model counts as settled
-RTOL = 1e-6
 
 
 @dataclass(frozen=True)

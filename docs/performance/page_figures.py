@@ -50,6 +50,29 @@ COMPARED_METHODS: tuple[tuple[str, Method], ...] = (
     ("every event located, tol 1e-15", Taylor()),
 )
 
+FAMILY_STYLES = {
+    "frictionlab": (VERMILLION, "o"),
+    "frictionlab, interpreted": (VERMILLION, "x"),
+    "RK4": (BLACK, "s"),
+    "scipy DOP853": (BLUE, "^"),
+    "scipy RK45": (SKY, "v"),
+    "scipy LSODA": (GREEN, "D"),
+    "scipy Radau": (SKY, "d"),
+    "heyoka": (ORANGE, "X"),
+    "CVODE Adams": (PURPLE, "<"),
+    "CVODE BDF": (YELLOW, ">"),
+    "PathSim RKDP87": (BLACK, "P"),
+    "diffrax Dopri8": (GREEN, "p"),
+    "regularised": (GREY, "*"),
+}
+ERROR_FLOOR = 1e-16  # errors that are zero are drawn here
+PICTURE_SCENE = "B"
+PICTURE_FAMILIES = "frictionlab", "RK4", "scipy RK45"
+RK4_ORDER = 4  # of RK4
+METHOD_COLOURS = dict(
+    zip([name for name, _ in COMPARED_METHODS], (VERMILLION, ORANGE, BLUE, BLACK), strict=True)
+)
+
 
 @dataclass(frozen=True, eq=False)
 class MethodResult:
@@ -124,31 +147,6 @@ def missed_event_table(found: MissedEvent) -> str:
     errors = [" | ".join(f"{error:.0e}" for error in course.moments) for course in found.results]
     lines = (f"{c.name} | {error} | {c.landings}" for c, error in zip(found.results, errors, strict=True))
     return markdown_table(f"method | {times} | landings seen in the upper panel", lines)
-
-
-FAMILY_STYLES = {
-    "frictionlab": (VERMILLION, "o"),
-    "frictionlab, interpreted": (VERMILLION, "x"),
-    "RK4": (BLACK, "s"),
-    "scipy DOP853": (BLUE, "^"),
-    "scipy RK45": (SKY, "v"),
-    "scipy LSODA": (GREEN, "D"),
-    "scipy Radau": (SKY, "d"),
-    "heyoka": (ORANGE, "X"),
-    "CVODE Adams": (PURPLE, "<"),
-    "CVODE BDF": (YELLOW, ">"),
-    "PathSim RKDP87": (BLACK, "P"),
-    "diffrax Dopri8": (GREEN, "p"),
-    "regularised": (GREY, "*"),
-}
-ERROR_FLOOR = 1e-16  # errors that are zero are drawn here
-
-PICTURE_SCENE = "B"
-PICTURE_FAMILIES = "frictionlab", "RK4", "scipy RK45"
-RK4_ORDER = 4  # of RK4
-METHOD_COLOURS = dict(
-    zip([name for name, _ in COMPARED_METHODS], (VERMILLION, ORANGE, BLUE, BLACK), strict=True)
-)
 
 
 def draw_work_precision(rows: Sequence[WorkPrecisionRow]) -> RunFigure:

@@ -202,49 +202,6 @@ TAIL = """\
 * The tolerance barely matters for the cost: the order follows it.
 """
 
-
-def load_average() -> str:
-    """Load average of the last minute, where the system knows it."""
-    return f"{os.getloadavg()[0]:.1f}" if hasattr(os, "getloadavg") else "unknown"
-
-
-def folded(title: str, text: str) -> str:
-    """A part of the page that a click unfolds."""
-    return f"\n<details>\n<summary>{title}</summary>\n\n{text}\n</details>\n"
-
-
-def write_performance(
-    folder: Path, rows: Sequence[WorkPrecisionRow], tables: Sequence[str], loads: Sequence[str]
-) -> Path:
-    """Write the page and its picture; `tables` are in the order of their heads below."""
-    (folder / PICTURE.parent).mkdir(parents=True, exist_ok=True)
-    page_figures.draw_work_precision(rows).savefig(folder / PICTURE, dpi=110)
-    ratios, loaded = work_precision.ratio_table(rows), ", ".join(loads)
-    text = HEAD.format(
-        slow=work_precision.SINGLE_RUN_ABOVE, picture=PICTURE.as_posix(), loads=loaded, ratios=ratios
-    )
-    for name, scene in scenes().items():
-        table = work_precision.work_precision_table([row for row in rows if row.scene == name])
-        text += folded(f"{name}: {scene.text}, {scene.t_end:.5g} s", table)
-    heads = (
-        SHARES,
-        SWITCHES,
-        NATIVE,
-        STARTS,
-        MANY,
-        SWEEP,
-        STABILITY,
-        MULTIPLIERS,
-        BASINS.format(share=EQUILIBRIUM_SHARE),
-        EXPLORER,
-        PAGES,
-        GROWTH.format(picture=GROWTH_PICTURE.as_posix()),
-    )
-    for head, table in zip(heads, tables, strict=True):
-        text += f"{head}{table}\n"
-    return write_text(folder / PAGE, text + TAIL)
-
-
 STUDENTS_TEXT = """\
 # Exact and fast, in three pictures
 
@@ -371,6 +328,48 @@ COST_PICTURE, MISSED_PICTURE, SWITCHES_PICTURE = (
     "missed-event.png",
     "cost-of-switches.png",
 )
+
+
+def load_average() -> str:
+    """Load average of the last minute, where the system knows it."""
+    return f"{os.getloadavg()[0]:.1f}" if hasattr(os, "getloadavg") else "unknown"
+
+
+def folded(title: str, text: str) -> str:
+    """A part of the page that a click unfolds."""
+    return f"\n<details>\n<summary>{title}</summary>\n\n{text}\n</details>\n"
+
+
+def write_performance(
+    folder: Path, rows: Sequence[WorkPrecisionRow], tables: Sequence[str], loads: Sequence[str]
+) -> Path:
+    """Write the page and its picture; `tables` are in the order of their heads below."""
+    (folder / PICTURE.parent).mkdir(parents=True, exist_ok=True)
+    page_figures.draw_work_precision(rows).savefig(folder / PICTURE, dpi=110)
+    ratios, loaded = work_precision.ratio_table(rows), ", ".join(loads)
+    text = HEAD.format(
+        slow=work_precision.SINGLE_RUN_ABOVE, picture=PICTURE.as_posix(), loads=loaded, ratios=ratios
+    )
+    for name, scene in scenes().items():
+        table = work_precision.work_precision_table([row for row in rows if row.scene == name])
+        text += folded(f"{name}: {scene.text}, {scene.t_end:.5g} s", table)
+    heads = (
+        SHARES,
+        SWITCHES,
+        NATIVE,
+        STARTS,
+        MANY,
+        SWEEP,
+        STABILITY,
+        MULTIPLIERS,
+        BASINS.format(share=EQUILIBRIUM_SHARE),
+        EXPLORER,
+        PAGES,
+        GROWTH.format(picture=GROWTH_PICTURE.as_posix()),
+    )
+    for head, table in zip(heads, tables, strict=True):
+        text += f"{head}{table}\n"
+    return write_text(folder / PAGE, text + TAIL)
 
 
 def write_exact_and_fast(

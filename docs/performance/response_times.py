@@ -32,6 +32,30 @@ LATENCY_SCENES: Mapping[str, Any] = MappingProxyType(
     }
 )
 
+CHROMIUM = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
+SCREEN = {"width": 1280, "height": 900}
+# A model, and the range in which the slider of mu_k is moved.
+PAGE_SCENES: Mapping[str, tuple[Any, float, float]] = MappingProxyType(
+    {
+        "slider on a belt, no events": (SliderOnBelt(), 0.2, 0.36),
+        "slider on a belt, chatter": (SliderOnBelt(), 1.0, 1.4),
+        "mass on a belt": (MassOnBelt(), 0.3, 0.6),
+    }
+)
+# Every frame has a new value, far from the last; the first frames, while the browser compiles, do not count.
+DRAG = """async ([count, low, high]) => {
+  const slider = document.getElementById("slider-mu_k"), frames = [], solved = [], unseen = 20;
+  let last = null;
+  for (let i = 0; i < count + unseen; i++) {
+    slider.value = low + (high - low) * (7 * i % count) / count;
+    slider.oninput();
+    const now = await new Promise(requestAnimationFrame);
+    if (i >= unseen) { frames.push(now - last); solved.push(view.run.milliseconds); }
+    last = now;
+  }
+  return [frames, solved];
+}"""
+
 
 @dataclass(frozen=True)
 class SliderStep:
@@ -111,31 +135,6 @@ def _step_row(steps: Sequence[SliderStep]) -> str:
     times = f"{1e3 * median(whole):.0f} ms | {1e3 * max(whole):.0f} ms | {1e3 * median(simulation):.1f} ms"
     sliders = ", ".join(dict.fromkeys(step.parameter for step in steps))
     return f"{sliders} | {len(steps)} | {times} | {100 * sum(simulation) / sum(whole):.0f} %"
-
-
-CHROMIUM = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
-SCREEN = {"width": 1280, "height": 900}
-# A model, and the range in which the slider of mu_k is moved.
-PAGE_SCENES: Mapping[str, tuple[Any, float, float]] = MappingProxyType(
-    {
-        "slider on a belt, no events": (SliderOnBelt(), 0.2, 0.36),
-        "slider on a belt, chatter": (SliderOnBelt(), 1.0, 1.4),
-        "mass on a belt": (MassOnBelt(), 0.3, 0.6),
-    }
-)
-# Every frame has a new value, far from the last; the first frames, while the browser compiles, do not count.
-DRAG = """async ([count, low, high]) => {
-  const slider = document.getElementById("slider-mu_k"), frames = [], solved = [], unseen = 20;
-  let last = null;
-  for (let i = 0; i < count + unseen; i++) {
-    slider.value = low + (high - low) * (7 * i % count) / count;
-    slider.oninput();
-    const now = await new Promise(requestAnimationFrame);
-    if (i >= unseen) { frames.push(now - last); solved.push(view.run.milliseconds); }
-    last = now;
-  }
-  return [frames, solved];
-}"""
 
 
 @dataclass(frozen=True)

@@ -61,6 +61,43 @@ fl.simulate(model, 1.0, progress=False)
 print(imported - begin, time.perf_counter() - imported)
 """
 
+RESULT = """\
+import frictionlab as fl
+fl.simulate(fl.SliderOnBelt(mu_k=1.4), 20.0, progress=False).final_state
+"""
+PICTURE = """\
+import sys
+from frictionlab.cli.command import main
+sys.argv[1:] = ["run", "--quiet", "-o", "picture.png"]
+main()
+"""
+SLIDER = """\
+import frictionlab as fl
+fl.explore(fl.SliderOnBelt()).controls["mu_k"].value = 0.35
+"""
+FOUR_PANELS = """\
+import numpy
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+figure = Figure((12.0, 7.0), layout="constrained")
+FigureCanvasAgg(figure)
+figure.subplots(2, 2)
+figure.savefig("picture.png")
+"""
+# Statements of a process, those of its floor, and what the floor consists of.
+STARTS: Mapping[str, tuple[str, str, str]] = MappingProxyType(
+    {
+        "`import frictionlab`": ("import frictionlab", "", "Python"),
+        "the result of a run of 20 s": (RESULT, "import numpy, llvmlite.binding", "Python, numpy, LLVM"),
+        "`frictionlab run -o picture.png`": (PICTURE, FOUR_PANELS, "Python, numpy, matplotlib, empty panels"),
+        "an explorer, and a step of its slider": (
+            SLIDER,
+            "import ipywidgets" + 2 * f"\n{FOUR_PANELS}",
+            "Python, ipywidgets, empty panels twice",
+        ),
+    }
+)
+
 
 @dataclass(frozen=True)
 class NonlinearityCost:
@@ -178,44 +215,6 @@ def native_table(rows: Sequence[NativeCodeTime]) -> str:
     """The modes as Markdown."""
     lines = (f"{r.mode} | {r.operations} | {1e3 * r.compiled:.0f} ms | {1e3 * r.loaded:.1f} ms" for r in rows)
     return markdown_table("mode of scene B | operations | compiled | from the cache", lines)
-
-
-RESULT = """\
-import frictionlab as fl
-fl.simulate(fl.SliderOnBelt(mu_k=1.4), 20.0, progress=False).final_state
-"""
-PICTURE = """\
-import sys
-from frictionlab.cli.command import main
-sys.argv[1:] = ["run", "--quiet", "-o", "picture.png"]
-main()
-"""
-SLIDER = """\
-import frictionlab as fl
-fl.explore(fl.SliderOnBelt()).controls["mu_k"].value = 0.35
-"""
-FOUR_PANELS = """\
-import numpy
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
-figure = Figure((12.0, 7.0), layout="constrained")
-FigureCanvasAgg(figure)
-figure.subplots(2, 2)
-figure.savefig("picture.png")
-"""
-# Statements of a process, those of its floor, and what the floor consists of.
-STARTS: Mapping[str, tuple[str, str, str]] = MappingProxyType(
-    {
-        "`import frictionlab`": ("import frictionlab", "", "Python"),
-        "the result of a run of 20 s": (RESULT, "import numpy, llvmlite.binding", "Python, numpy, LLVM"),
-        "`frictionlab run -o picture.png`": (PICTURE, FOUR_PANELS, "Python, numpy, matplotlib, empty panels"),
-        "an explorer, and a step of its slider": (
-            SLIDER,
-            "import ipywidgets" + 2 * f"\n{FOUR_PANELS}",
-            "Python, ipywidgets, empty panels twice",
-        ),
-    }
-)
 
 
 @dataclass(frozen=True)

@@ -27,6 +27,13 @@ LEAST_MOTION_RTOL = 1e-6  # least size of the motion of a group of states, as a 
 
 DEFAULT_PERIOD = 0.1  # s, about that of the slider on a belt
 ROUND_NUMBER_RTOL = 1e-9  # share by which rounding errors may put a number below the round one it stands for
+HARMONICS_SHOWN = 6.0  # a spectrum shows frequencies up to this multiple of the model's own
+# most periods transformed: they resolve a thousandth of the frequency, more than a figure shows
+MAX_PERIODS = 1000.0
+# samples per period of f_max, so that the high harmonics of kinks are not aliased into view
+OVERSAMPLING = 16
+MIN_LINES = 5
+MAX_SAMPLES = 1e7  # of a spectrum: a minute of computation
 
 
 def state_ranges(states: Any) -> Array:
@@ -86,17 +93,6 @@ def round_down_1_2_5(x: float) -> float:
     limit = x * (1 + ROUND_NUMBER_RTOL)
     power = 10.0 ** floor(log10(limit))
     return float(f"{max(d for d in (1, 2, 5) if d * power <= limit) * power:.3g}")
-
-
-HARMONICS_SHOWN = 6.0  # a spectrum shows frequencies up to this multiple of the model's own
-MAX_PERIODS = (
-    # most periods transformed: they resolve a thousandth of the frequency, more than a figure shows
-    1000.0
-)
-# samples per period of f_max, so that the high harmonics of kinks are not aliased into view
-OVERSAMPLING = 16
-MIN_LINES = 5
-MAX_SAMPLES = 1e7  # of a spectrum: a minute of computation
 
 
 class Spectrum(NamedTuple):

@@ -16,9 +16,8 @@ from frictionlab.hybrid.trajectory import Trajectory
 
 SIMULTANEOUS_SHARE = 1e-5  # share of the longest stay in a mode: events nearer to each other count as one
 ACCUMULATION_SHARE = 1e-3  # share of the longest stay: shorter stays before a Zeno point belong to it
-END_MARGIN_SHARE = (
-    1e-3  # share of the longest stay: this near to the end one run may have an event that the other lacks
-)
+# share of the longest stay: this near to the end one run may have an event that the other lacks
+END_MARGIN_SHARE = 1e-3
 COMPARISON_TIMES = 2000  # times at which states are compared, in addition to some within every stay
 SAMPLES_WITHIN_STAY = np.array([0.1, 0.5, 0.9])
 

@@ -1,7 +1,7 @@
 """The command `frictionlab`: `main` is its entry point.
 
-    command        `main`: reads the arguments, calls the command, turns interruptions into exit statuses;
-                   `frictionlab completion`
+    command        `main`: reads the arguments, calls the command, turns interruptions into exit statuses
+    completion     `frictionlab completion`
     parsing        what the commands share: parser, spellings, models by name with parameter values, options
                    of sweeps, checks of files, JSON
     models         `frictionlab models`, `frictionlab eig` and `frictionlab critical`

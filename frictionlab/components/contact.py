@@ -13,6 +13,8 @@ from typing import Any, ClassVar
 from frictionlab.components.component import Component, parameter
 from frictionlab.validation import check_choice
 
+DIRECTIONS = ("vertical", "normal")
+
 
 @dataclass(frozen=True, repr=False)
 class Interface(Component):
@@ -191,9 +193,6 @@ class PolynomialContact(ContactLaw):
         for a in (self.a5, self.a4, self.a3, self.a2, self.a1):
             total = (total + a) * penetration
         return total
-
-
-DIRECTIONS = ("vertical", "normal")
 
 
 @dataclass(frozen=True, repr=False)

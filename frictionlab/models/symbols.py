@@ -35,6 +35,13 @@ from frictionlab.validation import abbreviate
 from .serialisation import Structure, derivations_of, loaded_class, structure_of_component, value_from_data
 
 LAW_METHODS = ("force", "kinetic", "static_limit", "impulse", "friction")
+LOGGER = logging.getLogger(__name__)
+# Up to so many modes of a model with several contacts are all derived and kept; where there are more, each is
+# derived when a run first tries to enter it.
+MOST_KEPT_MODES = 27
+# Errors that deriving may raise where a structure, read from a file, is that of no model.
+NO_STRUCTURE = ValueError, TypeError, AttributeError, LookupError, ArithmeticError, RecursionError
+Derivatives = dict[Any, Any]  # symbol -> derivative by it; zeros are left out
 
 
 @cache
@@ -152,12 +159,6 @@ def _with_explanation(method: Callable[..., Any], law: str) -> Callable[..., Any
     return explained
 
 
-LOGGER = logging.getLogger(__name__)
-# Up to so many modes of a model with several contacts are all derived and kept; where there are more, each is
-# derived when a run first tries to enter it.
-MOST_KEPT_MODES = 27
-
-
 def state_symbols(coordinates: tuple[str, ...]) -> tuple[Any, ...]:
     """Symbols of the coordinates, then of their velocities."""
     return tuple(symbol(name) for name in (*coordinates, *(name + "'" for name in coordinates)))
@@ -203,10 +204,6 @@ def _automaton_with_values(key: Structure, values: Mapping[str, float]) -> Hybri
     derived = automaton_of_structure(key)
     numbers = {symbol(name): value for name, value in values.items()}
     return HybridAutomaton(derived.states, derived.modes, numbers, derived.coordinates)
-
-
-# Errors that deriving may raise where a structure, read from a file, is that of no model.
-NO_STRUCTURE = ValueError, TypeError, AttributeError, LookupError, ArithmeticError, RecursionError
 
 
 def automaton_from_structure_data(data: Any, kind: type, parameters: Mapping[str, float]) -> HybridAutomaton:
@@ -268,9 +265,6 @@ def _outline(derived: HybridAutomaton) -> dict[str, Any]:
         "parameters": derived.values,
         "coordinates": derived.coordinates,
     }
-
-
-Derivatives = dict[Any, Any]  # symbol -> derivative by it; zeros are left out
 
 
 def derivatives(expression: Any, symbols: Set[Any]) -> Derivatives:

@@ -27,6 +27,7 @@ from frictionlab.models.symbols import symbol
 
 MAX_OUTCOMES = 64  # combinations of outcomes in one `check`; a page leaves out the rules of one with more
 MARK = "\0"  # encloses the places of values in a message
+RELATIONS = {"lt": sp.Lt, "le": sp.Le, "gt": sp.Gt, "ge": sp.Ge, "eq": sp.Eq, "ne": sp.Ne}
 
 
 class JavaScriptPrinter(ParameterPrinter):
@@ -289,7 +290,6 @@ def _comparison(relation: Any) -> Any:
     return lambda self, other: _Relation(relation(self.formula, _plain(other)), self.trace)
 
 
-RELATIONS = {"lt": sp.Lt, "le": sp.Le, "gt": sp.Gt, "ge": sp.Ge, "eq": sp.Eq, "ne": sp.Ne}
 for _name in ("add", "sub", "mul", "truediv", "pow"):
     setattr(_Traced, f"__{_name}__", _arithmetic(getattr(operator, _name), False))
     setattr(_Traced, f"__r{_name}__", _arithmetic(getattr(operator, _name), True))

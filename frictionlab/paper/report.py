@@ -91,6 +91,22 @@ leave again at once; E5: what follows depends on the algorithm.
 
 """
 
+SIGNS = {
+    Verdict.REPRODUCED: "✔",
+    Verdict.IN_PART: "◐",
+    Verdict.BY_PAPER: "△",
+    Verdict.NOT_REPRODUCED: "✘",
+}
+BLOCK = """\
+<details class="claim" id="claim-{name}">
+<summary><b>{id}</b> <span class="verdict verdict-{kind}">{sign} {verdict}</span> {where}: {short}</summary>
+
+{rows}
+
+</details>
+"""
+LONGEST_SUMMARY = 90  # characters of what the paper says, in the line that is always seen
+
 
 def step_size_page(study: StepStudy, picture: str) -> str:
     """The page, in Markdown."""
@@ -234,23 +250,6 @@ def _figure_text(found: Any, path: Path) -> str:
     rows = "\n".join(f"* {line}" for line in found.summary)
     heading = f"\n### Fig. {found.number}{how}\n\n{found.caption[0].upper()}{found.caption[1:]}.\n\n"
     return f"{heading}{rows}\n\n![Fig. {found.number}{how}]({path.as_posix()})\n"
-
-
-SIGNS = {
-    Verdict.REPRODUCED: "✔",
-    Verdict.IN_PART: "◐",
-    Verdict.BY_PAPER: "△",
-    Verdict.NOT_REPRODUCED: "✘",
-}
-BLOCK = """\
-<details class="claim" id="claim-{name}">
-<summary><b>{id}</b> <span class="verdict verdict-{kind}">{sign} {verdict}</span> {where}: {short}</summary>
-
-{rows}
-
-</details>
-"""
-LONGEST_SUMMARY = 90  # characters of what the paper says, in the line that is always seen
 
 
 def claim_summary(table: Claims) -> str:

@@ -29,6 +29,33 @@ REASON_FOR_DIFFERENCE = (
     "the flights pile up (E3), and what follows depends on how an algorithm treats them (E5)."
 )
 
+# Number -> module and function of the number: linear stability, on which algorithm and law have no effect.
+FIGURES = {
+    2: "figures.linear_stability:coalescence_figure",
+    3: "figures.linear_stability:coalescence_figure",
+    4: "figures.linear_stability:critical_figure",
+    5: "figures.linear_stability:critical_figure",
+    6: "figures.linear_stability:two_pairs_figure",
+}
+# Number -> module and function of the number and the setting: steady states.
+STEADY = {
+    **dict.fromkeys((7, 8), "figures.bifurcations:motion_figure"),
+    **dict.fromkeys(range(9, 15), "figures.bifurcations:friction_figure"),
+    15: "figures.bifurcations:preload_figure",
+    **dict.fromkeys((16, 17), "figures.stiff_structure:nonsmooth_figure"),
+    18: "figures.stiff_structure:frequency_figure",
+}
+EVERY_FIGURE = FIGURES | STEADY
+WITHOUT_GEOMETRY = (13, 14)  # where both impact laws are the same
+# Claim -> module with `CHECKS`, name -> function that gives the Claim.
+CLAIMS: dict[str, str] = {f"C{i}": "checks.linear_stability" for i in range(1, 9)}
+# Claim -> module with `CHECKS`, name -> Question.
+STEADY_CLAIMS = {
+    **dict.fromkeys((f"C{i}" for i in range(9, 21)), "checks.bifurcations"),
+    **dict.fromkeys((f"C{i}" for i in range(21, 26)), "checks.nonsmooth"),
+}
+EVERY_CLAIM = CLAIMS | STEADY_CLAIMS
+
 
 class Verdict(StrEnum):
     """The verdict of a check."""
@@ -248,34 +275,6 @@ class PaperFigure:
     def _repr_png_(self) -> bytes:
         # `draw` gives a RunFigure, which has this method; matplotlib's own class does not
         return self.plot()._repr_png_()  # type: ignore[attr-defined]
-
-
-# Number -> module and function of the number: linear stability, on which algorithm and law have no effect.
-FIGURES = {
-    2: "figures.linear_stability:coalescence_figure",
-    3: "figures.linear_stability:coalescence_figure",
-    4: "figures.linear_stability:critical_figure",
-    5: "figures.linear_stability:critical_figure",
-    6: "figures.linear_stability:two_pairs_figure",
-}
-# Number -> module and function of the number and the setting: steady states.
-STEADY = {
-    **dict.fromkeys((7, 8), "figures.bifurcations:motion_figure"),
-    **dict.fromkeys(range(9, 15), "figures.bifurcations:friction_figure"),
-    15: "figures.bifurcations:preload_figure",
-    **dict.fromkeys((16, 17), "figures.stiff_structure:nonsmooth_figure"),
-    18: "figures.stiff_structure:frequency_figure",
-}
-EVERY_FIGURE = FIGURES | STEADY
-WITHOUT_GEOMETRY = (13, 14)  # where both impact laws are the same
-# Claim -> module with `CHECKS`, name -> function that gives the Claim.
-CLAIMS: dict[str, str] = {f"C{i}": "checks.linear_stability" for i in range(1, 9)}
-# Claim -> module with `CHECKS`, name -> Question.
-STEADY_CLAIMS = {
-    **dict.fromkeys((f"C{i}" for i in range(9, 21)), "checks.bifurcations"),
-    **dict.fromkeys((f"C{i}" for i in range(21, 26)), "checks.nonsmooth"),
-}
-EVERY_CLAIM = CLAIMS | STEADY_CLAIMS
 
 
 def figure(

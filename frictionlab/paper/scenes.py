@@ -35,6 +35,8 @@ from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.models import SliderOnBelt
 from frictionlab.validation import check_choice
 
+Array = NDArray[Any]
+
 ALGORITHMS = ("exact", "paper")
 IMPACTS = ("paper", "full gap rate")
 PAPER_STEP = 2e-4  # s, of the paper's algorithm: that at which it gives the paper's 1.58 Hz
@@ -49,15 +51,23 @@ HIGHEST_FREQUENCY = 20.0  # Hz, of a mode of the usual structure
 # hence the factor 4.
 RETURN_TOLERANCES = {"exact": 1e-6, "paper": round(4 * 2 * pi * HIGHEST_FREQUENCY * PAPER_STEP, 3)}
 
-Array = NDArray[Any]
 USUAL = SliderOnBelt()
 STIFF = SliderOnBelt(F=800.0, k_nl=1e7, k4=5e6, k5=5e6, k6=5e6)  # Figs 16 to 18
 CONTACT_STIFFNESSES = (0.0, 1e4, 1e7)  # k_nl in N/m^3
 MU_K_NAMED_IN_TEXT = (0.05, 0.75)  # further mu_k that the text on Fig. 11 names
 MU_K_SMALL = (0.01, 0.02, 0.03, 0.04, 0.05, 0.38)  # without GN: "very small", and where Fig. 13 begins
 
-
 MU_K_AT_ONSET = (1.35, 1.4)  # in sliding only: where Fig. 17b begins
+CACHE: dict[str, Any] = {}
+START_NAMES = {"near": "near the equilibrium", "rest": "far from it (at rest)"}
+EXAMPLES = (0.3, 1.4, 2.5)  # mu_k of Fig. 7
+STICK_SECTION = "stick"
+TURNING_SECTION = "x1'"  # the section of Fig. 17b, crossed in either direction
+MU_K_PRELOAD = 2.5
+GEOMETRY_NAMES = {True: "with GN", False: "without GN"}
+MAX_INTERVALS = 7  # intervals that a text lists at most
+GRID_TOLERANCE = 1e-9  # for values that are the same but for rounding
+ROUNDING_MARGIN = 1 + 1e-9  # a value that lies exactly between two roundings agrees with both
 
 
 @dataclass(frozen=True)
@@ -161,21 +171,6 @@ def _grid_slice(setting: Setting) -> slice:
 def _sorted_grid(values: Array) -> Array:
     """Ascending, each once, without the rounding of steps."""
     return np.unique(np.round(values, 10))
-
-
-CACHE: dict[str, Any] = {}
-
-START_NAMES = {"near": "near the equilibrium", "rest": "far from it (at rest)"}
-EXAMPLES = (0.3, 1.4, 2.5)  # mu_k of Fig. 7
-STICK_SECTION = "stick"
-TURNING_SECTION = "x1'"  # the section of Fig. 17b, crossed in either direction
-MU_K_PRELOAD = 2.5
-GEOMETRY_NAMES = {True: "with GN", False: "without GN"}
-
-MAX_INTERVALS = 7  # intervals that a text lists at most
-GRID_TOLERANCE = 1e-9  # for values that are the same but for rounding
-
-ROUNDING_MARGIN = 1 + 1e-9  # a value that lies exactly between two roundings agrees with both
 
 
 def steady_states(

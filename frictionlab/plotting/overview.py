@@ -57,6 +57,8 @@ from frictionlab.presentation import state_unit
 from frictionlab.validation import check_choice
 
 PHASE_PLANE_WINDOW = Periods(20.0)  # long enough to tell a cycle that closes from one that does not
+DECADES = 5
+SIZE, FONT_SIZE = (12.0, 7.0), 9.0  # inches, points
 
 
 def plot_phase_plane(
@@ -115,9 +117,6 @@ def _masked_states(states: np.ndarray, chosen: np.ndarray) -> np.ndarray:
     """The two columns, NaN outside the chosen samples and the one after each, so that lines meet."""
     kept = chosen | np.append(False, chosen[:-1])
     return np.where(kept[:, None], states, np.nan).T
-
-
-DECADES = 5
 
 
 def plot_spectrum(
@@ -195,9 +194,6 @@ def _spectrum_title(found: Spectrum) -> str:
     strongest = f"strongest line {found.strongest:.{digits}f} Hz" if found.amplitudes.any() else "at rest"
     part = f"{found.start:.4g} s to {found.stop:.4g} s, Hann window"
     return f"Spectrum of {state_label(found.name)}, {part}\nresolution {found.resolution:.2g} Hz, {strongest}"
-
-
-SIZE, FONT_SIZE = (12.0, 7.0), 9.0  # inches, points
 
 
 def plot_run(run: Any, figure: Figure | None = None, *, window: Window = DEFAULT_WINDOW) -> Figure:

@@ -42,6 +42,10 @@ from frictionlab.plotting.time_histories import Array
 from frictionlab.presentation import state_unit
 from frictionlab.validation import abbreviate
 
+GROWING_LINE_WIDTH = 3.2
+GROWING_LABEL = "heavy: the mode grows"
+LOCUS_COLOUR_MAP = "viridis"
+
 
 def plot_equilibrium(found: Any, ax: Axes | None = None) -> Sequence[Artist]:
     """Draw the mechanism at an equilibrium, with the contact forces on the body; for an automaton, or a model
@@ -126,12 +130,6 @@ def _draw_bars(found: Any, ax: Axes) -> Sequence[Artist]:
     ax.set(ylabel=f"{label}, angle (rad)" if mixed else label, title="Equilibrium")
     ax.margins(y=0.12)
     return list(bars)
-
-
-GROWING_LINE_WIDTH = 3.2
-GROWING_LABEL = "heavy: the mode grows"
-
-LOCUS_COLOUR_MAP = "viridis"
 
 
 def plot_frequencies(

@@ -49,6 +49,8 @@ COUNT_COLOURS = (STABLE_COLOUR, SKY, ORANGE, VERMILLION)  # none, one, two, more
 DOTTED = (0, (1, 1.5))
 HATCH = "////"
 LABEL_LENGTH = 45  # letters that fit along the height of a figure
+EDGE_GROWTH = 0.01  # growth rate / angular frequency at the picture's edges: small, as a normal form needs
+POINTS = 201  # of each line
 
 
 def plot_critical(
@@ -192,10 +194,6 @@ def _map_legend_handles(plane: Any, boundary: list[Line2D], ax: Axes) -> list[An
     if shown[0] < 0:
         patches.append(Patch(facecolor=background(ax), edgecolor=GREY, hatch=HATCH, label="no equilibrium"))
     return patches + list({str(line.get_label()): line for line in boundary}.values())
-
-
-EDGE_GROWTH = 0.01  # growth rate / angular frequency at the picture's edges: small, as a normal form needs
-POINTS = 201  # of each line
 
 
 def plot_hopf(point: Any, ax: Axes | None = None, *, name: str | None = None) -> list[Line2D]:

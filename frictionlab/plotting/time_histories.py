@@ -34,6 +34,13 @@ from frictionlab.presentation import is_angle, state_unit
 from frictionlab.validation import abbreviate, check_number, float_array, plain_number
 
 Array = NDArray[np.float64]
+WINDOW_CURE = "give seconds, Periods(10), (start, stop), or None for the whole run"
+SAMPLES = 4001
+SHADE, DARK_SHADE = 0.35, 0.2  # opacity of the modes behind lines, on light and on dark backgrounds
+SAMPLING_RTOL = 1e-12  # rounding allowed for where the whole steps within a window are counted
+FORCE_SYMBOLS = {"normal_force": "F_N", "friction_force": "F_T"}
+FORCES = {"normal_force": ("$F_N$ (N)", BLUE), "friction_force": ("$F_T$ (N)", VERMILLION)}
+SECOND_CONTACT_COLOURS = {"normal_force": GREEN, "friction_force": ORANGE}  # of a second contact
 
 
 class Periods(NamedTuple):
@@ -44,11 +51,7 @@ class Periods(NamedTuple):
 
 Window = float | tuple[float, float] | Periods | None
 
-WINDOW_CURE = "give seconds, Periods(10), (start, stop), or None for the whole run"
 DEFAULT_WINDOW = Periods(7.5)  # 0.75 s of the slider on a belt
-SAMPLES = 4001
-SHADE, DARK_SHADE = 0.35, 0.2  # opacity of the modes behind lines, on light and on dark backgrounds
-SAMPLING_RTOL = 1e-12  # rounding allowed for where the whole steps within a window are counted
 
 
 def end_time(run: Any) -> float:
@@ -186,11 +189,6 @@ def label_time_axes(
         shade_modes(run, ax, span)
     ax.set(xlabel="time (s)", ylabel=ylabel, title=f"{what}, {window_text(run, *span)}")
     ax.margins(x=0)
-
-
-FORCE_SYMBOLS = {"normal_force": "F_N", "friction_force": "F_T"}
-FORCES = {"normal_force": ("$F_N$ (N)", BLUE), "friction_force": ("$F_T$ (N)", VERMILLION)}
-SECOND_CONTACT_COLOURS = {"normal_force": GREEN, "friction_force": ORANGE}  # of a second contact
 
 
 def plot_displacements(

@@ -34,6 +34,14 @@ IMPACT_LAWS: Mapping[str, Component] = MappingProxyType(
     }
 )
 
+OWN_STATE, FIXED_STEP = "own", "rk4"
+INITIAL_STATES = (("rest", "rest"), ("near the equilibrium", "near"), ("own numbers", OWN_STATE))
+METHODS = (("quick (Taylor)", QUICK_METHOD), ("exact (Taylor)", Taylor()), ("paper's (RK4)", FIXED_STEP))
+SHOWN_PERIODS = 5, 10, 20, 50  # periods
+CONTROL_NAMES = "start", "own", "duration", "method", "step", "window", "coordinate"
+DEFAULT_STEP, MIN_STEP, MAX_STEP = 2e-4, 2e-5, 1e-2  # s; the paper's step
+STEP_TEXT = "fixed step of the paper's algorithm; its own is 2e-4 s"
+
 
 class ParameterControls:
     """One slider for each parameter; sliders of components that the model lacks are hidden and keep their
@@ -177,15 +185,6 @@ def _impact_dropdown(own: Component) -> Any:
         "impact law",
         "what the slider's velocity is after it lands on the belt again",
     )
-
-
-OWN_STATE, FIXED_STEP = "own", "rk4"
-INITIAL_STATES = (("rest", "rest"), ("near the equilibrium", "near"), ("own numbers", OWN_STATE))
-METHODS = (("quick (Taylor)", QUICK_METHOD), ("exact (Taylor)", Taylor()), ("paper's (RK4)", FIXED_STEP))
-SHOWN_PERIODS = 5, 10, 20, 50  # periods
-CONTROL_NAMES = "start", "own", "duration", "method", "step", "window", "coordinate"
-DEFAULT_STEP, MIN_STEP, MAX_STEP = 2e-4, 2e-5, 1e-2  # s; the paper's step
-STEP_TEXT = "fixed step of the paper's algorithm; its own is 2e-4 s"
 
 
 class RunControls:

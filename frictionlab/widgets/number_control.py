@@ -24,6 +24,11 @@ from frictionlab.validation import abbreviate
 LABEL_WIDTH, CONTROL_WIDTH = "7.1em", "24em"
 NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?", re.IGNORECASE)
 THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}(,\d{3})+")
+MAX_SLIDER_STEPS = 300  # most steps of a slider from one end to the other
+STEPS_PER_DECADE, LOG_DIGITS = 50, 3
+# A browser computes the ends of a range from their positions, 20.000000000000004 for 20, and sends them
+# unasked when it first shows them.
+BROWSER_ROUNDING = 1e-11
 
 
 def number_from_text(name: str, text: str) -> float:
@@ -231,13 +236,6 @@ class NumberControl(ipywidgets.HBox):
             if part := getattr(self, name, None):  # None where the constructor failed
                 part.close()
         super().close()
-
-
-MAX_SLIDER_STEPS = 300  # most steps of a slider from one end to the other
-STEPS_PER_DECADE, LOG_DIGITS = 50, 3
-# A browser computes the ends of a range from their positions, 20.000000000000004 for 20, and sends them
-# unasked when it first shows them.
-BROWSER_ROUNDING = 1e-11
 
 
 def slider(name: str, about: Parameter, value: float) -> NumberControl:

@@ -34,12 +34,20 @@ SIMULATED_PERIODS, SHOWN_PERIODS = (
 # flight, to less than a pixel; and the run is ten times as fast.  The error of the tolerance is below 1e-5 of
 # the motion over 20 s, far less than a pixel; its shorter series save some 25 % of the time where events cut
 # steps short.
+Array = NDArray[np.float64]
+
 QUICK_METHOD = Taylor(tol=1e-7, chatter=4e-4)
 PERIODICITY_TOLERANCE = 1e-10  # tolerance of runs that are tested for whether the motion repeats
 
 WHAT_MOVES = "moving"  # shows the last periods, or the whole of a motion that has come to rest
 
 MAX_STEPS = 300_000  # 100 s of the paper's system with all its chatter take 200 000 steps
+SAMPLES_PER_PERIOD, MIN_SAMPLES, MAX_SAMPLES = 40, 800, 20_000  # samples of what is shown
+AT_REST = 1e-9  # share of the size of a motion: what varies less has come to rest
+SEEN = 1e-3  # share of the size of a motion: what varies less is not seen in a picture
+AFTER_REST = 1.15  # time shown of a motion that comes to rest, relative to the time until rest
+SAMPLES_AT_REST = 65
+STEADY = 0.95  # a motion that keeps less than this share of its size over half a run decays
 
 
 @dataclass(frozen=True)
@@ -153,17 +161,6 @@ def _component_classes(component: Component) -> Iterator[type]:
     yield type(component)
     for value in getattr(component, "components", {}).values():
         yield from _component_classes(value)
-
-
-Array = NDArray[np.float64]
-SAMPLES_PER_PERIOD, MIN_SAMPLES, MAX_SAMPLES = 40, 800, 20_000  # samples of what is shown
-
-
-AT_REST = 1e-9  # share of the size of a motion: what varies less has come to rest
-SEEN = 1e-3  # share of the size of a motion: what varies less is not seen in a picture
-AFTER_REST = 1.15  # time shown of a motion that comes to rest, relative to the time until rest
-SAMPLES_AT_REST = 65
-STEADY = 0.95  # a motion that keeps less than this share of its size over half a run decays
 
 
 def is_at_rest(run: Trajectory, span: tuple[float, float]) -> bool:

@@ -54,6 +54,9 @@ STRONG_CORRELATION = 0.95  # above it two parameters are named as hard to tell a
 MAX_CHI_SQUARE = 10.0  # reduced: above it the model does not fit, even if errors are three times as large
 RANK_RTOL = 1e-8  # the data do not determine directions of smaller relative singular values
 NULL_SHARE = 1e-4  # a parameter with a larger share in such a direction is part of it
+WEIGHTS = (1.0, 30.0, 1000.0)  # of the mismatch between pieces, relative to the measurement's error
+MAX_EVALUATIONS = 100
+FIT_RTOL = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
@@ -188,11 +191,6 @@ def covariance_of(slopes: Array, names: tuple[str, ...], scales: Array) -> tuple
     covariance[part, part] = np.inf
     undetermined = tuple(tuple(name for name, share in zip(names, row) if share > NULL_SHARE) for row in lost)
     return covariance, int(known.sum()), undetermined
-
-
-WEIGHTS = (1.0, 30.0, 1000.0)  # of the mismatch between pieces, relative to the measurement's error
-MAX_EVALUATIONS = 100
-FIT_RTOL = 1e-12
 
 
 def fit(

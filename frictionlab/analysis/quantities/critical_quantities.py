@@ -47,6 +47,7 @@ STEP_RTOL = 1e-13
 JUMP_FACTOR = 8.0  # times the median change between scanned values: a larger change may be a jump
 JUMP_SHARE = 0.05  # share of such a change that is left after halving if it is a jump
 FOLD_RTOL = 1e-3  # share of the bounds' distance that the fold may be from where the equilibrium ended
+REAL_RTOL = 1e-6  # a slope of the critical value with a larger share of imaginary part has no meaning
 
 
 class FoldPoint(NamedTuple):
@@ -147,9 +148,6 @@ def _newton(
         if np.abs(step[:m]).max() <= STEP_RTOL * size and abs(step[-1]) <= STEP_RTOL * abs(numbers[place]):
             break
     return (x, float(numbers[place])) if np.isfinite(x).all() else None
-
-
-REAL_RTOL = 1e-6  # a slope of the critical value with a larger share of imaginary part has no meaning
 
 
 @dataclass(frozen=True)

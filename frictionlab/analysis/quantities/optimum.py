@@ -28,6 +28,7 @@ Array = NDArray[np.float64]
 MAX_STEPS = 200
 STEP_TOL = 1e-12
 ACTIVE_RTOL = 1e-6  # a constraint or bound holds with equality if met within this share of its size
+LIMIT_CURE = "give (quantity, low, high)"
 
 
 @dataclass(frozen=True)
@@ -61,9 +62,6 @@ class ParameterValue(Quantity):
     def gradient(self, model: Any) -> Gradient:
         check_parameter_name(model, self.name)
         return Gradient(float(model.parameters[self.name]), {self.name: 1.0})
-
-
-LIMIT_CURE = "give (quantity, low, high)"
 
 
 class Limit(NamedTuple):

@@ -40,14 +40,11 @@ MIN_PERIODS_SEEN = 3  # periods that the window has to contain at least
 AT_ONCE_SHARE = 1e-3  # of the longest time between crossings: one that follows sooner is no other crossing
 MAX_LAG = 500  # largest number of crossings in a period
 NEAR_RECURRENCE_RTOL = 1e-3
-MIN_SETTLING_FACTOR = (
-    # factor from each third of the window to the next by which the deviation shrinks where the motion still
-    # settles
-    1.5
-)
-MIN_CROSSINGS = (
-    TREND_PARTS * MIN_PERIODS_SEEN
-)  # with fewer crossings a motion that does not repeat may still turn out to do so, or to drift
+# factor from each third of the window to the next by which the deviation shrinks where the motion still
+# settles
+MIN_SETTLING_FACTOR = 1.5
+# with fewer crossings a motion that does not repeat may still turn out to do so, or to drift
+MIN_CROSSINGS = TREND_PARTS * MIN_PERIODS_SEEN
 
 # share of the largest singular value below which a direction in the samples is due to rounding
 SAMPLE_RANK_RTOL = 1e-10
@@ -55,12 +52,14 @@ SAMPLE_RANK_RTOL = 1e-10
 # its own, which compete with a sweep's: two values side by side took longer than one after the other.
 ROWS = 64
 MIN_LOSS_SHARE = 1e-9  # share of the motion's square that a decaying part has to lose
-MIN_RATE_RATIO = (
-    0.5  # least rate of decay, as a share of the largest, where events between samples disturb the linear map
-)
+# least rate of decay, as a share of the largest, where events between samples disturb the linear map
+MIN_RATE_RATIO = 0.5
 # the same for single parts that all decay to zero; towards a cycle, decay becomes ever slower
 SINGLE_RATE_RATIO = 0.99
 SIGNIFICANT_SHARE = 1e-6  # share of the motion's square above which a part of it has to decay as well
+REST_AMPLITUDE_RTOL = 1e-3  # a decaying motion smaller than this share of the coordinates counts as at rest
+MIN_DECAY_FACTOR = 1.4  # by which factor it has to shrink from the first quarter of the window to the last
+EVEN_SAMPLES = 8001
 
 
 class Recurrence(NamedTuple):
@@ -266,11 +265,6 @@ def _triangle(rows: Array) -> Array:
 
 def _product(rows: Array, factor: Any) -> Any:
     return (_in_blocks(rows) @ factor).reshape(-1, factor.shape[1])[: len(rows)]
-
-
-REST_AMPLITUDE_RTOL = 1e-3  # a decaying motion smaller than this share of the coordinates counts as at rest
-MIN_DECAY_FACTOR = 1.4  # by which factor it has to shrink from the first quarter of the window to the last
-EVEN_SAMPLES = 8001
 
 
 class MotionKind(Kind):

@@ -47,6 +47,22 @@ TITLE = "bifurcation"  # of the progress bar
 ENSEMBLE_SIZE = 16  # runs side by side: two sets of lanes
 MAX_SECTION_POINTS = 200  # section points kept for each value, the last ones
 
+SPECIFICATION = record(
+    {
+        "model": mapping(),
+        "parameter": text(),
+        "values": array(None),
+        "x0": either(str, text(), either(dict, mapping(number()), array(None))),
+        "states": listed(text(), distinct=True),
+        "section": none_or(either(str, text(), listed(length=2))),
+        "transient": number(least=0.0),
+        "window": number(above=0.0),
+        "tolerance": number(above=0.0),
+        "t_max": none_or(number(above=0.0)),
+        "method": record({"name": text()}),
+    }
+)
+
 
 @dataclass(frozen=True, eq=False)
 class Bifurcation(Drawable):
@@ -187,23 +203,6 @@ def load_bifurcation(path: str | Path) -> Bifurcation:
             check_parameter_name(Model.from_dict(specification["model"]), specification["parameter"])
         check_results(specification, results)
     return bifurcation_from_results(specification, results)
-
-
-SPECIFICATION = record(
-    {
-        "model": mapping(),
-        "parameter": text(),
-        "values": array(None),
-        "x0": either(str, text(), either(dict, mapping(number()), array(None))),
-        "states": listed(text(), distinct=True),
-        "section": none_or(either(str, text(), listed(length=2))),
-        "transient": number(least=0.0),
-        "window": number(above=0.0),
-        "tolerance": number(above=0.0),
-        "t_max": none_or(number(above=0.0)),
-        "method": record({"name": text()}),
-    }
-)
 
 
 def check_results(specification: Mapping[str, Any], results: Mapping[int, Any]) -> None:

@@ -32,9 +32,8 @@ from frictionlab.presentation import Drawable, count, import_optional, shorten, 
 from frictionlab.stored_data import anything
 from frictionlab.validation import abbreviate, check_mapping, check_sequence, float_array
 
-TASKS_PER_WORKER = (
-    2  # tasks handed to each worker at a time, so that ctrl-C does not have to wait for all of them
-)
+# tasks handed to each worker at a time, so that ctrl-C does not have to wait for all of them
+TASKS_PER_WORKER = 2
 QUIETLY = Execution(progress=False)
 LEAVING_PRESS, URGENT_PRESS = 2, 3  # presses of ctrl-C that abandon running tasks, that interrupt at once
 SILENT_TIME = 0.5  # seconds after ctrl-C before the user is told that tasks are still running

@@ -15,6 +15,22 @@ from .impact_oscillators import BouncingBall, ImpactOscillator
 from .sliders import ModeCoupling, SliderOnBelt, SliderOnRigidBelt
 
 PAPANGELO_REFERENCE = "A. Papangelo, M. Ciavarella, N. Hoffmann, Nonlinear Dynamics 90 (2017)"
+WEAKENING_CALL = "MassOnBelt(friction=fl.WeakeningStrengthening(mu_k=0.5, mu_s=1.0), c=0.1, v=1.0)"
+
+# The models of the rows, made here so that the text of a call need not be run as Python.
+ROW_MODELS: tuple[Model, ...] = (
+    SliderOnBelt(),
+    MassOnBelt(),
+    MassOnBelt(friction=Stribeck(mu_k=0.5, mu_s=1.0), c=0.1),
+    MassOnBelt(friction=WeakeningStrengthening(mu_k=0.5, mu_s=1.0), c=0.1, v=1.0),
+    ModeCoupling(),
+    SliderOnRigidBelt(),
+    DenHartog(),
+    FreeCoulomb(),
+    BouncingBall(),
+    ImpactOscillator(),
+    TwoBlocks(),
+)
 
 
 class ModelRow(NamedTuple):
@@ -49,7 +65,6 @@ class ModelTable:
         return f"<table><tr>{head}</tr>{body}</table>"
 
 
-WEAKENING_CALL = "MassOnBelt(friction=fl.WeakeningStrengthening(mu_k=0.5, mu_s=1.0), c=0.1, v=1.0)"
 MODEL_ROWS = (
     ModelRow(
         "SliderOnBelt()",
@@ -114,22 +129,6 @@ PRESETS = (
         ImpactOscillator(c=2.0, Omega=1.2, d=0.41),
         "The mass just fails to touch its stop: move d from 0.41 m to 0.4 m, and every swing strikes it.",
     ),
-)
-
-
-# The models of the rows, made here so that the text of a call need not be run as Python.
-ROW_MODELS: tuple[Model, ...] = (
-    SliderOnBelt(),
-    MassOnBelt(),
-    MassOnBelt(friction=Stribeck(mu_k=0.5, mu_s=1.0), c=0.1),
-    MassOnBelt(friction=WeakeningStrengthening(mu_k=0.5, mu_s=1.0), c=0.1, v=1.0),
-    ModeCoupling(),
-    SliderOnRigidBelt(),
-    DenHartog(),
-    FreeCoulomb(),
-    BouncingBall(),
-    ImpactOscillator(),
-    TwoBlocks(),
 )
 
 

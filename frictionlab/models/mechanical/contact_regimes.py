@@ -38,6 +38,10 @@ PHASE = "phase"
 AFTER_SLIP = {"slip+": ("stick", "slip-"), "slip-": ("stick", "slip+")}
 AFTER_FLIGHT = ("slip+", "slip-", "slip", "stick")
 APART = ("separation", "relaxation")  # regimes without contact forces
+RATE_SYMBOLS = sympy.symbols("material_rate gap_rate compliance", real=True)
+CLOSING = PlasticImpact("full")  # law of the impact that closes a Zeno accumulation
+CHATTER_MODE = "chatter"
+CHATTER_TIME = symbol("chatter")  # s, below which the solver replaces flights by their limit
 
 
 class RegimeEnd(NamedTuple):
@@ -208,10 +212,6 @@ def _stop_regimes(contact: Stop, rate: Any) -> tuple[ContactRegime, ...]:
     )
 
 
-RATE_SYMBOLS = sympy.symbols("material_rate gap_rate compliance", real=True)
-CLOSING = PlasticImpact("full")  # law of the impact that closes a Zeno accumulation
-
-
 @lru_cache(maxsize=4096)  # one for all modes in which the contact slips
 def stick_reset(found: LagrangeSystem, contact: Any) -> Reset:
     """Reset to v_r = 0 by an impulse along W, which removes only the rounding error of the event's time.
@@ -352,10 +352,6 @@ def rate_after(law: ImpactLaw, rate: Any) -> Any:
     """Rate of the distance from a stop after an impact, as a function of that before."""
     soft = sympy.Symbol("compliance", positive=True)
     return expand_products(rate + soft * law.impulse(-rate, -rate, soft))
-
-
-CHATTER_MODE = "chatter"
-CHATTER_TIME = symbol("chatter")  # s, below which the solver replaces flights by their limit
 
 
 def chatter_mode(found: LagrangeSystem) -> Mode | None:

@@ -12,6 +12,8 @@ from frictionlab.components.friction import FrictionLaw
 from frictionlab.components.impact import ImpactLaw
 from frictionlab.validation import abbreviate
 
+SYMMETRY_RTOL = 1e-8  # share of a_ij, or of the root of a_ii a_jj: what elements and exports round
+
 
 @dataclass(frozen=True, eq=False)
 class Friction:
@@ -147,9 +149,6 @@ class Mechanics:
     def stored(self) -> Any:
         """The potential energy V (J), the sum of all its parts."""
         return sum(self.potential.values()) if isinstance(self.potential, Mapping) else self.potential
-
-
-SYMMETRY_RTOL = 1e-8  # share of a_ij, or of the root of a_ii a_jj: what elements and exports round
 
 
 def quadratic_form(matrix: Any, x: Sequence[Any]) -> Any:

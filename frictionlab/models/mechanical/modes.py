@@ -31,6 +31,8 @@ from .coupled_masses import HeldVelocities, held_velocities
 from .equations_of_motion import LagrangeSystem, Pair, lagrange_system
 from .mechanics import Friction, Stop
 
+_expand = lru_cache(maxsize=4096)(expand_products)  # most are the same in many modes
+
 
 def derive_automaton(model: Any) -> HybridAutomaton:
     """States and modes of a symbolic copy of a model, one mode for each combination of regimes.
@@ -200,9 +202,6 @@ def _products(matrix: Any, right: Any, sign: int) -> Iterator[tuple[Any, Any]]:
         replaced = matrix.copy()
         replaced[:, i] = right
         yield _expand(sign * matrix.det()), _expand(sign * replaced.det())
-
-
-_expand = lru_cache(maxsize=4096)(expand_products)  # most are the same in many modes
 
 
 def _sparse_product(one: Any, other: Any) -> Any:

@@ -38,6 +38,9 @@ CYCLE_FREQUENCY = 1.58, 0.005  # Hz, and half a unit of its last digit
 
 SECTION_SPREAD = 0.1  # of their largest size: section values that differ by less are nearly the same
 MIN_RANK_CORRELATION = 0.5  # rank correlation with mu_k above which the intensity "generally gets stronger"
+MAX_PERIOD_VARIATION = 0.02  # share by which the period of a nearly unchanged oscillation may vary
+MAX_CYCLE_DIFFERENCE = 0.02  # share by which cycles that are alike may differ in range or period
+MAX_ROUGHNESS = 1.05  # variation along the sweep over the difference of its extremes: 1 if monotonic
 
 
 def _outcome_words(kinds: tuple[str, ...]) -> list[str]:
@@ -226,11 +229,6 @@ CONTACT_CHECKS: dict[str, Question] = {
     ),
 }
 WITH_GEOMETRY = RESPONSE_CHECKS | CONTACT_CHECKS
-
-
-MAX_PERIOD_VARIATION = 0.02  # share by which the period of a nearly unchanged oscillation may vary
-MAX_CYCLE_DIFFERENCE = 0.02  # share by which cycles that are alike may differ in range or period
-MAX_ROUGHNESS = 1.05  # variation along the sweep over the difference of its extremes: 1 if monotonic
 
 
 def _check_unchanged(setting: Setting) -> Finding:

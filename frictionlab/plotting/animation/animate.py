@@ -61,6 +61,9 @@ DEFAULT_WINDOW = Periods(3.0)
 FONT_SIZE = 9.0
 DPI = 80.0  # an animation in a notebook holds every frame as a picture
 
+# What browsers, pillow and ffmpeg write.
+FILM_FORMATS = tuple(".gif .html .htm .webp .apng .mp4 .m4v .mov .avi .mkv .webm .png".split())
+
 
 @dataclass(frozen=True, eq=False)
 class BeltPicture:
@@ -290,23 +293,6 @@ def frame_updater(scene: AnimationScene, speed: float) -> Callable[[int], list[A
         return [*moved, scene.phase, scene.title]
 
     return update
-
-
-# What browsers, pillow and ffmpeg write.
-FILM_FORMATS = (
-    ".gif",
-    ".html",
-    ".htm",
-    ".webp",
-    ".apng",
-    ".mp4",
-    ".m4v",
-    ".mov",
-    ".avi",
-    ".mkv",
-    ".webm",
-    ".png",
-)
 
 
 class RunAnimation(FuncAnimation):

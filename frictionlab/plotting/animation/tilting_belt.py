@@ -46,6 +46,20 @@ COLUMNS = ("slider_x", "slider_y", "foot_x", "foot_y", "belt_x", "belt_y", "slop
 MAX_DISPLACEMENT_SHARE = 0.4  # largest displacement drawn, as a share of the distance of the nearer wheel
 MIN_WHEEL_SHARE = 0.25  # smallest distance of a wheel as drawn, as a share of the other's
 DEFAULT_SIZE = 0.2  # m: drawn size of a belt whose wheels are at its centre
+SPRING_WIDTH = 0.12  # of springs, as a share of the size
+BELT_COLOUR, BELT_ON_DARK = "#F2F2F2", "#333333"
+# Label of each spring, and its place relative to the spring's middle, as shares of the size.
+SPRING_LABELS = {
+    "k1": ("$k_1$", (0.0, -0.2)),
+    "k2": (r"$k_2, k_{\mathrm{nl}}$", (0.3, 0.0)),
+    "k3": ("$k_3$", (0.2, 0.14)),
+    "k4": ("$k_4$", (0.08, 0.2)),
+    "k5": ("$k_5$", (-0.2, 0.0)),
+    "k6": ("$k_6$", (0.2, 0.0)),
+}
+BELT_MARKS = 16  # on the belt, so that its motion is seen
+FORCE_COLOURS = (BLUE, VERMILLION, BLACK)  # F_N, F_T, F
+MAX_ARROW_LENGTH = 0.9  # as a share of the mechanism's size
 
 
 @dataclass(frozen=True, eq=False)
@@ -191,23 +205,6 @@ def _part_positions(frames: Frames, s: float, spring: float, travel: Array) -> A
     # The mode decides, not the sign of the penetration: a bilateral contact pulls where that is negative.
     foot = np.where(frames.mode == "separation", y1, surface)
     return np.column_stack([x1, y1 + spring, x1, foot, x2, y2, -frames.phi, travel])
-
-
-SPRING_WIDTH = 0.12  # of springs, as a share of the size
-BELT_COLOUR, BELT_ON_DARK = "#F2F2F2", "#333333"
-# Label of each spring, and its place relative to the spring's middle, as shares of the size.
-SPRING_LABELS = {
-    "k1": ("$k_1$", (0.0, -0.2)),
-    "k2": (r"$k_2, k_{\mathrm{nl}}$", (0.3, 0.0)),
-    "k3": ("$k_3$", (0.2, 0.14)),
-    "k4": ("$k_4$", (0.08, 0.2)),
-    "k5": ("$k_5$", (-0.2, 0.0)),
-    "k6": ("$k_6$", (0.2, 0.0)),
-}
-BELT_MARKS = 16  # on the belt, so that its motion is seen
-
-FORCE_COLOURS = (BLUE, VERMILLION, BLACK)  # F_N, F_T, F
-MAX_ARROW_LENGTH = 0.9  # as a share of the mechanism's size
 
 
 def belt_colour(ax: Axes | None = None) -> str:

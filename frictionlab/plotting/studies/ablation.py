@@ -37,6 +37,13 @@ from frictionlab.plotting.studies.state_space import plot_steady_state
 from frictionlab.plotting.studies.sweeps import LOG_SCALE_RATIO, plot_bifurcation
 
 MAX_BARS = 15  # only so many effects are drawn, the largest
+RUN_AXES = {"axes_class": RunAxes}
+COLUMNS = 4  # panels side by side
+LABEL_LENGTH = 34  # letters that fit on a line below a small panel
+NEGATIVE_MARGIN = 0.3  # where bars go to the left: their numbers must not reach the names
+THICKEST = 3.0  # width of the first curve, in widths of a line
+THINNER = 0.8  # width of a curve as a share of the one below it, so that equal curves are all seen
+PANEL_SHARE = 0.7  # of its cell that a panel takes, the rest for labels and title
 
 
 def plot_effects(effects: Any, ax: Axes | None = None, *, condition: int = 0) -> list[Artist]:
@@ -164,15 +171,6 @@ def _mark_scenes(ablation: Any, values: Any, heights: Any, on: Any, ax: Axes) ->
             fontsize=font_size(7.0),
             bbox={"facecolor": background(ax), "edgecolor": "none", "alpha": 0.7, "pad": 0.5},
         )
-
-
-RUN_AXES = {"axes_class": RunAxes}
-COLUMNS = 4  # panels side by side
-LABEL_LENGTH = 34  # letters that fit on a line below a small panel
-NEGATIVE_MARGIN = 0.3  # where bars go to the left: their numbers must not reach the names
-THICKEST = 3.0  # width of the first curve, in widths of a line
-THINNER = 0.8  # width of a curve as a share of the one below it, so that equal curves are all seen
-PANEL_SHARE = 0.7  # of its cell that a panel takes, the rest for labels and title
 
 
 def plot_ablation(

@@ -23,6 +23,8 @@ from frictionlab.plotting.appearance import (
 from frictionlab.plotting.figure import axes_or_new, legend_beside
 from frictionlab.plotting.labels import parameter_symbol
 
+TWO_SIGMA = 1.96  # 95 percent of the residuals lie within it, if model and errors are right
+
 
 def plot_sensitivity(found: Any, ax: Axes | None = None, *, most: int = 12) -> list[Artist]:
     """Draw the normalised derivatives of a quantity, the largest at the top (a tornado plot).
@@ -148,9 +150,6 @@ def plot_optimum(found: Any, ax: Axes | None = None) -> list[Artist]:
     ax.set_title(f"{found.quantity}: {found.value:.5g}")
     legend_beside(ax)
     return drawn
-
-
-TWO_SIGMA = 1.96  # 95 percent of the residuals lie within it, if model and errors are right
 
 
 def plot_fit(found: Any, ax: Axes | None = None) -> list[Artist]:

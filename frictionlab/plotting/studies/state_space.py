@@ -46,6 +46,11 @@ SHOWN_PERIODS = 3  # periods drawn of a periodic motion
 SHOWN_SECONDS = 2.0  # drawn of others
 LINEAR_SHARE = 1e-3  # of the largest derivative: the colour scale is linear below this, logarithmic above
 MAX_NUMBERED = 10  # with more states the entries of a matrix are not written in its cells
+# Colours of attractors, in turn; equilibria have their own, whichever attractor was found first
+COLOURS_OF_REST = (SKY, BLUE, GREEN)
+COLOURS_OF_MOTION = (ORANGE, YELLOW, PURPLE, VERMILLION, GREEN)
+UNCLASSIFIED_COLOURS = {MotionKind.NOT_SETTLED: GREY, MotionKind.ENDED_EARLY: "#444444"}
+HATCH = "////"
 
 
 def plot_steady_state(found: Any, ax: Axes | None = None, *, name: str | None = None) -> list[Line2D]:
@@ -187,13 +192,6 @@ def plot_tangent_flow(flow: Any, ax: Axes | None = None) -> QuadMesh:
     ax.set(xlabel="initial state (SI units)", ylabel="final state (SI units)", title="Fundamental matrix")
     ax.figure.colorbar(mesh, ax=ax, label="derivative (SI units)")
     return mesh
-
-
-# Colours of attractors, in turn; equilibria have their own, whichever attractor was found first
-COLOURS_OF_REST = (SKY, BLUE, GREEN)
-COLOURS_OF_MOTION = (ORANGE, YELLOW, PURPLE, VERMILLION, GREEN)
-UNCLASSIFIED_COLOURS = {MotionKind.NOT_SETTLED: GREY, MotionKind.ENDED_EARLY: "#444444"}
-HATCH = "////"
 
 
 class BasinArtists(NamedTuple):

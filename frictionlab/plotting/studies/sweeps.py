@@ -46,11 +46,9 @@ MOTION_STYLES: dict[str, dict[str, Any]] = {
     MotionKind.ENDED_EARLY: {"color": GREY, "marker": "x", "markersize": 3.0},
     MotionKind.EQUILIBRIUM: {"color": BLACK, "marker": "_", "markersize": 6.0},
 }
-EARLY_END_HEIGHT = (
-    # share of the axes' height at which runs that ended early are marked; most of these motions grew
-    # without bounds
-    0.03
-)
+# share of the axes' height at which runs that ended early are marked; most of these motions grew
+# without bounds
+EARLY_END_HEIGHT = 0.03
 LOG_SCALE_RATIO = 30.0  # largest over smallest intensity above which the axis is logarithmic
 
 SPECIAL_POINT_STYLES = {

@@ -41,12 +41,10 @@ ZERO_GROWTH_LINE: dict[str, Any] = {"color": GREY, "linewidth": 0.8, "zorder": 1
 
 NEUTRAL = 1e-12  # share of an eigenvalue's size below which its real part is a rounding error
 
-CURVE_POINTS, CURVE_PARTS = (
-    87,
-    4,
-)  # points of a critical curve, and the parts in which it is computed
+CURVE_POINTS, CURVE_PARTS = 87, 4  # points of a critical curve, and the parts in which it is computed
 MAX_CACHED_CURVES = 16  # curves
 OPERATING_POINT: dict[str, Any] = {"linestyle": "none", "markersize": 8.0, "zorder": 3.0}
+MECHANISM = MovingMechanism.name
 
 
 def _colours_of_modes(run: Any) -> dict[str, str]:
@@ -276,7 +274,6 @@ PANELS: Mapping[str, Callable[[Any], Drawing]] = MappingProxyType(
         "eigenvalues": eigenvalues,
     }
 )
-MECHANISM = MovingMechanism.name
 NAMES = (MECHANISM, *PANELS)
 
 
