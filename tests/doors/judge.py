@@ -47,9 +47,9 @@ class Motion:
     why: str
 
 
-def reference_motion(one: Mechanism, shift: float, times: np.ndarray, rtol: float = 1e-12) -> Motion:
+def reference_motion(system: Reference, shift: float, times: np.ndarray, rtol: float = 1e-12) -> Motion:
     """The reference's motion from a start that is shifted by a share."""
-    system = Reference(one)
+    one, system.fastest = system.one, [0.0] * len(system.one.contacts)
     sizes = system.grouped(np.abs(one.starts))
     sizes[2 * one.n :] = [state.size for state in one.further]
     z = np.array(one.starts) + shift * sizes * np.where(np.arange(len(sizes)) % 2, 1.0, -1.0)
@@ -89,15 +89,14 @@ class Prediction:
 
 def predict(one: Mechanism, t_end: float) -> Prediction:
     """What the reference foretells."""
-    grid = np.linspace(0.0, t_end, 41)
-    exact = reference_motion(one, 0.0, grid)
+    grid, system = np.linspace(0.0, t_end, 41), Reference(one)
+    exact = reference_motion(system, 0.0, grid)
     horizon, spreads, widths = exact.end, [], []
     if not len(exact.t):
         return Prediction(exact, np.zeros(0), np.zeros((0, 2)), 0.0)
-    grouped = Reference(one).grouped
-    size = grouped(np.abs(exact.states)).max(axis=0)
+    size = system.grouped(np.abs(exact.states)).max(axis=0)
     for shift in (NEAR, -NEAR):
-        other = reference_motion(one, shift, grid)
+        other = reference_motion(system, shift, grid)
         horizon = min(horizon, other.end)
         pairs = list(zip(exact.events, other.events, strict=False))
         for i, (a, b) in enumerate(pairs):
@@ -112,7 +111,7 @@ def predict(one: Mechanism, t_end: float) -> Prediction:
         count = min(len(exact.t), len(other.t))
         apart = np.zeros_like(exact.states)
         apart[:count] = np.abs(exact.states[:count] - other.states[:count])
-        widths.append(grouped(apart))
+        widths.append(system.grouped(apart))
     count = min(map(len, spreads))
     times = np.max([s[:count] for s in spreads], axis=0) if count else np.zeros(0)
     times = SLACK * np.maximum.accumulate(times) + ROUNDING * one.period if count else times

@@ -8,6 +8,7 @@ from one linear system.  Nothing comes from the package.
 from __future__ import annotations
 
 from itertools import product
+from operator import mul
 from types import SimpleNamespace
 from typing import Any
 
@@ -20,6 +21,7 @@ from tests.reference.hybrid import Next, System, Undecided
 
 SIGN = {"slip+": 1.0, "slip-": -1.0}
 DEAD = 1e-7  # compliance of a direction, by the largest, below which it can hold nothing
+SINGULAR = 1e-12  # share of a matrix's largest entry, below which a pivot is none
 FAINT = 1e-6  # speed of an impact, by the fastest so far, at which an accumulation is left alone
 
 
@@ -39,44 +41,43 @@ class Reference(System):
     # --- one state
 
     def at(self, t: float, z: Any) -> SimpleNamespace:
-        """Mass matrix, forces, and of each contact what it needs."""
-        n, k = self.n, len(self.one.contacts)
-        flat = np.array(self.numbers(t, *z))
-        mass, free, rest = flat[: n * n].reshape(n, n), flat[n * n : n * n + n], flat[n * n + n :]
-        rest, rates, steep = np.split(rest, [len(rest) - 2 * self.further, len(rest) - self.further])
-        contacts = rest.reshape(k, 3 + 2 * n + 2) if k else np.zeros((0, 5 + 2 * n))
+        """Mass matrix, forces, and of each contact what it needs; short lists are faster than arrays."""
+        n, more = self.n, self.further
+        flat = self.numbers(t, *z)
+        first, row = n * n + n, 4 + 2 * n
+        contacts = [flat[first + i * row : first + (i + 1) * row] for i in range(len(self.one.contacts))]
         return SimpleNamespace(
-            mass=mass,
-            free=free,
-            value=contacts[:, 0],  # v_r, or the rate of the distance
-            bias=contacts[:, 1],  # what its rate has besides J a
-            place=contacts[:, 2],  # penetration or distance
-            J=contacts[:, 3 : 3 + n],
-            out=contacts[:, 3 + n : 3 + 2 * n],  # direction of the normal force
-            normal=contacts[:, 3 + 2 * n],
-            rates=rates,  # of further states
-            steep=steep,
+            mass=[flat[i * n : i * n + n] for i in range(n)],
+            free=flat[n * n : first],
+            value=[c[0] for c in contacts],  # v_r, or the rate of the distance
+            bias=[c[1] for c in contacts],  # what its rate has besides J a
+            place=[c[2] for c in contacts],  # penetration or distance
+            normal=[c[3] for c in contacts],
+            J=[c[4 : 4 + n] for c in contacts],
+            out=[c[4 + n :] for c in contacts],  # direction of the normal force
+            rates=flat[len(flat) - 2 * more : len(flat) - more],  # of further states
+            steep=flat[len(flat) - more :],
         )
 
-    def forces(self, mode: Any, t: float, z: Any) -> tuple[np.ndarray, np.ndarray, Any]:
+    def forces(self, mode: Any, t: float, z: Any) -> tuple[list[float], list[float], Any]:
         """Accelerations, the force of each contact along -J, and the numbers of the state."""
         at = self.at(t, z)
-        total, force = at.free.copy(), np.zeros(len(mode))
-        held = [i for i, word in enumerate(mode) if word in ("stick", "contact")]
+        total, force = at.free, [0.0] * len(mode)
+        held = []
         for i, word in enumerate(mode):
             if isinstance(self.one.contacts[i], Touch) and word != "separation":
-                total += at.out[i] * at.normal[i]
+                total = _plus(total, at.normal[i], at.out[i])
             if word in SIGN:
                 force[i] = SIGN[word] * self.laws_of[i].kinetic(at.normal[i], SIGN[word] * at.value[i])
-                total -= at.J[i] * force[i]
-        inverse = np.linalg.inv(at.mass)
+                total = _plus(total, -force[i], at.J[i])
+            elif word in ("stick", "contact"):
+                held.append(i)
+        rates, *pushes = _solved(at.mass, [total, *(at.J[i] for i in held)])
         if held:
-            J = at.J[held]
-            drive = J @ inverse @ total + at.bias[held]
-            holding = np.linalg.solve(J @ inverse @ J.T, drive)
-            total = total - J.T @ holding
-            force[held] = holding
-        return inverse @ total, force, at
+            drive = [_dot(at.J[i], rates) + at.bias[i] for i in held]
+            for i, push, holding in zip(held, pushes, _holding(at, held, pushes, drive), strict=True):
+                rates, force[i] = _plus(rates, -holding, push), holding
+        return rates, force, at
 
     def rate(self, mode: Any, t: float, z: np.ndarray) -> Any:
         self.now, z = t, z.tolist()
@@ -84,7 +85,7 @@ class Reference(System):
         return [*z[self.n : 2 * self.n], *accelerations, *at.rates]
 
     def speeds(self, mode: Any, z: np.ndarray) -> list[float]:
-        at = self.at(self.now, z)
+        at = self.at(self.now, z.tolist())
         sliding = [SIGN[word] * at.value[i] for i, word in enumerate(mode) if word in SIGN]
         steep = [at.steep[i] for i, state in enumerate(self.one.further) if state.layer is not None]
         return sliding + steep
@@ -98,7 +99,10 @@ class Reference(System):
 
     def named(self, mode: Any, t: float, z: Any) -> list[tuple[int, str, float]]:
         """Event functions of a mode: contact, name, value."""
-        _, force, at = self.forces(mode, t, z)
+        if "stick" in mode or "contact" in mode:
+            _, force, at = self.forces(mode, t, z)
+        else:  # the others' guards are not those of forces
+            force, at = [], self.at(t, z)
         rows = []
         for i, word in enumerate(mode):
             if word == "separation":
@@ -119,11 +123,11 @@ class Reference(System):
 
     def guards(self, mode: Any, t: Any, z: Any) -> np.ndarray:
         if np.ndim(t) == 0:
-            return np.array([value for *_, value in self.named(mode, t, list(z))])
+            return np.array([value for *_, value in self.named(mode, float(t), z.tolist())])
         return np.array([self.guards(mode, s, z[:, j]) for j, s in enumerate(t)]).T
 
     def start(self, z: np.ndarray) -> tuple[str, ...]:
-        at = self.at(0.0, z)
+        at = self.at(0.0, z.tolist())
         words = []
         for i, contact in enumerate(self.one.contacts):
             if isinstance(contact, Wall):
@@ -135,8 +139,8 @@ class Reference(System):
         return tuple(words)
 
     def leave(self, mode: Any, guard: int, t: float, z: np.ndarray) -> Next:
-        i, kind, _ = self.named(mode, t, list(z))[guard]
-        at = self.at(t, z)
+        i, kind, _ = self.named(mode, t, z.tolist())[guard]
+        at = self.at(t, z.tolist())
         if kind == "land":
             return Next(_with(mode, i, "slip+" if at.value[i] > 0 else "slip-"), z)
         if kind == "impact":
@@ -173,7 +177,7 @@ class Reference(System):
         `breaks` says that its holding force has just reached its limit.
         """
         try:
-            rates, force, at = self.forces(mode, t, z)
+            rates, force, at = self.forces(mode, t, z.tolist())
         except np.linalg.LinAlgError:
             return False
         for j, word in enumerate(mode):
@@ -181,36 +185,39 @@ class Reference(System):
                 return False
             if word in SIGN and j == i:
                 # Zero up to rounding at breakaway under a law that is continuous at rest: rates decide later.
-                slack = 1e-9 * np.abs(at.J[j]).max() * np.abs(rates).max() if breaks else 0.0
-                if not SIGN[word] * (at.J[j] @ rates + at.bias[j]) > -slack:
+                slack = 1e-9 * max(map(abs, at.J[j])) * max(map(abs, rates)) if breaks else 0.0
+                if not SIGN[word] * (_dot(at.J[j], rates) + at.bias[j]) > -slack:
                     return False
         return True
 
     def stop(self, mode: Any, i: int, t: float, z: np.ndarray, at: Any) -> Next:
         """Stick where v_r comes to zero, if the force allows; slip the other way else."""
-        inverse = np.linalg.inv(at.mass)
-        softness = at.J[i] @ inverse @ at.J[i]
+        (along,) = _solved(at.mass, [at.J[i]])
+        softness = _dot(at.J[i], along)
         other = "slip-" if mode[i] == "slip+" else "slip+"
-        if softness * at.mass.max() < DEAD**2:
+        if softness * max(map(max, at.mass)) < DEAD**2:
             raise Undecided(f"a dead centre at {t!r} s")
         stuck = _with(mode, i, "stick")
         held = [j for j, word in enumerate(stuck) if word in ("stick", "contact")]
-        J = at.J[held]
+        pushes = _solved(at.mass, [at.J[j] for j in held])
         z = z.copy()
-        z[self.n : 2 * self.n] -= inverse @ J.T @ np.linalg.solve(J @ inverse @ J.T, at.value[held])
+        for push, impulse in zip(
+            pushes, _holding(at, held, pushes, [at.value[j] for j in held]), strict=True
+        ):
+            z[self.n : 2 * self.n] -= impulse * np.array(push)
         return Next(self.settled(mode, i, ("stick", other), t, z), z)
 
     def impact(self, mode: Any, i: int, t: float, z: np.ndarray, at: Any) -> Next:
         """Newton's restitution along the gradient of the distance; other contacts slip as they then move."""
-        inverse, e = np.linalg.inv(at.mass), self.one.contacts[i].e
+        e = self.one.contacts[i].e
         speed = -at.value[i]
         self.fastest[i] = max(self.fastest[i], speed)
         if e > 0 and speed < FAINT * self.fastest[i]:
             raise Undecided(f"impacts accumulate at {t!r} s")
         z = z.copy()
-        push = inverse @ at.J[i]
-        z[self.n : 2 * self.n] += push * (1 + e) * speed / (at.J[i] @ push)
-        after = self.at(t, z)
+        (push,) = _solved(at.mass, [at.J[i]])
+        z[self.n : 2 * self.n] += np.array(push) * (1 + e) * speed / _dot(at.J[i], push)
+        after = self.at(t, z.tolist())
         words = [
             ("slip+" if after.value[j] > 0 else "slip-")
             if word in ("stick", "slip+", "slip-") and abs(after.value[j]) > 1e-12
@@ -220,9 +227,40 @@ class Reference(System):
         words[i] = "flight"
         if e == 0:
             words[i] = "contact"
-            if self.forces(words, t, z)[1][i] > 0:
+            if self.forces(words, t, z.tolist())[1][i] > 0:
                 words[i] = "flight"
         return Next(tuple(words), z, abs(speed))
+
+
+def _dot(a: list[float], b: list[float]) -> float:
+    return sum(map(mul, a, b))
+
+
+def _plus(a: list[float], factor: float, b: list[float]) -> list[float]:
+    """a + factor b."""
+    return [x + factor * y for x, y in zip(a, b, strict=True)]
+
+
+def _holding(at: Any, held: list[int], pushes: list[list[float]], drive: list[float]) -> list[float]:
+    """The forces of the held contacts that take `drive` away, where `pushes` are M^-1 J."""
+    return _solved([[_dot(at.J[i], push) for push in pushes] for i in held], [drive])[0]
+
+
+def _solved(matrix: list[list[float]], sides: list[list[float]]) -> list[list[float]]:
+    """The solutions of a few equations for each right side, by Gauss with pivots."""
+    n = len(matrix)
+    rows = [[*row, *(side[i] for side in sides)] for i, row in enumerate(matrix)]
+    least = SINGULAR * max(abs(x) for row in matrix for x in row)
+    for i in range(n):
+        pivot = max(range(i, n), key=lambda j: abs(rows[j][i]))
+        if not abs(rows[pivot][i]) > least:
+            raise np.linalg.LinAlgError("Singular matrix")
+        rows[i], rows[pivot] = rows[pivot], rows[i]
+        rows[i] = [x / rows[i][i] for x in rows[i]]
+        for j in range(n):
+            if j != i and rows[j][i] != 0.0:
+                rows[j] = _plus(rows[j], -rows[j][i], rows[i])
+    return [[row[n + k] for row in rows] for k in range(len(sides))]
 
 
 def _with(mode: Any, i: int, word: str) -> tuple[str, ...]:
@@ -269,7 +307,7 @@ def _numbers(one: Mechanism) -> Any:
                 place = sympy.sympify(evaluated(contact.penetration, names))
                 normal, out = contact.k * place + contact.k3 * place**3, [-place.diff(x) for x in q]
         bias = sum(value.diff(x) * w for x, w in zip(q, v)) + value.diff(t)
-        flat += [value, bias, place, *(value.diff(w) for w in v), *out, normal, zero]
+        flat += [value, bias, place, normal, *(value.diff(w) for w in v), *out]
     flat += [sympy.sympify(evaluated(state.rate, names)) for state in one.further]
     flat += [sympy.sympify(evaluated(state.steep, names)) for state in one.further]
     return sympy.lambdify((t, *q, *v, *s), flat, modules="math", cse=True)
