@@ -40,6 +40,13 @@ def broken_condition(run: Trajectory) -> str:
     return _broken_guard(run, limit) or _broken_reset(run, limit) or _broken_flow(run, limit)
 
 
+def unjudged_steps(run: Trajectory) -> str:
+    """How many steps conditions were looked at in, where these are not all; an empty text else."""
+    begins, lengths = run.raw.step_times.T
+    chosen, count = len(_chosen_steps(run)), int((begins + lengths > begins).sum())
+    return f"Event functions were bounded in {chosen} of {count} steps." if chosen < count else ""
+
+
 def largest_violation(run: Trajectory) -> float:
     """The share of a condition's size by which a sound run may break it."""
     tol = run.description["method"].get("tol")

@@ -50,14 +50,31 @@ def broken_statement(run: Trajectory) -> str:
 
     There is none to break where the run is of an automaton, or has states that the statement does not know.
     """
-    model = run.source
-    if not isinstance(model, MechanicalModel) or not len(run.raw.step_modes):
-        return ""
-    judge = _Judge(run, StatedMechanics(model, motion_size(run)))
-    if judge.stated.statement.names != run.names or not judge.knows_modes:
+    judge = _judge_of(run)
+    if judge is None or not judge.knows_run:
         return ""
     checks = (judge.claims, judge.balance, judge.breakaway, judge.impacts)
     return next((words for check in checks if (words := check())), "")
+
+
+def unjudged_statement(run: Trajectory) -> str:
+    """Which part of its model's statement a run was not judged by; an empty text where there is none."""
+    judge = _judge_of(run)
+    if judge is None:
+        return ""
+    if not judge.knows_run:
+        return "What the model states was not compared: the run has other states or modes."
+    if judge.stated.n > MOST_COORDINATES:
+        return f"Lagrange's equations were not compared: there are more than {MOST_COORDINATES} coordinates."
+    return ""
+
+
+def _judge_of(run: Trajectory) -> _Judge | None:
+    """The judge of a run by its mechanical model; None for other runs."""
+    model = run.source
+    if not isinstance(model, MechanicalModel) or not len(run.raw.step_modes):
+        return None
+    return _Judge(run, StatedMechanics(model, motion_size(run)))
 
 
 class Places(NamedTuple):
@@ -116,7 +133,12 @@ class _Judge:
         return [begins[some], *inside]
 
     @property
-    def knows_modes(self) -> bool:
+    def knows_run(self) -> bool:
+        """Whether the run has the states and modes of the statement."""
+        return self.stated.statement.names == self.run.names and self._knows_modes
+
+    @property
+    def _knows_modes(self) -> bool:
         """Whether the visited modes are named by regimes of the contacts."""
         return all(
             len(self.names[mode]) == len(self.stated.contacts)

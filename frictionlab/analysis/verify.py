@@ -17,7 +17,7 @@ from frictionlab.analysis.run_comparison import (
     accumulation_time,
     compare_runs,
 )
-from frictionlab.analysis.run_conditions import broken_condition
+from frictionlab.analysis.run_conditions import broken_condition, unjudged_steps
 from frictionlab.analysis.simulate import initial_state_of
 from frictionlab.hybrid.kernels.jets import MACHINE_EPSILON, MAX_ORDER
 from frictionlab.hybrid.methods.base import Method
@@ -275,7 +275,15 @@ def _agreement_message(
     if independent < until:
         limit = _comparison_limit(run, third)
         text += f" The independent method was compared up to t = {independent:.4g} s, {limit}."
-    return text if run.status.ok else f"{text} There the run ended: {run.status}."
+    if not run.status.ok:
+        text += f" There the run ended: {run.status}."
+    return " ".join(filter(None, [text, unjudged_steps(run), _unjudged_statement(run)]))
+
+
+def _unjudged_statement(run: Trajectory) -> str:
+    from frictionlab.analysis.stated_conditions import unjudged_statement
+
+    return unjudged_statement(run)
 
 
 def _comparison_limit(run: Trajectory, third: Trajectory | None) -> str:

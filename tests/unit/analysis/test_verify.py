@@ -1,6 +1,7 @@
 """`fl.verify`: good runs, chaotic ones, wrong ones, pile-ups; and the warning of a steady state."""
 
 import math
+import re
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -9,6 +10,7 @@ import pytest
 import sympy as sp
 
 import frictionlab as fl
+from frictionlab.analysis import run_conditions, stated_conditions
 from frictionlab.analysis.run_comparison import ModeStays, first_event_difference
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.widgets.layout import run_end_text
@@ -39,6 +41,16 @@ def test_a_good_run_in_a_sentence():
     assert str(found).endswith("of the motion's size over 5 s, with the same 223 events.")
     assert len(found.run.events) == 223
     assert found.run.source == A
+
+
+def test_what_was_not_looked_at_is_said(monkeypatch):
+    monkeypatch.setattr(run_conditions, "MOST_STEPS", 100)
+    found = fl.verify(A, 1.0, progress=False)
+    (some, all_) = map(int, re.search(r"were bounded in (\d+) of (\d+) steps", str(found)).groups())
+    assert 50 <= some <= 100 < all_ == len(found.run.raw.step_modes)
+    monkeypatch.setattr(stated_conditions, "MOST_COORDINATES", 1)
+    said = str(fl.verify(A, 0.1, progress=False))
+    assert said.endswith("Lagrange's equations were not compared: there are more than 1 coordinates.")
 
 
 def test_chaos_is_told_from_error():
